@@ -1,0 +1,152 @@
+//! `cargo xtask ci`: the one list of checks that a change must pass.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+
+use crate::tidy;
+
+/// A cargo command of the list.
+struct Step {
+    name: &'static str,
+    arguments: &'static str,
+    environment: &'static [(&'static str, &'static str)],
+}
+
+/// Everything but `tidy`, which runs in this process after them. Cheap steps come first.
+///
+/// The commands without a package option act on the default members, which are the crates of
+/// `crates/`: there, `--no-default-features` builds the serial code paths.
+const STEPS: [Step; 5] = [
+    Step {
+        name: "format",
+        arguments: "fmt --all --check",
+        environment: &[],
+    },
+    Step {
+        name: "clippy, all features",
+        arguments: "clippy --workspace --all-targets --all-features --locked -- -D warnings",
+        environment: &[],
+    },
+    Step {
+        name: "clippy, no default features",
+        arguments: "clippy --all-targets --no-default-features --locked -- -D warnings",
+        environment: &[],
+    },
+    Step {
+        name: "tests",
+        arguments: "test --workspace --locked",
+        environment: &[],
+    },
+    Step {
+        name: "documentation",
+        arguments: "doc --workspace --no-deps --locked",
+        environment: &[("RUSTDOCFLAGS", "-D warnings")],
+    },
+];
+
+/// Runs the steps in order, stops at the first that fails, and prints the time each took.
+///
+/// # Errors
+/// When cargo itself cannot be started, or the workspace cannot be read by `tidy`.
+pub(crate) fn run(root: &Path) -> Result<bool> {
+    let total = STEPS.len() + 1;
+    let mut times = Vec::with_capacity(total);
+    for (index, step) in STEPS.iter().enumerate() {
+        let command = format!("cargo {}", step.arguments);
+        heading(index + 1, total, step.name, &command);
+        let start = Instant::now();
+        let passed = run_cargo(root, step)?;
+        times.push((step.name, start.elapsed()));
+        if !passed {
+            return Ok(finish(&times, Some((step.name, &command))));
+        }
+    }
+    heading(total, total, "tidy", "cargo xtask tidy");
+    let start = Instant::now();
+    let passed = tidy::run(root)?;
+    times.push(("tidy", start.elapsed()));
+    Ok(finish(
+        &times,
+        (!passed).then_some(("tidy", "cargo xtask tidy")),
+    ))
+}
+
+/// Runs one step with no standard input; whether it passed.
+fn run_cargo(root: &Path, step: &Step) -> Result<bool> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let status = Command::new(cargo)
+        .args(step.arguments.split_whitespace())
+        .envs(step.environment.iter().copied())
+        .current_dir(root)
+        .stdin(Stdio::null())
+        .status()
+        .with_context(|| format!("cannot start cargo for the step `{}`", step.name))?;
+    Ok(status.success())
+}
+
+fn heading(number: usize, total: usize, name: &str, command: &str) {
+    println!("\n=== {number}/{total} {name}: {command}");
+}
+
+/// Prints the summary; whether all steps passed.
+fn finish(times: &[(&str, Duration)], failed: Option<(&str, &str)>) -> bool {
+    println!("\n{}", summary(times));
+    match failed {
+        Some((name, command)) => {
+            println!("FAILED at `{name}`; to see it alone: {command}");
+            false
+        }
+        None => {
+            println!("all checks passed");
+            true
+        }
+    }
+}
+
+/// A table of seconds per step, with their sum.
+fn summary(times: &[(&str, Duration)]) -> String {
+    let sum = times.iter().map(|(_, time)| *time).sum();
+    times
+        .iter()
+        .copied()
+        .chain([("total", sum)])
+        .map(|(name, time)| format!("{name:<28} {:>8.1} s", time.as_secs_f64()))
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn summary_lists_each_step_and_their_sum() {
+        let times = [
+            ("format", Duration::from_millis(500)),
+            ("tests", Duration::from_secs(62)),
+        ];
+        let text = summary(&times);
+        let last_words: Vec<_> = text
+            .lines()
+            .map(|line| line.split_whitespace().collect::<Vec<_>>())
+            .collect();
+        assert_eq!(
+            last_words,
+            [
+                vec!["format", "0.5", "s"],
+                vec!["tests", "62.0", "s"],
+                vec!["total", "62.5", "s"],
+            ]
+        );
+    }
+
+    #[test]
+    fn every_step_that_resolves_dependencies_keeps_the_lock_file() {
+        for step in STEPS.iter().filter(|step| step.name != "format") {
+            assert!(step.arguments.contains("--locked"), "{}", step.name);
+        }
+    }
+}

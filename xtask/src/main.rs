@@ -1,0 +1,59 @@
+//! Chores of the project, run as `cargo xtask <command>`.
+//!
+//! `tidy` looks for what the compiler does not see: the documented crate graph against the
+//! real one, file lengths, leftovers, crate docs, broken links. `ci` runs every check that a
+//! change must pass, in the same order as `.ci/run`.
+
+mod ci;
+mod tidy;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about = "Chores of the project")]
+struct Cli {
+    #[command(subcommand)]
+    command: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Check the crate graph, file lengths, leftovers, crate docs and links
+    Tidy,
+    /// Run format, clippy, test, documentation and tidy checks; stop at the first failure
+    Ci,
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs the chosen chore; `false` means that it ran and found something wrong.
+fn run() -> Result<bool> {
+    let cli = Cli::parse();
+    let root = workspace_root()?;
+    match cli.command {
+        Task::Tidy => tidy::run(&root),
+        Task::Ci => ci::run(&root),
+    }
+}
+
+/// The folder that holds the workspace manifest: the parent of this crate's folder.
+fn workspace_root() -> Result<PathBuf> {
+    let manifest_dir = std::env::var_os("CARGO_MANIFEST_DIR")
+        .context("CARGO_MANIFEST_DIR is not set: run this program as `cargo xtask <command>`")?;
+    let mut root = PathBuf::from(manifest_dir);
+    root.pop();
+    Ok(root)
+}

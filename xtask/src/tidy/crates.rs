@@ -1,0 +1,150 @@
+//! What every crate must have: opening docs with their sections, a licence, the shared lints.
+
+use super::files::SourceFile;
+use super::metadata::{Package, TargetRoot};
+use super::{Problem, find};
+
+/// Checks every package of the workspace; the docs sections and shared lints are asked of the
+/// packages in `crates/` only.
+pub(crate) fn check(files: &[SourceFile], packages: &[Package]) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    for package in packages {
+        if !package.has_license {
+            let message = "no licence: write `license.workspace = true` under [package]";
+            problems.push(Problem::new(&package.manifest, 1, message));
+        }
+        if is_published(package)
+            && let Some(manifest) = find(files, &package.manifest)
+            && !has_workspace_lints(&manifest.text)
+        {
+            let message = "the shared lints are off: add `[lints]` with `workspace = true`";
+            problems.push(Problem::new(&package.manifest, 1, message));
+        }
+        for root in &package.roots {
+            if let Some(file) = find(files, &root.path) {
+                problems.extend(check_docs(package, root, &file.text));
+            }
+        }
+    }
+    problems
+}
+
+fn is_published(package: &Package) -> bool {
+    package.manifest.starts_with("crates/")
+}
+
+/// Whether the manifest has a `[lints]` table that takes the workspace's.
+fn has_workspace_lints(manifest: &str) -> bool {
+    let mut table = "";
+    manifest.lines().map(str::trim).any(|line| {
+        if line.starts_with('[') {
+            table = line;
+        }
+        let compact: String = line.chars().filter(|c| !c.is_whitespace()).collect();
+        compact == "lints.workspace=true" || (table == "[lints]" && compact == "workspace=true")
+    })
+}
+
+fn check_docs(package: &Package, root: &TargetRoot, text: &str) -> Vec<Problem> {
+    if !text.starts_with("//!") {
+        let message = "the file does not open with `//!` docs: say what the crate is for";
+        return vec![Problem::new(&root.path, 1, message)];
+    }
+    if !is_published(package) || !root.is_library {
+        return Vec::new();
+    }
+    let docs: Vec<&str> = text.lines().filter_map(|l| l.strip_prefix("//!")).collect();
+    let has_heading = |word: &str| {
+        docs.iter()
+            .map(|line| line.trim())
+            .any(|line| line.starts_with('#') && line.to_lowercase().contains(word))
+    };
+    let mut wanted = vec!["units", "accuracy"];
+    if package.has_features {
+        wanted.push("features");
+    }
+    let mut missing: Vec<String> = wanted
+        .into_iter()
+        .filter(|word| !has_heading(word))
+        .map(|word| {
+            format!("the crate docs have no heading with the word `{word}`: add the section")
+        })
+        .collect();
+    if !docs.iter().any(|line| line.trim().starts_with("```")) {
+        missing.push("the crate docs have no example: add a short one that compiles".to_owned());
+    }
+    missing
+        .into_iter()
+        .map(|message| Problem::new(&root.path, 1, message))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn package(folder: &str, has_features: bool) -> Package {
+        Package {
+            name: "a".to_owned(),
+            manifest: format!("{folder}/Cargo.toml"),
+            has_license: true,
+            has_features,
+            roots: vec![TargetRoot {
+                path: format!("{folder}/src/lib.rs"),
+                is_library: true,
+            }],
+            dependencies: Default::default(),
+        }
+    }
+
+    fn tree(folder: &str, manifest: &str, docs: &str) -> Vec<SourceFile> {
+        [("Cargo.toml", manifest), ("src/lib.rs", docs)]
+            .map(|(name, text)| SourceFile {
+                path: format!("{folder}/{name}"),
+                text: text.to_owned(),
+            })
+            .to_vec()
+    }
+
+    const MANIFEST: &str = "[package]\nname = \"a\"\n\n[lints]\nworkspace = true\n";
+    const DOCS: &str = "//! For tests.\n//!\n//! ```\n//! let x = 1;\n//! ```\n\
+                        //! # Units and accuracy\n//! SI.\n";
+
+    #[test]
+    fn a_complete_crate_is_clean() {
+        let files = tree("crates/a", MANIFEST, DOCS);
+        assert_eq!(check(&files, &[package("crates/a", false)]), []);
+    }
+
+    #[test]
+    fn features_are_asked_for_where_the_crate_has_some() {
+        let files = tree("crates/a", MANIFEST, DOCS);
+        let problems = check(&files, &[package("crates/a", true)]);
+        assert_eq!(problems.len(), 1);
+        assert!(problems[0].message.contains("`features`"));
+    }
+
+    #[test]
+    fn bare_docs_miss_their_sections_and_no_docs_are_one_problem() {
+        let bare = tree("crates/a", MANIFEST, "//! For tests.\nmod x;\n");
+        assert_eq!(check(&bare, &[package("crates/a", false)]).len(), 3);
+        let none = tree("crates/a", MANIFEST, "mod x;\n");
+        assert_eq!(check(&none, &[package("crates/a", false)]).len(), 1);
+    }
+
+    #[test]
+    fn helpers_outside_crates_need_an_opening_line_only() {
+        let files = tree("xtask", "[package]\n", "//! Chores.\n");
+        assert_eq!(check(&files, &[package("xtask", true)]), []);
+    }
+
+    #[test]
+    fn licence_and_lints_are_asked_for() {
+        let mut without = package("crates/a", false);
+        without.has_license = false;
+        let files = tree("crates/a", "[lints.rust]\nworkspace = true\n", DOCS);
+        let problems = check(&files, &[without]);
+        assert_eq!(problems.len(), 2);
+        assert!(has_workspace_lints("[package]\nlints.workspace = true\n"));
+    }
+}
