@@ -1,0 +1,289 @@
+use std::path::PathBuf;
+
+/// Everything that can be wrong with a surface, a shape's name or a surface file.
+///
+/// Messages name the offending indices and values, the allowed range, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A coordinate is NaN or infinite.
+    #[error("vertex {vertex} is ({x}, {y}, {z}): coordinates must be finite numbers")]
+    NotFinite {
+        /// Index of the vertex or point.
+        vertex: usize,
+        /// Its x coordinate \[m\].
+        x: f64,
+        /// Its y coordinate \[m\].
+        y: f64,
+        /// Its z coordinate \[m\].
+        z: f64,
+    },
+    /// The bounding box is too small or too large for the arithmetic.
+    #[error(
+        "the bounding box has a diagonal of {extent:e} m; allowed are 1e-30 to 1e30 m: \
+         change the unit of length"
+    )]
+    Size {
+        /// Diagonal of the bounding box \[m\].
+        extent: f64,
+    },
+    /// The body is so far from the origin that its coordinates hold too few digits of its shape.
+    #[error(
+        "the body has a diagonal of {extent:e} m but lies {distance:e} m from the origin, where \
+         coordinates hold too few digits (the diagonal must exceed 1e-9 of the distance): \
+         move it nearer to the origin"
+    )]
+    TooFarFromOrigin {
+        /// Diagonal of the bounding box \[m\].
+        extent: f64,
+        /// Largest coordinate by magnitude \[m\].
+        distance: f64,
+    },
+    /// A closed surface needs at least four vertices and four faces.
+    #[error(
+        "{vertices} vertices and {faces} faces: a closed surface needs at least 4 vertices and 4 faces"
+    )]
+    TooFew {
+        /// Number of vertices given.
+        vertices: usize,
+        /// Number of faces given.
+        faces: usize,
+    },
+    /// The surface has more vertices or face corners than 32-bit indices can name.
+    #[error("{count} {what}: at most {allowed} are supported")]
+    TooMany {
+        /// What is counted.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many are allowed.
+        allowed: usize,
+    },
+    /// A face has fewer than three vertices.
+    #[error("face {face} has {count} vertices: a face needs at least 3")]
+    FaceTooShort {
+        /// Index of the face.
+        face: usize,
+        /// Number of its vertices.
+        count: usize,
+    },
+    /// A face names a vertex that does not exist.
+    #[error("face {face} names vertex {index}, but there are only {count} vertices (0 to {})", count.saturating_sub(1))]
+    IndexOutOfRange {
+        /// Index of the face.
+        face: usize,
+        /// The index it names.
+        index: i64,
+        /// Number of vertices.
+        count: usize,
+    },
+    /// A face visits a vertex twice.
+    #[error("face {face} visits vertex {vertex} more than once: split it into simple polygons")]
+    RepeatedVertex {
+        /// Index of the face.
+        face: usize,
+        /// The repeated vertex.
+        vertex: u32,
+    },
+    /// A vertex belongs to no face.
+    #[error("vertex {vertex} belongs to no face: remove it")]
+    UnreferencedVertex {
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// An edge has a face on one side only.
+    #[error(
+        "the surface is open: the edge from vertex {from} to {to} of face {face} has no second \
+         face: close the hole (or weld vertices that lie at the same place)"
+    )]
+    OpenEdge {
+        /// First vertex of the edge.
+        from: u32,
+        /// Second vertex of the edge.
+        to: u32,
+        /// The face that has it.
+        face: usize,
+    },
+    /// Two neighbours run along their common edge in the same direction.
+    #[error(
+        "faces {first} and {second} both run from vertex {from} to {to}: their orientations \
+         disagree; reverse the vertex loop of one of them"
+    )]
+    InconsistentOrientation {
+        /// First vertex of the edge.
+        from: u32,
+        /// Second vertex of the edge.
+        to: u32,
+        /// One face.
+        first: usize,
+        /// The other face.
+        second: usize,
+    },
+    /// More than two faces meet at an edge.
+    #[error("{count} faces share the edge between vertices {from} and {to}: exactly 2 must")]
+    NonManifoldEdge {
+        /// One end of the edge.
+        from: u32,
+        /// The other end.
+        to: u32,
+        /// Number of faces that use it.
+        count: usize,
+    },
+    /// Parts of the surface touch at a single vertex only.
+    #[error(
+        "{fans} separate fans of faces meet at vertex {vertex}: give each its own copy of the vertex"
+    )]
+    NonManifoldVertex {
+        /// Index of the vertex.
+        vertex: usize,
+        /// Number of fans of faces.
+        fans: usize,
+    },
+    /// The surface is several closed surfaces.
+    #[error(
+        "the surface has {components} separate closed parts: a body must be one; \
+         give each part on its own"
+    )]
+    Disconnected {
+        /// Number of closed parts.
+        components: usize,
+    },
+    /// A face has no area.
+    #[error(
+        "face {face} has an area of {area:e} m^2, which is zero to rounding: remove it, \
+         or move its vertices apart"
+    )]
+    DegenerateFace {
+        /// Index of the face.
+        face: usize,
+        /// Its area \[m^2\].
+        area: f64,
+    },
+    /// The vertices of a face do not lie in one plane.
+    #[error(
+        "face {face} is not planar: vertex {vertex} lies {distance:e} m off its plane, allowed are \
+         {allowed:e} m: split the face into triangles"
+    )]
+    NotPlanar {
+        /// Index of the face.
+        face: usize,
+        /// The vertex farthest from the plane.
+        vertex: u32,
+        /// Its distance from the plane \[m\].
+        distance: f64,
+        /// Largest distance allowed \[m\].
+        allowed: f64,
+    },
+    /// The faces look inwards.
+    #[error(
+        "the surface is inside out (its volume is {volume:e} m^3): reverse the vertex loop of every \
+         face, so that loops run counter-clockwise seen from outside"
+    )]
+    InsideOut {
+        /// The signed volume \[m^3\].
+        volume: f64,
+    },
+    /// The surface encloses no volume.
+    #[error("the surface encloses a volume of {volume:e} m^3, which is zero to rounding")]
+    NoVolume {
+        /// The signed volume \[m^3\].
+        volume: f64,
+    },
+    /// Points from which no solid hull can be made: they coincide, or lie on a line or in a plane.
+    #[error(
+        "the {points} points {span} within {tolerance:e} m: a convex hull needs 4 points that span \
+         a volume"
+    )]
+    FlatPoints {
+        /// Number of points.
+        points: usize,
+        /// What the points do: "coincide", "lie on a line", "lie in a plane".
+        span: &'static str,
+        /// Tolerance used \[m\].
+        tolerance: f64,
+    },
+    /// The hull of the points could not be cleaned into planar faces.
+    #[error(
+        "the convex hull of the {points} points has features too close to the resolution of \
+         {tolerance:e} m to give clean faces: remove points that almost coincide"
+    )]
+    HullUnresolved {
+        /// Number of points.
+        points: usize,
+        /// Resolution used \[m\].
+        tolerance: f64,
+    },
+    /// A length, factor or other number lies outside its range.
+    #[error("{what} is {value}: allowed is {allowed}")]
+    OutOfRange {
+        /// What the number is.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// The values allowed.
+        allowed: &'static str,
+    },
+    /// No catalogue shape has that name.
+    #[error(
+        "no shape is called \"{name}\"; allowed are P1 to P5 (tetrahedron, icosahedron, \
+         dodecahedron, octahedron, cube), A1 to A13 (truncated tetrahedron, truncated icosahedron, \
+         snub cube, snub dodecahedron, rhombicosidodecahedron, truncated icosidodecahedron, \
+         truncated cuboctahedron, icosidodecahedron, rhombicuboctahedron, truncated dodecahedron, \
+         cuboctahedron, truncated cube, truncated octahedron), these names, and the mirror \
+         images A3m and A4m"
+    )]
+    UnknownShape {
+        /// The name asked for.
+        name: String,
+    },
+    /// A line of a text file cannot be understood.
+    #[error("line {line}: {problem}")]
+    Parse {
+        /// Line number, from 1.
+        line: usize,
+        /// What is wrong and what is expected.
+        problem: String,
+    },
+    /// A binary STL file is shorter or longer than its header says.
+    #[error(
+        "the binary STL header promises {promised} triangles ({expected} bytes), but there are \
+         {found} bytes: the file is cut off or damaged"
+    )]
+    StlLength {
+        /// Number of triangles in the header.
+        promised: u32,
+        /// Bytes a file of that many triangles has.
+        expected: u64,
+        /// Bytes found.
+        found: u64,
+    },
+    /// A file has no surface in it.
+    #[error("the file holds no {what}")]
+    Empty {
+        /// What is missing.
+        what: &'static str,
+    },
+    /// A file is larger than the readers accept.
+    #[error("the file is larger than {allowed} bytes, the most that is read")]
+    FileTooLarge {
+        /// Largest size accepted \[bytes\].
+        allowed: u64,
+    },
+    /// The ending of a file name says nothing of its format.
+    #[error("cannot tell the format of {}: its name must end in .obj or .stl", path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file holds a bad surface.
+    #[error("{}: {source}", path.display())]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: Box<MeshError>,
+    },
+    /// Reading or writing failed.
+    #[error("reading or writing failed: {0}")]
+    Io(#[from] std::io::Error),
+}

@@ -1,0 +1,57 @@
+//! Convex hulls with polygon faces.
+
+mod quickhull;
+
+use crate::polyhedron::check_coordinates;
+use crate::{MeshError, Point3, Polyhedron, merge};
+
+/// Features smaller than this part of the bounding box's diagonal are not resolved.
+const RESOLUTION: f64 = 1e-9;
+
+/// The convex hull of points \[m\], with coplanar triangles merged into polygon faces.
+///
+/// Vertices keep the order of the points. Points that lie within 1e-9 of the bounding box's
+/// diagonal (plus the rounding of the coordinates) of the hull of the others may be left out, so
+/// that points on a face or an edge do not become vertices. Orientation is decided by exact
+/// predicates (Shewchuk 1997, through the `robust` crate), in a quickhull after Barber, Dobkin and
+/// Huhdanpaa (1996).
+///
+/// # Errors
+///
+/// If a coordinate is not finite, the points span no volume, or they are too small, too large or
+/// too far from the origin for the arithmetic.
+pub fn convex_hull(points: &[Point3]) -> Result<Polyhedron, MeshError> {
+    if points.len() < 4 {
+        return Err(MeshError::TooFew {
+            vertices: points.len(),
+            faces: 0,
+        });
+    }
+    if u32::try_from(points.len()).is_err() {
+        return Err(MeshError::TooMany {
+            what: "points",
+            count: points.len(),
+            allowed: u32::MAX as usize,
+        });
+    }
+    let extent = check_coordinates(points)?;
+    let largest = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+    let resolution = RESOLUTION * extent + 2.0 * f64::EPSILON * largest;
+
+    // A coarser resolution clears up what happens to lie just at the limit of a finer one.
+    for factor in [1.0, 10.0, 100.0] {
+        let tolerance = factor * resolution;
+        let triangles = quickhull::triangles(points, tolerance)?;
+        let clean = merge::merge_coplanar(points, &triangles, tolerance)
+            .and_then(|(vertices, faces)| Polyhedron::new(vertices, faces));
+        if let Ok(hull) = clean
+            && hull.is_convex()
+        {
+            return Ok(hull);
+        }
+    }
+    Err(MeshError::HullUnresolved {
+        points: points.len(),
+        tolerance: 100.0 * resolution,
+    })
+}

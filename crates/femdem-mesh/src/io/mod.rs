@@ -1,0 +1,71 @@
+//! Surface files: Wavefront OBJ and STL.
+
+pub mod obj;
+pub mod stl;
+
+use crate::{MeshError, Polyhedron};
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+/// Largest file that is read \[bytes\].
+pub const MAX_FILE_BYTES: u64 = 1 << 30;
+
+/// Reads a body from a file; the ending of its name, .obj or .stl in any case, tells the format.
+///
+/// # Errors
+///
+/// If the ending is another one, the file cannot be read, or it does not hold one closed surface;
+/// the message names the file.
+pub fn read_file(path: impl AsRef<Path>) -> Result<Polyhedron, MeshError> {
+    let path = path.as_ref();
+    let ending = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_ascii_lowercase();
+    let read: fn(BufReader<File>) -> Result<Polyhedron, MeshError> = match ending.as_str() {
+        "obj" => obj::read,
+        "stl" => stl::read,
+        _ => {
+            return Err(MeshError::UnknownFormat {
+                path: path.to_path_buf(),
+            });
+        }
+    };
+    File::open(path)
+        .map_err(MeshError::from)
+        .and_then(|file| read(BufReader::new(file)))
+        .map_err(|source| MeshError::InFile {
+            path: path.to_path_buf(),
+            source: Box::new(source),
+        })
+}
+
+/// All bytes of a reader, up to [`MAX_FILE_BYTES`].
+fn read_limited(reader: impl Read) -> Result<Vec<u8>, MeshError> {
+    let mut bytes = Vec::new();
+    reader.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(MeshError::FileTooLarge {
+            allowed: MAX_FILE_BYTES,
+        });
+    }
+    Ok(bytes)
+}
+
+/// Reads a coordinate.
+fn coordinate(word: &str, line: usize) -> Result<f64, MeshError> {
+    match word.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(MeshError::Parse {
+            line,
+            problem: format!("\"{}\" is not a finite number", shortened(word)),
+        }),
+    }
+}
+
+/// The start of a word, for messages about files that are no text at all.
+fn shortened(word: &str) -> String {
+    word.chars().take(40).collect()
+}

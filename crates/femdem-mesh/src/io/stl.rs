@@ -1,0 +1,239 @@
+//! STL, ASCII and binary.
+//!
+//! STL holds loose triangles: reading welds vertices with equal coordinates, drops triangles
+//! that then have two equal corners, and merges coplanar neighbours into polygon faces
+//! ([`Polyhedron::with_merged_faces`]), so that a cube has 6 faces. Binary files hold single
+//! precision: coordinates are good to 6e-8 of the largest. Normals and attributes are ignored.
+
+use super::{coordinate, read_limited, shortened};
+use crate::{MeshError, Point3, Polyhedron, Pose, Vector3};
+use std::collections::BTreeMap;
+use std::io::{Read, Write};
+
+const HEADER_BYTES: usize = 80;
+const TRIANGLE_BYTES: usize = 50;
+
+/// Reads a body, ASCII or binary.
+///
+/// A file is binary if its length is that of the number of triangles at byte 80, else ASCII if it
+/// starts with "solid".
+///
+/// # Errors
+///
+/// If reading fails, a coordinate is not a finite number, the length of a binary file is not what
+/// its header promises, or the triangles do not make one closed surface.
+pub fn read(reader: impl Read) -> Result<Polyhedron, MeshError> {
+    parse(&read_limited(reader)?)
+}
+
+/// Reads a body from the bytes of an STL file, as [`read`].
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn parse(bytes: &[u8]) -> Result<Polyhedron, MeshError> {
+    let promised = bytes.get(HEADER_BYTES..HEADER_BYTES + 4);
+    let promised = promised
+        .and_then(|b| b.try_into().ok())
+        .map(u32::from_le_bytes);
+    let expected = |n: u32| (HEADER_BYTES + 4) as u64 + u64::from(n) * TRIANGLE_BYTES as u64;
+    let corners = match promised {
+        Some(n) if expected(n) == bytes.len() as u64 => binary_corners(&bytes[HEADER_BYTES + 4..]),
+        _ if bytes.trim_ascii_start().starts_with(b"solid") => ascii_corners(bytes)?,
+        Some(promised) => {
+            return Err(MeshError::StlLength {
+                promised,
+                expected: expected(promised),
+                found: bytes.len() as u64,
+            });
+        }
+        None => {
+            return Err(MeshError::Empty {
+                what: "STL: neither \"solid\" nor a binary header",
+            });
+        }
+    };
+    if corners.is_empty() {
+        return Err(MeshError::Empty { what: "triangles" });
+    }
+    let (vertices, faces) = weld(&corners);
+    Ok(Polyhedron::new(vertices, faces)?.with_merged_faces())
+}
+
+fn binary_corners(triangles: &[u8]) -> Vec<Point3> {
+    let float =
+        |bytes: &[u8]| f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
+    triangles
+        .chunks_exact(TRIANGLE_BYTES)
+        .flat_map(|triangle| triangle[12..48].chunks_exact(12))
+        .map(|p| Point3::new(float(&p[0..4]), float(&p[4..8]), float(&p[8..12])))
+        .collect()
+}
+
+fn ascii_corners(bytes: &[u8]) -> Result<Vec<Point3>, MeshError> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut corners = Vec::new();
+    let mut ended = false;
+    for (i, content) in text.lines().enumerate() {
+        let line = i + 1;
+        let words: Vec<&str> = content.split_whitespace().collect();
+        match words[..] {
+            ["vertex", x, y, z] => corners.push(Point3::new(
+                coordinate(x, line)?,
+                coordinate(y, line)?,
+                coordinate(z, line)?,
+            )),
+            ["endfacet"] if corners.len() % 3 != 0 => {
+                return Err(MeshError::Parse {
+                    line,
+                    problem: "a facet ends that has not 3 vertices".to_owned(),
+                });
+            }
+            ["endsolid", ..] => ended = true,
+            ["outer", "loop"] | ["endloop" | "endfacet"] | ["facet" | "solid", ..] | [] => {}
+            [word, ..] => {
+                return Err(MeshError::Parse {
+                    line,
+                    problem: format!("\"{}\" is not part of an ASCII STL file", shortened(word)),
+                });
+            }
+        }
+    }
+    if !ended {
+        return Err(MeshError::Parse {
+            line: text.lines().count(),
+            problem: "the file ends without \"endsolid\": it is cut off".to_owned(),
+        });
+    }
+    Ok(corners)
+}
+
+/// Vertices that differ, in the order of their first use, and triangles of three different ones.
+fn weld(corners: &[Point3]) -> (Vec<Point3>, Vec<Vec<u32>>) {
+    let mut index = BTreeMap::new();
+    let mut vertices = Vec::new();
+    let indices: Vec<u32> = corners
+        .iter()
+        .map(|p| {
+            // Adding zero makes -0.0 and 0.0 one.
+            *index
+                .entry([p.x, p.y, p.z].map(|x| (x + 0.0).to_bits()))
+                .or_insert_with(|| {
+                    vertices.push(*p);
+                    vertices.len() as u32 - 1
+                })
+        })
+        .collect();
+    let faces = indices
+        .chunks_exact(3)
+        .filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0])
+        .map(<[u32]>::to_vec)
+        .collect();
+    (vertices, faces)
+}
+
+/// Writes a body as binary STL.
+///
+/// # Errors
+///
+/// As [`write_binary_posed`].
+pub fn write_binary(body: &Polyhedron, writer: impl Write) -> Result<(), MeshError> {
+    write_binary_posed([(body, &Pose::identity())], writer)
+}
+
+/// Writes bodies in their poses as one binary STL.
+///
+/// # Errors
+///
+/// If writing fails, there are more than 2^32 - 1 triangles, or a coordinate is too large for
+/// single precision.
+pub fn write_binary_posed<'a>(
+    bodies: impl IntoIterator<Item = (&'a Polyhedron, &'a Pose)>,
+    mut writer: impl Write,
+) -> Result<(), MeshError> {
+    let mut buffer = Vec::new();
+    let mut count = 0;
+    for (body, pose) in bodies {
+        for (normal, corners) in facets(body, pose) {
+            for value in std::iter::once(normal.into())
+                .chain(corners)
+                .flat_map(single)
+            {
+                if !value.is_finite() {
+                    return Err(MeshError::OutOfRange {
+                        what: "a coordinate to write to binary STL",
+                        value: f64::from(value),
+                        allowed: "-3e38 to 3e38",
+                    });
+                }
+                buffer.extend_from_slice(&value.to_le_bytes());
+            }
+            buffer.extend_from_slice(&[0; 2]);
+            count += 1;
+        }
+    }
+    let count = u32::try_from(count).map_err(|_| MeshError::TooMany {
+        what: "triangles for binary STL",
+        count,
+        allowed: u32::MAX as usize,
+    })?;
+    let mut header = [0; HEADER_BYTES];
+    let title = b"binary STL written by femdem, lengths in metres";
+    header[..title.len()].copy_from_slice(title);
+    writer.write_all(&header)?;
+    writer.write_all(&count.to_le_bytes())?;
+    writer.write_all(&buffer)?;
+    writer.flush()?;
+    Ok(())
+}
+
+/// Writes a body as ASCII STL, with all digits of its coordinates.
+///
+/// # Errors
+///
+/// If writing fails.
+pub fn write_ascii(body: &Polyhedron, writer: impl Write) -> Result<(), MeshError> {
+    write_ascii_posed([(body, &Pose::identity())], writer)
+}
+
+/// Writes bodies in their poses as one ASCII STL solid.
+///
+/// # Errors
+///
+/// If writing fails.
+pub fn write_ascii_posed<'a>(
+    bodies: impl IntoIterator<Item = (&'a Polyhedron, &'a Pose)>,
+    mut writer: impl Write,
+) -> Result<(), MeshError> {
+    writeln!(writer, "solid femdem")?;
+    for (body, pose) in bodies {
+        for (n, corners) in facets(body, pose) {
+            writeln!(
+                writer,
+                "  facet normal {} {} {}\n    outer loop",
+                n.x, n.y, n.z
+            )?;
+            for p in corners {
+                writeln!(writer, "      vertex {} {} {}", p.x, p.y, p.z)?;
+            }
+            writeln!(writer, "    endloop\n  endfacet")?;
+        }
+    }
+    writeln!(writer, "endsolid femdem")?;
+    writer.flush()?;
+    Ok(())
+}
+
+/// Unit normal and corners of each triangle of a body in its pose.
+fn facets(body: &Polyhedron, pose: &Pose) -> impl Iterator<Item = (Vector3, [Point3; 3])> {
+    let vertices: Vec<Point3> = body.vertices().iter().map(|v| pose * v).collect();
+    body.triangles().into_iter().map(move |triangle| {
+        let [a, b, c] = triangle.map(|i| vertices[i as usize]);
+        let normal = (b - a).cross(&(c - a));
+        (normal.try_normalize(0.0).unwrap_or_default(), [a, b, c])
+    })
+}
+
+fn single(p: Point3) -> [f32; 3] {
+    [p.x as f32, p.y as f32, p.z as f32]
+}

@@ -1,0 +1,117 @@
+use crate::{Matrix3, Point3, Rotation, Vector3};
+use nalgebra::{Rotation3, UnitQuaternion};
+use serde::{Deserialize, Serialize};
+
+/// Moments that differ by less than this, relative to the largest, count as equal.
+const ISOTROPY_TOLERANCE: f64 = 1e-9;
+/// Products of inertia below this, relative to the largest moment, count as zero.
+const DIAGONAL_TOLERANCE: f64 = 1e-12;
+
+/// Volume, centroid and inertia of a body of unit density (1 kg/m^3).
+///
+/// Multiply `volume` and `inertia` by a density to have the mass \[kg\] and the inertia
+/// \[kg m^2\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MassProperties {
+    /// Volume \[m^3\].
+    pub volume: f64,
+    /// Centroid, in the coordinates of the vertices \[m\].
+    pub centroid: Point3,
+    /// Inertia tensor about the centroid for unit density \[m^5\].
+    pub inertia: Matrix3,
+}
+
+/// Principal axes and moments of inertia.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PrincipalFrame {
+    /// Takes vectors from principal axes to body axes: `inertia = R diag(moments) R^T`.
+    pub rotation: Rotation,
+    /// Moments about the three principal axes for unit density \[m^5\]; ascending unless
+    /// `rotation` is the identity, where they are the diagonal of the inertia tensor.
+    pub moments: Vector3,
+}
+
+impl MassProperties {
+    /// Integrates over the closed triangulated surface, by the divergence theorem.
+    ///
+    /// Each triangle spans a signed tetrahedron with an apex inside the body; the integrals of 1,
+    /// x and x x^T over a tetrahedron are polynomials of its corners. The apex is the mean of the
+    /// vertices, not the origin: a body far from the origin keeps its digits.
+    pub(crate) fn of_surface(
+        vertices: &[Point3],
+        triangles: impl Iterator<Item = [u32; 3]>,
+    ) -> Self {
+        let Some(&first) = vertices.first() else {
+            return Self {
+                volume: 0.0,
+                centroid: Point3::origin(),
+                inertia: Matrix3::zeros(),
+            };
+        };
+        let mean = vertices.iter().map(|v| v - first).sum::<Vector3>() / vertices.len() as f64;
+        let apex = first + mean;
+
+        let mut volume = 0.0;
+        let mut first_moment = Vector3::zeros();
+        let mut second_moment = Matrix3::zeros();
+        for [a, b, c] in triangles {
+            let [a, b, c] = [a, b, c].map(|i| vertices[i as usize] - apex);
+            let tetrahedron = a.dot(&b.cross(&c)) / 6.0;
+            let sum = a + b + c;
+            volume += tetrahedron;
+            first_moment += tetrahedron / 4.0 * sum;
+            second_moment += tetrahedron / 20.0
+                * (a * a.transpose()
+                    + b * b.transpose()
+                    + c * c.transpose()
+                    + sum * sum.transpose());
+        }
+        let centroid = first_moment / volume;
+        let central = second_moment - volume * centroid * centroid.transpose();
+        let inertia = Matrix3::identity() * central.trace() - central;
+        Self {
+            volume,
+            centroid: apex + centroid,
+            inertia: (inertia + inertia.transpose()) * 0.5,
+        }
+    }
+
+    /// Principal axes and moments.
+    ///
+    /// The rotation is the identity where the inertia is isotropic to 1e-9 or diagonal to 1e-12.
+    /// Otherwise moments ascend, the frame is right-handed, and the largest component of each of
+    /// the first two axes is positive, so that the answer depends on the tensor alone. An inertia
+    /// that is not finite gives the identity.
+    pub fn principal(&self) -> PrincipalFrame {
+        let diagonal = self.inertia.diagonal();
+        let aligned = PrincipalFrame {
+            rotation: Rotation::identity(),
+            moments: diagonal,
+        };
+        let scale = self.inertia.amax();
+        let mean = Matrix3::identity() * (self.inertia.trace() / 3.0);
+        let isotropic = (self.inertia - mean).amax() <= ISOTROPY_TOLERANCE * scale;
+        let products = self.inertia - Matrix3::from_diagonal(&diagonal);
+        let finite = self.inertia.iter().all(|x| x.is_finite());
+        if !finite || isotropic || products.amax() <= DIAGONAL_TOLERANCE * scale {
+            return aligned;
+        }
+
+        // The eigenvalue iteration compares with absolute thresholds: work with numbers near 1.
+        let eigen = (self.inertia / scale).symmetric_eigen();
+        let mut order = [0, 1, 2];
+        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
+        let axis = |k: usize| {
+            let axis: Vector3 = eigen.eigenvectors.column(order[k]).into_owned();
+            axis * axis[axis.iamax()].signum()
+        };
+        let (x, y) = (axis(0), axis(1));
+        let basis = Matrix3::from_columns(&[x, y, x.cross(&y)]);
+        PrincipalFrame {
+            rotation: UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(
+                basis,
+            )),
+            moments: Vector3::from_fn(|k, _| eigen.eigenvalues[order[k]] * scale),
+        }
+    }
+}

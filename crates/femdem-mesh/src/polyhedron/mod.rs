@@ -1,0 +1,348 @@
+//! The closed polyhedral surface and what is computed from it once.
+
+mod planes;
+mod topology;
+mod triangulate;
+
+use crate::{MassProperties, MeshError, Point3, Pose, Vector3, merge};
+pub(crate) use planes::Plane;
+use serde::{Deserialize, Serialize};
+pub(crate) use topology::sides;
+
+/// A vertex may lie off the plane of its face by this part of the bounding box's diagonal.
+///
+/// Wide enough for files that hold six or seven significant digits.
+pub const PLANARITY_TOLERANCE: f64 = 1e-6;
+
+/// A polyhedron counts as convex if no vertex lies farther outside any face's plane than this part
+/// of the bounding box's diagonal.
+pub const CONVEXITY_TOLERANCE: f64 = 1e-6;
+
+/// A closed, oriented polyhedral surface: planar polygons, vertex loops counter-clockwise seen
+/// from outside.
+///
+/// Always valid (see [`Polyhedron::new`]); plane equations, area, convexity and mass properties
+/// are computed once, at construction. Serialised as vertices and faces, and validated again when
+/// read back.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Parts", into = "Parts")]
+pub struct Polyhedron {
+    vertices: Vec<Point3>,
+    /// Vertex loops of all faces, one after another.
+    corners: Vec<u32>,
+    /// Where the loop of each face starts in `corners`; one entry more than there are faces.
+    starts: Vec<u32>,
+    normals: Vec<Vector3>,
+    offsets: Vec<f64>,
+    area: f64,
+    convex: bool,
+    mass: MassProperties,
+    bounding_radius: f64,
+    inradius: f64,
+}
+
+/// What a polyhedron is made from, and is stored as.
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Polyhedron", deny_unknown_fields)]
+struct Parts {
+    vertices: Vec<Point3>,
+    faces: Vec<Vec<u32>>,
+}
+
+impl TryFrom<Parts> for Polyhedron {
+    type Error = MeshError;
+
+    fn try_from(parts: Parts) -> Result<Self, MeshError> {
+        Self::new(parts.vertices, parts.faces)
+    }
+}
+
+impl From<Polyhedron> for Parts {
+    fn from(polyhedron: Polyhedron) -> Self {
+        Self {
+            faces: polyhedron.faces().map(<[u32]>::to_vec).collect(),
+            vertices: polyhedron.vertices,
+        }
+    }
+}
+
+impl Polyhedron {
+    /// Makes a polyhedron from vertices \[m\] and faces, each a loop of vertex indices
+    /// counter-clockwise seen from outside. Faces may be non-convex polygons.
+    ///
+    /// # Errors
+    ///
+    /// Refuses, naming the place: coordinates that are not finite; fewer than 4 vertices or faces;
+    /// indices out of range; a face that repeats a vertex; vertices that no face uses; edges
+    /// without exactly two faces of opposite direction; several surfaces, or surfaces that touch
+    /// in a vertex; faces without area, or not planar within [`PLANARITY_TOLERANCE`]; a surface
+    /// that is inside out; and bodies too small, too large or too far from the origin for the
+    /// arithmetic. Surfaces that cut through themselves are not found out.
+    pub fn new(vertices: Vec<Point3>, faces: Vec<Vec<u32>>) -> Result<Self, MeshError> {
+        topology::check_counts(vertices.len(), faces.len())?;
+        let extent = check_coordinates(&vertices)?;
+        topology::check(vertices.len(), &faces)?;
+        let (corners, starts) = flatten(&faces)?;
+        planes::check(&vertices, &faces, extent)?;
+        let polyhedron = Self::from_valid(vertices, corners, starts);
+        let volume = polyhedron.mass.volume;
+        let rounding = f64::EPSILON * polyhedron.area * extent;
+        if volume < -rounding {
+            Err(MeshError::InsideOut { volume })
+        } else if volume > rounding {
+            Ok(polyhedron)
+        } else {
+            Err(MeshError::NoVolume { volume })
+        }
+    }
+
+    /// Computes what is stored beside the surface. The connectivity must be valid.
+    fn from_valid(vertices: Vec<Point3>, corners: Vec<u32>, starts: Vec<u32>) -> Self {
+        let mut polyhedron = Self {
+            vertices,
+            corners,
+            starts,
+            normals: Vec::new(),
+            offsets: Vec::new(),
+            area: 0.0,
+            convex: false,
+            mass: MassProperties::of_surface(&[], std::iter::empty()),
+            bounding_radius: 0.0,
+            inradius: 0.0,
+        };
+        for i in 0..polyhedron.face_count() {
+            let plane = planes::Plane::through(&polyhedron.vertices, polyhedron.face(i));
+            polyhedron.area += plane.area;
+            polyhedron.normals.push(plane.normal);
+            polyhedron
+                .offsets
+                .push(plane.normal.dot(&plane.point.coords));
+        }
+        polyhedron.convex = planes::is_convex(&polyhedron);
+        let fans = polyhedron.faces().flat_map(triangulate::fan);
+        polyhedron.mass = MassProperties::of_surface(&polyhedron.vertices, fans);
+        let centroid = polyhedron.mass.centroid;
+        polyhedron.bounding_radius = polyhedron
+            .vertices
+            .iter()
+            .map(|v| (v - centroid).norm())
+            .fold(0.0, f64::max);
+        polyhedron.inradius = (0..polyhedron.face_count())
+            .map(|i| {
+                let on_plane = polyhedron.vertices[polyhedron.face(i)[0] as usize];
+                polyhedron.normals[i].dot(&(on_plane - centroid))
+            })
+            .fold(f64::INFINITY, f64::min);
+        polyhedron
+    }
+
+    /// The vertices \[m\].
+    pub fn vertices(&self) -> &[Point3] {
+        &self.vertices
+    }
+
+    /// Number of faces.
+    pub fn face_count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Vertex loop of face `i`, counter-clockwise seen from outside.
+    ///
+    /// # Panics
+    ///
+    /// If `i` is not less than [`face_count`](Self::face_count), as for slices.
+    pub fn face(&self, i: usize) -> &[u32] {
+        &self.corners[self.starts[i] as usize..self.starts[i + 1] as usize]
+    }
+
+    /// The vertex loops of all faces, in order.
+    pub fn faces(&self) -> impl ExactSizeIterator<Item = &[u32]> + '_ {
+        self.starts
+            .windows(2)
+            .map(|w| &self.corners[w[0] as usize..w[1] as usize])
+    }
+
+    /// The edges, each once as its smaller and larger vertex, sorted.
+    pub fn edges(&self) -> Vec<[u32; 2]> {
+        let mut edges: Vec<[u32; 2]> = self
+            .faces()
+            .flat_map(topology::sides)
+            .filter(|[a, b]| a < b)
+            .collect();
+        edges.sort_unstable();
+        edges
+    }
+
+    /// Unit normal of face `i`, outward.
+    ///
+    /// # Panics
+    ///
+    /// If `i` is not less than [`face_count`](Self::face_count), as for slices.
+    pub fn face_normal(&self, i: usize) -> Vector3 {
+        self.normals[i]
+    }
+
+    /// Offset of face `i`'s plane: `n . x` of its points x \[m\], with n the outward normal.
+    ///
+    /// # Panics
+    ///
+    /// If `i` is not less than [`face_count`](Self::face_count), as for slices.
+    pub fn face_offset(&self, i: usize) -> f64 {
+        self.offsets[i]
+    }
+
+    /// Whether the body is convex within [`CONVEXITY_TOLERANCE`].
+    pub fn is_convex(&self) -> bool {
+        self.convex
+    }
+
+    /// Area of the surface \[m^2\].
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// Volume, centroid and inertia for unit density, by exact integration.
+    pub fn mass_properties(&self) -> &MassProperties {
+        &self.mass
+    }
+
+    /// Largest distance of a vertex from the centroid \[m\].
+    pub fn bounding_radius(&self) -> f64 {
+        self.bounding_radius
+    }
+
+    /// Smallest signed distance from the centroid to the plane of a face \[m\].
+    ///
+    /// For a convex body this is the radius of the largest sphere about the centroid that fits
+    /// inside. It is negative if a non-convex body's centroid lies outside some face's plane.
+    pub fn inradius(&self) -> f64 {
+        self.inradius
+    }
+
+    /// The surface as triangles, face by face in order, with the orientation of the faces.
+    ///
+    /// Convex faces are cut as fans from their first vertex, others by ear clipping.
+    pub fn triangles(&self) -> Vec<[u32; 3]> {
+        let mut triangles = Vec::with_capacity(self.corners.len());
+        for (face, normal) in self.faces().zip(&self.normals) {
+            triangulate::triangulate(&self.vertices, face, normal, &mut triangles);
+        }
+        triangles
+    }
+
+    /// The body with all coordinates multiplied by `factor`.
+    ///
+    /// # Errors
+    ///
+    /// If `factor` is not positive and finite, or the result is too small or too large.
+    pub fn scaled(&self, factor: f64) -> Result<Self, MeshError> {
+        if !(factor > 0.0 && factor.is_finite()) {
+            return Err(MeshError::OutOfRange {
+                what: "the scale factor",
+                value: factor,
+                allowed: "a positive, finite number",
+            });
+        }
+        let vertices: Vec<Point3> = self.vertices.iter().map(|v| v * factor).collect();
+        check_coordinates(&vertices)?;
+        Ok(Self::from_valid(
+            vertices,
+            self.corners.clone(),
+            self.starts.clone(),
+        ))
+    }
+
+    /// The body after a rigid motion.
+    ///
+    /// The pose is taken as it is: one that is not finite, or carries the body so far from the
+    /// origin that its coordinates lose their digits, gives a body that
+    /// [`new`](Self::new) would refuse.
+    pub fn transformed(&self, pose: &Pose) -> Self {
+        let vertices = self.vertices.iter().map(|v| pose * v).collect();
+        Self::from_valid(vertices, self.corners.clone(), self.starts.clone())
+    }
+
+    /// The mirror image in the plane x = 0, with loops reversed so that faces still look outward.
+    pub fn mirrored(&self) -> Self {
+        let vertices = self
+            .vertices
+            .iter()
+            .map(|v| Point3::new(-v.x, v.y, v.z))
+            .collect();
+        let corners = self
+            .faces()
+            .flat_map(|face| face.iter().rev().copied())
+            .collect();
+        Self::from_valid(vertices, corners, self.starts.clone())
+    }
+
+    /// The same surface with neighbouring coplanar faces joined where the union is a convex
+    /// polygon, and vertices dropped that then lie inside a face or an edge.
+    ///
+    /// Contact costs go by the face: a cube of 12 triangles becomes one of 6 squares. Faces count
+    /// as coplanar within half of [`PLANARITY_TOLERANCE`].
+    pub fn with_merged_faces(&self) -> Self {
+        let (low, high) = bounding_box(&self.vertices);
+        let tolerance = 0.5 * PLANARITY_TOLERANCE * (high - low).norm();
+        merge::merge_coplanar(&self.vertices, &self.triangles(), tolerance)
+            .and_then(|(vertices, faces)| Self::new(vertices, faces))
+            .unwrap_or_else(|_| self.clone())
+    }
+
+    /// Vertices - edges + faces: 2 for a body without holes through it.
+    pub fn euler_characteristic(&self) -> i64 {
+        self.vertices.len() as i64 - self.corners.len() as i64 / 2 + self.face_count() as i64
+    }
+}
+
+/// Diagonal of the bounding box, after checking that the arithmetic can hold the coordinates.
+pub(crate) fn check_coordinates(points: &[Point3]) -> Result<f64, MeshError> {
+    let not_finite = points.iter().position(|p| !p.iter().all(|x| x.is_finite()));
+    if let Some(vertex) = not_finite {
+        let p = points[vertex];
+        return Err(MeshError::NotFinite {
+            vertex,
+            x: p.x,
+            y: p.y,
+            z: p.z,
+        });
+    }
+    let (low, high) = bounding_box(points);
+    let extent = (high - low).norm();
+    if !(1e-30..=1e30).contains(&extent) {
+        return Err(MeshError::Size { extent });
+    }
+    let distance = low.coords.amax().max(high.coords.amax());
+    if extent < 1e-9 * distance {
+        return Err(MeshError::TooFarFromOrigin { extent, distance });
+    }
+    Ok(extent)
+}
+
+/// Lowest and highest corner of the box around points; both the origin if there are none.
+fn bounding_box(points: &[Point3]) -> (Point3, Point3) {
+    let first = points.first().copied().unwrap_or_default();
+    points
+        .iter()
+        .fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)))
+}
+
+/// Loops one after another, and where each starts.
+fn flatten(faces: &[Vec<u32>]) -> Result<(Vec<u32>, Vec<u32>), MeshError> {
+    let count = faces.iter().map(Vec::len).sum();
+    if u32::try_from(count).is_err() {
+        return Err(MeshError::TooMany {
+            what: "face corners",
+            count,
+            allowed: u32::MAX as usize,
+        });
+    }
+    let mut starts = Vec::with_capacity(faces.len() + 1);
+    let mut corners = Vec::with_capacity(count);
+    for face in faces {
+        starts.push(corners.len() as u32);
+        corners.extend_from_slice(face);
+    }
+    starts.push(corners.len() as u32);
+    Ok((corners, starts))
+}

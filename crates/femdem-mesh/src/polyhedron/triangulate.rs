@@ -1,0 +1,57 @@
+//! Cutting planar polygons into triangles.
+
+use crate::{Point3, Vector3};
+
+/// The fan of a loop from its first vertex. Signed integrals over it are right for any planar
+/// polygon, convex or not.
+pub(super) fn fan(face: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
+    let first = face.first().copied().unwrap_or(0);
+    face.windows(2)
+        .skip(1)
+        .map(move |side| [first, side[0], side[1]])
+}
+
+/// Appends triangles that cover the face: its fan if the face is convex, else by ear clipping.
+pub(super) fn triangulate(
+    vertices: &[Point3],
+    face: &[u32],
+    normal: &Vector3,
+    triangles: &mut Vec<[u32; 3]>,
+) {
+    let turn = |[a, b, c]: [u32; 3]| {
+        let [a, b, c] = [a, b, c].map(|i| vertices[i as usize]);
+        (b - a).cross(&(c - b)).dot(normal)
+    };
+    if fan(face).all(|triangle| turn(triangle) >= 0.0) && is_convex(face, turn) {
+        triangles.extend(fan(face));
+        return;
+    }
+    let mut remaining = face.to_vec();
+    while remaining.len() > 3 {
+        let n = remaining.len();
+        let corner = |i: usize| {
+            [
+                remaining[(i + n - 1) % n],
+                remaining[i],
+                remaining[(i + 1) % n],
+            ]
+        };
+        let is_ear = |i: usize| {
+            let [a, b, c] = corner(i);
+            let inside =
+                |p: u32| turn([a, b, p]) >= 0.0 && turn([b, c, p]) >= 0.0 && turn([c, a, p]) >= 0.0;
+            let others = remaining.iter().filter(|&&p| p != a && p != b && p != c);
+            turn([a, b, c]) > 0.0 && others.copied().all(|p| !inside(p))
+        };
+        // A simple polygon always has an ear; rounding or a loop that cuts itself may hide it.
+        let ear = (0..n).find(|&i| is_ear(i)).unwrap_or(0);
+        triangles.push(corner(ear));
+        remaining.remove(ear);
+    }
+    triangles.extend(fan(&remaining));
+}
+
+fn is_convex(face: &[u32], turn: impl Fn([u32; 3]) -> f64) -> bool {
+    let n = face.len();
+    (0..n).all(|i| turn([face[i], face[(i + 1) % n], face[(i + 2) % n]]) >= 0.0)
+}
