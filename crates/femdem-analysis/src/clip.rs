@@ -1,0 +1,275 @@
+//! Polyhedra cut by planes: the kernel under the exact volumes.
+
+use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
+
+use crate::bounds::Bounds;
+use crate::region::{Polygon, Region};
+
+/// A closed surface of polygons that planes cut down, with memory that is reused.
+///
+/// The surface is kept as loops over shared vertices. A cut decides once per vertex on which side it
+/// lies (on the plane counts as kept) and makes one new vertex per cut edge, so the surface stays
+/// closed whatever the round-off; there are no tolerances. Faces that a plane meets more than twice
+/// (non-convex ones) are joined along the cut: such a loop runs over itself there, and as volume is a
+/// signed sum over loops, this does not change it. The same holds for a cap of several loops.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Clipper {
+    surface: Surface,
+    cut: Surface,
+    distances: Vec<f64>,
+    /// Cut edges as (kept vertex, dropped vertex), sorted.
+    edges: Vec<(u32, u32)>,
+    /// For each cut edge the one before it on the faces around, hence the next on the cap.
+    successor: Vec<u32>,
+    renumbered: Vec<u32>,
+    visited: Vec<bool>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Surface {
+    vertices: Vec<Point3>,
+    /// Vertex indices, loop after loop.
+    corners: Vec<u32>,
+    /// Where each loop ends in `corners`.
+    ends: Vec<usize>,
+}
+
+impl Surface {
+    fn clear(&mut self) {
+        self.vertices.clear();
+        self.corners.clear();
+        self.ends.clear();
+    }
+
+    fn loops(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts
+            .zip(&self.ends)
+            .map(|(start, &end)| &self.corners[start..end])
+    }
+
+    fn close_loop(&mut self) {
+        if self.ends.last().copied().unwrap_or(0) < self.corners.len() {
+            self.ends.push(self.corners.len());
+        }
+    }
+}
+
+/// The directed edges of a loop.
+fn edges_of(corners: &[u32]) -> impl Iterator<Item = (u32, u32)> {
+    corners
+        .iter()
+        .copied()
+        .zip(corners.iter().copied().cycle().skip(1))
+}
+
+impl Clipper {
+    /// Starts anew from `shape` at `pose`.
+    pub(crate) fn load(&mut self, shape: &Polyhedron, pose: &Pose) {
+        self.surface.clear();
+        self.surface
+            .vertices
+            .extend(shape.vertices().iter().map(|v| pose * v));
+        for face in shape.faces() {
+            self.surface.corners.extend_from_slice(face);
+            self.surface.close_loop();
+        }
+    }
+
+    /// Moves what is left.
+    pub(crate) fn transform(&mut self, pose: &Pose) {
+        for vertex in &mut self.surface.vertices {
+            *vertex = pose * *vertex;
+        }
+    }
+
+    /// Whether nothing is left.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.surface.vertices.is_empty()
+    }
+
+    /// Volume of what is left: signed tetrahedra from one of its vertices.
+    pub(crate) fn volume(&self) -> f64 {
+        let vertices = &self.surface.vertices;
+        let Some(&apex) = vertices.first() else {
+            return 0.0;
+        };
+        let mut six_volumes = 0.0;
+        for corners in self.surface.loops() {
+            let Some((&first, rest)) = corners.split_first() else {
+                continue;
+            };
+            let base = vertices[first as usize];
+            let mut area = Vector3::zeros();
+            for pair in rest.windows(2) {
+                let [p, q] = [pair[0], pair[1]].map(|v| vertices[v as usize] - base);
+                area += p.cross(&q);
+            }
+            six_volumes += area.dot(&(base - apex));
+        }
+        six_volumes / 6.0
+    }
+
+    /// Keeps the part with `normal · x <= offset`.
+    pub(crate) fn clip(&mut self, normal: &Vector3, offset: f64) {
+        self.distances.clear();
+        self.distances.extend(
+            self.surface
+                .vertices
+                .iter()
+                .map(|v| normal.dot(&v.coords) - offset),
+        );
+        if self.distances.iter().all(|&s| s <= 0.0) {
+            return;
+        }
+        if self.distances.iter().all(|&s| s > 0.0) {
+            self.surface.clear();
+            return;
+        }
+        self.find_cut_edges();
+        self.cut.clear();
+        self.place_vertices();
+        self.cut_faces();
+        self.add_caps();
+        std::mem::swap(&mut self.surface, &mut self.cut);
+    }
+
+    fn find_cut_edges(&mut self) {
+        let kept = |v: u32| self.distances[v as usize] <= 0.0;
+        self.edges.clear();
+        for corners in self.surface.loops() {
+            for (a, b) in edges_of(corners) {
+                match (kept(a), kept(b)) {
+                    (true, false) => self.edges.push((a, b)),
+                    (false, true) => self.edges.push((b, a)),
+                    _ => {}
+                }
+            }
+        }
+        self.edges.sort_unstable();
+        self.edges.dedup();
+    }
+
+    /// Kept vertices first, then one per cut edge.
+    fn place_vertices(&mut self) {
+        let old = &self.surface.vertices;
+        self.renumbered.clear();
+        for (vertex, &distance) in old.iter().zip(&self.distances) {
+            self.renumbered.push(self.cut.vertices.len() as u32);
+            if distance <= 0.0 {
+                self.cut.vertices.push(*vertex);
+            }
+        }
+        for &(a, b) in &self.edges {
+            let [a, b] = [a as usize, b as usize];
+            let t = self.distances[a] / (self.distances[a] - self.distances[b]);
+            self.cut.vertices.push(old[a] + (old[b] - old[a]) * t);
+        }
+    }
+
+    fn cut_faces(&mut self) {
+        let first_new = (self.cut.vertices.len() - self.edges.len()) as u32;
+        let kept = |v: u32| self.distances[v as usize] <= 0.0;
+        let number = |edge: (u32, u32)| self.edges.partition_point(|e| *e < edge) as u32;
+        self.successor.clear();
+        self.successor.extend(0..self.edges.len() as u32);
+        for corners in self.surface.loops() {
+            let mut exit = None;
+            let mut entry_before_exit = None;
+            for (a, b) in edges_of(corners) {
+                if kept(a) {
+                    self.cut.corners.push(self.renumbered[a as usize]);
+                }
+                match (kept(a), kept(b)) {
+                    (true, false) => {
+                        let out = number((a, b));
+                        self.cut.corners.push(first_new + out);
+                        exit = Some(out);
+                    }
+                    (false, true) => {
+                        let back = number((b, a));
+                        self.cut.corners.push(first_new + back);
+                        match exit {
+                            Some(out) => self.successor[back as usize] = out,
+                            None => entry_before_exit = Some(back),
+                        }
+                    }
+                    _ => {}
+                }
+            }
+            if let (Some(back), Some(out)) = (entry_before_exit, exit) {
+                self.successor[back as usize] = out;
+            }
+            self.cut.close_loop();
+        }
+    }
+
+    /// Closes the surface on the plane.
+    fn add_caps(&mut self) {
+        let first_new = (self.cut.vertices.len() - self.edges.len()) as u32;
+        self.visited.clear();
+        self.visited.resize(self.edges.len(), false);
+        for start in 0..self.edges.len() {
+            let mut at = start;
+            while !self.visited[at] {
+                self.visited[at] = true;
+                self.cut.corners.push(first_new + at as u32);
+                at = self.successor[at] as usize;
+            }
+            self.cut.close_loop();
+        }
+    }
+
+    /// Keeps the part inside `region`; a cylinder goes by the polygon of [`Region::clipping_error`].
+    pub(crate) fn clip_to(&mut self, region: &Region) {
+        let (min, max) = region.corners();
+        let axes: &[usize] = match region {
+            Region::Box { .. } => &[0, 1, 2],
+            Region::Cylinder { .. } => &[2],
+        };
+        for &k in axes {
+            let mut normal = Vector3::zeros();
+            normal[k] = 1.0;
+            self.clip(&normal, max[k]);
+            normal[k] = -1.0;
+            self.clip(&normal, -min[k]);
+        }
+        if let Region::Cylinder { centre, radius, .. } = *region {
+            self.clip_to_polygon(centre, radius);
+        }
+    }
+
+    fn clip_to_polygon(&mut self, centre: [f64; 2], radius: f64) {
+        let bounds = Bounds::around(self.surface.vertices.iter().copied());
+        if self.is_empty() {
+            return;
+        }
+        let middle = [0, 1].map(|k| 0.5 * (bounds.min[k] + bounds.max[k]) - centre[k]);
+        let reach = 0.5 * (bounds.max.x - bounds.min.x).hypot(bounds.max.y - bounds.min.y);
+        let polygon = Polygon::of(radius);
+        let distance = middle[0].hypot(middle[1]);
+        // Side k can cut only where distance * cos(angle to its normal) + reach > apothem.
+        let cosine = if distance > 0.0 {
+            (polygon.apothem - reach) / distance
+        } else {
+            -1.0
+        };
+        let half_width = cosine.clamp(-1.0, 1.0).acos() + polygon.step;
+        let heading = middle[1].atan2(middle[0]);
+        let first = ((heading - half_width) / polygon.step).floor();
+        let count = (2.0 * half_width / polygon.step)
+            .ceil()
+            .min(crate::region::CYLINDER_SIDES as f64) as usize;
+        for k in 0..=count {
+            let angle = (first + k as f64) * polygon.step;
+            let normal = Vector3::new(angle.cos(), angle.sin(), 0.0);
+            self.clip(
+                &normal,
+                polygon.apothem + normal.x * centre[0] + normal.y * centre[1],
+            );
+            if self.is_empty() {
+                return;
+            }
+        }
+    }
+}

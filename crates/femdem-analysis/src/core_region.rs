@@ -1,0 +1,169 @@
+//! The part of a pack in which its density is measured.
+
+use femdem_mesh::Point3;
+use serde::{Deserialize, Serialize};
+
+use crate::error::AnalysisError;
+use crate::pack::Pack;
+use crate::region::Region;
+use crate::top::{TopPlane, top_plane};
+
+/// How [`choose_core`] insets.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CoreOptions {
+    /// Largest inset from walls, floor and mean top, over the mean diameter; 0 or more. Default 5,
+    /// the founding paper's.
+    pub inset_over_d: f64,
+    /// Extent over the mean diameter that the core keeps where it can, at the inset's cost; above 0.
+    /// Default 3.
+    pub minimum_core_over_d: f64,
+    /// Spacing over the mean diameter of the columns that find the mean top; above 0. Default 1/4.
+    pub column_spacing_over_d: f64,
+}
+
+impl Default for CoreOptions {
+    fn default() -> Self {
+        Self {
+            inset_over_d: 5.0,
+            minimum_core_over_d: 3.0,
+            column_spacing_over_d: 0.25,
+        }
+    }
+}
+
+/// What set the inset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum InsetLimit {
+    /// Nothing: it is the inset asked for.
+    None,
+    /// The container is too narrow for the inset asked for.
+    Width,
+    /// The pack is too low for the inset asked for.
+    Height,
+}
+
+/// A core region and how it was chosen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoreRegion {
+    /// The core.
+    pub region: Region,
+    /// Its distance from walls, floor and mean top (m).
+    pub inset: f64,
+    /// The same over the mean diameter.
+    pub inset_over_d: f64,
+    /// What kept the inset below the one asked for.
+    pub limit: InsetLimit,
+    /// The top of the pack that the inset starts from.
+    pub top: TopPlane,
+}
+
+/// Chooses the core of a pack that lies in `container` (its inside, walls and floor being its faces).
+///
+/// The founding paper (Xiang, Latham and Farsi 2016) keeps 5 diameters from the walls and from the mean
+/// top plane. Small packs cannot: here the inset, the same on all sides and from the floor, is
+///
+/// `min(inset asked for, max((L - minimum core)/2, L/4))`
+///
+/// with `L` the least of the container's widths and the pack's height (floor to mean top, or to the
+/// container's own top where that is lower). So the core keeps the minimum extent, or half of `L` where
+/// the pack is smaller still; [`CoreRegion::limit`] says which extent decided.
+///
+/// ```
+/// use femdem_analysis::{CoreOptions, InsetLimit, Pack, PosedBody, Region, choose_core};
+/// use femdem_mesh::{Point3, Pose, catalogue::CatalogueShape};
+///
+/// // 7 x 7 x 7 cubes of side 1 m, d = sqrt(3) m.
+/// let cube = ["P5".parse::<CatalogueShape>()?.polyhedron(3_f64.sqrt())?];
+/// let mut bodies = Vec::new();
+/// for (x, y, z) in (0..343).map(|i| (i % 7, i / 7 % 7, i / 49)) {
+///     let pose = Pose::translation(f64::from(x) + 0.5, f64::from(y) + 0.5, f64::from(z) + 0.5);
+///     bodies.push(PosedBody { shape: 0, pose });
+/// }
+/// let container = Region::Box { min: Point3::origin(), max: Point3::new(7.0, 7.0, 20.0) };
+/// let core = choose_core(&Pack::new(&cube, &bodies)?, &container, &CoreOptions::default())?;
+/// assert_eq!(core.limit, InsetLimit::Width); // 5 d = 8.7 m would leave nothing
+/// assert!((core.inset - 7.0 / 4.0).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`] for the container, [`AnalysisError::Option`],
+/// [`AnalysisError::NoPackInContainer`], [`AnalysisError::GridTooFine`] for the columns.
+pub fn choose_core(
+    pack: &Pack,
+    container: &Region,
+    options: &CoreOptions,
+) -> Result<CoreRegion, AnalysisError> {
+    options.validate()?;
+    container.validate()?;
+    let diameter = pack.mean_diameter()?;
+    let top = top_plane(pack, container, options.column_spacing_over_d * diameter)?;
+    let (min, max) = container.corners();
+    let ceiling = top.mean.min(max.z);
+    let height = ceiling - min.z;
+    if height <= 0.0 {
+        return Err(AnalysisError::NoPackInContainer {
+            mean_top: top.mean,
+            floor: min.z,
+        });
+    }
+    let width = (max.x - min.x).min(max.y - min.y);
+    let extent = width.min(height);
+    let asked = options.inset_over_d * diameter;
+    let room = (0.5 * (extent - options.minimum_core_over_d * diameter)).max(0.25 * extent);
+    let inset = asked.min(room);
+    let limit = if asked <= room {
+        InsetLimit::None
+    } else if width <= height {
+        InsetLimit::Width
+    } else {
+        InsetLimit::Height
+    };
+    let (z_min, z_max) = (min.z + inset, ceiling - inset);
+    let region = match *container {
+        Region::Box { .. } => Region::Box {
+            min: Point3::new(min.x + inset, min.y + inset, z_min),
+            max: Point3::new(max.x - inset, max.y - inset, z_max),
+        },
+        Region::Cylinder { centre, radius, .. } => Region::Cylinder {
+            centre,
+            radius: radius - inset,
+            z_min,
+            z_max,
+        },
+    };
+    region.validate()?;
+    Ok(CoreRegion {
+        region,
+        inset,
+        inset_over_d: inset / diameter,
+        limit,
+        top,
+    })
+}
+
+impl CoreOptions {
+    fn validate(&self) -> Result<(), AnalysisError> {
+        let refuse = |name, value, allowed| {
+            Err(AnalysisError::Option {
+                name,
+                value,
+                allowed,
+            })
+        };
+        if !self.inset_over_d.is_finite() || self.inset_over_d < 0.0 {
+            return refuse("inset_over_d", self.inset_over_d, "finite and not negative");
+        }
+        for (name, value) in [
+            ("minimum_core_over_d", self.minimum_core_over_d),
+            ("column_spacing_over_d", self.column_spacing_over_d),
+        ] {
+            if !value.is_finite() || value <= 0.0 {
+                return refuse(name, value, "above zero and finite");
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,104 @@
+//! The crate's error type.
+
+use thiserror::Error;
+
+/// Why an analysis was refused. Every message names the value, what is allowed and what to do.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum AnalysisError {
+    /// The pack holds no body, so it has no size, no top and no mean.
+    #[error("the pack holds no body; an analysis needs at least one")]
+    EmptyPack,
+    /// More bodies than a body index (`u32`) can name.
+    #[error("{bodies} bodies are more than the 4294967295 a body index can name; split the pack")]
+    TooManyBodies {
+        /// Number of bodies given.
+        bodies: usize,
+    },
+    /// A body names a shape that is not in the list of shapes.
+    #[error("body {body} has shape index {shape}, but there are {shapes} shapes (indices from 0)")]
+    ShapeIndex {
+        /// Index of the body.
+        body: usize,
+        /// The shape index it gives.
+        shape: u32,
+        /// Number of shapes.
+        shapes: usize,
+    },
+    /// A pose holds NaN or infinity, or its rotation is not of unit length.
+    #[error("body {body} has a pose that is not finite or whose quaternion is not of unit length")]
+    Pose {
+        /// Index of the body.
+        body: usize,
+    },
+    /// A region with NaN, infinity, or no volume.
+    #[error("region: {name} = {value} is not allowed; it must be {allowed}")]
+    Region {
+        /// The offending quantity.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// An option outside its range.
+    #[error("option {name} = {value} is not allowed; it must be {allowed}")]
+    Option {
+        /// Name of the option.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The counting grid would not fit in memory or in a day.
+    #[error(
+        "a grid of {cells:.3e} cells ({layer:.3e} per layer) is above the limit of 4.3e9 (1.3e8 per layer); \
+         raise the grid spacing or shrink the region"
+    )]
+    GridTooFine {
+        /// Cells asked for.
+        cells: f64,
+        /// Cells asked for in one horizontal layer.
+        layer: f64,
+    },
+    /// No body lies over the floor of the container, so there is no pack to take a core from.
+    #[error(
+        "the mean top of the pack, z = {mean_top} m, is not above the container's floor, z = {floor} m; \
+         check that container and pack use the same frame"
+    )]
+    NoPackInContainer {
+        /// Mean height of the pack's top (m); minus infinity where no body lies in the container.
+        mean_top: f64,
+        /// Height of the floor (m).
+        floor: f64,
+    },
+    /// A touch or a selection names a body that is not there.
+    #[error("{what} {index} names body {body}, but there are {bodies} bodies (indices from 0)")]
+    BodyIndex {
+        /// "touch" or "selection entry".
+        what: &'static str,
+        /// Its index.
+        index: usize,
+        /// The body it names.
+        body: u32,
+        /// Number of bodies.
+        bodies: usize,
+    },
+    /// A touch of a body with itself.
+    #[error("touch {index} is of body {body} with itself; the two partners must differ")]
+    SelfTouch {
+        /// Index of the touch.
+        index: usize,
+        /// The body.
+        body: u32,
+    },
+    /// A contact force that is NaN or infinite.
+    #[error("touch {index} has normal force {force} N; it must be finite")]
+    TouchForce {
+        /// Index of the touch.
+        index: usize,
+        /// The force (N).
+        force: f64,
+    },
+}

@@ -1,0 +1,80 @@
+//! Statistics of packs of polyhedra: packing density and coordination number.
+//!
+//! Plain data in, plain tables out. The bodies may come from femdem, from a file or from another
+//! code; this crate knows neither how they were made nor how they are stored.
+//!
+//! **Use it** to measure settled packs of rigid polyhedra: the density of a stated region, exactly and
+//! by the counting grid of the founding paper (Xiang, Latham and Farsi 2016), with its error; how many
+//! partners each body touches. **Do not use it** to find contacts (femdem-contact does), for bodies that
+//! deform, for spheres (closed formulas serve better), or for periodic boxes, whose images it
+//! does not make.
+//!
+//! ```
+//! use femdem_analysis::*;
+//! use femdem_mesh::{Point3, Pose, catalogue::CatalogueShape};
+//!
+//! // 8 x 8 x 8 cubes of side 1 m, 0.25 m apart.
+//! let cube = ["P5".parse::<CatalogueShape>()?.polyhedron(3_f64.sqrt())?];
+//! let place = |i: i32| 1.25 * f64::from(i) + 0.625;
+//! let bodies: Vec<PosedBody> = (0..512)
+//!     .map(|i| Pose::translation(place(i % 8), place(i / 8 % 8), place(i / 64)))
+//!     .map(|pose| PosedBody { shape: 0, pose })
+//!     .collect();
+//! let pack = Pack::new(&cube, &bodies)?;
+//! let region = Region::Box { min: Point3::new(1.25, 1.25, 1.25), max: Point3::new(7.5, 7.5, 7.5) };
+//! let density = packing_density(&pack, &region, &DensityOptions::default())?;
+//! assert!((density.exact - 0.8_f64.powi(3)).abs() < 1e-12);
+//! // Bodies in step with one another err together, so more than `grid_error`, which is for random poses.
+//! assert!((density.grid - density.exact).abs() < 0.02);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What is where
+//! - [`Pack`], [`PosedBody`]: the input. [`Region`]: where to measure.
+//! - [`choose_core`], [`top_plane`]: the core region away from walls, floor and top.
+//! - [`packing_density`]; its parts [`exact_density`] and [`grid_density`].
+//! - [`pair_overlaps`]: how far bodies run into each other. [`volume_inside`] and
+//!   [`intersection_volume`] are the kernels, for one body and for one pair.
+//! - [`coordination`] from [`Touch`]es; [`contact_counts`] body by body.
+//!
+//! # Units
+//! SI: metres, cubic metres, newtons. Lengths `_over_d` are in mean circumscribed diameters.
+//!
+//! # Features
+//! - `parallel` (default): work on the caller's rayon pool. Results are the same bits with any number
+//!   of threads and without the feature.
+//!
+//! # Accuracy
+//! Clipped volumes are exact to round-off (about 1e-13 of a body) for boxes; cylinders are clipped as
+//! prisms of 4096 sides and equal area ([`Region::clipping_error`]). Overlaps are subtracted pair by pair:
+//! volume shared by three bodies is subtracted once too often, and pairs of non-convex bodies are not
+//! subtracted but counted. Errors of the grid are stated with its result.
+
+mod axis;
+mod bounds;
+mod clip;
+mod coordination;
+mod core_region;
+mod density;
+mod error;
+mod lines;
+mod neighbours;
+mod ordered;
+mod overlap;
+mod pack;
+mod region;
+mod top;
+
+pub use coordination::{
+    ContactCount, Coordination, CoordinationOptions, Partner, Touch, contact_counts, coordination,
+};
+pub use core_region::{CoreOptions, CoreRegion, InsetLimit, choose_core};
+pub use density::{
+    DensityOptions, ExactDensity, GridDensity, PackingDensity, exact_density, grid_density,
+    packing_density, volume_inside,
+};
+pub use error::AnalysisError;
+pub use overlap::{PairOverlap, PairOverlaps, intersection_volume, pair_overlaps};
+pub use pack::{Pack, PosedBody};
+pub use region::Region;
+pub use top::{TopPlane, top_plane};

@@ -1,0 +1,27 @@
+//! Parallel map with ordered results: the one place where threads meet.
+
+/// `work(scratch, i)` for `i` in `0..count`, results in index order.
+///
+/// With the feature `parallel` the calls run on the caller's rayon pool. `scratch` is memory to be
+/// reused and must not carry a value from one call to the next, so the result does not depend on
+/// how the calls are shared among threads.
+#[cfg(feature = "parallel")]
+pub(crate) fn ordered_map<T: Send, S>(
+    count: usize,
+    scratch: impl Fn() -> S + Sync + Send,
+    work: impl Fn(&mut S, usize) -> T + Sync + Send,
+) -> Vec<T> {
+    use rayon::prelude::*;
+    (0..count).into_par_iter().map_init(scratch, work).collect()
+}
+
+/// `work(scratch, i)` for `i` in `0..count`, results in index order, on this thread.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn ordered_map<T, S>(
+    count: usize,
+    scratch: impl Fn() -> S,
+    work: impl Fn(&mut S, usize) -> T,
+) -> Vec<T> {
+    let mut memory = scratch();
+    (0..count).map(|i| work(&mut memory, i)).collect()
+}

@@ -1,0 +1,122 @@
+//! The mean top plane of a pack.
+
+use femdem_mesh::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::axis::Axis;
+use crate::bounds::Bounds;
+use crate::error::AnalysisError;
+use crate::lines::{convex_span, crossing};
+use crate::ordered::ordered_map;
+use crate::pack::Pack;
+use crate::region::Region;
+
+/// Height of the top of a pack.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TopPlane {
+    /// Mean over the columns of the highest solid point (m); minus infinity when no column meets a body.
+    pub mean: f64,
+    /// Standard deviation of the heights (m): how rough or tilted the top is.
+    pub deviation: f64,
+    /// Columns that meet a body.
+    pub columns: usize,
+    /// Columns in the container that meet none; they are left out of the mean.
+    pub empty_columns: usize,
+}
+
+/// The mean top plane: vertical lines on a square grid of spacing near `spacing` (m) over the
+/// container's floor, each giving the height of the highest solid point on it.
+///
+/// Lines that meet no body, as along a wall, are left out and counted. The container's height plays
+/// no part, so a pack that stands out of it is measured whole.
+///
+/// # Errors
+/// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`], [`AnalysisError::Option`] for a spacing that
+/// is not above zero and finite, [`AnalysisError::GridTooFine`].
+pub fn top_plane(pack: &Pack, container: &Region, spacing: f64) -> Result<TopPlane, AnalysisError> {
+    container.validate()?;
+    if pack.is_empty() {
+        return Err(AnalysisError::EmptyPack);
+    }
+    if !spacing.is_finite() || spacing <= 0.0 {
+        return Err(AnalysisError::Option {
+            name: "spacing",
+            value: spacing,
+            allowed: "above zero and finite (m)",
+        });
+    }
+    let (min, max) = container.corners();
+    // One cell in height: only the footprint counts.
+    let footprint = Bounds {
+        min: Point3::new(min.x, min.y, 0.0),
+        max: Point3::new(max.x, max.y, spacing),
+    };
+    let [x_axis, y_axis, _] = Axis::grid(&footprint, spacing)?;
+    let bodies = y_axis.sort_bodies(1, pack);
+    let rows = ordered_map(y_axis.count, Vec::new, |planes, j| {
+        let heights = row_heights(pack, planes, &x_axis, y_axis.centre(j), &bodies[j]);
+        let on_floor = (0..x_axis.count).filter(|&i| {
+            container.contains(&Point3::new(x_axis.centre(i), y_axis.centre(j), min.z))
+        });
+        on_floor.map(|i| heights[i]).collect::<Vec<f64>>()
+    });
+    let all: Vec<f64> = rows.into_iter().flatten().collect();
+    let met: Vec<f64> = all.iter().copied().filter(|h| h.is_finite()).collect();
+    let empty_columns = all.len() - met.len();
+    if met.is_empty() {
+        return Ok(TopPlane {
+            mean: f64::NEG_INFINITY,
+            deviation: 0.0,
+            columns: 0,
+            empty_columns,
+        });
+    }
+    let count = met.len() as f64;
+    let mean = met.iter().sum::<f64>() / count;
+    let deviation = (met.iter().map(|h| (h - mean).powi(2)).sum::<f64>() / count).sqrt();
+    Ok(TopPlane {
+        mean,
+        deviation,
+        columns: met.len(),
+        empty_columns,
+    })
+}
+
+/// Highest solid point over each cell centre of one row; minus infinity where there is none.
+fn row_heights(
+    pack: &Pack,
+    planes: &mut Vec<(Vector3, f64)>,
+    x_axis: &Axis,
+    y: f64,
+    bodies: &[usize],
+) -> Vec<f64> {
+    let mut heights = vec![f64::NEG_INFINITY; x_axis.count];
+    for &body in bodies {
+        let bounds = pack.bounds(body);
+        let columns = x_axis.within(bounds.min.x, bounds.max.x);
+        if pack.shape(body).is_convex() {
+            planes.clear();
+            planes.extend(pack.world_planes(body));
+            for i in columns {
+                // A body whose highest point is lower cannot raise the column.
+                if heights[i] < bounds.max.z
+                    && let Some((_, top)) =
+                        convex_span(planes, 2, &Point3::new(x_axis.centre(i), y, 0.0))
+                {
+                    heights[i] = heights[i].max(top);
+                }
+            }
+        } else {
+            for triangle in pack.world_triangles(body) {
+                let reach = Bounds::around(triangle);
+                for i in x_axis.within(reach.min.x, reach.max.x) {
+                    if let Some(z) = crossing(&triangle, 2, &Point3::new(x_axis.centre(i), y, 0.0))
+                    {
+                        heights[i] = heights[i].max(z);
+                    }
+                }
+            }
+        }
+    }
+    heights
+}
