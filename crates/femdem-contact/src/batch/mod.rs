@@ -1,0 +1,337 @@
+//! Layer 2: many bodies. The batch owns candidate pairs, their caches and friction
+//! history; the host owns the bodies, their integration and the time step.
+
+mod evaluate;
+mod pairs;
+
+use crate::broadphase::Broadphase;
+use crate::contact::{BodyId, Contact, Load, Partner};
+use crate::error::ContactError;
+use crate::kernel::{CavityKernel, PairKernel};
+use crate::law::{ContactLaw, ContactParameters};
+use crate::motion::Motion;
+use crate::shape::ConvexShape;
+use crate::walls::Wall;
+use evaluate::Context;
+use pairs::PairTable;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Fewer pairs than this are evaluated on the calling thread: handing them out would
+/// cost more than it saves. The results are the same bits either way.
+pub(crate) const SERIAL_BELOW: usize = 256;
+
+/// Sums over the pairs that the last update evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct BatchTotals {
+    /// Contact energy of the evaluated pairs, J.
+    pub energy: f64,
+    /// Energy in their friction springs, J.
+    pub spring_energy: f64,
+    /// Candidate pairs evaluated.
+    pub candidates: usize,
+    /// Touching pairs among them.
+    pub touching: usize,
+}
+
+/// Contact of many convex bodies and walls, with friction history.
+///
+/// Bodies are added once and then updated with one [`Motion`] each. Pairs of two bodies
+/// that are both asleep are not evaluated; their last contact stays on record.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct ContactBatch {
+    law: ContactLaw,
+    #[serde(skip)]
+    shapes: Vec<Arc<ConvexShape>>,
+    body_shapes: Vec<u32>,
+    walls: Vec<Wall>,
+    /// Travel of each wall at which all bodies must look for it again, m.
+    wall_expires: Vec<f64>,
+    awake: Vec<bool>,
+    broadphase: Broadphase,
+    pairs: PairTable,
+    loads: Vec<Load>,
+    wall_loads: Vec<Load>,
+    totals: BatchTotals,
+}
+
+impl ContactBatch {
+    /// An empty batch with one contact law.
+    pub fn new(law: ContactLaw) -> Self {
+        Self {
+            law,
+            shapes: Vec::new(),
+            body_shapes: Vec::new(),
+            walls: Vec::new(),
+            wall_expires: Vec::new(),
+            awake: Vec::new(),
+            broadphase: Broadphase::default(),
+            pairs: PairTable::default(),
+            loads: Vec::new(),
+            wall_loads: Vec::new(),
+            totals: BatchTotals::default(),
+        }
+    }
+
+    /// Adds a shape and returns its index.
+    pub fn add_shape(&mut self, shape: Arc<ConvexShape>) -> u32 {
+        self.shapes.push(shape);
+        self.shapes.len() as u32 - 1
+    }
+
+    /// Adds a body, awake, and returns its index.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if the shape was never added.
+    pub fn add_body(&mut self, shape: u32) -> Result<BodyId, ContactError> {
+        if shape as usize >= self.shapes.len() {
+            return Err(ContactError::NoSuch {
+                what: "shape",
+                index: shape as usize,
+                count: self.shapes.len(),
+            });
+        }
+        self.body_shapes.push(shape);
+        self.awake.push(true);
+        self.loads.push(Load::default());
+        self.pairs.add_body();
+        Ok(self.body_shapes.len() as u32 - 1)
+    }
+
+    /// Adds a wall and returns its index.
+    pub fn add_wall(&mut self, wall: Wall) -> u32 {
+        self.walls.push(wall);
+        self.wall_expires.push(f64::NEG_INFINITY);
+        self.wall_loads.push(Load::default());
+        self.walls.len() as u32 - 1
+    }
+
+    /// Number of bodies.
+    pub fn len(&self) -> usize {
+        self.body_shapes.len()
+    }
+
+    /// Whether there are no bodies.
+    pub fn is_empty(&self) -> bool {
+        self.body_shapes.is_empty()
+    }
+
+    /// The walls, by index.
+    pub fn walls(&self) -> &[Wall] {
+        &self.walls
+    }
+
+    /// The shapes, by index.
+    pub fn shapes(&self) -> &[Arc<ConvexShape>] {
+        &self.shapes
+    }
+
+    /// Gives a batch that was read from a file its shapes back, in the order of addition.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if a body refers to a shape that is not there.
+    pub fn restore_shapes(&mut self, shapes: Vec<Arc<ConvexShape>>) -> Result<(), ContactError> {
+        if let Some(&bad) = self.body_shapes.iter().find(|&&s| s as usize >= shapes.len()) {
+            return Err(ContactError::NoSuch {
+                what: "shape",
+                index: bad as usize,
+                count: shapes.len(),
+            });
+        }
+        self.shapes = shapes;
+        Ok(())
+    }
+
+    /// The law's parameters.
+    pub fn parameters(&self) -> &ContactParameters {
+        self.law.parameters()
+    }
+
+    /// Replaces the law; contacts keep their history.
+    pub fn set_law(&mut self, law: ContactLaw) {
+        self.law = law;
+    }
+
+    /// Whether a body is awake; `false` for a body that does not exist.
+    pub fn is_awake(&self, body: BodyId) -> bool {
+        self.awake.get(body as usize).copied().unwrap_or(false)
+    }
+
+    /// Wakes a body or puts it to sleep. Between two sleeping bodies nothing is evaluated.
+    pub fn set_awake(&mut self, body: BodyId, awake: bool) {
+        if let Some(flag) = self.awake.get_mut(body as usize)
+            && *flag != awake
+        {
+            *flag = awake;
+            self.pairs.mark_changed();
+        }
+    }
+
+    /// Finds and evaluates all contacts of awake bodies.
+    ///
+    /// `bodies` and `walls` hold one motion per added body and wall; `dt` is the time
+    /// since the last update, s (friction history and torsion advance by it).
+    ///
+    /// # Errors
+    /// [`ContactError::StateCount`] if a slice has the wrong length,
+    /// [`ContactError::NotFinite`] if an awake body's state is not finite.
+    pub fn update(
+        &mut self,
+        bodies: &[Motion],
+        walls: &[Motion],
+        dt: f64,
+    ) -> Result<(), ContactError> {
+        for (given, expected) in [
+            (bodies.len(), self.body_shapes.len()),
+            (walls.len(), self.walls.len()),
+        ] {
+            if given != expected {
+                return Err(ContactError::StateCount { given, expected });
+            }
+        }
+        self.search(bodies, walls)?;
+        self.pairs.refresh_order(&self.awake);
+        let parameters = *self.law.parameters();
+        let context = Context {
+            pair: PairKernel::new(parameters.penalty)?,
+            cavity: CavityKernel::new(parameters.penalty)?,
+            parameters,
+            shapes: &self.shapes,
+            body_shapes: &self.body_shapes,
+            wall_shapes: &self.walls,
+            bodies,
+            walls,
+            dt,
+        };
+        evaluate::run(&context, &mut self.pairs);
+        self.gather();
+        Ok(())
+    }
+
+    /// Refreshes the neighbours of bodies and walls that have left their skins.
+    fn search(&mut self, bodies: &[Motion], walls: &[Motion]) -> Result<(), ContactError> {
+        let mut walls_moved = false;
+        for (w, motion) in walls.iter().enumerate() {
+            if motion.travelled >= self.wall_expires[w] {
+                self.wall_expires[w] = motion.travelled + self.wall_skin();
+                walls_moved = true;
+            }
+        }
+        let mut neighbours = Vec::new();
+        for (i, motion) in bodies.iter().enumerate() {
+            if !self.awake[i] {
+                continue;
+            }
+            if !motion.is_finite() {
+                return Err(ContactError::NotFinite {
+                    body: i,
+                    position: motion.frame.position.into(),
+                });
+            }
+            if self.broadphase.is_expired(i, motion) {
+                let shape = &self.shapes[self.body_shapes[i] as usize];
+                self.broadphase.enter(i, shape, motion);
+                self.broadphase.neighbours(i, &mut neighbours);
+                self.pairs.set_neighbours(i as u32, &neighbours);
+                self.search_walls(i, motion, walls);
+            }
+        }
+        if walls_moved {
+            for (i, motion) in bodies.iter().enumerate() {
+                self.search_walls(i, motion, walls);
+            }
+        }
+        Ok(())
+    }
+
+    /// How far a wall may travel before the bodies near it are looked up again, m.
+    fn wall_skin(&self) -> f64 {
+        let largest = |m: f64, s: &Arc<ConvexShape>| m.max(Broadphase::half_skin(s));
+        self.shapes.iter().fold(0.0, largest)
+    }
+
+    fn search_walls(&mut self, body: usize, motion: &Motion, walls: &[Motion]) {
+        let shape = &self.shapes[self.body_shapes[body] as usize];
+        // The body may travel two half skins before this is asked again at the latest.
+        let reach = shape.radius() + 2.0 * Broadphase::half_skin(shape) + self.wall_skin();
+        let near: Vec<u32> = (0..self.walls.len())
+            .filter(|&w| {
+                let frame = &walls[w].frame;
+                let x = frame
+                    .rotation
+                    .tr_mul(&(motion.frame.position - frame.position));
+                self.walls[w].clearance(&x) < reach
+            })
+            .map(|w| w as u32)
+            .collect();
+        self.pairs.set_walls(body as u32, &near);
+    }
+
+    /// Sums the loads of awake bodies and walls in the order of the pairs.
+    fn gather(&mut self) {
+        for (load, _) in self.loads.iter_mut().zip(&self.awake).filter(|x| *x.1) {
+            *load = Load::default();
+        }
+        self.wall_loads.fill(Load::default());
+        let mut totals = BatchTotals::default();
+        for pair in self.pairs.evaluated() {
+            totals.candidates += 1;
+            let Some(contact) = &pair.contact else {
+                continue;
+            };
+            totals.touching += 1;
+            totals.energy += contact.energy;
+            totals.spring_energy += contact.spring_energy;
+            match contact.a {
+                Partner::Body(a) if self.awake[a as usize] => {
+                    self.loads[a as usize].add(contact, 0);
+                }
+                Partner::Body(_) => {}
+                Partner::Wall(w) => self.wall_loads[w as usize].add(contact, 0),
+            }
+            if self.awake[contact.b as usize] {
+                self.loads[contact.b as usize].add(contact, 1);
+            }
+        }
+        self.totals = totals;
+    }
+
+    /// Loads of all bodies; those of sleeping bodies are from when they fell asleep.
+    pub fn loads(&self) -> &[Load] {
+        &self.loads
+    }
+
+    /// Loads on the walls from the evaluated pairs, about the walls' origins.
+    pub fn wall_loads(&self) -> &[Load] {
+        &self.wall_loads
+    }
+
+    /// The load of one body from all its contacts on record, evaluated or not.
+    pub fn load_of(&self, body: BodyId) -> Load {
+        let mut load = Load::default();
+        for contact in self.contacts_of(body) {
+            load.add(contact, usize::from(contact.b == body));
+        }
+        load
+    }
+
+    /// Sums of the last update.
+    pub fn totals(&self) -> &BatchTotals {
+        &self.totals
+    }
+
+    /// All contacts on record, sorted by pair.
+    pub fn contacts(&self) -> Vec<&Contact> {
+        self.pairs.contacts()
+    }
+
+    /// The contacts of one body, sorted by partner.
+    pub fn contacts_of(&self, body: BodyId) -> impl Iterator<Item = &Contact> {
+        self.pairs.contacts_of(body)
+    }
+
+    /// Candidate pairs that will be evaluated at the next update.
+    pub fn candidate_count(&self) -> usize {
+        self.pairs.order_len()
+    }
+}

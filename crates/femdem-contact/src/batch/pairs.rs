@@ -1,0 +1,198 @@
+//! The pair table: one slot per candidate pair, neighbour lists, and the sorted order of
+//! the pairs to evaluate.
+
+use crate::contact::{BodyId, Contact, Partner};
+use crate::friction::FrictionState;
+use crate::kernel::{CavityCache, PairCache};
+use serde::{Deserialize, Serialize};
+
+/// A neighbour code: bodies by index, walls above them.
+const WALL: u32 = 1 << 31;
+
+/// What is remembered of a candidate pair.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Pair {
+    pub a: Partner,
+    pub b: BodyId,
+    pub cache: Cache,
+    pub friction: Option<FrictionState>,
+    pub contact: Option<Contact>,
+}
+
+/// The kernel's memory for either kind of pair.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) enum Cache {
+    Body(PairCache),
+    Wall(CavityCache),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+struct Neighbour {
+    code: u32,
+    slot: u32,
+}
+
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct PairTable {
+    slots: Vec<Pair>,
+    free: Vec<u32>,
+    neighbours: Vec<Vec<Neighbour>>,
+    order: Vec<u32>,
+    changed: bool,
+}
+
+impl PairTable {
+    pub fn add_body(&mut self) {
+        self.neighbours.push(Vec::new());
+        self.changed = true;
+    }
+
+    pub fn mark_changed(&mut self) {
+        self.changed = true;
+    }
+
+    /// Makes the bodies of `list` (sorted) the body neighbours of `body`.
+    pub fn set_neighbours(&mut self, body: BodyId, list: &[u32]) {
+        let old: Vec<Neighbour> = self.neighbours[body as usize]
+            .iter()
+            .copied()
+            .filter(|n| n.code < WALL)
+            .collect();
+        self.replace(body, &old, list);
+    }
+
+    /// Makes the walls of `list` (sorted) the wall neighbours of `body`.
+    pub fn set_walls(&mut self, body: BodyId, list: &[u32]) {
+        let old: Vec<Neighbour> = self.neighbours[body as usize]
+            .iter()
+            .copied()
+            .filter(|n| n.code >= WALL)
+            .collect();
+        let codes: Vec<u32> = list.iter().map(|w| WALL | w).collect();
+        self.replace(body, &old, &codes);
+    }
+
+    fn replace(&mut self, body: BodyId, old: &[Neighbour], codes: &[u32]) {
+        for n in old {
+            if codes.binary_search(&n.code).is_err() {
+                self.unlink(body, *n);
+            }
+        }
+        for &code in codes {
+            if old.binary_search_by_key(&code, |n| n.code).is_err() {
+                self.link(body, code);
+            }
+        }
+    }
+
+    fn link(&mut self, body: BodyId, code: u32) {
+        let (a, b, cache) = if code >= WALL {
+            let cache = Cache::Wall(CavityCache::default());
+            (Partner::Wall(code & !WALL), body, cache)
+        } else {
+            let cache = Cache::Body(PairCache::default());
+            (Partner::Body(body.min(code)), body.max(code), cache)
+        };
+        let pair = Pair {
+            a,
+            b,
+            cache,
+            friction: None,
+            contact: None,
+        };
+        let slot = if let Some(slot) = self.free.pop() {
+            self.slots[slot as usize] = pair;
+            slot
+        } else {
+            self.slots.push(pair);
+            self.slots.len() as u32 - 1
+        };
+        self.insert(body, Neighbour { code, slot });
+        if code < WALL {
+            self.insert(code, Neighbour { code: body, slot });
+        }
+        self.changed = true;
+    }
+
+    fn insert(&mut self, body: BodyId, neighbour: Neighbour) {
+        let list = &mut self.neighbours[body as usize];
+        if let Err(at) = list.binary_search_by_key(&neighbour.code, |n| n.code) {
+            list.insert(at, neighbour);
+        }
+    }
+
+    fn unlink(&mut self, body: BodyId, neighbour: Neighbour) {
+        self.neighbours[body as usize].retain(|n| n.code != neighbour.code);
+        if neighbour.code < WALL {
+            self.neighbours[neighbour.code as usize].retain(|n| n.code != body);
+        }
+        let pair = &mut self.slots[neighbour.slot as usize];
+        pair.contact = None;
+        pair.friction = None;
+        self.free.push(neighbour.slot);
+        self.changed = true;
+    }
+
+    /// Rebuilds the list of pairs with an awake body, sorted by (a, b), walls last.
+    pub fn refresh_order(&mut self, awake: &[bool]) {
+        if !self.changed {
+            return;
+        }
+        self.changed = false;
+        let mut keyed: Vec<(u64, u32)> = Vec::with_capacity(self.order.len());
+        for (i, list) in self.neighbours.iter().enumerate() {
+            if !awake[i] {
+                continue;
+            }
+            for n in list {
+                let (i, j) = (i as u32, n.code);
+                let other_lists_it = j < WALL && awake[j as usize] && j < i;
+                if !other_lists_it {
+                    let (first, second) = if j < WALL { (i.min(j), i.max(j)) } else { (i, j) };
+                    keyed.push((u64::from(first) << 32 | u64::from(second), n.slot));
+                }
+            }
+        }
+        keyed.sort_unstable();
+        self.order.clear();
+        self.order.extend(keyed.iter().map(|k| k.1));
+    }
+
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    pub fn order_len(&self) -> usize {
+        self.order.len()
+    }
+
+    pub fn slot(&self, slot: u32) -> &Pair {
+        &self.slots[slot as usize]
+    }
+
+    pub fn slot_mut(&mut self, slot: u32) -> &mut Pair {
+        &mut self.slots[slot as usize]
+    }
+
+    /// The pairs of the last update, in order.
+    pub fn evaluated(&self) -> impl Iterator<Item = &Pair> {
+        self.order.iter().map(|&slot| self.slot(slot))
+    }
+
+    pub fn contacts(&self) -> Vec<&Contact> {
+        let mut all: Vec<&Contact> = Vec::new();
+        for (i, list) in self.neighbours.iter().enumerate() {
+            let own = list.iter().filter(|n| n.code > i as u32);
+            all.extend(own.filter_map(|n| self.slot(n.slot).contact.as_ref()));
+        }
+        all
+    }
+
+    pub fn contacts_of(&self, body: BodyId) -> impl Iterator<Item = &Contact> {
+        self.neighbours
+            .get(body as usize)
+            .into_iter()
+            .flatten()
+            .filter_map(|n| self.slot(n.slot).contact.as_ref())
+    }
+}

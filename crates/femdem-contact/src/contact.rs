@@ -1,0 +1,198 @@
+//! What the batch stage reports: contacts and loads.
+
+use crate::damping::Damped;
+use crate::friction::Friction;
+use crate::kernel::Overlap;
+use crate::motion::Motion;
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// A body of the batch, by order of addition.
+pub type BodyId = u32;
+
+/// The other side of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Partner {
+    /// A body.
+    Body(BodyId),
+    /// A wall, by order of addition.
+    Wall(u32),
+}
+
+/// One touching pair: a body or wall A, and a body B. Vectors are in world axes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// Side A: the body with the lower index, or a wall.
+    pub a: Partner,
+    /// Side B.
+    pub b: BodyId,
+    /// Contact point (centre of pressure), m.
+    pub point: Vector3,
+    /// Contact point relative to the origins of A and B, m.
+    pub arm_a: Vector3,
+    /// See `arm_a`.
+    pub arm_b: Vector3,
+    /// Unit normal from A to B.
+    pub normal: Vector3,
+    /// Elastic part of the normal force, N.
+    pub elastic_force: f64,
+    /// Normal force on B along `normal`, damping included, N.
+    pub normal_force: f64,
+    /// Free moment on B that comes with the elastic force, N m.
+    pub moment: Vector3,
+    /// Friction force on B, N.
+    pub friction: Vector3,
+    /// Friction moment on B about the normal, N m.
+    pub torsion: f64,
+    /// Whether the patch slides.
+    pub slides: bool,
+    /// Contact area, m^2.
+    pub area: f64,
+    /// Overlap volume, m^3.
+    pub volume: f64,
+    /// Contact energy U, J.
+    pub energy: f64,
+    /// Energy in the friction springs, J.
+    pub spring_energy: f64,
+    /// Normal stiffness, N/m.
+    pub stiffness: f64,
+    /// Contribution to the squared frequency bound of A and B, 1/s^2.
+    pub(crate) frequency2: [f64; 2],
+    /// Contribution to the viscous rate bound of A and B, 1/s.
+    pub(crate) rate: [f64; 2],
+}
+
+/// Puts the parts of one pair together.
+pub(crate) fn assemble(
+    a: Partner,
+    b: BodyId,
+    overlap: &Overlap,
+    damped: &Damped,
+    friction: &Friction,
+    motions: [&Motion; 2],
+) -> Contact {
+    let elastic_force = overlap.force_magnitude();
+    // The patch also resists rocking: its stiffness spread over the contact area.
+    let rocking = if overlap.stiffness > 0.0 {
+        overlap.stiffness_second / overlap.stiffness
+    } else {
+        0.0
+    };
+    let normal =
+        [0, 1].map(|i| damped.inverse_mass[i] + rocking * motions[i].inverse_inertia_max);
+    let spring =
+        [0, 1].map(|i| friction.inverse_mass[i] + rocking * motions[i].inverse_inertia_max);
+    let bound = |k: f64, w: [f64; 2], i: usize| k * (w[i] + (w[0] * w[1]).sqrt());
+    let both = |kn: f64, kt: f64| [0, 1].map(|i| bound(kn, normal, i) + bound(kt, spring, i));
+    Contact {
+        a,
+        b,
+        point: motions[1].frame.position + overlap.arm_b,
+        arm_a: overlap.arm_a,
+        arm_b: overlap.arm_b,
+        normal: overlap.normal,
+        elastic_force,
+        normal_force: elastic_force * damped.scale,
+        moment: overlap.moment,
+        friction: friction.force,
+        torsion: friction.torsion,
+        slides: friction.slides,
+        area: overlap.area,
+        volume: overlap.volume,
+        energy: overlap.energy,
+        spring_energy: friction.energy,
+        stiffness: overlap.stiffness,
+        frequency2: both(overlap.stiffness, friction.stiffness),
+        rate: both(damped.viscosity, friction.viscosity),
+    }
+}
+
+impl Contact {
+    /// Total force on B, N.
+    pub fn force_on_b(&self) -> Vector3 {
+        self.normal * self.normal_force + self.friction
+    }
+
+    /// Penetration estimate, m: overlap volume over contact area.
+    pub fn penetration(&self) -> f64 {
+        if self.area > 0.0 {
+            self.volume / self.area
+        } else {
+            0.0
+        }
+    }
+
+    /// Normal force over its elastic part: what the dashpot makes of it.
+    fn damping_scale(&self) -> f64 {
+        if self.elastic_force > 0.0 {
+            self.normal_force / self.elastic_force
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Force and torque on a body about its origin.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Wrench {
+    /// Force, N.
+    pub force: Vector3,
+    /// Torque about the origin, N m.
+    pub torque: Vector3,
+}
+
+impl Wrench {
+    fn add(&mut self, force: Vector3, moment: Vector3, arm: &Vector3) {
+        self.force += force;
+        self.torque += moment + arm.cross(&force);
+    }
+
+    /// Power at the given velocities, W.
+    pub fn power(&self, velocity: &Vector3, angular_velocity: &Vector3) -> f64 {
+        self.force.dot(velocity) + self.torque.dot(angular_velocity)
+    }
+}
+
+/// Everything the contacts do to one body.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Load {
+    /// Total wrench.
+    pub total: Wrench,
+    /// The part of the normal damping.
+    pub damping: Wrench,
+    /// The part of friction and torsion.
+    pub friction: Wrench,
+    /// Sum of the normal forces, N.
+    pub normal_sum: f64,
+    /// Number of contacts.
+    pub contacts: u32,
+    /// Bound of the squared contact frequencies, 1/s^2.
+    pub frequency2: f64,
+    /// Bound of the viscous rates, 1/s.
+    pub rate: f64,
+}
+
+impl Load {
+    /// Adds a contact; `side` 0 is A, 1 is B.
+    pub(crate) fn add(&mut self, contact: &Contact, side: usize) {
+        let (sign, arm) = if side == 1 {
+            (1.0, &contact.arm_b)
+        } else {
+            (-1.0, &contact.arm_a)
+        };
+        let scale = contact.damping_scale();
+        let elastic = contact.normal * (sign * contact.elastic_force);
+        let moment = contact.moment * sign;
+        let friction = contact.friction * sign;
+        let torsion = contact.normal * (sign * contact.torsion);
+        self.total
+            .add(elastic * scale + friction, moment * scale + torsion, arm);
+        self.friction.add(friction, torsion, arm);
+        self.damping
+            .add(elastic * (scale - 1.0), moment * (scale - 1.0), arm);
+        self.normal_sum += contact.normal_force;
+        self.contacts += 1;
+        self.frequency2 += contact.frequency2[side];
+        self.rate += contact.rate[side];
+    }
+}

@@ -1,0 +1,54 @@
+//! Normal damping with an exact coefficient of restitution.
+//!
+//! The dashpot acts along the gradient of the contact energy, in the space of both
+//! bodies' motions: F_d = 2 zeta sqrt(m_eff) |grad U| / sqrt(2 U) times the closing rate.
+//! It scales the whole elastic wrench, so the restitution depends on zeta alone,
+//! whatever touches what (face, edge or vertex).
+
+use crate::kernel::Overlap;
+use crate::motion::Motion;
+use femdem_mesh::Vector3;
+
+/// The response of the pair to its own contact direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Damped {
+    /// Elastic plus viscous force over elastic force; at least 0 (no tension).
+    pub scale: f64,
+    /// Inverse effective masses of A and B along the contact direction, levers included, 1/kg.
+    pub inverse_mass: [f64; 2],
+    /// Viscous coefficient, N s/m.
+    pub viscosity: f64,
+}
+
+/// Generalised inverse mass of one body for a unit force at the contact with its lever.
+fn inverse_mass(motion: &Motion, torque: &Vector3, magnitude: f64) -> f64 {
+    let lever = torque / magnitude;
+    motion.inverse_mass + lever.dot(&(motion.inverse_inertia * lever))
+}
+
+/// Scales the elastic wrench of `overlap` by the dashpot of ratio `zeta`.
+pub(crate) fn damp(overlap: &Overlap, a: &Motion, b: &Motion, zeta: f64) -> Damped {
+    let magnitude = overlap.force_magnitude();
+    let (torque_a, torque_b) = (overlap.torque_a(), overlap.torque_b());
+    let inverse_mass = [
+        inverse_mass(a, &torque_a, magnitude),
+        inverse_mass(b, &torque_b, magnitude),
+    ];
+    let total = inverse_mass[0] + inverse_mass[1];
+    let mut damped = Damped {
+        scale: 1.0,
+        inverse_mass,
+        viscosity: 0.0,
+    };
+    if zeta == 0.0 || total <= 0.0 || overlap.energy <= 0.0 {
+        return damped;
+    }
+    let power = overlap.force.dot(&(b.velocity - a.velocity))
+        + torque_b.dot(&b.angular_velocity)
+        + torque_a.dot(&a.angular_velocity);
+    let closing = -power / magnitude;
+    let rate = 2.0 * zeta / (2.0 * overlap.energy * total).sqrt();
+    damped.viscosity = rate * magnitude;
+    damped.scale = (1.0 + rate * closing).max(0.0);
+    damped
+}

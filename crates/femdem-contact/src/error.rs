@@ -1,0 +1,104 @@
+//! What can go wrong when shapes, laws and batches are built or driven.
+
+use thiserror::Error;
+
+/// Errors of this crate. Kernels never fail on finite input; constructors and
+/// the batch validate what they are given.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ContactError {
+    /// The gauge field exists for convex bodies only.
+    #[error(
+        "the body is not convex: the gauge field needs a convex polyhedron; \
+         take its convex hull or split it into convex parts"
+    )]
+    NotConvex,
+    /// The centroid has to lie strictly inside every face plane.
+    #[error(
+        "face {face} lies {distance:e} m from the centroid, but every face must be farther than \
+         {least:e} m (1e-6 of the bounding radius): the body is too thin for the gauge field"
+    )]
+    TooThin {
+        /// Index of the offending face.
+        face: usize,
+        /// Distance from the centroid to the face plane, m.
+        distance: f64,
+        /// Smallest allowed distance, m.
+        least: f64,
+    },
+    /// A shape has more faces or vertices than the 16-bit indices of the kernel can hold.
+    #[error("the body has {count} {what}, but at most {most} are supported: simplify the surface")]
+    TooLarge {
+        /// What is counted: faces, vertices or edges.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// The largest supported number.
+        most: usize,
+    },
+    /// A parameter is out of its range.
+    #[error("{name} = {value} is not allowed: it must be {allowed}")]
+    Parameter {
+        /// The parameter's name.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// The allowed range in words.
+        allowed: &'static str,
+    },
+    /// An index refers to something that was never added.
+    #[error("there is no {what} {index}: {count} were added")]
+    NoSuch {
+        /// What the index refers to: shape, body or wall.
+        what: &'static str,
+        /// The index given.
+        index: usize,
+        /// How many exist.
+        count: usize,
+    },
+    /// The slice of body states does not match the bodies in the batch.
+    #[error("{given} body states were given for {expected} bodies: pass one state per added body")]
+    StateCount {
+        /// States given.
+        given: usize,
+        /// Bodies in the batch.
+        expected: usize,
+    },
+    /// A body's state is not finite.
+    #[error(
+        "the state of body {body} is not finite (position {position:?}): \
+         the host's integration has blown up; reduce the time step"
+    )]
+    NotFinite {
+        /// The body.
+        body: usize,
+        /// Its position, m.
+        position: [f64; 3],
+    },
+    /// A wall description is inconsistent.
+    #[error("the wall \"{name}\" cannot be built: {why}")]
+    Wall {
+        /// The wall's name.
+        name: String,
+        /// What is wrong and what to do.
+        why: String,
+    },
+}
+
+/// Returns an error unless `value` is finite and satisfies `ok`.
+pub(crate) fn check(
+    name: &'static str,
+    value: f64,
+    ok: bool,
+    allowed: &'static str,
+) -> Result<(), ContactError> {
+    if value.is_finite() && ok {
+        Ok(())
+    } else {
+        Err(ContactError::Parameter {
+            name,
+            value,
+            allowed,
+        })
+    }
+}

@@ -1,0 +1,183 @@
+//! Friction of a contact patch: anchors in both bodies, a torsion spring, and the
+//! ellipsoid limit surface.
+//!
+//! The patch is a bristle foundation: its tangential modulus is `r` times the normal one,
+//! so k_t = r K and k_theta = r J. The spring is stretched between two anchor points that
+//! are fixed in the two bodies; a rigid motion of the pair leaves it unchanged.
+
+use crate::kernel::Overlap;
+use crate::law::ContactParameters;
+use crate::motion::Motion;
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// The anchors follow the contact point once it has moved by this fraction of the
+/// larger of the patch radius and the arms' length scale.
+const RECENTRE: f64 = 0.02;
+
+/// Friction history of one patch.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FrictionState {
+    /// Anchor in A's axes, m from A's origin.
+    anchor_a: Vector3,
+    /// Anchor in B's axes, m from B's origin.
+    anchor_b: Vector3,
+    /// Torsion angle about the normal, rad.
+    torsion: f64,
+    /// Springs of the last step, N/m and N m/rad.
+    stiffness: f64,
+    torsion_stiffness: f64,
+}
+
+/// Friction of one step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Friction {
+    /// Force on B at the contact point, N.
+    pub force: Vector3,
+    /// Moment on B about the normal, N m.
+    pub torsion: f64,
+    /// Energy stored in both springs, J.
+    pub energy: f64,
+    /// Springs and dashpots, for the step bound: N/m, N s/m.
+    pub stiffness: f64,
+    pub viscosity: f64,
+    /// Largest inverse masses of A and B for a tangential force, 1/kg.
+    pub inverse_mass: [f64; 2],
+    /// Whether the patch slides.
+    pub slides: bool,
+}
+
+impl FrictionState {
+    /// A patch that has just formed, unstretched.
+    pub(crate) fn new(overlap: &Overlap, a: &Motion, b: &Motion) -> Self {
+        Self {
+            anchor_a: a.frame.rotation.tr_mul(&overlap.arm_a),
+            anchor_b: b.frame.rotation.tr_mul(&overlap.arm_b),
+            torsion: 0.0,
+            stiffness: 0.0,
+            torsion_stiffness: 0.0,
+        }
+    }
+
+    /// Stretch of the spring, the tangential part of x_B(X_B) - x_A(X_A), m.
+    fn stretch(&self, overlap: &Overlap, a: &Motion, b: &Motion) -> Vector3 {
+        let between = overlap.arm_a - overlap.arm_b;
+        let apart =
+            between + b.frame.rotation * self.anchor_b - a.frame.rotation * self.anchor_a;
+        apart - overlap.normal * overlap.normal.dot(&apart)
+    }
+
+    /// Puts the anchors around the contact point so that the stretch is `stretch`.
+    fn place(&mut self, overlap: &Overlap, a: &Motion, b: &Motion, stretch: &Vector3) {
+        let half = stretch * 0.5;
+        self.anchor_a = a.frame.rotation.tr_mul(&(overlap.arm_a - half));
+        self.anchor_b = b.frame.rotation.tr_mul(&(overlap.arm_b + half));
+    }
+
+    /// Advances the patch by one step and returns its friction.
+    ///
+    /// `normal_force` is the total normal force, N; `dt` the time since the last call, s.
+    pub(crate) fn update(
+        &mut self,
+        law: &ContactParameters,
+        overlap: &Overlap,
+        normal_force: f64,
+        a: &Motion,
+        b: &Motion,
+        dt: f64,
+    ) -> Friction {
+        let n = overlap.normal;
+        let spin = n.dot(&(b.angular_velocity - a.angular_velocity));
+        let slip = {
+            let v = b.velocity_at(&overlap.arm_b) - a.velocity_at(&overlap.arm_a);
+            v - n * n.dot(&v)
+        };
+        let mut stretch = self.stretch(overlap, a, b);
+        let mut torsion = self.torsion + spin * dt;
+        let k = law.tangential_ratio * overlap.stiffness;
+        let k_theta = law.tangential_ratio * overlap.stiffness_second;
+        let mut moved = false;
+        // A stiffer patch keeps its force, a softer one its stretch: neither makes energy.
+        if k > self.stiffness && self.stiffness > 0.0 {
+            stretch *= self.stiffness / k;
+            moved = true;
+        }
+        if k_theta > self.torsion_stiffness && self.torsion_stiffness > 0.0 {
+            torsion *= self.torsion_stiffness / k_theta;
+        }
+        let inverse_mass = [
+            a.inverse_mass_at(&overlap.arm_a),
+            b.inverse_mass_at(&overlap.arm_b),
+        ];
+        let inverse_inertia =
+            n.dot(&(a.inverse_inertia * n)) + n.dot(&(b.inverse_inertia * n));
+        let eta = dashpot(law.tangential_damping, k, inverse_mass[0] + inverse_mass[1]);
+        let eta_theta = dashpot(law.tangential_damping, k_theta, inverse_inertia);
+        let mut force = -stretch * k - slip * eta;
+        let mut moment = -k_theta * torsion - eta_theta * spin;
+        let most = law.friction * normal_force;
+        let load = limit_surface(force.norm(), moment.abs(), most, overlap.torsion_radius);
+        let slides = load > 1.0;
+        if slides {
+            force /= load;
+            moment /= load;
+            // The spring carries what the dashpot leaves of the bound; it never pushes
+            // along the slip.
+            let spring = force + slip * eta;
+            stretch = if spring.dot(&force) > 0.0 {
+                -spring / k
+            } else {
+                Vector3::zeros()
+            };
+            let spring = moment + eta_theta * spin;
+            torsion = if k_theta > 0.0 && spring * moment > 0.0 {
+                -spring / k_theta
+            } else {
+                0.0
+            };
+            moved = true;
+        }
+        let drift = overlap.arm_b - b.frame.rotation * self.anchor_b;
+        let drift = drift - n * n.dot(&drift);
+        let reach = RECENTRE * overlap.arm_b.norm();
+        if moved || drift.norm_squared() > reach * reach {
+            self.place(overlap, a, b, &stretch);
+        }
+        self.torsion = torsion;
+        self.stiffness = k;
+        self.torsion_stiffness = k_theta;
+        Friction {
+            force,
+            torsion: moment,
+            energy: 0.5 * (k * stretch.norm_squared() + k_theta * torsion * torsion),
+            stiffness: k,
+            viscosity: eta,
+            inverse_mass,
+            slides,
+        }
+    }
+}
+
+/// Viscosity of a fraction `zeta` of critical damping.
+fn dashpot(zeta: f64, stiffness: f64, inverse_mass: f64) -> f64 {
+    if inverse_mass > 0.0 {
+        2.0 * zeta * (stiffness / inverse_mass).sqrt()
+    } else {
+        0.0
+    }
+}
+
+/// How far force and moment exceed the ellipsoid limit surface; at most 1 inside. The
+/// radius of the patch turns the force bound into the moment bound.
+fn limit_surface(force: f64, moment: f64, most: f64, radius: f64) -> f64 {
+    let part = |x: f64, bound: f64| {
+        if x == 0.0 {
+            0.0
+        } else if bound > 0.0 {
+            x / bound
+        } else {
+            f64::INFINITY
+        }
+    };
+    part(force, most).hypot(part(moment, most * radius))
+}

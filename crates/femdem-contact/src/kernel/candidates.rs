@@ -1,0 +1,181 @@
+//! Which planes and facets of two bodies can take part in their overlap.
+//!
+//! The overlap lies in a box aligned with the contact direction: between the supports
+//! of the two bodies along it, and within the lateral extents of both slabs. Only
+//! planes that can bound the overlap or own a gauge cell in it are kept. All bounds
+//! are inflated by a margin, so that the lists stay valid while the bodies move
+//! relative to each other by less than that margin.
+
+use crate::shape::ConvexShape;
+use femdem_mesh::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
+
+/// A box in A's axes: rows of `axes` are its directions, the first the contact direction.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ContactBox {
+    pub axes: [Vector3; 3],
+    pub centre: Vector3,
+    pub half: Vector3,
+}
+
+/// Indices into a shape's planes and facets.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Candidates {
+    pub planes: SmallVec<[u16; 10]>,
+    pub facets: SmallVec<[u16; 8]>,
+}
+
+/// Two unit vectors that complete `axis` to a right-handed frame, without branches on
+/// nearly equal components (Duff et al. 2017).
+pub(crate) fn complete(axis: &Vector3) -> [Vector3; 3] {
+    let sign = 1.0_f64.copysign(axis.z);
+    let a = -1.0 / (sign + axis.z);
+    let b = axis.x * axis.y * a;
+    [
+        *axis,
+        Vector3::new(1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x),
+        Vector3::new(b, sign + axis.y * axis.y * a, -axis.y),
+    ]
+}
+
+/// Lateral extents of the part of a body beyond a level along the first axis.
+struct Extents {
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+/// Extents of {x in shape: u(x) <= level}, with u, v, w the coordinates along three
+/// directions given in the shape's own axes, relative to `origin` values.
+fn extents_below(
+    shape: &ConvexShape,
+    directions: &[Vector3; 3],
+    level: f64,
+    heights: &mut Vec<f64>,
+) -> Extents {
+    heights.clear();
+    heights.extend(shape.vertices().iter().map(|x| directions[0].dot(x)));
+    let mut e = Extents {
+        low: [f64::INFINITY; 2],
+        high: [f64::NEG_INFINITY; 2],
+    };
+    let mut take = |x: &Vector3| {
+        for k in 0..2 {
+            let c = directions[k + 1].dot(x);
+            e.low[k] = e.low[k].min(c);
+            e.high[k] = e.high[k].max(c);
+        }
+    };
+    for (x, u) in shape.vertices().iter().zip(heights.iter()) {
+        if *u <= level {
+            take(x);
+        }
+    }
+    for edge in &shape.edges {
+        let [i, j] = edge.map(usize::from);
+        let (ui, uj) = (heights[i], heights[j]);
+        if (ui <= level) != (uj <= level) {
+            let t = (level - ui) / (uj - ui);
+            take(&(shape.vertices()[i] + (shape.vertices()[j] - shape.vertices()[i]) * t));
+        }
+    }
+    e
+}
+
+/// The box that holds every overlap of A and B while they move by less than `margin`;
+/// `None` if there can be none. B is posed by `rotation`, `offset` in A's axes.
+pub(crate) fn contact_box(
+    a: &ConvexShape,
+    b: &ConvexShape,
+    rotation: &Matrix3,
+    offset: &Vector3,
+    axis: &Vector3,
+    margin: f64,
+    heights: &mut Vec<f64>,
+) -> Option<ContactBox> {
+    let axes = complete(axis);
+    let in_b = axes.map(|d| rotation.tr_mul(&d));
+    let shift = axes.map(|d| d.dot(offset));
+    let top = a.support(axis);
+    let bottom = shift[0] - b.support(&-in_b[0]) - margin;
+    if bottom > top {
+        return None;
+    }
+    let ea = extents_below(a, &axes.map(|d| -d), -bottom, heights);
+    let eb = extents_below(b, &in_b, top + margin - shift[0], heights);
+    let mut low = Vector3::new(bottom, 0.0, 0.0);
+    let mut high = Vector3::new(top, 0.0, 0.0);
+    for k in 0..2 {
+        low[k + 1] = (-ea.high[k]).max(eb.low[k] + shift[k + 1] - margin);
+        high[k + 1] = (-ea.low[k]).min(eb.high[k] + shift[k + 1] + margin);
+    }
+    // A hair wider than needed, so that no true vertex of the overlap is cut by the box.
+    let hair = Vector3::repeat(1e-3 * margin);
+    let half = (high - low) * 0.5 + hair;
+    if half.min() <= 0.0 {
+        return None;
+    }
+    let mid = (high + low) * 0.5;
+    Some(ContactBox {
+        axes,
+        centre: axes[0] * mid[0] + axes[1] * mid[1] + axes[2] * mid[2],
+        half,
+    })
+}
+
+/// Planes of `shape` that bound the box's content or own a gauge cell there, the one
+/// facing `towards` first, and facets that can meet the box. The box is given in the
+/// shape's axes. `None` if the box lies outside a plane.
+pub(crate) fn candidates(
+    shape: &ConvexShape,
+    region: &ContactBox,
+    inflate: f64,
+    towards: &Vector3,
+) -> Option<Candidates> {
+    let half = region.half.add_scalar(inflate);
+    let bounds = |k: usize| {
+        let p = &shape.planes[k];
+        let mid = p.normal.dot(&region.centre);
+        let reach: f64 = (0..3)
+            .map(|i| half[i] * p.normal.dot(&region.axes[i]).abs())
+            .sum();
+        ((mid - reach) / p.offset, (mid + reach) / p.offset)
+    };
+    let floor = (0..shape.planes.len())
+        .map(|k| bounds(k).0)
+        .fold(f64::NEG_INFINITY, f64::max);
+    if floor >= 1.0 {
+        return None;
+    }
+    let mut list = Candidates::default();
+    for k in 0..shape.planes.len() {
+        // A cell of the gauge is the region where its plane has the largest gauge.
+        if bounds(k).1 >= floor {
+            list.planes.push(k as u16);
+        }
+    }
+    list.planes.sort_by(|i, j| {
+        let facing = |k: &u16| shape.planes[usize::from(*k)].normal.dot(towards);
+        facing(j).total_cmp(&facing(i)).then(i.cmp(j))
+    });
+    for (i, facet) in shape.facets.iter().enumerate() {
+        let (low, high) = bounds(usize::from(facet.plane));
+        if low <= 1.0 && high >= 1.0 && meets(shape.polygon(facet), region, &half) {
+            list.facets.push(i as u16);
+        }
+    }
+    Some(list)
+}
+
+/// Whether the polygon's extents along the box axes reach into the box.
+fn meets(polygon: &[Vector3], region: &ContactBox, half: &Vector3) -> bool {
+    (0..3).all(|k| {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for x in polygon {
+            let c = region.axes[k].dot(&(x - region.centre));
+            low = low.min(c);
+            high = high.max(c);
+        }
+        low <= half[k] && high >= -half[k]
+    })
+}

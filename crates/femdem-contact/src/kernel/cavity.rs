@@ -1,0 +1,327 @@
+//! Contact of a convex body with a rigid wall.
+//!
+//! The wall has no field of its own: U = p_w int phi_B dV over the part of B outside the
+//! free space, with p_w = 2 p, so that a face lying on a wall is as stiff as on an equal
+//! face. The force is p_w sum_k n_k int phi_B dS over the wall planes inside B.
+
+use super::candidates::{Candidates, ContactBox, candidates, complete};
+use super::clip::{Cut, HalfSpace};
+use super::overlap::{MEAN_OVER_RMS, Overlap};
+use super::pair::Scratch;
+use super::side::{Section, SideSums, add_by_cells, pose_planes};
+use crate::error::{ContactError, check};
+use crate::shape::{ConvexShape, Frame};
+use crate::walls::Wall;
+use femdem_mesh::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
+
+/// Wall penalty over body penalty.
+const WALL_FACTOR: f64 = 2.0;
+
+/// Lists stay valid while the relative motion is below this fraction of twice the inradius.
+const MARGIN: f64 = 0.01;
+
+/// The penalty law between a convex body and a wall.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CavityKernel {
+    penalty: f64,
+}
+
+/// What the kernel remembers of a body and a wall; see [`PairCache`](super::PairCache).
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct CavityCache {
+    until: f64,
+    near: Option<Near>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Near {
+    /// Wall planes within reach, the deepest first.
+    planes: SmallVec<[u16; 4]>,
+    /// In the body's axes.
+    region: ContactBox,
+    body: Candidates,
+}
+
+/// A wall plane in the body's axes: the free side is {normal.y + distance >= 0}.
+#[derive(Debug, Clone, Copy)]
+struct PosedPlane {
+    normal: Vector3,
+    /// Signed distance of the body's centroid from the plane, m.
+    distance: f64,
+}
+
+impl PosedPlane {
+    fn free_side(&self) -> HalfSpace {
+        HalfSpace {
+            normal: -self.normal,
+            offset: self.distance,
+        }
+    }
+
+    fn solid_side(&self) -> HalfSpace {
+        HalfSpace {
+            normal: self.normal,
+            offset: -self.distance,
+        }
+    }
+}
+
+/// The wall's planes seen from the body.
+struct View<'a> {
+    wall: &'a Wall,
+    /// Wall axes -> body axes.
+    rotation: Matrix3,
+    /// Position of the body's centroid in the wall's axes.
+    centre: Vector3,
+}
+
+impl View<'_> {
+    fn plane(&self, k: usize) -> PosedPlane {
+        let p = &self.wall.planes()[k];
+        PosedPlane {
+            normal: self.rotation * p.normal,
+            distance: p.normal.dot(&self.centre) - p.offset,
+        }
+    }
+}
+
+impl CavityKernel {
+    /// A kernel for bodies with penalty `p` in Pa among themselves.
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] unless the penalty is positive and finite.
+    pub fn new(penalty: f64) -> Result<Self, ContactError> {
+        check("penalty", penalty, penalty > 0.0, "positive and finite, in Pa")?;
+        Ok(Self { penalty })
+    }
+
+    /// The contact of a wall (A) with a body (B), or `None` if they do not overlap.
+    pub fn evaluate(
+        &self,
+        wall: &Wall,
+        frame_wall: &Frame,
+        body: &ConvexShape,
+        frame_body: &Frame,
+        scratch: &mut Scratch,
+    ) -> Option<Overlap> {
+        let mut cache = CavityCache::default();
+        self.evaluate_cached(
+            wall, frame_wall, body, frame_body, &mut cache, 0.0, scratch,
+        )
+    }
+
+    /// As [`evaluate`](Self::evaluate), with a cache and the motion bound of
+    /// [`PairKernel::evaluate_cached`](super::PairKernel::evaluate_cached).
+    #[expect(clippy::too_many_arguments, reason = "two bodies, each shape and frame")]
+    pub fn evaluate_cached(
+        &self,
+        wall: &Wall,
+        frame_wall: &Frame,
+        body: &ConvexShape,
+        frame_body: &Frame,
+        cache: &mut CavityCache,
+        motion: f64,
+        scratch: &mut Scratch,
+    ) -> Option<Overlap> {
+        let expired = motion >= cache.until;
+        if cache.near.is_none() && !expired {
+            return None;
+        }
+        let between = frame_body.position - frame_wall.position;
+        let view = View {
+            wall,
+            rotation: frame_body.rotation.tr_mul(&frame_wall.rotation),
+            centre: frame_wall.rotation.tr_mul(&between),
+        };
+        if expired {
+            cache.renew(&view, body, motion);
+        }
+        let near = cache.near.as_ref()?;
+        let sums = sections(&view, body, near, scratch);
+        self.assemble(&sums, near, &between, &frame_body.rotation)
+    }
+
+    fn assemble(
+        &self,
+        sums: &SideSums,
+        near: &Near,
+        between: &Vector3,
+        rotation: &Matrix3,
+    ) -> Option<Overlap> {
+        let p = WALL_FACTOR * self.penalty;
+        let force = sums.force * p;
+        let magnitude = force.norm();
+        if !(sums.pressure > 0.0 && magnitude > 0.0) {
+            return None;
+        }
+        let normal = force / magnitude;
+        let centre = sums.pressure_moment / sums.pressure;
+        let arm_b = rotation * (near.region.centre + centre);
+        let volume = normal.dot(&(sums.volume_tensor * normal)).max(0.0);
+        let stiffness = p * sums.stiffness;
+        let stiffness_centre = sums.stiffness_moment * (p / stiffness);
+        let spread = sums.pressure_second / sums.pressure - centre.norm_squared();
+        Some(Overlap {
+            force: rotation * force,
+            moment: rotation * (sums.torque * p - centre.cross(&force)),
+            arm_a: arm_b + between,
+            arm_b,
+            normal: rotation * normal,
+            energy: (0.25 * p * (volume + sums.lever)).max(0.0),
+            volume,
+            area: normal.dot(&sums.vector_area).max(0.0),
+            stiffness,
+            stiffness_second: (p * sums.stiffness_second
+                - stiffness * stiffness_centre.norm_squared())
+            .max(0.0),
+            torsion_radius: MEAN_OVER_RMS * spread.max(0.0).sqrt(),
+        })
+    }
+}
+
+/// Integrals over the wall planes inside the body, and the volume outside the free space,
+/// in the body's axes about the region's centre.
+fn sections(view: &View, body: &ConvexShape, near: &Near, scratch: &mut Scratch) -> SideSums {
+    let mut sums = SideSums::default();
+    let origin = near.region.centre;
+    pose_planes(
+        body,
+        &near.body,
+        &Matrix3::identity(),
+        &Vector3::zeros(),
+        &mut scratch.planes,
+    );
+    let planes: SmallVec<[PosedPlane; 4]> = near
+        .planes
+        .iter()
+        .map(|&k| view.plane(usize::from(k)))
+        .collect();
+    let size = 2.0 * near.region.half.norm();
+    for (k, plane) in planes.iter().enumerate() {
+        let on_plane = origin - plane.normal * (plane.normal.dot(&origin) + plane.distance);
+        scratch.side.clipper.load(&square(plane, &on_plane, size));
+        let others = planes.iter().enumerate().filter(|(j, _)| *j != k);
+        let free: SmallVec<[HalfSpace; 4]> = others.map(|(_, p)| p.free_side()).collect();
+        let inside = scratch
+            .side
+            .clipper
+            .cut_all(scratch.planes.iter().map(|p| &p.half_space))
+            && scratch.side.clipper.cut_all(&free);
+        if inside {
+            let section = Section {
+                normal: plane.normal,
+                lever: -plane.distance,
+            };
+            add_by_cells(
+                &section,
+                &scratch.planes,
+                &origin,
+                &mut scratch.side,
+                &mut sums,
+            );
+        }
+        // The skin behind this plane and in front of the earlier ones.
+        for &i in &near.body.facets {
+            let facet = &body.facets[usize::from(i)];
+            let clipper = &mut scratch.side.clipper;
+            if clipper.load_cut(body.polygon(facet), &plane.solid_side()) != Cut::Empty
+                && planes[..k]
+                    .iter()
+                    .all(|p| clipper.cut(&p.free_side()) != Cut::Empty)
+            {
+                let normal = body.planes[usize::from(facet.plane)].normal;
+                sums.add_skin(clipper.polygon(), &normal, &origin);
+            }
+        }
+    }
+    sums
+}
+
+/// A square of half-width `size` on a plane, counter-clockwise seen from the free side.
+fn square(plane: &PosedPlane, centre: &Vector3, size: f64) -> [Vector3; 4] {
+    let [_, e1, e2] = complete(&plane.normal);
+    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+        .map(|(s, t)| centre + e1 * (s * size) + e2 * (t * size))
+}
+
+impl CavityCache {
+    /// Whether `motion` still lies within what the cache allows without a look at the pair.
+    pub fn is_clear(&self, motion: f64) -> bool {
+        self.near.is_none() && motion < self.until
+    }
+
+    fn renew(&mut self, view: &View, body: &ConvexShape, motion: f64) {
+        let margin = 2.0 * MARGIN * body.inradius();
+        let mut clear = f64::INFINITY;
+        let mut reach: SmallVec<[(f64, u16); 8]> = SmallVec::new();
+        for k in 0..view.wall.planes().len() {
+            let plane = view.plane(k);
+            let mut gap = plane.distance - body.radius();
+            if gap <= margin {
+                gap = plane.distance - body.support(&-plane.normal);
+                if gap <= margin {
+                    reach.push((gap, k as u16));
+                }
+            }
+            clear = clear.min(gap);
+        }
+        self.near = None;
+        if clear > 0.25 * margin {
+            self.until = motion + clear;
+            return;
+        }
+        reach.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        let planes: SmallVec<[u16; 4]> = reach.iter().map(|r| r.1).collect();
+        self.near = region(view, body, &planes, margin).and_then(|region| {
+            let towards = -region.axes[0];
+            let body = candidates(body, &region, 0.0, &towards)?;
+            Some(Near {
+                planes,
+                region,
+                body,
+            })
+        });
+        self.until = motion + margin;
+    }
+}
+
+/// The box, in the body's axes, of all parts of the body within `margin` of the planes.
+fn region(
+    view: &View,
+    body: &ConvexShape,
+    planes: &[u16],
+    margin: f64,
+) -> Option<ContactBox> {
+    let axes = complete(&view.plane(usize::from(*planes.first()?)).normal);
+    let mut low = Vector3::repeat(f64::INFINITY);
+    let mut high = Vector3::repeat(f64::NEG_INFINITY);
+    let mut take = |x: &Vector3| {
+        let c = Vector3::new(axes[0].dot(x), axes[1].dot(x), axes[2].dot(x));
+        low = low.inf(&c);
+        high = high.sup(&c);
+    };
+    for &k in planes {
+        let plane = view.plane(usize::from(k));
+        let depth = |x: &Vector3| margin - plane.distance - plane.normal.dot(x);
+        body.vertices()
+            .iter()
+            .filter(|x| depth(x) >= 0.0)
+            .for_each(&mut take);
+        for edge in &body.edges {
+            let [x, y] = edge.map(|v| body.vertices()[usize::from(v)]);
+            let (dx, dy) = (depth(&x), depth(&y));
+            if (dx >= 0.0) != (dy >= 0.0) {
+                take(&(x + (y - x) * (dx / (dx - dy))));
+            }
+        }
+    }
+    let half = (high - low) * 0.5 + Vector3::repeat(1e-3 * margin);
+    let mid = (high + low) * 0.5;
+    (half.min() > 0.0).then(|| ContactBox {
+        axes,
+        centre: axes[0] * mid[0] + axes[1] * mid[1] + axes[2] * mid[2],
+        half,
+    })
+}

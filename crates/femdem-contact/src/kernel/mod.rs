@@ -1,0 +1,13 @@
+//! Layer 1: the pair kernel. Two shapes, two frames, a penalty in; an [`Overlap`] out.
+
+mod candidates;
+mod cavity;
+mod clip;
+mod overlap;
+mod pair;
+mod separation;
+mod side;
+
+pub use cavity::{CavityCache, CavityKernel};
+pub use overlap::Overlap;
+pub use pair::{PairCache, PairKernel, Scratch};

@@ -1,0 +1,65 @@
+//! What the pair kernel returns.
+
+use femdem_mesh::Vector3;
+
+/// The elastic contact of two bodies A and B (or of a wall A and a body B).
+///
+/// All vectors are in world axes. The wrench on B is `force` at the contact point with
+/// the free moment `moment`; the wrench on A is the opposite about the same point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Overlap {
+    /// Force on B, N: minus the gradient of `energy` with respect to B's position.
+    pub force: Vector3,
+    /// Free moment on B about the contact point, N m.
+    pub moment: Vector3,
+    /// Contact point (centre of pressure) relative to A's origin, m.
+    pub arm_a: Vector3,
+    /// Contact point relative to B's origin, m.
+    pub arm_b: Vector3,
+    /// Unit normal, from A to B: the direction of `force`.
+    pub normal: Vector3,
+    /// Contact energy U, J.
+    pub energy: f64,
+    /// Overlap volume, m^3.
+    pub volume: f64,
+    /// Contact area, m^2: the vector area of the overlap projected on the normal.
+    pub area: f64,
+    /// Normal stiffness K, N/m: minus the trace of the Hessian of U, an upper bound of
+    /// the stiffness in any direction.
+    pub stiffness: f64,
+    /// Polar second moment of the stiffness about its centre, N m (torsion foundation).
+    pub stiffness_second: f64,
+    /// Mean distance of the pressure from the contact point, m: the friction torque of
+    /// a patch that spins is mu F times this radius.
+    pub torsion_radius: f64,
+}
+
+/// Ratio of the mean distance to the root-mean-square distance for a uniform disc,
+/// (2/3) sqrt(2). It is within 1 % for a uniform square and 3 % for a conical pressure.
+pub(crate) const MEAN_OVER_RMS: f64 = 0.942_809_041_582_063_4;
+
+impl Overlap {
+    /// Magnitude of the elastic normal force, N.
+    pub fn force_magnitude(&self) -> f64 {
+        self.force.dot(&self.normal)
+    }
+
+    /// Torque on B about its origin, N m.
+    pub fn torque_b(&self) -> Vector3 {
+        self.moment + self.arm_b.cross(&self.force)
+    }
+
+    /// Torque on A about its origin, N m.
+    pub fn torque_a(&self) -> Vector3 {
+        -(self.moment + self.arm_a.cross(&self.force))
+    }
+
+    /// Penetration estimate, m: overlap volume over contact area.
+    pub fn penetration(&self) -> f64 {
+        if self.area > 0.0 {
+            self.volume / self.area
+        } else {
+            0.0
+        }
+    }
+}

@@ -1,0 +1,266 @@
+//! The gauge-gauge pair kernel (sum form, exact polygons) with its cache.
+
+use super::candidates::{Candidates, ContactBox, candidates, contact_box};
+use super::overlap::{MEAN_OVER_RMS, Overlap};
+use super::separation::{gap_along, separate};
+use super::side::{FieldPlane, SideScratch, SideSums, box_planes, integrate_side, pose_planes};
+use crate::error::{ContactError, check};
+use crate::shape::{ConvexShape, Frame};
+use femdem_mesh::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Candidate lists stay valid while the relative motion is below this fraction of the
+/// sum of the inradii.
+const MARGIN: f64 = 0.01;
+
+/// Buffers that the kernel reuses from call to call.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    pub(crate) side: SideScratch,
+    pub(crate) planes: Vec<FieldPlane>,
+    pub(crate) heights: Vec<f64>,
+}
+
+/// What the kernel remembers of a pair: a separating direction with the motion it
+/// allows, or the planes and facets that can touch. It never changes which contacts are
+/// found; a fresh cache gives the same result to round-off.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct PairCache {
+    /// Contact or separating direction from A to B, in A's axes; zero: unknown.
+    axis: Vector3,
+    /// The state holds while the motion is below this, m.
+    until: f64,
+    /// `None`: the bodies are apart.
+    near: Option<Near>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Near {
+    region: ContactBox,
+    a: Candidates,
+    b: Candidates,
+}
+
+/// The penalty law of convex bodies: U = p int (phi_A + phi_B) dV over the overlap.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PairKernel {
+    penalty: f64,
+}
+
+impl PairKernel {
+    /// A kernel with penalty `p` in Pa.
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] unless the penalty is positive and finite.
+    pub fn new(penalty: f64) -> Result<Self, ContactError> {
+        check("penalty", penalty, penalty > 0.0, "positive and finite, in Pa")?;
+        Ok(Self { penalty })
+    }
+
+    /// The penalty, Pa.
+    pub fn penalty(&self) -> f64 {
+        self.penalty
+    }
+
+    /// The contact of A and B, or `None` if they do not overlap.
+    pub fn evaluate(
+        &self,
+        a: &ConvexShape,
+        frame_a: &Frame,
+        b: &ConvexShape,
+        frame_b: &Frame,
+        scratch: &mut Scratch,
+    ) -> Option<Overlap> {
+        let mut cache = PairCache::default();
+        self.evaluate_cached(a, frame_a, b, frame_b, &mut cache, 0.0, scratch)
+    }
+
+    /// As [`evaluate`](Self::evaluate), with a cache carried from call to call.
+    ///
+    /// `motion` is a running upper bound of the distance that any point of A or of B has
+    /// travelled (the sum of both), m. It must not decrease between calls with the same
+    /// cache.
+    #[expect(clippy::too_many_arguments, reason = "two bodies, each shape and frame")]
+    pub fn evaluate_cached(
+        &self,
+        a: &ConvexShape,
+        frame_a: &Frame,
+        b: &ConvexShape,
+        frame_b: &Frame,
+        cache: &mut PairCache,
+        motion: f64,
+        scratch: &mut Scratch,
+    ) -> Option<Overlap> {
+        let expired = motion >= cache.until;
+        if cache.near.is_none() && !expired {
+            return None;
+        }
+        let rotation = frame_a.rotation.tr_mul(&frame_b.rotation);
+        let between = frame_b.position - frame_a.position;
+        let offset = frame_a.rotation.tr_mul(&between);
+        if expired {
+            cache.renew(a, b, &rotation, &offset, motion, scratch);
+        }
+        let near = cache.near.as_ref()?;
+        let sides = sides(a, b, &rotation, &offset, near, scratch);
+        let overlap = self.assemble(frame_a, frame_b, &between, near, &sides)?;
+        cache.axis = frame_a.rotation.tr_mul(&overlap.normal);
+        Some(overlap)
+    }
+
+    /// Turns the sums of both sides into the wrench on B, in world axes.
+    fn assemble(
+        &self,
+        frame_a: &Frame,
+        frame_b: &Frame,
+        between: &Vector3,
+        near: &Near,
+        [on_b, on_a]: &[SideSums; 2],
+    ) -> Option<Overlap> {
+        let p = self.penalty;
+        let (ra, rb) = (&frame_a.rotation, &frame_b.rotation);
+        let pressure = on_a.pressure + on_b.pressure;
+        let force = (ra * on_a.force - rb * on_b.force) * p;
+        let magnitude = force.norm();
+        if !(pressure > 0.0 && magnitude > 0.0) {
+            return None;
+        }
+        let normal = force / magnitude;
+        let centre = (ra * on_a.pressure_moment + rb * on_b.pressure_moment) / pressure;
+        let torque = (ra * on_a.torque - rb * on_b.torque) * p;
+        let arm_a = ra * near.region.centre + centre;
+        let (na, nb) = (ra.tr_mul(&normal), rb.tr_mul(&normal));
+        let volume = na.dot(&(on_a.volume_tensor * na)) + nb.dot(&(on_b.volume_tensor * nb));
+        let stiffness = p * (on_a.stiffness + on_b.stiffness);
+        let stiffness_centre =
+            (ra * on_a.stiffness_moment + rb * on_b.stiffness_moment) * (p / stiffness);
+        let spread = (on_a.pressure_second + on_b.pressure_second) / pressure
+            - centre.norm_squared();
+        Some(Overlap {
+            force,
+            moment: torque - centre.cross(&force),
+            arm_a,
+            arm_b: arm_a - between,
+            normal,
+            energy: (p * (0.5 * volume + 0.25 * (on_a.lever + on_b.lever))).max(0.0),
+            volume: volume.max(0.0),
+            area: (0.5 * (na.dot(&on_a.vector_area) - nb.dot(&on_b.vector_area))).max(0.0),
+            stiffness,
+            stiffness_second: (p * (on_a.stiffness_second + on_b.stiffness_second)
+                - stiffness * stiffness_centre.norm_squared())
+            .max(0.0),
+            torsion_radius: MEAN_OVER_RMS * spread.max(0.0).sqrt(),
+        })
+    }
+}
+
+/// Both sides: A's field on B's skin (in B's axes), B's field on A's skin (in A's axes).
+fn sides(
+    a: &ConvexShape,
+    b: &ConvexShape,
+    rotation: &Matrix3,
+    offset: &Vector3,
+    near: &Near,
+    scratch: &mut Scratch,
+) -> [SideSums; 2] {
+    let inverse = rotation.transpose();
+    let a_in_b = -(inverse * offset);
+    let origin_b = inverse * near.region.centre + a_in_b;
+    let region_b = ContactBox {
+        axes: near.region.axes.map(|d| inverse * d),
+        centre: origin_b,
+        half: near.region.half,
+    };
+    pose_planes(a, &near.a, &inverse, &a_in_b, &mut scratch.planes);
+    let on_b = integrate_side(
+        b,
+        &near.b.facets,
+        &scratch.planes,
+        &a_in_b,
+        &box_planes(&region_b),
+        &origin_b,
+        &mut scratch.side,
+    );
+    pose_planes(b, &near.b, rotation, offset, &mut scratch.planes);
+    let on_a = integrate_side(
+        a,
+        &near.a.facets,
+        &scratch.planes,
+        offset,
+        &box_planes(&near.region),
+        &near.region.centre,
+        &mut scratch.side,
+    );
+    [on_b, on_a]
+}
+
+impl PairCache {
+    /// Whether the pair was close enough for contact when the cache was last renewed.
+    pub fn is_near(&self) -> bool {
+        self.near.is_some()
+    }
+
+    /// Whether `motion` still lies within what the cache allows without a look at the pair.
+    pub fn is_clear(&self, motion: f64) -> bool {
+        self.near.is_none() && motion < self.until
+    }
+
+    fn renew(
+        &mut self,
+        a: &ConvexShape,
+        b: &ConvexShape,
+        rotation: &Matrix3,
+        offset: &Vector3,
+        motion: f64,
+        scratch: &mut Scratch,
+    ) {
+        let margin = MARGIN * (a.inradius() + b.inradius());
+        if self.axis.norm_squared() < 0.5 {
+            self.axis = offset
+                .try_normalize(1e-12 * a.radius())
+                .unwrap_or_else(Vector3::z);
+        }
+        let mut clear = gap_along(a, b, rotation, offset, &self.axis);
+        self.near = None;
+        if clear <= 0.25 * margin {
+            self.near = find_near(a, b, rotation, offset, &self.axis, margin, scratch);
+            if self.near.is_some() {
+                self.until = motion + margin;
+                return;
+            }
+            clear = margin;
+        }
+        if clear <= margin
+            && let Some(better) = separate(a, b, rotation, offset, &self.axis)
+            && better.gap > clear
+        {
+            self.axis = better.axis;
+            clear = better.gap;
+        }
+        self.until = motion + clear;
+    }
+}
+
+fn find_near(
+    a: &ConvexShape,
+    b: &ConvexShape,
+    rotation: &Matrix3,
+    offset: &Vector3,
+    axis: &Vector3,
+    margin: f64,
+    scratch: &mut Scratch,
+) -> Option<Near> {
+    let region = contact_box(a, b, rotation, offset, axis, margin, &mut scratch.heights)?;
+    let in_a = candidates(a, &region, 0.0, axis)?;
+    let region_b = ContactBox {
+        axes: region.axes.map(|d| rotation.tr_mul(&d)),
+        centre: rotation.tr_mul(&(region.centre - offset)),
+        half: region.half,
+    };
+    let in_b = candidates(b, &region_b, margin, &-region_b.axes[0])?;
+    Some(Near {
+        region,
+        a: in_a,
+        b: in_b,
+    })
+}

@@ -1,0 +1,233 @@
+//! Convex bodies prepared for the contact kernel: planes, facets, vertices.
+
+use crate::error::ContactError;
+use femdem_mesh::{Matrix3, Polyhedron, Pose, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Planes whose scaled normals n/h differ by less than this (times 1/h) are one
+/// plane: their gauge cells cannot be told apart (physics: cells of equal gauge).
+const SAME_PLANE: f64 = 1e-9;
+
+/// A rigid motion body -> world with the rotation as a matrix, as the kernel uses it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Position of the body's origin (its centroid), m.
+    pub position: Vector3,
+    /// Rotation from body to world axes.
+    pub rotation: Matrix3,
+}
+
+impl Frame {
+    /// The frame that maps body coordinates to the same world coordinates.
+    pub fn identity() -> Self {
+        Self {
+            position: Vector3::zeros(),
+            rotation: Matrix3::identity(),
+        }
+    }
+
+    /// A body-frame point in world coordinates.
+    pub fn point(&self, x: &Vector3) -> Vector3 {
+        self.position + self.rotation * x
+    }
+}
+
+impl From<&Pose> for Frame {
+    fn from(pose: &Pose) -> Self {
+        Self {
+            position: pose.translation.vector,
+            rotation: pose.rotation.to_rotation_matrix().into_inner(),
+        }
+    }
+}
+
+/// A face plane n.x = h with unit outward normal, about the centroid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Plane {
+    pub normal: Vector3,
+    pub offset: f64,
+}
+
+/// A planar convex polygon of the skin: `corners[start..start + len]` on `plane`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Facet {
+    pub plane: u16,
+    pub len: u16,
+    pub start: u32,
+    /// Area, m^2.
+    pub area: f64,
+    /// First moment of area, integral of x dS, m^3.
+    pub moment: Vector3,
+}
+
+/// A convex polyhedron with its gauge field, about its own centroid.
+///
+/// The field is phi(x) = 1 - max_f n_f.x / h_f: 1 at the centroid, 0 on the skin
+/// (physics of Xiang, Latham and Farsi 2016, eq. 3, with the gauge as potential).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConvexShape {
+    pub(crate) planes: Vec<Plane>,
+    pub(crate) facets: Vec<Facet>,
+    pub(crate) corners: Vec<Vector3>,
+    pub(crate) vertices: Vec<Vector3>,
+    pub(crate) edges: Vec<[u16; 2]>,
+    centroid: Vector3,
+    radius: f64,
+    inradius: f64,
+}
+
+impl ConvexShape {
+    /// Prepares a convex polyhedron. Its centroid becomes the origin of the
+    /// kernel's body frame; [`centroid`](Self::centroid) says where it was.
+    ///
+    /// # Errors
+    /// [`ContactError::NotConvex`], [`ContactError::TooThin`] or
+    /// [`ContactError::TooLarge`] (more than 65,535 faces, vertices or edges).
+    pub fn new(polyhedron: &Polyhedron) -> Result<Self, ContactError> {
+        if !polyhedron.is_convex() {
+            return Err(ContactError::NotConvex);
+        }
+        let centroid = polyhedron.mass_properties().centroid.coords;
+        let vertices: Vec<Vector3> = polyhedron
+            .vertices()
+            .iter()
+            .map(|v| v.coords - centroid)
+            .collect();
+        let radius = vertices.iter().map(Vector3::norm).fold(0.0, f64::max);
+        let edges = polyhedron.edges();
+        let most = usize::from(u16::MAX);
+        for (what, count) in [
+            ("faces", polyhedron.face_count()),
+            ("vertices", vertices.len()),
+            ("edges", edges.len()),
+        ] {
+            if count > most {
+                return Err(ContactError::TooLarge { what, count, most });
+            }
+        }
+        let mut shape = Self {
+            planes: Vec::new(),
+            facets: Vec::with_capacity(polyhedron.face_count()),
+            corners: Vec::new(),
+            edges: edges.iter().map(|e| [e[0] as u16, e[1] as u16]).collect(),
+            vertices,
+            centroid,
+            radius,
+            inradius: f64::INFINITY,
+        };
+        for (i, face) in polyhedron.faces().enumerate() {
+            shape.push_face(i, face, polyhedron.face_normal(i))?;
+        }
+        Ok(shape)
+    }
+
+    fn push_face(&mut self, i: usize, face: &[u32], normal: Vector3) -> Result<(), ContactError> {
+        let loop_points: Vec<Vector3> = face.iter().map(|&v| self.vertices[v as usize]).collect();
+        let offset =
+            loop_points.iter().map(|x| normal.dot(x)).sum::<f64>() / loop_points.len() as f64;
+        let least = 1e-6 * self.radius;
+        if offset.is_nan() || offset <= least {
+            return Err(ContactError::TooThin {
+                face: i,
+                distance: offset,
+                least,
+            });
+        }
+        self.inradius = self.inradius.min(offset);
+        let plane = self.plane_index(Plane { normal, offset });
+        let normal = self.planes[plane].normal;
+        let (mut area, mut moment) = (0.0, Vector3::zeros());
+        for k in 1..loop_points.len() - 1 {
+            let [a, b, c] = [loop_points[0], loop_points[k], loop_points[k + 1]];
+            let t = 0.5 * normal.dot(&(b - a).cross(&(c - a)));
+            area += t;
+            moment += (a + b + c) * (t / 3.0);
+        }
+        self.facets.push(Facet {
+            plane: plane as u16,
+            len: loop_points.len() as u16,
+            start: self.corners.len() as u32,
+            area,
+            moment,
+        });
+        self.corners.extend(loop_points);
+        Ok(())
+    }
+
+    /// Index of an equal plane, or of `plane` newly added.
+    fn plane_index(&mut self, plane: Plane) -> usize {
+        let gauge = plane.normal / plane.offset;
+        let same = |p: &Plane| (p.normal / p.offset - gauge).norm() * plane.offset < SAME_PLANE;
+        if let Some(k) = self.planes.iter().position(same) {
+            return k;
+        }
+        self.planes.push(plane);
+        self.planes.len() - 1
+    }
+
+    /// Centroid of the polyhedron in its own coordinates, m: the origin of the
+    /// kernel's body frame.
+    pub fn centroid(&self) -> Vector3 {
+        self.centroid
+    }
+
+    /// Largest distance of a vertex from the centroid, m.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Smallest distance of a face plane from the centroid, m.
+    pub fn inradius(&self) -> f64 {
+        self.inradius
+    }
+
+    /// Vertices about the centroid, m.
+    pub fn vertices(&self) -> &[Vector3] {
+        &self.vertices
+    }
+
+    /// The gauge field at a body-frame point: 1 at the centroid, 0 on the skin,
+    /// negative outside.
+    pub fn field(&self, x: &Vector3) -> f64 {
+        let gauge = |p: &Plane| p.normal.dot(x) / p.offset;
+        1.0 - self.planes.iter().map(gauge).fold(0.0, f64::max)
+    }
+
+    /// Largest n.x over the vertices, for any direction n in body axes.
+    pub fn support(&self, direction: &Vector3) -> f64 {
+        self.vertices
+            .iter()
+            .map(|v| direction.dot(v))
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The vertex farthest along a direction in body axes, and how far it is.
+    pub(crate) fn support_vertex(&self, direction: &Vector3) -> (usize, f64) {
+        let mut best = (0, f64::NEG_INFINITY);
+        for (i, v) in self.vertices.iter().enumerate() {
+            let u = direction.dot(v);
+            if u > best.1 {
+                best = (i, u);
+            }
+        }
+        best
+    }
+
+    pub(crate) fn polygon(&self, facet: &Facet) -> &[Vector3] {
+        let start = facet.start as usize;
+        &self.corners[start..start + usize::from(facet.len)]
+    }
+
+    /// Half-widths of the axis-aligned box about the origin of this shape under a rotation,
+    /// as (lowest, highest) corner relative to the centroid, m.
+    pub fn bounds(&self, rotation: &Matrix3) -> (Vector3, Vector3) {
+        let mut low = Vector3::zeros();
+        let mut high = Vector3::zeros();
+        for axis in 0..3 {
+            let direction = rotation.row(axis).transpose();
+            high[axis] = self.support(&direction);
+            low[axis] = -self.support(&-direction);
+        }
+        (low, high)
+    }
+}

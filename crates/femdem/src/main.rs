@@ -1,0 +1,2 @@
+//! The femdem program.
+fn main() {}
