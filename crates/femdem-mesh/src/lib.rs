@@ -8,6 +8,8 @@ mod polyhedron;
 pub mod catalogue;
 mod hull;
 pub mod io;
+#[cfg(any(test, feature = "proptest"))]
+pub mod strategies;
 
 pub use error::MeshError;
 pub use hull::convex_hull;

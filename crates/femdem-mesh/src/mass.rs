@@ -115,3 +115,6 @@ impl MassProperties {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -266,3 +266,6 @@ pub(crate) fn compact(vertices: &[Point3], faces: &[Vec<u32>]) -> Surface {
         .collect();
     (used, faces)
 }
+
+#[cfg(test)]
+mod tests;

@@ -22,7 +22,8 @@ fn references() -> Vec<(CatalogueShape, Reference)> {
     struct File {
         solids: BTreeMap<CatalogueShape, Reference>,
     }
-    let file: File = serde_json::from_str(include_str!("data/solids.json")).unwrap();
+    let file: Result<File, _> = serde_json::from_str(include_str!("data/solids.json"));
+    let file = file.unwrap_or_else(|error| panic!("the reference is not as expected: {error}"));
     file.solids.into_iter().collect()
 }
 
@@ -45,7 +46,7 @@ fn matched(shape: CatalogueShape, body: &Polyhedron, reference: &[Point3]) -> Ve
 
 /// A loop turned so that it starts with its smallest entry.
 fn canonical(mut face: Vec<usize>) -> Vec<usize> {
-    let start = face.iter().enumerate().min_by_key(|&(_, v)| v).unwrap().0;
+    let start = (0..face.len()).min_by_key(|&k| face[k]).unwrap_or(0);
     face.rotate_left(start);
     face
 }

@@ -10,7 +10,8 @@ const RESOLUTION: f64 = 1e-9;
 
 /// The convex hull of points \[m\], with coplanar triangles merged into polygon faces.
 ///
-/// Vertices keep the order of the points. Points that lie within 1e-9 of the bounding box's
+/// Vertices keep the order of the points; loops start at their first vertex, and faces are sorted
+/// by their loops. Points that lie within 1e-9 of the bounding box's
 /// diagonal (plus the rounding of the coordinates) of the hull of the others may be left out, so
 /// that points on a face or an edge do not become vertices. Orientation is decided by exact
 /// predicates (Shewchuk 1997, through the `robust` crate), in a quickhull after Barber, Dobkin and
@@ -42,8 +43,13 @@ pub fn convex_hull(points: &[Point3]) -> Result<Polyhedron, MeshError> {
     for factor in [1.0, 10.0, 100.0] {
         let tolerance = factor * resolution;
         let triangles = quickhull::triangles(points, tolerance)?;
-        let clean = merge::merge_coplanar(points, &triangles, tolerance)
-            .and_then(|(vertices, faces)| Polyhedron::new(vertices, faces));
+        let clean = merge::merge_coplanar(points, &triangles, tolerance).and_then(
+            |(vertices, mut faces)| {
+                // The order of the triangles tells of the search; that of sorted loops does not.
+                faces.sort_unstable();
+                Polyhedron::new(vertices, faces)
+            },
+        );
         if let Ok(hull) = clean
             && hull.is_convex()
         {
@@ -55,3 +61,6 @@ pub fn convex_hull(points: &[Point3]) -> Result<Polyhedron, MeshError> {
         tolerance: 100.0 * resolution,
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,6 +3,7 @@
 use crate::{MeshError, Point3, Vector3};
 use robust::Coord3D;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// A triangle of the growing hull.
 struct Facet {
@@ -220,10 +221,9 @@ impl Hull<'_> {
         let mut next = 0;
         while let Some(&i) = hidden.get(next) {
             for neighbour in self.facets[i].neighbours {
-                let seen = *verdict
-                    .entry(neighbour)
-                    .or_insert_with(|| self.sees(apex, neighbour));
-                if seen && !hidden.contains(&neighbour) {
+                if let Entry::Vacant(entry) = verdict.entry(neighbour)
+                    && *entry.insert(self.sees(apex, neighbour))
+                {
                     hidden.push(neighbour);
                 }
             }

@@ -31,6 +31,7 @@ pub fn read(reader: impl BufRead) -> Result<Polyhedron, MeshError> {
 pub fn parse(text: &str) -> Result<Polyhedron, MeshError> {
     let mut vertices = Vec::new();
     let mut faces = Vec::new();
+    let mut face_lines = Vec::new();
     let mut numbered = text.lines().enumerate().map(|(i, line)| (i + 1, line));
     while let Some((line, content)) = numbered.next() {
         let content = content.split('#').next().unwrap_or_default();
@@ -48,7 +49,10 @@ pub fn parse(text: &str) -> Result<Polyhedron, MeshError> {
         }
         match words.split_first() {
             Some((&"v", numbers)) => vertices.push(vertex(numbers, line)?),
-            Some((&"f", corners)) => faces.push(face(corners, vertices.len(), line)?),
+            Some((&"f", corners)) => {
+                faces.push(face(corners, vertices.len(), line)?);
+                face_lines.push(line);
+            }
             _ => {}
         }
     }
@@ -62,22 +66,17 @@ pub fn parse(text: &str) -> Result<Polyhedron, MeshError> {
             what: "faces (lines that start with f)",
         });
     }
+    // A face may stand before its vertices, so that indices are compared with all of them.
     let count = vertices.len();
-    let out_of_range = faces.iter().enumerate().find_map(|(face, corners)| {
-        let index = corners.iter().find(|&&v| v as usize >= count)?;
-        Some(MeshError::IndexOutOfRange {
-            face,
-            index: i64::from(*index),
-            count,
-        })
-    });
-    match out_of_range {
-        Some(error) => Err(error),
-        None => {
-            let (vertices, faces) = crate::merge::compact(&vertices, &faces);
-            Polyhedron::new(vertices, faces)
+    for (corners, &line) in faces.iter().zip(&face_lines) {
+        if let Some(&index) = corners.iter().find(|&&index| index as usize >= count) {
+            let number = u64::from(index) + 1;
+            let problem = format!("the face names vertex {number}, but the file has only {count}");
+            return Err(MeshError::Parse { line, problem });
         }
     }
+    let (vertices, faces) = crate::merge::compact(&vertices, &faces);
+    Polyhedron::new(vertices, faces)
 }
 
 /// Coordinates, of which there may be a fourth (weight) or three more (colour).
@@ -161,3 +160,6 @@ pub fn write_posed<'a>(
     writer.flush()?;
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

@@ -237,3 +237,6 @@ fn facets(body: &Polyhedron, pose: &Pose) -> impl Iterator<Item = (Vector3, [Poi
 fn single(p: Point3) -> [f32; 3] {
     [p.x as f32, p.y as f32, p.z as f32]
 }
+
+#[cfg(test)]
+mod tests;

@@ -346,3 +346,6 @@ fn flatten(faces: &[Vec<u32>]) -> Result<(Vec<u32>, Vec<u32>), MeshError> {
     starts.push(corners.len() as u32);
     Ok((corners, starts))
 }
+
+#[cfg(test)]
+mod tests;
