@@ -73,7 +73,7 @@ pub enum MeshError {
         /// Index of the face.
         face: usize,
         /// The index it names.
-        index: i64,
+        index: u32,
         /// Number of vertices.
         count: usize,
     },

@@ -35,19 +35,14 @@ impl MassProperties {
     /// Integrates over the closed triangulated surface, by the divergence theorem.
     ///
     /// Each triangle spans a signed tetrahedron with an apex inside the body; the integrals of 1,
-    /// x and x x^T over a tetrahedron are polynomials of its corners. The apex is the mean of the
-    /// vertices, not the origin: a body far from the origin keeps its digits.
+    /// x and x x^T over a tetrahedron are polynomials of its corners (F. Tonon, J. Math. Stat. 1
+    /// (2005) 8-11). The apex is the mean of the vertices, not the origin: a body far from the
+    /// origin keeps its digits.
     pub(crate) fn of_surface(
         vertices: &[Point3],
         triangles: impl Iterator<Item = [u32; 3]>,
     ) -> Self {
-        let Some(&first) = vertices.first() else {
-            return Self {
-                volume: 0.0,
-                centroid: Point3::origin(),
-                inertia: Matrix3::zeros(),
-            };
-        };
+        let first = vertices.first().copied().unwrap_or_default();
         let mean = vertices.iter().map(|v| v - first).sum::<Vector3>() / vertices.len() as f64;
         let apex = first + mean;
 

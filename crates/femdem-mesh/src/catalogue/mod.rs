@@ -1,7 +1,9 @@
 //! The 5 Platonic and 13 Archimedean solids.
 //!
-//! Named P1 to P5 and A1 to A13 in the order of Torquato and Jiao, "Dense packings of the Platonic
-//! and Archimedean solids", Nature 460 (2009) 876-879. The two chiral ones, A3 and A4, come in
+//! Named P1 to P5 and A1 to A13 as in Xiang, Latham and Farsi (7th International Conference on
+//! Discrete Element Methods, 2016), after Torquato and Jiao, "Dense packings of the Platonic and
+//! Archimedean solids", Nature 460 (2009) 876-879. Vertices come from closed formulas, faces from
+//! their convex hull. The two chiral ones, A3 and A4, come in
 //! both hands: the default one, and its image in the plane x = 0, A3m and A4m.
 
 mod coordinates;

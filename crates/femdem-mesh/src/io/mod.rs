@@ -3,7 +3,7 @@
 pub mod obj;
 pub mod stl;
 
-use crate::{MeshError, Polyhedron};
+use crate::{MeshError, Point3, Polyhedron, Pose};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -52,6 +52,26 @@ fn read_limited(reader: impl Read) -> Result<Vec<u8>, MeshError> {
         });
     }
     Ok(bytes)
+}
+
+/// World coordinates of a body's vertices; an error if a pose makes them anything but numbers.
+fn posed_vertices(body: &Polyhedron, pose: &Pose) -> Result<Vec<Point3>, MeshError> {
+    let vertices: Vec<Point3> = body.vertices().iter().map(|v| pose * v).collect();
+    let bad = vertices
+        .iter()
+        .position(|v| !v.iter().all(|x| x.is_finite()));
+    match bad {
+        None => Ok(vertices),
+        Some(vertex) => {
+            let Point3 { coords } = vertices[vertex];
+            Err(MeshError::NotFinite {
+                vertex,
+                x: coords.x,
+                y: coords.y,
+                z: coords.z,
+            })
+        }
+    }
 }
 
 /// Reads a coordinate.

@@ -5,7 +5,7 @@
 //! objects, materials and smoothing are passed over. All faces of the file together must be one
 //! closed surface. Vertices that no face uses are dropped.
 
-use super::{coordinate, read_limited, shortened};
+use super::{coordinate, posed_vertices, read_limited, shortened};
 use crate::{MeshError, Point3, Polyhedron, Pose};
 use std::io::{BufRead, Write};
 
@@ -136,7 +136,7 @@ pub fn write(body: &Polyhedron, writer: impl Write) -> Result<(), MeshError> {
 ///
 /// # Errors
 ///
-/// If writing fails.
+/// If writing fails or a pose is not finite.
 pub fn write_posed<'a>(
     bodies: impl IntoIterator<Item = (&'a Polyhedron, &'a Pose)>,
     mut writer: impl Write,
@@ -144,8 +144,7 @@ pub fn write_posed<'a>(
     let mut first = 1;
     for (i, (body, pose)) in bodies.into_iter().enumerate() {
         writeln!(writer, "o body_{i}")?;
-        for vertex in body.vertices() {
-            let p = pose * vertex;
+        for p in posed_vertices(body, pose)? {
             writeln!(writer, "v {} {} {}", p.x, p.y, p.z)?;
         }
         for face in body.faces() {

@@ -5,7 +5,7 @@
 //! ([`Polyhedron::with_merged_faces`]), so that a cube has 6 faces. Binary files hold single
 //! precision: coordinates are good to 6e-8 of the largest. Normals and attributes are ignored.
 
-use super::{coordinate, read_limited, shortened};
+use super::{coordinate, posed_vertices, read_limited, shortened};
 use crate::{MeshError, Point3, Polyhedron, Pose, Vector3};
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
@@ -145,7 +145,7 @@ pub fn write_binary(body: &Polyhedron, writer: impl Write) -> Result<(), MeshErr
 ///
 /// # Errors
 ///
-/// If writing fails, there are more than 2^32 - 1 triangles, or a coordinate is too large for
+/// If writing fails, a pose is not finite, there are more than 2^32 - 1 triangles, or a coordinate is too large for
 /// single precision.
 pub fn write_binary_posed<'a>(
     bodies: impl IntoIterator<Item = (&'a Polyhedron, &'a Pose)>,
@@ -154,7 +154,7 @@ pub fn write_binary_posed<'a>(
     let mut buffer = Vec::new();
     let mut count = 0;
     for (body, pose) in bodies {
-        for (normal, corners) in facets(body, pose) {
+        for (normal, corners) in facets(body, pose)? {
             for value in std::iter::once(normal.into())
                 .chain(corners)
                 .flat_map(single)
@@ -200,14 +200,14 @@ pub fn write_ascii(body: &Polyhedron, writer: impl Write) -> Result<(), MeshErro
 ///
 /// # Errors
 ///
-/// If writing fails.
+/// If writing fails or a pose is not finite.
 pub fn write_ascii_posed<'a>(
     bodies: impl IntoIterator<Item = (&'a Polyhedron, &'a Pose)>,
     mut writer: impl Write,
 ) -> Result<(), MeshError> {
     writeln!(writer, "solid femdem")?;
     for (body, pose) in bodies {
-        for (n, corners) in facets(body, pose) {
+        for (n, corners) in facets(body, pose)? {
             writeln!(
                 writer,
                 "  facet normal {} {} {}\n    outer loop",
@@ -225,13 +225,16 @@ pub fn write_ascii_posed<'a>(
 }
 
 /// Unit normal and corners of each triangle of a body in its pose.
-fn facets(body: &Polyhedron, pose: &Pose) -> impl Iterator<Item = (Vector3, [Point3; 3])> {
-    let vertices: Vec<Point3> = body.vertices().iter().map(|v| pose * v).collect();
-    body.triangles().into_iter().map(move |triangle| {
+fn facets(
+    body: &Polyhedron,
+    pose: &Pose,
+) -> Result<impl Iterator<Item = (Vector3, [Point3; 3])> + use<>, MeshError> {
+    let vertices = posed_vertices(body, pose)?;
+    Ok(body.triangles().into_iter().map(move |triangle| {
         let [a, b, c] = triangle.map(|i| vertices[i as usize]);
         let normal = (b - a).cross(&(c - a));
         (normal.try_normalize(0.0).unwrap_or_default(), [a, b, c])
-    })
+    }))
 }
 
 fn single(p: Point3) -> [f32; 3] {

@@ -98,42 +98,31 @@ impl Polyhedron {
 
     /// Computes what is stored beside the surface. The connectivity must be valid.
     fn from_valid(vertices: Vec<Point3>, corners: Vec<u32>, starts: Vec<u32>) -> Self {
-        let mut polyhedron = Self {
+        let faces: Vec<&[u32]> = loops(&corners, &starts).collect();
+        let planes: Vec<Plane> = faces
+            .iter()
+            .map(|face| Plane::through(&vertices, face))
+            .collect();
+        let convex = planes::is_convex(&vertices, &faces, &planes);
+        let fans = faces.iter().flat_map(|face| triangulate::fan(face));
+        let mass = MassProperties::of_surface(&vertices, fans);
+        let depth = |plane: &Plane| -plane.distance(&mass.centroid);
+        let reach = |vertex: &Point3| (vertex - mass.centroid).norm();
+        Self {
+            normals: planes.iter().map(|plane| plane.normal).collect(),
+            offsets: planes
+                .iter()
+                .map(|plane| plane.normal.dot(&plane.point.coords))
+                .collect(),
+            area: planes.iter().map(|plane| plane.area).sum(),
+            convex,
+            mass,
+            bounding_radius: vertices.iter().map(reach).fold(0.0, f64::max),
+            inradius: planes.iter().map(depth).fold(f64::INFINITY, f64::min),
             vertices,
             corners,
             starts,
-            normals: Vec::new(),
-            offsets: Vec::new(),
-            area: 0.0,
-            convex: false,
-            mass: MassProperties::of_surface(&[], std::iter::empty()),
-            bounding_radius: 0.0,
-            inradius: 0.0,
-        };
-        for i in 0..polyhedron.face_count() {
-            let plane = planes::Plane::through(&polyhedron.vertices, polyhedron.face(i));
-            polyhedron.area += plane.area;
-            polyhedron.normals.push(plane.normal);
-            polyhedron
-                .offsets
-                .push(plane.normal.dot(&plane.point.coords));
         }
-        polyhedron.convex = planes::is_convex(&polyhedron);
-        let fans = polyhedron.faces().flat_map(triangulate::fan);
-        polyhedron.mass = MassProperties::of_surface(&polyhedron.vertices, fans);
-        let centroid = polyhedron.mass.centroid;
-        polyhedron.bounding_radius = polyhedron
-            .vertices
-            .iter()
-            .map(|v| (v - centroid).norm())
-            .fold(0.0, f64::max);
-        polyhedron.inradius = (0..polyhedron.face_count())
-            .map(|i| {
-                let on_plane = polyhedron.vertices[polyhedron.face(i)[0] as usize];
-                polyhedron.normals[i].dot(&(on_plane - centroid))
-            })
-            .fold(f64::INFINITY, f64::min);
-        polyhedron
     }
 
     /// The vertices \[m\].
@@ -157,9 +146,7 @@ impl Polyhedron {
 
     /// The vertex loops of all faces, in order.
     pub fn faces(&self) -> impl ExactSizeIterator<Item = &[u32]> + '_ {
-        self.starts
-            .windows(2)
-            .map(|w| &self.corners[w[0] as usize..w[1] as usize])
+        loops(&self.corners, &self.starts)
     }
 
     /// The edges, each once as its smaller and larger vertex, sorted.
@@ -325,6 +312,13 @@ fn bounding_box(points: &[Point3]) -> (Point3, Point3) {
     points
         .iter()
         .fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)))
+}
+
+/// The loops that [`flatten`] put one after another.
+fn loops<'a>(corners: &'a [u32], starts: &'a [u32]) -> impl ExactSizeIterator<Item = &'a [u32]> {
+    starts
+        .windows(2)
+        .map(|ends| &corners[ends[0] as usize..ends[1] as usize])
 }
 
 /// Loops one after another, and where each starts.

@@ -1,6 +1,7 @@
 //! Planes of faces, planarity and convexity.
 
-use super::{CONVEXITY_TOLERANCE, PLANARITY_TOLERANCE, Polyhedron};
+use super::topology::sides;
+use super::{CONVEXITY_TOLERANCE, PLANARITY_TOLERANCE};
 use crate::{MeshError, Point3, Vector3};
 
 /// A face whose area is less than this part of its squared perimeter has no reliable normal.
@@ -24,7 +25,7 @@ impl Plane {
         let mut sum = Vector3::zeros();
         let mut twice_area = Vector3::zeros();
         let mut perimeter = 0.0;
-        for [a, b] in super::topology::sides(corners) {
+        for [a, b] in sides(corners) {
             let a = vertices[a as usize] - first;
             let b = vertices[b as usize] - first;
             sum += a;
@@ -92,29 +93,23 @@ pub(super) fn check(vertices: &[Point3], faces: &[Vec<u32>], extent: f64) -> Res
 ///
 /// The vertices of neighbouring faces are tried first: a non-convex surface of many faces is found
 /// out without comparing every face with every vertex.
-pub(super) fn is_convex(polyhedron: &Polyhedron) -> bool {
-    let vertices = polyhedron.vertices();
+pub(super) fn is_convex(vertices: &[Point3], faces: &[&[u32]], planes: &[Plane]) -> bool {
     let (low, high) = super::bounding_box(vertices);
     let allowed = CONVEXITY_TOLERANCE * (high - low).norm();
-
-    let planes: Vec<Plane> = polyhedron
-        .faces()
-        .map(|face| Plane::through(vertices, face))
-        .collect();
-    let mut sides: Vec<([u32; 2], usize)> = polyhedron
-        .faces()
+    let mut owners: Vec<([u32; 2], usize)> = faces
+        .iter()
         .enumerate()
-        .flat_map(|(i, face)| super::topology::sides(face).map(move |side| (side, i)))
+        .flat_map(|(i, face)| sides(face).map(move |side| (side, i)))
         .collect();
-    sides.sort_unstable();
-    let edges_convex = sides.iter().all(|&([a, b], i)| {
-        let Ok(k) = sides.binary_search_by_key(&[b, a], |&(side, _)| side) else {
-            return false;
-        };
-        let neighbour = polyhedron.face(sides[k].1);
-        neighbour
-            .iter()
-            .all(|&v| planes[i].distance(&vertices[v as usize]) <= allowed)
+    owners.sort_unstable();
+    let edges_convex = owners.iter().all(|&([a, b], i)| {
+        let opposite = owners.binary_search_by_key(&[b, a], |&(side, _)| side);
+        opposite.is_ok_and(|k| {
+            let neighbour = faces[owners[k].1];
+            neighbour
+                .iter()
+                .all(|&v| planes[i].distance(&vertices[v as usize]) <= allowed)
+        })
     });
     edges_convex
         && planes

@@ -58,7 +58,7 @@ fn check_loops(vertex_count: usize, faces: &[Vec<u32>]) -> Result<(), MeshError>
             let Some(last) = last_face_of.get_mut(vertex as usize) else {
                 return Err(MeshError::IndexOutOfRange {
                     face,
-                    index: i64::from(vertex),
+                    index: vertex,
                     count: vertex_count,
                 });
             };

@@ -115,6 +115,12 @@ fn coordinates_that_are_not_numbers_are_refused() {
     let far = Pose::translation(1e39, 0.0, 0.0);
     let written = write_binary_posed([(&huge, &far)], Vec::new());
     assert!(matches!(written, Err(MeshError::OutOfRange { .. })));
+    let nowhere = Pose::translation(f64::NAN, 0.0, 0.0);
+    let written = write_ascii_posed([(&huge, &nowhere)], Vec::new());
+    assert!(matches!(
+        written,
+        Err(MeshError::NotFinite { vertex: 0, .. })
+    ));
 }
 
 #[test]
