@@ -11,11 +11,12 @@ const RESOLUTION: f64 = 1e-9;
 /// The convex hull of points \[m\], with coplanar triangles merged into polygon faces.
 ///
 /// Vertices keep the order of the points; loops start at their first vertex, and faces are sorted
-/// by their loops. Points that lie within 1e-9 of the bounding box's
-/// diagonal (plus the rounding of the coordinates) of the hull of the others may be left out, so
-/// that points on a face or an edge do not become vertices. Orientation is decided by exact
-/// predicates (Shewchuk 1997, through the `robust` crate), in a quickhull after Barber, Dobkin and
-/// Huhdanpaa (1996).
+/// by their loops. Points that lie within 1e-9 of the bounding box's diagonal (plus the rounding of
+/// the coordinates) of the hull of the others may be left out, so that points on a face or an edge
+/// do not become vertices; should that not give clean faces, 1e-8 and 1e-7 are tried. Orientation
+/// is decided by exact predicates (J. R. Shewchuk, Discrete Comput. Geom. 18 (1997) 305-363, through
+/// the `robust` crate), in a quickhull after Barber, Dobkin and Huhdanpaa (ACM Trans. Math. Softw.
+/// 22 (1996) 469-483).
 ///
 /// # Errors
 ///

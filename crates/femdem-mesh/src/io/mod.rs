@@ -42,14 +42,12 @@ pub fn read_file(path: impl AsRef<Path>) -> Result<Polyhedron, MeshError> {
         })
 }
 
-/// All bytes of a reader, up to [`MAX_FILE_BYTES`].
-fn read_limited(reader: impl Read) -> Result<Vec<u8>, MeshError> {
+/// All bytes of a reader, or an error if there are more than `allowed`.
+fn read_limited(reader: impl Read, allowed: u64) -> Result<Vec<u8>, MeshError> {
     let mut bytes = Vec::new();
-    reader.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(MeshError::FileTooLarge {
-            allowed: MAX_FILE_BYTES,
-        });
+    reader.take(allowed + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > allowed {
+        return Err(MeshError::FileTooLarge { allowed });
     }
     Ok(bytes)
 }
@@ -88,4 +86,19 @@ fn coordinate(word: &str, line: usize) -> Result<f64, MeshError> {
 /// The start of a word, for messages about files that are no text at all.
 fn shortened(word: &str) -> String {
     word.chars().take(40).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endless_input_is_cut_off() {
+        let endless = read_limited(std::io::repeat(b'v'), 1000);
+        assert!(matches!(
+            endless,
+            Err(MeshError::FileTooLarge { allowed: 1000 })
+        ));
+        assert_eq!(read_limited(&[7; 1000][..], 1000).unwrap(), [7; 1000]);
+    }
 }

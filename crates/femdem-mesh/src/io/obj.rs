@@ -5,7 +5,7 @@
 //! objects, materials and smoothing are passed over. All faces of the file together must be one
 //! closed surface. Vertices that no face uses are dropped.
 
-use super::{coordinate, posed_vertices, read_limited, shortened};
+use super::{MAX_FILE_BYTES, coordinate, posed_vertices, read_limited, shortened};
 use crate::{MeshError, Point3, Polyhedron, Pose};
 use std::io::{BufRead, Write};
 
@@ -13,10 +13,10 @@ use std::io::{BufRead, Write};
 ///
 /// # Errors
 ///
-/// As [`parse`]; also if reading fails, the file is not UTF-8 or larger than
-/// [`MAX_FILE_BYTES`](super::MAX_FILE_BYTES).
+/// As [`parse`]; also if reading fails or the file is larger than
+/// [`MAX_FILE_BYTES`].
 pub fn read(reader: impl BufRead) -> Result<Polyhedron, MeshError> {
-    let bytes = read_limited(reader)?;
+    let bytes = read_limited(reader, MAX_FILE_BYTES)?;
     // Names of groups and materials may be in any encoding; they are passed over.
     parse(&String::from_utf8_lossy(&bytes))
 }

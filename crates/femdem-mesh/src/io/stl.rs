@@ -5,7 +5,7 @@
 //! ([`Polyhedron::with_merged_faces`]), so that a cube has 6 faces. Binary files hold single
 //! precision: coordinates are good to 6e-8 of the largest. Normals and attributes are ignored.
 
-use super::{coordinate, posed_vertices, read_limited, shortened};
+use super::{MAX_FILE_BYTES, coordinate, posed_vertices, read_limited, shortened};
 use crate::{MeshError, Point3, Polyhedron, Pose, Vector3};
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
@@ -23,7 +23,7 @@ const TRIANGLE_BYTES: usize = 50;
 /// If reading fails, a coordinate is not a finite number, the length of a binary file is not what
 /// its header promises, or the triangles do not make one closed surface.
 pub fn read(reader: impl Read) -> Result<Polyhedron, MeshError> {
-    parse(&read_limited(reader)?)
+    parse(&read_limited(reader, MAX_FILE_BYTES)?)
 }
 
 /// Reads a body from the bytes of an STL file, as [`read`].
