@@ -276,14 +276,14 @@ pub enum MeshError {
         path: PathBuf,
     },
     /// A file holds a bad surface.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {problem}", path.display())]
     InFile {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
-        source: Box<MeshError>,
+        problem: Box<MeshError>,
     },
     /// Reading or writing failed.
-    #[error("reading or writing failed: {0}")]
+    #[error(transparent)]
     Io(#[from] std::io::Error),
 }

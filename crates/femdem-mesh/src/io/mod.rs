@@ -36,9 +36,9 @@ pub fn read_file(path: impl AsRef<Path>) -> Result<Polyhedron, MeshError> {
     File::open(path)
         .map_err(MeshError::from)
         .and_then(|file| read(BufReader::new(file)))
-        .map_err(|source| MeshError::InFile {
+        .map_err(|problem| MeshError::InFile {
             path: path.to_path_buf(),
-            source: Box::new(source),
+            problem: Box::new(problem),
         })
 }
 
