@@ -273,3 +273,75 @@ impl Clipper {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use femdem_mesh::catalogue::CatalogueShape;
+    use proptest::prelude::*;
+
+    fn halves(shape: &Polyhedron, normal: Vector3, offset: f64) -> [f64; 2] {
+        [(normal, offset), (-normal, -offset)].map(|(normal, offset)| {
+            let mut clipper = Clipper::default();
+            clipper.load(shape, &Pose::identity());
+            clipper.clip(&normal, offset);
+            clipper.volume()
+        })
+    }
+
+    /// Planes through every triple of vertices: through faces, edges, vertices and diagonals, where
+    /// round-off decides which vertices are kept. The two halves still make the whole.
+    #[test]
+    fn halves_make_the_whole_in_degenerate_positions() {
+        for id in ["P1", "P2", "P5", "A1", "A11"] {
+            let shape = id
+                .parse::<CatalogueShape>()
+                .unwrap()
+                .polyhedron(2.0)
+                .unwrap();
+            let points = shape.vertices();
+            let volume = shape.mass_properties().volume;
+            for (i, p) in points.iter().enumerate() {
+                for (j, q) in points.iter().enumerate().skip(i + 1) {
+                    for r in &points[j + 1..] {
+                        let normal = (q - p).cross(&(r - p)).normalize();
+                        let [below, above] = halves(&shape, normal, normal.dot(&p.coords));
+                        assert!(
+                            (below + above - volume).abs() < 1e-13,
+                            "{id} {below} {above}"
+                        );
+                        assert!(below > -1e-14 && above > -1e-14);
+                    }
+                }
+            }
+        }
+    }
+
+    proptest! {
+        /// Cutting further never adds volume, the order of cuts is no matter, and an empty rest stays so.
+        #[test]
+        fn cuts_commute_and_shrink(
+            cuts in prop::collection::vec((-1.0..1.0_f64, -1.0..1.0_f64, -1.0..1.0_f64, -0.6..0.6_f64), 1..8),
+        ) {
+            let shape = "A10".parse::<CatalogueShape>().unwrap().polyhedron(2.0).unwrap();
+            let mut planes = Vec::new();
+            for (x, y, z, offset) in cuts {
+                prop_assume!(x * x + y * y + z * z > 1e-3);
+                planes.push((Vector3::new(x, y, z).normalize(), offset));
+            }
+            let mut forth = Clipper::default();
+            forth.load(&shape, &Pose::identity());
+            let mut last = shape.mass_properties().volume;
+            for (normal, offset) in &planes {
+                forth.clip(normal, *offset);
+                prop_assert!(forth.volume() <= last + 1e-14);
+                last = forth.volume();
+            }
+            let mut back = Clipper::default();
+            back.load(&shape, &Pose::identity());
+            planes.iter().rev().for_each(|(normal, offset)| back.clip(normal, *offset));
+            prop_assert!((back.volume() - last).abs() < 1e-13);
+            prop_assert!(!forth.is_empty() || last == 0.0);
+        }
+    }
+}

@@ -25,3 +25,20 @@ pub(crate) fn ordered_map<T, S>(
     let mut memory = scratch();
     (0..count).map(|i| work(&mut memory, i)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Results come in index order whatever the threads do; this runs with and without `parallel`.
+    #[test]
+    fn results_keep_their_order() {
+        let work = |scratch: &mut Vec<usize>, i: usize| {
+            scratch.clear();
+            scratch.extend(0..i % 97);
+            scratch.iter().map(|&k| 1.0 / (k as f64 + 1.0)).sum::<f64>()
+        };
+        let expected: Vec<f64> = (0..5000).map(|i| work(&mut Vec::new(), i)).collect();
+        assert_eq!(ordered_map(5000, Vec::new, work), expected);
+    }
+}

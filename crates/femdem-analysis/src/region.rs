@@ -217,7 +217,9 @@ impl Region {
     /// Equal parts for the block bootstrap, of side `side` or more: `floor(extent / side)` along each
     /// axis of a box (at least 1, at most 8), slices along z of a cylinder (at most 64).
     pub(crate) fn blocks(&self, side: f64) -> Vec<Self> {
-        let parts = |extent: f64, most: f64| (extent / side).floor().clamp(1.0, most) as usize;
+        // Round-off in an extent that is a whole number of sides must not cost a block.
+        let parts =
+            |extent: f64, most: f64| (extent / side + 1e-9).floor().clamp(1.0, most) as usize;
         let cut = |low: f64, high: f64, n: usize, i: usize| {
             if i == n {
                 high

@@ -1,5 +1,7 @@
 //! Packing density by counting cells of a regular grid: the founding paper's way.
 
+use std::f64::consts::PI;
+
 use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -11,10 +13,12 @@ use crate::ordered::ordered_map;
 use crate::pack::Pack;
 use crate::region::{Region, Relation};
 
-/// Standard deviation of the counted volume of one body, over `spacing² √area`.
-///
-/// 0.26 for round bodies up to 0.30 for polyhedra in random poses.
-const COUNTING_ERROR: f64 = 0.30;
+/// Standard deviation of the counted volume of a body, over `spacing² √area`: 0.26 for round bodies
+/// (Kendall), up to 0.30 for polyhedra in random poses.
+const VOLUME_ERROR: f64 = 0.30;
+
+/// Standard deviation of the counted area of a plane figure, over `spacing^1.5 √perimeter` (Kendall).
+const AREA_ERROR: f64 = 0.27;
 
 /// Packing density by the grid, with its counts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,9 +26,13 @@ pub struct GridDensity {
     /// Share of the cell centres that lie in a body.
     pub density: f64,
     /// Standard deviation of `density` from counting: `0.30 Δ² √A / V`, with `Δ` the largest spacing,
-    /// `A` the surface area of all bodies that reach into the region (and of the mantle of a cylinder)
-    /// and `V` the region's volume. It supposes that the bodies lie to the grid at random: bodies that
-    /// repeat in step with the grid err together, and faces along the grid err more.
+    /// `A` the surface area of all bodies that reach into the region and `V` the region's volume. It
+    /// supposes that the bodies lie to the grid at random: bodies that repeat in step with the grid
+    /// err together, and faces along the grid err more. Where the pack fades out at the region's
+    /// boundary, an error of second order in `Δ` comes on top.
+    ///
+    /// A cylinder adds in squares what its round edge misplaces: columns of height `H` and area
+    /// `0.27 Δ^1.5 √(2πR)` in all, each off the mean density by `√(φ(1-φ) d/H)`.
     pub error: f64,
     /// Distance between cell centres along x, y and z (m): the spacing asked for, changed so that a
     /// whole number of cells fits.
@@ -83,19 +91,27 @@ pub fn grid_density(
     // A region narrower than a cell has its one centre on its axis, so there is always a cell.
     let density = solid_cells as f64 / cells as f64;
     let spacing = axes.map(|a| a.step);
+    let largest = spacing.into_iter().fold(0.0, f64::max);
+    let error = counting_error(pack, region, largest, density)?;
     Ok(GridDensity {
         density,
-        error: counting_error(pack, region, spacing),
+        error,
         spacing,
         cells,
         solid_cells,
     })
 }
 
-fn counting_error(pack: &Pack, region: &Region, spacing: [f64; 3]) -> f64 {
+fn counting_error(
+    pack: &Pack,
+    region: &Region,
+    step: f64,
+    density: f64,
+) -> Result<f64, AnalysisError> {
     let reaching =
         (0..pack.len()).filter(|&i| region.relation(pack.bounds(i)) != Relation::Outside);
-    let mut area: f64 = reaching.map(|i| pack.shape(i).area()).sum();
+    let area: f64 = reaching.map(|i| pack.shape(i).area()).sum();
+    let mut variance = VOLUME_ERROR.powi(2) * step.powi(4) * area;
     if let Region::Cylinder {
         radius,
         z_min,
@@ -103,10 +119,11 @@ fn counting_error(pack: &Pack, region: &Region, spacing: [f64; 3]) -> f64 {
         ..
     } = *region
     {
-        area += 2.0 * std::f64::consts::PI * radius * (z_max - z_min);
+        let misplaced = AREA_ERROR.powi(2) * step.powi(3) * 2.0 * PI * radius;
+        let scatter = density * (1.0 - density) * pack.mean_diameter()?;
+        variance += misplaced * scatter * (z_max - z_min);
     }
-    let step = spacing.into_iter().fold(0.0, f64::max);
-    COUNTING_ERROR * step * step * area.sqrt() / region.volume()
+    Ok(variance.sqrt() / region.volume())
 }
 
 /// One layer of cells and memory to fill it.
