@@ -181,6 +181,15 @@ impl ConvexShape {
         self.inradius
     }
 
+    /// Stiffness per unit penalty of a contact over the whole largest facet against an
+    /// equal body, m: 2 A/h.
+    pub fn face_stiffness(&self) -> f64 {
+        self.facets
+            .iter()
+            .map(|f| 2.0 * f.area / self.planes[usize::from(f.plane)].offset)
+            .fold(0.0, f64::max)
+    }
+
     /// Vertices about the centroid, m.
     pub fn vertices(&self) -> &[Vector3] {
         &self.vertices

@@ -167,6 +167,31 @@ impl ContactBatch {
         }
     }
 
+    /// Wakes a body with the load of its contacts on record.
+    pub fn wake_with_load(&mut self, body: BodyId) {
+        if (body as usize) < self.loads.len() {
+            self.loads[body as usize] = self.load_of(body);
+            self.set_awake(body, true);
+        }
+    }
+
+    /// Sleeping bodies that are candidates of an awake body, sorted.
+    pub fn sleeping_neighbours(&self) -> Vec<BodyId> {
+        let asleep = |i: &u32| !self.awake[*i as usize];
+        let mut list: Vec<u32> = self
+            .pairs
+            .evaluated()
+            .flat_map(|pair| match pair.a {
+                Partner::Body(a) => [a, pair.b],
+                Partner::Wall(_) => [pair.b, pair.b],
+            })
+            .filter(asleep)
+            .collect();
+        list.sort_unstable();
+        list.dedup();
+        list
+    }
+
     /// Finds and evaluates all contacts of awake bodies.
     ///
     /// `bodies` and `walls` hold one motion per added body and wall; `dt` is the time

@@ -1,0 +1,192 @@
+//! Shapes and rigid bodies as the world keeps them.
+
+use crate::drive::Drive;
+use crate::error::{SolveError, check};
+use femdem_contact::{ConvexShape, Frame, Motion};
+use femdem_mesh::nalgebra::{Matrix3, Translation3};
+use femdem_mesh::{Polyhedron, Pose, Rotation, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Index of a shape, by order of addition.
+pub type ShapeId = u32;
+
+/// A shape with what rigid dynamics needs of it. Inside the world bodies are posed in the
+/// principal frame; outside in the coordinates of `polyhedron`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Shape {
+    /// Name, as it appears in results.
+    pub name: String,
+    /// The surface in the coordinates it was given in.
+    pub polyhedron: Polyhedron,
+    /// Principal axes at the centroid -> given coordinates.
+    principal: Pose,
+    /// Principal moments of inertia at unit density, m^5.
+    moments: Vector3,
+}
+
+impl Shape {
+    pub(crate) fn new(name: &str, polyhedron: &Polyhedron) -> Self {
+        let mass = polyhedron.mass_properties();
+        let frame = mass.principal();
+        Self {
+            name: name.to_owned(),
+            polyhedron: polyhedron.clone(),
+            principal: Pose::from_parts(
+                Translation3::from(mass.centroid.coords),
+                frame.rotation,
+            ),
+            moments: frame.moments,
+        }
+    }
+
+    /// The contact shape in the principal frame.
+    pub(crate) fn convex(&self) -> Result<ConvexShape, SolveError> {
+        let posed = self.polyhedron.transformed(&self.principal.inverse());
+        Ok(ConvexShape::new(&posed)?)
+    }
+}
+
+/// A body to add.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BodySpec {
+    /// Its shape.
+    pub shape: ShapeId,
+    /// Density, kg/m^3.
+    pub density: f64,
+    /// Coordinates of the shape's polyhedron -> world.
+    pub pose: Pose,
+    /// Velocity of the centroid, m/s.
+    pub velocity: Vector3,
+    /// Angular velocity, world axes, rad/s.
+    pub angular_velocity: Vector3,
+}
+
+impl BodySpec {
+    /// A body at rest.
+    pub fn at_rest(shape: ShapeId, density: f64, pose: Pose) -> Self {
+        Self {
+            shape,
+            density,
+            pose,
+            velocity: Vector3::zeros(),
+            angular_velocity: Vector3::zeros(),
+        }
+    }
+}
+
+/// The state of a rigid body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Body {
+    pub shape: ShapeId,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Principal moments of inertia, kg m^2.
+    pub moments: Vector3,
+    /// Centroid, m.
+    pub position: Vector3,
+    /// Principal axes -> world.
+    pub orientation: Rotation,
+    /// m/s.
+    pub velocity: Vector3,
+    /// Angular momentum in principal axes, kg m^2/s.
+    pub momentum: Vector3,
+    /// Running bound of the distance any point has travelled, m.
+    pub travelled: f64,
+    /// Bounding radius, m.
+    pub radius: f64,
+    /// Steps at rest in a row.
+    pub quiet_steps: u32,
+    /// Prescribed motion, with the position it counts from.
+    pub driven: Option<(Drive, Vector3)>,
+}
+
+impl Body {
+    pub fn new(spec: &BodySpec, shape: &Shape, radius: f64) -> Result<Self, SolveError> {
+        check(
+            "density",
+            spec.density,
+            spec.density > 0.0,
+            "positive and finite, in kg/m^3",
+        )?;
+        let place = spec.pose * shape.principal;
+        let position = place.translation.vector;
+        for (name, v) in [
+            ("pose.translation", position),
+            ("velocity", spec.velocity),
+            ("angular_velocity", spec.angular_velocity),
+        ] {
+            check(name, v.norm(), true, "finite in every component")?;
+        }
+        let unit = place.rotation.norm();
+        check(
+            "pose.rotation",
+            unit,
+            (unit - 1.0).abs() < 1e-6,
+            "a unit quaternion",
+        )?;
+        let moments = shape.moments * spec.density;
+        let body_rate = place.rotation.inverse() * spec.angular_velocity;
+        Ok(Self {
+            shape: spec.shape,
+            mass: shape.polyhedron.mass_properties().volume * spec.density,
+            moments,
+            position,
+            orientation: place.rotation,
+            velocity: spec.velocity,
+            momentum: body_rate.component_mul(&moments),
+            travelled: 0.0,
+            radius,
+            quiet_steps: 0,
+            driven: None,
+        })
+    }
+
+    /// Angular velocity in world axes, rad/s.
+    pub fn angular_velocity(&self) -> Vector3 {
+        self.orientation * self.momentum.component_div(&self.moments)
+    }
+
+    /// J.
+    pub fn kinetic_energy(&self) -> f64 {
+        0.5 * self.mass * self.velocity.norm_squared()
+            + 0.5 * self.momentum.component_div(&self.moments).dot(&self.momentum)
+    }
+
+    /// Given coordinates of the shape -> world.
+    pub fn pose(&self, shape: &Shape) -> Pose {
+        Pose::from_parts(Translation3::from(self.position), self.orientation)
+            * shape.principal.inverse()
+    }
+
+    /// What the contact stage sees.
+    pub fn motion(&self) -> Motion {
+        let rotation = self.orientation.to_rotation_matrix().into_inner();
+        let frame = Frame {
+            position: self.position,
+            rotation,
+        };
+        if self.driven.is_some() {
+            return Motion {
+                velocity: self.velocity,
+                travelled: self.travelled,
+                ..Motion::fixed(frame)
+            };
+        }
+        let inverse = self.moments.map(|i| 1.0 / i);
+        let isotropic = inverse.x == inverse.y && inverse.y == inverse.z;
+        let inverse_inertia = if isotropic {
+            Matrix3::from_diagonal(&inverse)
+        } else {
+            rotation * Matrix3::from_diagonal(&inverse) * rotation.transpose()
+        };
+        Motion {
+            frame,
+            velocity: self.velocity,
+            angular_velocity: rotation * self.momentum.component_mul(&inverse),
+            inverse_mass: 1.0 / self.mass,
+            inverse_inertia,
+            inverse_inertia_max: inverse.max(),
+            travelled: self.travelled,
+        }
+    }
+}

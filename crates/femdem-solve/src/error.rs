@@ -1,0 +1,101 @@
+//! What can go wrong when a world is built, stepped, saved or read.
+
+use femdem_contact::ContactError;
+use femdem_mesh::MeshError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Errors of this crate.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// The contact stage refused its input.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// A shape's surface cannot be used.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A parameter is out of its range.
+    #[error("{name} = {value} is not allowed: it must be {allowed}")]
+    Parameter {
+        /// The parameter's name.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// The allowed range in words.
+        allowed: &'static str,
+    },
+    /// An index refers to something that was never added.
+    #[error("there is no {what} {index}: {count} were added")]
+    NoSuch {
+        /// What the index refers to.
+        what: &'static str,
+        /// The index given.
+        index: usize,
+        /// How many exist.
+        count: usize,
+    },
+    /// The simulation has left physical bounds.
+    #[error(
+        "the simulation blew up at step {step} (t = {time:.6} s) with body {body} at \
+         {position:?} m moving {speed:.3e} m/s: {cause}"
+    )]
+    BlowUp {
+        /// The body found first.
+        body: usize,
+        /// Step number.
+        step: u64,
+        /// Simulated time, s.
+        time: f64,
+        /// The body's position, m.
+        position: [f64; 3],
+        /// Its speed, m/s.
+        speed: f64,
+        /// The likely cause and what to do.
+        cause: String,
+    },
+    /// A file could not be read or written.
+    #[error("{action} {path}: {source}", path = path.display())]
+    Io {
+        /// What was tried.
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// The system's answer.
+        source: std::io::Error,
+    },
+    /// A file is not a checkpoint, is damaged, or is of another kind or version.
+    #[error("{path} cannot be used as a checkpoint: {why}", path = path.display())]
+    BadCheckpoint {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        why: String,
+    },
+    /// The state could not be put into bytes or read back.
+    #[error("the state could not be {action}: {why}")]
+    Encoding {
+        /// Encoded or decoded.
+        action: &'static str,
+        /// The encoder's answer.
+        why: String,
+    },
+}
+
+/// Returns an error unless `value` is finite and `ok`.
+pub(crate) fn check(
+    name: &'static str,
+    value: f64,
+    ok: bool,
+    allowed: &'static str,
+) -> Result<(), SolveError> {
+    if value.is_finite() && ok {
+        Ok(())
+    } else {
+        Err(SolveError::Parameter {
+            name,
+            value,
+            allowed,
+        })
+    }
+}

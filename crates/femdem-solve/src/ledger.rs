@@ -1,0 +1,73 @@
+//! The energy ledger: where every joule came from and went.
+
+use serde::{Deserialize, Serialize};
+
+/// Flows of energy that accumulate while a world steps, J.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct Flows {
+    /// Energy of the bodies when they were added, and work of driven walls and bodies.
+    pub work_in: f64,
+    /// Work of the normal dashpots (negative: taken out).
+    pub damping_work: f64,
+    /// Work of friction, springs included (negative: taken out).
+    pub friction_work: f64,
+    /// Work of drag and local damping (negative: taken out).
+    pub medium_work: f64,
+    /// Kinetic energy removed when bodies were frozen.
+    pub frozen: f64,
+}
+
+/// Energies of a world, J. The sum of `final_energy` and everything dissipated equals
+/// `initial + work_in` up to the integration error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Ledger {
+    /// Kinetic and potential energy of all bodies when they were added.
+    pub initial: f64,
+    /// Work done on the bodies by driven walls and bodies.
+    pub work_in: f64,
+    /// Kinetic energy now.
+    pub kinetic: f64,
+    /// Potential energy in gravity now, relative to the origin.
+    pub potential: f64,
+    /// Elastic contact energy now.
+    pub elastic: f64,
+    /// Energy in the friction springs now.
+    pub friction_springs: f64,
+    /// Dissipated by sliding, and by the dashpots beside the friction springs.
+    pub dissipated_friction: f64,
+    /// Dissipated by the normal dashpots.
+    pub dissipated_damping: f64,
+    /// Dissipated by the medium: drag and local damping.
+    pub dissipated_medium: f64,
+    /// Kinetic energy removed when bodies were frozen.
+    pub frozen: f64,
+}
+
+impl Ledger {
+    /// Kinetic, potential, elastic and spring energy now, J.
+    pub fn final_energy(&self) -> f64 {
+        self.kinetic + self.potential + self.elastic + self.friction_springs
+    }
+
+    /// All that was dissipated, J.
+    pub fn dissipated(&self) -> f64 {
+        self.dissipated_friction + self.dissipated_damping + self.dissipated_medium + self.frozen
+    }
+
+    /// What the books miss, J: energy now plus dissipated minus energy put in.
+    pub fn error(&self) -> f64 {
+        self.final_energy() + self.dissipated() - self.initial - self.work_in
+    }
+
+    /// The error over the energy that was turned over: the larger of what was dissipated and
+    /// what is in motion or stored now.
+    pub fn error_relative(&self) -> f64 {
+        let stored = self.kinetic + self.elastic + self.friction_springs;
+        let turnover = self.dissipated().abs().max(stored.abs());
+        if turnover > 0.0 {
+            self.error() / turnover
+        } else {
+            0.0
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! Parameters of a world, with defaults and validation.
+
+use crate::error::{SolveError, check};
+use femdem_contact::{ContactLaw, ContactParameters};
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Everything a world needs to know besides its bodies and walls.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WorldParameters {
+    /// Acceleration of gravity, m/s^2.
+    pub gravity: Vector3,
+    /// The contact law.
+    pub contact: ContactParameters,
+    /// Step size control.
+    pub time_step: TimeStepParameters,
+    /// The active set: when bodies fall asleep and wake.
+    pub sleeping: SleepParameters,
+    /// Damping that acts on all motion.
+    pub medium: Medium,
+}
+
+impl Default for WorldParameters {
+    fn default() -> Self {
+        Self {
+            gravity: Vector3::new(0.0, 0.0, -9.81),
+            contact: ContactParameters::default(),
+            time_step: TimeStepParameters::default(),
+            sleeping: SleepParameters::default(),
+            medium: Medium::default(),
+        }
+    }
+}
+
+/// How the step is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TimeStepParameters {
+    /// Fraction of the stability bound that is used, above 0 and at most 1.
+    pub safety: f64,
+    /// An upper limit of the step, s.
+    pub largest: Option<f64>,
+}
+
+impl Default for TimeStepParameters {
+    fn default() -> Self {
+        Self {
+            safety: 0.6,
+            largest: None,
+        }
+    }
+}
+
+/// When a body is frozen, and when it is looked at again. A body's load scale is the
+/// larger of its weight and half the sum of its normal forces.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SleepParameters {
+    /// Whether bodies may sleep at all.
+    pub enabled: bool,
+    /// Net force and net moment over d below this fraction of the load scale W, and kinetic
+    /// energy below 1e-6 of this times W d, count as rest.
+    pub tolerance: f64,
+    /// A body must rest for this many steps, and so must all it touches.
+    pub steps: u32,
+    /// Sleeping bodies beside awake ones are re-examined every so many steps; one whose
+    /// residual exceeds twice the tolerance wakes.
+    pub recheck: u32,
+}
+
+impl Default for SleepParameters {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            tolerance: 0.01,
+            steps: 40,
+            recheck: 10,
+        }
+    }
+}
+
+/// Damping by what surrounds the bodies; off by default.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Medium {
+    /// Drag rate a, 1/s: force -a m v and moment -a I omega, integrated exactly.
+    pub drag: f64,
+    /// Cundall's local damping: each component of the net force is reduced by this
+    /// fraction of its size, against the motion.
+    pub local_damping: f64,
+}
+
+impl WorldParameters {
+    pub(crate) fn validate(&self) -> Result<ContactLaw, SolveError> {
+        let law = ContactLaw::new(self.contact)?;
+        let g = self.gravity.norm();
+        check("gravity", g, true, "finite in every component, in m/s^2")?;
+        let t = &self.time_step;
+        check(
+            "time_step.safety",
+            t.safety,
+            t.safety > 0.0 && t.safety <= 1.0,
+            "above 0 and at most 1",
+        )?;
+        if let Some(largest) = t.largest {
+            check(
+                "time_step.largest",
+                largest,
+                largest > 0.0,
+                "positive and finite, in s",
+            )?;
+        }
+        let s = &self.sleeping;
+        check(
+            "sleeping.tolerance",
+            s.tolerance,
+            s.tolerance > 0.0 && s.tolerance <= 0.1,
+            "above 0 and at most 0.1: a laxer rule freezes bodies that are not at rest",
+        )?;
+        check(
+            "sleeping.steps",
+            f64::from(s.steps),
+            s.steps >= 1,
+            "at least 1",
+        )?;
+        check(
+            "sleeping.recheck",
+            f64::from(s.recheck),
+            s.recheck >= 1,
+            "at least 1",
+        )?;
+        check(
+            "medium.drag",
+            self.medium.drag,
+            self.medium.drag >= 0.0,
+            "at least 0 and finite, in 1/s",
+        )?;
+        check(
+            "medium.local_damping",
+            self.medium.local_damping,
+            (0.0..1.0).contains(&self.medium.local_damping),
+            "at least 0 and below 1",
+        )?;
+        Ok(law)
+    }
+}

@@ -1,0 +1,151 @@
+//! The active set: which bodies are frozen, and when they wake.
+//!
+//! A body rests when its net force, net moment and kinetic energy are small against its
+//! load scale, the larger of its weight and half the sum of its normal forces. It is
+//! frozen when it and all it touches have rested for a number of steps. Frozen bodies
+//! beside awake ones are examined again at fixed step numbers from the forces on record.
+//! All decisions are functions of the state, so they are the same in every run.
+
+use super::World;
+use femdem_contact::{Load, Partner};
+use femdem_mesh::Vector3;
+
+impl World {
+    /// Freezes and wakes bodies; called after every step.
+    pub(super) fn update_active_set(&mut self) {
+        if !self.parameters.sleeping.enabled {
+            return;
+        }
+        self.count_quiet_steps();
+        if self.steps % u64::from(self.parameters.sleeping.recheck) == 0 {
+            let sleepers = self.bodies_to_freeze();
+            let wakers = self.bodies_to_wake();
+            self.freeze(&sleepers);
+            self.wake(&wakers);
+        }
+    }
+
+    /// Wakes everything when a wall or driven body is about to move.
+    pub(super) fn wake_for_drives(&mut self, ahead: f64) {
+        let moves = self
+            .wall_drives
+            .iter()
+            .any(|(d, _)| d.is_active(self.time, ahead))
+            || self
+                .awake
+                .iter()
+                .filter_map(|&i| self.bodies[i as usize].driven)
+                .any(|(d, _)| d.is_active(self.time, ahead));
+        if moves && self.awake.len() < self.bodies.len() {
+            self.wake_all();
+        }
+    }
+
+    /// Load scale of a body, N.
+    fn scale(&self, i: usize, load: &Load) -> f64 {
+        let weight = self.bodies[i].mass * self.parameters.gravity.norm();
+        weight.max(0.5 * load.normal_sum)
+    }
+
+    /// Net force with gravity, N.
+    pub(super) fn net_force(&self, i: usize, load: &Load) -> Vector3 {
+        load.total.force + self.parameters.gravity * self.bodies[i].mass
+    }
+
+    /// Whether force and moment are below `tolerance` of the load scale.
+    fn is_balanced(&self, i: usize, load: &Load, tolerance: f64) -> bool {
+        let bound = tolerance * self.scale(i, load);
+        let diameter = 2.0 * self.bodies[i].radius;
+        load.contacts > 0
+            && self.net_force(i, load).norm() < bound
+            && load.total.torque.norm() < bound * diameter
+    }
+
+    fn count_quiet_steps(&mut self) {
+        let tolerance = self.parameters.sleeping.tolerance;
+        for k in 0..self.awake.len() {
+            let i = self.awake[k] as usize;
+            let load = &self.batch.loads()[i];
+            let body = &self.bodies[i];
+            let energy = 1e-6 * tolerance * self.scale(i, load) * 2.0 * body.radius;
+            let quiet = body.driven.is_some()
+                || (body.kinetic_energy() < energy && self.is_balanced(i, load, tolerance));
+            let body = &mut self.bodies[i];
+            body.quiet_steps = if quiet { body.quiet_steps + 1 } else { 0 };
+        }
+    }
+
+    fn bodies_to_freeze(&self) -> Vec<u32> {
+        let needed = self.parameters.sleeping.steps;
+        let rested = |i: u32| self.bodies[i as usize].quiet_steps >= needed;
+        let settled = |p: Partner| match p {
+            Partner::Body(j) => !self.batch.is_awake(j) || rested(j),
+            Partner::Wall(_) => true,
+        };
+        self.awake
+            .iter()
+            .copied()
+            .filter(|&i| {
+                rested(i)
+                    && self.bodies[i as usize].driven.is_none()
+                    && self
+                        .batch
+                        .contacts_of(i)
+                        .all(|c| settled(c.a) && settled(Partner::Body(c.b)))
+            })
+            .collect()
+    }
+
+    /// Frozen neighbours of awake bodies whose forces on record no longer balance.
+    fn bodies_to_wake(&self) -> Vec<u32> {
+        let tolerance = 2.0 * self.parameters.sleeping.tolerance;
+        self.batch
+            .sleeping_neighbours()
+            .into_iter()
+            .filter(|&i| !self.is_balanced(i as usize, &self.batch.load_of(i), tolerance))
+            .collect()
+    }
+
+    fn freeze(&mut self, list: &[u32]) {
+        if list.is_empty() {
+            return;
+        }
+        for &i in list {
+            let body = &mut self.bodies[i as usize];
+            self.flows.frozen += body.kinetic_energy();
+            body.velocity = Vector3::zeros();
+            body.momentum = Vector3::zeros();
+            self.motions[i as usize] = body.motion();
+            self.batch.set_awake(i, false);
+        }
+        self.awake.retain(|i| list.binary_search(i).is_err());
+    }
+
+    fn wake(&mut self, list: &[u32]) {
+        if list.is_empty() {
+            return;
+        }
+        for &i in list {
+            self.bodies[i as usize].quiet_steps = 0;
+            self.batch.wake_with_load(i);
+        }
+        self.awake.extend_from_slice(list);
+        self.awake.sort_unstable();
+    }
+
+    /// Wakes all bodies.
+    pub fn wake_all(&mut self) {
+        let asleep: Vec<u32> = (0..self.bodies.len() as u32)
+            .filter(|&i| !self.batch.is_awake(i))
+            .collect();
+        self.wake(&asleep);
+    }
+
+    /// Allows or forbids sleep; forbidding it wakes all bodies.
+    pub fn set_sleeping(&mut self, enabled: bool) {
+        self.parameters.sleeping.enabled = enabled;
+        if !enabled {
+            self.wake_all();
+        }
+    }
+}

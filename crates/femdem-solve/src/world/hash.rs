@@ -1,0 +1,16 @@
+//! One number for the whole state, to compare runs bit by bit.
+
+use super::World;
+use crate::checkpoint::checksum;
+use crate::error::SolveError;
+
+impl World {
+    /// A hash of everything the next step depends on: poses, velocities, friction history,
+    /// caches, step control, energy flows.
+    ///
+    /// # Errors
+    /// [`SolveError::Encoding`] if the state cannot be encoded.
+    pub fn state_hash(&self) -> Result<u64, SolveError> {
+        Ok(checksum(&self.to_bytes()?))
+    }
+}

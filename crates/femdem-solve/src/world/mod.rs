@@ -1,0 +1,60 @@
+//! Layer 3: a world of rigid bodies and walls, and its step.
+
+mod active;
+mod build;
+mod hash;
+mod query;
+mod step;
+mod time_step;
+
+use crate::body::{Body, Shape};
+use crate::drive::Drive;
+use crate::ledger::Flows;
+use crate::parameters::WorldParameters;
+use femdem_contact::{ContactBatch, Motion};
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+use std::time::Duration;
+
+pub use query::Residuals;
+
+/// Rigid bodies of convex shapes between walls, stepped explicitly.
+///
+/// The step is kick-drift-kick with one step size for all bodies. Its state after n steps
+/// is the same bits for any number of threads, with or without the feature `parallel`, and
+/// through [`to_bytes`](Self::to_bytes) and [`from_bytes`](Self::from_bytes).
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct World {
+    parameters: WorldParameters,
+    shapes: Vec<Shape>,
+    bodies: Vec<Body>,
+    motions: Vec<Motion>,
+    wall_drives: Vec<(Drive, Vector3)>,
+    wall_motions: Vec<Motion>,
+    batch: ContactBatch,
+    /// Awake bodies, ascending.
+    awake: Vec<u32>,
+    time: f64,
+    steps: u64,
+    /// Steps since the last change of the step size or of the bodies' count.
+    step_control: time_step::StepControl,
+    /// Whether the loads belong to the present positions.
+    loaded: bool,
+    initial_energy: f64,
+    flows: Flows,
+    #[serde(skip)]
+    counters: Counters,
+}
+
+/// Work counters of a world since it was made or read.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Counters {
+    /// Candidate pairs handed to the narrow phase.
+    pub pair_evaluations: u64,
+    /// Pairs that touched.
+    pub touching_evaluations: u64,
+    /// Sum over steps of the awake bodies.
+    pub body_steps: u64,
+    /// Wall-clock time in the contact stage.
+    pub contact_time: Duration,
+}

@@ -1,0 +1,249 @@
+//! Reading a world.
+
+use super::{Counters, World};
+use crate::body::{Body, Shape, ShapeId};
+use crate::ledger::Ledger;
+use crate::parameters::WorldParameters;
+use femdem_contact::{BodyId, Contact, Load, Wall};
+use femdem_mesh::{Pose, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// How far the bodies are from equilibrium. Net forces include gravity and are taken from
+/// all contacts on record; driven bodies are left out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Residuals {
+    /// Mean over bodies of net force over weight.
+    pub mean_over_weight: f64,
+    /// Largest net force over weight.
+    pub max_over_weight: f64,
+    /// Largest net force over the larger of the body's weight and its mean contact force.
+    pub max_over_load: f64,
+    /// The body of `max_over_load`.
+    pub worst_body: Option<BodyId>,
+    /// Largest kinetic energy of a body over m g d.
+    pub kinetic_energy_over_mgd: f64,
+}
+
+impl World {
+    /// The parameters.
+    pub fn parameters(&self) -> &WorldParameters {
+        &self.parameters
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Steps taken.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// The present step size, s; 0 before the first step.
+    pub fn time_step(&self) -> f64 {
+        self.step_control.current()
+    }
+
+    /// The stability bound that the step was chosen from, s; infinite without contact.
+    pub fn time_step_bound(&self) -> f64 {
+        self.step_control.bound()
+    }
+
+    /// Number of bodies.
+    pub fn body_count(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// The shapes, by index.
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    /// A shape, or `None` for an unknown index.
+    pub fn shape(&self, id: ShapeId) -> Option<&Shape> {
+        self.shapes.get(id as usize)
+    }
+
+    fn body(&self, id: BodyId) -> Option<&Body> {
+        self.bodies.get(id as usize)
+    }
+
+    /// Pose of a body: coordinates of its shape's polyhedron -> world.
+    pub fn pose(&self, id: BodyId) -> Option<Pose> {
+        let body = self.body(id)?;
+        Some(body.pose(&self.shapes[body.shape as usize]))
+    }
+
+    /// Centroid of a body, m.
+    pub fn position(&self, id: BodyId) -> Option<Vector3> {
+        self.body(id).map(|b| b.position)
+    }
+
+    /// Velocity of a body's centroid, m/s.
+    pub fn velocity(&self, id: BodyId) -> Option<Vector3> {
+        self.body(id).map(|b| b.velocity)
+    }
+
+    /// Angular velocity of a body, world axes, rad/s.
+    pub fn angular_velocity(&self, id: BodyId) -> Option<Vector3> {
+        self.body(id).map(Body::angular_velocity)
+    }
+
+    /// Mass of a body, kg.
+    pub fn mass(&self, id: BodyId) -> Option<f64> {
+        self.body(id).map(|b| b.mass)
+    }
+
+    /// Shape of a body.
+    pub fn shape_of(&self, id: BodyId) -> Option<ShapeId> {
+        self.body(id).map(|b| b.shape)
+    }
+
+    /// Whether a body is frozen.
+    pub fn is_asleep(&self, id: BodyId) -> bool {
+        (id as usize) < self.bodies.len() && !self.batch.is_awake(id)
+    }
+
+    /// Awake bodies, ascending.
+    pub fn awake(&self) -> &[BodyId] {
+        &self.awake
+    }
+
+    /// Number of awake bodies.
+    pub fn awake_count(&self) -> usize {
+        self.awake.len()
+    }
+
+    /// Axis-aligned bounding box of a body, m.
+    pub fn bounds(&self, id: BodyId) -> Option<(Vector3, Vector3)> {
+        let body = self.body(id)?;
+        let frame = &self.motions[id as usize].frame;
+        let (low, high) = self.batch.shapes()[body.shape as usize].bounds(&frame.rotation);
+        Some((low + frame.position, high + frame.position))
+    }
+
+    /// Kinetic energy of a body, J.
+    pub fn body_kinetic_energy(&self, id: BodyId) -> Option<f64> {
+        self.body(id).map(Body::kinetic_energy)
+    }
+
+    /// Kinetic energy of all bodies, J.
+    pub fn kinetic_energy(&self) -> f64 {
+        self.free_bodies().map(|(_, b)| b.kinetic_energy()).sum()
+    }
+
+    fn free_bodies(&self) -> impl Iterator<Item = (usize, &Body)> {
+        self.bodies
+            .iter()
+            .enumerate()
+            .filter(|(_, b)| b.driven.is_none())
+    }
+
+    /// Linear momentum of all bodies, kg m/s.
+    pub fn linear_momentum(&self) -> Vector3 {
+        self.free_bodies().map(|(_, b)| b.velocity * b.mass).sum()
+    }
+
+    /// Angular momentum of all bodies about a point, kg m^2/s.
+    pub fn angular_momentum(&self, about: &Vector3) -> Vector3 {
+        self.free_bodies()
+            .map(|(_, b)| {
+                b.orientation * b.momentum + (b.position - about).cross(&(b.velocity * b.mass))
+            })
+            .sum()
+    }
+
+    /// All contacts on record, sorted by pair.
+    pub fn contacts(&self) -> Vec<&Contact> {
+        self.batch.contacts()
+    }
+
+    /// The contacts of one body, sorted by partner.
+    pub fn contacts_of(&self, id: BodyId) -> impl Iterator<Item = &Contact> {
+        self.batch.contacts_of(id)
+    }
+
+    /// The walls, by index.
+    pub fn walls(&self) -> &[Wall] {
+        self.batch.walls()
+    }
+
+    /// Net force of a body over the larger of its weight and its mean contact force.
+    pub fn body_residual(&self, id: BodyId) -> Option<f64> {
+        let body = self.body(id)?;
+        let load = self.batch.load_of(id);
+        let weight = body.mass * self.parameters.gravity.norm();
+        Some(self.net_force(id as usize, &load).norm() / weight.max(mean_force(&load)))
+    }
+
+    /// Residuals over all bodies.
+    pub fn residuals(&self) -> Residuals {
+        let mut r = Residuals {
+            mean_over_weight: 0.0,
+            max_over_weight: 0.0,
+            max_over_load: 0.0,
+            worst_body: None,
+            kinetic_energy_over_mgd: 0.0,
+        };
+        let g = self.parameters.gravity.norm();
+        let mut count = 0.0;
+        for (i, body) in self.free_bodies() {
+            let load = self.batch.load_of(i as u32);
+            let net = self.net_force(i, &load).norm();
+            let weight = body.mass * g;
+            let over_load = net / weight.max(mean_force(&load));
+            if r.worst_body.is_none() || over_load > r.max_over_load {
+                r.max_over_load = over_load;
+                r.worst_body = Some(i as u32);
+            }
+            r.mean_over_weight += net / weight;
+            r.max_over_weight = r.max_over_weight.max(net / weight);
+            let scale = weight * 2.0 * body.radius;
+            r.kinetic_energy_over_mgd = r
+                .kinetic_energy_over_mgd
+                .max(body.kinetic_energy() / scale);
+            count += 1.0;
+        }
+        if count > 0.0 {
+            r.mean_over_weight /= count;
+        }
+        r
+    }
+
+    /// The energy ledger at this moment.
+    pub fn ledger(&self) -> Ledger {
+        let contacts = self.batch.contacts();
+        let friction_springs = contacts.iter().map(|c| c.spring_energy).sum();
+        let g = self.parameters.gravity;
+        Ledger {
+            initial: self.initial_energy,
+            work_in: self.flows.work_in,
+            kinetic: self.kinetic_energy(),
+            potential: self
+                .free_bodies()
+                .map(|(_, b)| -b.mass * g.dot(&b.position))
+                .sum(),
+            elastic: contacts.iter().map(|c| c.energy).sum(),
+            friction_springs,
+            dissipated_friction: -self.flows.friction_work - friction_springs,
+            dissipated_damping: -self.flows.damping_work,
+            dissipated_medium: -self.flows.medium_work,
+            frozen: self.flows.frozen,
+        }
+    }
+
+    /// Work counters.
+    pub fn counters(&self) -> &Counters {
+        &self.counters
+    }
+}
+
+/// Mean normal force over the contacts of a body, N.
+fn mean_force(load: &Load) -> f64 {
+    if load.contacts > 0 {
+        load.normal_sum / f64::from(load.contacts)
+    } else {
+        0.0
+    }
+}

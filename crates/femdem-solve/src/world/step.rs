@@ -1,0 +1,230 @@
+//! One step: kick, drift, contacts, kick.
+
+use super::World;
+use crate::body::Body;
+use crate::error::SolveError;
+use crate::ledger::Flows;
+use crate::parameters::{Medium, WorldParameters};
+use crate::rotation;
+use femdem_contact::{ContactError, Load};
+use femdem_mesh::Vector3;
+use std::time::Instant;
+
+/// A step that moves a body by more than this fraction of its bounding radius is a blow-up.
+const LARGEST_MOVE: f64 = 0.25;
+
+impl World {
+    /// Advances the world by one step; the world chooses its size.
+    ///
+    /// # Errors
+    /// [`SolveError::BlowUp`] names the body, the step and the likely cause. The world is
+    /// then of no further use; an earlier checkpoint is.
+    pub fn step(&mut self) -> Result<(), SolveError> {
+        if !self.loaded {
+            self.evaluate(0.0)?;
+            self.loaded = true;
+        }
+        let dt = self.choose_step();
+        self.wake_for_drives(dt);
+        self.kick(0.5 * dt);
+        self.drift(dt)?;
+        self.time += dt;
+        self.steps += 1;
+        self.evaluate(dt)?;
+        self.kick(0.5 * dt);
+        self.counters.body_steps += self.awake.len() as u64;
+        self.update_active_set();
+        Ok(())
+    }
+
+    fn choose_step(&mut self) -> f64 {
+        let loads = self.batch.loads();
+        let awake = self.awake.iter().map(|&i| &loads[i as usize]);
+        self.step_control.choose(awake, &self.parameters.time_step)
+    }
+
+    /// Adds the impulse of half a step to all awake bodies and books the work.
+    fn kick(&mut self, h: f64) {
+        let loads = self.batch.loads();
+        let mut flows = Flows::default();
+        for &i in &self.awake {
+            let (body, load) = (&mut self.bodies[i as usize], &loads[i as usize]);
+            if body.driven.is_some() {
+                let v = body.velocity;
+                book_driven(load, &v, h, &mut flows);
+            } else {
+                kick_body(body, load, &self.parameters, h, &mut flows);
+            }
+        }
+        for (load, motion) in self.batch.wall_loads().iter().zip(&self.wall_motions) {
+            if motion.velocity != Vector3::zeros() {
+                book_driven(load, &motion.velocity, h, &mut flows);
+            }
+        }
+        self.flows.work_in += flows.work_in;
+        self.flows.damping_work += flows.damping_work;
+        self.flows.friction_work += flows.friction_work;
+        self.flows.medium_work += flows.medium_work;
+    }
+
+    fn drift(&mut self, dt: f64) -> Result<(), SolveError> {
+        let end = self.time + dt;
+        for k in 0..self.awake.len() {
+            let i = self.awake[k] as usize;
+            let body = &mut self.bodies[i];
+            let moved = if let Some((drive, origin)) = body.driven {
+                let driven = drive.at(end);
+                let to = origin + driven.displacement;
+                let moved = (to - body.position).norm();
+                body.position = to;
+                body.velocity = driven.velocity;
+                moved
+            } else {
+                let rate = body.momentum.component_div(&body.moments).norm();
+                body.position += body.velocity * dt;
+                rotation::drift(
+                    &mut body.orientation,
+                    &mut body.momentum,
+                    &body.moments,
+                    dt,
+                );
+                // The rate of a free body varies within a step by its nutation; half as
+                // much again bounds it at any step a stable simulation takes.
+                (body.velocity.norm() + 1.5 * rate * body.radius) * dt
+            };
+            body.travelled += moved;
+            let sound = moved.is_finite()
+                && (moved <= LARGEST_MOVE * body.radius || body.driven.is_some());
+            if !sound {
+                return Err(self.blow_up(i));
+            }
+            self.motions[i] = self.bodies[i].motion();
+        }
+        for (motion, (drive, origin)) in self.wall_motions.iter_mut().zip(&self.wall_drives) {
+            let driven = drive.at(end);
+            let to = origin + driven.displacement;
+            motion.travelled += (to - motion.frame.position).norm();
+            motion.frame.position = to;
+            motion.velocity = driven.velocity;
+        }
+        Ok(())
+    }
+
+    /// Contacts at the present positions. `dt` is the time since the last call.
+    pub(super) fn evaluate(&mut self, dt: f64) -> Result<(), SolveError> {
+        // The contact stage sees the velocities of the half step.
+        for &i in &self.awake {
+            let body = &self.bodies[i as usize];
+            let motion = &mut self.motions[i as usize];
+            motion.velocity = body.velocity;
+            if body.driven.is_none() {
+                motion.angular_velocity = body.angular_velocity();
+            }
+        }
+        let start = Instant::now();
+        let result = self.batch.update(&self.motions, &self.wall_motions, dt);
+        self.counters.contact_time += start.elapsed();
+        let totals = self.batch.totals();
+        self.counters.pair_evaluations += totals.candidates as u64;
+        self.counters.touching_evaluations += totals.touching as u64;
+        match result {
+            Err(ContactError::NotFinite { body, .. }) => Err(self.blow_up(body)),
+            other => Ok(other?),
+        }
+    }
+
+    fn blow_up(&self, i: usize) -> SolveError {
+        let body = &self.bodies[i];
+        let contacts = self.batch.contacts_of(i as u32);
+        let deepest = contacts.map(|c| c.penetration()).fold(0.0, f64::max);
+        let ratio = self.step_control.current() / self.step_control.bound();
+        let cause = if deepest > 0.1 * body.radius {
+            format!(
+                "a contact is {deepest:.3e} m deep, {:.0} % of the body's radius; bodies \
+                 overlapped when they were added, or the penalty {:.3e} Pa is too small \
+                 for the load: separate them or raise the penalty",
+                100.0 * deepest / body.radius,
+                self.parameters.contact.penalty
+            )
+        } else {
+            format!(
+                "the step {:.3e} s is {ratio:.2} of the stability bound; lower \
+                 time_step.safety, or look for a body launched at this speed",
+                self.step_control.current()
+            )
+        };
+        SolveError::BlowUp {
+            body: i,
+            step: self.steps,
+            time: self.time,
+            position: body.position.into(),
+            speed: body.velocity.norm(),
+            cause,
+        }
+    }
+}
+
+/// Work exchanged with something that moves as prescribed: what its contacts do to it
+/// comes from the drive.
+fn book_driven(load: &Load, velocity: &Vector3, h: f64, flows: &mut Flows) {
+    let power = |w: &femdem_contact::Wrench| w.force.dot(velocity) * h;
+    flows.work_in -= power(&load.total);
+    flows.damping_work += power(&load.damping);
+    flows.friction_work += power(&load.friction);
+}
+
+/// Half a kick of one body. Works are the wrenches times the mean of the velocities before
+/// and after, which is exactly the change of kinetic energy.
+fn kick_body(
+    body: &mut Body,
+    load: &Load,
+    parameters: &WorldParameters,
+    h: f64,
+    flows: &mut Flows,
+) {
+    let (v0, w0) = (body.velocity, body.angular_velocity());
+    let force = load.total.force + parameters.gravity * body.mass;
+    let torque = load.total.torque;
+    let medium = &parameters.medium;
+    let before = body.kinetic_energy();
+    let in_body = |x: &Vector3| body.orientation.inverse_transform_vector(x);
+    if *medium == Medium::default() {
+        let turn = in_body(&torque);
+        body.velocity += force * (h / body.mass);
+        body.momentum += turn * h;
+    } else {
+        let resisted = resist(&force, &v0, medium.local_damping);
+        let turn = in_body(&resist(&torque, &w0, medium.local_damping));
+        let (decay, reach) = relaxation(medium.drag, h);
+        body.velocity = v0 * decay + resisted * (reach / body.mass);
+        body.momentum = body.momentum * decay + turn * reach;
+    }
+    let v = (v0 + body.velocity) * 0.5;
+    let w = (w0 + body.angular_velocity()) * 0.5;
+    flows.damping_work += load.damping.power(&v, &w) * h;
+    flows.friction_work += load.friction.power(&v, &w) * h;
+    if *medium != Medium::default() {
+        let work = (force.dot(&v) + torque.dot(&w)) * h;
+        flows.medium_work += body.kinetic_energy() - before - work;
+    }
+}
+
+/// Cundall's local damping of a force, component by component.
+fn resist(force: &Vector3, velocity: &Vector3, fraction: f64) -> Vector3 {
+    force.zip_map(velocity, |f, v| {
+        if v == 0.0 {
+            f
+        } else {
+            f - fraction * f.abs() * v.signum()
+        }
+    })
+}
+
+/// exp(-a h) and (1 - exp(-a h))/a.
+fn relaxation(rate: f64, h: f64) -> (f64, f64) {
+    if rate == 0.0 {
+        (1.0, h)
+    } else {
+        ((-rate * h).exp(), -(-rate * h).exp_m1() / rate)
+    }
+}

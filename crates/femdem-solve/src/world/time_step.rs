@@ -1,0 +1,135 @@
+//! The step size: a fraction of a stability bound, changed rarely and by fixed rules.
+
+use crate::body::Body;
+use crate::parameters::TimeStepParameters;
+use femdem_contact::{ContactParameters, ConvexShape, Load};
+use serde::{Deserialize, Serialize};
+
+/// Step sizes are the cap divided by powers of this.
+const LEVEL: f64 = 1.189_207_115_002_721;
+
+/// A larger step is taken only after this many steps that would all have allowed it.
+const PATIENCE: u32 = 25;
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct StepControl {
+    /// The step of a single full face contact, the largest ever taken, s.
+    cap: f64,
+    current: f64,
+    patience: u32,
+    /// Smallest bound seen while waiting to grow, s.
+    lowest: f64,
+    /// The bound of the last step, s.
+    bound: f64,
+}
+
+impl Default for StepControl {
+    fn default() -> Self {
+        Self {
+            cap: f64::INFINITY,
+            current: 0.0,
+            patience: 0,
+            lowest: f64::INFINITY,
+            bound: f64::INFINITY,
+        }
+    }
+}
+
+/// Largest stable step of a damped oscillator whose viscous force lags by half a step:
+/// dt^2 omega^2/4 + dt gamma/2 <= 1.
+fn stable(frequency2: f64, rate: f64) -> f64 {
+    if frequency2 > 0.0 {
+        ((rate * rate + 4.0 * frequency2).sqrt() - rate) / frequency2
+    } else {
+        f64::INFINITY
+    }
+}
+
+impl StepControl {
+    /// The step in use, s; 0 before the first.
+    pub(crate) fn current(&self) -> f64 {
+        self.current
+    }
+
+    /// The stability bound that the last step was chosen from, s.
+    pub(crate) fn bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// Forgets the cap, when the law changes.
+    pub(crate) fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Lowers the cap for a body: one contact over its largest face against an equal body.
+    pub(crate) fn see(&mut self, shape: &ConvexShape, body: &Body, law: &ContactParameters) {
+        let stiffness = shape.face_stiffness() * law.penalty;
+        let frequency2 = 2.0 * stiffness / body.mass;
+        let rate = 2.0 * law.damping_ratio * frequency2.sqrt();
+        self.cap = self.cap.min(stable(frequency2, rate));
+    }
+
+    /// Chooses the step from the loads of the awake bodies.
+    pub(crate) fn choose<'a>(
+        &mut self,
+        loads: impl Iterator<Item = &'a Load>,
+        parameters: &TimeStepParameters,
+    ) -> f64 {
+        let limit = parameters.largest.unwrap_or(f64::INFINITY);
+        let top = (parameters.safety * self.cap).min(limit);
+        self.bound = loads
+            .map(|l| stable(l.frequency2, l.rate))
+            .fold(f64::INFINITY, f64::min);
+        let allowed = on_level(top, parameters.safety * self.bound);
+        if allowed <= self.current || self.current == 0.0 || self.current > top {
+            self.current = allowed;
+            self.patience = 0;
+            self.lowest = f64::INFINITY;
+        } else {
+            self.lowest = self.lowest.min(allowed);
+            self.patience += 1;
+            if self.patience >= PATIENCE {
+                self.current = self.lowest;
+                self.patience = 0;
+                self.lowest = f64::INFINITY;
+            }
+        }
+        self.current
+    }
+}
+
+/// The largest top / LEVEL^k that is at most `allowed`.
+fn on_level(top: f64, allowed: f64) -> f64 {
+    let mut step = top;
+    while step > allowed && step > 0.0 {
+        step /= LEVEL;
+    }
+    step
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x'' = -omega^2 x - gamma v with the velocity of the half step before, kick-drift-kick:
+    /// bounded just below the bound, growing just above.
+    #[test]
+    fn the_bound_separates_decay_from_growth() {
+        for (omega, gamma) in [(1.0_f64, 0.0), (1.0, 0.5), (3.0, 4.0)] {
+            let bound = stable(omega * omega, gamma);
+            let grows = |dt: f64| {
+                let (mut x, mut v) = (1.0_f64, 0.0_f64);
+                let mut f = -omega * omega * x - gamma * v;
+                for _ in 0..4000 {
+                    v += 0.5 * dt * f;
+                    x += dt * v;
+                    f = -omega * omega * x - gamma * v;
+                    v += 0.5 * dt * f;
+                }
+                x.is_nan() || x.abs() > 1e3
+            };
+            assert!(!grows(0.99 * bound), "omega {omega} gamma {gamma}");
+            assert!(grows(1.02 * bound), "omega {omega} gamma {gamma}");
+        }
+    }
+}

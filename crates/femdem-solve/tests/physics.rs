@@ -1,0 +1,255 @@
+//! Closed-form checks of the whole step: conservation, restitution, friction, stacking.
+
+use femdem_contact::{ContactParameters, Wall, restitution};
+use femdem_mesh::catalogue::CatalogueShape;
+use femdem_mesh::nalgebra::{Translation3, Vector3};
+use femdem_mesh::{Polyhedron, Pose, Rotation};
+use femdem_solve::{BodySpec, Drive, TimeStepParameters, World, WorldParameters};
+
+const DENSITY: f64 = 2560.0;
+
+fn solid(id: &str, d: f64) -> Polyhedron {
+    id.parse::<CatalogueShape>().unwrap().polyhedron(d).unwrap()
+}
+
+fn parameters(penalty: f64, friction: f64, damping_ratio: f64) -> WorldParameters {
+    let mut p = WorldParameters {
+        contact: ContactParameters {
+            penalty,
+            friction,
+            damping_ratio,
+            ..ContactParameters::default()
+        },
+        ..WorldParameters::default()
+    };
+    p.sleeping.enabled = false;
+    p
+}
+
+fn pose(position: Vector3<f64>, rotation: Rotation) -> Pose {
+    Pose::from_parts(Translation3::from(position), rotation)
+}
+
+/// A pseudo-random number in [-1, 1] from an index: variety, not quality.
+fn noise(i: u64) -> f64 {
+    let x = i.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let x = (x ^ (x >> 31)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    ((x >> 11) as f64 / (1u64 << 52) as f64) - 1.0
+}
+
+/// 27 bodies of five shapes fly about in a closed box without friction or damping for one
+/// second: the energy stays within 1e-5 and has no trend. Uses the culled production
+/// kernel, where a wrong cull shows as growth of the energy.
+#[test]
+fn elastic_box_of_27_keeps_its_energy() {
+    let mut p = parameters(1e7, 0.0, 0.0);
+    p.gravity = Vector3::zeros();
+    p.time_step = TimeStepParameters {
+        safety: 0.1,
+        largest: Some(1e-5),
+    };
+    let mut world = World::new(p).unwrap();
+    let d = 0.1;
+    let shapes: Vec<u32> = ["P1", "P5", "A1", "P3", "A10"]
+        .iter()
+        .map(|s| world.add_shape(s, &solid(s, d)).unwrap())
+        .collect();
+    let side = 3.3 * d;
+    for wall in Wall::closed_box(Vector3::zeros(), Vector3::repeat(side)).unwrap() {
+        world.add_wall(wall, Drive::Fixed).unwrap();
+    }
+    for i in 0..27_u64 {
+        let cell = Vector3::new((i % 3) as f64, (i / 3 % 3) as f64, (i / 9) as f64);
+        let position = (cell * 1.1).add_scalar(0.55) * d;
+        let turn = Vector3::new(noise(7 * i), noise(7 * i + 1), noise(7 * i + 2)) * 3.0;
+        let velocity = Vector3::new(noise(7 * i + 3), noise(7 * i + 4), noise(7 * i + 5));
+        let spec = BodySpec {
+            shape: shapes[i as usize % 5],
+            density: DENSITY,
+            pose: pose(position, Rotation::from_scaled_axis(turn)),
+            velocity,
+            angular_velocity: turn * 3.0,
+        };
+        world.add_body(spec).unwrap();
+    }
+    let start = world.kinetic_energy();
+    let energy = |w: &World| w.ledger().final_energy();
+    let (mut worst, mut halves) = (0.0_f64, [0.0_f64, 0.0]);
+    let mut counts = [0.0, 0.0];
+    let mut collisions = 0;
+    while world.time() < 1.0 {
+        for _ in 0..100 {
+            world.step().unwrap();
+        }
+        let off = energy(&world) / start - 1.0;
+        worst = worst.max(off.abs());
+        let half = usize::from(world.time() > 0.5);
+        halves[half] += off;
+        counts[half] += 1.0;
+        collisions += world.contacts().len();
+    }
+    assert!(collisions > 1000, "only {collisions} contacts were sampled");
+    assert!(worst < 1e-5, "energy error {worst:e}");
+    let trend = halves[1] / counts[1] - halves[0] / counts[0];
+    assert!(trend.abs() < 5e-6, "energy trend {trend:e}");
+}
+
+/// Three bodies meet in free space: momentum and angular momentum to round-off.
+#[test]
+fn momentum_is_kept_to_round_off() {
+    let mut p = parameters(1e7, 0.5, 0.3);
+    p.gravity = Vector3::zeros();
+    let mut world = World::new(p).unwrap();
+    let shape = world.add_shape("A1", &solid("A1", 0.1)).unwrap();
+    for i in 0..3 {
+        let angle = f64::from(i) * 2.1;
+        let out = Vector3::new(angle.cos(), angle.sin(), 0.1 * f64::from(i));
+        let mut spec = BodySpec::at_rest(shape, DENSITY, pose(out * 0.12, Rotation::identity()));
+        spec.velocity = -out + Vector3::new(0.1, 0.0, 0.0);
+        spec.angular_velocity = Vector3::new(1.0, f64::from(i), -2.0);
+        world.add_body(spec).unwrap();
+    }
+    let about = Vector3::new(0.3, 0.2, 0.1);
+    let (p0, l0) = (world.linear_momentum(), world.angular_momentum(&about));
+    let mut touched = false;
+    while world.time() < 0.4 {
+        world.step().unwrap();
+        touched |= !world.contacts().is_empty();
+    }
+    assert!(touched);
+    let speed = world.velocity(0).unwrap().norm();
+    let scale = world.mass(0).unwrap() * speed.max(1.0);
+    assert!((world.linear_momentum() - p0).norm() < 1e-12 * scale);
+    assert!((world.angular_momentum(&about) - l0).norm() < 1e-12 * scale);
+}
+
+/// Rebound speed over impact speed of one body on the floor, hitting along its own normal.
+fn rebound(id: &str, rotation: Rotation, zeta: f64) -> f64 {
+    let mut p = parameters(1e7, 0.0, zeta);
+    p.gravity = Vector3::zeros();
+    p.time_step.safety = 0.05;
+    p.time_step.largest = Some(4e-6);
+    let mut world = World::new(p).unwrap();
+    let shape = world.add_shape(id, &solid(id, 0.1)).unwrap();
+    let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+    world.add_wall(floor, Drive::Fixed).unwrap();
+    let spec = BodySpec {
+        velocity: Vector3::new(0.0, 0.0, -1.0),
+        ..BodySpec::at_rest(shape, DENSITY, pose(Vector3::new(0.0, 0.0, 0.051), rotation))
+    };
+    let body = world.add_body(spec).unwrap();
+    let mut touched = false;
+    for _ in 0..200_000 {
+        world.step().unwrap();
+        let touches = !world.contacts().is_empty();
+        if touched && !touches {
+            break;
+        }
+        touched |= touches;
+    }
+    world.velocity(body).unwrap().z
+}
+
+/// The restitution follows from zeta alone for a face, an edge and a vertex of a cube on a
+/// wall: the formula of the crate's `restitution` within 1 %.
+#[test]
+fn restitution_does_not_depend_on_what_touches() {
+    let face = Rotation::identity();
+    let edge = Rotation::from_scaled_axis(Vector3::x() * std::f64::consts::FRAC_PI_4);
+    let diagonal = Vector3::new(1.0, 1.0, 1.0).normalize();
+    let vertex = Rotation::rotation_between(&diagonal, &-Vector3::z()).unwrap();
+    for zeta in [0.1, 0.3, 0.6] {
+        for (name, rotation) in [("face", face), ("edge", edge), ("vertex", vertex)] {
+            let (got, want) = (rebound("P5", rotation, zeta), restitution(zeta));
+            assert!(
+                (got / want - 1.0).abs() < 0.01,
+                "{name} at zeta {zeta}: {got} instead of {want}"
+            );
+        }
+    }
+}
+
+/// A block on a slope of angle `slope` under friction 0.6: returns how far it moved down
+/// the slope between t = 0.5 s and t = 0.5 s + `span`, and its speed at both times.
+fn slide(slope: f64, span: f64) -> (f64, [f64; 2]) {
+    let mut p = parameters(1e6, 0.6, 0.6);
+    let g = 9.81;
+    // Turn gravity instead of the plane.
+    p.gravity = Vector3::new(g * slope.sin(), 0.0, -g * slope.cos());
+    let mut world = World::new(p).unwrap();
+    let d = 0.1;
+    let shape = world.add_shape("P5", &solid("P5", d)).unwrap();
+    let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+    world.add_wall(floor, Drive::Fixed).unwrap();
+    let height = d / 12.0_f64.sqrt();
+    let spec = BodySpec::at_rest(
+        shape,
+        DENSITY,
+        pose(Vector3::new(0.0, 0.0, height), Rotation::identity()),
+    );
+    let body = world.add_body(spec).unwrap();
+    let run = |world: &mut World, until: f64| {
+        while world.time() < until {
+            world.step().unwrap();
+        }
+        (
+            world.time(),
+            world.position(body).unwrap().x,
+            world.velocity(body).unwrap().x,
+        )
+    };
+    let (_, x0, v0) = run(&mut world, 0.5);
+    let (_, x1, v1) = run(&mut world, 0.5 + span);
+    (x1 - x0, [v0, v1])
+}
+
+#[test]
+fn a_block_sticks_below_the_friction_angle() {
+    let (moved, _) = slide(0.9 * 0.6_f64.atan(), 2.0);
+    assert!(moved.abs() < 1e-12, "it drifted by {moved:e} m in 2 s");
+}
+
+#[test]
+fn a_block_slides_above_the_friction_angle() {
+    let slope = 1.2 * 0.6_f64.atan();
+    let (_, [v0, v1]) = slide(slope, 0.5);
+    let got = (v1 - v0) / 0.5;
+    let want = 9.81 * (slope.sin() - 0.6 * slope.cos());
+    assert!((got / want - 1.0).abs() < 0.01, "{got} instead of {want}");
+}
+
+/// Ten cubes, aligned, with coplanar side faces: the stack stands for 10 s.
+#[test]
+fn a_stack_of_ten_cubes_stands() {
+    let d = 0.1;
+    let mut world = World::new(parameters(1e6, 0.6, 0.6)).unwrap();
+    let shape = world.add_shape("P5", &solid("P5", d)).unwrap();
+    let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+    world.add_wall(floor, Drive::Fixed).unwrap();
+    let edge = d / 3.0_f64.sqrt();
+    for k in 0..10 {
+        let z = edge * (f64::from(k) + 0.5);
+        world
+            .add_body(BodySpec::at_rest(
+                shape,
+                DENSITY,
+                pose(Vector3::new(0.0, 0.0, z), Rotation::identity()),
+            ))
+            .unwrap();
+    }
+    let places = |w: &World| (0..10).map(|i| w.position(i).unwrap()).collect::<Vec<_>>();
+    while world.time() < 1.0 {
+        world.step().unwrap();
+    }
+    let settled = places(&world);
+    while world.time() < 10.0 {
+        world.step().unwrap();
+    }
+    let creep = places(&world)
+        .iter()
+        .zip(&settled)
+        .map(|(a, b)| (a - b).norm())
+        .fold(0.0, f64::max);
+    assert!(creep < 1e-3 * d, "the stack crept by {:e} d", creep / d);
+    assert!(world.residuals().max_over_load < 0.01);
+}
