@@ -1,0 +1,78 @@
+//! What can go wrong at the front door.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Everything that the files, pictures and scenes of this crate can refuse.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file could not be written.
+    #[error("cannot write {}: {source}; check that the folder exists, may be written to, and has room", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A file could not be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A body names a shape that does not exist.
+    #[error("body {body} has shape {shape}, but there are {shapes} shapes")]
+    ShapeIndex {
+        /// The body.
+        body: usize,
+        /// Its shape.
+        shape: u32,
+        /// How many shapes there are.
+        shapes: usize,
+    },
+    /// A contact names a body that does not exist.
+    #[error("contact {contact} names body {body}, but there are {bodies} bodies")]
+    BodyIndex {
+        /// Index of the contact.
+        contact: usize,
+        /// The body it names.
+        body: u32,
+        /// How many bodies there are.
+        bodies: usize,
+    },
+    /// A pose or a force is NaN or infinite.
+    #[error("{what} {index} holds a number that is not finite")]
+    NotFinite {
+        /// "body" or "contact".
+        what: &'static str,
+        /// Which one.
+        index: usize,
+    },
+    /// There is no body to draw.
+    #[error("there is no body to draw")]
+    NothingToDraw,
+    /// An option is out of its range.
+    #[error("{name} = {value} is not allowed: {allowed}")]
+    Option {
+        /// Name of the option.
+        name: &'static str,
+        /// The value given.
+        value: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A scene file is not TOML, or has a wrong key or value.
+    #[error("{}: {message}", path.display())]
+    Scene {
+        /// The file.
+        path: PathBuf,
+        /// Where and what.
+        message: String,
+    },
+    /// A shape or a surface file was refused.
+    #[error(transparent)]
+    Mesh(#[from] femdem_mesh::MeshError),
+}

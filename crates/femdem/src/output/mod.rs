@@ -1,0 +1,85 @@
+//! The files that a run leaves: tables, ParaView files, surfaces.
+//!
+//! | file | module | for |
+//! |---|---|---|
+//! | `bodies.csv`, `contacts.csv` | [`csv`] | spreadsheets and scripts |
+//! | `pack.vtu` | [`vtu`] | ParaView: the bodies as polyhedra |
+//! | `contacts.vtp` | [`vtp`] | ParaView: the contacts as points with forces |
+//! | `pack.stl`, `shape-<name>.obj` | [`surface`] | CFD meshing; one body alone |
+//!
+//! Every function takes a [`Snapshot`](crate::Snapshot) and a writer, so that a host can write
+//! anywhere; [`write_file`] makes a file of what such a function writes.
+
+pub mod csv;
+pub mod surface;
+mod vtk;
+pub mod vtp;
+pub mod vtu;
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use crate::Error;
+
+/// Writes a file through a buffer, beside the old one first: a file that is there stays whole until
+/// the new one is complete.
+///
+/// # Errors
+///
+/// [`Error::Write`] with the path if the folder cannot be written to, the disk is full, or `content`
+/// fails; the unfinished file is removed.
+pub fn write_file(
+    path: impl AsRef<Path>,
+    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), Error> {
+    let path = path.as_ref();
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".partial");
+    let beside = path.with_file_name(name);
+    let written = write_whole(&beside, content).and_then(|()| fs::rename(&beside, path));
+    written.map_err(|source| {
+        // The first error is the one to report; a file that was never made cannot be removed.
+        let _ = fs::remove_file(&beside);
+        Error::Write { path: path.to_path_buf(), source }
+    })
+}
+
+fn write_whole(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut writer = BufWriter::with_capacity(1 << 18, File::create(path)?);
+    content(&mut writer)?;
+    writer.flush()?;
+    // A full disk may show only now.
+    writer.get_ref().sync_all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_keeps_the_old_file_and_names_the_path() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        write_file(&path, |w| writeln!(w, "old")).unwrap();
+        let error = write_file(&path, |w| {
+            writeln!(w, "new")?;
+            Err(io::Error::other("disk full"))
+        })
+        .unwrap_err()
+        .to_string();
+        assert!(error.contains("a.csv") && error.contains("disk full"), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old\n");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_folder_that_does_not_exist_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("none").join("a.csv");
+        assert!(matches!(write_file(&path, |_| Ok(())), Err(Error::Write { .. })));
+    }
+}

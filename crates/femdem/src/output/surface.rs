@@ -1,0 +1,75 @@
+//! Surfaces: all bodies as one STL, a shape as OBJ.
+
+use std::io::{self, Write};
+
+use femdem_mesh::io::{obj, stl};
+use femdem_mesh::{MeshError, Polyhedron};
+
+use super::csv::invalid;
+use crate::Snapshot;
+
+/// Writes all bodies as one binary STL \[m\], for CFD meshing.
+///
+/// The surfaces are those of the bodies: where two touch they overlap by the penetration.
+///
+/// # Errors
+///
+/// If writing fails, or the snapshot does not pass [`Snapshot::check`] (as
+/// [`io::ErrorKind::InvalidInput`]).
+pub fn write_pack_stl(snapshot: &Snapshot, writer: impl Write) -> io::Result<()> {
+    snapshot.check().map_err(invalid)?;
+    let bodies =
+        snapshot.bodies.iter().map(|body| (&snapshot.shape_of(body).polyhedron, &body.pose));
+    stl::write_binary_posed(bodies, writer).map_err(as_io)
+}
+
+/// Writes a shape as OBJ, in the coordinates that the poses of `bodies.csv` act on \[m\].
+///
+/// # Errors
+///
+/// If writing fails.
+pub fn write_shape_obj(shape: &Polyhedron, writer: impl Write) -> io::Result<()> {
+    obj::write(shape, writer).map_err(as_io)
+}
+
+fn as_io(error: MeshError) -> io::Error {
+    match error {
+        MeshError::Io(source) => source,
+        other => io::Error::new(io::ErrorKind::InvalidInput, other),
+    }
+}
+
+/// Name of the file of a shape: `shape-<name>.obj`, with what file systems dislike replaced.
+#[must_use]
+pub fn shape_file_name(name: &str) -> String {
+    let safe = |c: char| if c.is_alphanumeric() || "-_+".contains(c) { c } else { '_' };
+    format!("shape-{}.obj", name.chars().map(safe).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::two_cubes;
+
+    #[test]
+    fn two_cubes_are_24_triangles() {
+        let mut bytes = Vec::new();
+        write_pack_stl(&two_cubes(), &mut bytes).unwrap();
+        assert_eq!(bytes.len(), 84 + 24 * 50);
+        assert_eq!(bytes[80..84], 24_u32.to_le_bytes());
+    }
+
+    #[test]
+    fn a_shape_is_read_back_equal() {
+        let cube = &two_cubes().shapes[0].polyhedron;
+        let mut bytes = Vec::new();
+        write_shape_obj(cube, &mut bytes).unwrap();
+        assert_eq!(&obj::parse(std::str::from_utf8(&bytes).unwrap()).unwrap(), cube);
+    }
+
+    #[test]
+    fn file_names_hold_no_separators() {
+        assert_eq!(shape_file_name("../a b"), "shape-___a_b.obj");
+        assert_eq!(shape_file_name("A10"), "shape-A10.obj");
+    }
+}

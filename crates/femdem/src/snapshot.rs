@@ -1,0 +1,235 @@
+//! A pack at one moment, as plain data: what every output file and picture is made from.
+//!
+//! It may come from a simulation, from a checkpoint, or from another code.
+
+use std::fmt;
+
+use femdem_analysis::Region;
+use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
+
+use crate::Error;
+
+/// A shape and the name it has in tables and file names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedShape {
+    /// Name, such as "A10".
+    pub name: String,
+    /// Surface, in the coordinates that the poses act on \[m\].
+    pub polyhedron: Polyhedron,
+}
+
+/// A body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Index into the shapes.
+    pub shape: u32,
+    /// Takes the shape's coordinates to world coordinates.
+    pub pose: Pose,
+    /// Number in the order of placement, from 0.
+    pub sequence: u32,
+    /// Whether the body is frozen.
+    pub sleeping: bool,
+}
+
+/// What a body touches.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Partner {
+    /// Another body, by index.
+    Body(u32),
+    /// A wall, by name.
+    Wall(String),
+}
+
+impl fmt::Display for Partner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Body(body) => write!(f, "{body}"),
+            Self::Wall(name) => f.write_str(name),
+        }
+    }
+}
+
+/// How two surfaces meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ContactClass {
+    /// A face on a face (or on a wall).
+    FaceFace,
+    /// An edge on a face, or two edges along each other.
+    EdgeFace,
+    /// A vertex on anything, or two edges across each other.
+    Point,
+}
+
+impl ContactClass {
+    /// Class from the local exponent of the elastic force law.
+    ///
+    /// The normal force of an overlap grows with its depth δ as δⁿ with n = 1 for a face on a face,
+    /// 2 for an edge on a face and 3 for a vertex on a face or an edge across an edge. As
+    /// U = F δ/(n + 1) and K = n F/δ, the contact energy U \[J\], elastic force F \[N\] and normal
+    /// stiffness K \[N/m\] give it without a length scale:
+    ///
+    /// K U/F² = n/(n + 1),
+    ///
+    /// which is 1/2, 2/3 and 3/4. The classes meet half way between the exponents, at n = 1.5 and
+    /// n = 2.5. A face that leans on another by an edge moves from one class to the other as the
+    /// wedge of the overlap closes. Without a force the class is a point.
+    #[must_use]
+    pub fn of_force_law(energy: f64, force: f64, stiffness: f64) -> Self {
+        let ratio = stiffness * energy / (force * force);
+        if ratio <= 1.5 / 2.5 {
+            Self::FaceFace
+        } else if ratio <= 2.5 / 3.5 {
+            Self::EdgeFace
+        } else {
+            Self::Point
+        }
+    }
+
+    /// "face-face", "edge-face" or "point".
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::FaceFace => "face-face",
+            Self::EdgeFace => "edge-face",
+            Self::Point => "point",
+        }
+    }
+
+    /// 2 for a face, 1 for an edge, 0 for a point: the dimension of the patch.
+    #[must_use]
+    pub const fn dimension(self) -> u8 {
+        match self {
+            Self::FaceFace => 2,
+            Self::EdgeFace => 1,
+            Self::Point => 0,
+        }
+    }
+}
+
+/// A contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactRow {
+    /// One body.
+    pub body: u32,
+    /// The other body, or a wall.
+    pub partner: Partner,
+    /// Centre of pressure \[m\].
+    pub point: Point3,
+    /// Unit normal, from `body` towards `partner`.
+    pub normal: Vector3,
+    /// Normal force \[N\], positive when it pushes the two apart.
+    pub normal_force: f64,
+    /// Friction force on `partner` \[N\].
+    pub friction: Vector3,
+    /// Contact area \[m²\].
+    pub area: f64,
+    /// Overlap volume \[m³\].
+    pub volume: f64,
+    /// How the surfaces meet.
+    pub class: ContactClass,
+}
+
+/// A pack at one moment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Snapshot {
+    /// The shapes.
+    pub shapes: Vec<NamedShape>,
+    /// The bodies.
+    pub bodies: Vec<Body>,
+    /// The contacts, each once.
+    pub contacts: Vec<ContactRow>,
+    /// Inside of the container, for outlines.
+    pub container: Option<Region>,
+}
+
+/// What the contacts do to one body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyLoad {
+    /// Bodies and walls that push on it: each counts once.
+    pub coordination: u32,
+    /// Sum of the normal forces \[N\].
+    pub force_sum: f64,
+}
+
+impl Snapshot {
+    /// Checks that every index exists and every number is finite.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ShapeIndex`], [`Error::BodyIndex`] or [`Error::NotFinite`], naming the first fault.
+    pub fn check(&self) -> Result<(), Error> {
+        for (body, row) in self.bodies.iter().enumerate() {
+            if row.shape as usize >= self.shapes.len() {
+                let (shape, shapes) = (row.shape, self.shapes.len());
+                return Err(Error::ShapeIndex { body, shape, shapes });
+            }
+            let numbers = row.pose.translation.vector.iter().chain(row.pose.rotation.coords.iter());
+            if numbers.into_iter().any(|x| !x.is_finite()) {
+                return Err(Error::NotFinite { what: "body", index: body });
+            }
+        }
+        for (contact, row) in self.contacts.iter().enumerate() {
+            for body in row.bodies() {
+                if body as usize >= self.bodies.len() {
+                    let bodies = self.bodies.len();
+                    return Err(Error::BodyIndex { contact, body, bodies });
+                }
+            }
+            let vectors = [row.point.coords, row.normal, row.friction];
+            let scalars = [row.normal_force, row.area, row.volume];
+            if vectors.iter().flatten().chain(&scalars).any(|x| !x.is_finite()) {
+                return Err(Error::NotFinite { what: "contact", index: contact });
+            }
+        }
+        Ok(())
+    }
+
+    /// A body's shape; the snapshot must have passed [`check`](Self::check).
+    pub(crate) fn shape_of(&self, body: &Body) -> &NamedShape {
+        &self.shapes[body.shape as usize]
+    }
+
+    /// Coordination and force of each body.
+    ///
+    /// # Errors
+    ///
+    /// As [`check`](Self::check).
+    pub fn loads(&self) -> Result<Vec<BodyLoad>, Error> {
+        self.check()?;
+        let mut loads = vec![BodyLoad::default(); self.bodies.len()];
+        for row in self.contacts.iter().filter(|row| row.normal_force > 0.0) {
+            for body in row.bodies() {
+                let load = &mut loads[body as usize];
+                load.coordination += 1;
+                load.force_sum += row.normal_force;
+            }
+        }
+        Ok(loads)
+    }
+
+    /// Name of the shapes in tables: of the one shape, or "mixed".
+    #[must_use]
+    pub fn shape_name(&self) -> &str {
+        match self.shapes.as_slice() {
+            [one] => &one.name,
+            _ => "mixed",
+        }
+    }
+}
+
+impl ContactRow {
+    /// The bodies that take part: one or two.
+    fn bodies(&self) -> impl Iterator<Item = u32> + use<> {
+        let other = match self.partner {
+            Partner::Body(other) => Some(other),
+            Partner::Wall(_) => None,
+        };
+        [Some(self.body), other].into_iter().flatten()
+    }
+
+    /// Mean depth of the overlap \[m\]: its volume over its area, 0 without an area.
+    #[must_use]
+    pub fn penetration(&self) -> f64 {
+        if self.area > 0.0 { self.volume / self.area } else { 0.0 }
+    }
+}
