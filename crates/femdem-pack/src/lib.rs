@@ -1,1 +1,71 @@
-//! femdem-pack.
+//! Packs of polyhedra: containers, protocols, and a job that ends with a verified pack.
+//!
+//! **Use it** to make packs of rigid convex bodies under gravity: deposited in sequence as in the
+//! founding paper (Xiang, Latham and Farsi 2016), poured in layers, or released all at once, in a
+//! box or a cylinder, from random orientations, and brought to a rest that is checked. **Do not use
+//! it** to measure packs (femdem-analysis does), for bodies that deform or are not convex, for packs
+//! made by algorithms without mechanics, or where the bodies need not come to rest (build a
+//! [`femdem_solve::World`] and step it yourself).
+//!
+//! ```
+//! use femdem_mesh::catalogue::{CatalogueShape, Solid};
+//! use femdem_pack::{Container, PackShape, PackSpec, Packing};
+//!
+//! let cube = CatalogueShape::from(Solid::P5).polyhedron(0.02)?;
+//! let mut packing = Packing::new(PackSpec {
+//!     shapes: vec![PackShape::new("cube", cube)],
+//!     count: 4,
+//!     container: Container::Box { width: 0.05, depth: 0.05 },
+//!     ..PackSpec::default()
+//! })?;
+//! while !packing.is_done() {
+//!     let progress = packing.advance(500)?;
+//!     assert!(progress.placed <= 4);
+//! }
+//! let report = packing.report();
+//! assert!(report.settled && report.residual_max_over_load <= 0.02);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What is where
+//! - [`PackSpec`]: the whole job as data, with a default for everything; [`PackShape`],
+//!   [`Container`], [`Protocol`], [`Settling`] are its parts.
+//! - [`Packing`]: the job. It advances by steps, reports its [`Progress`], can be saved and read
+//!   back at any step, and ends with a [`PackReport`].
+//! - [`Penalty`], [`automatic_penalty`]: the stiffness of the contacts from the penetration allowed.
+//! - [`body_stream`], [`random_rotation`]: the random numbers.
+//!
+//! # Units
+//! SI. Gravity acts along -z; the floor is z = 0 and the container stands about the z axis. d is the
+//! circumscribed diameter of a body; fields named `_over_d` are in d. Times of rules are in
+//! sqrt(d/g), the time in which a body falls half its diameter.
+//!
+//! # Features
+//! - `parallel` (default): contacts are evaluated on the caller's rayon pool. Results are the same
+//!   bits with any number of threads and without the feature.
+//!
+//! # Accuracy
+//! The pack is an equilibrium of the penalty contact law: bodies overlap by about what
+//! [`Penalty::Automatic`] was asked for, and the report states the mean and the largest
+//! penetration. Settled means what [`Settling`] says, with every body awake and no medium; a pack
+//! that does not get there in the stated time is reported as not settled, never forced. What the
+//! verification moved is in the report too.
+
+mod container;
+mod error;
+mod packing;
+mod penalty;
+mod placement;
+mod protocol;
+mod random;
+mod report;
+mod spec;
+
+pub use container::Container;
+pub use error::PackError;
+pub use packing::{Packing, Progress, Stage};
+pub use penalty::{PackLoad, Penalty, automatic_penalty};
+pub use protocol::{Landing, Pour, Protocol, Release, Sequential};
+pub use random::{body_stream, random_rotation};
+pub use report::{PackReport, Verification};
+pub use spec::{PackShape, PackSpec, Settling};

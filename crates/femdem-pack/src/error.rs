@@ -1,0 +1,121 @@
+//! What can go wrong when a pack is specified or made.
+
+use femdem_contact::{BodyId, ContactError};
+use femdem_mesh::MeshError;
+use femdem_solve::SolveError;
+use thiserror::Error;
+
+/// Errors of this crate.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PackError {
+    /// A parameter is out of its range.
+    #[error("{name} = {value} is not allowed: it must be {allowed}")]
+    Parameter {
+        /// The parameter's name.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// The allowed range in words.
+        allowed: &'static str,
+    },
+    /// A pack needs something to pack.
+    #[error("no shape was given: name at least one shape to pack")]
+    NoShapes,
+    /// A body fits into the container only in some orientations, or not at all.
+    #[error(
+        "the container's {side} is {size} m, but a body of circumscribed diameter {diameter} m \
+         must fit in any orientation: give at least {diameter} m, or make the bodies smaller"
+    )]
+    ContainerTooNarrow {
+        /// Which inner dimension: width, depth or diameter.
+        side: &'static str,
+        /// The dimension given, m.
+        size: f64,
+        /// Largest circumscribed diameter of a body, m.
+        diameter: f64,
+    },
+    /// A layer of the release lattice is wider than the container.
+    #[error(
+        "{given} bodies at a spacing of {spacing} m do not fit along the container's {axis} axis: \
+         at most {most} do; lower per_layer, the spacing or the size of the bodies"
+    )]
+    LayerTooWide {
+        /// The axis, x or y.
+        axis: &'static str,
+        /// Bodies asked for.
+        given: u32,
+        /// Bodies that fit.
+        most: u32,
+        /// Lattice spacing, m.
+        spacing: f64,
+    },
+    /// A body has left the container.
+    #[error(
+        "body {body} has left the container through {through} (centroid at {position:?} m): \
+         the penalty of {penalty:.3e} Pa is probably too low for the speed of impact or the load; \
+         raise the penalty or lower the drop height"
+    )]
+    Escaped {
+        /// The body.
+        body: BodyId,
+        /// The wall that it went through.
+        through: String,
+        /// Its centroid, m.
+        position: [f64; 3],
+        /// The penalty in use, Pa.
+        penalty: f64,
+    },
+    /// A body flies far above all that was ever released.
+    #[error(
+        "body {body} was thrown to a height of {height} m, though nothing was released above \
+         {released} m: the time step is probably too long for the contacts; lower \
+         time_step.safety"
+    )]
+    Thrown {
+        /// The body.
+        body: BodyId,
+        /// Height of its centroid, m.
+        height: f64,
+        /// Highest point of any start, m.
+        released: f64,
+    },
+    /// The record of a pack does not fit its world: the checkpoint was altered.
+    #[error("the state of the pack is inconsistent: {what}; start from an unaltered checkpoint")]
+    Inconsistent {
+        /// What does not fit.
+        what: &'static str,
+    },
+    /// A shape's surface cannot be used.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A wall or the contact law was refused.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// The simulation failed.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}
+
+/// Returns an error unless `value` is finite and `ok`.
+pub(crate) fn check(
+    name: &'static str,
+    value: f64,
+    ok: bool,
+    allowed: &'static str,
+) -> Result<(), PackError> {
+    if value.is_finite() && ok {
+        Ok(())
+    } else {
+        Err(PackError::Parameter {
+            name,
+            value,
+            allowed,
+        })
+    }
+}
+
+/// Returns an error unless `value` is positive and finite.
+pub(crate) fn check_positive(name: &'static str, value: f64) -> Result<(), PackError> {
+    check(name, value, value > 0.0, "above 0 and finite")
+}

@@ -1,0 +1,294 @@
+//! The packing job: a state that advances step by step from an empty container to a verified
+//! pack.
+
+mod deposit;
+mod settle;
+mod surface;
+
+use crate::error::PackError;
+use crate::report::{PackReport, Verification};
+use crate::spec::PackSpec;
+use femdem_contact::BodyId;
+use femdem_mesh::Vector3;
+use femdem_solve::{Drive, World};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+pub(crate) use surface::mean_top;
+
+/// What a packing job is at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// Bodies are being released.
+    Depositing,
+    /// All bodies are in; waiting for them to come to rest.
+    Settling,
+    /// All bodies are kept awake, and the medium is switched off, to see that they stay at rest.
+    Verifying,
+    /// Finished.
+    Done,
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Depositing => "depositing",
+            Self::Settling => "settling",
+            Self::Verifying => "verifying",
+            Self::Done => "done",
+        })
+    }
+}
+
+/// Where a packing job stands.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Progress {
+    /// The stage.
+    pub stage: Stage,
+    /// Bodies released so far.
+    pub placed: u32,
+    /// Bodies to be packed.
+    pub count: u32,
+    /// Batches released so far.
+    pub batches: u32,
+    /// Highest point of the bodies when last looked at, m.
+    pub top: f64,
+    /// Simulated time, s.
+    pub time: f64,
+    /// Steps taken.
+    pub steps: u64,
+    /// Bodies awake.
+    pub awake: usize,
+}
+
+/// A packing job.
+///
+/// It owns the world and advances it by whole steps; every decision is a function of the state,
+/// so that the result does not depend on how the steps are divided over calls, on the number of
+/// threads, or on whether the job was saved and read in between. Serialise it (for example with
+/// `femdem_solve::checkpoint`) to continue later with the same bits.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(try_from = "Stored")]
+pub struct Packing {
+    world: World,
+    job: Job,
+}
+
+/// What a job is read back from; the world then has to rebuild what is not stored.
+#[derive(Deserialize)]
+#[serde(rename = "Packing")]
+struct Stored {
+    world: World,
+    job: Job,
+}
+
+/// The job's own state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Job {
+    spec: PackSpec,
+    /// Pa.
+    penalty: f64,
+    stage: Stage,
+    /// Simulated time at which the stage began, s.
+    stage_began: f64,
+    /// Steps taken when the stage began.
+    stage_steps: u64,
+    /// First body of each batch.
+    batches: Vec<BodyId>,
+    /// Batches that were followed by the next before they had landed.
+    cut_short: u32,
+    /// Simulated time at which the last batch was released, s.
+    released: f64,
+    /// Since when all bodies of the last batch have been at rest, s.
+    landed_since: Option<f64>,
+    /// Highest point of any start, m.
+    highest_start: f64,
+    /// Highest point of the bodies when last looked at, m.
+    top: f64,
+    /// Simulated time of the next check, s.
+    next_check: f64,
+    /// Checks in a row that passed.
+    passed: u32,
+    /// Positions (m) and mean top (m) when the verification began.
+    reference: Option<(Vec<Vector3>, f64)>,
+    verification: Option<Verification>,
+}
+
+impl TryFrom<Stored> for Packing {
+    type Error = PackError;
+
+    fn try_from(stored: Stored) -> Result<Self, PackError> {
+        let Stored { mut world, job } = stored;
+        world.restore()?;
+        job.spec.validate()?;
+        let first = job.batches.first().is_none_or(|&b| b == 0);
+        let rising = job.batches.windows(2).all(|w| w[0] < w[1]);
+        let placed = job
+            .batches
+            .last()
+            .is_none_or(|&b| (b as usize) < world.body_count());
+        let known = world.shapes().len() == job.spec.shapes.len();
+        let counted = world.body_count() <= job.spec.count as usize;
+        if !(first && rising && placed && known && counted) {
+            return Err(PackError::Inconsistent {
+                what: "the batches do not belong to the bodies",
+            });
+        }
+        Ok(Self { world, job })
+    }
+}
+
+impl Packing {
+    /// A job with an empty container.
+    ///
+    /// # Errors
+    /// What [`PackSpec::validate`] refuses; [`PackError::Solve`] for a shape that is not convex or
+    /// a parameter that the world refuses; [`PackError::LayerTooWide`] for a release lattice that
+    /// does not fit.
+    pub fn new(spec: PackSpec) -> Result<Self, PackError> {
+        let penalty = spec.resolved_penalty()?;
+        let mut world = World::new(spec.world_parameters(penalty))?;
+        for shape in &spec.shapes {
+            world.add_shape(&shape.name, &shape.polyhedron)?;
+        }
+        for wall in spec.container.walls()? {
+            world.add_wall(wall, Drive::Fixed)?;
+        }
+        let job = Job {
+            spec,
+            penalty,
+            stage: Stage::Depositing,
+            stage_began: 0.0,
+            stage_steps: 0,
+            batches: Vec::new(),
+            cut_short: 0,
+            released: 0.0,
+            landed_since: None,
+            highest_start: 0.0,
+            top: 0.0,
+            next_check: 0.0,
+            passed: 0,
+            reference: None,
+            verification: None,
+        };
+        let mut packing = Self { world, job };
+        packing.release_if_due()?;
+        Ok(packing)
+    }
+
+    /// Advances by at most `steps` steps of the world; by fewer if the job is done before.
+    ///
+    /// # Errors
+    /// [`PackError::Escaped`] or [`PackError::Thrown`] name a body that has left the container,
+    /// [`PackError::Solve`] a simulation that has blown up. The job is then of no further use; an
+    /// earlier checkpoint is.
+    pub fn advance(&mut self, steps: u64) -> Result<Progress, PackError> {
+        for _ in 0..steps {
+            match self.job.stage {
+                Stage::Depositing => self.step_deposition()?,
+                Stage::Settling => self.step_settling()?,
+                Stage::Verifying => self.step_verification()?,
+                Stage::Done => break,
+            }
+        }
+        Ok(self.progress())
+    }
+
+    /// Advances to the end.
+    ///
+    /// # Errors
+    /// As [`Packing::advance`].
+    pub fn run(&mut self) -> Result<PackReport, PackError> {
+        const STEPS: u64 = 1000;
+        while !self.is_done() {
+            self.advance(STEPS)?;
+        }
+        Ok(self.report())
+    }
+
+    /// Where the job stands.
+    pub fn progress(&self) -> Progress {
+        Progress {
+            stage: self.job.stage,
+            placed: self.placed(),
+            count: self.job.spec.count,
+            batches: self.batch_count(),
+            top: self.job.top,
+            time: self.world.time(),
+            steps: self.world.steps(),
+            awake: self.world.awake_count(),
+        }
+    }
+
+    /// Whether the job is finished.
+    pub fn is_done(&self) -> bool {
+        self.job.stage == Stage::Done
+    }
+
+    /// What is packed.
+    pub fn spec(&self) -> &PackSpec {
+        &self.job.spec
+    }
+
+    /// The bodies and walls.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The bodies and walls, for work that goes on from the pack.
+    pub fn into_world(self) -> World {
+        self.world
+    }
+
+    /// The penalty in use, Pa.
+    pub fn penalty(&self) -> f64 {
+        self.job.penalty
+    }
+
+    /// Number, from 0, of the batch or layer that a body came in; `None` for an unknown body.
+    /// Within a batch bodies are numbered in the order of placement.
+    pub fn sequence(&self, body: BodyId) -> Option<u32> {
+        if body >= self.placed() {
+            return None;
+        }
+        let batches = self.job.batches.partition_point(|&first| first <= body);
+        u32::try_from(batches).ok()?.checked_sub(1)
+    }
+
+    /// The state of the pack in numbers. Costs a pass over all bodies and contacts.
+    pub fn report(&self) -> PackReport {
+        let verification = self.job.verification;
+        let settled = self.is_done() && verification.is_some_and(|v| v.passed);
+        PackReport::new(
+            &self.world,
+            self.job.spec.diameter(),
+            self.job.penalty,
+            settled,
+            verification,
+        )
+        .with_batches(self.batch_count(), self.job.cut_short)
+    }
+
+    fn placed(&self) -> u32 {
+        // A spec counts bodies in 32 bits, and no more than that are added.
+        u32::try_from(self.world.body_count()).unwrap_or(u32::MAX)
+    }
+
+    fn batch_count(&self) -> u32 {
+        u32::try_from(self.job.batches.len()).unwrap_or(u32::MAX)
+    }
+
+    /// Simulated time since the stage began, s.
+    fn stage_time(&self) -> f64 {
+        self.world.time() - self.job.stage_began
+    }
+
+    fn enter(&mut self, stage: Stage) {
+        self.job.stage = stage;
+        self.job.stage_began = self.world.time();
+        self.job.stage_steps = self.world.steps();
+        self.job.passed = 0;
+        self.job.next_check = self.world.time();
+    }
+}

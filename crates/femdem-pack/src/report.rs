@@ -1,0 +1,108 @@
+//! The state of a pack in numbers.
+
+use crate::packing::mean_top;
+use femdem_contact::BodyId;
+use femdem_solve::World;
+use serde::{Deserialize, Serialize};
+
+/// What the final verification, with all bodies awake and the medium switched off, found.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Verification {
+    /// Whether as many checks in a row passed as were asked for.
+    pub passed: bool,
+    /// Steps it took.
+    pub steps: u64,
+    /// Simulated time it took, s.
+    pub time: f64,
+    /// Mean distance that the centroids moved, over d.
+    pub mean_displacement_over_d: f64,
+    /// Largest distance that a centroid moved, over d.
+    pub max_displacement_over_d: f64,
+    /// Change of the mean top, over d.
+    pub mean_top_change_over_d: f64,
+}
+
+/// The state of a pack in numbers; d is the (mean) circumscribed diameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PackReport {
+    /// Whether the pack is complete and has passed the verification.
+    pub settled: bool,
+    /// Bodies.
+    pub bodies: u32,
+    /// Batches or layers released.
+    pub batches: u32,
+    /// Batches that were followed by the next before they had landed.
+    pub cut_short: u32,
+    /// Penalty, Pa.
+    pub penalty: f64,
+    /// Simulated time, s.
+    pub time: f64,
+    /// Steps.
+    pub steps: u64,
+    /// Highest point, m.
+    pub top: f64,
+    /// Mean top, m: squares of side d divide the floor plan, and the highest points of the bodies
+    /// centred over each are averaged over the squares that have any.
+    pub mean_top: f64,
+    /// Net force over weight, mean over bodies.
+    pub residual_mean_over_weight: f64,
+    /// Net force over weight, largest.
+    pub residual_max_over_weight: f64,
+    /// Net force over the larger of weight and mean contact force, largest.
+    pub residual_max_over_load: f64,
+    /// The body with the largest residual over load.
+    pub worst_body: Option<BodyId>,
+    /// Largest kinetic energy of a body over its m g d.
+    pub kinetic_energy_over_mgd: f64,
+    /// Overlap volume over contact area, mean over contacts, over d.
+    pub penetration_mean_over_d: f64,
+    /// The same, largest.
+    pub penetration_max_over_d: f64,
+    /// The final verification, once it is over.
+    pub verification: Option<Verification>,
+}
+
+impl PackReport {
+    pub(crate) fn new(
+        world: &World,
+        diameter: f64,
+        penalty: f64,
+        settled: bool,
+        verification: Option<Verification>,
+    ) -> Self {
+        let residuals = world.residuals();
+        let depths: Vec<f64> = world
+            .contacts()
+            .iter()
+            .map(|c| c.penetration() / diameter)
+            .collect();
+        let bodies = (0..).map_while(|body| world.bounds(body));
+        Self {
+            settled,
+            bodies: u32::try_from(world.body_count()).unwrap_or(u32::MAX),
+            batches: 0,
+            cut_short: 0,
+            penalty,
+            time: world.time(),
+            steps: world.steps(),
+            top: bodies.map(|(_, high)| high.z).fold(0.0, f64::max),
+            mean_top: mean_top(world, diameter),
+            residual_mean_over_weight: residuals.mean_over_weight,
+            residual_max_over_weight: residuals.max_over_weight,
+            residual_max_over_load: residuals.max_over_load,
+            worst_body: residuals.worst_body,
+            kinetic_energy_over_mgd: residuals.kinetic_energy_over_mgd,
+            penetration_mean_over_d: depths.iter().sum::<f64>() / depths.len().max(1) as f64,
+            penetration_max_over_d: depths.iter().copied().fold(0.0, f64::max),
+            verification,
+        }
+    }
+
+    pub(crate) fn with_batches(self, batches: u32, cut_short: u32) -> Self {
+        Self {
+            batches,
+            cut_short,
+            ..self
+        }
+    }
+}

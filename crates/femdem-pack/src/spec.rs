@@ -1,0 +1,327 @@
+//! What to pack, in what, and how.
+
+use crate::container::Container;
+use crate::error::{PackError, check, check_positive};
+use crate::penalty::{EXPECTED_DENSITY, PackLoad, Penalty, automatic_penalty};
+use crate::protocol::Protocol;
+use femdem_contact::ContactParameters;
+use femdem_mesh::Polyhedron;
+use femdem_mesh::Vector3;
+use femdem_mesh::catalogue::{CatalogueShape, Solid};
+use femdem_solve::{Medium, SleepParameters, TimeStepParameters, WorldParameters};
+use serde::{Deserialize, Serialize};
+
+/// Circumscribed diameter of the default bodies, m.
+const DEFAULT_DIAMETER: f64 = 0.02;
+
+/// A shape to pack.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PackShape {
+    /// Name, as it appears in results.
+    pub name: String,
+    /// The surface, in m. It must be convex.
+    pub polyhedron: Polyhedron,
+    /// Relative number of bodies of this shape in a mixture; each body draws its shape with this
+    /// weight.
+    #[serde(default = "equal_share")]
+    pub share: f64,
+}
+
+fn equal_share() -> f64 {
+    1.0
+}
+
+impl PackShape {
+    /// A shape with share 1.
+    pub fn new(name: impl Into<String>, polyhedron: Polyhedron) -> Self {
+        Self {
+            name: name.into(),
+            polyhedron,
+            share: equal_share(),
+        }
+    }
+
+    /// Circumscribed diameter: of the smallest sphere about the centroid that holds the body, m.
+    pub fn diameter(&self) -> f64 {
+        2.0 * self.polyhedron.bounding_radius()
+    }
+}
+
+/// When a pack counts as settled.
+///
+/// Checks follow one another at `check_interval`. A check passes if every body's residual (net
+/// force over the larger of its weight and its mean contact force) and kinetic energy are within
+/// the limits. With all bodies awake, `checks` passes in a row are needed, and the last one
+/// with all residuals below `aim`; three times as many passes will do without it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settling {
+    /// Largest allowed residual of a body.
+    pub residual: f64,
+    /// Residual that is waited for some time longer.
+    pub aim: f64,
+    /// Largest allowed kinetic energy of a body over m g d.
+    pub kinetic_energy: f64,
+    /// Checks in a row that must pass.
+    pub checks: u32,
+    /// Time between checks, in units of sqrt(d/g).
+    pub check_interval: f64,
+    /// Longest settling after the last body has had time to fall, in units of sqrt(d/g).
+    pub longest_settling: f64,
+    /// Longest verification with all bodies awake, in units of sqrt(d/g).
+    pub longest_verification: f64,
+}
+
+impl Default for Settling {
+    fn default() -> Self {
+        Self {
+            residual: 0.02,
+            aim: 0.01,
+            kinetic_energy: 1e-6,
+            checks: 10,
+            check_interval: 0.1,
+            longest_settling: 200.0,
+            longest_verification: 60.0,
+        }
+    }
+}
+
+/// A packing job. Every field has a default: 500 truncated dodecahedra (A10) of 20 mm in a box 8
+/// diameters wide, deposited in sequence with friction 0.6.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PackSpec {
+    /// The shapes; at least one.
+    pub shapes: Vec<PackShape>,
+    /// Number of bodies.
+    pub count: u32,
+    /// Density of the bodies, kg/m^3.
+    pub density: f64,
+    /// Coulomb friction coefficient between bodies, and between bodies and walls.
+    pub friction: f64,
+    /// Fraction of critical damping of normal contact.
+    pub damping_ratio: f64,
+    /// Tangential over normal foundation modulus.
+    pub tangential_ratio: f64,
+    /// Fraction of critical damping of the tangential springs while they stick.
+    pub tangential_damping: f64,
+    /// The penalty of the contact law.
+    pub penalty: Penalty,
+    /// Acceleration of gravity, towards -z, m/s^2.
+    pub gravity: f64,
+    /// The container.
+    pub container: Container,
+    /// How bodies come into it.
+    pub protocol: Protocol,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Damping by the medium; switched off when the pack is verified.
+    pub medium: Medium,
+    /// Step size control.
+    pub time_step: TimeStepParameters,
+    /// When bodies fall asleep while the pack is made.
+    pub sleeping: SleepParameters,
+    /// When the pack counts as settled.
+    pub settling: Settling,
+}
+
+impl Default for PackSpec {
+    fn default() -> Self {
+        let contact = ContactParameters::default();
+        let solid = CatalogueShape::from(Solid::A10);
+        Self {
+            shapes: solid
+                .polyhedron(DEFAULT_DIAMETER)
+                .map(|p| PackShape::new(solid.id(), p))
+                .into_iter()
+                .collect(),
+            count: 500,
+            density: 2560.0,
+            friction: 0.6,
+            damping_ratio: 0.6,
+            tangential_ratio: contact.tangential_ratio,
+            tangential_damping: contact.tangential_damping,
+            penalty: Penalty::default(),
+            gravity: 9.81,
+            container: Container::Box {
+                width: 8.0 * DEFAULT_DIAMETER,
+                depth: 8.0 * DEFAULT_DIAMETER,
+            },
+            protocol: Protocol::default(),
+            seed: 1,
+            medium: Medium::default(),
+            time_step: TimeStepParameters::default(),
+            sleeping: SleepParameters::default(),
+            settling: Settling::default(),
+        }
+    }
+}
+
+impl PackSpec {
+    /// Checks everything that can be checked before the first step, save what the world itself
+    /// checks when it is built (contact law, time step, sleeping, medium).
+    ///
+    /// # Errors
+    /// [`PackError::NoShapes`], [`PackError::Parameter`], [`PackError::ContainerTooNarrow`].
+    pub fn validate(&self) -> Result<(), PackError> {
+        if self.shapes.is_empty() {
+            return Err(PackError::NoShapes);
+        }
+        for shape in &self.shapes {
+            check_positive("share of a shape", shape.share)?;
+        }
+        check(
+            "count",
+            f64::from(self.count),
+            self.count >= 1,
+            "at least 1 body",
+        )?;
+        check_positive("density", self.density)?;
+        check_positive("gravity", self.gravity)?;
+        match self.penalty {
+            Penalty::Automatic { penetration } => check(
+                "penetration",
+                penetration,
+                (1e-6..=0.1).contains(&penetration),
+                "between 1e-6 and 0.1, in d; 0.003 is usual",
+            )?,
+            Penalty::Given { pressure } => check_positive("penalty", pressure)?,
+        }
+        self.container.validate(self.largest_diameter())?;
+        self.protocol.validate()?;
+        self.settling.validate()
+    }
+
+    /// Mean of a quantity over the bodies to come.
+    fn mean(&self, of: impl Fn(&PackShape) -> f64) -> f64 {
+        let total: f64 = self.shapes.iter().map(|s| s.share).sum();
+        self.shapes.iter().map(|s| s.share * of(s)).sum::<f64>() / total
+    }
+
+    /// Circumscribed diameter d, m; the mean by share for a mixture.
+    pub fn diameter(&self) -> f64 {
+        self.mean(PackShape::diameter)
+    }
+
+    /// Largest circumscribed diameter, m.
+    pub fn largest_diameter(&self) -> f64 {
+        let diameters = self.shapes.iter().map(PackShape::diameter);
+        diameters.fold(0.0, f64::max)
+    }
+
+    /// Height that the pack will have at a packing density of 0.57, m.
+    pub fn expected_height(&self) -> f64 {
+        let volume = self.mean(|s| s.polyhedron.mass_properties().volume);
+        f64::from(self.count) * volume / (EXPECTED_DENSITY * self.container.floor_area())
+    }
+
+    /// The penalty, Pa: as given, or what the automatic choice comes to.
+    ///
+    /// # Errors
+    /// As [`PackSpec::validate`].
+    pub fn resolved_penalty(&self) -> Result<f64, PackError> {
+        self.validate()?;
+        Ok(match self.penalty {
+            Penalty::Given { pressure } => pressure,
+            Penalty::Automatic { penetration } => automatic_penalty(&self.load(), penetration),
+        })
+    }
+
+    fn load(&self) -> PackLoad {
+        PackLoad {
+            unit_weight: EXPECTED_DENSITY * self.density * self.gravity,
+            height: self.expected_height(),
+            floor_area: self.container.floor_area(),
+            perimeter: self.container.perimeter(),
+            wall_friction: self.friction,
+            diameter: self.diameter(),
+        }
+    }
+
+    /// The unit of time of falling bodies, sqrt(d/g), s.
+    pub(crate) fn time_unit(&self) -> f64 {
+        (self.diameter() / self.gravity).sqrt()
+    }
+
+    /// Parameters of the world with a penalty (Pa).
+    pub(crate) fn world_parameters(&self, penalty: f64) -> WorldParameters {
+        WorldParameters {
+            gravity: Vector3::new(0.0, 0.0, -self.gravity),
+            contact: ContactParameters {
+                penalty,
+                friction: self.friction,
+                damping_ratio: self.damping_ratio,
+                tangential_ratio: self.tangential_ratio,
+                tangential_damping: self.tangential_damping,
+            },
+            time_step: self.time_step,
+            sleeping: self.sleeping,
+            medium: self.medium,
+        }
+    }
+}
+
+impl Settling {
+    fn validate(&self) -> Result<(), PackError> {
+        check_positive("settling residual", self.residual)?;
+        check_positive("settling aim", self.aim)?;
+        check_positive("settling kinetic_energy", self.kinetic_energy)?;
+        check(
+            "settling checks",
+            f64::from(self.checks),
+            self.checks >= 1,
+            "at least 1",
+        )?;
+        check_positive("settling check_interval", self.check_interval)?;
+        check_positive("settling longest_settling", self.longest_settling)?;
+        check_positive("settling longest_verification", self.longest_verification)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn default_spec_is_valid_and_says_what_it_packs() {
+        let spec = PackSpec::default();
+        spec.validate().unwrap();
+        assert_eq!(spec.shapes[0].name, "A10");
+        assert!((spec.diameter() - 0.02).abs() < 1e-15);
+        // 500 bodies of 0.4253 d^3 (truncated dodecahedron) on 64 d^2 at 0.57.
+        let height = 500.0 * 0.4253 / 0.57 / 64.0;
+        assert!((spec.expected_height() / 0.02 / height - 1.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_named() {
+        let says = |change: fn(&mut PackSpec)| {
+            let mut spec = PackSpec::default();
+            change(&mut spec);
+            spec.validate().unwrap_err().to_string()
+        };
+        assert!(says(|s| s.shapes.clear()).contains("no shape"));
+        assert!(says(|s| s.count = 0).contains("count = 0"));
+        assert!(says(|s| s.density = f64::NAN).contains("density = NaN"));
+        assert!(says(|s| s.gravity = -9.81).contains("gravity = -9.81"));
+        assert!(says(|s| s.shapes[0].share = 0.0).contains("share of a shape = 0"));
+        assert!(says(|s| s.penalty = Penalty::Given { pressure: 0.0 }).contains("penalty = 0"));
+        assert!(
+            says(|s| s.penalty = Penalty::Automatic { penetration: 0.5 }).contains("penetration")
+        );
+        assert!(says(|s| s.container = Container::Cylinder { diameter: 0.01 }).contains("0.02"));
+        assert!(says(|s| s.settling.checks = 0).contains("checks = 0"));
+    }
+
+    #[test]
+    fn mixtures_average_by_share() {
+        let mut spec = PackSpec::default();
+        let mut large = spec.shapes[0].clone();
+        large.polyhedron = large.polyhedron.scaled(2.0).unwrap();
+        large.share = 3.0;
+        spec.shapes.push(large);
+        assert!((spec.diameter() - 0.035).abs() < 1e-12);
+        assert!((spec.largest_diameter() - 0.04).abs() < 1e-12);
+    }
+}
