@@ -2,6 +2,7 @@
 
 mod error;
 pub mod output;
+pub mod picture;
 mod snapshot;
 #[cfg(test)]
 mod testing;

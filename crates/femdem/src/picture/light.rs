@@ -1,0 +1,122 @@
+//! How much light reaches a point: the lamp's shadows, and the dimness of narrow gaps.
+
+use femdem_mesh::{Point3, Vector3};
+
+use super::raster::DepthBuffer;
+use super::view::{Seen, View};
+
+/// Points spread evenly over the unit disc (a sunflower: Vogel 1979).
+fn disc<const N: usize>() -> [[f64; 2]; N] {
+    const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+    std::array::from_fn(|k| {
+        let radius = ((k as f64 + 0.5) / N as f64).sqrt();
+        let angle = GOLDEN_ANGLE * k as f64;
+        [radius * angle.cos(), radius * angle.sin()]
+    })
+}
+
+/// The lamp and what it sees; what it does not see lies in shadow.
+pub(super) struct Lamp {
+    view: View,
+    seen: DepthBuffer,
+    samples: [[f64; 2]; 16],
+    /// Radius of the penumbra \[pixels of the lamp\].
+    blur: f64,
+}
+
+impl Lamp {
+    pub fn new(view: View, seen: DepthBuffer, penumbra: f64) -> Self {
+        let blur = (penumbra * view.scale).max(1.0);
+        Self { view, seen, samples: disc(), blur }
+    }
+
+    /// Unit vector towards the lamp.
+    pub fn direction(&self) -> Vector3 {
+        self.view.toward
+    }
+
+    /// Share of the lamp, 0 to 1, that a point on a surface with this normal sees.
+    pub fn share(&self, point: &Point3, normal: &Vector3) -> f64 {
+        // Surfaces must not shade themselves: start a few of the lamp's pixels off the surface.
+        let lift = (1.0 + self.blur) / self.view.scale;
+        let Seen { x, y, nearness } = self.view.see(&(point + normal * lift));
+        let lit = self.samples.iter().filter(|[dx, dy]| {
+            let (x, y) = (x + self.blur * dx, y + self.blur * dy);
+            let blocker = self.seen.at(x.floor() as isize, y.floor() as isize);
+            blocker.is_none_or(|(_, near)| f64::from(near) <= nearness + lift)
+        });
+        lit.count() as f64 / self.samples.len() as f64
+    }
+}
+
+/// Ambient occlusion from what the eye sees (after McGuire et al. 2011, "The Alchemy
+/// screen-space ambient obscurance algorithm").
+pub(super) struct Gaps<'a> {
+    pub view: &'a View,
+    pub seen: &'a DepthBuffer,
+    /// How far neighbours dim each other \[m\].
+    pub reach: f64,
+}
+
+impl Gaps<'_> {
+    /// Share of the sky, 0 to 1, that a point on a surface with this normal sees.
+    pub fn openness(&self, point: &Point3, normal: &Vector3) -> f64 {
+        const SAMPLES: usize = 24;
+        const STRENGTH: f64 = 4.0;
+        let here = self.view.see(point);
+        let radius = (self.reach * self.view.scale * 0.8).max(2.0);
+        let mut blocked = 0.0;
+        for [dx, dy] in disc::<SAMPLES>() {
+            let (x, y) = ((here.x + radius * dx).floor(), (here.y + radius * dy).floor());
+            let Some((_, near)) = self.seen.at(x as isize, y as isize) else { continue };
+            let seen = Seen { x: x + 0.5, y: y + 0.5, nearness: f64::from(near) };
+            let to = self.view.point(seen) - point;
+            let distance = to.norm();
+            if distance > 0.0 && distance < self.reach {
+                // Nothing at grazing angles, where the pixels of the surface itself lie.
+                let rise = (normal.dot(&to) / distance - 0.08).max(0.0);
+                blocked += rise * (1.0 - (distance / self.reach).powi(2));
+            }
+        }
+        (1.0 - STRENGTH * blocked / SAMPLES as f64).clamp(0.0, 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scene::Mesh;
+    use super::super::view::Frame;
+    use super::*;
+    use crate::testing::two_cubes;
+
+    #[test]
+    fn a_stack_shades_the_floor_behind_it_and_not_its_own_top() {
+        let mut mesh = Mesh::of_bodies(&two_cubes());
+        let floor = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]];
+        mesh.add_floor(&floor.map(|[x, y]| Point3::new(x, y, 0.0)));
+        let frame = Frame { left: 0.0, top: 0.0, right: 400.0, bottom: 400.0 };
+        // The lamp stands at the front, 45 degrees high; the stack is 2 m high and 1 m wide.
+        let view = View::fit(0.0, std::f64::consts::FRAC_PI_4, f64::INFINITY, &mesh.points, frame);
+        let seen = DepthBuffer::of(&mesh, &view, 400, 400);
+        let lamp = Lamp::new(view, seen, 0.01);
+        let share = |x, y, z| lamp.share(&Point3::new(x, y, z), &Vector3::z());
+        assert_eq!(share(0.25, 1.5, 0.0), 0.0);
+        assert_eq!(share(0.25, 3.0, 0.0), 1.0);
+        assert_eq!(share(0.25, 0.0, 2.0), 1.0);
+        assert_eq!(share(2.0, 0.0, 0.0), 1.0);
+    }
+
+    #[test]
+    fn the_foot_of_a_wall_is_dimmer_than_open_ground() {
+        let mut mesh = Mesh::of_bodies(&two_cubes());
+        let floor = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]];
+        mesh.add_floor(&floor.map(|[x, y]| Point3::new(x, y, 0.0)));
+        let frame = Frame { left: 0.0, top: 0.0, right: 400.0, bottom: 400.0 };
+        let view = View::fit(0.0, 0.7, 30.0, &mesh.points, frame);
+        let seen = DepthBuffer::of(&mesh, &view, 400, 400);
+        let gaps = Gaps { view: &view, seen: &seen, reach: 1.0 };
+        let openness = |y| gaps.openness(&Point3::new(0.25, y, 0.0), &Vector3::z());
+        assert!(openness(-0.55) < 0.9 * openness(-3.0), "{} {}", openness(-0.55), openness(-3.0));
+        assert!(openness(-3.0) > 0.95);
+    }
+}

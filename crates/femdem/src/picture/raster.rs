@@ -1,0 +1,121 @@
+//! Filling triangles into a depth buffer.
+
+use super::scene::Mesh;
+use super::view::{Seen, View};
+
+/// No facet.
+pub(super) const NOTHING: u32 = u32::MAX;
+
+/// For each pixel the nearest facet and how near it is, row by row from the top.
+pub(super) struct DepthBuffer {
+    pub width: usize,
+    pub height: usize,
+    pub nearness: Vec<f32>,
+    pub facet: Vec<u32>,
+}
+
+impl DepthBuffer {
+    fn new(width: usize, height: usize) -> Self {
+        Self {
+            width,
+            height,
+            nearness: vec![f32::NEG_INFINITY; width * height],
+            facet: vec![NOTHING; width * height],
+        }
+    }
+
+    /// What `view` sees of a mesh. Faces that are turned away are left out.
+    pub fn of(mesh: &Mesh, view: &View, width: usize, height: usize) -> Self {
+        let mut buffer = Self::new(width, height);
+        let seen: Vec<Seen> = mesh.points.iter().map(|p| view.see(p)).collect();
+        for triangle in &mesh.triangles {
+            let facet = &mesh.facets[triangle.facet as usize];
+            if view.faces(&facet.normal, &mesh.points[triangle.corners[0] as usize]) {
+                buffer.fill(triangle.corners.map(|i| seen[i as usize]), triangle.facet);
+            }
+        }
+        buffer
+    }
+
+    /// Facet and nearness at a pixel, or `None` outside the picture or where there is nothing.
+    pub fn at(&self, x: isize, y: isize) -> Option<(u32, f32)> {
+        let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
+        let inside = x < self.width && y < self.height;
+        let i = inside.then_some(y * self.width + x)?;
+        (self.facet[i] != NOTHING).then(|| (self.facet[i], self.nearness[i]))
+    }
+
+    /// Fills the pixels whose centres lie in a triangle, where it is the nearest so far.
+    fn fill(&mut self, [a, b, c]: [Seen; 3], facet: u32) {
+        let doubled_area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+        if doubled_area == 0.0 || !doubled_area.is_finite() {
+            return;
+        }
+        // Gradients of the barycentric weights of b and c, which are linear over the picture.
+        let (bx, by) = ((c.y - a.y) / doubled_area, (a.x - c.x) / doubled_area);
+        let (cx, cy) = ((a.y - b.y) / doubled_area, (b.x - a.x) / doubled_area);
+        let columns = pixel_range([a.x, b.x, c.x], self.width);
+        for y in pixel_range([a.y, b.y, c.y], self.height) {
+            let dy = y as f64 + 0.5 - a.y;
+            let row = y * self.width;
+            for x in columns.clone() {
+                let dx = x as f64 + 0.5 - a.x;
+                let (of_b, of_c) = (dx * bx + dy * by, dx * cx + dy * cy);
+                if of_b < 0.0 || of_c < 0.0 || of_b + of_c > 1.0 {
+                    continue;
+                }
+                let nearness = a.nearness
+                    + of_b * (b.nearness - a.nearness)
+                    + of_c * (c.nearness - a.nearness);
+                if nearness as f32 > self.nearness[row + x] {
+                    self.nearness[row + x] = nearness as f32;
+                    self.facet[row + x] = facet;
+                }
+            }
+        }
+    }
+}
+
+/// Pixels along one axis whose centres may lie between the least and the largest of three values.
+fn pixel_range(values: [f64; 3], size: usize) -> std::ops::Range<usize> {
+    let least = values[0].min(values[1]).min(values[2]);
+    let most = values[0].max(values[1]).max(values[2]);
+    // Conversion of a float to an integer saturates.
+    let low = (least - 0.5).ceil().max(0.0) as usize;
+    let high = (most + 0.5).floor().max(0.0) as usize;
+    low..high.min(size).max(low.min(size))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(x: f64, y: f64, nearness: f64) -> Seen {
+        Seen { x, y, nearness }
+    }
+
+    #[test]
+    fn two_triangles_fill_a_square_once_and_the_nearer_wins() {
+        let mut buffer = DepthBuffer::new(10, 10);
+        let square = [seen(2.0, 3.0, 1.0), seen(8.0, 3.0, 1.0), seen(8.0, 9.0, 1.0), seen(2.0, 9.0, 1.0)];
+        buffer.fill([square[0], square[1], square[2]], 1);
+        buffer.fill([square[0], square[2], square[3]], 2);
+        let count = |facet| buffer.facet.iter().filter(|&&f| f == facet).count();
+        assert_eq!(count(1) + count(2), 36);
+        assert_eq!(count(NOTHING), 64);
+        buffer.fill([seen(-5.0, -5.0, 0.5), seen(30.0, -5.0, 0.5), seen(-5.0, 30.0, 2.5)], 3);
+        // Nearer than the squares only where its slope has risen above 1.
+        assert_eq!(buffer.at(2, 3).map(|p| p.0), Some(1));
+        assert_eq!(buffer.at(2, 8).map(|p| p.0), Some(3));
+        assert_eq!(buffer.at(10, 0), None);
+        assert_eq!(buffer.at(-1, 0), None);
+    }
+
+    #[test]
+    fn triangles_far_outside_or_not_finite_fill_nothing() {
+        let mut buffer = DepthBuffer::new(4, 4);
+        buffer.fill([seen(1e12, 0.0, 1.0), seen(2e12, 0.0, 1.0), seen(1e12, 5.0, 1.0)], 1);
+        buffer.fill([seen(f64::NAN, 0.0, 1.0), seen(4.0, 0.0, 1.0), seen(0.0, 5.0, 1.0)], 1);
+        assert!(buffer.facet.iter().all(|&f| f == NOTHING));
+    }
+}

@@ -1,0 +1,117 @@
+//! From the depth buffer to colours.
+
+use rayon::prelude::*;
+
+use super::canvas::Image;
+use super::colour::{Light, Srgb};
+use super::light::{Gaps, Lamp};
+use super::raster::{DepthBuffer, NOTHING};
+use super::scene::Mesh;
+use super::view::Seen;
+
+/// How much light of each kind there is.
+const SKY: f64 = 0.46;
+const SKY_FROM_ABOVE: f64 = 0.16;
+const LAMP: f64 = 0.92;
+const EYE: f64 = 0.16;
+
+/// What a line leaves of the light: at the border of a body, and between two of its faces.
+const BORDER: f32 = 0.22;
+const CREASE: f32 = 0.62;
+
+/// How far the most distant bodies fade towards the background.
+const HAZE: f64 = 0.10;
+
+/// Lights what `gaps` sees of a mesh, and averages `sub` by `sub` pixels to one.
+pub(super) fn shade(mesh: &Mesh, lamp: &Lamp, gaps: &Gaps, sub: usize) -> Image {
+    let seen = gaps.seen;
+    let width = seen.width / sub;
+    let haze = Haze::of(gaps);
+    let rows: Vec<Vec<Srgb>> = (0..seen.height / sub)
+        .into_par_iter()
+        .map(|y| (0..width).map(|x| pixel(mesh, lamp, gaps, &haze, [x * sub, y * sub], sub)).collect())
+        .collect();
+    Image::new(width, rows.into_iter().flatten().collect())
+}
+
+/// One pixel of the picture. Shadow and gaps are found once, at its first place that shows a body;
+/// colours, facets and lines at every place.
+fn pixel(mesh: &Mesh, lamp: &Lamp, gaps: &Gaps, haze: &Haze, [left, top]: [usize; 2], sub: usize) -> Srgb {
+    let mut reach: Option<[f64; 2]> = None;
+    let mut sum: Light = [0.0; 3];
+    for y in top..top + sub {
+        for x in left..left + sub {
+            let i = y * gaps.seen.width + x;
+            let facet = gaps.seen.facet[i];
+            let light = if facet == NOTHING {
+                [1.0; 3]
+            } else {
+                let facet = &mesh.facets[facet as usize];
+                let nearness = f64::from(gaps.seen.nearness[i]);
+                let place = Seen { x: x as f64 + 0.5, y: y as f64 + 0.5, nearness };
+                let [shared, open] = *reach.get_or_insert_with(|| {
+                    let point = gaps.view.point(place);
+                    [lamp.share(&point, &facet.normal), gaps.openness(&point, &facet.normal)]
+                });
+                let brightness = (SKY + SKY_FROM_ABOVE * facet.normal.z) * open
+                    + LAMP * shared * facet.normal.dot(&lamp.direction()).max(0.0)
+                    + EYE * open * facet.normal.dot(&gaps.view.toward).max(0.0);
+                let ink = ink(mesh, gaps.seen, [x, y]);
+                let distance = haze.amount(gaps.view.depth(nearness)) as f32;
+                facet.colour.map(|c| {
+                    let lit = c * brightness as f32 * ink;
+                    lit + (1.0 - lit) * distance
+                })
+            };
+            for (total, part) in sum.iter_mut().zip(light) {
+                *total += part;
+            }
+        }
+    }
+    Srgb::of_light(sum.map(|total| total / (sub * sub) as f32))
+}
+
+/// What the lines leave of the light: 1 away from edges.
+fn ink(mesh: &Mesh, seen: &DepthBuffer, [x, y]: [usize; 2]) -> f32 {
+    let body = |facet: u32| mesh.facets.get(facet as usize).and_then(|f| f.body);
+    let here = seen.facet[y * seen.width + x];
+    if body(here).is_none() {
+        return 1.0;
+    }
+    let mut left = 1.0_f32;
+    for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1)] {
+        let there = seen.at(x as isize + dx, y as isize + dy).map_or(NOTHING, |(facet, _)| facet);
+        if body(there) != body(here) {
+            return BORDER;
+        }
+        // Each edge between two faces is drawn on one side of it only.
+        if there < here {
+            left = CREASE;
+        }
+    }
+    left
+}
+
+/// The fading of distant bodies.
+struct Haze {
+    front: f64,
+    back: f64,
+}
+
+impl Haze {
+    /// From the nearest to the most distant of the pixels.
+    fn of(gaps: &Gaps) -> Self {
+        let depths = gaps.seen.nearness.iter().filter(|n| n.is_finite());
+        let (back, front) = depths
+            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &n| (n.min(low), n.max(high)));
+        Self {
+            front: gaps.view.depth(f64::from(front)),
+            back: gaps.view.depth(f64::from(back)),
+        }
+    }
+
+    fn amount(&self, depth: f64) -> f64 {
+        let range = (self.front - self.back).max(f64::MIN_POSITIVE);
+        HAZE * ((self.front - depth) / range).clamp(0.0, 1.0)
+    }
+}
