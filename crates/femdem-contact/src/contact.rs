@@ -78,8 +78,7 @@ pub(crate) fn assemble(
     } else {
         0.0
     };
-    let normal =
-        [0, 1].map(|i| damped.inverse_mass[i] + rocking * motions[i].inverse_inertia_max);
+    let normal = [0, 1].map(|i| damped.inverse_mass[i] + rocking * motions[i].inverse_inertia_max);
     let spring =
         [0, 1].map(|i| friction.inverse_mass[i] + rocking * motions[i].inverse_inertia_max);
     let bound = |k: f64, w: [f64; 2], i: usize| k * (w[i] + (w[0] * w[1]).sqrt());

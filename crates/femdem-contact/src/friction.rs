@@ -62,8 +62,7 @@ impl FrictionState {
     /// Stretch of the spring, the tangential part of x_B(X_B) - x_A(X_A), m.
     fn stretch(&self, overlap: &Overlap, a: &Motion, b: &Motion) -> Vector3 {
         let between = overlap.arm_a - overlap.arm_b;
-        let apart =
-            between + b.frame.rotation * self.anchor_b - a.frame.rotation * self.anchor_a;
+        let apart = between + b.frame.rotation * self.anchor_b - a.frame.rotation * self.anchor_a;
         apart - overlap.normal * overlap.normal.dot(&apart)
     }
 
@@ -109,8 +108,7 @@ impl FrictionState {
             a.inverse_mass_at(&overlap.arm_a),
             b.inverse_mass_at(&overlap.arm_b),
         ];
-        let inverse_inertia =
-            n.dot(&(a.inverse_inertia * n)) + n.dot(&(b.inverse_inertia * n));
+        let inverse_inertia = n.dot(&(a.inverse_inertia * n)) + n.dot(&(b.inverse_inertia * n));
         let eta = dashpot(law.tangential_damping, k, inverse_mass[0] + inverse_mass[1]);
         let eta_theta = dashpot(law.tangential_damping, k_theta, inverse_inertia);
         let mut force = -stretch * k - slip * eta;

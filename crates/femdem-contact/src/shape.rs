@@ -1,6 +1,7 @@
 //! Convex bodies prepared for the contact kernel: planes, facets, vertices.
 
 use crate::error::ContactError;
+use crate::kernel::{Line, Point, complete, integrate};
 use femdem_mesh::{Matrix3, Polyhedron, Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -48,16 +49,39 @@ pub(crate) struct Plane {
     pub offset: f64,
 }
 
-/// A planar convex polygon of the skin: `corners[start..start + len]` on `plane`.
+/// An orthonormal frame in a plane: e1 cross e2 is the plane's normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PlaneFrame {
+    pub origin: Vector3,
+    pub e1: Vector3,
+    pub e2: Vector3,
+}
+
+impl PlaneFrame {
+    pub fn new(origin: Vector3, normal: &Vector3) -> Self {
+        let [_, e1, e2] = complete(normal);
+        Self { origin, e1, e2 }
+    }
+
+    pub fn point(&self, x: &Vector3) -> Point {
+        let from = x - self.origin;
+        Point {
+            x: from.dot(&self.e1),
+            y: from.dot(&self.e2),
+        }
+    }
+}
+
+/// A planar convex polygon of the skin: `corners[start..start + len]`, in coordinates of
+/// `frame`, on `plane`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Facet {
     pub plane: u16,
     pub len: u16,
     pub start: u32,
+    pub frame: PlaneFrame,
     /// Area, m^2.
     pub area: f64,
-    /// First moment of area, integral of x dS, m^3.
-    pub moment: Vector3,
 }
 
 /// A convex polyhedron with its gauge field, about its own centroid.
@@ -68,7 +92,7 @@ pub(crate) struct Facet {
 pub struct ConvexShape {
     pub(crate) planes: Vec<Plane>,
     pub(crate) facets: Vec<Facet>,
-    pub(crate) corners: Vec<Vector3>,
+    pub(crate) corners: Vec<Point>,
     pub(crate) vertices: Vec<Vector3>,
     pub(crate) edges: Vec<[u16; 2]>,
     centroid: Vector3,
@@ -136,21 +160,16 @@ impl ConvexShape {
         self.inradius = self.inradius.min(offset);
         let plane = self.plane_index(Plane { normal, offset });
         let normal = self.planes[plane].normal;
-        let (mut area, mut moment) = (0.0, Vector3::zeros());
-        for k in 1..loop_points.len() - 1 {
-            let [a, b, c] = [loop_points[0], loop_points[k], loop_points[k + 1]];
-            let t = 0.5 * normal.dot(&(b - a).cross(&(c - a)));
-            area += t;
-            moment += (a + b + c) * (t / 3.0);
-        }
+        let frame = PlaneFrame::new(loop_points[0], &normal);
+        let polygon: Vec<Point> = loop_points.iter().map(|x| frame.point(x)).collect();
         self.facets.push(Facet {
             plane: plane as u16,
-            len: loop_points.len() as u16,
+            len: polygon.len() as u16,
             start: self.corners.len() as u32,
-            area,
-            moment,
+            frame,
+            area: integrate(&polygon, &Point::default(), &Line::default()).area,
         });
-        self.corners.extend(loop_points);
+        self.corners.extend(polygon);
         Ok(())
     }
 
@@ -222,7 +241,7 @@ impl ConvexShape {
         best
     }
 
-    pub(crate) fn polygon(&self, facet: &Facet) -> &[Vector3] {
+    pub(crate) fn polygon(&self, facet: &Facet) -> &[Point] {
         let start = facet.start as usize;
         &self.corners[start..start + usize::from(facet.len)]
     }

@@ -44,8 +44,8 @@ fn overlapping(stream: &mut Stream, a: &ConvexShape, b: &ConvexShape) -> (Frame,
     let mut fb = fa;
     fb.rotation = stream.rotation();
     let direction = stream.vector().normalize();
-    let reach = a.support(&fa.rotation.tr_mul(&direction))
-        + b.support(&-fb.rotation.tr_mul(&direction));
+    let reach =
+        a.support(&fa.rotation.tr_mul(&direction)) + b.support(&-fb.rotation.tr_mul(&direction));
     fb.position += direction * (reach * (0.55 + 0.4 * stream.unit()));
     (fa, fb)
 }
@@ -64,13 +64,26 @@ fn check_pair(name: &str, pa: &Polyhedron, a: &ConvexShape, fa: &Frame, fb: &Fra
     let (volume, integral) = oracle(pa, fa, pa, fb);
     let relative = (got.energy - PENALTY * integral).abs() / (PENALTY * integral);
     assert!(relative < 1e-9, "{name}: energy off by {relative:e}");
-    assert!((got.volume - volume).abs() < 1e-9 * volume, "{name}: volume");
+    assert!(
+        (got.volume - volume).abs() < 1e-9 * volume,
+        "{name}: volume"
+    );
     let [force, torque] = differences(energy, fb, 3e-4);
     close(&got.force, &force, force.norm(), &format!("{name} force"));
     let lever = force.norm() * a.radius();
-    close(&got.torque_b(), &torque, lever, &format!("{name} torque on B"));
+    close(
+        &got.torque_b(),
+        &torque,
+        lever,
+        &format!("{name} torque on B"),
+    );
     let [_, torque_a] = differences(|f| PENALTY * oracle(pa, f, pa, fb).1, fa, 3e-4);
-    close(&got.torque_a(), &torque_a, lever, &format!("{name} torque on A"));
+    close(
+        &got.torque_a(),
+        &torque_a,
+        lever,
+        &format!("{name} torque on A"),
+    );
 }
 
 #[test]
@@ -110,7 +123,13 @@ fn a_warm_cache_changes_nothing() {
                 fb = turned(&fb, &axis, 1e-3);
                 motion += 1e-3 + 1e-3 * shape.radius();
                 let warm = kernel.evaluate_cached(
-                    &shape, &fa, &shape, &fb, &mut cache, motion, &mut scratch,
+                    &shape,
+                    &fa,
+                    &shape,
+                    &fb,
+                    &mut cache,
+                    motion,
+                    &mut scratch,
                 );
                 let cold = kernel.evaluate(&shape, &fa, &shape, &fb, &mut scratch);
                 match (warm, cold) {
@@ -162,9 +181,7 @@ fn wall_wrench_is_minus_the_gradient() {
             )
             .unwrap();
             let oracle_planes: Vec<_> = normals.iter().map(|n| (*n, 0.0)).collect();
-            let energy = |f: &Frame| {
-                2.0 * PENALTY * wall_oracle(&polyhedron, f, &oracle_planes).1
-            };
+            let energy = |f: &Frame| 2.0 * PENALTY * wall_oracle(&polyhedron, f, &oracle_planes).1;
             let Some(got) = kernel.evaluate(&wall, &at_origin, &shape, &fb, &mut scratch) else {
                 continue;
             };
@@ -173,11 +190,24 @@ fn wall_wrench_is_minus_the_gradient() {
             }
             checked += 1;
             let relative = (got.energy - energy(&fb)).abs() / energy(&fb);
-            assert!(relative < 1e-8, "{name} with {planes}: energy off by {relative:e}");
+            assert!(
+                relative < 1e-8,
+                "{name} with {planes}: energy off by {relative:e}"
+            );
             let [force, torque] = differences(energy, &fb, 3e-4);
-            close(&got.force, &force, force.norm(), &format!("{name} wall force"));
+            close(
+                &got.force,
+                &force,
+                force.norm(),
+                &format!("{name} wall force"),
+            );
             let lever = force.norm() * shape.radius();
-            close(&got.torque_b(), &torque, lever, &format!("{name} wall torque"));
+            close(
+                &got.torque_b(),
+                &torque,
+                lever,
+                &format!("{name} wall torque"),
+            );
         }
     }
     assert!(checked > 25, "only {checked} touching walls");

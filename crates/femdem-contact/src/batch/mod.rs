@@ -131,7 +131,11 @@ impl ContactBatch {
     /// # Errors
     /// [`ContactError::NoSuch`] if a body refers to a shape that is not there.
     pub fn restore_shapes(&mut self, shapes: Vec<Arc<ConvexShape>>) -> Result<(), ContactError> {
-        if let Some(&bad) = self.body_shapes.iter().find(|&&s| s as usize >= shapes.len()) {
+        if let Some(&bad) = self
+            .body_shapes
+            .iter()
+            .find(|&&s| s as usize >= shapes.len())
+        {
             return Err(ContactError::NoSuch {
                 what: "shape",
                 index: bad as usize,

@@ -148,7 +148,11 @@ impl PairTable {
                 let (i, j) = (i as u32, n.code);
                 let other_lists_it = j < WALL && awake[j as usize] && j < i;
                 if !other_lists_it {
-                    let (first, second) = if j < WALL { (i.min(j), i.max(j)) } else { (i, j) };
+                    let (first, second) = if j < WALL {
+                        (i.min(j), i.max(j))
+                    } else {
+                        (i, j)
+                    };
                     keyed.push((u64::from(first) << 32 | u64::from(second), n.slot));
                 }
             }

@@ -6,7 +6,7 @@
 //! are inflated by a margin, so that the lists stay valid while the bodies move
 //! relative to each other by less than that margin.
 
-use crate::shape::ConvexShape;
+use crate::shape::{ConvexShape, Facet};
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
@@ -23,6 +23,8 @@ pub(crate) struct ContactBox {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Candidates {
     pub planes: SmallVec<[u16; 10]>,
+    /// How many of the planes, the first ones, can cut; the others only own cells.
+    pub bounding: u16,
     pub facets: SmallVec<[u16; 8]>,
 }
 
@@ -148,34 +150,39 @@ pub(crate) fn candidates(
         return None;
     }
     let mut list = Candidates::default();
-    for k in 0..shape.planes.len() {
+    let mut kept: SmallVec<[(bool, f64, u16); 32]> = SmallVec::new();
+    for (k, plane) in shape.planes.iter().enumerate() {
         // A cell of the gauge is the region where its plane has the largest gauge.
-        if bounds(k).1 >= floor {
-            list.planes.push(k as u16);
+        let high = bounds(k).1;
+        if high >= floor {
+            kept.push((high < 1.0, -plane.normal.dot(towards), k as u16));
         }
     }
-    list.planes.sort_by(|i, j| {
-        let facing = |k: &u16| shape.planes[usize::from(*k)].normal.dot(towards);
-        facing(j).total_cmp(&facing(i)).then(i.cmp(j))
-    });
+    kept.sort_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)).then(x.2.cmp(&y.2)));
+    list.planes.extend(kept.iter().map(|x| x.2));
+    list.bounding = kept.iter().filter(|x| !x.0).count() as u16;
     for (i, facet) in shape.facets.iter().enumerate() {
         let (low, high) = bounds(usize::from(facet.plane));
-        if low <= 1.0 && high >= 1.0 && meets(shape.polygon(facet), region, &half) {
+        if low <= 1.0 && high >= 1.0 && meets(shape, facet, region, &half) {
             list.facets.push(i as u16);
         }
     }
     Some(list)
 }
 
-/// Whether the polygon's extents along the box axes reach into the box.
-fn meets(polygon: &[Vector3], region: &ContactBox, half: &Vector3) -> bool {
+/// Whether the facet's extents along the box axes reach into the box.
+fn meets(shape: &ConvexShape, facet: &Facet, region: &ContactBox, half: &Vector3) -> bool {
+    let from = facet.frame.origin - region.centre;
     (0..3).all(|k| {
+        let axis = &region.axes[k];
+        let (a, b) = (axis.dot(&facet.frame.e1), axis.dot(&facet.frame.e2));
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for x in polygon {
-            let c = region.axes[k].dot(&(x - region.centre));
+        for p in shape.polygon(facet) {
+            let c = a * p.x + b * p.y;
             low = low.min(c);
             high = high.max(c);
         }
-        low <= half[k] && high >= -half[k]
+        let base = axis.dot(&from);
+        base + low <= half[k] && base + high >= -half[k]
     })
 }

@@ -5,12 +5,12 @@
 //! face. The force is p_w sum_k n_k int phi_B dS over the wall planes inside B.
 
 use super::candidates::{Candidates, ContactBox, candidates, complete};
-use super::clip::{Cut, HalfSpace};
+use super::clip::{Cut, Line, Point};
 use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::pair::Scratch;
-use super::side::{Section, SideSums, add_by_cells, pose_planes};
+use super::side::{SideSums, pose_planes};
 use crate::error::{ContactError, check};
-use crate::shape::{ConvexShape, Frame};
+use crate::shape::{ConvexShape, Frame, PlaneFrame};
 use crate::walls::Wall;
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -53,17 +53,12 @@ struct PosedPlane {
 }
 
 impl PosedPlane {
-    fn free_side(&self) -> HalfSpace {
-        HalfSpace {
-            normal: -self.normal,
-            offset: self.distance,
-        }
-    }
-
-    fn solid_side(&self) -> HalfSpace {
-        HalfSpace {
-            normal: self.normal,
-            offset: -self.distance,
+    /// The free side on the plane of a polygon.
+    fn free_side(&self, frame: &PlaneFrame) -> Line {
+        Line {
+            a: -self.normal.dot(&frame.e1),
+            b: -self.normal.dot(&frame.e2),
+            c: self.distance + self.normal.dot(&frame.origin),
         }
     }
 }
@@ -93,7 +88,12 @@ impl CavityKernel {
     /// # Errors
     /// [`ContactError::Parameter`] unless the penalty is positive and finite.
     pub fn new(penalty: f64) -> Result<Self, ContactError> {
-        check("penalty", penalty, penalty > 0.0, "positive and finite, in Pa")?;
+        check(
+            "penalty",
+            penalty,
+            penalty > 0.0,
+            "positive and finite, in Pa",
+        )?;
         Ok(Self { penalty })
     }
 
@@ -107,14 +107,15 @@ impl CavityKernel {
         scratch: &mut Scratch,
     ) -> Option<Overlap> {
         let mut cache = CavityCache::default();
-        self.evaluate_cached(
-            wall, frame_wall, body, frame_body, &mut cache, 0.0, scratch,
-        )
+        self.evaluate_cached(wall, frame_wall, body, frame_body, &mut cache, 0.0, scratch)
     }
 
     /// As [`evaluate`](Self::evaluate), with a cache and the motion bound of
     /// [`PairKernel::evaluate_cached`](super::PairKernel::evaluate_cached).
-    #[expect(clippy::too_many_arguments, reason = "two bodies, each shape and frame")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "two bodies, each shape and frame"
+    )]
     pub fn evaluate_cached(
         &self,
         wall: &Wall,
@@ -201,49 +202,49 @@ fn sections(view: &View, body: &ConvexShape, near: &Near, scratch: &mut Scratch)
     let size = 2.0 * near.region.half.norm();
     for (k, plane) in planes.iter().enumerate() {
         let on_plane = origin - plane.normal * (plane.normal.dot(&origin) + plane.distance);
-        scratch.side.clipper.load(&square(plane, &on_plane, size));
-        let others = planes.iter().enumerate().filter(|(j, _)| *j != k);
-        let free: SmallVec<[HalfSpace; 4]> = others.map(|(_, p)| p.free_side()).collect();
-        let inside = scratch
-            .side
-            .clipper
-            .cut_all(scratch.planes.iter().map(|p| &p.half_space))
-            && scratch.side.clipper.cut_all(&free);
+        let frame = PlaneFrame::new(on_plane, &plane.normal);
+        let side = &mut scratch.side;
+        side.clipper.load(&square(size));
+        side.lines.clear();
+        side.lines
+            .extend(scratch.planes.iter().map(|p| p.on(&frame)));
+        let bounding = usize::from(near.body.bounding);
+        let inside = side.clipper.cut_all(side.lines.iter().take(bounding))
+            && planes
+                .iter()
+                .enumerate()
+                .all(|(j, p)| j == k || side.clipper.cut(&p.free_side(&frame)) != Cut::Empty);
         if inside {
-            let section = Section {
-                normal: plane.normal,
-                lever: -plane.distance,
-            };
-            add_by_cells(
-                &section,
+            sums.add_polygon(
+                &frame,
+                &plane.normal,
+                -plane.distance,
                 &scratch.planes,
                 &origin,
-                &mut scratch.side,
-                &mut sums,
+                side,
             );
         }
         // The skin behind this plane and in front of the earlier ones.
         for &i in &near.body.facets {
             let facet = &body.facets[usize::from(i)];
-            let clipper = &mut scratch.side.clipper;
-            if clipper.load_cut(body.polygon(facet), &plane.solid_side()) != Cut::Empty
+            let clipper = &mut side.clipper;
+            let solid_side = plane.free_side(&facet.frame).flipped();
+            if clipper.load_cut(body.polygon(facet), &solid_side) != Cut::Empty
                 && planes[..k]
                     .iter()
-                    .all(|p| clipper.cut(&p.free_side()) != Cut::Empty)
+                    .all(|p| clipper.cut(&p.free_side(&facet.frame)) != Cut::Empty)
             {
                 let normal = body.planes[usize::from(facet.plane)].normal;
-                sums.add_skin(clipper.polygon(), &normal, &origin);
+                sums.add_skin(clipper.polygon(), &facet.frame, &normal, &origin);
             }
         }
     }
     sums
 }
 
-/// A square of half-width `size` on a plane, counter-clockwise seen from the free side.
-fn square(plane: &PosedPlane, centre: &Vector3, size: f64) -> [Vector3; 4] {
-    let [_, e1, e2] = complete(&plane.normal);
-    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-        .map(|(s, t)| centre + e1 * (s * size) + e2 * (t * size))
+/// A square of half-width `size` about the origin, counter-clockwise.
+fn square(size: f64) -> [Point; 4] {
+    [(-size, -size), (size, -size), (size, size), (-size, size)].map(|(x, y)| Point { x, y })
 }
 
 impl CavityCache {
@@ -288,12 +289,7 @@ impl CavityCache {
 }
 
 /// The box, in the body's axes, of all parts of the body within `margin` of the planes.
-fn region(
-    view: &View,
-    body: &ConvexShape,
-    planes: &[u16],
-    margin: f64,
-) -> Option<ContactBox> {
+fn region(view: &View, body: &ConvexShape, planes: &[u16], margin: f64) -> Option<ContactBox> {
     let axes = complete(&view.plane(usize::from(*planes.first()?)).normal);
     let mut low = Vector3::repeat(f64::INFINITY);
     let mut high = Vector3::repeat(f64::NEG_INFINITY);

@@ -2,6 +2,7 @@
 
 mod candidates;
 mod cavity;
+mod cells;
 mod clip;
 mod overlap;
 mod pair;
@@ -11,3 +12,6 @@ mod side;
 pub use cavity::{CavityCache, CavityKernel};
 pub use overlap::Overlap;
 pub use pair::{PairCache, PairKernel, Scratch};
+
+pub(crate) use candidates::complete;
+pub(crate) use clip::{Line, Point, integrate};

@@ -3,7 +3,7 @@
 use super::candidates::{Candidates, ContactBox, candidates, contact_box};
 use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::separation::{gap_along, separate};
-use super::side::{FieldPlane, SideScratch, SideSums, box_planes, integrate_side, pose_planes};
+use super::side::{FieldPlane, SideScratch, SideSums, integrate_side, pose_planes};
 use crate::error::{ContactError, check};
 use crate::shape::{ConvexShape, Frame};
 use femdem_mesh::{Matrix3, Vector3};
@@ -53,7 +53,12 @@ impl PairKernel {
     /// # Errors
     /// [`ContactError::Parameter`] unless the penalty is positive and finite.
     pub fn new(penalty: f64) -> Result<Self, ContactError> {
-        check("penalty", penalty, penalty > 0.0, "positive and finite, in Pa")?;
+        check(
+            "penalty",
+            penalty,
+            penalty > 0.0,
+            "positive and finite, in Pa",
+        )?;
         Ok(Self { penalty })
     }
 
@@ -80,7 +85,10 @@ impl PairKernel {
     /// `motion` is a running upper bound of the distance that any point of A or of B has
     /// travelled (the sum of both), m. It must not decrease between calls with the same
     /// cache.
-    #[expect(clippy::too_many_arguments, reason = "two bodies, each shape and frame")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "two bodies, each shape and frame"
+    )]
     pub fn evaluate_cached(
         &self,
         a: &ConvexShape,
@@ -134,8 +142,8 @@ impl PairKernel {
         let stiffness = p * (on_a.stiffness + on_b.stiffness);
         let stiffness_centre =
             (ra * on_a.stiffness_moment + rb * on_b.stiffness_moment) * (p / stiffness);
-        let spread = (on_a.pressure_second + on_b.pressure_second) / pressure
-            - centre.norm_squared();
+        let spread =
+            (on_a.pressure_second + on_b.pressure_second) / pressure - centre.norm_squared();
         Some(Overlap {
             force,
             moment: torque - centre.cross(&force),
@@ -165,10 +173,9 @@ fn sides(
 ) -> [SideSums; 2] {
     let inverse = rotation.transpose();
     let a_in_b = -(inverse * offset);
-    let origin_b = inverse * near.region.centre + a_in_b;
     let region_b = ContactBox {
         axes: near.region.axes.map(|d| inverse * d),
-        centre: origin_b,
+        centre: inverse * near.region.centre + a_in_b,
         half: near.region.half,
     };
     pose_planes(a, &near.a, &inverse, &a_in_b, &mut scratch.planes);
@@ -176,9 +183,9 @@ fn sides(
         b,
         &near.b.facets,
         &scratch.planes,
+        usize::from(near.a.bounding),
         &a_in_b,
-        &box_planes(&region_b),
-        &origin_b,
+        &region_b,
         &mut scratch.side,
     );
     pose_planes(b, &near.b, rotation, offset, &mut scratch.planes);
@@ -186,9 +193,9 @@ fn sides(
         a,
         &near.a.facets,
         &scratch.planes,
+        usize::from(near.b.bounding),
         offset,
-        &box_planes(&near.region),
-        &near.region.centre,
+        &near.region,
         &mut scratch.side,
     );
     [on_b, on_a]

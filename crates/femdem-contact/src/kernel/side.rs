@@ -1,20 +1,34 @@
-//! One side of a contact: the skin of one body inside the pressure field of the other.
+//! One side of a contact: plane polygons (the skin of one body, or a wall) inside the
+//! pressure field of the other.
 
 use super::candidates::{Candidates, ContactBox};
-use super::clip::{Clipper, Cut, HalfSpace, area_moment, integrate};
-use crate::shape::{ConvexShape, Plane};
+use super::cells::{Cells, PlaneSums};
+use super::clip::{Clipper, Cut, Line, Point};
+use crate::shape::{ConvexShape, PlaneFrame};
 use femdem_mesh::{Matrix3, Vector3};
 
-/// A plane of the field body in the skin body's axes: phi = depth * scale.
+/// A plane of the field body in the skin body's axes: phi = (offset - normal.x) * scale.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FieldPlane {
-    pub half_space: HalfSpace,
-    pub scale: f64,
     /// Outward unit normal.
     pub normal: Vector3,
+    pub offset: f64,
+    pub scale: f64,
 }
 
-/// Integrals over the skin inside the field, in the skin body's axes about an origin,
+impl FieldPlane {
+    /// phi of this plane over the plane of a polygon.
+    #[inline]
+    pub fn on(&self, frame: &PlaneFrame) -> Line {
+        Line {
+            a: self.scale * self.normal.dot(&frame.e1),
+            b: self.scale * self.normal.dot(&frame.e2),
+            c: self.scale * (self.offset - self.normal.dot(&frame.origin)),
+        }
+    }
+}
+
+/// Integrals over the polygons inside the field, in the skin body's axes about an origin,
 /// for unit penalty.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct SideSums {
@@ -32,7 +46,7 @@ pub(crate) struct SideSums {
     pub stiffness_second: f64,
     /// Sum of n int dS: the vector area of the skin inside the field.
     pub vector_area: Vector3,
-    /// Sum of s int phi dS with s the distance of the facet's plane from the field's centre.
+    /// Sum of s int phi dS with s the distance of the polygon's plane from the field's centre.
     pub lever: f64,
     /// Sum of n (x) int x dS: the volume is u.T u for any unit u.
     pub volume_tensor: Matrix3,
@@ -42,9 +56,8 @@ pub(crate) struct SideSums {
 #[derive(Debug, Default)]
 pub(crate) struct SideScratch {
     pub clipper: Clipper,
-    cell: Clipper,
-    values: Vec<f64>,
-    lowest: Vec<f64>,
+    pub lines: Vec<Line>,
+    pub cells: Cells,
 }
 
 /// Planes of the field body expressed in the skin body's axes. The field body is posed
@@ -58,172 +71,141 @@ pub(crate) fn pose_planes(
 ) {
     out.clear();
     out.extend(list.planes.iter().map(|&k| {
-        let Plane {
-            normal,
-            offset: distance,
-        } = field.planes[usize::from(k)];
-        let normal = rotation * normal;
+        let plane = &field.planes[usize::from(k)];
+        let normal = rotation * plane.normal;
         FieldPlane {
-            half_space: HalfSpace {
-                normal,
-                offset: distance + normal.dot(offset),
-            },
-            scale: 1.0 / distance,
             normal,
+            offset: plane.offset + normal.dot(offset),
+            scale: 1.0 / plane.offset,
         }
     }));
 }
 
-/// The box as half-spaces, so that nothing outside it is integrated.
-pub(crate) fn box_planes(region: &ContactBox) -> [HalfSpace; 6] {
-    let plane = |k: usize, sign: f64| {
-        let normal = region.axes[k] * sign;
-        HalfSpace {
-            normal,
-            offset: normal.dot(&region.centre) + region.half[k],
-        }
-    };
-    [
-        plane(1, 1.0),
-        plane(1, -1.0),
-        plane(2, 1.0),
-        plane(2, -1.0),
-        plane(0, 1.0),
-        plane(0, -1.0),
-    ]
+/// Cuts the polygon in the clipper by the box, so that nothing outside it is integrated.
+fn cut_by_box(clipper: &mut Clipper, region: &ContactBox, frame: &PlaneFrame) -> bool {
+    let from = region.centre - frame.origin;
+    [1, 2, 0].iter().all(|&k| {
+        let axis = &region.axes[k];
+        let mid = axis.dot(&from);
+        let upper = Line {
+            a: axis.dot(&frame.e1),
+            b: axis.dot(&frame.e2),
+            c: mid + region.half[k],
+        };
+        let lower = Line {
+            a: -upper.a,
+            b: -upper.b,
+            c: region.half[k] - mid,
+        };
+        clipper.cut_all([&upper, &lower])
+    })
 }
 
-/// Adds up the facets of `skin` inside the field.
+/// Adds up the facets of `skin` inside the field. `region` and `field_centre` are in the
+/// skin body's axes; moments are about the region's centre.
 pub(crate) fn integrate_side(
     skin: &ConvexShape,
     facets: &[u16],
     field: &[FieldPlane],
+    bounding: usize,
     field_centre: &Vector3,
-    bounds: &[HalfSpace; 6],
-    origin: &Vector3,
+    region: &ContactBox,
     scratch: &mut SideScratch,
 ) -> SideSums {
     let mut sums = SideSums::default();
-    let Some((first, rest)) = field.split_first() else {
+    let Some(first) = field.first() else {
         return sums;
     };
     for &i in facets {
         let facet = &skin.facets[usize::from(i)];
-        let clipper = &mut scratch.clipper;
-        if clipper.load_cut(skin.polygon(facet), &first.half_space) == Cut::Empty
-            || !clipper.cut_all(rest.iter().map(|p| &p.half_space))
-            || !clipper.cut_all(bounds)
+        let frame = &facet.frame;
+        let nearest = first.on(frame);
+        if scratch.clipper.load_cut(skin.polygon(facet), &nearest) == Cut::Empty {
+            continue;
+        }
+        scratch.lines.clear();
+        scratch.lines.push(nearest);
+        scratch.lines.extend(field[1..].iter().map(|p| p.on(frame)));
+        let SideScratch { clipper, lines, .. } = scratch;
+        if !clipper.cut_all(lines.iter().take(bounding).skip(1))
+            || !cut_by_box(clipper, region, frame)
         {
             continue;
         }
-        let plane = &skin.planes[usize::from(facet.plane)];
-        let section = Section {
-            normal: plane.normal,
-            lever: plane.offset - plane.normal.dot(field_centre),
-        };
-        add_by_cells(&section, field, origin, scratch, &mut sums);
+        let normal = skin.planes[usize::from(facet.plane)].normal;
+        let lever = normal.dot(&(frame.origin - field_centre));
+        sums.add_polygon(frame, &normal, lever, field, &region.centre, scratch);
     }
     sums
 }
 
-/// A plane polygon in a pressure field: unit normal, and distance of its plane from the
-/// field's centre.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Section {
-    pub normal: Vector3,
-    pub lever: f64,
-}
-
 impl SideSums {
-    /// Adds a polygon that lies in one gauge cell.
-    pub fn add(
+    /// Adds the polygon in the clipper; `scratch.lines` holds the field on its plane.
+    /// `lever` is the distance of its plane from the field's centre along the normal.
+    pub(crate) fn add_polygon(
         &mut self,
-        polygon: &[Vector3],
-        section: &Section,
-        cell: &FieldPlane,
+        frame: &PlaneFrame,
+        normal: &Vector3,
+        lever: f64,
+        field: &[FieldPlane],
         origin: &Vector3,
+        scratch: &mut SideScratch,
     ) {
-        let n = section.normal;
-        let q = integrate(polygon, &n, origin, &cell.half_space, cell.scale);
-        self.force += n * q.pressure;
-        self.torque += q.pressure_moment.cross(&n);
-        self.pressure += q.pressure;
-        self.pressure_moment += q.pressure_moment;
-        self.pressure_second += q.pressure_second;
-        let w = cell.scale * (-n.dot(&cell.normal)).max(0.0);
-        self.stiffness += w * q.area;
-        self.stiffness_moment += q.moment * w;
-        self.stiffness_second += w * q.second;
-        self.vector_area += n * q.area;
-        self.lever += section.lever * q.pressure;
-        self.volume_tensor += n * q.moment.transpose();
+        let from = origin - frame.origin;
+        let origin_2d = Point {
+            x: from.dot(&frame.e1),
+            y: from.dot(&frame.e2),
+        };
+        let SideScratch {
+            clipper,
+            lines,
+            cells,
+        } = scratch;
+        let q = cells.integrate(clipper.polygon(), lines, &origin_2d, |k| {
+            field[k].scale * (-normal.dot(&field[k].normal)).max(0.0)
+        });
+        self.add_sums(&q, frame, normal, -from.dot(normal));
+        self.lever += lever * q.polygon.pressure;
+    }
+
+    /// Adds plane integrals; `height` is the distance of the plane from the origin.
+    fn add_sums(&mut self, q: &PlaneSums, frame: &PlaneFrame, n: &Vector3, height: f64) {
+        let in_plane = |p: &Point| frame.e1 * p.x + frame.e2 * p.y;
+        let p = &q.polygon;
+        let square = height * height;
+        self.force += n * p.pressure;
+        // (e1 x + e2 y) cross n
+        self.torque += frame.e1 * p.pressure_moment.y - frame.e2 * p.pressure_moment.x;
+        self.pressure += p.pressure;
+        self.pressure_moment += in_plane(&p.pressure_moment) + n * (height * p.pressure);
+        self.pressure_second += p.pressure_second + square * p.pressure;
+        self.stiffness += q.stiffness;
+        self.stiffness_moment += in_plane(&q.stiffness_moment) + n * (height * q.stiffness);
+        self.stiffness_second += q.stiffness_second + square * q.stiffness;
+        self.vector_area += n * p.area;
+        self.add_volume(&(in_plane(&p.moment) + n * (height * p.area)), n);
+    }
+
+    fn add_volume(&mut self, moment: &Vector3, normal: &Vector3) {
+        self.volume_tensor += normal * moment.transpose();
     }
 
     /// Adds a polygon on which the field vanishes: it only closes the volume.
-    pub fn add_skin(&mut self, polygon: &[Vector3], normal: &Vector3, origin: &Vector3) {
-        let (area_moment, _) = area_moment(polygon, normal, origin);
-        self.volume_tensor += normal * area_moment.transpose();
+    pub(crate) fn add_skin(
+        &mut self,
+        polygon: &[Point],
+        frame: &PlaneFrame,
+        normal: &Vector3,
+        origin: &Vector3,
+    ) {
+        let from = origin - frame.origin;
+        let origin_2d = Point {
+            x: from.dot(&frame.e1),
+            y: from.dot(&frame.e2),
+        };
+        let q = super::clip::integrate(polygon, &origin_2d, &Line::default());
+        let moment =
+            frame.e1 * q.moment.x + frame.e2 * q.moment.y - normal * (from.dot(normal) * q.area);
+        self.add_volume(&moment, normal);
     }
-}
-
-/// Splits the polygon in the clipper into the gauge cells it crosses and adds each piece.
-pub(crate) fn add_by_cells(
-    section: &Section,
-    field: &[FieldPlane],
-    origin: &Vector3,
-    scratch: &mut SideScratch,
-    sums: &mut SideSums,
-) {
-    let polygon = scratch.clipper.polygon();
-    if let Some(k) = single_cell(polygon, field, &mut scratch.values, &mut scratch.lowest) {
-        sums.add(polygon, section, &field[k], origin);
-        return;
-    }
-    for (k, cell) in field.iter().enumerate() {
-        scratch.cell.load(polygon);
-        let owned = field.iter().enumerate().all(|(j, other)| {
-            j == k || scratch.cell.cut(&higher_than(other, cell)) != Cut::Empty
-        });
-        if owned {
-            sums.add(scratch.cell.polygon(), section, cell, origin);
-        }
-    }
-}
-
-/// The half-space where the phi of `other` is at least that of `cell`.
-fn higher_than(other: &FieldPlane, cell: &FieldPlane) -> HalfSpace {
-    let (o, c) = (&other.half_space, &cell.half_space);
-    HalfSpace {
-        normal: o.normal * other.scale - c.normal * cell.scale,
-        offset: o.offset * other.scale - c.offset * cell.scale,
-    }
-}
-
-/// The plane whose phi is lowest at every vertex, if there is one: then the polygon lies
-/// in its cell, because the fields are linear.
-#[inline]
-fn single_cell(
-    polygon: &[Vector3],
-    field: &[FieldPlane],
-    values: &mut Vec<f64>,
-    lowest: &mut Vec<f64>,
-) -> Option<usize> {
-    /// Round-off of phi; a wrong cell within it changes nothing.
-    const TIE: f64 = 1e-15;
-    if field.len() == 1 {
-        return Some(0);
-    }
-    values.clear();
-    lowest.clear();
-    lowest.resize(polygon.len(), f64::INFINITY);
-    for p in field {
-        for (x, low) in polygon.iter().zip(lowest.iter_mut()) {
-            let phi = p.half_space.depth(x) * p.scale;
-            *low = low.min(phi);
-            values.push(phi);
-        }
-    }
-    values
-        .chunks_exact(polygon.len())
-        .position(|phi| phi.iter().zip(lowest.iter()).all(|(p, l)| *p <= l + TIE))
 }

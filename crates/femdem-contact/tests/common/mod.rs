@@ -3,9 +3,9 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use femdem_contact::{ConvexShape, Frame};
-use femdem_mesh::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use femdem_mesh::Polyhedron;
 use femdem_mesh::catalogue::CatalogueShape;
+use femdem_mesh::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// All 18 solids of circumscribed diameter 1, with their names.
 pub fn solids() -> Vec<(String, Polyhedron, ConvexShape)> {
@@ -80,7 +80,10 @@ fn fan(p: &Polyhedron, frame: &Frame) -> Vec<Tet> {
 }
 
 fn volume(t: &Tet) -> f64 {
-    (t[1] - t[0]).dot(&(t[2] - t[0]).cross(&(t[3] - t[0]))).abs() / 6.0
+    (t[1] - t[0])
+        .dot(&(t[2] - t[0]).cross(&(t[3] - t[0])))
+        .abs()
+        / 6.0
 }
 
 /// Integral over (tet below the planes) of the linear function with vertex values `w`.
