@@ -75,4 +75,13 @@ pub enum Error {
     /// A shape or a surface file was refused.
     #[error(transparent)]
     Mesh(#[from] femdem_mesh::MeshError),
+    /// A packing job was refused or failed.
+    #[error(transparent)]
+    Pack(#[from] femdem_pack::PackError),
+    /// A world or a checkpoint was refused.
+    #[error(transparent)]
+    Solve(#[from] femdem_solve::SolveError),
+    /// A pack could not be measured.
+    #[error(transparent)]
+    Analysis(#[from] femdem_analysis::AnalysisError),
 }

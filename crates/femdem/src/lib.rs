@@ -3,6 +3,8 @@
 mod error;
 pub mod output;
 pub mod picture;
+pub mod results;
+pub mod scene;
 mod snapshot;
 #[cfg(test)]
 mod testing;
@@ -14,4 +16,6 @@ pub use femdem_pack as pack;
 pub use femdem_solve as solve;
 
 pub use error::Error;
+pub use results::{Summary, Usage};
+pub use scene::Scene;
 pub use snapshot::{Body, BodyLoad, ContactClass, ContactRow, NamedShape, Partner, Snapshot};

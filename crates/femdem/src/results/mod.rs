@@ -1,0 +1,108 @@
+//! From a packing job to its results: the snapshot, the summary, and the files in a folder.
+
+mod display;
+mod summary;
+
+use std::path::Path;
+
+use femdem_analysis::Region;
+use femdem_contact::Contact;
+use femdem_mesh::Point3;
+use femdem_pack::{Container, Packing};
+use femdem_solve::World;
+
+pub use summary::{
+    ContactLawSummary, CoordinationSummary, Core, DensitySummary, EnergySummary, PenetrationSummary,
+    ResidualSummary, SCHEMA, Summary, Usage,
+};
+
+use crate::output::{csv, surface, vtp, vtu, write_file};
+use crate::picture::{PictureOptions, draw};
+use crate::{Body, ContactClass, ContactRow, Error, NamedShape, Partner, Snapshot};
+
+/// The pack of a job at this moment, as plain data.
+#[must_use]
+pub fn snapshot(packing: &Packing) -> Snapshot {
+    let world = packing.world();
+    let shapes = world.shapes().iter().map(|shape| NamedShape {
+        name: shape.name.clone(),
+        polyhedron: shape.polyhedron.clone(),
+    });
+    let bodies = (0..).map_while(|id| {
+        Some(Body {
+            shape: world.shape_of(id)?,
+            pose: world.pose(id)?,
+            sequence: packing.sequence(id).unwrap_or(id),
+            sleeping: world.is_asleep(id),
+        })
+    });
+    Snapshot {
+        shapes: shapes.collect(),
+        bodies: bodies.collect(),
+        contacts: world.contacts().into_iter().map(|contact| row(world, contact)).collect(),
+        container: Some(inside(packing)),
+    }
+}
+
+/// A contact record as a row that starts from a body.
+fn row(world: &World, contact: &Contact) -> ContactRow {
+    let (body, partner, sign) = match contact.a {
+        femdem_contact::Partner::Body(a) => (a, Partner::Body(contact.b), 1.0),
+        femdem_contact::Partner::Wall(wall) => {
+            let name = world.walls().get(wall as usize).map_or("wall", |w| w.name());
+            (contact.b, Partner::Wall(name.to_owned()), -1.0)
+        }
+    };
+    ContactRow {
+        body,
+        partner,
+        point: Point3::from(contact.point),
+        normal: contact.normal * sign,
+        normal_force: contact.normal_force,
+        friction: contact.friction * sign,
+        area: contact.area,
+        volume: contact.volume,
+        class: ContactClass::of_force_law(contact.energy, contact.elastic_force, contact.stiffness),
+    }
+}
+
+/// Inside of the container, up to one diameter above the highest body.
+fn inside(packing: &Packing) -> Region {
+    let world = packing.world();
+    let top = (0..).map_while(|id| world.bounds(id)).map(|(_, high)| high.z).fold(0.0, f64::max);
+    let z_max = top + packing.spec().diameter();
+    match packing.spec().container {
+        Container::Box { width, depth } => Region::Box {
+            min: Point3::new(-width / 2.0, -depth / 2.0, 0.0),
+            max: Point3::new(width / 2.0, depth / 2.0, z_max),
+        },
+        Container::Cylinder { diameter } => {
+            Region::Cylinder { centre: [0.0; 2], radius: diameter / 2.0, z_min: 0.0, z_max }
+        }
+    }
+}
+
+/// Measures a pack and writes every file but the checkpoint; `summary.json` comes last, so that it
+/// is there only if all others are.
+///
+/// # Errors
+///
+/// [`Error::Write`] with the file that could not be written, [`Error::Analysis`] if the pack cannot
+/// be measured.
+pub fn write(folder: &Path, packing: &Packing, usage: &Usage) -> Result<Summary, Error> {
+    let snapshot = snapshot(packing);
+    let summary = Summary::of(packing, &snapshot, usage)?;
+    write_file(folder.join("bodies.csv"), |w| csv::write_bodies(&snapshot, w))?;
+    write_file(folder.join("contacts.csv"), |w| csv::write_contacts(&snapshot, w))?;
+    write_file(folder.join("pack.vtu"), |w| vtu::write(&snapshot, w))?;
+    write_file(folder.join("contacts.vtp"), |w| vtp::write(&snapshot, w))?;
+    write_file(folder.join("pack.stl"), |w| surface::write_pack_stl(&snapshot, w))?;
+    for shape in &snapshot.shapes {
+        let path = folder.join(surface::shape_file_name(&shape.name));
+        write_file(path, |w| surface::write_shape_obj(&shape.polyhedron, w))?;
+    }
+    let picture = draw(&snapshot, &PictureOptions::default())?;
+    write_file(folder.join("pack.png"), |w| picture.write_png(w))?;
+    write_file(folder.join("summary.json"), |w| summary.write_json(w))?;
+    Ok(summary)
+}

@@ -1,0 +1,326 @@
+//! `summary.json`: the result of a run in numbers.
+//!
+//! SI units throughout; `_over_d` is over the circumscribed diameter. A key never changes its
+//! meaning within a [`SCHEMA`]; new keys may come. Numbers that could not be found are `null`.
+
+use std::io::{self, Write};
+
+use femdem_analysis::{
+    CoordinationOptions, CoreOptions, DensityOptions, Pack, PosedBody, Touch, choose_core,
+    coordination, packing_density,
+};
+use femdem_mesh::Polyhedron;
+use femdem_pack::Packing;
+use serde::{Deserialize, Serialize};
+
+use crate::{Error, Partner, Snapshot};
+
+/// Version of the keys of `summary.json`.
+pub const SCHEMA: u32 = 1;
+
+/// What a run has cost so far; the parts of a resumed run add up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Usage {
+    /// Threads of the last part of the run.
+    pub threads: usize,
+    /// Time on the clock \[s\].
+    pub wall_seconds: f64,
+    /// Time of all processor cores \[s\]; `None` where the system does not tell.
+    pub cpu_seconds: Option<f64>,
+    /// Largest resident memory; `None` where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+    /// Time on the clock in the contact stage \[s\].
+    pub contact_seconds: f64,
+    /// Evaluations of a pair that touched.
+    pub touching_evaluations: u64,
+}
+
+/// The result of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Version of these keys: [`SCHEMA`].
+    pub schema: u32,
+    /// Name of the shape, such as "A10"; "mixed" for several.
+    pub shape: String,
+    /// Number of bodies in the container.
+    pub count: usize,
+    /// Mean circumscribed diameter d \[m\].
+    pub diameter: f64,
+    /// Density of the bodies \[kg/m³\].
+    pub density: f64,
+    /// Friction coefficient.
+    pub friction: f64,
+    /// Fraction of critical damping of normal contact.
+    pub damping_ratio: f64,
+    /// The contact law.
+    pub contact: ContactLawSummary,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Threads that worked.
+    pub threads: usize,
+    /// Whether the pack is complete, at rest, and verified with all bodies awake.
+    pub settled: bool,
+    /// Simulated time \[s\].
+    pub simulated_time: f64,
+    /// Steps.
+    pub steps: u64,
+    /// Last time step \[s\].
+    pub time_step: f64,
+    /// Time on the clock \[s\].
+    pub wall_seconds: f64,
+    /// Time of all processor cores \[s\].
+    pub cpu_seconds: Option<f64>,
+    /// Time on the clock in the contact stage (search, kernel, friction, gather), over evaluations of
+    /// touching pairs \[ns\].
+    pub contact_nanoseconds_per_pair: Option<f64>,
+    /// Packing density of the core; `null` if the pack is too low to have one.
+    pub packing_density: Option<DensitySummary>,
+    /// Coordination number: bodies and walls that push on a body, each counted once; over all bodies.
+    pub coordination: CoordinationSummary,
+    /// How far the penalty bodies run into each other and the walls.
+    pub penetration: PenetrationSummary,
+    /// How near to equilibrium the bodies are.
+    pub residual: ResidualSummary,
+    /// The energy ledger.
+    pub energy: EnergySummary,
+    /// Largest resident memory \[bytes\].
+    pub peak_memory_bytes: Option<u64>,
+    /// Fingerprint of all bits of the state, in 16 hexadecimal digits. Two runs agree when it agrees.
+    pub state_hash: String,
+}
+
+/// The contact law.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactLawSummary {
+    /// Name of the law.
+    pub law: String,
+    /// Penalty p \[Pa\].
+    pub penalty: f64,
+    /// Form of the energy: "sum" is U = p ∫ (φ_A + φ_B) dV.
+    pub form: String,
+}
+
+/// Packing density of the core region: solid volume over volume, 0 to 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DensitySummary {
+    /// By exact clipping, overlaps subtracted.
+    pub exact: f64,
+    /// By counting cells of a grid of d/20.
+    pub grid: f64,
+    /// Of `exact`, by block bootstrap; `null` for a core too small for it.
+    pub standard_error: Option<f64>,
+    /// Where it was measured.
+    pub core: Core,
+}
+
+/// Corners of the core region \[m\]; of the box around it, for a cylinder.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Core {
+    /// Lower corner.
+    pub min: [f64; 3],
+    /// Upper corner.
+    pub max: [f64; 3],
+}
+
+/// Coordination number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoordinationSummary {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation over the bodies.
+    pub sd: f64,
+    /// Entry k: number of bodies with k partners.
+    pub histogram: Vec<u64>,
+}
+
+/// Penetration: overlap volume over contact area.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PenetrationSummary {
+    /// Mean over the contacts.
+    pub mean_over_d: f64,
+    /// Largest.
+    pub max_over_d: f64,
+    /// Sum of the overlap volumes, walls included, over the volume of the bodies.
+    pub overlap_volume_fraction: f64,
+}
+
+/// Net force over weight, and motion.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ResidualSummary {
+    /// Mean over the bodies.
+    pub mean_over_weight: f64,
+    /// Largest.
+    pub max_over_weight: f64,
+    /// Largest kinetic energy of a body over its m g d.
+    pub kinetic_energy_over_mgd: f64,
+}
+
+/// The energy ledger \[J\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EnergySummary {
+    /// Potential and kinetic energy of the bodies when they came in, and work of driven walls.
+    pub initial: f64,
+    /// Kinetic, potential, contact and spring energy now.
+    #[serde(rename = "final")]
+    pub final_energy: f64,
+    /// Dissipated by friction.
+    pub dissipated_friction: f64,
+    /// Dissipated by normal damping.
+    pub dissipated_damping: f64,
+    /// What the books miss, over the energy that was turned over.
+    pub ledger_error_relative: f64,
+}
+
+impl Summary {
+    /// Measures a pack.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Analysis`] if the pack cannot be measured (it has no bodies, for instance),
+    /// [`Error::Solve`] if its state cannot be hashed.
+    pub fn of(packing: &Packing, snapshot: &Snapshot, usage: &Usage) -> Result<Self, Error> {
+        let (spec, world, report) = (packing.spec(), packing.world(), packing.report());
+        let ledger = world.ledger();
+        Ok(Self {
+            schema: SCHEMA,
+            shape: snapshot.shape_name().to_owned(),
+            count: world.body_count(),
+            diameter: spec.diameter(),
+            density: spec.density,
+            friction: spec.friction,
+            damping_ratio: spec.damping_ratio,
+            contact: ContactLawSummary {
+                law: "boundary-integral penalty, gauge field".to_owned(),
+                penalty: packing.penalty(),
+                form: "sum".to_owned(),
+            },
+            seed: spec.seed,
+            threads: usage.threads,
+            settled: report.settled,
+            simulated_time: world.time(),
+            steps: world.steps(),
+            time_step: world.time_step(),
+            wall_seconds: usage.wall_seconds,
+            cpu_seconds: usage.cpu_seconds,
+            contact_nanoseconds_per_pair: usage.contact_nanoseconds_per_pair(),
+            packing_density: density(snapshot)?,
+            coordination: coordination_of(snapshot)?,
+            penetration: PenetrationSummary {
+                mean_over_d: report.penetration_mean_over_d,
+                max_over_d: report.penetration_max_over_d,
+                overlap_volume_fraction: overlap_volume_fraction(snapshot),
+            },
+            residual: ResidualSummary {
+                mean_over_weight: report.residual_mean_over_weight,
+                max_over_weight: report.residual_max_over_weight,
+                kinetic_energy_over_mgd: report.kinetic_energy_over_mgd,
+            },
+            energy: EnergySummary {
+                initial: ledger.initial + ledger.work_in,
+                final_energy: ledger.final_energy(),
+                dissipated_friction: ledger.dissipated_friction,
+                dissipated_damping: ledger.dissipated_damping,
+                ledger_error_relative: ledger.error_relative(),
+            },
+            peak_memory_bytes: usage.peak_memory_bytes,
+            state_hash: format!("{:016x}", world.state_hash()?),
+        })
+    }
+
+    /// Writes `summary.json`.
+    ///
+    /// # Errors
+    ///
+    /// If writing fails.
+    pub fn write_json(&self, mut writer: impl Write) -> io::Result<()> {
+        serde_json::to_writer_pretty(&mut writer, self)?;
+        writer.write_all(b"\n")
+    }
+}
+
+impl Usage {
+    fn contact_nanoseconds_per_pair(&self) -> Option<f64> {
+        let pairs = self.touching_evaluations as f64;
+        (pairs > 0.0).then(|| 1e9 * self.contact_seconds / pairs)
+    }
+}
+
+/// Density of the core, or none where the pack is too low to have one.
+fn density(snapshot: &Snapshot) -> Result<Option<DensitySummary>, Error> {
+    use femdem_analysis::AnalysisError::{NoPackInContainer, Region};
+    let shapes: Vec<Polyhedron> =
+        snapshot.shapes.iter().map(|shape| shape.polyhedron.clone()).collect();
+    let bodies: Vec<PosedBody> =
+        snapshot.bodies.iter().map(|b| PosedBody { shape: b.shape, pose: b.pose }).collect();
+    let pack = Pack::new(&shapes, &bodies)?;
+    let Some(container) = &snapshot.container else { return Ok(None) };
+    let core = match choose_core(&pack, container, &CoreOptions::default()) {
+        Ok(core) => core,
+        Err(NoPackInContainer { .. } | Region { .. }) => return Ok(None),
+        Err(other) => return Err(other.into()),
+    };
+    let density = packing_density(&pack, &core.region, &DensityOptions::default())?;
+    let (min, max) = core.region.corners();
+    Ok(Some(DensitySummary {
+        exact: density.exact,
+        grid: density.grid,
+        standard_error: density.standard_error,
+        core: Core { min: min.into(), max: max.into() },
+    }))
+}
+
+fn coordination_of(snapshot: &Snapshot) -> Result<CoordinationSummary, Error> {
+    let mut walls: Vec<&str> = Vec::new();
+    let touches: Vec<Touch> = snapshot
+        .contacts
+        .iter()
+        .map(|row| {
+            let second = match &row.partner {
+                Partner::Body(other) => femdem_analysis::Partner::Body(*other),
+                Partner::Wall(name) => {
+                    let known = walls.iter().position(|wall| wall == name);
+                    let index = known.unwrap_or_else(|| {
+                        walls.push(name);
+                        walls.len() - 1
+                    });
+                    femdem_analysis::Partner::Wall(index as u32)
+                }
+            };
+            Touch { first: row.body, second, normal_force: row.normal_force }
+        })
+        .collect();
+    let options = CoordinationOptions::default();
+    let result = coordination(snapshot.bodies.len(), &touches, &options)?;
+    Ok(CoordinationSummary { mean: result.mean, sd: result.sd, histogram: result.histogram })
+}
+
+fn overlap_volume_fraction(snapshot: &Snapshot) -> f64 {
+    let volume = |body| snapshot.shape_of(body).polyhedron.mass_properties().volume;
+    let solid: f64 = snapshot.bodies.iter().map(volume).sum();
+    let overlap: f64 = snapshot.contacts.iter().map(|row| row.volume).sum();
+    if solid > 0.0 { overlap / solid } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::two_cubes;
+
+    #[test]
+    fn two_cubes_of_volume_1_overlap_by_a_thousandth_each_contact() {
+        assert!((overlap_volume_fraction(&two_cubes()) - 0.001).abs() < 1e-12);
+    }
+
+    #[test]
+    fn coordination_counts_bodies_and_walls() {
+        let result = coordination_of(&two_cubes()).unwrap();
+        assert_eq!((result.mean, result.histogram), (1.5, vec![0, 1, 1]));
+    }
+
+    #[test]
+    fn nanoseconds_per_pair_of_a_run_without_contacts_are_unknown() {
+        assert_eq!(Usage::default().contact_nanoseconds_per_pair(), None);
+        let usage = Usage { contact_seconds: 2e-3, touching_evaluations: 4000, ..Usage::default() };
+        assert!((usage.contact_nanoseconds_per_pair().unwrap() - 500.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,324 @@
+//! Scenes: what to pack, in a file or on the command line, with a default for everything.
+//!
+//! A scene file is TOML; its keys are the long options of `femdem pack`, and every one may be left
+//! out. `femdem pack ... --print-scene` writes one.
+//!
+//! ```
+//! use femdem::Scene;
+//!
+//! let scene = Scene::from_toml("shape = \"cube\"\ncount = 50\nbox = \"4x5\"\n")?;
+//! let spec = scene.spec()?;
+//! assert_eq!(spec.shapes[0].name, "P5");
+//! assert_eq!(spec.container.half_extent(), [0.1, 0.125]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod footprint;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use femdem_mesh::catalogue::CatalogueShape;
+use femdem_mesh::{MeshError, Polyhedron};
+use femdem_pack::{Container, PackShape, PackSpec, Penalty, Pour, Protocol, Release, Sequential};
+use femdem_solve::Medium;
+use serde::{Deserialize, Serialize};
+
+pub use footprint::Footprint;
+
+use crate::Error;
+
+/// Circumscribed diameter of a catalogue shape where none is given \[m\].
+pub const DEFAULT_DIAMETER: f64 = 0.05;
+
+/// How bodies come into the container.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum ProtocolKind {
+    /// Small batches, one after another, each from rest just above the pack (the founding paper's)
+    #[default]
+    Sequential,
+    /// Layers at a fixed rate from above the pack to come
+    Pour,
+    /// All bodies at once, from a lattice
+    Release,
+}
+
+/// What holds the pack.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContainerKind {
+    /// Four upright walls
+    #[default]
+    Box,
+    /// An upright cylinder
+    Cylinder,
+}
+
+/// A packing job with the options of the program.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Scene {
+    /// A catalogue shape by identifier or name, or the path of an OBJ or STL file.
+    pub shape: String,
+    /// Number of bodies.
+    pub count: u32,
+    /// Circumscribed diameter d \[m\]. `None`: [`DEFAULT_DIAMETER`] for a catalogue shape, the size in
+    /// the file for a file.
+    pub diameter: Option<f64>,
+    /// Density of the bodies \[kg/m³\].
+    pub density: f64,
+    /// Friction coefficient.
+    pub friction: f64,
+    /// Fraction of critical damping of normal contact, 0 to 0.707.
+    pub damping: f64,
+    /// Penalty \[Pa\]. `None`: chosen for a mean penetration of `penetration`.
+    pub penalty: Option<f64>,
+    /// Mean penetration over d that the automatic penalty aims at.
+    pub penetration: f64,
+    /// Drag of the medium while the pack is made, in sqrt(g/d).
+    pub drag: f64,
+    /// Gravity \[m/s²\].
+    pub gravity: f64,
+    /// Kind of container.
+    pub container: ContainerKind,
+    /// Inner width and depth of the box, in d.
+    pub r#box: Footprint,
+    /// Inner diameter of the cylinder, in d.
+    pub cylinder: f64,
+    /// How bodies come into the container.
+    pub protocol: ProtocolKind,
+    /// Bodies in a batch (sequential) or layer (pour). `None`: by the floor's area.
+    pub batch: Option<u32>,
+    /// Bodies per second (pour).
+    pub rate: f64,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Folder for the results.
+    pub out: PathBuf,
+    /// Threads. `None`: one for each core.
+    pub threads: Option<usize>,
+    /// Time between checkpoints \[s of wall clock\].
+    pub checkpoint_every: f64,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        let spec = PackSpec::default();
+        Self {
+            shape: "A10".to_owned(),
+            count: 300,
+            diameter: None,
+            density: spec.density,
+            friction: spec.friction,
+            damping: spec.damping_ratio,
+            penalty: None,
+            penetration: 0.003,
+            drag: 0.0,
+            gravity: spec.gravity,
+            container: ContainerKind::Box,
+            r#box: Footprint { width: 6.0, depth: 6.0 },
+            cylinder: 7.0,
+            protocol: ProtocolKind::Sequential,
+            batch: None,
+            rate: Pour::default().rate,
+            seed: 1,
+            out: PathBuf::from("out/pack"),
+            threads: None,
+            checkpoint_every: 60.0,
+        }
+    }
+}
+
+impl Scene {
+    /// Reads a scene file.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Read`], or [`Error::Scene`] that says where the text is not a scene.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let text = fs::read_to_string(path)
+            .map_err(|source| Error::Read { path: path.to_path_buf(), source })?;
+        Self::parse(&text, path)
+    }
+
+    /// Reads a scene from text.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Scene`], with the line and what is allowed there.
+    pub fn from_toml(text: &str) -> Result<Self, Error> {
+        Self::parse(text, Path::new("scene"))
+    }
+
+    fn parse(text: &str, path: &Path) -> Result<Self, Error> {
+        toml::from_str(text).map_err(|error| Error::Scene {
+            path: path.to_path_buf(),
+            message: error.to_string(),
+        })
+    }
+
+    /// The scene as the text of a scene file.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Scene`] if the path of the output folder is not UTF-8.
+    pub fn to_toml(&self) -> Result<String, Error> {
+        let body = toml::to_string(self).map_err(|error| Error::Scene {
+            path: PathBuf::from("scene"),
+            message: error.to_string(),
+        })?;
+        Ok(format!("# A scene for `femdem pack`: keys are its options, each may be left out.\n{body}"))
+    }
+
+    /// The packing job.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Mesh`] for a shape that is unknown, cannot be read, or is no closed surface;
+    /// [`Error::Option`] and [`Error::Pack`] for values out of range.
+    pub fn spec(&self) -> Result<PackSpec, Error> {
+        let (name, polyhedron) = self.body()?;
+        let diameter = 2.0 * polyhedron.bounding_radius();
+        let spec = PackSpec {
+            shapes: vec![PackShape::new(name, polyhedron)],
+            count: self.count,
+            density: self.density,
+            friction: self.friction,
+            damping_ratio: self.damping,
+            penalty: match self.penalty {
+                Some(pressure) => Penalty::Given { pressure },
+                None => Penalty::Automatic { penetration: self.penetration },
+            },
+            gravity: self.gravity,
+            container: self.container(diameter),
+            protocol: self.protocol(),
+            seed: self.seed,
+            medium: Medium {
+                drag: self.drag * (self.gravity.abs() / diameter).sqrt(),
+                ..Medium::default()
+            },
+            ..PackSpec::default()
+        };
+        spec.validate()?;
+        Ok(spec)
+    }
+
+    /// Name and surface of the bodies.
+    fn body(&self) -> Result<(String, Polyhedron), Error> {
+        match self.shape.parse::<CatalogueShape>() {
+            Ok(shape) => {
+                let diameter = self.diameter.unwrap_or(DEFAULT_DIAMETER);
+                Ok((shape.id(), shape.polyhedron(diameter)?))
+            }
+            Err(unknown) => {
+                let path = Path::new(&self.shape);
+                if path.extension().is_none() && !path.exists() {
+                    return Err(unknown.into());
+                }
+                Ok((file_stem(path), self.body_of_file(path)?))
+            }
+        }
+    }
+
+    fn body_of_file(&self, path: &Path) -> Result<Polyhedron, MeshError> {
+        let read = femdem_mesh::io::read_file(path)?;
+        let size = 2.0 * read.bounding_radius();
+        match self.diameter {
+            None => Ok(read),
+            Some(diameter) if diameter > 0.0 => read.scaled(diameter / size),
+            Some(value) => Err(MeshError::OutOfRange {
+                what: "the diameter of a shape in metres",
+                value,
+                allowed: "above zero",
+            }),
+        }
+    }
+
+    fn container(&self, diameter: f64) -> Container {
+        match self.container {
+            ContainerKind::Box => Container::Box {
+                width: self.r#box.width * diameter,
+                depth: self.r#box.depth * diameter,
+            },
+            ContainerKind::Cylinder => Container::Cylinder { diameter: self.cylinder * diameter },
+        }
+    }
+
+    fn protocol(&self) -> Protocol {
+        let batch = self.batch;
+        match self.protocol {
+            ProtocolKind::Sequential => {
+                Protocol::Sequential(Sequential { batch, ..Sequential::default() })
+            }
+            ProtocolKind::Pour => {
+                Protocol::Pour(Pour { rate: self.rate, layer: batch, ..Pour::default() })
+            }
+            ProtocolKind::Release => Protocol::Release(Release::default()),
+        }
+    }
+}
+
+fn file_stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_survives_its_file() {
+        let scene = Scene {
+            shape: "body.obj".to_owned(),
+            diameter: Some(0.02),
+            container: ContainerKind::Cylinder,
+            batch: Some(3),
+            threads: Some(2),
+            ..Scene::default()
+        };
+        let text = scene.to_toml().unwrap();
+        assert_eq!(Scene::from_toml(&text).unwrap(), scene);
+        assert!(text.contains("checkpoint-every = 60.0") && text.contains("box = \"6x6\""), "{text}");
+    }
+
+    #[test]
+    fn an_empty_file_is_the_default_scene() {
+        assert_eq!(Scene::from_toml("").unwrap(), Scene::default());
+    }
+
+    #[test]
+    fn unknown_keys_and_values_are_named_with_their_line() {
+        let says = |text: &str| Scene::from_toml(text).unwrap_err().to_string();
+        let message = says("count = 10\ncuont = 20\n");
+        assert!(message.contains("line 2") && message.contains("cuont"), "{message}");
+        let message = says("protocol = \"rain\"");
+        assert!(message.contains("sequential") && message.contains("release"), "{message}");
+        assert!(says("box = \"6\"").contains("6x6"));
+        assert!(says("count = -1").contains("count"));
+    }
+
+    #[test]
+    fn sizes_are_in_diameters() {
+        let scene = Scene { container: ContainerKind::Cylinder, cylinder: 5.0, ..Scene::default() };
+        let spec = scene.spec().unwrap();
+        assert_eq!(spec.container, Container::Cylinder { diameter: 5.0 * spec.diameter() });
+        assert!((spec.diameter() - DEFAULT_DIAMETER).abs() < 1e-15);
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused_by_name() {
+        let says = |change: fn(&mut Scene)| {
+            let mut scene = Scene::default();
+            change(&mut scene);
+            scene.spec().unwrap_err().to_string()
+        };
+        assert!(says(|s| s.shape = "A14".to_owned()).contains("A14"));
+        assert!(says(|s| s.shape = "none.obj".to_owned()).contains("none.obj"));
+        assert!(says(|s| s.count = 0).contains("count = 0"));
+        assert!(says(|s| s.diameter = Some(f64::NAN)).contains("NaN"));
+        assert!(says(|s| s.r#box.width = 0.5).contains("width"));
+        assert!(says(|s| s.density = -1.0).contains("density = -1"));
+    }
+}
