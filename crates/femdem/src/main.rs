@@ -1,2 +1,27 @@
-//! The femdem program.
-fn main() {}
+//! The femdem program: pack bodies, resume, analyse, list shapes.
+
+mod program;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use program::cli::{Cli, Command};
+use program::job::{self, Outcome};
+use program::{complain, shapes};
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Pack(args) => job::pack(&args),
+        Command::Resume(args) => job::resume(&args),
+        Command::Analyse(args) => job::analyse(&args),
+        Command::Shapes(args) => shapes::list(args.json).map(|()| Outcome::Finished),
+    };
+    match outcome {
+        Ok(Outcome::Finished) => ExitCode::SUCCESS,
+        Ok(Outcome::Interrupted) => ExitCode::from(program::INTERRUPTED),
+        Err(error) => {
+            complain(&format!("error: {error:#}"));
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use femdem::Scene;
+use femdem::scene::{ContainerKind, Footprint, ProtocolKind};
+
+/// Pack bodies of any convex shape under gravity, with friction, and measure the pack
+#[derive(Debug, Parser)]
+#[command(name = "femdem", version, propagate_version = true, allow_negative_numbers = true, after_help = EXAMPLES)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  femdem pack                                      300 truncated dodecahedra into out/pack
+  femdem pack --shape A10 --count 500 --friction 0.6 --seed 1 --out out/a10
+  femdem pack --shape cube --container cylinder --protocol pour --out out/cubes
+  femdem pack --shape stone.obj --diameter 0.03 --box 8x8 --out out/stones
+  femdem pack --count 2000 --print-scene > big.toml && femdem pack big.toml
+  femdem resume out/a10                            go on after Ctrl-C or a crash
+  femdem analyse out/a10                           measure again, without simulating
+  femdem shapes                                    what --shape knows
+
+d is the circumscribed diameter of a body. Units are SI.";
+
+const PACK_HELP: &str = "\
+The folder then holds
+  summary.json               the result in numbers
+  bodies.csv, contacts.csv   poses; contact points, forces and areas
+  pack.vtu, contacts.vtp     for ParaView
+  pack.stl, shape-NAME.obj   surfaces
+  pack.png                   the pack from the front, coloured by sequence of placement
+  scene.toml                 the options of this run
+  pack.ckpt                  a checkpoint, for `femdem resume` and `femdem analyse`
+
+Ctrl-C stops cleanly, with a checkpoint.";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Pour bodies into a container, let them settle, measure and draw the pack
+    #[command(after_help = PACK_HELP)]
+    Pack(Box<PackArgs>),
+    /// Continue a run from the checkpoint in its folder
+    Resume(ResumeArgs),
+    /// Measure and draw the pack in a folder's checkpoint again, without simulating
+    Analyse(AnalyseArgs),
+    /// List the shapes that --shape knows
+    Shapes(ShapesArgs),
+}
+
+/// Options of `femdem pack`. Those left out are taken from the scene file, or have their defaults.
+#[derive(Debug, Args)]
+pub(crate) struct PackArgs {
+    /// Scene file (TOML); options given beside it win
+    pub scene: Option<PathBuf>,
+
+    /// Shape: an identifier or name of `femdem shapes`, or the path of an OBJ or STL file (one closed,
+    /// convex surface) [default: A10]
+    #[arg(long, value_name = "NAME|FILE")]
+    shape: Option<String>,
+
+    /// Number of bodies [default: 300]
+    #[arg(long, value_name = "N")]
+    count: Option<u32>,
+
+    /// Circumscribed diameter d of a body in m [default: 0.05; for a file, its own size]
+    #[arg(long, value_name = "M")]
+    diameter: Option<f64>,
+
+    /// Density of the bodies in kg/m3 [default: 2560]
+    #[arg(long, value_name = "KG/M3")]
+    density: Option<f64>,
+
+    /// Coulomb friction coefficient, 0 or more, between bodies and with walls [default: 0.6]
+    #[arg(long, value_name = "MU")]
+    friction: Option<f64>,
+
+    /// Fraction of critical damping of normal contact, 0 to 0.7; 0.6 gives a coefficient of
+    /// restitution of 0.25 [default: 0.6]
+    #[arg(long, value_name = "ZETA")]
+    damping: Option<f64>,
+
+    /// Penalty of the contact law in Pa: stiffer contacts overlap less and cost more steps [default:
+    /// automatic, from --penetration]
+    #[arg(long, value_name = "PA")]
+    penalty: Option<f64>,
+
+    /// Mean penetration over d that the automatic penalty aims at [default: 0.003]
+    #[arg(long, value_name = "X", conflicts_with = "penalty")]
+    penetration: Option<f64>,
+
+    /// Drag of the medium while the pack is made, in sqrt(g/d); 0 is none [default: 0]
+    #[arg(long, value_name = "X")]
+    drag: Option<f64>,
+
+    /// Gravity in m/s2 [default: 9.81]
+    #[arg(long, value_name = "M/S2")]
+    gravity: Option<f64>,
+
+    /// Kind of container [default: box]
+    #[arg(long, value_enum)]
+    container: Option<ContainerKind>,
+
+    /// Inner width and depth of the box in d, each at least 1 [default: 6x6]
+    #[arg(long, value_name = "WxD")]
+    r#box: Option<Footprint>,
+
+    /// Inner diameter of the cylinder in d, at least 1 [default: 7]
+    #[arg(long, value_name = "X", conflicts_with = "box")]
+    cylinder: Option<f64>,
+
+    /// How bodies come into the container [default: sequential]
+    #[arg(long, value_enum)]
+    protocol: Option<ProtocolKind>,
+
+    /// Bodies in a batch (sequential) or a layer (pour) [default: one for each 2d x 2d of the floor]
+    #[arg(long, value_name = "N")]
+    batch: Option<u32>,
+
+    /// Bodies per second (pour) [default: 200]
+    #[arg(long, value_name = "1/S")]
+    rate: Option<f64>,
+
+    /// Seed of all random numbers; the same seed gives the same pack, bit for bit, on any number of
+    /// threads [default: 1]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+
+    /// Folder for the results; must be new or empty [default: out/pack]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Write into --out even if it holds files; those of the same names are replaced
+    #[arg(long)]
+    pub force: bool,
+
+    /// Write the scene of these options to the terminal, and stop
+    #[arg(long)]
+    pub print_scene: bool,
+
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// How to run.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct RunArgs {
+    /// Threads, 1 or more [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+
+    /// Seconds between checkpoints, 0 or more [default: 60]
+    #[arg(long, value_name = "S")]
+    pub checkpoint_every: Option<f64>,
+
+    /// No progress and no summary on the terminal; errors are still shown
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ResumeArgs {
+    /// Folder of the run, which holds pack.ckpt
+    pub folder: PathBuf,
+
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct AnalyseArgs {
+    /// Folder of the run, which holds pack.ckpt
+    pub folder: PathBuf,
+
+    /// Threads, 1 or more [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+
+    /// No summary on the terminal; errors are still shown
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ShapesArgs {
+    /// Write a list of JSON objects
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl PackArgs {
+    /// The scene file, or the defaults, with the options of the command line in their places.
+    pub(crate) fn scene(&self) -> Result<Scene, femdem::Error> {
+        let mut scene = match &self.scene {
+            Some(path) => Scene::read(path)?,
+            None => Scene::default(),
+        };
+        set(&mut scene.shape, &self.shape);
+        set(&mut scene.count, &self.count);
+        set(&mut scene.density, &self.density);
+        set(&mut scene.friction, &self.friction);
+        set(&mut scene.damping, &self.damping);
+        set(&mut scene.penetration, &self.penetration);
+        set(&mut scene.drag, &self.drag);
+        set(&mut scene.gravity, &self.gravity);
+        self.set_container(&mut scene);
+        set(&mut scene.protocol, &self.protocol);
+        set(&mut scene.rate, &self.rate);
+        set(&mut scene.seed, &self.seed);
+        set(&mut scene.out, &self.out);
+        set(&mut scene.checkpoint_every, &self.run.checkpoint_every);
+        scene.diameter = self.diameter.or(scene.diameter);
+        scene.batch = self.batch.or(scene.batch);
+        scene.threads = self.run.threads.map(usize::from).or(scene.threads);
+        // A penetration asked for here undoes a penalty in the file.
+        if self.penetration.is_some() {
+            scene.penalty = None;
+        }
+        scene.penalty = self.penalty.or(scene.penalty);
+        Ok(scene)
+    }
+
+    /// The size of a container chooses its kind, unless the kind is named too.
+    fn set_container(&self, scene: &mut Scene) {
+        if self.r#box.is_some() {
+            scene.container = ContainerKind::Box;
+        }
+        if self.cylinder.is_some() {
+            scene.container = ContainerKind::Cylinder;
+        }
+        set(&mut scene.container, &self.container);
+        set(&mut scene.r#box, &self.r#box);
+        set(&mut scene.cylinder, &self.cylinder);
+    }
+}
+
+fn set<T: Clone>(to: &mut T, from: &Option<T>) {
+    if let Some(value) = from {
+        to.clone_from(value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn scene(options: &str) -> Scene {
+        let words = ["femdem", "pack"].into_iter().chain(options.split_whitespace());
+        match Cli::try_parse_from(words).unwrap().command {
+            Command::Pack(args) => args.scene().unwrap(),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn the_command_line_is_well_formed() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn without_options_the_scene_is_the_default() {
+        assert_eq!(scene(""), Scene::default());
+    }
+
+    #[test]
+    fn options_go_to_their_places() {
+        let scene = scene("--shape P5 --count 7 --box 4x5 --seed 9 --threads 2 --penalty 1e6 --out x");
+        assert_eq!((scene.shape.as_str(), scene.count, scene.seed), ("P5", 7, 9));
+        assert_eq!(scene.r#box, Footprint { width: 4.0, depth: 5.0 });
+        assert_eq!((scene.threads, scene.penalty), (Some(2), Some(1e6)));
+    }
+
+    #[test]
+    fn the_size_of_a_cylinder_makes_the_container_one() {
+        assert_eq!(scene("--cylinder 5").container, ContainerKind::Cylinder);
+        assert_eq!(scene("--container cylinder").cylinder, Scene::default().cylinder);
+    }
+
+    /// The defaults in the help are those of the scene.
+    #[test]
+    fn help_states_the_defaults() {
+        let mut command = Cli::command();
+        let pack = command.find_subcommand_mut("pack").unwrap();
+        let help = pack.render_long_help().to_string();
+        let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        let d = Scene::default();
+        for text in [
+            format!("Number of bodies [default: {}]", d.count),
+            format!("[default: {}; for a file", femdem::scene::DEFAULT_DIAMETER),
+            format!("kg/m3 [default: {}]", d.density),
+            format!("with walls [default: {}]", d.friction),
+            format!("0.25 [default: {}]", d.damping),
+            format!("aims at [default: {}]", d.penetration),
+            format!("m/s2 [default: {}]", d.gravity),
+            format!("each at least 1 [default: {}]", d.r#box),
+            format!("in d, at least 1 [default: {}]", d.cylinder),
+            format!("second (pour) [default: {}]", d.rate),
+            format!("empty [default: {}]", d.out.display()),
+            format!("0 or more [default: {}]", d.checkpoint_every),
+        ] {
+            assert!(words.contains(&text), "{text:?} is not in\n{words}");
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! The folder of a run and the checkpoint in it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use femdem::Usage;
+use femdem::pack::Packing;
+use femdem::solve::checkpoint;
+use serde::{Deserialize, Serialize};
+
+/// Name of the checkpoint.
+pub(crate) const CHECKPOINT: &str = "pack.ckpt";
+
+/// What checkpoints of this program hold.
+const KIND: &str = "pack";
+
+/// A job and its cost so far, as read.
+#[derive(Deserialize)]
+pub(crate) struct Saved {
+    pub packing: Packing,
+    pub usage: Usage,
+}
+
+/// The same, as written.
+#[derive(Serialize)]
+struct Saving<'a> {
+    packing: &'a Packing,
+    usage: &'a Usage,
+}
+
+/// Makes the folder, or checks that the one there is empty; `force` lets it hold files.
+pub(crate) fn prepare(folder: &Path, force: bool) -> Result<()> {
+    let shown = folder.display();
+    fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {shown}; give another with --out"))?;
+    let mut entries =
+        fs::read_dir(folder).with_context(|| format!("cannot look into the folder {shown}"))?;
+    if !force && entries.next().is_some() {
+        bail!(
+            "the folder {shown} is not empty: give another with --out, or add --force to replace \
+             files in it"
+        );
+    }
+    Ok(())
+}
+
+fn checkpoint_path(folder: &Path) -> PathBuf {
+    folder.join(CHECKPOINT)
+}
+
+pub(crate) fn save(folder: &Path, packing: &Packing, usage: &Usage) -> Result<()> {
+    checkpoint::write_file(&checkpoint_path(folder), KIND, &Saving { packing, usage })
+        .context("the checkpoint was not written; an earlier one is kept")
+}
+
+pub(crate) fn load(folder: &Path) -> Result<Saved> {
+    let path = checkpoint_path(folder);
+    if !path.is_file() {
+        bail!(
+            "there is no {}: give the folder of a run of `femdem pack`",
+            path.display()
+        );
+    }
+    Ok(checkpoint::read_file(&path, KIND)?)
+}

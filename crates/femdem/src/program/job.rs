@@ -1,0 +1,171 @@
+//! Running a packing job to its end, or to Ctrl-C, and writing the results.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+use femdem::pack::{PackError, Packing};
+use femdem::{Scene, Summary, Usage, output, results};
+
+use super::cli::{AnalyseArgs, PackArgs, ResumeArgs, RunArgs};
+use super::meter::Meter;
+use super::progress::Bar;
+use super::{complain, folder, say};
+
+/// How a command ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    Finished,
+    /// By Ctrl-C; a checkpoint was written.
+    Interrupted,
+}
+
+/// How often the job looks up from its work.
+const BREATH: Duration = Duration::from_millis(80);
+
+pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
+    let scene = args.scene()?;
+    if args.print_scene {
+        say(scene.to_toml()?.trim_end());
+        return Ok(Outcome::Finished);
+    }
+    let every = checkpoint_interval(Some(scene.checkpoint_every))?;
+    in_pool(scene.threads, |threads| {
+        // Everything that can be refused is refused before the folder is touched.
+        let packing = Packing::new(scene.spec()?)?;
+        folder::prepare(&scene.out, args.force)?;
+        write_scene(&scene)?;
+        let run = Run { folder: scene.out.clone(), quiet: args.run.quiet, every };
+        run.to_end(packing, Usage::default(), threads)
+    })
+}
+
+pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
+    let RunArgs { threads, checkpoint_every, quiet } = args.run;
+    let every = checkpoint_interval(checkpoint_every)?;
+    in_pool(threads.map(usize::from), |threads| {
+        let saved = folder::load(&args.folder)?;
+        let run = Run { folder: args.folder.clone(), quiet, every };
+        run.to_end(saved.packing, saved.usage, threads)
+    })
+}
+
+pub(crate) fn analyse(args: &AnalyseArgs) -> Result<Outcome> {
+    in_pool(args.threads.map(usize::from), |_| {
+        let saved = folder::load(&args.folder)?;
+        let summary = results::write(&args.folder, &saved.packing, &saved.usage)?;
+        report(&summary, &args.folder, args.quiet);
+        Ok(Outcome::Finished)
+    })
+}
+
+/// Runs `work` on a thread pool of its own, and tells it how many threads that has.
+fn in_pool<T: Send>(threads: Option<usize>, work: impl FnOnce(usize) -> Result<T> + Send) -> Result<T> {
+    // 0 means one thread for each core.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    let pool = pool.context("cannot start the threads; give fewer with --threads")?;
+    pool.install(|| work(pool.current_num_threads()))
+}
+
+fn checkpoint_interval(seconds: Option<f64>) -> Result<Duration> {
+    let seconds = seconds.unwrap_or(Scene::default().checkpoint_every);
+    let allowed = "give a number of seconds, 0 or more";
+    Duration::try_from_secs_f64(seconds).map_err(|_| {
+        femdem::Error::Option { name: "checkpoint-every", value: seconds.to_string(), allowed }.into()
+    })
+}
+
+fn write_scene(scene: &Scene) -> Result<()> {
+    let text = scene.to_toml()?;
+    Ok(output::write_file(scene.out.join("scene.toml"), |w| {
+        std::io::Write::write_all(w, text.as_bytes())
+    })?)
+}
+
+/// One part of a run: from here to the end or to Ctrl-C.
+struct Run {
+    folder: PathBuf,
+    quiet: bool,
+    every: Duration,
+}
+
+impl Run {
+    fn to_end(&self, mut packing: Packing, before: Usage, threads: usize) -> Result<Outcome> {
+        let interrupted = watch_for_interrupt()?;
+        let meter = Meter::start(before, threads);
+        // At once, so that a folder that cannot be written to is found now and not after the work.
+        folder::save(&self.folder, &packing, &meter.read(&packing))?;
+        let bar = Bar::new(&packing.progress(), self.quiet)?;
+        let advanced = self.advance(&mut packing, &meter, &bar, &interrupted);
+        bar.clear();
+        advanced.with_context(|| self.after_failure())?;
+
+        let usage = meter.read(&packing);
+        folder::save(&self.folder, &packing, &usage)?;
+        if !packing.is_done() {
+            let at = packing.progress();
+            complain(&format!(
+                "stopped with {} of {} bodies placed; continue with: femdem resume {}",
+                at.placed,
+                at.count,
+                self.folder.display()
+            ));
+            return Ok(Outcome::Interrupted);
+        }
+        let summary = results::write(&self.folder, &packing, &usage)?;
+        report(&summary, &self.folder, self.quiet);
+        Ok(Outcome::Finished)
+    }
+
+    /// Advances to the end or to an interrupt, with checkpoints on the way.
+    fn advance(
+        &self,
+        packing: &mut Packing,
+        meter: &Meter,
+        bar: &Bar,
+        interrupted: &AtomicBool,
+    ) -> Result<(), PackError> {
+        let mut saved = Instant::now();
+        let mut steps = 1;
+        while !packing.is_done() && !interrupted.load(Ordering::Relaxed) {
+            let began = Instant::now();
+            let progress = packing.advance(steps)?;
+            bar.show(&progress);
+            // The job does not depend on how its steps are divided, so the clock may decide here.
+            steps = if began.elapsed() < BREATH { (steps * 2).min(1 << 16) } else { (steps / 2).max(1) };
+            if saved.elapsed() >= self.every {
+                // A full disk may have room again when the job ends; until then the last one stands.
+                if let Err(error) = folder::save(&self.folder, packing, &meter.read(packing)) {
+                    bar.note(&format!("warning: {error:#}"));
+                }
+                saved = Instant::now();
+            }
+        }
+        Ok(())
+    }
+
+    fn after_failure(&self) -> String {
+        format!("the run failed; the last good state is {}", self.folder.join(folder::CHECKPOINT).display())
+    }
+}
+
+/// A flag that Ctrl-C raises. A second Ctrl-C ends the program at once.
+fn watch_for_interrupt() -> Result<Arc<AtomicBool>> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let raised = Arc::clone(&flag);
+    ctrlc::set_handler(move || {
+        if raised.swap(true, Ordering::Relaxed) {
+            std::process::exit(super::INTERRUPTED.into());
+        }
+    })
+    .context("cannot watch for Ctrl-C")?;
+    Ok(flag)
+}
+
+fn report(summary: &Summary, folder: &Path, quiet: bool) {
+    if !quiet {
+        say(&format!("{summary}  {:<20} {}", "results in", folder.display()));
+    }
+}

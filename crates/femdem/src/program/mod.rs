@@ -1,0 +1,23 @@
+//! The parts of the program.
+
+pub(crate) mod cli;
+mod folder;
+pub(crate) mod job;
+mod meter;
+mod progress;
+pub(crate) mod shapes;
+
+use std::io::Write;
+
+/// Exit code after Ctrl-C, as shells have it: 128 + SIGINT.
+pub(crate) const INTERRUPTED: u8 = 130;
+
+/// Writes a line to standard output. A reader that has gone away, such as `head`, is no error.
+pub(crate) fn say(text: &str) {
+    let _ = writeln!(std::io::stdout(), "{text}");
+}
+
+/// Writes a line to standard error.
+pub(crate) fn complain(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}

@@ -1,0 +1,82 @@
+//! The progress bar.
+
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use femdem::pack::{Progress, Stage};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Shows how far a job is, on a terminal; elsewhere nothing.
+pub(crate) struct Bar {
+    bar: ProgressBar,
+    started: Instant,
+    /// Share of the work that was done when this part of the run began.
+    share_at_start: f64,
+}
+
+impl Bar {
+    pub(crate) fn new(at: &Progress, quiet: bool) -> Result<Self> {
+        let bar = ProgressBar::new(u64::from(at.count));
+        if quiet {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        bar.set_style(ProgressStyle::with_template("[{bar:30}] {pos}/{len} bodies {msg}")?.progress_chars("=> "));
+        Ok(Self { bar, started: Instant::now(), share_at_start: share(at) })
+    }
+
+    pub(crate) fn show(&self, at: &Progress) {
+        let left = self.time_left(at).map_or(String::new(), |left| format!(", {} left", span(left)));
+        self.bar.set_position(u64::from(at.placed));
+        self.bar.set_message(format!(
+            "{}, height {:.3} m, {:.2} s simulated, {} awake{left}",
+            at.stage, at.top, at.time, at.awake
+        ));
+    }
+
+    /// Time to go if the work goes on as it went; none before there is enough to judge by.
+    fn time_left(&self, at: &Progress) -> Option<Duration> {
+        let (done, elapsed) = (share(at) - self.share_at_start, self.started.elapsed());
+        let judged = done > 0.02 && elapsed > Duration::from_secs(1);
+        judged.then(|| elapsed.mul_f64((1.0 - share(at)).max(0.0) / done))
+    }
+
+    /// Writes a line above the bar.
+    pub(crate) fn note(&self, text: &str) {
+        self.bar.suspend(|| super::complain(text));
+    }
+
+    pub(crate) fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Share of the work that is done, 0 to 1; deposition is most of it.
+fn share(at: &Progress) -> f64 {
+    match at.stage {
+        Stage::Depositing => 0.9 * f64::from(at.placed) / f64::from(at.count.max(1)),
+        Stage::Settling => 0.92,
+        Stage::Verifying => 0.96,
+        Stage::Done => 1.0,
+    }
+}
+
+/// "12 s", "3 min", "2 h 5 min".
+fn span(time: Duration) -> String {
+    let seconds = time.as_secs();
+    match seconds {
+        0..=99 => format!("{seconds} s"),
+        100..=5999 => format!("{} min", (seconds + 30) / 60),
+        _ => format!("{} h {} min", seconds / 3600, seconds % 3600 / 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spans_are_short() {
+        let text = |seconds| span(Duration::from_secs(seconds));
+        assert_eq!([text(5), text(150), text(7500)], ["5 s", "3 min", "2 h 5 min"]);
+    }
+}
