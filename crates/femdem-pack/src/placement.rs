@@ -253,7 +253,11 @@ mod tests {
         let spec = spec(square(0.12));
         let starts = lattice(&spec, &Release::default()).unwrap();
         assert_eq!(starts.len(), 500);
-        let layer = |z: f64| starts.iter().filter(move |s| (s.centroid.z - z).abs() < 1e-12);
+        let layer = |z: f64| {
+            starts
+                .iter()
+                .filter(move |s| (s.centroid.z - z).abs() < 1e-12)
+        };
         assert_eq!(layer(0.5 * 0.021).count(), 25);
         assert_eq!(layer(19.5 * 0.021).count(), 25);
         let mean = starts.iter().map(|s| s.centroid).sum::<Vector3>() / 500.0;

@@ -14,6 +14,10 @@ use serde::{Deserialize, Serialize};
 /// Circumscribed diameter of the default bodies, m.
 const DEFAULT_DIAMETER: f64 = 0.02;
 
+/// Longest time step in units of sqrt(d/g), so that falling bodies are followed well even where
+/// soft contacts would allow more.
+const LARGEST_STEP: f64 = 0.01;
+
 /// A shape to pack.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -246,6 +250,7 @@ impl PackSpec {
 
     /// Parameters of the world with a penalty (Pa).
     pub(crate) fn world_parameters(&self, penalty: f64) -> WorldParameters {
+        let falling = LARGEST_STEP * self.time_unit();
         WorldParameters {
             gravity: Vector3::new(0.0, 0.0, -self.gravity),
             contact: ContactParameters {
@@ -255,7 +260,10 @@ impl PackSpec {
                 tangential_ratio: self.tangential_ratio,
                 tangential_damping: self.tangential_damping,
             },
-            time_step: self.time_step,
+            time_step: TimeStepParameters {
+                largest: Some(self.time_step.largest.unwrap_or(f64::INFINITY).min(falling)),
+                ..self.time_step
+            },
             sleeping: self.sleeping,
             medium: self.medium,
         }

@@ -16,6 +16,10 @@ const POUR_HEAD: f64 = 1.0;
 impl Packing {
     pub(super) fn step_deposition(&mut self) -> Result<(), PackError> {
         self.world.step()?;
+        if self.world.time() >= self.job.next_check {
+            self.wait_for_next_check();
+            self.guard()?;
+        }
         self.release_if_due()
     }
 
@@ -30,7 +34,7 @@ impl Packing {
         if !due {
             return Ok(());
         }
-        self.look()?;
+        self.update_top();
         if first >= self.job.spec.count {
             self.enter(Stage::Settling);
             return Ok(());

@@ -23,7 +23,6 @@ impl Packing {
     }
 
     fn begin_verification(&mut self) -> Result<(), PackError> {
-        self.look()?;
         self.world.set_medium(Medium::default())?;
         self.world.set_sleeping(false);
         let before = positions(&self.world).map(|(_, p)| p).collect();
@@ -47,7 +46,7 @@ impl Packing {
             && (check.enough || over)
         {
             self.job.verification = Some(self.verification());
-            self.look()?;
+            self.update_top();
             self.job.reference = None;
             self.enter(Stage::Done);
         }
@@ -85,6 +84,8 @@ impl Packing {
             return Ok(None);
         }
         self.wait_for_next_check();
+        self.guard()?;
+        self.update_top();
         let settling = &self.job.spec.settling;
         let found = self.world.residuals();
         let passed = found.max_over_load <= settling.residual
@@ -97,13 +98,10 @@ impl Packing {
             patient
         };
         let enough = self.job.passed >= needed;
-        if !passed {
-            self.look()?;
-        }
         Ok(Some(Check { enough }))
     }
 
-    fn wait_for_next_check(&mut self) {
+    pub(super) fn wait_for_next_check(&mut self) {
         let interval = self.job.spec.settling.check_interval * self.job.spec.time_unit();
         self.job.next_check = self.world.time() + interval;
     }

@@ -11,17 +11,16 @@ use std::collections::BTreeMap;
 const THROWN: f64 = 5.0;
 
 impl Packing {
-    /// Looks for bodies that have left the container and takes the highest point of all bodies.
-    /// One comparison for most bodies: only those whose bounding sphere may reach higher are
-    /// looked at in full.
-    pub(super) fn look(&mut self) -> Result<(), PackError> {
-        let reach = self.job.spec.largest_diameter() / 2.0;
-        let ceiling = self.job.highest_start + THROWN * 2.0 * reach;
-        let mut top = 0.0;
-        for (body, position) in positions(&self.world) {
-            let p = &position;
+    /// Looks for awake bodies that have left the container.
+    pub(super) fn guard(&self) -> Result<(), PackError> {
+        let diameter = self.job.spec.largest_diameter();
+        let ceiling = self.job.highest_start + THROWN * diameter;
+        for &body in self.world.awake() {
+            let Some(p) = self.world.position(body) else {
+                continue;
+            };
             if !(p.z >= 0.0 && self.job.spec.container.contains(p.x, p.y, 0.0)) {
-                return Err(self.escaped(body, p));
+                return Err(self.escaped(body, &p));
             }
             if p.z > ceiling {
                 return Err(PackError::Thrown {
@@ -30,6 +29,16 @@ impl Packing {
                     released: self.job.highest_start,
                 });
             }
+        }
+        Ok(())
+    }
+
+    /// Takes the highest point of all bodies. One comparison for most bodies: only those whose
+    /// bounding sphere may reach higher are looked at in full.
+    pub(super) fn update_top(&mut self) {
+        let reach = self.job.spec.largest_diameter() / 2.0;
+        let mut top = 0.0;
+        for (body, p) in positions(&self.world) {
             if p.z + reach > top
                 && let Some((_, high)) = self.world.bounds(body)
             {
@@ -37,7 +46,6 @@ impl Packing {
             }
         }
         self.job.top = top;
-        Ok(())
     }
 
     fn escaped(&self, body: BodyId, position: &Vector3) -> PackError {

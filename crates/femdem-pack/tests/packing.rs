@@ -1,0 +1,278 @@
+//! Whole packing jobs of a few bodies.
+
+use femdem_mesh::catalogue::{CatalogueShape, Solid};
+use femdem_mesh::{Polyhedron, Vector3};
+use femdem_pack::{
+    Container, PackError, PackReport, PackShape, PackSpec, Packing, Penalty, Pour, Protocol,
+    Release, Sequential, Stage,
+};
+use femdem_solve::checkpoint;
+
+const D: f64 = 0.02;
+
+fn solid(solid: Solid) -> Polyhedron {
+    CatalogueShape::from(solid).polyhedron(D).unwrap()
+}
+
+/// A few cubes in a narrow box.
+fn cubes(count: u32) -> PackSpec {
+    PackSpec {
+        shapes: vec![PackShape::new("cube", solid(Solid::P5))],
+        count,
+        container: Container::Box {
+            width: 2.5 * D,
+            depth: 2.5 * D,
+        },
+        penalty: Penalty::Given { pressure: 1e6 },
+        ..PackSpec::default()
+    }
+}
+
+/// Every vertex of every body is inside the walls and above the floor but for a slack.
+fn assert_inside(packing: &Packing, slack: f64) {
+    let world = packing.world();
+    for body in 0..world.body_count() as u32 {
+        let pose = world.pose(body).unwrap();
+        let shape = world.shape(world.shape_of(body).unwrap()).unwrap();
+        for vertex in shape.polyhedron.vertices() {
+            let p = pose * vertex;
+            assert!(p.z > -slack, "body {body} at {p}");
+            let inside = packing.spec().container.contains(p.x, p.y, -slack);
+            assert!(inside, "body {body} at {p}");
+        }
+    }
+}
+
+/// What a settled pack must satisfy: the limits of the rule, the weight on the floor and walls.
+fn assert_settled(packing: &Packing, report: &PackReport) {
+    assert!(report.settled, "{report:?}");
+    assert_eq!(report.bodies, packing.spec().count);
+    assert!(report.residual_max_over_load <= 0.02, "{report:?}");
+    assert!(report.kinetic_energy_over_mgd <= 1e-6, "{report:?}");
+    let verification = report.verification.unwrap();
+    assert!(verification.max_displacement_over_d < 0.01, "{report:?}");
+    assert_inside(packing, 0.02 * D);
+    assert_walls_carry_the_weight(packing);
+}
+
+/// In equilibrium the forces of the walls on the bodies sum to the weight of the bodies.
+fn assert_walls_carry_the_weight(packing: &Packing) {
+    let world = packing.world();
+    let masses = (0..world.body_count() as u32).map(|b| world.mass(b).unwrap());
+    let weight = masses.sum::<f64>() * packing.spec().gravity;
+    let walls = |c: &&femdem_contact::Contact| matches!(c.a, femdem_contact::Partner::Wall(_));
+    let contacts = world.contacts();
+    let forces = contacts.iter().copied().filter(walls);
+    let sum: Vector3 = forces.map(|c| c.force_on_b()).sum();
+    let error = (sum - Vector3::z() * weight).norm() / weight;
+    assert!(error < 0.01, "the walls carry {sum} of {weight} N");
+}
+
+#[test]
+fn cubes_deposited_in_sequence_settle() {
+    let mut packing = Packing::new(cubes(8)).unwrap();
+    let report = packing.run().unwrap();
+    assert_settled(&packing, &report);
+    // A box 2.5 d wide takes a body at a time.
+    assert_eq!(report.batches, 8);
+    let sequence: Vec<_> = (0..9).map(|b| packing.sequence(b)).collect();
+    let expected: Vec<_> = (0..8).map(Some).chain([None]).collect();
+    assert_eq!(sequence, expected);
+    assert!(report.top > 0.5 * D && report.top < 8.0 * D);
+    assert!(report.mean_top <= report.top);
+}
+
+#[test]
+fn stages_follow_one_another_and_bodies_arrive_in_batches() {
+    let mut spec = cubes(5);
+    spec.container = Container::Box {
+        width: 6.0 * D,
+        depth: 6.0 * D,
+    };
+    spec.protocol = Protocol::Sequential(Sequential {
+        batch: Some(2),
+        ..Sequential::default()
+    });
+    let mut packing = Packing::new(spec).unwrap();
+    let mut last = packing.progress();
+    assert_eq!(
+        (last.stage, last.placed, last.batches),
+        (Stage::Depositing, 2, 1)
+    );
+    while !packing.is_done() {
+        let now = packing.advance(100).unwrap();
+        assert!(now.stage >= last.stage && now.placed >= last.placed);
+        assert!(now.steps - last.steps <= 100);
+        last = now;
+    }
+    assert_eq!((last.placed, last.batches), (5, 3));
+    let sequence: Vec<_> = (0..5).filter_map(|b| packing.sequence(b)).collect();
+    assert_eq!(sequence, [0, 0, 1, 1, 2]);
+    assert_eq!(packing.advance(100).unwrap().steps, last.steps);
+}
+
+#[test]
+fn mixtures_settle_in_a_cylinder() {
+    let mut spec = cubes(10);
+    spec.shapes
+        .push(PackShape::new("octahedron", solid(Solid::P4)));
+    spec.container = Container::Cylinder { diameter: 3.0 * D };
+    let mut packing = Packing::new(spec).unwrap();
+    let report = packing.run().unwrap();
+    assert_settled(&packing, &report);
+    let shapes = (0..10).map(|b| packing.world().shape_of(b).unwrap());
+    assert_ne!(shapes.sum::<u32>() % 10, 0, "one of the shapes is missing");
+}
+
+#[test]
+fn all_protocols_end_settled() {
+    let pour = Protocol::Pour(Pour {
+        rate: 100.0,
+        layer: Some(2),
+        ..Pour::default()
+    });
+    let release = Protocol::Release(Release::default());
+    for (protocol, batches) in [(pour, 4), (release, 1)] {
+        let mut spec = cubes(8);
+        spec.container = Container::Box {
+            width: 4.0 * D,
+            depth: 4.0 * D,
+        };
+        spec.protocol = protocol;
+        let mut packing = Packing::new(spec).unwrap();
+        let report = packing.run().unwrap();
+        assert_settled(&packing, &report);
+        assert_eq!(report.batches, batches, "{protocol:?}");
+    }
+}
+
+/// The rate of a pour is what was asked for: 8 bodies in layers of 2 at 20 bodies per second
+/// start at 0, 0.1, 0.2 and 0.3 s.
+#[test]
+fn a_pour_keeps_its_rate() {
+    let mut spec = cubes(8);
+    spec.container = Container::Box {
+        width: 6.0 * D,
+        depth: 6.0 * D,
+    };
+    spec.protocol = Protocol::Pour(Pour {
+        rate: 20.0,
+        layer: Some(2),
+        ..Pour::default()
+    });
+    let mut packing = Packing::new(spec).unwrap();
+    let mut starts = vec![0.0];
+    while packing.progress().stage == Stage::Depositing {
+        let now = packing.advance(1).unwrap();
+        if now.batches as usize > starts.len() {
+            starts.push(now.time);
+        }
+    }
+    assert_eq!(starts.len(), 4);
+    for (k, start) in starts.iter().enumerate() {
+        assert!((start - 0.1 * k as f64).abs() < 2e-3, "{starts:?}");
+    }
+}
+
+/// A job saved, read back and continued in other portions ends in the same bits as one that ran
+/// through, at whatever stage it was interrupted.
+#[test]
+fn a_job_continues_from_a_checkpoint_with_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pack.ckpt");
+    let mut whole = Packing::new(cubes(4)).unwrap();
+    let mut parts = whole.clone();
+    let report = whole.run().unwrap();
+    while !parts.is_done() {
+        parts.advance(777).unwrap();
+        checkpoint::write_file(&path, "packing", &parts).unwrap();
+        parts = checkpoint::read_file(&path, "packing").unwrap();
+    }
+    assert_eq!(parts.report(), report);
+    assert_eq!(
+        parts.world().state_hash().unwrap(),
+        whole.world().state_hash().unwrap()
+    );
+}
+
+#[test]
+fn thread_counts_give_the_same_bits() {
+    let mut spec = cubes(40);
+    spec.container = Container::Box {
+        width: 4.0 * D,
+        depth: 4.0 * D,
+    };
+    spec.protocol = Protocol::Release(Release::default());
+    let hash = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().unwrap();
+        pool.install(|| {
+            let mut packing = Packing::new(spec.clone()).unwrap();
+            packing.advance(1500).unwrap();
+            packing.world().state_hash().unwrap()
+        })
+    };
+    let one = hash(1);
+    assert_eq!(one, hash(2));
+    assert_eq!(one, hash(3));
+}
+
+#[test]
+fn seeds_make_different_packs() {
+    let position = |seed: u64| {
+        let mut packing = Packing::new(PackSpec { seed, ..cubes(1) }).unwrap();
+        packing.advance(1).unwrap();
+        packing.world().position(0).unwrap()
+    };
+    assert_eq!(position(1), position(1));
+    assert_ne!(position(1), position(2));
+}
+
+/// With next to no time to come to rest the job ends and says so.
+#[test]
+fn a_pack_that_has_not_settled_is_not_called_settled() {
+    let mut spec = cubes(3);
+    spec.settling.longest_settling = 0.01;
+    spec.settling.longest_verification = 0.5;
+    // Slower than any body can be.
+    spec.settling.kinetic_energy = 1e-300;
+    let mut packing = Packing::new(spec).unwrap();
+    let report = packing.run().unwrap();
+    assert!(!report.settled);
+    assert!(!report.verification.unwrap().passed);
+}
+
+/// A penalty far too low for the weight lets the bodies sink through the floor.
+#[test]
+fn a_body_that_leaves_the_container_is_named() {
+    let mut spec = cubes(1);
+    spec.penalty = Penalty::Given { pressure: 50.0 };
+    let error = Packing::new(spec).unwrap().run().unwrap_err();
+    let message = error.to_string();
+    match error {
+        PackError::Escaped { body, through, .. } => {
+            assert_eq!((body, through.as_str()), (0, "floor"));
+        }
+        PackError::Solve(_) => {}
+        _ => panic!("{message}"),
+    }
+    assert!(message.contains("body 0"), "{message}");
+    assert!(message.contains("penalty"), "{message}");
+}
+
+#[test]
+fn specs_that_cannot_be_packed_are_refused_by_name() {
+    let says = |spec: PackSpec| Packing::new(spec).unwrap_err().to_string();
+    let mut narrow = cubes(3);
+    narrow.container = Container::Cylinder { diameter: 0.5 * D };
+    assert!(says(narrow).contains("container's diameter is 0.01 m"));
+    let mut slippery = cubes(3);
+    slippery.friction = -1.0;
+    assert!(says(slippery).contains("friction = -1"));
+    let mut wide = cubes(3);
+    wide.protocol = Protocol::Release(Release {
+        per_layer: Some([9, 1]),
+        ..Release::default()
+    });
+    assert!(says(wide).contains("at most 2"));
+}
