@@ -18,4 +18,4 @@ pub use femdem_solve as solve;
 pub use error::Error;
 pub use results::{Summary, Usage};
 pub use scene::Scene;
-pub use snapshot::{Body, BodyLoad, ContactClass, ContactRow, NamedShape, Partner, Snapshot};
+pub use snapshot::{Body, BodyLoad, ContactClass, ContactRow, NamedShape, Partner, Patch, Snapshot};

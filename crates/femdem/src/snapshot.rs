@@ -61,24 +61,23 @@ pub enum ContactClass {
 }
 
 impl ContactClass {
-    /// Class from the local exponent of the elastic force law.
+    /// Class of a patch, by two numbers that do not depend on how deep the bodies overlap.
     ///
-    /// The normal force of an overlap grows with its depth δ as δⁿ with n = 1 for a face on a face,
-    /// 2 for an edge on a face and 3 for a vertex on a face or an edge across an edge. As
-    /// U = F δ/(n + 1) and K = n F/δ, the contact energy U \[J\], elastic force F \[N\] and normal
-    /// stiffness K \[N/m\] give it without a length scale:
+    /// **Face or not**: q = A/(δ d) with the mean penetration δ = V/A. Two planes that meet at an
+    /// angle θ along a length l overlap in a wedge with q = 2 (l/d)/tan θ; for l = d/2 the limit
+    /// q = 8 is θ = 7°. An edge of a cube on a face has q = 2, blunt edges up to about 6.
     ///
-    /// K U/F² = n/(n + 1),
-    ///
-    /// which is 1/2, 2/3 and 3/4. The classes meet half way between the exponents, at n = 1.5 and
-    /// n = 2.5. A face that leans on another by an edge moves from one class to the other as the
-    /// wedge of the overlap closes. Without a force the class is a point.
+    /// **Edge or point**: the exponent n of the force law F ~ δⁿ, 2 for an edge on a face, 3 for a
+    /// vertex on a face or an edge across an edge. As U = F δ/(n + 1) and K = n F/δ,
+    /// K U/F² = n/(n + 1). The limit is n = 2.5. Without a force it is a point.
     #[must_use]
-    pub fn of_force_law(energy: f64, force: f64, stiffness: f64) -> Self {
-        let ratio = stiffness * energy / (force * force);
-        if ratio <= 1.5 / 2.5 {
+    pub fn of_patch(patch: &Patch) -> Self {
+        const FACE: f64 = 8.0;
+        const EDGE: f64 = 2.5 / 3.5;
+        let Patch { area, volume, energy, force, stiffness, diameter } = *patch;
+        if area * area >= FACE * volume * diameter && volume > 0.0 {
             Self::FaceFace
-        } else if ratio <= 2.5 / 3.5 {
+        } else if stiffness * energy <= EDGE * force * force && force > 0.0 {
             Self::EdgeFace
         } else {
             Self::Point
@@ -104,6 +103,23 @@ impl ContactClass {
             Self::Point => 0,
         }
     }
+}
+
+/// What the class of a contact is found from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// Contact area A \[m²\].
+    pub area: f64,
+    /// Overlap volume V \[m³\].
+    pub volume: f64,
+    /// Contact energy U \[J\].
+    pub energy: f64,
+    /// Elastic normal force F \[N\].
+    pub force: f64,
+    /// Normal stiffness K \[N/m\].
+    pub stiffness: f64,
+    /// Mean circumscribed diameter d of the bodies \[m\].
+    pub diameter: f64,
 }
 
 /// A contact.

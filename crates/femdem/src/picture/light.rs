@@ -19,7 +19,7 @@ fn disc<const N: usize>() -> [[f64; 2]; N] {
 pub(super) struct Lamp {
     view: View,
     seen: DepthBuffer,
-    samples: [[f64; 2]; 16],
+    samples: [[f64; 2]; 32],
     /// Radius of the penumbra \[pixels of the lamp\].
     blur: f64,
 }
@@ -61,7 +61,7 @@ pub(super) struct Gaps<'a> {
 impl Gaps<'_> {
     /// Share of the sky, 0 to 1, that a point on a surface with this normal sees.
     pub fn openness(&self, point: &Point3, normal: &Vector3) -> f64 {
-        const SAMPLES: usize = 24;
+        const SAMPLES: usize = 40;
         const STRENGTH: f64 = 4.0;
         let here = self.view.see(point);
         let radius = (self.reach * self.view.scale * 0.8).max(2.0);

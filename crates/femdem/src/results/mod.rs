@@ -18,7 +18,7 @@ pub use summary::{
 
 use crate::output::{csv, surface, vtp, vtu, write_file};
 use crate::picture::{PictureOptions, draw};
-use crate::{Body, ContactClass, ContactRow, Error, NamedShape, Partner, Snapshot};
+use crate::{Body, ContactClass, ContactRow, Error, NamedShape, Partner, Patch, Snapshot};
 
 /// The pack of a job at this moment, as plain data.
 #[must_use]
@@ -62,7 +62,27 @@ fn row(world: &World, contact: &Contact) -> ContactRow {
         friction: contact.friction * sign,
         area: contact.area,
         volume: contact.volume,
-        class: ContactClass::of_force_law(contact.energy, contact.elastic_force, contact.stiffness),
+        class: ContactClass::of_patch(&Patch {
+            area: contact.area,
+            volume: contact.volume,
+            energy: contact.energy,
+            force: contact.elastic_force,
+            stiffness: contact.stiffness,
+            diameter: mean_diameter(world, contact),
+        }),
+    }
+}
+
+/// Mean circumscribed diameter of the bodies of a contact \[m\].
+fn mean_diameter(world: &World, contact: &Contact) -> f64 {
+    let diameter = |body| {
+        let shape = world.shape(world.shape_of(body)?)?;
+        Some(2.0 * shape.polyhedron.bounding_radius())
+    };
+    let of_b = diameter(contact.b).unwrap_or_default();
+    match contact.a {
+        femdem_contact::Partner::Body(a) => 0.5 * (diameter(a).unwrap_or_default() + of_b),
+        femdem_contact::Partner::Wall(_) => of_b,
     }
 }
 
