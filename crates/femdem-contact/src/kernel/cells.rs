@@ -17,7 +17,8 @@ pub(crate) struct PlaneSums {
 }
 
 impl PlaneSums {
-    fn add(&mut self, q: &PolygonIntegrals, weight: f64) {
+    #[inline]
+    pub(crate) fn add(&mut self, q: &PolygonIntegrals, weight: f64) {
         let p = &mut self.polygon;
         p.area += q.area;
         p.moment.x += q.moment.x;
@@ -51,7 +52,7 @@ pub(crate) struct Cells {
 }
 
 /// Round-off of phi; a wrong owner within it changes nothing.
-const TIE: f64 = 1e-15;
+pub(crate) const TIE: f64 = 1e-15;
 
 impl Cells {
     /// Integrals of the lowest of `lines` over a convex polygon; `weight` gives the

@@ -6,6 +6,7 @@ mod cells;
 mod clip;
 mod overlap;
 mod pair;
+mod rows;
 mod separation;
 mod side;
 

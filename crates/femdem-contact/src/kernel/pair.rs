@@ -9,9 +9,12 @@ use crate::shape::{ConvexShape, Frame};
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Candidate lists stay valid while the relative motion is below this fraction of the
-/// sum of the inradii.
-const MARGIN: f64 = 0.01;
+/// Candidate lists are made to last for this many evaluations at the present speed.
+const LASTS: f64 = 32.0;
+
+/// Least and largest margin of the lists over the sum of the inradii: a pair at rest gets
+/// short lists, a fast one lists that last a few steps.
+const MARGIN: [f64; 2] = [2e-4, 1e-2];
 
 /// Buffers that the kernel reuses from call to call.
 #[derive(Debug, Default)]
@@ -30,6 +33,8 @@ pub struct PairCache {
     axis: Vector3,
     /// The state holds while the motion is below this, m.
     until: f64,
+    /// Motion at the last evaluation, m.
+    last: f64,
     /// `None`: the bodies are apart.
     near: Option<Near>,
 }
@@ -109,6 +114,7 @@ impl PairKernel {
         if expired {
             cache.renew(a, b, &rotation, &offset, motion, scratch);
         }
+        cache.last = motion;
         let near = cache.near.as_ref()?;
         let sides = sides(a, b, &rotation, &offset, near, scratch);
         let overlap = self.assemble(frame_a, frame_b, &between, near, &sides)?;
@@ -221,7 +227,8 @@ impl PairCache {
         motion: f64,
         scratch: &mut Scratch,
     ) {
-        let margin = MARGIN * (a.inradius() + b.inradius());
+        let [least, largest] = MARGIN.map(|m| m * (a.inradius() + b.inradius()));
+        let margin = (LASTS * (motion - self.last)).clamp(least, largest);
         if self.axis.norm_squared() < 0.5 {
             self.axis = offset
                 .try_normalize(1e-12 * a.radius())

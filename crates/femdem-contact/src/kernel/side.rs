@@ -4,6 +4,7 @@
 use super::candidates::{Candidates, ContactBox};
 use super::cells::{Cells, PlaneSums};
 use super::clip::{Clipper, Cut, Line, Point};
+use super::rows::Rows;
 use crate::shape::{ConvexShape, PlaneFrame};
 use femdem_mesh::{Matrix3, Vector3};
 
@@ -58,6 +59,9 @@ pub(crate) struct SideScratch {
     pub clipper: Clipper,
     pub lines: Vec<Line>,
     pub cells: Cells,
+    rows4: Rows<4>,
+    rows8: Rows<8>,
+    rows16: Rows<16>,
 }
 
 /// Planes of the field body expressed in the skin body's axes. The field body is posed
@@ -104,6 +108,31 @@ fn cut_by_box(clipper: &mut Clipper, region: &ContactBox, frame: &PlaneFrame) ->
 /// Adds up the facets of `skin` inside the field. `region` and `field_centre` are in the
 /// skin body's axes; moments are about the region's centre.
 pub(crate) fn integrate_side(
+    skin: &ConvexShape,
+    facets: &[u16],
+    field: &[FieldPlane],
+    bounding: usize,
+    field_centre: &Vector3,
+    region: &ContactBox,
+    scratch: &mut SideScratch,
+) -> SideSums {
+    macro_rules! rows {
+        ($buffers:ident) => {
+            scratch
+                .$buffers
+                .integrate_side(skin, facets, field, bounding, field_centre, region)
+        };
+    }
+    match field.len() {
+        0..=4 => rows!(rows4),
+        5..=8 => rows!(rows8),
+        9..=16 => rows!(rows16),
+        _ => integrate_side_of_many(skin, facets, field, bounding, field_centre, region, scratch),
+    }
+}
+
+/// As [`integrate_side`], for any number of planes.
+pub(crate) fn integrate_side_of_many(
     skin: &ConvexShape,
     facets: &[u16],
     field: &[FieldPlane],
@@ -160,6 +189,7 @@ impl SideSums {
             clipper,
             lines,
             cells,
+            ..
         } = scratch;
         let q = cells.integrate(clipper.polygon(), lines, &origin_2d, |k| {
             field[k].scale * (-normal.dot(&field[k].normal)).max(0.0)
@@ -169,7 +199,8 @@ impl SideSums {
     }
 
     /// Adds plane integrals; `height` is the distance of the plane from the origin.
-    fn add_sums(&mut self, q: &PlaneSums, frame: &PlaneFrame, n: &Vector3, height: f64) {
+    #[inline]
+    pub(crate) fn add_sums(&mut self, q: &PlaneSums, frame: &PlaneFrame, n: &Vector3, height: f64) {
         let in_plane = |p: &Point| frame.e1 * p.x + frame.e2 * p.y;
         let p = &q.polygon;
         let square = height * height;

@@ -7,7 +7,7 @@ use super::Summary;
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let state = if self.settled { "settled" } else { "NOT settled" };
-        writeln!(f, "{} bodies {}, d = {} m, {state}", self.count, self.shape, self.diameter)?;
+        writeln!(f, "{} bodies {}, d = {} m, {state}", self.count, self.shape, rounded(self.diameter))?;
         let mut line = |name: &str, text: String| writeln!(f, "  {name:<20} {text}");
         line("packing density", self.density_text())?;
         let z = &self.coordination;
@@ -34,6 +34,11 @@ impl fmt::Display for Summary {
         line("cost", self.cost_text())?;
         line("state hash", self.state_hash.clone())
     }
+}
+
+/// A number to six digits, without trailing zeros.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 impl Summary {
