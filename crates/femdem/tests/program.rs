@@ -1,0 +1,186 @@
+//! The program on a tiny pack: every file, the summary's keys, refusals, resume and analyse.
+
+mod common;
+
+use common::{TINY, code, femdem, fails, run, stdout, summary};
+use std::fs;
+use std::path::Path;
+use tempfile::tempdir;
+
+/// Keys of an object, and of the objects in it as "outer.inner".
+fn keys(value: &serde_json::Value) -> Vec<String> {
+    let mut keys = Vec::new();
+    for (key, inner) in value.as_object().unwrap() {
+        match inner.as_object() {
+            Some(_) => keys.extend(self::keys(inner).iter().map(|k| format!("{key}.{k}"))),
+            None => keys.push(key.clone()),
+        }
+    }
+    keys
+}
+
+fn lines(path: &Path) -> Vec<String> {
+    fs::read_to_string(path).unwrap().lines().map(str::to_owned).collect()
+}
+
+#[test]
+fn a_pack_leaves_every_file_and_every_key() {
+    let folder = tempdir().unwrap();
+    let out = folder.path().join("new/pack");
+    let result = run(femdem("pack").args(TINY).arg("--out").arg(&out));
+    assert_eq!(code(&result), 0, "{result:?}");
+    assert!(stdout(&result).contains("8 bodies P5, d = 0.05 m, settled"), "{}", stdout(&result));
+
+    let mut names: Vec<String> = fs::read_dir(&out)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    let expected = [
+        "bodies.csv", "contacts.csv", "contacts.vtp", "pack.ckpt", "pack.png", "pack.stl", "pack.vtu",
+        "scene.toml", "shape-P5.obj", "summary.json",
+    ];
+    assert_eq!(names, expected);
+
+    let summary = summary(&out);
+    let mut found = keys(&summary);
+    let mut wanted: Vec<&str> = "schema shape count diameter density friction damping_ratio \
+        contact.law contact.penalty contact.form seed threads settled simulated_time steps time_step \
+        wall_seconds cpu_seconds contact_nanoseconds_per_pair packing_density.exact \
+        packing_density.grid packing_density.standard_error packing_density.core.min \
+        packing_density.core.max coordination.mean coordination.sd coordination.histogram \
+        penetration.mean_over_d penetration.max_over_d penetration.overlap_volume_fraction \
+        residual.mean_over_weight residual.max_over_weight residual.kinetic_energy_over_mgd \
+        energy.initial energy.final energy.dissipated_friction energy.dissipated_damping \
+        energy.ledger_error_relative peak_memory_bytes state_hash"
+        .split_whitespace()
+        .collect();
+    found.sort();
+    wanted.sort_unstable();
+    assert_eq!(found, wanted);
+    assert_eq!(summary["count"], 8);
+    assert_eq!(summary["settled"], true);
+    assert!(summary["packing_density"]["exact"].as_f64().unwrap() > 0.2);
+
+    let bodies = lines(&out.join("bodies.csv"));
+    assert_eq!(bodies[0], "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping");
+    assert_eq!(bodies.len(), 9);
+    let contacts = lines(&out.join("contacts.csv"));
+    assert_eq!(contacts[0], "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class");
+    weight_rests_on_the_floor(&contacts, &summary);
+}
+
+/// In equilibrium the walls carry the weight: floor by normal force, side walls by friction at most.
+fn weight_rests_on_the_floor(contacts: &[String], summary: &serde_json::Value) {
+    let number = |key: &str| summary[key].as_f64().unwrap();
+    // A cube with circumscribed diameter d has sides d/sqrt(3).
+    let side = number("diameter") / 3.0_f64.sqrt();
+    let weight = 8.0 * number("density") * side.powi(3) * 9.81;
+    let columns = contacts.iter().map(|line| line.split(',').collect::<Vec<_>>());
+    let floor: f64 =
+        columns.filter(|c| c[1] == "floor").map(|c| c[8].parse::<f64>().unwrap()).sum();
+    assert!((0.5..1.02).contains(&(floor / weight)), "{floor} N of {weight} N");
+}
+
+#[test]
+fn an_interrupted_run_resumes_to_the_same_bits() {
+    let folder = tempdir().unwrap();
+    let (whole, parts) = (folder.path().join("whole"), folder.path().join("parts"));
+    // Small batches make the run long enough to be interrupted.
+    let options = ["--shape", "P5", "--count", "12", "--box", "3x3", "--penetration", "0.005", "--batch", "1"];
+    let result = run(femdem("pack").args(options).args(["--threads", "1", "-q", "--out"]).arg(&whole));
+    assert_eq!(code(&result), 0, "{result:?}");
+
+    let mut child =
+        femdem("pack").args(options).args(["--threads", "2", "-q", "--out"]).arg(&parts).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(400));
+    common::interrupt(&child);
+    let status = child.wait().unwrap();
+    assert!(matches!(status.code(), Some(130 | 0)), "{status:?}");
+    let result = run(femdem("resume").arg(&parts).args(["--threads", "3"]));
+    assert_eq!(code(&result), 0, "{result:?}");
+    let hash = |folder: &Path| summary(folder)["state_hash"].clone();
+    assert_eq!(hash(&parts), hash(&whole));
+    assert_eq!(
+        fs::read(parts.join("bodies.csv")).unwrap(),
+        fs::read(whole.join("bodies.csv")).unwrap()
+    );
+}
+
+#[test]
+fn analyse_writes_the_same_results_again() {
+    let folder = tempdir().unwrap();
+    let out = folder.path().join("a");
+    assert_eq!(code(&run(femdem("pack").args(TINY).arg("--out").arg(&out))), 0);
+    let first = summary(&out);
+    let checkpoint = fs::read(out.join("pack.ckpt")).unwrap();
+    for name in ["summary.json", "bodies.csv", "pack.png"] {
+        fs::remove_file(out.join(name)).unwrap();
+    }
+    assert_eq!(code(&run(femdem("analyse").arg(&out).arg("--quiet"))), 0);
+    assert_eq!(summary(&out), first);
+    assert!(out.join("bodies.csv").is_file() && out.join("pack.png").is_file());
+    assert_eq!(fs::read(out.join("pack.ckpt")).unwrap(), checkpoint);
+}
+
+#[test]
+fn a_printed_scene_gives_the_same_pack() {
+    let folder = tempdir().unwrap();
+    let printed = run(femdem("pack").args(TINY).arg("--print-scene"));
+    assert_eq!(code(&printed), 0);
+    let scene = folder.path().join("scene.toml");
+    fs::write(&scene, stdout(&printed)).unwrap();
+    let hash = |name: &str, command: &mut std::process::Command| {
+        let out = folder.path().join(name);
+        assert_eq!(code(&run(command.arg("--out").arg(&out))), 0);
+        summary(&out)["state_hash"].clone()
+    };
+    let by_options = hash("a", femdem("pack").args(TINY));
+    assert_eq!(hash("b", femdem("pack").arg(&scene)), by_options);
+    // An option beside the scene wins.
+    assert_ne!(hash("c", femdem("pack").arg(&scene).args(["--seed", "2"])), by_options);
+}
+
+#[test]
+fn a_body_from_a_file_is_packed_in_a_cylinder() {
+    let folder = tempdir().unwrap();
+    let (obj, out) = (folder.path().join("wedge.obj"), folder.path().join("out"));
+    fs::write(&obj, common::WEDGE).unwrap();
+    let options = ["--count", "3", "--cylinder", "2.5", "--penetration", "0.02", "--diameter", "0.1"];
+    let result = run(femdem("pack").arg("--shape").arg(&obj).args(options).arg("--out").arg(&out));
+    assert_eq!(code(&result), 0, "{result:?}");
+    assert_eq!(summary(&out)["shape"], "wedge");
+    assert!((summary(&out)["diameter"].as_f64().unwrap() - 0.1).abs() < 1e-12);
+    assert!(out.join("shape-wedge.obj").is_file());
+}
+
+#[test]
+fn shapes_are_18_with_known_values() {
+    let table = stdout(&run(&mut femdem("shapes")));
+    assert!(table.contains("truncated icosidodecahedron"));
+    let json = stdout(&run(femdem("shapes").arg("--json")));
+    let rows: Vec<serde_json::Value> = serde_json::from_str(&json).unwrap();
+    assert_eq!(rows.len(), 18);
+    let cube = rows.iter().find(|row| row["id"] == "P5").unwrap();
+    let expect = |key: &str, value: f64| {
+        assert!((cube[key].as_f64().unwrap() - value).abs() < 1e-12, "{key}");
+    };
+    // A cube of side a = d/sqrt(3): a^3, 6 a^2, a/2 and a^2/6.
+    expect("volume_over_d3", 3.0_f64.sqrt() / 9.0);
+    expect("area_over_d2", 2.0);
+    expect("inradius_over_d", 3.0_f64.sqrt() / 6.0);
+    expect("inertia_over_m_d2", 1.0 / 18.0);
+    assert_eq!((&cube["name"], &cube["vertices"], &cube["faces"]), (&"cube".into(), &8.into(), &6.into()));
+}
+
+#[test]
+fn quiet_is_quiet_and_help_teaches() {
+    let folder = tempdir().unwrap();
+    let result = run(femdem("pack").args(TINY).args(["-q", "--out"]).arg(folder.path().join("x")));
+    assert_eq!((code(&result), result.stdout.len(), result.stderr.len()), (0, 0, 0));
+    let help = stdout(&run(femdem("pack").arg("--help")));
+    for word in ["--friction", "kg/m3", "summary.json", "Ctrl-C", "sequential", "[default: 6x6]"] {
+        assert!(help.contains(word), "{word}");
+    }
+    fails(&mut femdem("nonsense"), &["nonsense"]);
+}

@@ -1,0 +1,158 @@
+//! Bad input: each a clear error, an exit code that is not 0, and nothing lost.
+
+mod common;
+
+use common::{TINY, WEDGE, code, fails, femdem, run};
+use std::fs;
+use std::path::Path;
+use tempfile::tempdir;
+
+#[test]
+fn bad_options_say_what_is_allowed_and_leave_no_folder() {
+    let folder = tempdir().unwrap();
+    let out = folder.path().join("out");
+    for (options, words) in [
+        (&["--count", "0"][..], &["count = 0", "at least 1"][..]),
+        (&["--count", "-3"], &["--count", "-3"]),
+        (&["--count", "many"], &["--count", "many"]),
+        (&["--diameter", "NaN"], &["diameter", "NaN"]),
+        (&["--diameter", "-0.05"], &["diameter", "-0.05"]),
+        (&["--diameter", "0"], &["diameter", "0"]),
+        (&["--density", "-1"], &["density = -1"]),
+        (&["--density", "inf"], &["density = inf"]),
+        (&["--friction", "-0.1"], &["friction = -0.1", "at least 0"]),
+        (&["--friction", "nan"], &["friction = NaN"]),
+        (&["--damping", "0.9"], &["damping", "0.9", "below 0.7071"]),
+        (&["--penalty", "0"], &["penalty = 0"]),
+        (&["--penetration", "2"], &["penetration = 2"]),
+        (&["--gravity", "0"], &["gravity = 0"]),
+        (&["--drag", "-1"], &["drag"]),
+        (&["--box", "0.9x4"], &["width", "0.045"]),
+        (&["--cylinder", "0.5"], &["diameter", "0.025"]),
+        (&["--box", "6"], &["--box", "6x6"]),
+        (&["--box", "NaNx6"], &["--box", "6x6"]),
+        (&["--batch", "0"], &["batch = 0"]),
+        (&["--protocol", "pour", "--rate", "0"], &["rate = 0"]),
+        (&["--protocol", "rain"], &["sequential", "pour", "release"]),
+        (&["--container", "sphere"], &["box", "cylinder"]),
+        (&["--shape", "A14"], &["A14", "A13"]),
+        (&["--shape", "missing.obj"], &["missing.obj"]),
+        (&["--threads", "0"], &["--threads", "1.."]),
+        (&["--checkpoint-every", "-1"], &["checkpoint-every = -1"]),
+        (&["--penalty", "1e6", "--penetration", "0.01"], &["cannot be used with"]),
+        (&["--sheep", "A10"], &["--sheep", "--shape"]),
+    ] {
+        fails(femdem("pack").args(options).arg("--out").arg(&out), words);
+        assert!(!out.exists(), "{options:?}");
+    }
+}
+
+#[test]
+fn a_folder_that_is_not_empty_needs_force() {
+    let folder = tempdir().unwrap();
+    let note = folder.path().join("note.txt");
+    fs::write(&note, "keep").unwrap();
+    fails(
+        femdem("pack").args(TINY).arg("--out").arg(folder.path()),
+        &["not empty", "--force", "--out"],
+    );
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    let forced = run(femdem("pack").args(TINY).arg("--force").arg("--out").arg(folder.path()));
+    assert_eq!(code(&forced), 0, "{forced:?}");
+    assert_eq!(fs::read_to_string(&note).unwrap(), "keep");
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_an_error() {
+    let folder = tempdir().unwrap();
+    let file = folder.path().join("file");
+    fs::write(&file, "").unwrap();
+    fails(femdem("pack").args(TINY).arg("--out").arg(file.join("out")), &["cannot make the folder", "out"]);
+    fails(femdem("pack").args(TINY).arg("--out").arg(&file), &["cannot", "file"]);
+}
+
+/// A device that takes no bytes stands for a full disk.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_an_error_and_the_old_checkpoint_stays() {
+    let folder = tempdir().unwrap();
+    let out = folder.path().join("out");
+    assert_eq!(code(&run(femdem("pack").args(TINY).arg("--out").arg(&out))), 0);
+    let checkpoint = fs::read(out.join("pack.ckpt")).unwrap();
+    std::os::unix::fs::symlink("/dev/full", out.join("bodies.csv.partial")).unwrap();
+    fails(femdem("analyse").arg(&out), &["bodies.csv", "No space left"]);
+    assert_eq!(fs::read(out.join("pack.ckpt")).unwrap(), checkpoint);
+    assert!(out.join("bodies.csv").is_file());
+}
+
+#[test]
+fn damaged_and_missing_checkpoints_are_refused() {
+    let folder = tempdir().unwrap();
+    let out = folder.path().join("out");
+    assert_eq!(code(&run(femdem("pack").args(TINY).arg("--out").arg(&out))), 0);
+    let path = out.join("pack.ckpt");
+    let good = fs::read(&path).unwrap();
+    let refused = |bytes: &[u8], words: &[&str]| {
+        fs::write(&path, bytes).unwrap();
+        for command in ["resume", "analyse"] {
+            fails(femdem(command).arg(&out), words);
+        }
+        assert_eq!(fs::read(&path).unwrap(), bytes);
+    };
+    for length in [0, 10, 60, good.len() / 2, good.len() - 1] {
+        refused(&good[..length], &["pack.ckpt"]);
+    }
+    for position in (0..good.len()).step_by(good.len() / 7) {
+        let mut flipped = good.clone();
+        flipped[position] ^= 1;
+        refused(&flipped, &["pack.ckpt"]);
+    }
+    fs::remove_file(&path).unwrap();
+    fails(femdem("resume").arg(&out), &["there is no", "pack.ckpt"]);
+    fails(femdem("analyse").arg(folder.path().join("nowhere")), &["there is no", "pack.ckpt"]);
+}
+
+#[test]
+fn bodies_that_are_not_closed_convex_surfaces_are_refused() {
+    let folder = tempdir().unwrap();
+    let open = WEDGE.replace("f 1 2 5\n", "");
+    let inside_out = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
+    let not_a_number = WEDGE.replace("v 0.1 0 0\n", "v nan 0 0\n");
+    // The wedge with its sloping face pushed in.
+    let dented = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 0 0 4\nv 4 0 4\nv 4 4 4\nv 0 4 4\nv 2 2 2\n\
+        f 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf 5 6 9\nf 6 7 9\nf 7 8 9\nf 8 5 9\n";
+    for (name, text, words) in [
+        ("open.obj", open.as_str(), &["open"][..]),
+        ("inside_out.obj", inside_out, &["inside out"]),
+        ("nan.obj", &not_a_number, &["nan"]),
+        ("dented.obj", dented, &["convex"]),
+        ("empty.obj", "", &["no"]),
+        ("other.ply", "ply", &["other.ply", "obj"]),
+    ] {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        refuse_shape(&path, words);
+    }
+}
+
+fn refuse_shape(path: &Path, words: &[&str]) {
+    let out = path.with_extension("out");
+    fails(femdem("pack").arg("--shape").arg(path).arg("--out").arg(&out), words);
+    assert!(!out.exists());
+}
+
+#[test]
+fn bad_scene_files_are_refused_with_their_name() {
+    let folder = tempdir().unwrap();
+    let path = folder.path().join("bad.toml");
+    for (text, words) in [
+        ("cuont = 3\n", &["bad.toml", "cuont"][..]),
+        ("count = \"three\"\n", &["bad.toml", "count"]),
+        ("shape = \"A10\"\nshape = \"P5\"\n", &["bad.toml", "duplicate"]),
+        ("protocol = \"rain\"\n", &["bad.toml", "sequential"]),
+    ] {
+        fs::write(&path, text).unwrap();
+        fails(femdem("pack").arg(&path), words);
+    }
+    fails(femdem("pack").arg(folder.path().join("none.toml")), &["cannot read", "none.toml"]);
+}
