@@ -1,4 +1,68 @@
-//! femdem.
+//! The combined finite-discrete element method: bodies of any convex shape, from their geometry to
+//! the measured pack. One front door to five crates, and the `femdem` program.
+//!
+//! **Use it** to pack rigid polyhedra under gravity with friction, to measure and draw packs, or to
+//! take the parts that you need into a simulation of your own. **Do not use it** where bodies
+//! deform, break or are not convex, where a fluid matters, or for spheres, for which closed formulas
+//! and lighter codes exist.
+//!
+//! ```
+//! use femdem::mesh::catalogue::{CatalogueShape, Solid};
+//! use femdem::pack::{Container, PackShape, PackSpec, Packing};
+//! use femdem::{Summary, Usage, results};
+//!
+//! // Four cubes of 20 mm, one batch after another, into a box.
+//! let cube = CatalogueShape::from(Solid::P5).polyhedron(0.02)?;
+//! let mut packing = Packing::new(PackSpec {
+//!     shapes: vec![PackShape::new("cube", cube)],
+//!     count: 4,
+//!     container: Container::Box { width: 0.05, depth: 0.05 },
+//!     ..PackSpec::default()
+//! })?;
+//! packing.run()?;
+//!
+//! // What the program writes to a folder, here in memory.
+//! let snapshot = results::snapshot(&packing);
+//! let summary = Summary::of(&packing, &snapshot, &Usage::default())?;
+//! assert!(summary.settled && summary.coordination.mean > 0.0);
+//! let mut table = Vec::new();
+//! femdem::output::csv::write_bodies(&snapshot, &mut table)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Guide
+//!
+//! Take the lowest layer that does the job.
+//!
+//! | you have | you want | use |
+//! |---|---|---|
+//! | nothing | a pack, measured and drawn | the program: `femdem pack --help` |
+//! | a scene file | the same, from a program | [`Scene`], [`pack::Packing`], [`results::write`] |
+//! | shapes and a container | a pack at rest | [`pack::Packing`] |
+//! | bodies and walls of your own | their motion | [`solve::World`] |
+//! | your own integrator | contact forces | [`contact::ContactBatch`], [`contact::PairKernel`] |
+//! | poses, from anywhere | density, coordination | [`analysis`] |
+//! | poses, from anywhere | files and pictures | [`Snapshot`] with [`output`] and [`picture`] |
+//! | vertices, or an OBJ or STL file | a checked body with its mass properties | [`mesh`] |
+//!
+//! A pack moves through these as data: [`pack::Packing`] → [`results::snapshot`] → [`Snapshot`] →
+//! [`output`], [`picture`], [`Summary`]. Nothing here holds global state, prints, or starts threads;
+//! only the program does.
+//!
+//! # Units
+//! SI: m, kg, s, N, J, Pa. d is the circumscribed diameter of a body; `_over_d` is relative to it.
+//! Gravity acts along −z.
+//!
+//! # Features
+//! - `parallel` (default): contacts and analysis use the caller's rayon pool. Results are the same
+//!   bits at any number of threads and without the feature. (Pictures use the pool always, and are
+//!   the same too.)
+//!
+//! # Accuracy
+//! Contact is by penalty: bodies overlap by a stated amount ([`Summary::penetration`]), and
+//! equilibrium holds to a stated residual ([`Summary::residual`]); the energy ledger says what the
+//! time integration lost ([`Summary::energy`]). CSV holds all digits; VTU and VTP double precision,
+//! STL single. The class of a contact is a rule with limits ([`ContactClass::of_patch`]).
 
 mod error;
 pub mod output;
@@ -18,4 +82,6 @@ pub use femdem_solve as solve;
 pub use error::Error;
 pub use results::{Summary, Usage};
 pub use scene::Scene;
-pub use snapshot::{Body, BodyLoad, ContactClass, ContactRow, NamedShape, Partner, Patch, Snapshot};
+pub use snapshot::{
+    Body, BodyLoad, ContactClass, ContactRow, NamedShape, Partner, Patch, Snapshot,
+};

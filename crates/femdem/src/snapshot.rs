@@ -74,7 +74,14 @@ impl ContactClass {
     pub fn of_patch(patch: &Patch) -> Self {
         const FACE: f64 = 8.0;
         const EDGE: f64 = 2.5 / 3.5;
-        let Patch { area, volume, energy, force, stiffness, diameter } = *patch;
+        let Patch {
+            area,
+            volume,
+            energy,
+            force,
+            stiffness,
+            diameter,
+        } = *patch;
         if area * area >= FACE * volume * diameter && volume > 0.0 {
             Self::FaceFace
         } else if stiffness * energy <= EDGE * force * force && force > 0.0 {
@@ -177,24 +184,48 @@ impl Snapshot {
         for (body, row) in self.bodies.iter().enumerate() {
             if row.shape as usize >= self.shapes.len() {
                 let (shape, shapes) = (row.shape, self.shapes.len());
-                return Err(Error::ShapeIndex { body, shape, shapes });
+                return Err(Error::ShapeIndex {
+                    body,
+                    shape,
+                    shapes,
+                });
             }
-            let numbers = row.pose.translation.vector.iter().chain(row.pose.rotation.coords.iter());
+            let numbers = row
+                .pose
+                .translation
+                .vector
+                .iter()
+                .chain(row.pose.rotation.coords.iter());
             if numbers.into_iter().any(|x| !x.is_finite()) {
-                return Err(Error::NotFinite { what: "body", index: body });
+                return Err(Error::NotFinite {
+                    what: "body",
+                    index: body,
+                });
             }
         }
         for (contact, row) in self.contacts.iter().enumerate() {
             for body in row.bodies() {
                 if body as usize >= self.bodies.len() {
                     let bodies = self.bodies.len();
-                    return Err(Error::BodyIndex { contact, body, bodies });
+                    return Err(Error::BodyIndex {
+                        contact,
+                        body,
+                        bodies,
+                    });
                 }
             }
             let vectors = [row.point.coords, row.normal, row.friction];
             let scalars = [row.normal_force, row.area, row.volume];
-            if vectors.iter().flatten().chain(&scalars).any(|x| !x.is_finite()) {
-                return Err(Error::NotFinite { what: "contact", index: contact });
+            if vectors
+                .iter()
+                .flatten()
+                .chain(&scalars)
+                .any(|x| !x.is_finite())
+            {
+                return Err(Error::NotFinite {
+                    what: "contact",
+                    index: contact,
+                });
             }
         }
         Ok(())
@@ -246,6 +277,10 @@ impl ContactRow {
     /// Mean depth of the overlap \[m\]: its volume over its area, 0 without an area.
     #[must_use]
     pub fn penetration(&self) -> f64 {
-        if self.area > 0.0 { self.volume / self.area } else { 0.0 }
+        if self.area > 0.0 {
+            self.volume / self.area
+        } else {
+            0.0
+        }
     }
 }

@@ -8,7 +8,9 @@ use crate::{Body, ContactClass, ContactRow, NamedShape, Partner, Snapshot};
 
 /// Two cubes of side 1 m, one on the other, on a floor.
 pub(crate) fn two_cubes() -> Snapshot {
-    let cube = CatalogueShape::from(Solid::P5).polyhedron(3.0_f64.sqrt()).unwrap();
+    let cube = CatalogueShape::from(Solid::P5)
+        .polyhedron(3.0_f64.sqrt())
+        .unwrap();
     let body = |sequence: u32| Body {
         shape: 0,
         pose: Pose::translation(0.25, 0.0, 0.5 + f64::from(sequence)),
@@ -27,7 +29,10 @@ pub(crate) fn two_cubes() -> Snapshot {
         class: ContactClass::FaceFace,
     };
     Snapshot {
-        shapes: vec![NamedShape { name: "P5".to_owned(), polyhedron: cube }],
+        shapes: vec![NamedShape {
+            name: "P5".to_owned(),
+            polyhedron: cube,
+        }],
         bodies: vec![body(0), body(1)],
         contacts: vec![
             contact(Partner::Body(1), 1.0, 1.0, 10.0, 0.0),

@@ -1,5 +1,7 @@
 //! The class of contacts against cases whose answer is plain: bodies held at a given depth.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
 use femdem::contact::kernel::{CavityKernel, Scratch};
 use femdem::contact::{ConvexShape, Frame, Overlap, PairKernel, Wall};
 use femdem::mesh::catalogue::CatalogueShape;
@@ -8,7 +10,11 @@ use femdem::mesh::{Polyhedron, Vector3};
 use femdem::{ContactClass, Patch};
 
 fn solid(name: &str) -> (Polyhedron, ConvexShape) {
-    let polyhedron = name.parse::<CatalogueShape>().unwrap().polyhedron(1.0).unwrap();
+    let polyhedron = name
+        .parse::<CatalogueShape>()
+        .unwrap()
+        .polyhedron(1.0)
+        .unwrap();
     let shape = ConvexShape::new(&polyhedron).unwrap();
     (polyhedron, shape)
 }
@@ -36,7 +42,11 @@ fn class(overlap: &Overlap) -> ContactClass {
 fn classes(name: &str, direction: &Vector3, tilt: f64, depth: f64) -> [ContactClass; 2] {
     let (polyhedron, shape) = solid(name);
     let turn = downward(direction, tilt);
-    let lowest = polyhedron.vertices().iter().map(|v| (turn * v).z).fold(f64::INFINITY, f64::min);
+    let lowest = polyhedron
+        .vertices()
+        .iter()
+        .map(|v| (turn * v).z)
+        .fold(f64::INFINITY, f64::min);
     let frame = |z: f64, turn: &UnitQuaternion<f64>| Frame {
         position: Vector3::new(0.0, 0.0, z),
         rotation: turn.to_rotation_matrix().into_inner(),
@@ -44,14 +54,20 @@ fn classes(name: &str, direction: &Vector3, tilt: f64, depth: f64) -> [ContactCl
     let body = frame(-lowest - depth, &turn);
     let mut scratch = Scratch::default();
     let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
-    let on_wall = CavityKernel::new(1e6)
-        .unwrap()
-        .evaluate(&floor, &Frame::identity(), &shape, &body, &mut scratch);
+    let on_wall = CavityKernel::new(1e6).unwrap().evaluate(
+        &floor,
+        &Frame::identity(),
+        &shape,
+        &body,
+        &mut scratch,
+    );
     // The solid below lies with its first face up at z = 0.
     let upward = downward(&-polyhedron.face_normal(0), 0.0);
     let below = frame(-polyhedron.face_offset(0), &upward);
     let on_face =
-        PairKernel::new(1e6).unwrap().evaluate(&shape, &below, &shape, &body, &mut scratch);
+        PairKernel::new(1e6)
+            .unwrap()
+            .evaluate(&shape, &below, &shape, &body, &mut scratch);
     [class(&on_wall.unwrap()), class(&on_face.unwrap())]
 }
 

@@ -1,8 +1,10 @@
 //! The program on a tiny pack: every file, the summary's keys, refusals, resume and analyse.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
 mod common;
 
-use common::{TINY, code, femdem, fails, run, stdout, summary};
+use common::{TINY, code, fails, femdem, run, stdout, summary};
 use std::fs;
 use std::path::Path;
 use tempfile::tempdir;
@@ -20,7 +22,11 @@ fn keys(value: &serde_json::Value) -> Vec<String> {
 }
 
 fn lines(path: &Path) -> Vec<String> {
-    fs::read_to_string(path).unwrap().lines().map(str::to_owned).collect()
+    fs::read_to_string(path)
+        .unwrap()
+        .lines()
+        .map(str::to_owned)
+        .collect()
 }
 
 #[test]
@@ -29,7 +35,11 @@ fn a_pack_leaves_every_file_and_every_key() {
     let out = folder.path().join("new/pack");
     let result = run(femdem("pack").args(TINY).arg("--out").arg(&out));
     assert_eq!(code(&result), 0, "{result:?}");
-    assert!(stdout(&result).contains("8 bodies P5, d = 0.05 m, settled"), "{}", stdout(&result));
+    assert!(
+        stdout(&result).contains("8 bodies P5, d = 0.05 m, settled"),
+        "{}",
+        stdout(&result)
+    );
 
     let mut names: Vec<String> = fs::read_dir(&out)
         .unwrap()
@@ -37,8 +47,16 @@ fn a_pack_leaves_every_file_and_every_key() {
         .collect();
     names.sort();
     let expected = [
-        "bodies.csv", "contacts.csv", "contacts.vtp", "pack.ckpt", "pack.png", "pack.stl", "pack.vtu",
-        "scene.toml", "shape-P5.obj", "summary.json",
+        "bodies.csv",
+        "contacts.csv",
+        "contacts.vtp",
+        "pack.ckpt",
+        "pack.png",
+        "pack.stl",
+        "pack.vtu",
+        "scene.toml",
+        "shape-P5.obj",
+        "summary.json",
     ];
     assert_eq!(names, expected);
 
@@ -66,7 +84,10 @@ fn a_pack_leaves_every_file_and_every_key() {
     assert_eq!(bodies[0], "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping");
     assert_eq!(bodies.len(), 9);
     let contacts = lines(&out.join("contacts.csv"));
-    assert_eq!(contacts[0], "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class");
+    assert_eq!(
+        contacts[0],
+        "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class"
+    );
     weight_rests_on_the_floor(&contacts, &summary);
 }
 
@@ -76,27 +97,56 @@ fn weight_rests_on_the_floor(contacts: &[String], summary: &serde_json::Value) {
     // A cube with circumscribed diameter d has sides d/sqrt(3).
     let side = number("diameter") / 3.0_f64.sqrt();
     let weight = 8.0 * number("density") * side.powi(3) * 9.81;
-    let columns = contacts.iter().map(|line| line.split(',').collect::<Vec<_>>());
-    let floor: f64 =
-        columns.filter(|c| c[1] == "floor").map(|c| c[8].parse::<f64>().unwrap()).sum();
-    assert!((0.5..1.02).contains(&(floor / weight)), "{floor} N of {weight} N");
+    let columns = contacts
+        .iter()
+        .map(|line| line.split(',').collect::<Vec<_>>());
+    let floor: f64 = columns
+        .filter(|c| c[1] == "floor")
+        .map(|c| c[8].parse::<f64>().unwrap())
+        .sum();
+    assert!(
+        (0.5..1.02).contains(&(floor / weight)),
+        "{floor} N of {weight} N"
+    );
 }
 
 #[test]
 fn an_interrupted_run_resumes_to_the_same_bits() {
     let folder = tempdir().unwrap();
     let (whole, parts) = (folder.path().join("whole"), folder.path().join("parts"));
-    // Small batches make the run long enough to be interrupted.
-    let options = ["--shape", "P5", "--count", "12", "--box", "3x3", "--penetration", "0.005", "--batch", "1"];
-    let result = run(femdem("pack").args(options).args(["--threads", "1", "-q", "--out"]).arg(&whole));
+    // Small batches make the run long enough to be interrupted before its end.
+    let options = [
+        "--shape",
+        "P5",
+        "--count",
+        "12",
+        "--box",
+        "3x3",
+        "--penetration",
+        "0.005",
+        "--batch",
+        "1",
+    ];
+    let result = run(femdem("pack")
+        .args(options)
+        .args(["--threads", "1", "-q", "--out"])
+        .arg(&whole));
     assert_eq!(code(&result), 0, "{result:?}");
 
-    let mut child =
-        femdem("pack").args(options).args(["--threads", "2", "-q", "--out"]).arg(&parts).spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(400));
+    let mut child = femdem("pack")
+        .args(options)
+        .args(["--threads", "2", "-q", "--out"])
+        .arg(&parts)
+        .spawn()
+        .unwrap();
+    // The first checkpoint is written before the first step; Ctrl-C is watched for by then.
+    while !parts.join("pack.ckpt").is_file() {
+        assert_eq!(child.try_wait().unwrap(), None);
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
     common::interrupt(&child);
-    let status = child.wait().unwrap();
-    assert!(matches!(status.code(), Some(130 | 0)), "{status:?}");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!parts.join("summary.json").exists());
     let result = run(femdem("resume").arg(&parts).args(["--threads", "3"]));
     assert_eq!(code(&result), 0, "{result:?}");
     let hash = |folder: &Path| summary(folder)["state_hash"].clone();
@@ -111,7 +161,10 @@ fn an_interrupted_run_resumes_to_the_same_bits() {
 fn analyse_writes_the_same_results_again() {
     let folder = tempdir().unwrap();
     let out = folder.path().join("a");
-    assert_eq!(code(&run(femdem("pack").args(TINY).arg("--out").arg(&out))), 0);
+    assert_eq!(
+        code(&run(femdem("pack").args(TINY).arg("--out").arg(&out))),
+        0
+    );
     let first = summary(&out);
     let checkpoint = fs::read(out.join("pack.ckpt")).unwrap();
     for name in ["summary.json", "bodies.csv", "pack.png"] {
@@ -138,7 +191,10 @@ fn a_printed_scene_gives_the_same_pack() {
     let by_options = hash("a", femdem("pack").args(TINY));
     assert_eq!(hash("b", femdem("pack").arg(&scene)), by_options);
     // An option beside the scene wins.
-    assert_ne!(hash("c", femdem("pack").arg(&scene).args(["--seed", "2"])), by_options);
+    assert_ne!(
+        hash("c", femdem("pack").arg(&scene).args(["--seed", "2"])),
+        by_options
+    );
 }
 
 #[test]
@@ -146,8 +202,22 @@ fn a_body_from_a_file_is_packed_in_a_cylinder() {
     let folder = tempdir().unwrap();
     let (obj, out) = (folder.path().join("wedge.obj"), folder.path().join("out"));
     fs::write(&obj, common::WEDGE).unwrap();
-    let options = ["--count", "3", "--cylinder", "2.5", "--penetration", "0.02", "--diameter", "0.1"];
-    let result = run(femdem("pack").arg("--shape").arg(&obj).args(options).arg("--out").arg(&out));
+    let options = [
+        "--count",
+        "3",
+        "--cylinder",
+        "2.5",
+        "--penetration",
+        "0.02",
+        "--diameter",
+        "0.1",
+    ];
+    let result = run(femdem("pack")
+        .arg("--shape")
+        .arg(&obj)
+        .args(options)
+        .arg("--out")
+        .arg(&out));
     assert_eq!(code(&result), 0, "{result:?}");
     assert_eq!(summary(&out)["shape"], "wedge");
     assert!((summary(&out)["diameter"].as_f64().unwrap() - 0.1).abs() < 1e-12);
@@ -170,16 +240,32 @@ fn shapes_are_18_with_known_values() {
     expect("area_over_d2", 2.0);
     expect("inradius_over_d", 3.0_f64.sqrt() / 6.0);
     expect("inertia_over_m_d2", 1.0 / 18.0);
-    assert_eq!((&cube["name"], &cube["vertices"], &cube["faces"]), (&"cube".into(), &8.into(), &6.into()));
+    assert_eq!(
+        (&cube["name"], &cube["vertices"], &cube["faces"]),
+        (&"cube".into(), &8.into(), &6.into())
+    );
 }
 
 #[test]
 fn quiet_is_quiet_and_help_teaches() {
     let folder = tempdir().unwrap();
-    let result = run(femdem("pack").args(TINY).args(["-q", "--out"]).arg(folder.path().join("x")));
-    assert_eq!((code(&result), result.stdout.len(), result.stderr.len()), (0, 0, 0));
+    let result = run(femdem("pack")
+        .args(TINY)
+        .args(["-q", "--out"])
+        .arg(folder.path().join("x")));
+    assert_eq!(
+        (code(&result), result.stdout.len(), result.stderr.len()),
+        (0, 0, 0)
+    );
     let help = stdout(&run(femdem("pack").arg("--help")));
-    for word in ["--friction", "kg/m3", "summary.json", "Ctrl-C", "sequential", "[default: 6x6]"] {
+    for word in [
+        "--friction",
+        "kg/m3",
+        "summary.json",
+        "Ctrl-C",
+        "sequential",
+        "[default: 6x6]",
+    ] {
         assert!(help.contains(word), "{word}");
     }
     fails(&mut femdem("nonsense"), &["nonsense"]);

@@ -1,5 +1,7 @@
 //! Bad input: each a clear error, an exit code that is not 0, and nothing lost.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
 mod common;
 
 use common::{TINY, WEDGE, code, fails, femdem, run};
@@ -39,8 +41,11 @@ fn bad_options_say_what_is_allowed_and_leave_no_folder() {
         (&["--shape", "missing.obj"], &["missing.obj"]),
         (&["--threads", "0"], &["--threads", "1.."]),
         (&["--checkpoint-every", "-1"], &["checkpoint-every = -1"]),
-        (&["--penalty", "1e6", "--penetration", "0.01"], &["cannot be used with"]),
-        (&["--sheep", "A10"], &["--sheep", "--shape"]),
+        (
+            &["--penalty", "1e6", "--penetration", "0.01"],
+            &["cannot be used with"],
+        ),
+        (&["--dencity", "1"], &["--dencity", "--density"]),
     ] {
         fails(femdem("pack").args(options).arg("--out").arg(&out), words);
         assert!(!out.exists(), "{options:?}");
@@ -57,7 +62,11 @@ fn a_folder_that_is_not_empty_needs_force() {
         &["not empty", "--force", "--out"],
     );
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-    let forced = run(femdem("pack").args(TINY).arg("--force").arg("--out").arg(folder.path()));
+    let forced = run(femdem("pack")
+        .args(TINY)
+        .arg("--force")
+        .arg("--out")
+        .arg(folder.path()));
     assert_eq!(code(&forced), 0, "{forced:?}");
     assert_eq!(fs::read_to_string(&note).unwrap(), "keep");
 }
@@ -67,8 +76,14 @@ fn a_folder_that_cannot_be_made_is_an_error() {
     let folder = tempdir().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "").unwrap();
-    fails(femdem("pack").args(TINY).arg("--out").arg(file.join("out")), &["cannot make the folder", "out"]);
-    fails(femdem("pack").args(TINY).arg("--out").arg(&file), &["cannot", "file"]);
+    fails(
+        femdem("pack").args(TINY).arg("--out").arg(file.join("out")),
+        &["cannot make the folder", "out"],
+    );
+    fails(
+        femdem("pack").args(TINY).arg("--out").arg(&file),
+        &["cannot", "file"],
+    );
 }
 
 /// A device that takes no bytes stands for a full disk.
@@ -77,10 +92,16 @@ fn a_folder_that_cannot_be_made_is_an_error() {
 fn a_full_disk_is_an_error_and_the_old_checkpoint_stays() {
     let folder = tempdir().unwrap();
     let out = folder.path().join("out");
-    assert_eq!(code(&run(femdem("pack").args(TINY).arg("--out").arg(&out))), 0);
+    assert_eq!(
+        code(&run(femdem("pack").args(TINY).arg("--out").arg(&out))),
+        0
+    );
     let checkpoint = fs::read(out.join("pack.ckpt")).unwrap();
     std::os::unix::fs::symlink("/dev/full", out.join("bodies.csv.partial")).unwrap();
-    fails(femdem("analyse").arg(&out), &["bodies.csv", "No space left"]);
+    fails(
+        femdem("analyse").arg(&out),
+        &["bodies.csv", "No space left"],
+    );
     assert_eq!(fs::read(out.join("pack.ckpt")).unwrap(), checkpoint);
     assert!(out.join("bodies.csv").is_file());
 }
@@ -89,7 +110,10 @@ fn a_full_disk_is_an_error_and_the_old_checkpoint_stays() {
 fn damaged_and_missing_checkpoints_are_refused() {
     let folder = tempdir().unwrap();
     let out = folder.path().join("out");
-    assert_eq!(code(&run(femdem("pack").args(TINY).arg("--out").arg(&out))), 0);
+    assert_eq!(
+        code(&run(femdem("pack").args(TINY).arg("--out").arg(&out))),
+        0
+    );
     let path = out.join("pack.ckpt");
     let good = fs::read(&path).unwrap();
     let refused = |bytes: &[u8], words: &[&str]| {
@@ -109,7 +133,10 @@ fn damaged_and_missing_checkpoints_are_refused() {
     }
     fs::remove_file(&path).unwrap();
     fails(femdem("resume").arg(&out), &["there is no", "pack.ckpt"]);
-    fails(femdem("analyse").arg(folder.path().join("nowhere")), &["there is no", "pack.ckpt"]);
+    fails(
+        femdem("analyse").arg(folder.path().join("nowhere")),
+        &["there is no", "pack.ckpt"],
+    );
 }
 
 #[test]
@@ -137,7 +164,14 @@ fn bodies_that_are_not_closed_convex_surfaces_are_refused() {
 
 fn refuse_shape(path: &Path, words: &[&str]) {
     let out = path.with_extension("out");
-    fails(femdem("pack").arg("--shape").arg(path).arg("--out").arg(&out), words);
+    fails(
+        femdem("pack")
+            .arg("--shape")
+            .arg(path)
+            .arg("--out")
+            .arg(&out),
+        words,
+    );
     assert!(!out.exists());
 }
 
@@ -148,11 +182,17 @@ fn bad_scene_files_are_refused_with_their_name() {
     for (text, words) in [
         ("cuont = 3\n", &["bad.toml", "cuont"][..]),
         ("count = \"three\"\n", &["bad.toml", "count"]),
-        ("shape = \"A10\"\nshape = \"P5\"\n", &["bad.toml", "duplicate"]),
+        (
+            "shape = \"A10\"\nshape = \"P5\"\n",
+            &["bad.toml", "duplicate"],
+        ),
         ("protocol = \"rain\"\n", &["bad.toml", "sequential"]),
     ] {
         fs::write(&path, text).unwrap();
         fails(femdem("pack").arg(&path), words);
     }
-    fails(femdem("pack").arg(folder.path().join("none.toml")), &["cannot read", "none.toml"]);
+    fails(
+        femdem("pack").arg(folder.path().join("none.toml")),
+        &["cannot read", "none.toml"],
+    );
 }

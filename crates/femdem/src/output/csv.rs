@@ -8,8 +8,7 @@ use crate::{Partner, Snapshot};
 pub const BODY_COLUMNS: &str = "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping";
 
 /// Header of `contacts.csv`.
-pub const CONTACT_COLUMNS: &str =
-    "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class";
+pub const CONTACT_COLUMNS: &str = "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class";
 
 /// Writes the bodies, one a line.
 ///
@@ -29,7 +28,15 @@ pub fn write_bodies(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<(
         writeln!(
             writer,
             "{id},{shape},{},{},{},{},{},{},{},{},{}",
-            t.x, t.y, t.z, q.w, q.i, q.j, q.k, body.sequence, u8::from(body.sleeping),
+            t.x,
+            t.y,
+            t.z,
+            q.w,
+            q.i,
+            q.j,
+            q.k,
+            body.sequence,
+            u8::from(body.sleeping),
         )?;
     }
     Ok(())
@@ -58,7 +65,12 @@ pub fn write_contacts(snapshot: &Snapshot, mut writer: impl Write) -> io::Result
             writer,
             "{},{partner},{},{},{},{},{},{},{},{},{},{}",
             row.body,
-            p.x, p.y, p.z, n.x, n.y, n.z,
+            p.x,
+            p.y,
+            p.z,
+            n.x,
+            n.y,
+            n.z,
             row.normal_force,
             row.friction.norm(),
             row.area,
@@ -90,7 +102,9 @@ mod tests {
         let mut bytes = Vec::new();
         write(&mut bytes).unwrap();
         let text = String::from_utf8(bytes).unwrap();
-        text.lines().map(|l| l.split(',').map(str::to_owned).collect()).collect()
+        text.lines()
+            .map(|l| l.split(',').map(str::to_owned).collect())
+            .collect()
     }
 
     #[test]
@@ -99,7 +113,10 @@ mod tests {
         assert_eq!(rows.len(), 3);
         assert!(rows.iter().all(|row| row.len() == rows[0].len()));
         assert_eq!(rows[2][..2], ["1", "P5"]);
-        assert_eq!(rows[2][4].parse::<f64>().unwrap(), two_cubes().bodies[1].pose.translation.z);
+        assert_eq!(
+            rows[2][4].parse::<f64>().unwrap(),
+            two_cubes().bodies[1].pose.translation.z
+        );
         assert_eq!(rows[2][9..], ["1", "1"]);
     }
 

@@ -41,7 +41,10 @@ pub fn write_file(
     written.map_err(|source| {
         // The first error is the one to report; a file that was never made cannot be removed.
         let _ = fs::remove_file(&beside);
-        Error::Write { path: path.to_path_buf(), source }
+        Error::Write {
+            path: path.to_path_buf(),
+            source,
+        }
     })
 }
 
@@ -71,7 +74,10 @@ mod tests {
         })
         .unwrap_err()
         .to_string();
-        assert!(error.contains("a.csv") && error.contains("disk full"), "{error}");
+        assert!(
+            error.contains("a.csv") && error.contains("disk full"),
+            "{error}"
+        );
         assert_eq!(fs::read_to_string(&path).unwrap(), "old\n");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
@@ -80,6 +86,9 @@ mod tests {
     fn a_folder_that_does_not_exist_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("none").join("a.csv");
-        assert!(matches!(write_file(&path, |_| Ok(())), Err(Error::Write { .. })));
+        assert!(matches!(
+            write_file(&path, |_| Ok(())),
+            Err(Error::Write { .. })
+        ));
     }
 }

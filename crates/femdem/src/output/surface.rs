@@ -18,8 +18,10 @@ use crate::Snapshot;
 /// [`io::ErrorKind::InvalidInput`]).
 pub fn write_pack_stl(snapshot: &Snapshot, writer: impl Write) -> io::Result<()> {
     snapshot.check().map_err(invalid)?;
-    let bodies =
-        snapshot.bodies.iter().map(|body| (&snapshot.shape_of(body).polyhedron, &body.pose));
+    let bodies = snapshot
+        .bodies
+        .iter()
+        .map(|body| (&snapshot.shape_of(body).polyhedron, &body.pose));
     stl::write_binary_posed(bodies, writer).map_err(as_io)
 }
 
@@ -42,7 +44,13 @@ fn as_io(error: MeshError) -> io::Error {
 /// Name of the file of a shape: `shape-<name>.obj`, with what file systems dislike replaced.
 #[must_use]
 pub fn shape_file_name(name: &str) -> String {
-    let safe = |c: char| if c.is_alphanumeric() || "-_+".contains(c) { c } else { '_' };
+    let safe = |c: char| {
+        if c.is_alphanumeric() || "-_+".contains(c) {
+            c
+        } else {
+            '_'
+        }
+    };
     format!("shape-{}.obj", name.chars().map(safe).collect::<String>())
 }
 
@@ -64,7 +72,10 @@ mod tests {
         let cube = &two_cubes().shapes[0].polyhedron;
         let mut bytes = Vec::new();
         write_shape_obj(cube, &mut bytes).unwrap();
-        assert_eq!(&obj::parse(std::str::from_utf8(&bytes).unwrap()).unwrap(), cube);
+        assert_eq!(
+            &obj::parse(std::str::from_utf8(&bytes).unwrap()).unwrap(),
+            cube
+        );
     }
 
     #[test]

@@ -16,7 +16,11 @@ pub(super) struct Document {
 impl Document {
     /// A document of VTK type "UnstructuredGrid" or "PolyData".
     pub fn new(kind: &'static str) -> Self {
-        Self { kind, xml: String::new(), data: String::new() }
+        Self {
+            kind,
+            xml: String::new(),
+            data: String::new(),
+        }
     }
 
     /// A line of XML.
@@ -75,7 +79,11 @@ fn encode(bytes: &[u8], out: &mut String) {
         let word = byte(0) << 16 | byte(1) << 8 | byte(2);
         for i in 0..4 {
             let digit = DIGITS[(word >> (18 - 6 * i) & 63) as usize];
-            out.push(if i <= group.len() { char::from(digit) } else { '=' });
+            out.push(if i <= group.len() {
+                char::from(digit)
+            } else {
+                '='
+            });
         }
     }
 }
@@ -111,7 +119,9 @@ mod tests {
         document.finish(&mut bytes).unwrap();
         let text = String::from_utf8(bytes).unwrap();
         // 8 + 3 bytes take 16 characters with padding.
-        assert!(text.contains("Name=\"second\" NumberOfComponents=\"1\" format=\"appended\" offset=\"16\""));
+        assert!(text.contains(
+            "Name=\"second\" NumberOfComponents=\"1\" format=\"appended\" offset=\"16\""
+        ));
         let data = text.split("\n_").nth(1).unwrap();
         assert!(data.starts_with("AwAAAAAAAAABAgM=CAAAAAAAAAAHAAAAAAAAAA=="));
     }

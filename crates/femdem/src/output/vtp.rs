@@ -26,7 +26,11 @@ pub fn write(snapshot: &Snapshot, writer: impl Write) -> io::Result<()> {
         "<Piece NumberOfPoints=\"{count}\" NumberOfVerts=\"{count}\" NumberOfLines=\"0\" \
          NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<Points>"
     ));
-    out.floats("points", 3, rows.iter().flat_map(|row| <[f64; 3]>::from(row.point)));
+    out.floats(
+        "points",
+        3,
+        rows.iter().flat_map(|row| <[f64; 3]>::from(row.point)),
+    );
     out.line("</Points>\n<Verts>");
     out.integers("connectivity", 0..count as i64);
     out.integers("offsets", 1..=count as i64);
@@ -38,10 +42,22 @@ pub fn write(snapshot: &Snapshot, writer: impl Write) -> io::Result<()> {
 
 fn point_data(out: &mut Document, rows: &[ContactRow]) {
     let force = |row: &ContactRow| row.normal * row.normal_force + row.friction;
-    out.floats("force", 3, rows.iter().flat_map(|row| <[f64; 3]>::from(force(row))));
-    out.floats("normal", 3, rows.iter().flat_map(|row| <[f64; 3]>::from(row.normal)));
+    out.floats(
+        "force",
+        3,
+        rows.iter().flat_map(|row| <[f64; 3]>::from(force(row))),
+    );
+    out.floats(
+        "normal",
+        3,
+        rows.iter().flat_map(|row| <[f64; 3]>::from(row.normal)),
+    );
     out.floats("normal_force", 1, rows.iter().map(|row| row.normal_force));
-    out.floats("tangential_force", 1, rows.iter().map(|row| row.friction.norm()));
+    out.floats(
+        "tangential_force",
+        1,
+        rows.iter().map(|row| row.friction.norm()),
+    );
     out.floats("area", 1, rows.iter().map(|row| row.area));
     out.floats("penetration", 1, rows.iter().map(ContactRow::penetration));
     out.bytes("class", rows.iter().map(|row| row.class.dimension()));
@@ -66,7 +82,14 @@ mod tests {
         write(&two_cubes(), &mut bytes).unwrap();
         let text = String::from_utf8(bytes).unwrap();
         assert!(text.contains("NumberOfPoints=\"2\" NumberOfVerts=\"2\""));
-        for name in ["force", "normal", "normal_force", "tangential_force", "area", "class"] {
+        for name in [
+            "force",
+            "normal",
+            "normal_force",
+            "tangential_force",
+            "area",
+            "class",
+        ] {
             assert!(text.contains(&format!("Name=\"{name}\"")), "{name}");
         }
     }

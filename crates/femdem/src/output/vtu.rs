@@ -20,20 +20,32 @@ const VTK_POLYHEDRON: u8 = 42;
 pub fn write(snapshot: &Snapshot, writer: impl Write) -> io::Result<()> {
     let loads = snapshot.loads().map_err(invalid)?;
     let bodies = &snapshot.bodies;
-    let sizes = bodies.iter().map(|body| snapshot.shape_of(body).polyhedron.vertices().len() as i64);
+    let sizes = bodies
+        .iter()
+        .map(|body| snapshot.shape_of(body).polyhedron.vertices().len() as i64);
     let starts = running_sum(sizes);
     let points = starts.last().copied().unwrap_or(0);
     let mut out = Document::new("UnstructuredGrid");
-    out.line(&format!("<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{}\">", bodies.len()));
+    out.line(&format!(
+        "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{}\">",
+        bodies.len()
+    ));
     out.line("<Points>");
-    out.floats("points", 3, bodies.iter().flat_map(|body| coordinates(snapshot, body)));
+    out.floats(
+        "points",
+        3,
+        bodies.iter().flat_map(|body| coordinates(snapshot, body)),
+    );
     out.line("</Points>\n<Cells>");
     // The vertices of the bodies follow each other, so that a cell's are a run of numbers.
     out.integers("connectivity", 0..points);
     out.integers("offsets", starts.iter().skip(1).copied());
     out.bytes("types", bodies.iter().map(|_| VTK_POLYHEDRON));
-    let streams: Vec<Vec<i64>> =
-        bodies.iter().zip(&starts).map(|(body, &start)| face_stream(snapshot, body, start)).collect();
+    let streams: Vec<Vec<i64>> = bodies
+        .iter()
+        .zip(&starts)
+        .map(|(body, &start)| face_stream(snapshot, body, start))
+        .collect();
     let ends = running_sum(streams.iter().map(|stream| stream.len() as i64));
     out.integers("faces", streams.into_iter().flatten());
     out.integers("faceoffsets", ends.into_iter().skip(1));
@@ -45,17 +57,28 @@ pub fn write(snapshot: &Snapshot, writer: impl Write) -> io::Result<()> {
 
 fn cell_data(out: &mut Document, bodies: &[Body], loads: &[BodyLoad]) {
     out.integers("body", 0..bodies.len() as i64);
-    out.integers("sequence", bodies.iter().map(|body| i64::from(body.sequence)));
+    out.integers(
+        "sequence",
+        bodies.iter().map(|body| i64::from(body.sequence)),
+    );
     out.integers("shape", bodies.iter().map(|body| i64::from(body.shape)));
-    out.integers("coordination", loads.iter().map(|load| i64::from(load.coordination)));
+    out.integers(
+        "coordination",
+        loads.iter().map(|load| i64::from(load.coordination)),
+    );
     out.floats("force_sum", 1, loads.iter().map(|load| load.force_sum));
-    out.bytes("sleeping", bodies.iter().map(|body| u8::from(body.sleeping)));
+    out.bytes(
+        "sleeping",
+        bodies.iter().map(|body| u8::from(body.sleeping)),
+    );
 }
 
 /// World coordinates of a body's vertices, one after another.
 fn coordinates<'a>(snapshot: &'a Snapshot, body: &'a Body) -> impl Iterator<Item = f64> + 'a {
     let vertices = snapshot.shape_of(body).polyhedron.vertices();
-    vertices.iter().flat_map(|vertex| <[f64; 3]>::from(body.pose * vertex))
+    vertices
+        .iter()
+        .flat_map(|vertex| <[f64; 3]>::from(body.pose * vertex))
 }
 
 /// What VTK calls the face stream of a polyhedron: the number of its faces, then for each face the
@@ -92,7 +115,10 @@ mod tests {
         let stream = face_stream(&snapshot, &snapshot.bodies[1], 8);
         assert_eq!(stream.len(), 1 + 6 * 5);
         assert_eq!(stream[..2], [6, 4]);
-        let mut corners: Vec<i64> = stream[1..].chunks(5).flat_map(|f| f[1..].to_vec()).collect();
+        let mut corners: Vec<i64> = stream[1..]
+            .chunks(5)
+            .flat_map(|f| f[1..].to_vec())
+            .collect();
         corners.sort_unstable();
         // Each of the 8 vertices belongs to 3 faces.
         let expected: Vec<i64> = (8..16).flat_map(|i| [i; 3]).collect();
@@ -105,7 +131,14 @@ mod tests {
         write(&two_cubes(), &mut bytes).unwrap();
         let text = String::from_utf8(bytes).unwrap();
         assert!(text.contains("NumberOfPoints=\"16\" NumberOfCells=\"2\""));
-        for name in ["body", "sequence", "shape", "coordination", "force_sum", "sleeping"] {
+        for name in [
+            "body",
+            "sequence",
+            "shape",
+            "coordination",
+            "force_sum",
+            "sleeping",
+        ] {
             assert!(text.contains(&format!("Name=\"{name}\"")), "{name}");
         }
     }
@@ -114,6 +147,10 @@ mod tests {
     fn an_empty_pack_is_a_valid_file() {
         let mut bytes = Vec::new();
         write(&Snapshot::default(), &mut bytes).unwrap();
-        assert!(String::from_utf8(bytes).unwrap().contains("NumberOfCells=\"0\""));
+        assert!(
+            String::from_utf8(bytes)
+                .unwrap()
+                .contains("NumberOfCells=\"0\"")
+        );
     }
 }

@@ -19,7 +19,11 @@ pub(super) type Segment = [[f64; 2]; 2];
 impl Image {
     pub(super) fn new(width: usize, pixels: Vec<Srgb>) -> Self {
         let height = pixels.len() / width.max(1);
-        Self { width, height, pixels }
+        Self {
+            width,
+            height,
+            pixels,
+        }
     }
 
     /// Width in pixels.
@@ -86,7 +90,10 @@ impl Image {
         for y in range(1, self.height) {
             for x in range(0, self.width) {
                 let centre = [x as f64 + 0.5, y as f64 + 0.5];
-                let near = segments.iter().map(|s| distance(centre, s)).fold(f64::INFINITY, f64::min);
+                let near = segments
+                    .iter()
+                    .map(|s| distance(centre, s))
+                    .fold(f64::INFINITY, f64::min);
                 let covered = (0.5 * width + 0.5 - near).clamp(0.0, 1.0);
                 if covered > 0.0 {
                     self.blend(x, y, colour, covered * shown(x, y));
@@ -106,7 +113,12 @@ impl Image {
         }
     }
 
-    pub(super) fn fill(&mut self, [left, top]: [usize; 2], [right, bottom]: [usize; 2], colour: impl Fn(usize) -> Srgb) {
+    pub(super) fn fill(
+        &mut self,
+        [left, top]: [usize; 2],
+        [right, bottom]: [usize; 2],
+        colour: impl Fn(usize) -> Srgb,
+    ) {
         for y in top..bottom {
             for x in left..right {
                 self.blend(x, y, colour(y), 1.0);
@@ -137,7 +149,11 @@ mod tests {
     fn a_line_covers_its_width_times_its_length() {
         let mut image = Image::new(60, vec![WHITE; 60 * 40]);
         image.stroke(&[[[10.0, 10.3], [50.0, 30.1]]], 3.0, BLACK, |_, _| 1.0);
-        let ink: f64 = image.pixels.iter().map(|p| 1.0 - f64::from(p.0[0]) / 255.0).sum();
+        let ink: f64 = image
+            .pixels
+            .iter()
+            .map(|p| 1.0 - f64::from(p.0[0]) / 255.0)
+            .sum();
         // With its round ends.
         let expected = 3.0 * 40.0_f64.hypot(19.8) + std::f64::consts::PI * 1.5 * 1.5;
         assert!((ink / expected - 1.0).abs() < 0.02, "{ink} {expected}");
@@ -159,7 +175,9 @@ mod tests {
         image.blend(3, 2, Srgb([10, 20, 30]), 1.0);
         let mut bytes = Vec::new();
         image.write_png(&mut bytes).unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+            .read_info()
+            .unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         reader.next_frame(&mut pixels).unwrap();
         assert_eq!(pixels.len(), 7 * 5 * 3);

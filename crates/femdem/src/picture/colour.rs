@@ -32,7 +32,11 @@ impl Srgb {
     pub fn to_light(self) -> Light {
         self.0.map(|byte| {
             let value = f32::from(byte) / 255.0;
-            if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+            if value <= 0.040_45 {
+                value / 12.92
+            } else {
+                ((value + 0.055) / 1.055).powf(2.4)
+            }
         })
     }
 
@@ -61,7 +65,11 @@ impl Srgb {
 
 /// The colour of `value`, 0 to 1, from dark violet over green to yellow.
 pub(super) fn viridis(value: f64) -> Srgb {
-    let at = if value.is_finite() { value.clamp(0.0, 1.0) * 10.0 } else { 0.0 };
+    let at = if value.is_finite() {
+        value.clamp(0.0, 1.0) * 10.0
+    } else {
+        0.0
+    };
     let low = (at as usize).min(9);
     Srgb::hex(VIRIDIS[low]).towards(Srgb::hex(VIRIDIS[low + 1]), (at - low as f64) as f32)
 }
@@ -72,12 +80,17 @@ mod tests {
 
     #[test]
     fn the_map_ends_where_viridis_ends_and_brightens_all_the_way() {
-        assert_eq!(format!("{:?} {:?}", viridis(0.0), viridis(1.0)), "#440154 #fde725");
+        assert_eq!(
+            format!("{:?} {:?}", viridis(0.0), viridis(1.0)),
+            "#440154 #fde725"
+        );
         let luminance = |value: f64| {
             let [r, g, b] = viridis(value).to_light();
             0.2126 * r + 0.7152 * g + 0.0722 * b
         };
-        assert!((0..50).all(|i| luminance(f64::from(i) / 50.0) < luminance(f64::from(i + 1) / 50.0)));
+        assert!(
+            (0..50).all(|i| luminance(f64::from(i) / 50.0) < luminance(f64::from(i + 1) / 50.0))
+        );
     }
 
     #[test]

@@ -114,8 +114,15 @@ pub(super) fn segments(c: char, at: [f64; 2], height: f64) -> Vec<Segment> {
 
 /// How far the next character stands to the right.
 pub(super) fn advance(c: char, height: f64) -> f64 {
-    let right = |stroke: &&str| outline(stroke).into_iter().map(|p| p[0]).fold(0.0, f64::max);
-    let width = strokes(c).map_or(SPACE, |strokes| strokes.iter().map(right).fold(0.0, f64::max));
+    let right = |stroke: &&str| {
+        outline(stroke)
+            .into_iter()
+            .map(|p| p[0])
+            .fold(0.0, f64::max)
+    };
+    let width = strokes(c).map_or(SPACE, |strokes| {
+        strokes.iter().map(right).fold(0.0, f64::max)
+    });
     (width + SPACING) * height / CAPITAL
 }
 
@@ -134,9 +141,18 @@ fn outline(stroke: &str) -> Vec<[f64; 2]> {
     let points: Vec<[f64; 2]> = code
         .as_bytes()
         .chunks_exact(2)
-        .map(|p| [f64::from(p[0]) - f64::from(b'0'), f64::from(p[1]) - f64::from(b'd')])
+        .map(|p| {
+            [
+                f64::from(p[0]) - f64::from(b'0'),
+                f64::from(p[1]) - f64::from(b'd'),
+            ]
+        })
         .collect();
-    if smooth { (0..3).fold(points, |points, _| cut_corners(&points)) } else { points }
+    if smooth {
+        (0..3).fold(points, |points, _| cut_corners(&points))
+    } else {
+        points
+    }
 }
 
 /// One round of Chaikin's corner cutting (1974), which leads to a quadratic B-spline.
@@ -191,7 +207,11 @@ mod tests {
     fn a_line_of_text_is_as_wide_as_its_ink() {
         let text = "Hk";
         let h = advance('H', 20.0);
-        let right = segments('k', [h, 0.0], 20.0).iter().flatten().map(|p| p[0]).fold(0.0, f64::max);
+        let right = segments('k', [h, 0.0], 20.0)
+            .iter()
+            .flatten()
+            .map(|p| p[0])
+            .fold(0.0, f64::max);
         assert!((width(text, 20.0) - right).abs() < 1e-9);
         assert_eq!(width("", 20.0), 0.0);
     }

@@ -15,6 +15,25 @@ fn disc<const N: usize>() -> [[f64; 2]; N] {
     })
 }
 
+/// One of four turns of a sample pattern, different for neighbouring pixels: bands that few samples
+/// would leave become a fine grain that the eye does not see.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn {
+    sin: f64,
+    cos: f64,
+}
+
+impl Turn {
+    pub fn of_pixel(x: usize, y: usize) -> Self {
+        let (sin, cos) = (0.35 * ((x + 2 * y) % 4) as f64).sin_cos();
+        Self { sin, cos }
+    }
+
+    fn apply(self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [x * self.cos - y * self.sin, x * self.sin + y * self.cos]
+    }
+}
+
 /// The lamp and what it sees; what it does not see lies in shadow.
 pub(super) struct Lamp {
     view: View,
@@ -27,7 +46,12 @@ pub(super) struct Lamp {
 impl Lamp {
     pub fn new(view: View, seen: DepthBuffer, penumbra: f64) -> Self {
         let blur = (penumbra * view.scale).max(1.0);
-        Self { view, seen, samples: disc(), blur }
+        Self {
+            view,
+            seen,
+            samples: disc(),
+            blur,
+        }
     }
 
     /// Unit vector towards the lamp.
@@ -36,11 +60,12 @@ impl Lamp {
     }
 
     /// Share of the lamp, 0 to 1, that a point on a surface with this normal sees.
-    pub fn share(&self, point: &Point3, normal: &Vector3) -> f64 {
+    pub fn share(&self, point: &Point3, normal: &Vector3, turn: Turn) -> f64 {
         // Surfaces must not shade themselves: start a few of the lamp's pixels off the surface.
         let lift = (1.0 + self.blur) / self.view.scale;
         let Seen { x, y, nearness } = self.view.see(&(point + normal * lift));
-        let lit = self.samples.iter().filter(|[dx, dy]| {
+        let lit = self.samples.iter().filter(|sample| {
+            let [dx, dy] = turn.apply(**sample);
             let (x, y) = (x + self.blur * dx, y + self.blur * dy);
             let blocker = self.seen.at(x.floor() as isize, y.floor() as isize);
             blocker.is_none_or(|(_, near)| f64::from(near) <= nearness + lift)
@@ -60,16 +85,26 @@ pub(super) struct Gaps<'a> {
 
 impl Gaps<'_> {
     /// Share of the sky, 0 to 1, that a point on a surface with this normal sees.
-    pub fn openness(&self, point: &Point3, normal: &Vector3) -> f64 {
+    pub fn openness(&self, point: &Point3, normal: &Vector3, turn: Turn) -> f64 {
         const SAMPLES: usize = 40;
         const STRENGTH: f64 = 4.0;
         let here = self.view.see(point);
         let radius = (self.reach * self.view.scale * 0.8).max(2.0);
         let mut blocked = 0.0;
-        for [dx, dy] in disc::<SAMPLES>() {
-            let (x, y) = ((here.x + radius * dx).floor(), (here.y + radius * dy).floor());
-            let Some((_, near)) = self.seen.at(x as isize, y as isize) else { continue };
-            let seen = Seen { x: x + 0.5, y: y + 0.5, nearness: f64::from(near) };
+        for sample in disc::<SAMPLES>() {
+            let [dx, dy] = turn.apply(sample);
+            let (x, y) = (
+                (here.x + radius * dx).floor(),
+                (here.y + radius * dy).floor(),
+            );
+            let Some((_, near)) = self.seen.at(x as isize, y as isize) else {
+                continue;
+            };
+            let seen = Seen {
+                x: x + 0.5,
+                y: y + 0.5,
+                nearness: f64::from(near),
+            };
             let to = self.view.point(seen) - point;
             let distance = to.norm();
             if distance > 0.0 && distance < self.reach {
@@ -94,12 +129,24 @@ mod tests {
         let mut mesh = Mesh::of_bodies(&two_cubes());
         let floor = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]];
         mesh.add_floor(&floor.map(|[x, y]| Point3::new(x, y, 0.0)));
-        let frame = Frame { left: 0.0, top: 0.0, right: 400.0, bottom: 400.0 };
+        let frame = Frame {
+            left: 0.0,
+            top: 0.0,
+            right: 400.0,
+            bottom: 400.0,
+        };
         // The lamp stands at the front, 45 degrees high; the stack is 2 m high and 1 m wide.
-        let view = View::fit(0.0, std::f64::consts::FRAC_PI_4, f64::INFINITY, &mesh.points, frame);
+        let view = View::fit(
+            0.0,
+            std::f64::consts::FRAC_PI_4,
+            f64::INFINITY,
+            &mesh.points,
+            frame,
+        );
         let seen = DepthBuffer::of(&mesh, &view, 400, 400);
         let lamp = Lamp::new(view, seen, 0.01);
-        let share = |x, y, z| lamp.share(&Point3::new(x, y, z), &Vector3::z());
+        let share =
+            |x, y, z| lamp.share(&Point3::new(x, y, z), &Vector3::z(), Turn::of_pixel(0, 0));
         assert_eq!(share(0.25, 1.5, 0.0), 0.0);
         assert_eq!(share(0.25, 3.0, 0.0), 1.0);
         assert_eq!(share(0.25, 0.0, 2.0), 1.0);
@@ -111,12 +158,27 @@ mod tests {
         let mut mesh = Mesh::of_bodies(&two_cubes());
         let floor = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]];
         mesh.add_floor(&floor.map(|[x, y]| Point3::new(x, y, 0.0)));
-        let frame = Frame { left: 0.0, top: 0.0, right: 400.0, bottom: 400.0 };
+        let frame = Frame {
+            left: 0.0,
+            top: 0.0,
+            right: 400.0,
+            bottom: 400.0,
+        };
         let view = View::fit(0.0, 0.7, 30.0, &mesh.points, frame);
         let seen = DepthBuffer::of(&mesh, &view, 400, 400);
-        let gaps = Gaps { view: &view, seen: &seen, reach: 1.0 };
-        let openness = |y| gaps.openness(&Point3::new(0.25, y, 0.0), &Vector3::z());
-        assert!(openness(-0.55) < 0.9 * openness(-3.0), "{} {}", openness(-0.55), openness(-3.0));
+        let gaps = Gaps {
+            view: &view,
+            seen: &seen,
+            reach: 1.0,
+        };
+        let turn = Turn::of_pixel(0, 0);
+        let openness = |y| gaps.openness(&Point3::new(0.25, y, 0.0), &Vector3::z(), turn);
+        assert!(
+            openness(-0.55) < 0.9 * openness(-3.0),
+            "{} {}",
+            openness(-0.55),
+            openness(-3.0)
+        );
         assert!(openness(-3.0) > 0.95);
     }
 }

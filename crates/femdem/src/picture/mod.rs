@@ -62,7 +62,12 @@ pub struct PictureOptions {
 
 impl Default for PictureOptions {
     fn default() -> Self {
-        Self { width: 1200, height: 1200, azimuth: 24.0, elevation: 16.0 }
+        Self {
+            width: 1200,
+            height: 1200,
+            azimuth: 24.0,
+            elevation: 16.0,
+        }
     }
 }
 
@@ -71,7 +76,11 @@ impl PictureOptions {
         for (name, value) in [("width", self.width), ("height", self.height)] {
             if !(16..=8192).contains(&value) {
                 let allowed = "16 to 8192 pixels";
-                return Err(Error::Option { name, value: value.to_string(), allowed });
+                return Err(Error::Option {
+                    name,
+                    value: value.to_string(),
+                    allowed,
+                });
             }
         }
         let angles = [
@@ -80,7 +89,11 @@ impl PictureOptions {
         ];
         for (name, value, most, allowed) in angles {
             if !(-most..=most).contains(&value) {
-                return Err(Error::Option { name, value: value.to_string(), allowed });
+                return Err(Error::Option {
+                    name,
+                    value: value.to_string(),
+                    allowed,
+                });
             }
         }
         Ok(())
@@ -103,9 +116,15 @@ pub fn draw(snapshot: &Snapshot, options: &PictureOptions) -> Result<Image, Erro
     }
     let diameter = mean_diameter(snapshot);
     let azimuth = options.azimuth.to_radians();
-    let top = mesh.points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
-    let outline =
-        snapshot.container.as_ref().map(|c| Outline::of(c, top + 0.6 * diameter, azimuth));
+    let top = mesh
+        .points
+        .iter()
+        .map(|p| p.z)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let outline = snapshot
+        .container
+        .as_ref()
+        .map(|c| Outline::of(c, top + 0.6 * diameter, azimuth));
     if let Some(outline) = &outline {
         mesh.add_floor(&outline.floor);
     }
@@ -113,17 +132,35 @@ pub fn draw(snapshot: &Snapshot, options: &PictureOptions) -> Result<Image, Erro
     let mut extent = bounding_corners(&mesh.points);
     extent.extend(outline.iter().flat_map(|o| o.floor.iter().chain(&o.rim)));
     let view = eye(&extent, options);
-    let (width, height) = (SUPERSAMPLING * options.width, SUPERSAMPLING * options.height);
+    let (width, height) = (
+        SUPERSAMPLING * options.width,
+        SUPERSAMPLING * options.height,
+    );
     let seen = DepthBuffer::of(&mesh, &view, width, height);
-    let lamp = lamp(&mesh, &extent, azimuth, diameter, width.max(height).min(4096));
-    let gaps = Gaps { view: &view, seen: &seen, reach: 0.55 * diameter };
+    let lamp = lamp(
+        &mesh,
+        &extent,
+        azimuth,
+        diameter,
+        width.max(height).min(4096),
+    );
+    let gaps = Gaps {
+        view: &view,
+        seen: &seen,
+        reach: 0.55 * diameter,
+    };
     let mut image = shade::shade(&mesh, &lamp, &gaps, SUPERSAMPLING);
 
     if let Some(outline) = &outline {
         draw_outline(&mut image, outline, &view, &seen);
     }
     let last = scene::last_sequence(snapshot);
-    legend::draw(&mut image, LEGEND * options.width as f64, last, "sequence of\nplacement");
+    legend::draw(
+        &mut image,
+        LEGEND * options.width as f64,
+        last,
+        "sequence of\nplacement",
+    );
     Ok(image)
 }
 
@@ -135,9 +172,14 @@ fn mean_diameter(snapshot: &Snapshot) -> f64 {
 
 /// Corners of the box around the points.
 fn bounding_corners(points: &[Point3]) -> Vec<Point3> {
-    let low = points.iter().fold([f64::INFINITY; 3], |m, p| [0, 1, 2].map(|k| p[k].min(m[k])));
-    let high = points.iter().fold([f64::NEG_INFINITY; 3], |m, p| [0, 1, 2].map(|k| p[k].max(m[k])));
-    let corner = |i: usize| Point3::from([0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] }));
+    let low = points
+        .iter()
+        .fold([f64::INFINITY; 3], |m, p| [0, 1, 2].map(|k| p[k].min(m[k])));
+    let high = points.iter().fold([f64::NEG_INFINITY; 3], |m, p| {
+        [0, 1, 2].map(|k| p[k].max(m[k]))
+    });
+    let corner =
+        |i: usize| Point3::from([0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] }));
     (0..8).map(corner).collect()
 }
 
@@ -159,7 +201,12 @@ fn eye(extent: &[Point3], options: &PictureOptions) -> View {
 /// The lamp: above, in front and to the left of the eye, far away.
 fn lamp(mesh: &Mesh, extent: &[Point3], azimuth: f64, diameter: f64, size: usize) -> Lamp {
     let edge = size as f64;
-    let frame = Frame { left: 1.0, top: 1.0, right: edge - 1.0, bottom: edge - 1.0 };
+    let frame = Frame {
+        left: 1.0,
+        top: 1.0,
+        right: edge - 1.0,
+        bottom: edge - 1.0,
+    };
     let view = View::fit(azimuth - 0.75, 0.9, f64::INFINITY, extent, frame);
     let seen = DepthBuffer::of(mesh, &view, size, size);
     Lamp::new(view, seen, 0.045 * diameter)
@@ -168,8 +215,13 @@ fn lamp(mesh: &Mesh, extent: &[Point3], azimuth: f64, diameter: f64, size: usize
 /// Largest distance of the points from their mean \[m\].
 fn radius(points: &[Point3]) -> f64 {
     let count = points.len().max(1) as f64;
-    let mean = points.iter().fold(Point3::origin().coords, |sum, p| sum + p.coords / count);
-    points.iter().map(|p| (p.coords - mean).norm()).fold(0.0, f64::max)
+    let mean = points
+        .iter()
+        .fold(Point3::origin().coords, |sum, p| sum + p.coords / count);
+    points
+        .iter()
+        .map(|p| (p.coords - mean).norm())
+        .fold(0.0, f64::max)
 }
 
 /// Draws the container's edges, faint where bodies hide them.
@@ -199,12 +251,24 @@ mod tests {
     use crate::testing::two_cubes;
 
     fn small() -> PictureOptions {
-        PictureOptions { width: 160, height: 120, ..PictureOptions::default() }
+        PictureOptions {
+            width: 160,
+            height: 120,
+            ..PictureOptions::default()
+        }
     }
 
     #[test]
     fn the_upper_cube_is_yellow_the_lower_violet_and_the_corner_white() {
-        let image = draw(&two_cubes(), &PictureOptions { azimuth: 0.0, elevation: 0.0, ..small() }).unwrap();
+        let image = draw(
+            &two_cubes(),
+            &PictureOptions {
+                azimuth: 0.0,
+                elevation: 0.0,
+                ..small()
+            },
+        )
+        .unwrap();
         assert_eq!((image.width(), image.height()), (160, 120));
         assert_eq!(image.pixel(0, 0), Some([255; 3]));
         // The stack is in the middle between the margins and the strip of the colour bar.
@@ -219,7 +283,12 @@ mod tests {
 
     #[test]
     fn same_picture_at_any_number_of_threads() {
-        let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+        let pool = |n| {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(n)
+                .build()
+                .unwrap()
+        };
         let one = pool(1).install(|| draw(&two_cubes(), &small())).unwrap();
         let three = pool(3).install(|| draw(&two_cubes(), &small())).unwrap();
         assert!(one == three);
@@ -228,8 +297,20 @@ mod tests {
     #[test]
     fn bad_options_and_empty_packs_are_refused() {
         let refused = |options| draw(&two_cubes(), &options).err().unwrap().to_string();
-        assert!(refused(PictureOptions { width: 0, ..small() }).contains("width = 0"));
-        assert!(refused(PictureOptions { elevation: f64::NAN, ..small() }).contains("elevation = NaN"));
+        assert!(
+            refused(PictureOptions {
+                width: 0,
+                ..small()
+            })
+            .contains("width = 0")
+        );
+        assert!(
+            refused(PictureOptions {
+                elevation: f64::NAN,
+                ..small()
+            })
+            .contains("elevation = NaN")
+        );
         let nothing = draw(&Snapshot::default(), &small());
         assert!(matches!(nothing, Err(Error::NothingToDraw)));
     }

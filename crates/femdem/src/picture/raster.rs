@@ -97,13 +97,25 @@ mod tests {
     #[test]
     fn two_triangles_fill_a_square_once_and_the_nearer_wins() {
         let mut buffer = DepthBuffer::new(10, 10);
-        let square = [seen(2.0, 3.0, 1.0), seen(8.0, 3.0, 1.0), seen(8.0, 9.0, 1.0), seen(2.0, 9.0, 1.0)];
+        let square = [
+            seen(2.0, 3.0, 1.0),
+            seen(8.0, 3.0, 1.0),
+            seen(8.0, 9.0, 1.0),
+            seen(2.0, 9.0, 1.0),
+        ];
         buffer.fill([square[0], square[1], square[2]], 1);
         buffer.fill([square[0], square[2], square[3]], 2);
         let count = |facet| buffer.facet.iter().filter(|&&f| f == facet).count();
         assert_eq!(count(1) + count(2), 36);
         assert_eq!(count(NOTHING), 64);
-        buffer.fill([seen(-5.0, -5.0, 0.5), seen(30.0, -5.0, 0.5), seen(-5.0, 30.0, 2.5)], 3);
+        buffer.fill(
+            [
+                seen(-5.0, -5.0, 0.5),
+                seen(30.0, -5.0, 0.5),
+                seen(-5.0, 30.0, 2.5),
+            ],
+            3,
+        );
         // Nearer than the squares only where its slope has risen above 1.
         assert_eq!(buffer.at(2, 3).map(|p| p.0), Some(1));
         assert_eq!(buffer.at(2, 8).map(|p| p.0), Some(3));
@@ -114,8 +126,22 @@ mod tests {
     #[test]
     fn triangles_far_outside_or_not_finite_fill_nothing() {
         let mut buffer = DepthBuffer::new(4, 4);
-        buffer.fill([seen(1e12, 0.0, 1.0), seen(2e12, 0.0, 1.0), seen(1e12, 5.0, 1.0)], 1);
-        buffer.fill([seen(f64::NAN, 0.0, 1.0), seen(4.0, 0.0, 1.0), seen(0.0, 5.0, 1.0)], 1);
+        buffer.fill(
+            [
+                seen(1e12, 0.0, 1.0),
+                seen(2e12, 0.0, 1.0),
+                seen(1e12, 5.0, 1.0),
+            ],
+            1,
+        );
+        buffer.fill(
+            [
+                seen(f64::NAN, 0.0, 1.0),
+                seen(4.0, 0.0, 1.0),
+                seen(0.0, 5.0, 1.0),
+            ],
+            1,
+        );
         assert!(buffer.facet.iter().all(|&f| f == NOTHING));
     }
 }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::canvas::Image;
 use super::colour::{Light, Srgb};
-use super::light::{Gaps, Lamp};
+use super::light::{Gaps, Lamp, Turn};
 use super::raster::{DepthBuffer, NOTHING};
 use super::scene::Mesh;
 use super::view::Seen;
@@ -29,14 +29,25 @@ pub(super) fn shade(mesh: &Mesh, lamp: &Lamp, gaps: &Gaps, sub: usize) -> Image 
     let haze = Haze::of(gaps);
     let rows: Vec<Vec<Srgb>> = (0..seen.height / sub)
         .into_par_iter()
-        .map(|y| (0..width).map(|x| pixel(mesh, lamp, gaps, &haze, [x * sub, y * sub], sub)).collect())
+        .map(|y| {
+            (0..width)
+                .map(|x| pixel(mesh, lamp, gaps, &haze, [x * sub, y * sub], sub))
+                .collect()
+        })
         .collect();
     Image::new(width, rows.into_iter().flatten().collect())
 }
 
 /// One pixel of the picture. Shadow and gaps are found once, at its first place that shows a body;
 /// colours, facets and lines at every place.
-fn pixel(mesh: &Mesh, lamp: &Lamp, gaps: &Gaps, haze: &Haze, [left, top]: [usize; 2], sub: usize) -> Srgb {
+fn pixel(
+    mesh: &Mesh,
+    lamp: &Lamp,
+    gaps: &Gaps,
+    haze: &Haze,
+    [left, top]: [usize; 2],
+    sub: usize,
+) -> Srgb {
     let mut reach: Option<[f64; 2]> = None;
     let mut sum: Light = [0.0; 3];
     for y in top..top + sub {
@@ -48,10 +59,16 @@ fn pixel(mesh: &Mesh, lamp: &Lamp, gaps: &Gaps, haze: &Haze, [left, top]: [usize
             } else {
                 let facet = &mesh.facets[facet as usize];
                 let nearness = f64::from(gaps.seen.nearness[i]);
-                let place = Seen { x: x as f64 + 0.5, y: y as f64 + 0.5, nearness };
+                let place = Seen {
+                    x: x as f64 + 0.5,
+                    y: y as f64 + 0.5,
+                    nearness,
+                };
                 let [shared, open] = *reach.get_or_insert_with(|| {
                     let point = gaps.view.point(place);
-                    [lamp.share(&point, &facet.normal), gaps.openness(&point, &facet.normal)]
+                    let turn = Turn::of_pixel(left / sub, top / sub);
+                    let n = &facet.normal;
+                    [lamp.share(&point, n, turn), gaps.openness(&point, n, turn)]
                 });
                 let brightness = (SKY + SKY_FROM_ABOVE * facet.normal.z) * open
                     + LAMP * shared * facet.normal.dot(&lamp.direction()).max(0.0)
@@ -80,7 +97,9 @@ fn ink(mesh: &Mesh, seen: &DepthBuffer, [x, y]: [usize; 2]) -> f32 {
     }
     let mut left = 1.0_f32;
     for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1)] {
-        let there = seen.at(x as isize + dx, y as isize + dy).map_or(NOTHING, |(facet, _)| facet);
+        let there = seen
+            .at(x as isize + dx, y as isize + dy)
+            .map_or(NOTHING, |(facet, _)| facet);
         if body(there) != body(here) {
             return BORDER;
         }
@@ -102,8 +121,9 @@ impl Haze {
     /// From the nearest to the most distant of the pixels.
     fn of(gaps: &Gaps) -> Self {
         let depths = gaps.seen.nearness.iter().filter(|n| n.is_finite());
-        let (back, front) = depths
-            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &n| (n.min(low), n.max(high)));
+        let (back, front) = depths.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &n| {
+            (n.min(low), n.max(high))
+        });
         Self {
             front: gaps.view.depth(f64::from(front)),
             back: gaps.view.depth(f64::from(back)),

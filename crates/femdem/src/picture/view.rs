@@ -40,11 +40,19 @@ pub(super) struct Frame {
 impl View {
     /// Looks from `azimuth` (0 is the front, at negative y; to the right is positive) and `elevation`
     /// (radians), from `distance`, so that all `points` fit the frame.
-    pub fn fit(azimuth: f64, elevation: f64, distance: f64, points: &[Point3], frame: Frame) -> Self {
+    pub fn fit(
+        azimuth: f64,
+        elevation: f64,
+        distance: f64,
+        points: &[Point3],
+        frame: Frame,
+    ) -> Self {
         let (sin_a, cos_a) = azimuth.sin_cos();
         let (sin_e, cos_e) = elevation.sin_cos();
         let count = points.len().max(1) as f64;
-        let sum = points.iter().fold(Vector3::zeros(), |sum, p| sum + p.coords / count);
+        let sum = points
+            .iter()
+            .fold(Vector3::zeros(), |sum, p| sum + p.coords / count);
         let mut view = Self {
             right: Vector3::new(cos_a, sin_a, 0.0),
             up: Vector3::new(-sin_a * sin_e, cos_a * sin_e, cos_e),
@@ -79,13 +87,21 @@ impl View {
         Seen {
             x: self.offset[0] + self.scale * shrink * from.dot(&self.right),
             y: self.offset[1] - self.scale * shrink * from.dot(&self.up),
-            nearness: if self.distance.is_finite() { shrink } else { depth },
+            nearness: if self.distance.is_finite() {
+                shrink
+            } else {
+                depth
+            },
         }
     }
 
     /// Size of things at a depth, relative to those at the centre.
     fn shrink(&self, depth: f64) -> f64 {
-        if self.distance.is_finite() { self.distance / (self.distance - depth) } else { 1.0 }
+        if self.distance.is_finite() {
+            self.distance / (self.distance - depth)
+        } else {
+            1.0
+        }
     }
 
     /// Distance of a nearness in front of the centre \[m\].
@@ -101,8 +117,7 @@ impl View {
     pub fn point(&self, seen: Seen) -> Point3 {
         let depth = self.depth(seen.nearness);
         let metres = 1.0 / (self.scale * self.shrink(depth));
-        self.centre
-            + self.right * ((seen.x - self.offset[0]) * metres)
+        self.centre + self.right * ((seen.x - self.offset[0]) * metres)
             - self.up * ((seen.y - self.offset[1]) * metres)
             + self.toward * depth
     }
@@ -122,7 +137,12 @@ impl View {
 mod tests {
     use super::*;
 
-    const FRAME: Frame = Frame { left: 10.0, top: 20.0, right: 110.0, bottom: 220.0 };
+    const FRAME: Frame = Frame {
+        left: 10.0,
+        top: 20.0,
+        right: 110.0,
+        bottom: 220.0,
+    };
 
     fn corners() -> Vec<Point3> {
         (0..8)
@@ -136,7 +156,10 @@ mod tests {
             let view = View::fit(0.4, 0.3, distance, &corners(), FRAME);
             let seen: Vec<Seen> = corners().iter().map(|p| view.see(p)).collect();
             let slack = |s: &Seen| {
-                (s.x - FRAME.left).min(FRAME.right - s.x).min(s.y - FRAME.top).min(FRAME.bottom - s.y)
+                (s.x - FRAME.left)
+                    .min(FRAME.right - s.x)
+                    .min(s.y - FRAME.top)
+                    .min(FRAME.bottom - s.y)
             };
             let least = seen.iter().map(slack).fold(f64::INFINITY, f64::min);
             assert!(least.abs() < 1e-9, "{least}");

@@ -8,7 +8,7 @@ use femdem::scene::{ContainerKind, Footprint, ProtocolKind};
 
 /// Pack bodies of any convex shape under gravity, with friction, and measure the pack
 #[derive(Debug, Parser)]
-#[command(name = "femdem", version, propagate_version = true, allow_negative_numbers = true, after_help = EXAMPLES)]
+#[command(name = "femdem", version, propagate_version = true, after_help = EXAMPLES)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub command: Command,
@@ -42,7 +42,7 @@ Ctrl-C stops cleanly, with a checkpoint.";
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Pour bodies into a container, let them settle, measure and draw the pack
-    #[command(after_help = PACK_HELP)]
+    #[command(after_help = PACK_HELP, allow_negative_numbers = true)]
     Pack(Box<PackArgs>),
     /// Continue a run from the checkpoint in its folder
     Resume(ResumeArgs),
@@ -250,7 +250,9 @@ mod tests {
     use clap::CommandFactory;
 
     fn scene(options: &str) -> Scene {
-        let words = ["femdem", "pack"].into_iter().chain(options.split_whitespace());
+        let words = ["femdem", "pack"]
+            .into_iter()
+            .chain(options.split_whitespace());
         match Cli::try_parse_from(words).unwrap().command {
             Command::Pack(args) => args.scene().unwrap(),
             other => panic!("{other:?}"),
@@ -269,16 +271,29 @@ mod tests {
 
     #[test]
     fn options_go_to_their_places() {
-        let scene = scene("--shape P5 --count 7 --box 4x5 --seed 9 --threads 2 --penalty 1e6 --out x");
-        assert_eq!((scene.shape.as_str(), scene.count, scene.seed), ("P5", 7, 9));
-        assert_eq!(scene.r#box, Footprint { width: 4.0, depth: 5.0 });
+        let scene =
+            scene("--shape P5 --count 7 --box 4x5 --seed 9 --threads 2 --penalty 1e6 --out x");
+        assert_eq!(
+            (scene.shape.as_str(), scene.count, scene.seed),
+            ("P5", 7, 9)
+        );
+        assert_eq!(
+            scene.r#box,
+            Footprint {
+                width: 4.0,
+                depth: 5.0
+            }
+        );
         assert_eq!((scene.threads, scene.penalty), (Some(2), Some(1e6)));
     }
 
     #[test]
     fn the_size_of_a_cylinder_makes_the_container_one() {
         assert_eq!(scene("--cylinder 5").container, ContainerKind::Cylinder);
-        assert_eq!(scene("--container cylinder").cylinder, Scene::default().cylinder);
+        assert_eq!(
+            scene("--container cylinder").cylinder,
+            Scene::default().cylinder
+        );
     }
 
     /// The defaults in the help are those of the scene.

@@ -37,17 +37,29 @@ pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
         let packing = Packing::new(scene.spec()?)?;
         folder::prepare(&scene.out, args.force)?;
         write_scene(&scene)?;
-        let run = Run { folder: scene.out.clone(), quiet: args.run.quiet, every };
+        let run = Run {
+            folder: scene.out.clone(),
+            quiet: args.run.quiet,
+            every,
+        };
         run.to_end(packing, Usage::default(), threads)
     })
 }
 
 pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
-    let RunArgs { threads, checkpoint_every, quiet } = args.run;
+    let RunArgs {
+        threads,
+        checkpoint_every,
+        quiet,
+    } = args.run;
     let every = checkpoint_interval(checkpoint_every)?;
     in_pool(threads.map(usize::from), |threads| {
         let saved = folder::load(&args.folder)?;
-        let run = Run { folder: args.folder.clone(), quiet, every };
+        let run = Run {
+            folder: args.folder.clone(),
+            quiet,
+            every,
+        };
         run.to_end(saved.packing, saved.usage, threads)
     })
 }
@@ -62,9 +74,14 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<Outcome> {
 }
 
 /// Runs `work` on a thread pool of its own, and tells it how many threads that has.
-fn in_pool<T: Send>(threads: Option<usize>, work: impl FnOnce(usize) -> Result<T> + Send) -> Result<T> {
+fn in_pool<T: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce(usize) -> Result<T> + Send,
+) -> Result<T> {
     // 0 means one thread for each core.
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .build();
     let pool = pool.context("cannot start the threads; give fewer with --threads")?;
     pool.install(|| work(pool.current_num_threads()))
 }
@@ -73,7 +90,12 @@ fn checkpoint_interval(seconds: Option<f64>) -> Result<Duration> {
     let seconds = seconds.unwrap_or(Scene::default().checkpoint_every);
     let allowed = "give a number of seconds, 0 or more";
     Duration::try_from_secs_f64(seconds).map_err(|_| {
-        femdem::Error::Option { name: "checkpoint-every", value: seconds.to_string(), allowed }.into()
+        femdem::Error::Option {
+            name: "checkpoint-every",
+            value: seconds.to_string(),
+            allowed,
+        }
+        .into()
     })
 }
 
@@ -134,7 +156,11 @@ impl Run {
             let progress = packing.advance(steps)?;
             bar.show(&progress);
             // The job does not depend on how its steps are divided, so the clock may decide here.
-            steps = if began.elapsed() < BREATH { (steps * 2).min(1 << 16) } else { (steps / 2).max(1) };
+            steps = if began.elapsed() < BREATH {
+                (steps * 2).min(1 << 16)
+            } else {
+                (steps / 2).max(1)
+            };
             if saved.elapsed() >= self.every {
                 // A full disk may have room again when the job ends; until then the last one stands.
                 if let Err(error) = folder::save(&self.folder, packing, &meter.read(packing)) {
@@ -147,7 +173,10 @@ impl Run {
     }
 
     fn after_failure(&self) -> String {
-        format!("the run failed; the last good state is {}", self.folder.join(folder::CHECKPOINT).display())
+        format!(
+            "the run failed; the last good state is {}",
+            self.folder.join(folder::CHECKPOINT).display()
+        )
     }
 }
 
@@ -166,6 +195,10 @@ fn watch_for_interrupt() -> Result<Arc<AtomicBool>> {
 
 fn report(summary: &Summary, folder: &Path, quiet: bool) {
     if !quiet {
-        say(&format!("{summary}  {:<20} {}", "results in", folder.display()));
+        say(&format!(
+            "{summary}  {:<20} {}",
+            "results in",
+            folder.display()
+        ));
     }
 }

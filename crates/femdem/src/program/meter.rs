@@ -19,7 +19,12 @@ pub(crate) struct Meter {
 
 impl Meter {
     pub(crate) fn start(before: Usage, threads: usize) -> Self {
-        Self { before, started: Instant::now(), cpu_at_start: cpu_seconds(), threads }
+        Self {
+            before,
+            started: Instant::now(),
+            cpu_at_start: cpu_seconds(),
+            threads,
+        }
     }
 
     pub(crate) fn elapsed(&self) -> Duration {
@@ -29,9 +34,14 @@ impl Meter {
     /// The cost until now. The counters of a job start at zero when it is made or read.
     pub(crate) fn read(&self, packing: &Packing) -> Usage {
         let counters = packing.world().counters();
-        let cpu = cpu_seconds().zip(self.cpu_at_start).map(|(now, start)| now - start);
+        let cpu = cpu_seconds()
+            .zip(self.cpu_at_start)
+            .map(|(now, start)| now - start);
         // A part of unknown cost makes the sum unknown; before the first part it is zero.
-        let cpu_before = self.before.cpu_seconds.or((self.before.wall_seconds == 0.0).then_some(0.0));
+        let cpu_before = self
+            .before
+            .cpu_seconds
+            .or((self.before.wall_seconds == 0.0).then_some(0.0));
         Usage {
             threads: self.threads,
             wall_seconds: self.before.wall_seconds + self.elapsed().as_secs_f64(),
@@ -51,7 +61,10 @@ fn cpu_seconds() -> Option<f64> {
 /// Fields 14 and 15 of proc(5)'s stat; field 2, the name in brackets, may hold spaces.
 fn parse_cpu(stat: &str) -> Option<f64> {
     let after_name = stat.rsplit_once(')')?.1;
-    let mut ticks = after_name.split_whitespace().skip(11).map(str::parse::<f64>);
+    let mut ticks = after_name
+        .split_whitespace()
+        .skip(11)
+        .map(str::parse::<f64>);
     Some((ticks.next()?.ok()? + ticks.next()?.ok()?) / TICKS_PER_SECOND)
 }
 
@@ -61,7 +74,9 @@ fn peak_memory_bytes() -> Option<u64> {
 }
 
 fn parse_memory(status: &str) -> Option<u64> {
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
     kibibytes.checked_mul(1024)
 }
@@ -74,7 +89,10 @@ mod tests {
     fn files_of_linux_are_understood() {
         let stat = "7 (a) b) R 1 7 7 0 -1 4194304 91 0 0 0 250 50 0 0 20 0 1 0 11 2 3";
         assert_eq!(parse_cpu(stat), Some(3.0));
-        assert_eq!(parse_memory("Name:\tx\nVmHWM:\t    2048 kB\n"), Some(2 << 20));
+        assert_eq!(
+            parse_memory("Name:\tx\nVmHWM:\t    2048 kB\n"),
+            Some(2 << 20)
+        );
         assert_eq!(parse_cpu("nonsense"), None);
         assert_eq!(parse_memory("VmRSS: 1 kB"), None);
     }

@@ -20,12 +20,21 @@ impl Bar {
         if quiet {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         }
-        bar.set_style(ProgressStyle::with_template("[{bar:30}] {pos}/{len} bodies {msg}")?.progress_chars("=> "));
-        Ok(Self { bar, started: Instant::now(), share_at_start: share(at) })
+        bar.set_style(
+            ProgressStyle::with_template("[{bar:30}] {pos}/{len} bodies {msg}")?
+                .progress_chars("=> "),
+        );
+        Ok(Self {
+            bar,
+            started: Instant::now(),
+            share_at_start: share(at),
+        })
     }
 
     pub(crate) fn show(&self, at: &Progress) {
-        let left = self.time_left(at).map_or(String::new(), |left| format!(", {} left", span(left)));
+        let left = self
+            .time_left(at)
+            .map_or(String::new(), |left| format!(", {} left", span(left)));
         self.bar.set_position(u64::from(at.placed));
         self.bar.set_message(format!(
             "{}, height {:.3} m, {:.2} s simulated, {} awake{left}",
@@ -77,6 +86,9 @@ mod tests {
     #[test]
     fn spans_are_short() {
         let text = |seconds| span(Duration::from_secs(seconds));
-        assert_eq!([text(5), text(150), text(7500)], ["5 s", "3 min", "2 h 5 min"]);
+        assert_eq!(
+            [text(5), text(150), text(7500)],
+            ["5 s", "3 min", "2 h 5 min"]
+        );
     }
 }

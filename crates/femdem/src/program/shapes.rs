@@ -38,7 +38,9 @@ impl Row {
 }
 
 pub(crate) fn list(json: bool) -> Result<()> {
-    let rows = CatalogueShape::all().map(Row::of).collect::<Result<Vec<_>>>()?;
+    let rows = CatalogueShape::all()
+        .map(Row::of)
+        .collect::<Result<Vec<_>>>()?;
     if json {
         say(&serde_json::to_string_pretty(&rows)?);
         return Ok(());

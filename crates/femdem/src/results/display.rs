@@ -6,8 +6,18 @@ use super::Summary;
 
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let state = if self.settled { "settled" } else { "NOT settled" };
-        writeln!(f, "{} bodies {}, d = {} m, {state}", self.count, self.shape, rounded(self.diameter))?;
+        let state = if self.settled {
+            "settled"
+        } else {
+            "NOT settled"
+        };
+        writeln!(
+            f,
+            "{} bodies {}, d = {} m, {state}",
+            self.count,
+            self.shape,
+            rounded(self.diameter)
+        )?;
         let mut line = |name: &str, text: String| writeln!(f, "  {name:<20} {text}");
         line("packing density", self.density_text())?;
         let z = &self.coordination;
@@ -15,21 +25,37 @@ impl fmt::Display for Summary {
         let p = &self.penetration;
         line(
             "penetration / d",
-            format!("mean {:.2e}, largest {:.2e}; overlap volume {:.2e} of the solid", p.mean_over_d, p.max_over_d, p.overlap_volume_fraction),
+            format!(
+                "mean {:.2e}, largest {:.2e}; overlap volume {:.2e} of the solid",
+                p.mean_over_d, p.max_over_d, p.overlap_volume_fraction
+            ),
         )?;
         let r = &self.residual;
         line(
             "residual / weight",
-            format!("mean {:.2e}, largest {:.2e}; kinetic energy {:.1e} m g d", r.mean_over_weight, r.max_over_weight, r.kinetic_energy_over_mgd),
+            format!(
+                "mean {:.2e}, largest {:.2e}; kinetic energy {:.1e} m g d",
+                r.mean_over_weight, r.max_over_weight, r.kinetic_energy_over_mgd
+            ),
         )?;
         let e = &self.energy;
         line(
             "energy",
-            format!("{:.4e} J in, {:.4e} J left, friction {:.3e} J, damping {:.3e} J, ledger error {:.1e}", e.initial, e.final_energy, e.dissipated_friction, e.dissipated_damping, e.ledger_error_relative),
+            format!(
+                "{:.4e} J in, {:.4e} J left, friction {:.3e} J, damping {:.3e} J, ledger error {:.1e}",
+                e.initial,
+                e.final_energy,
+                e.dissipated_friction,
+                e.dissipated_damping,
+                e.ledger_error_relative
+            ),
         )?;
         line(
             "simulated",
-            format!("{:.3} s in {} steps of {:.2e} s, penalty {:.3e} Pa", self.simulated_time, self.steps, self.time_step, self.contact.penalty),
+            format!(
+                "{:.3} s in {} steps of {:.2e} s, penalty {:.3e} Pa",
+                self.simulated_time, self.steps, self.time_step, self.contact.penalty
+            ),
         )?;
         line("cost", self.cost_text())?;
         line("state hash", self.state_hash.clone())
@@ -53,16 +79,27 @@ impl Summary {
         let extent = |k: usize| (density.core.max[k] - density.core.min[k]) / self.diameter;
         format!(
             "{:.4}{error} exact, {:.4} by grid; core {:.1} x {:.1} x {:.1} d",
-            density.exact, density.grid, extent(0), extent(1), extent(2)
+            density.exact,
+            density.grid,
+            extent(0),
+            extent(1),
+            extent(2)
         )
     }
 
     fn cost_text(&self) -> String {
-        let cpu = self.cpu_seconds.map_or(String::new(), |s| format!(", {s:.1} s CPU"));
+        let cpu = self
+            .cpu_seconds
+            .map_or(String::new(), |s| format!(", {s:.1} s CPU"));
         let pair = self.contact_nanoseconds_per_pair;
-        let pair = pair.map_or(String::new(), |ns| format!(", {ns:.0} ns per touching pair"));
+        let pair = pair.map_or(String::new(), |ns| {
+            format!(", {ns:.0} ns per touching pair")
+        });
         let memory = self.peak_memory_bytes;
         let memory = memory.map_or(String::new(), |b| format!(", {} MiB", b >> 20));
-        format!("{:.1} s on {} threads{cpu}{pair}{memory}", self.wall_seconds, self.threads)
+        format!(
+            "{:.1} s on {} threads{cpu}{pair}{memory}",
+            self.wall_seconds, self.threads
+        )
     }
 }

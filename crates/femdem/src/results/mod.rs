@@ -12,8 +12,8 @@ use femdem_pack::{Container, Packing};
 use femdem_solve::World;
 
 pub use summary::{
-    ContactLawSummary, CoordinationSummary, Core, DensitySummary, EnergySummary, PenetrationSummary,
-    ResidualSummary, SCHEMA, Summary, Usage,
+    ContactLawSummary, CoordinationSummary, Core, DensitySummary, EnergySummary,
+    PenetrationSummary, ResidualSummary, SCHEMA, Summary, Usage,
 };
 
 use crate::output::{csv, surface, vtp, vtu, write_file};
@@ -39,7 +39,11 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
     Snapshot {
         shapes: shapes.collect(),
         bodies: bodies.collect(),
-        contacts: world.contacts().into_iter().map(|contact| row(world, contact)).collect(),
+        contacts: world
+            .contacts()
+            .into_iter()
+            .map(|contact| row(world, contact))
+            .collect(),
         container: Some(inside(packing)),
     }
 }
@@ -49,7 +53,10 @@ fn row(world: &World, contact: &Contact) -> ContactRow {
     let (body, partner, sign) = match contact.a {
         femdem_contact::Partner::Body(a) => (a, Partner::Body(contact.b), 1.0),
         femdem_contact::Partner::Wall(wall) => {
-            let name = world.walls().get(wall as usize).map_or("wall", |w| w.name());
+            let name = world
+                .walls()
+                .get(wall as usize)
+                .map_or("wall", |w| w.name());
             (contact.b, Partner::Wall(name.to_owned()), -1.0)
         }
     };
@@ -89,16 +96,22 @@ fn mean_diameter(world: &World, contact: &Contact) -> f64 {
 /// Inside of the container, up to one diameter above the highest body.
 fn inside(packing: &Packing) -> Region {
     let world = packing.world();
-    let top = (0..).map_while(|id| world.bounds(id)).map(|(_, high)| high.z).fold(0.0, f64::max);
+    let top = (0..)
+        .map_while(|id| world.bounds(id))
+        .map(|(_, high)| high.z)
+        .fold(0.0, f64::max);
     let z_max = top + packing.spec().diameter();
     match packing.spec().container {
         Container::Box { width, depth } => Region::Box {
             min: Point3::new(-width / 2.0, -depth / 2.0, 0.0),
             max: Point3::new(width / 2.0, depth / 2.0, z_max),
         },
-        Container::Cylinder { diameter } => {
-            Region::Cylinder { centre: [0.0; 2], radius: diameter / 2.0, z_min: 0.0, z_max }
-        }
+        Container::Cylinder { diameter } => Region::Cylinder {
+            centre: [0.0; 2],
+            radius: diameter / 2.0,
+            z_min: 0.0,
+            z_max,
+        },
     }
 }
 
@@ -112,11 +125,17 @@ fn inside(packing: &Packing) -> Region {
 pub fn write(folder: &Path, packing: &Packing, usage: &Usage) -> Result<Summary, Error> {
     let snapshot = snapshot(packing);
     let summary = Summary::of(packing, &snapshot, usage)?;
-    write_file(folder.join("bodies.csv"), |w| csv::write_bodies(&snapshot, w))?;
-    write_file(folder.join("contacts.csv"), |w| csv::write_contacts(&snapshot, w))?;
+    write_file(folder.join("bodies.csv"), |w| {
+        csv::write_bodies(&snapshot, w)
+    })?;
+    write_file(folder.join("contacts.csv"), |w| {
+        csv::write_contacts(&snapshot, w)
+    })?;
     write_file(folder.join("pack.vtu"), |w| vtu::write(&snapshot, w))?;
     write_file(folder.join("contacts.vtp"), |w| vtp::write(&snapshot, w))?;
-    write_file(folder.join("pack.stl"), |w| surface::write_pack_stl(&snapshot, w))?;
+    write_file(folder.join("pack.stl"), |w| {
+        surface::write_pack_stl(&snapshot, w)
+    })?;
     for shape in &snapshot.shapes {
         let path = folder.join(surface::shape_file_name(&shape.name));
         write_file(path, |w| surface::write_shape_obj(&shape.polyhedron, w))?;

@@ -248,12 +248,23 @@ impl Usage {
 /// Density of the core, or none where the pack is too low to have one.
 fn density(snapshot: &Snapshot) -> Result<Option<DensitySummary>, Error> {
     use femdem_analysis::AnalysisError::{NoPackInContainer, Region};
-    let shapes: Vec<Polyhedron> =
-        snapshot.shapes.iter().map(|shape| shape.polyhedron.clone()).collect();
-    let bodies: Vec<PosedBody> =
-        snapshot.bodies.iter().map(|b| PosedBody { shape: b.shape, pose: b.pose }).collect();
+    let shapes: Vec<Polyhedron> = snapshot
+        .shapes
+        .iter()
+        .map(|shape| shape.polyhedron.clone())
+        .collect();
+    let bodies: Vec<PosedBody> = snapshot
+        .bodies
+        .iter()
+        .map(|b| PosedBody {
+            shape: b.shape,
+            pose: b.pose,
+        })
+        .collect();
     let pack = Pack::new(&shapes, &bodies)?;
-    let Some(container) = &snapshot.container else { return Ok(None) };
+    let Some(container) = &snapshot.container else {
+        return Ok(None);
+    };
     let core = match choose_core(&pack, container, &CoreOptions::default()) {
         Ok(core) => core,
         Err(NoPackInContainer { .. } | Region { .. }) => return Ok(None),
@@ -265,7 +276,10 @@ fn density(snapshot: &Snapshot) -> Result<Option<DensitySummary>, Error> {
         exact: density.exact,
         grid: density.grid,
         standard_error: density.standard_error,
-        core: Core { min: min.into(), max: max.into() },
+        core: Core {
+            min: min.into(),
+            max: max.into(),
+        },
     }))
 }
 
@@ -286,12 +300,20 @@ fn coordination_of(snapshot: &Snapshot) -> Result<CoordinationSummary, Error> {
                     femdem_analysis::Partner::Wall(index as u32)
                 }
             };
-            Touch { first: row.body, second, normal_force: row.normal_force }
+            Touch {
+                first: row.body,
+                second,
+                normal_force: row.normal_force,
+            }
         })
         .collect();
     let options = CoordinationOptions::default();
     let result = coordination(snapshot.bodies.len(), &touches, &options)?;
-    Ok(CoordinationSummary { mean: result.mean, sd: result.sd, histogram: result.histogram })
+    Ok(CoordinationSummary {
+        mean: result.mean,
+        sd: result.sd,
+        histogram: result.histogram,
+    })
 }
 
 fn overlap_volume_fraction(snapshot: &Snapshot) -> f64 {
@@ -320,7 +342,11 @@ mod tests {
     #[test]
     fn nanoseconds_per_pair_of_a_run_without_contacts_are_unknown() {
         assert_eq!(Usage::default().contact_nanoseconds_per_pair(), None);
-        let usage = Usage { contact_seconds: 2e-3, touching_evaluations: 4000, ..Usage::default() };
+        let usage = Usage {
+            contact_seconds: 2e-3,
+            touching_evaluations: 4000,
+            ..Usage::default()
+        };
         assert!((usage.contact_nanoseconds_per_pair().unwrap() - 500.0).abs() < 1e-9);
     }
 }

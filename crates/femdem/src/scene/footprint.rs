@@ -31,7 +31,10 @@ impl FromStr for Footprint {
             Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
             _ => Err(refused()),
         };
-        Ok(Self { width: number(width)?, depth: number(depth)? })
+        Ok(Self {
+            width: number(width)?,
+            depth: number(depth)?,
+        })
     }
 }
 
@@ -62,8 +65,17 @@ mod tests {
     #[test]
     fn what_is_written_is_read() {
         let footprint: Footprint = " 6 x7.5".parse().unwrap();
-        assert_eq!(footprint, Footprint { width: 6.0, depth: 7.5 });
-        assert_eq!(footprint.to_string().parse::<Footprint>().unwrap(), footprint);
+        assert_eq!(
+            footprint,
+            Footprint {
+                width: 6.0,
+                depth: 7.5
+            }
+        );
+        assert_eq!(
+            footprint.to_string().parse::<Footprint>().unwrap(),
+            footprint
+        );
         for bad in ["", "6", "6x", "x6", "6x-1", "NaNx6", "6x6x6", "infx2"] {
             let message = bad.parse::<Footprint>().unwrap_err().to_string();
             assert!(message.contains("such as 6x6"), "{bad}: {message}");

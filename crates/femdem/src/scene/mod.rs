@@ -9,7 +9,7 @@
 //! let scene = Scene::from_toml("shape = \"cube\"\ncount = 50\nbox = \"4x5\"\n")?;
 //! let spec = scene.spec()?;
 //! assert_eq!(spec.shapes[0].name, "P5");
-//! assert_eq!(spec.container.half_extent(), [0.1, 0.125]);
+//! assert!((spec.container.floor_area() - 0.2 * 0.25).abs() < 1e-12);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -117,7 +117,10 @@ impl Default for Scene {
             drag: 0.0,
             gravity: spec.gravity,
             container: ContainerKind::Box,
-            r#box: Footprint { width: 6.0, depth: 6.0 },
+            r#box: Footprint {
+                width: 6.0,
+                depth: 6.0,
+            },
             cylinder: 7.0,
             protocol: ProtocolKind::Sequential,
             batch: None,
@@ -138,8 +141,10 @@ impl Scene {
     /// [`Error::Read`], or [`Error::Scene`] that says where the text is not a scene.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let text = fs::read_to_string(path)
-            .map_err(|source| Error::Read { path: path.to_path_buf(), source })?;
+        let text = fs::read_to_string(path).map_err(|source| Error::Read {
+            path: path.to_path_buf(),
+            source,
+        })?;
         Self::parse(&text, path)
     }
 
@@ -169,7 +174,9 @@ impl Scene {
             path: PathBuf::from("scene"),
             message: error.to_string(),
         })?;
-        Ok(format!("# A scene for `femdem pack`: keys are its options, each may be left out.\n{body}"))
+        Ok(format!(
+            "# A scene for `femdem pack`: keys are its options, each may be left out.\n{body}"
+        ))
     }
 
     /// The packing job.
@@ -189,7 +196,9 @@ impl Scene {
             damping_ratio: self.damping,
             penalty: match self.penalty {
                 Some(pressure) => Penalty::Given { pressure },
-                None => Penalty::Automatic { penetration: self.penetration },
+                None => Penalty::Automatic {
+                    penetration: self.penetration,
+                },
             },
             gravity: self.gravity,
             container: self.container(diameter),
@@ -242,26 +251,34 @@ impl Scene {
                 width: self.r#box.width * diameter,
                 depth: self.r#box.depth * diameter,
             },
-            ContainerKind::Cylinder => Container::Cylinder { diameter: self.cylinder * diameter },
+            ContainerKind::Cylinder => Container::Cylinder {
+                diameter: self.cylinder * diameter,
+            },
         }
     }
 
     fn protocol(&self) -> Protocol {
         let batch = self.batch;
         match self.protocol {
-            ProtocolKind::Sequential => {
-                Protocol::Sequential(Sequential { batch, ..Sequential::default() })
-            }
-            ProtocolKind::Pour => {
-                Protocol::Pour(Pour { rate: self.rate, layer: batch, ..Pour::default() })
-            }
+            ProtocolKind::Sequential => Protocol::Sequential(Sequential {
+                batch,
+                ..Sequential::default()
+            }),
+            ProtocolKind::Pour => Protocol::Pour(Pour {
+                rate: self.rate,
+                layer: batch,
+                ..Pour::default()
+            }),
             ProtocolKind::Release => Protocol::Release(Release::default()),
         }
     }
 }
 
 fn file_stem(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    path.file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
 }
 
 #[cfg(test)]
@@ -280,7 +297,10 @@ mod tests {
         };
         let text = scene.to_toml().unwrap();
         assert_eq!(Scene::from_toml(&text).unwrap(), scene);
-        assert!(text.contains("checkpoint-every = 60.0") && text.contains("box = \"6x6\""), "{text}");
+        assert!(
+            text.contains("checkpoint-every = 60.0") && text.contains("box = \"6x6\""),
+            "{text}"
+        );
     }
 
     #[test]
@@ -292,18 +312,33 @@ mod tests {
     fn unknown_keys_and_values_are_named_with_their_line() {
         let says = |text: &str| Scene::from_toml(text).unwrap_err().to_string();
         let message = says("count = 10\ncuont = 20\n");
-        assert!(message.contains("line 2") && message.contains("cuont"), "{message}");
+        assert!(
+            message.contains("line 2") && message.contains("cuont"),
+            "{message}"
+        );
         let message = says("protocol = \"rain\"");
-        assert!(message.contains("sequential") && message.contains("release"), "{message}");
+        assert!(
+            message.contains("sequential") && message.contains("release"),
+            "{message}"
+        );
         assert!(says("box = \"6\"").contains("6x6"));
         assert!(says("count = -1").contains("count"));
     }
 
     #[test]
     fn sizes_are_in_diameters() {
-        let scene = Scene { container: ContainerKind::Cylinder, cylinder: 5.0, ..Scene::default() };
+        let scene = Scene {
+            container: ContainerKind::Cylinder,
+            cylinder: 5.0,
+            ..Scene::default()
+        };
         let spec = scene.spec().unwrap();
-        assert_eq!(spec.container, Container::Cylinder { diameter: 5.0 * spec.diameter() });
+        assert_eq!(
+            spec.container,
+            Container::Cylinder {
+                diameter: 5.0 * spec.diameter()
+            }
+        );
         assert!((spec.diameter() - DEFAULT_DIAMETER).abs() < 1e-15);
     }
 

@@ -6,8 +6,18 @@ use std::path::Path;
 use std::process::{Child, Command, Output};
 
 /// A pack that settles within a second: few bodies, soft contacts.
-pub const TINY: [&str; 10] =
-    ["--shape", "P5", "--count", "8", "--box", "3x3", "--penetration", "0.02", "--threads", "2"];
+pub const TINY: [&str; 10] = [
+    "--shape",
+    "P5",
+    "--count",
+    "8",
+    "--box",
+    "3x3",
+    "--penetration",
+    "0.02",
+    "--threads",
+    "2",
+];
 
 /// A wedge: convex, closed, 0.2 m long.
 pub const WEDGE: &str = "\
@@ -38,10 +48,17 @@ pub fn stdout(output: &Output) -> String {
 pub fn fails(command: &mut Command, words: &[&str]) -> String {
     let output = run(command);
     let message = String::from_utf8(output.stderr.clone()).unwrap();
-    assert!(matches!(output.status.code(), Some(1 | 2)), "{command:?}: {:?}", output.status);
+    assert!(
+        matches!(output.status.code(), Some(1 | 2)),
+        "{command:?}: {:?}",
+        output.status
+    );
     assert!(!message.contains("panicked"), "{message}");
     for word in words {
-        assert!(message.contains(word), "{command:?}: {word:?} is not in: {message}");
+        assert!(
+            message.contains(word),
+            "{command:?}: {word:?} is not in: {message}"
+        );
     }
     message
 }
@@ -52,6 +69,9 @@ pub fn summary(folder: &Path) -> serde_json::Value {
 
 /// Ctrl-C.
 pub fn interrupt(child: &Child) {
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let sent = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
     assert!(sent.success());
 }
