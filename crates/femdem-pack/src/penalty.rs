@@ -32,8 +32,9 @@ const STRESS_RATIO: f64 = 0.5;
 
 /// Penalty times (mean penetration/d)^3 over the mean stress. The exponent is that of vertex and
 /// crossed-edge contacts, which are the softest and set the mean; the factor is calibrated on
-/// settled packs.
-const PENALTY_SCALE: f64 = 6.0e-4;
+/// settled packs of truncated dodecahedra at friction 0.6: 60, 100 and 300 bodies with penalties
+/// of 2, 7.7 and 3 MPa gave 1.6e-4, 1.6e-4 and 1.75e-4.
+const PENALTY_SCALE: f64 = 1.7e-4;
 
 /// What a pack weighs on: the inputs of the penalty estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,9 +74,9 @@ impl PackLoad {
 ///
 /// A vertex pressed into a face by the force F sinks in by delta with F of order p delta^3/d
 /// (sum form), and F is of order sigma d^2, so p = c sigma/(delta/d)^3. The mean over all contacts
-/// of overlap volume over contact area follows the same law with a smaller constant c, which was
-/// calibrated on settled packs of truncated dodecahedra. Expect a factor of 1.5 in the
-/// penetration for other shapes; every report states what it came to.
+/// of overlap volume over contact area follows the same law with c = 1.7e-4, calibrated on settled
+/// packs of truncated dodecahedra. Other shapes sink in less in trials, by up to a fifth (P3, A1,
+/// A13) or a quarter (P1, P4, P5); every report states what it came to.
 pub fn automatic_penalty(load: &PackLoad, penetration_over_d: f64) -> f64 {
     PENALTY_SCALE * load.mean_stress() / penetration_over_d.powi(3)
 }

@@ -61,7 +61,7 @@ pub struct Landing {
 impl Default for Landing {
     fn default() -> Self {
         Self {
-            kinetic_energy: 0.01,
+            kinetic_energy: 0.05,
             longest_wait: 40.0,
         }
     }
@@ -179,8 +179,8 @@ impl Protocol {
 /// not depend on the size of the container.
 fn default_batch(container: &Container, diameter: f64) -> u32 {
     let free = container.area_inside(diameter / 2.0);
-    // The cast saturates, and the number is positive.
-    ((free / (4.0 * diameter * diameter)) as u32).max(1)
+    // The slack keeps round-off from losing a body. The cast saturates.
+    ((free / (4.0 * diameter * diameter) + 1e-9) as u32).max(1)
 }
 
 #[cfg(test)]
@@ -199,6 +199,11 @@ mod tests {
         assert_eq!(batch(1.0), 1);
         assert_eq!(batch(9.0), 16);
         assert_eq!(batch(17.0), 64);
+        let container = Container::Box {
+            width: 0.1,
+            depth: 0.1,
+        };
+        assert_eq!(Protocol::default().batch(&container, 0.02, 1000), 4);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Whole packing jobs of a few bodies.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::{Polyhedron, Vector3};
 use femdem_pack::{
@@ -144,6 +146,19 @@ fn all_protocols_end_settled() {
         assert_settled(&packing, &report);
         assert_eq!(report.batches, batches, "{protocol:?}");
     }
+}
+
+/// A pack made in a viscous medium is verified without it, and stays where it is.
+#[test]
+fn a_pack_made_with_drag_rests_without_it() {
+    let mut spec = cubes(5);
+    spec.medium.drag = 0.6 * (spec.gravity / D).sqrt();
+    let mut packing = Packing::new(spec).unwrap();
+    let report = packing.run().unwrap();
+    assert_settled(&packing, &report);
+    assert_eq!(packing.world().parameters().medium.drag, 0.0);
+    assert!(!packing.world().parameters().sleeping.enabled);
+    assert_eq!(packing.world().awake_count(), 5);
 }
 
 /// The rate of a pour is what was asked for: 8 bodies in layers of 2 at 20 bodies per second

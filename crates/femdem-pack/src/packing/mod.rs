@@ -292,3 +292,29 @@ impl Packing {
         self.job.next_check = self.world.time();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_that_does_not_fit_its_world_is_refused() {
+        let packing = Packing::new(PackSpec::default()).unwrap();
+        let read = |change: fn(&mut Job)| {
+            let Packing { world, mut job } = packing.clone();
+            change(&mut job);
+            Packing::try_from(Stored { world, job })
+        };
+        assert!(read(|_| {}).is_ok());
+        let refused = |change: fn(&mut Job)| {
+            let error = read(change).unwrap_err().to_string();
+            assert!(error.contains("inconsistent"), "{error}");
+        };
+        refused(|job| job.batches = vec![0, 0]);
+        refused(|job| job.batches = vec![1]);
+        refused(|job| job.batches = vec![0, 10_000]);
+        refused(|job| job.spec.count = 1);
+        refused(|job| job.spec.shapes.extend(job.spec.shapes.clone()));
+        assert!(read(|job| job.spec.density = -1.0).is_err());
+    }
+}
