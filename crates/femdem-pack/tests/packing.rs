@@ -53,7 +53,8 @@ fn assert_settled(packing: &Packing, report: &PackReport) {
     assert!(report.kinetic_energy_over_mgd <= 1e-6, "{report:?}");
     let verification = report.verification.unwrap();
     assert!(verification.max_displacement_over_d < 0.01, "{report:?}");
-    assert_inside(packing, 0.02 * D);
+    // A vertex under a few weights sinks in by (F d/(16 p))^(1/3), here about 0.025 d.
+    assert_inside(packing, 0.04 * D);
     assert_walls_carry_the_weight(packing);
 }
 
