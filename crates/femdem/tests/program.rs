@@ -110,6 +110,7 @@ fn weight_rests_on_the_floor(contacts: &[String], summary: &serde_json::Value) {
     );
 }
 
+#[cfg(unix)]
 #[test]
 fn an_interrupted_run_resumes_to_the_same_bits() {
     let folder = tempdir().unwrap();

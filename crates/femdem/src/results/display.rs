@@ -16,7 +16,7 @@ impl fmt::Display for Summary {
             "{} bodies {}, d = {} m, {state}",
             self.count,
             self.shape,
-            rounded(self.diameter)
+            short(self.diameter)
         )?;
         let mut line = |name: &str, text: String| writeln!(f, "  {name:<20} {text}");
         line("packing density", self.density_text())?;
@@ -42,11 +42,11 @@ impl fmt::Display for Summary {
         line(
             "energy",
             format!(
-                "{:.4e} J in, {:.4e} J left, friction {:.3e} J, damping {:.3e} J, ledger error {:.1e}",
-                e.initial,
-                e.final_energy,
-                e.dissipated_friction,
-                e.dissipated_damping,
+                "{} J in, {} J left, {} J to friction, {} J to damping; ledger error {:.1e}",
+                short(e.initial),
+                short(e.final_energy),
+                short(e.dissipated_friction),
+                short(e.dissipated_damping),
                 e.ledger_error_relative
             ),
         )?;
@@ -62,9 +62,15 @@ impl fmt::Display for Summary {
     }
 }
 
-/// A number to six digits, without trailing zeros.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
+/// A number to four digits, without trailing zeros; with an exponent if it is small or large.
+fn short(value: f64) -> String {
+    let scientific = format!("{value:.3e}");
+    match scientific.parse::<f64>() {
+        Ok(rounded) if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) => {
+            rounded.to_string()
+        }
+        _ => scientific,
+    }
 }
 
 impl Summary {
@@ -101,5 +107,24 @@ impl Summary {
             "{:.1} s on {} threads{cpu}{pair}{memory}",
             self.wall_seconds, self.threads
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_keep_four_digits() {
+        for (value, text) in [
+            (0.050_000_000_000_000_02, "0.05"),
+            (10.604_9, "10.6"),
+            (-123.456, "-123.5"),
+            (0.0, "0"),
+            (1.234_567e-7, "1.235e-7"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(short(value), text);
+        }
     }
 }

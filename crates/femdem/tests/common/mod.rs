@@ -68,6 +68,7 @@ pub fn summary(folder: &Path) -> serde_json::Value {
 }
 
 /// Ctrl-C.
+#[cfg(unix)]
 pub fn interrupt(child: &Child) {
     let sent = Command::new("kill")
         .args(["-INT", &child.id().to_string()])
