@@ -6,9 +6,10 @@
 
 use super::candidates::{Candidates, ContactBox, candidates, complete};
 use super::clip::{Cut, Line, Point};
+use super::field::PlaneField;
 use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::pair::Scratch;
-use super::side::{SideSums, pose_planes};
+use super::side::{SideSums, cut_by_field, pose_planes};
 use crate::error::{ContactError, check};
 use crate::shape::{ConvexShape, Frame, PlaneFrame};
 use crate::walls::Wall;
@@ -199,17 +200,16 @@ fn sections(view: &View, body: &ConvexShape, near: &Near, scratch: &mut Scratch)
         .iter()
         .map(|&k| view.plane(usize::from(k)))
         .collect();
+    let mut field = PlaneField::new(&scratch.planes);
+    let bounding = usize::from(near.body.bounding);
     let size = 2.0 * near.region.half.norm();
     for (k, plane) in planes.iter().enumerate() {
         let on_plane = origin - plane.normal * (plane.normal.dot(&origin) + plane.distance);
         let frame = PlaneFrame::new(on_plane, &plane.normal);
         let side = &mut scratch.side;
         side.clipper.load(&square(size));
-        side.lines.clear();
-        side.lines
-            .extend(scratch.planes.iter().map(|p| p.on(&frame)));
-        let bounding = usize::from(near.body.bounding);
-        let inside = side.clipper.cut_all(side.lines.iter().take(bounding))
+        field.place(&frame);
+        let inside = cut_by_field(&mut side.clipper, &field, bounding)
             && planes
                 .iter()
                 .enumerate()
@@ -219,7 +219,7 @@ fn sections(view: &View, body: &ConvexShape, near: &Near, scratch: &mut Scratch)
                 &frame,
                 &plane.normal,
                 -plane.distance,
-                &scratch.planes,
+                &mut field,
                 &origin,
                 side,
             );

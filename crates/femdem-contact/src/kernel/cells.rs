@@ -4,7 +4,9 @@
 //! time: each piece has an owner, and a new function takes what lies below the owner's.
 //! Most polygons of a pack lie in one cell and are never split.
 
-use super::clip::{Line, Point, PolygonIntegrals, close_run, integrate};
+use super::clip::{Line, Point, PolygonIntegrals, integrate, split_into};
+use super::field::{PlaneField, TIE};
+use femdem_mesh::Vector3;
 
 /// Sums over the cells of a polygon.
 #[derive(Debug, Clone, Copy, Default)]
@@ -45,112 +47,120 @@ struct Piece {
 /// Buffers of the splitting, reused from call to call.
 #[derive(Debug, Default)]
 pub(crate) struct Cells {
+    competitors: Vec<usize>,
     pieces: Vec<Piece>,
-    used: usize,
-    depths: Vec<f64>,
     spare: Vec<Point>,
 }
 
-/// Round-off of phi; a wrong owner within it changes nothing.
-pub(crate) const TIE: f64 = 1e-15;
-
 impl Cells {
-    /// Integrals of the lowest of `lines` over a convex polygon; `weight` gives the
-    /// stiffness weight of each line.
+    /// Integrals of the lowest field over a convex polygon of a facet with normal `n`.
+    #[inline]
     pub(crate) fn integrate(
         &mut self,
         polygon: &[Point],
-        lines: &[Line],
+        field: &mut PlaneField,
+        n: &Vector3,
         origin: &Point,
-        weight: impl Fn(usize) -> f64,
     ) -> PlaneSums {
         let mut sums = PlaneSums::default();
-        self.used = 0;
-        self.push(0).extend_from_slice(polygon);
-        for k in 1..lines.len() {
-            for i in 0..self.used {
-                self.split(i, k, lines);
+        field.competitors(polygon, &mut self.competitors);
+        if let [k] = self.competitors[..] {
+            let q = integrate(polygon, origin, &field.line(k));
+            sums.add(&q, field.weight(k, n));
+            return sums;
+        }
+        let Some(&owner) = self.competitors.first() else {
+            return sums;
+        };
+        self.provide(0);
+        self.pieces[0].polygon.clear();
+        self.pieces[0].polygon.extend_from_slice(polygon);
+        self.pieces[0].owner = owner;
+        let mut used = 1;
+        for c in 1..self.competitors.len() {
+            let k = self.competitors[c];
+            let line = field.line(k);
+            for i in 0..used {
+                let above = line.minus(&field.line(self.pieces[i].owner));
+                used += usize::from(self.split(i, k, &above, used));
             }
         }
-        for piece in &self.pieces[..self.used] {
-            let q = integrate(&piece.polygon, origin, &lines[piece.owner]);
-            sums.add(&q, weight(piece.owner));
+        for piece in &self.pieces[..used] {
+            let q = integrate(&piece.polygon, origin, &field.line(piece.owner));
+            sums.add(&q, field.weight(piece.owner, n));
         }
         sums
     }
 
-    /// A fresh, empty piece.
-    fn push(&mut self, owner: usize) -> &mut Vec<Point> {
-        if self.used == self.pieces.len() {
-            self.pieces.push(Piece::default());
+    /// Makes sure that piece `i` exists.
+    fn provide(&mut self, i: usize) {
+        if self.pieces.len() <= i {
+            self.pieces.resize_with(i + 1, Piece::default);
         }
-        let piece = &mut self.pieces[self.used];
-        self.used += 1;
-        piece.owner = owner;
-        piece.polygon.clear();
-        &mut piece.polygon
     }
 
-    /// Gives function `k` the part of piece `i` where it is lower than the owner's.
+    /// Gives plane `k` the part of piece `i` where it is lower than the owner, which is
+    /// where `above` is negative; true if that made a new piece, number `used`.
     #[inline]
-    fn split(&mut self, i: usize, k: usize, lines: &[Line]) {
-        let piece = &self.pieces[i];
-        let above = lines[k].minus(&lines[piece.owner]);
-        self.depths.clear();
-        self.depths
-            .extend(piece.polygon.iter().map(|p| above.at(p)));
-        let lowest = self.depths.iter().copied().fold(f64::INFINITY, f64::min);
-        if lowest >= -TIE {
-            return;
+    fn split(&mut self, i: usize, k: usize, above: &Line, used: usize) -> bool {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for p in &self.pieces[i].polygon {
+            let d = above.at(p);
+            low = if d < low { d } else { low };
+            high = if d > high { d } else { high };
         }
-        let highest = self
-            .depths
-            .iter()
-            .copied()
-            .fold(f64::NEG_INFINITY, f64::max);
-        if highest <= TIE {
+        if low >= -TIE {
+            return false;
+        }
+        if high <= TIE {
             self.pieces[i].owner = k;
-            return;
+            return false;
         }
-        let stays = self.depths.iter().filter(|d| **d >= 0.0).count();
-        if stays == 0 || stays == piece.polygon.len() {
-            return;
-        }
-        let mut rest = std::mem::take(&mut self.spare);
-        close_run(&self.pieces[i].polygon, &self.depths, stays, &mut rest);
-        self.depths.iter_mut().for_each(|d| *d = -*d);
-        let goes = self.depths.iter().filter(|d| **d >= 0.0).count();
-        let from = std::mem::replace(&mut self.pieces[i].polygon, rest);
-        if goes > 0 && goes < from.len() {
-            let depths = std::mem::take(&mut self.depths);
-            close_run(&from, &depths, goes, self.push(k));
-            self.depths = depths;
-        }
-        self.spare = from;
+        self.provide(used);
+        let mut taken = std::mem::take(&mut self.pieces[used].polygon);
+        split_into(&self.pieces[i].polygon, above, &mut self.spare, &mut taken);
+        std::mem::swap(&mut self.pieces[i].polygon, &mut self.spare);
+        self.pieces[used] = Piece {
+            polygon: taken,
+            owner: k,
+        };
+        true
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::side::FieldPlane;
     use super::*;
+    use crate::shape::PlaneFrame;
 
     /// A hipped roof over the square [-1,1]^2, phi = 1 - max(|x|,|y|): a pyramid of volume
-    /// 4/3 whose four cells have equal area.
+    /// 4/3 whose four cells have equal area. The planes lean by 45 degrees, so each weighs
+    /// scale / sqrt(2) = 1.
     #[test]
     fn a_pyramid_roof_is_integrated_exactly() {
         let polygon = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
             .map(|p| Point { x: p[0], y: p[1] });
-        let lines = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]].map(|n| Line {
-            a: n[0],
-            b: n[1],
-            c: 1.0,
+        let root = 2.0_f64.sqrt();
+        let planes = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]].map(|n| FieldPlane {
+            normal: Vector3::new(n[0], n[1], -1.0) / root,
+            offset: 1.0 / root,
+            scale: root,
         });
+        let frame = PlaneFrame {
+            origin: Vector3::zeros(),
+            e1: Vector3::x(),
+            e2: Vector3::y(),
+        };
+        let mut field = PlaneField::new(&planes);
+        field.place(&frame);
         let mut cells = Cells::default();
         for _ in 0..2 {
-            let sums = cells.integrate(&polygon, &lines, &Point::default(), |k| (k + 1) as f64);
+            let n = Vector3::z();
+            let sums = cells.integrate(&polygon, &mut field, &n, &Point::default());
             assert!((sums.polygon.pressure - 4.0 / 3.0).abs() < 1e-14);
             assert!((sums.polygon.area - 4.0).abs() < 1e-14);
-            assert!((sums.stiffness - 10.0).abs() < 1e-13);
+            assert!((sums.stiffness - 4.0).abs() < 1e-13);
         }
     }
 }

@@ -4,6 +4,7 @@ mod candidates;
 mod cavity;
 mod cells;
 mod clip;
+mod field;
 mod overlap;
 mod pair;
 mod rows;

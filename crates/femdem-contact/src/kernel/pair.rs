@@ -3,7 +3,7 @@
 use super::candidates::{Candidates, ContactBox, candidates, contact_box};
 use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::separation::{gap_along, separate};
-use super::side::{FieldPlane, SideScratch, SideSums, integrate_side, pose_planes};
+use super::side::{FieldPlane, SideScratch, SideSums, Skin, integrate_side, pose_planes};
 use crate::error::{ContactError, check};
 use crate::shape::{ConvexShape, Frame};
 use femdem_mesh::{Matrix3, Vector3};
@@ -184,26 +184,23 @@ fn sides(
         centre: inverse * near.region.centre + a_in_b,
         half: near.region.half,
     };
-    pose_planes(a, &near.a, &inverse, &a_in_b, &mut scratch.planes);
-    let on_b = integrate_side(
-        b,
-        &near.b.facets,
-        &scratch.planes,
-        usize::from(near.a.bounding),
-        &a_in_b,
-        &region_b,
-        &mut scratch.side,
-    );
-    pose_planes(b, &near.b, rotation, offset, &mut scratch.planes);
-    let on_a = integrate_side(
-        a,
-        &near.a.facets,
-        &scratch.planes,
-        usize::from(near.b.bounding),
-        offset,
-        &near.region,
-        &mut scratch.side,
-    );
+    let skin_b = Skin {
+        shape: b,
+        facets: &near.b.facets,
+        field_centre: a_in_b,
+        region: region_b,
+    };
+    let skin_a = Skin {
+        shape: a,
+        facets: &near.a.facets,
+        field_centre: *offset,
+        region: near.region,
+    };
+    let Scratch { side, planes, .. } = scratch;
+    pose_planes(a, &near.a, &inverse, &a_in_b, planes);
+    let on_b = integrate_side(&skin_b, planes, usize::from(near.a.bounding), side);
+    pose_planes(b, &near.b, rotation, offset, planes);
+    let on_a = integrate_side(&skin_a, planes, usize::from(near.b.bounding), side);
     [on_b, on_a]
 }
 

@@ -4,6 +4,7 @@
 use super::candidates::{Candidates, ContactBox};
 use super::cells::{Cells, PlaneSums};
 use super::clip::{Clipper, Cut, Line, Point};
+use super::field::PlaneField;
 use super::rows::Rows;
 use crate::shape::{ConvexShape, PlaneFrame};
 use femdem_mesh::{Matrix3, Vector3};
@@ -15,18 +16,6 @@ pub(crate) struct FieldPlane {
     pub normal: Vector3,
     pub offset: f64,
     pub scale: f64,
-}
-
-impl FieldPlane {
-    /// phi of this plane over the plane of a polygon.
-    #[inline]
-    pub fn on(&self, frame: &PlaneFrame) -> Line {
-        Line {
-            a: self.scale * self.normal.dot(&frame.e1),
-            b: self.scale * self.normal.dot(&frame.e2),
-            c: self.scale * (self.offset - self.normal.dot(&frame.origin)),
-        }
-    }
 }
 
 /// Integrals over the polygons inside the field, in the skin body's axes about an origin,
@@ -57,11 +46,10 @@ pub(crate) struct SideSums {
 #[derive(Debug, Default)]
 pub(crate) struct SideScratch {
     pub clipper: Clipper,
-    pub lines: Vec<Line>,
     pub cells: Cells,
     rows4: Rows<4>,
     rows8: Rows<8>,
-    rows16: Rows<16>,
+    rows12: Rows<12>,
 }
 
 /// Planes of the field body expressed in the skin body's axes. The field body is posed
@@ -105,78 +93,79 @@ fn cut_by_box(clipper: &mut Clipper, region: &ContactBox, frame: &PlaneFrame) ->
     })
 }
 
-/// Adds up the facets of `skin` inside the field. `region` and `field_centre` are in the
-/// skin body's axes; moments are about the region's centre.
+/// The skin body's part in one side, with the region and the field's centre in its axes.
+pub(crate) struct Skin<'a> {
+    pub shape: &'a ConvexShape,
+    pub facets: &'a [u16],
+    pub field_centre: Vector3,
+    pub region: ContactBox,
+}
+
+/// Adds up the facets of the skin inside the field, of which the first `bounding` planes
+/// can cut. Moments are about the region's centre.
 pub(crate) fn integrate_side(
-    skin: &ConvexShape,
-    facets: &[u16],
+    skin: &Skin,
     field: &[FieldPlane],
     bounding: usize,
-    field_centre: &Vector3,
-    region: &ContactBox,
     scratch: &mut SideScratch,
 ) -> SideSums {
-    macro_rules! rows {
-        ($buffers:ident) => {
-            scratch
-                .$buffers
-                .integrate_side(skin, facets, field, bounding, field_centre, region)
-        };
-    }
     match field.len() {
-        0..=4 => rows!(rows4),
-        5..=8 => rows!(rows8),
-        9..=16 => rows!(rows16),
-        _ => integrate_side_of_many(skin, facets, field, bounding, field_centre, region, scratch),
+        0 => SideSums::default(),
+        1..=4 => scratch.rows4.integrate_side(skin, field, bounding),
+        5..=8 => scratch.rows8.integrate_side(skin, field, bounding),
+        9..=12 => scratch.rows12.integrate_side(skin, field, bounding),
+        _ => integrate_side_of_many(skin, field, bounding, scratch),
     }
 }
 
 /// As [`integrate_side`], for any number of planes.
 pub(crate) fn integrate_side_of_many(
-    skin: &ConvexShape,
-    facets: &[u16],
-    field: &[FieldPlane],
+    skin: &Skin,
+    planes: &[FieldPlane],
     bounding: usize,
-    field_centre: &Vector3,
-    region: &ContactBox,
     scratch: &mut SideScratch,
 ) -> SideSums {
     let mut sums = SideSums::default();
-    let Some(first) = field.first() else {
-        return sums;
-    };
-    for &i in facets {
-        let facet = &skin.facets[usize::from(i)];
+    let mut field = PlaneField::new(planes);
+    for &i in skin.facets {
+        let facet = &skin.shape.facets[usize::from(i)];
         let frame = &facet.frame;
-        let nearest = first.on(frame);
-        if scratch.clipper.load_cut(skin.polygon(facet), &nearest) == Cut::Empty {
-            continue;
-        }
-        scratch.lines.clear();
-        scratch.lines.push(nearest);
-        scratch.lines.extend(field[1..].iter().map(|p| p.on(frame)));
-        let SideScratch { clipper, lines, .. } = scratch;
-        if !clipper.cut_all(lines.iter().take(bounding).skip(1))
-            || !cut_by_box(clipper, region, frame)
+        field.place(frame);
+        scratch.clipper.load(skin.shape.polygon(facet));
+        if !cut_by_field(&mut scratch.clipper, &field, bounding)
+            || !cut_by_box(&mut scratch.clipper, &skin.region, frame)
         {
             continue;
         }
-        let normal = skin.planes[usize::from(facet.plane)].normal;
-        let lever = normal.dot(&(frame.origin - field_centre));
-        sums.add_polygon(frame, &normal, lever, field, &region.centre, scratch);
+        let normal = skin.shape.planes[usize::from(facet.plane)].normal;
+        let lever = normal.dot(&(frame.origin - skin.field_centre));
+        sums.add_polygon(
+            frame,
+            &normal,
+            lever,
+            &mut field,
+            &skin.region.centre,
+            scratch,
+        );
     }
     sums
 }
 
+/// Cuts the polygon in the clipper by the planes that bound the field.
+pub(crate) fn cut_by_field(clipper: &mut Clipper, field: &PlaneField, bounding: usize) -> bool {
+    (0..bounding).all(|k| clipper.cut(&field.line(k)) != Cut::Empty)
+}
+
 impl SideSums {
-    /// Adds the polygon in the clipper; `scratch.lines` holds the field on its plane.
-    /// `lever` is the distance of its plane from the field's centre along the normal.
+    /// Adds the polygon in the clipper; the field is placed on its plane. `lever` is the
+    /// distance of that plane from the field's centre along the normal.
+    #[inline]
     pub(crate) fn add_polygon(
         &mut self,
         frame: &PlaneFrame,
         normal: &Vector3,
         lever: f64,
-        field: &[FieldPlane],
+        field: &mut PlaneField,
         origin: &Vector3,
         scratch: &mut SideScratch,
     ) {
@@ -185,15 +174,8 @@ impl SideSums {
             x: from.dot(&frame.e1),
             y: from.dot(&frame.e2),
         };
-        let SideScratch {
-            clipper,
-            lines,
-            cells,
-            ..
-        } = scratch;
-        let q = cells.integrate(clipper.polygon(), lines, &origin_2d, |k| {
-            field[k].scale * (-normal.dot(&field[k].normal)).max(0.0)
-        });
+        let SideScratch { clipper, cells, .. } = scratch;
+        let q = cells.integrate(clipper.polygon(), field, normal, &origin_2d);
         self.add_sums(&q, frame, normal, -from.dot(normal));
         self.lever += lever * q.polygon.pressure;
     }

@@ -1,0 +1,95 @@
+//! The planes of a field body seen on the plane of a facet, for any number of planes.
+
+use super::clip::{Line, Point};
+use super::side::FieldPlane;
+use crate::shape::PlaneFrame;
+use femdem_mesh::Vector3;
+
+/// Round-off of phi; a wrong owner within it changes nothing.
+pub(crate) const TIE: f64 = 1e-15;
+
+/// phi of a plane over a facet.
+fn line_of(plane: &FieldPlane, frame: &PlaneFrame) -> Line {
+    Line {
+        a: plane.scale * plane.normal.dot(&frame.e1),
+        b: plane.scale * plane.normal.dot(&frame.e2),
+        c: plane.scale * (plane.offset - plane.normal.dot(&frame.origin)),
+    }
+}
+
+/// Fields linear over a facet: phi_k = c_k - a_k x - b_k y.
+#[derive(Debug)]
+pub(crate) struct PlaneField<'a> {
+    planes: &'a [FieldPlane],
+    lines: Vec<Line>,
+    /// Values of all lines at all vertices, line by line.
+    values: Vec<f64>,
+    lowest: Vec<f64>,
+}
+
+impl<'a> PlaneField<'a> {
+    pub(crate) fn new(planes: &'a [FieldPlane]) -> Self {
+        Self {
+            planes,
+            lines: Vec::with_capacity(planes.len()),
+            values: Vec::new(),
+            lowest: Vec::new(),
+        }
+    }
+
+    /// Moves to the plane of a facet.
+    pub(crate) fn place(&mut self, frame: &PlaneFrame) {
+        self.lines.clear();
+        self.lines
+            .extend(self.planes.iter().map(|p| line_of(p, frame)));
+    }
+
+    /// phi of plane `k` on the present facet.
+    pub(crate) fn line(&self, k: usize) -> Line {
+        self.lines[k]
+    }
+
+    /// Stiffness weight of plane `k` for a facet with unit normal `n`: scale (-n.n_k)+.
+    pub(crate) fn weight(&self, k: usize, n: &Vector3) -> f64 {
+        self.planes[k].scale * (-n.dot(&self.planes[k].normal)).max(0.0)
+    }
+
+    /// The planes that can be lowest somewhere on the polygon; exactly one if one is lowest
+    /// at every vertex.
+    pub(crate) fn competitors(&mut self, polygon: &[Point], out: &mut Vec<usize>) {
+        out.clear();
+        self.values.clear();
+        self.lowest.clear();
+        self.lowest.resize(polygon.len(), f64::INFINITY);
+        for line in &self.lines {
+            for (p, low) in polygon.iter().zip(&mut self.lowest) {
+                let v = line.at(p);
+                *low = low.min(v);
+                self.values.push(v);
+            }
+        }
+        let rows = || self.values.chunks_exact(polygon.len());
+        let lowest_at = |v: &f64, low: &f64| *v <= low + TIE;
+        for (k, row) in rows().enumerate() {
+            let mut wins = row.iter().zip(&self.lowest).map(|(v, l)| lowest_at(v, l));
+            if wins.clone().all(|w| w) {
+                out.clear();
+                out.push(k);
+                return;
+            }
+            if wins.any(|w| w) {
+                out.push(k);
+            }
+        }
+        let winners = out.len();
+        for (k, row) in rows().enumerate() {
+            let undercut = out[..winners].iter().any(|&w| {
+                let other = &self.values[w * polygon.len()..(w + 1) * polygon.len()];
+                other.iter().zip(row).all(|(o, v)| o <= v)
+            });
+            if !undercut {
+                out.push(k);
+            }
+        }
+    }
+}
