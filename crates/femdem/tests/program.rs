@@ -265,7 +265,7 @@ fn quiet_is_quiet_and_help_teaches() {
         "summary.json",
         "Ctrl-C",
         "sequential",
-        "[default: 6x6]",
+        "such as 6x6",
     ] {
         assert!(help.contains(word), "{word}");
     }

@@ -10,10 +10,10 @@ use super::scene::Mesh;
 use super::view::Seen;
 
 /// How much light of each kind there is.
-const SKY: f64 = 0.46;
-const SKY_FROM_ABOVE: f64 = 0.16;
-const LAMP: f64 = 0.92;
-const EYE: f64 = 0.16;
+const SKY: f64 = 0.42;
+const SKY_FROM_ABOVE: f64 = 0.14;
+const LAMP: f64 = 0.76;
+const EYE: f64 = 0.14;
 
 /// What a line leaves of the light: at the border of a body, and between two of its faces.
 const BORDER: f32 = 0.22;

@@ -16,7 +16,7 @@ pub(crate) struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  femdem pack                                      300 truncated dodecahedra into out/pack
+  femdem pack                                      200 truncated dodecahedra into out/pack
   femdem pack --shape A10 --count 500 --friction 0.6 --seed 1 --out out/a10
   femdem pack --shape cube --container cylinder --protocol pour --out out/cubes
   femdem pack --shape stone.obj --diameter 0.03 --box 8x8 --out out/stones
@@ -63,7 +63,7 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "NAME|FILE")]
     shape: Option<String>,
 
-    /// Number of bodies [default: 300]
+    /// Number of bodies [default: 200]
     #[arg(long, value_name = "N")]
     count: Option<u32>,
 
@@ -105,11 +105,12 @@ pub(crate) struct PackArgs {
     #[arg(long, value_enum)]
     container: Option<ContainerKind>,
 
-    /// Inner width and depth of the box in d, each at least 1 [default: 6x6]
+    /// Inner width and depth of the box in d, each at least 1, such as 6x6 [default: as wide as the
+    /// pack will be high]
     #[arg(long, value_name = "WxD")]
     r#box: Option<Footprint>,
 
-    /// Inner diameter of the cylinder in d, at least 1 [default: 7]
+    /// Inner diameter of the cylinder in d, at least 1 [default: as wide as the pack will be high]
     #[arg(long, value_name = "X", conflicts_with = "box")]
     cylinder: Option<f64>,
 
@@ -233,8 +234,8 @@ impl PackArgs {
             scene.container = ContainerKind::Cylinder;
         }
         set(&mut scene.container, &self.container);
-        set(&mut scene.r#box, &self.r#box);
-        set(&mut scene.cylinder, &self.cylinder);
+        scene.r#box = self.r#box.or(scene.r#box);
+        scene.cylinder = self.cylinder.or(scene.cylinder);
     }
 }
 
@@ -279,10 +280,10 @@ mod tests {
         );
         assert_eq!(
             scene.r#box,
-            Footprint {
+            Some(Footprint {
                 width: 4.0,
                 depth: 5.0
-            }
+            })
         );
         assert_eq!((scene.threads, scene.penalty), (Some(2), Some(1e6)));
     }
@@ -290,9 +291,14 @@ mod tests {
     #[test]
     fn the_size_of_a_cylinder_makes_the_container_one() {
         assert_eq!(scene("--cylinder 5").container, ContainerKind::Cylinder);
+        assert_eq!(scene("--cylinder 5").cylinder, Some(5.0));
         assert_eq!(
-            scene("--container cylinder").cylinder,
-            Scene::default().cylinder
+            scene("--container cylinder").container,
+            ContainerKind::Cylinder
+        );
+        assert_eq!(
+            scene("--container box --cylinder 5").container,
+            ContainerKind::Box
         );
     }
 
@@ -312,8 +318,6 @@ mod tests {
             format!("0.25 [default: {}]", d.damping),
             format!("aims at [default: {}]", d.penetration),
             format!("m/s2 [default: {}]", d.gravity),
-            format!("each at least 1 [default: {}]", d.r#box),
-            format!("in d, at least 1 [default: {}]", d.cylinder),
             format!("second (pour) [default: {}]", d.rate),
             format!("empty [default: {}]", d.out.display()),
             format!("0 or more [default: {}]", d.checkpoint_every),

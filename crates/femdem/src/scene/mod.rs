@@ -15,6 +15,7 @@
 
 mod footprint;
 
+use std::f64::consts::FRAC_PI_4;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -30,6 +31,9 @@ use crate::Error;
 
 /// Circumscribed diameter of a catalogue shape where none is given \[m\].
 pub const DEFAULT_DIAMETER: f64 = 0.05;
+
+/// Packing density that the automatic size of a container counts on.
+const EXPECTED_DENSITY: f64 = 0.6;
 
 /// How bodies come into the container.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -82,10 +86,10 @@ pub struct Scene {
     pub gravity: f64,
     /// Kind of container.
     pub container: ContainerKind,
-    /// Inner width and depth of the box, in d.
-    pub r#box: Footprint,
-    /// Inner diameter of the cylinder, in d.
-    pub cylinder: f64,
+    /// Inner width and depth of the box, in d. `None`: as wide as the pack will be high.
+    pub r#box: Option<Footprint>,
+    /// Inner diameter of the cylinder, in d. `None`: as wide as the pack will be high.
+    pub cylinder: Option<f64>,
     /// How bodies come into the container.
     pub protocol: ProtocolKind,
     /// Bodies in a batch (sequential) or layer (pour). `None`: by the floor's area.
@@ -107,7 +111,7 @@ impl Default for Scene {
         let spec = PackSpec::default();
         Self {
             shape: "A10".to_owned(),
-            count: 300,
+            count: 200,
             diameter: None,
             density: spec.density,
             friction: spec.friction,
@@ -117,11 +121,8 @@ impl Default for Scene {
             drag: 0.0,
             gravity: spec.gravity,
             container: ContainerKind::Box,
-            r#box: Footprint {
-                width: 6.0,
-                depth: 6.0,
-            },
-            cylinder: 7.0,
+            r#box: None,
+            cylinder: None,
             protocol: ProtocolKind::Sequential,
             batch: None,
             rate: Pour::default().rate,
@@ -187,7 +188,10 @@ impl Scene {
     /// [`Error::Option`] and [`Error::Pack`] for values out of range.
     pub fn spec(&self) -> Result<PackSpec, Error> {
         let (name, polyhedron) = self.body()?;
-        let diameter = 2.0 * polyhedron.bounding_radius();
+        let (volume, diameter) = (
+            polyhedron.mass_properties().volume,
+            2.0 * polyhedron.bounding_radius(),
+        );
         let spec = PackSpec {
             shapes: vec![PackShape::new(name, polyhedron)],
             count: self.count,
@@ -201,7 +205,7 @@ impl Scene {
                 },
             },
             gravity: self.gravity,
-            container: self.container(diameter),
+            container: self.container(volume, diameter),
             protocol: self.protocol(),
             seed: self.seed,
             medium: Medium {
@@ -245,15 +249,27 @@ impl Scene {
         }
     }
 
-    fn container(&self, diameter: f64) -> Container {
+    /// The container for bodies of a volume \[m³\] and a diameter \[m\].
+    fn container(&self, volume: f64, diameter: f64) -> Container {
+        let pack = f64::from(self.count) * volume / diameter.powi(3) / EXPECTED_DENSITY;
         match self.container {
-            ContainerKind::Box => Container::Box {
-                width: self.r#box.width * diameter,
-                depth: self.r#box.depth * diameter,
-            },
-            ContainerKind::Cylinder => Container::Cylinder {
-                diameter: self.cylinder * diameter,
-            },
+            ContainerKind::Box => {
+                let side = level_width(pack);
+                let size = self.r#box.unwrap_or(Footprint {
+                    width: side,
+                    depth: side,
+                });
+                Container::Box {
+                    width: size.width * diameter,
+                    depth: size.depth * diameter,
+                }
+            }
+            ContainerKind::Cylinder => {
+                let width = self.cylinder.unwrap_or(level_width(pack / FRAC_PI_4));
+                Container::Cylinder {
+                    diameter: width * diameter,
+                }
+            }
         }
     }
 
@@ -274,6 +290,11 @@ impl Scene {
     }
 }
 
+/// Side of the cube of a volume, to the nearest half, and 3 at least.
+fn level_width(volume: f64) -> f64 {
+    ((2.0 * volume.cbrt()).round() / 2.0).max(3.0)
+}
+
 fn file_stem(path: &Path) -> String {
     path.file_stem()
         .unwrap_or_default()
@@ -292,13 +313,17 @@ mod tests {
             diameter: Some(0.02),
             container: ContainerKind::Cylinder,
             batch: Some(3),
+            r#box: Some(Footprint {
+                width: 4.0,
+                depth: 5.5,
+            }),
             threads: Some(2),
             ..Scene::default()
         };
         let text = scene.to_toml().unwrap();
         assert_eq!(Scene::from_toml(&text).unwrap(), scene);
         assert!(
-            text.contains("checkpoint-every = 60.0") && text.contains("box = \"6x6\""),
+            text.contains("checkpoint-every = 60.0") && text.contains("box = \"4x5.5\""),
             "{text}"
         );
     }
@@ -329,7 +354,7 @@ mod tests {
     fn sizes_are_in_diameters() {
         let scene = Scene {
             container: ContainerKind::Cylinder,
-            cylinder: 5.0,
+            cylinder: Some(5.0),
             ..Scene::default()
         };
         let spec = scene.spec().unwrap();
@@ -343,6 +368,35 @@ mod tests {
     }
 
     #[test]
+    fn containers_without_a_size_are_as_wide_as_the_pack_is_high() {
+        for container in [ContainerKind::Box, ContainerKind::Cylinder] {
+            for count in [200, 1000, 20_000] {
+                let scene = Scene {
+                    container,
+                    count,
+                    ..Scene::default()
+                };
+                let spec = scene.spec().unwrap();
+                let width = 2.0 * spec.container.half_extent()[0];
+                let volume = f64::from(count) * spec.shapes[0].polyhedron.mass_properties().volume;
+                let height = volume / 0.6 / spec.container.floor_area();
+                // A width rounded by d/4 changes width over height by three times its share.
+                assert!(
+                    (width / height - 1.0).abs() < 0.2,
+                    "{count}: {width} {height}"
+                );
+            }
+        }
+        let few = Scene {
+            count: 1,
+            ..Scene::default()
+        }
+        .spec()
+        .unwrap();
+        assert!((few.container.half_extent()[0] - 1.5 * few.diameter()).abs() < 1e-12);
+    }
+
+    #[test]
     fn values_out_of_range_are_refused_by_name() {
         let says = |change: fn(&mut Scene)| {
             let mut scene = Scene::default();
@@ -353,7 +407,7 @@ mod tests {
         assert!(says(|s| s.shape = "none.obj".to_owned()).contains("none.obj"));
         assert!(says(|s| s.count = 0).contains("count = 0"));
         assert!(says(|s| s.diameter = Some(f64::NAN)).contains("NaN"));
-        assert!(says(|s| s.r#box.width = 0.5).contains("width"));
+        assert!(says(|s| s.r#box = "0.5x4".parse().ok()).contains("width"));
         assert!(says(|s| s.density = -1.0).contains("density = -1"));
     }
 }
