@@ -40,6 +40,8 @@ pub struct Contact {
     pub normal_force: f64,
     /// Free moment on B that comes with the elastic force, N m.
     pub moment: Vector3,
+    /// Moment on B of the dashpots against rocking, N m.
+    pub rocking: Vector3,
     /// Friction force on B, N.
     pub friction: Vector3,
     /// Friction moment on B about the normal, N m.
@@ -93,6 +95,7 @@ pub(crate) fn assemble(
         elastic_force,
         normal_force: elastic_force * damped.scale,
         moment: overlap.moment,
+        rocking: damped.rocking,
         friction: friction.force,
         torsion: friction.torsion,
         slides: friction.slides,
@@ -184,11 +187,18 @@ impl Load {
         let moment = contact.moment * sign;
         let friction = contact.friction * sign;
         let torsion = contact.normal * (sign * contact.torsion);
-        self.total
-            .add(elastic * scale + friction, moment * scale + torsion, arm);
+        let rocking = contact.rocking * sign;
+        self.total.add(
+            elastic * scale + friction,
+            moment * scale + rocking + torsion,
+            arm,
+        );
         self.friction.add(friction, torsion, arm);
-        self.damping
-            .add(elastic * (scale - 1.0), moment * (scale - 1.0), arm);
+        self.damping.add(
+            elastic * (scale - 1.0),
+            moment * (scale - 1.0) + rocking,
+            arm,
+        );
         self.normal_sum += contact.normal_force;
         self.contacts += 1;
         self.frequency2 += contact.frequency2[side];

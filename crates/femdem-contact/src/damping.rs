@@ -4,6 +4,11 @@
 //! bodies' motions: F_d = 2 zeta sqrt(m_eff) |grad U| / sqrt(2 U) times the closing rate.
 //! It scales the whole elastic wrench, so the restitution depends on zeta alone,
 //! whatever touches what (face, edge or vertex).
+//!
+//! Rocking about the contact point is orthogonal to that gradient, so the scaling leaves it
+//! undamped. A dashpot spread over the patch damps it too: a moment against the relative
+//! rotation in the contact plane, with the same fraction of critical damping, bounded so
+//! that the centre of pressure stays within the patch (no tension).
 
 use crate::kernel::Overlap;
 use crate::motion::Motion;
@@ -18,6 +23,8 @@ pub(crate) struct Damped {
     pub inverse_mass: [f64; 2],
     /// Viscous coefficient, N s/m.
     pub viscosity: f64,
+    /// Rocking moment on B, N m.
+    pub rocking: Vector3,
 }
 
 /// Generalised inverse mass of one body for a unit force at the contact with its lever.
@@ -39,6 +46,7 @@ pub(crate) fn damp(overlap: &Overlap, a: &Motion, b: &Motion, zeta: f64) -> Damp
         scale: 1.0,
         inverse_mass,
         viscosity: 0.0,
+        rocking: Vector3::zeros(),
     };
     if zeta == 0.0 || total <= 0.0 || overlap.energy <= 0.0 {
         return damped;
@@ -50,5 +58,27 @@ pub(crate) fn damp(overlap: &Overlap, a: &Motion, b: &Motion, zeta: f64) -> Damp
     let rate = 2.0 * zeta / (2.0 * overlap.energy * total).sqrt();
     damped.viscosity = rate * magnitude;
     damped.scale = (1.0 + rate * closing).max(0.0);
+    damped.rocking = rocking(overlap, a, b, zeta, magnitude * damped.scale);
     damped
+}
+
+/// Moment on B of the dashpots spread over the patch.
+fn rocking(overlap: &Overlap, a: &Motion, b: &Motion, zeta: f64, normal_force: f64) -> Vector3 {
+    let inverse_inertia = a.inverse_inertia_max + b.inverse_inertia_max;
+    if inverse_inertia <= 0.0 {
+        return Vector3::zeros();
+    }
+    let n = &overlap.normal;
+    let turn = b.angular_velocity - a.angular_velocity;
+    let turn = turn - n * n.dot(&turn);
+    // Half of the polar second moment belongs to either axis in the plane.
+    let viscosity = 2.0 * zeta * (0.5 * overlap.stiffness_second / inverse_inertia).sqrt();
+    let moment = -turn * viscosity;
+    let most = normal_force * overlap.torsion_radius;
+    let size = moment.norm();
+    if size > most {
+        moment * (most / size)
+    } else {
+        moment
+    }
 }

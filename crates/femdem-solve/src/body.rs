@@ -31,10 +31,7 @@ impl Shape {
         Self {
             name: name.to_owned(),
             polyhedron: polyhedron.clone(),
-            principal: Pose::from_parts(
-                Translation3::from(mass.centroid.coords),
-                frame.rotation,
-            ),
+            principal: Pose::from_parts(Translation3::from(mass.centroid.coords), frame.rotation),
             moments: frame.moments,
         }
     }
@@ -74,6 +71,21 @@ impl BodySpec {
     }
 }
 
+/// Running means of a body. What rings has no mean; a lasting imbalance or motion has.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct Means {
+    /// Net force, N.
+    pub force: Vector3,
+    /// Net moment, N m.
+    pub moment: Vector3,
+    /// m/s.
+    pub velocity: Vector3,
+    /// rad/s.
+    pub angular_velocity: Vector3,
+    /// Contacts when the body was last awake.
+    pub contacts: u32,
+}
+
 /// The state of a rigid body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Body {
@@ -96,6 +108,8 @@ pub(crate) struct Body {
     pub radius: f64,
     /// Steps at rest in a row.
     pub quiet_steps: u32,
+    /// What the active set judges by.
+    pub means: Means,
     /// Prescribed motion, with the position it counts from.
     pub driven: Option<(Drive, Vector3)>,
 }
@@ -137,6 +151,7 @@ impl Body {
             travelled: 0.0,
             radius,
             quiet_steps: 0,
+            means: Means::default(),
             driven: None,
         })
     }
@@ -149,7 +164,11 @@ impl Body {
     /// J.
     pub fn kinetic_energy(&self) -> f64 {
         0.5 * self.mass * self.velocity.norm_squared()
-            + 0.5 * self.momentum.component_div(&self.moments).dot(&self.momentum)
+            + 0.5
+                * self
+                    .momentum
+                    .component_div(&self.moments)
+                    .dot(&self.momentum)
     }
 
     /// Given coordinates of the shape -> world.

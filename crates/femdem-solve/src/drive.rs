@@ -70,7 +70,12 @@ impl Drive {
             } => {
                 finite("drive.velocity", velocity)?;
                 time("drive.start", *start)?;
-                check("drive.end", *end, end >= start, "at least drive.start, in s")
+                check(
+                    "drive.end",
+                    *end,
+                    end >= start,
+                    "at least drive.start, in s",
+                )
             }
             Self::Shake {
                 stroke,
@@ -221,7 +226,10 @@ mod tests {
                 let h = 1e-6;
                 let slope =
                     (drive.at(t + h).displacement - drive.at(t - h).displacement) / (2.0 * h);
-                assert!((slope - drive.at(t).velocity).norm() < 1e-6, "{drive:?} at {t}");
+                assert!(
+                    (slope - drive.at(t).velocity).norm() < 1e-6,
+                    "{drive:?} at {t}"
+                );
             }
         }
     }
@@ -235,6 +243,12 @@ mod tests {
             interval: 0.5,
             taps: 2,
         };
-        assert!(drive.validate().unwrap_err().to_string().contains("interval"));
+        assert!(
+            drive
+                .validate()
+                .unwrap_err()
+                .to_string()
+                .contains("interval")
+        );
     }
 }

@@ -44,25 +44,33 @@ pub struct TimeStepParameters {
 impl Default for TimeStepParameters {
     fn default() -> Self {
         Self {
-            safety: 0.6,
+            safety: 0.8,
             largest: None,
         }
     }
 }
 
-/// When a body is frozen, and when it is looked at again. A body's load scale is the
-/// larger of its weight and half the sum of its normal forces.
+/// When a body is frozen, and when it is looked at again.
+///
+/// A body is judged by running means over `window` steps, because every impact rings
+/// through the whole pack: what oscillates has no mean, a lasting imbalance or motion has.
+/// Its load scale W is the larger of its weight and half the sum of its normal forces.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SleepParameters {
     /// Whether bodies may sleep at all.
     pub enabled: bool,
-    /// Net force and net moment over d below this fraction of the load scale W, and kinetic
-    /// energy below 1e-6 of this times W d, count as rest.
+    /// Mean net force, and mean net moment over d, below this fraction of W count as
+    /// balanced. A frozen body wakes at twice this.
     pub tolerance: f64,
+    /// Kinetic energy of the mean motion over W d that counts as rest.
+    pub creep: f64,
+    /// Kinetic energy over W d that a body may ring with when it is frozen.
+    pub ringing: f64,
+    /// Steps of the running means.
+    pub window: u32,
     /// A body must rest for this many steps, and so must all it touches.
     pub steps: u32,
-    /// Sleeping bodies beside awake ones are re-examined every so many steps; one whose
-    /// residual exceeds twice the tolerance wakes.
+    /// Sleeping bodies beside awake ones are re-examined every so many steps.
     pub recheck: u32,
 }
 
@@ -70,8 +78,11 @@ impl Default for SleepParameters {
     fn default() -> Self {
         Self {
             enabled: true,
-            tolerance: 0.01,
-            steps: 40,
+            tolerance: 0.03,
+            creep: 1e-6,
+            ringing: 1e-4,
+            window: 100,
+            steps: 50,
             recheck: 10,
         }
     }
@@ -113,6 +124,20 @@ impl WorldParameters {
             s.tolerance,
             s.tolerance > 0.0 && s.tolerance <= 0.1,
             "above 0 and at most 0.1: a laxer rule freezes bodies that are not at rest",
+        )?;
+        for (name, share) in [("sleeping.creep", s.creep), ("sleeping.ringing", s.ringing)] {
+            check(
+                name,
+                share,
+                share > 0.0 && share <= 1e-3,
+                "above 0 and at most 1e-3: a laxer rule freezes bodies that move",
+            )?;
+        }
+        check(
+            "sleeping.window",
+            f64::from(s.window),
+            s.window >= s.recheck,
+            "at least sleeping.recheck",
         )?;
         check(
             "sleeping.steps",

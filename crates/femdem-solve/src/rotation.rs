@@ -72,7 +72,10 @@ mod tests {
         assert!((q * l - world).norm() < 1e-11 * world.norm());
         assert!((q.norm() - 1.0).abs() < 1e-14);
         assert!(worst[0] < 1e-5, "energy error {:e}", worst[0]);
-        assert!(worst[1] < 1.05 * worst[0], "the energy error grows: {worst:?}");
+        assert!(
+            worst[1] < 1.05 * worst[0],
+            "the energy error grows: {worst:?}"
+        );
     }
 
     /// Symmetric top: the body's axis precesses about L with |L|/I_1, exactly.

@@ -48,6 +48,9 @@ pub struct ContactBatch {
     /// Travel of each wall at which all bodies must look for it again, m.
     wall_expires: Vec<f64>,
     awake: Vec<bool>,
+    /// Awake bodies, ascending; rebuilt when `awake` has changed.
+    awake_list: Vec<BodyId>,
+    awake_changed: bool,
     broadphase: Broadphase,
     pairs: PairTable,
     loads: Vec<Load>,
@@ -65,6 +68,8 @@ impl ContactBatch {
             walls: Vec::new(),
             wall_expires: Vec::new(),
             awake: Vec::new(),
+            awake_list: Vec::new(),
+            awake_changed: false,
             broadphase: Broadphase::default(),
             pairs: PairTable::default(),
             loads: Vec::new(),
@@ -93,6 +98,7 @@ impl ContactBatch {
         }
         self.body_shapes.push(shape);
         self.awake.push(true);
+        self.awake_changed = true;
         self.loads.push(Load::default());
         self.pairs.add_body();
         Ok(self.body_shapes.len() as u32 - 1)
@@ -167,6 +173,7 @@ impl ContactBatch {
             && *flag != awake
         {
             *flag = awake;
+            self.awake_changed = true;
             self.pairs.mark_changed();
         }
     }
@@ -218,8 +225,12 @@ impl ContactBatch {
                 return Err(ContactError::StateCount { given, expected });
             }
         }
+        if std::mem::take(&mut self.awake_changed) {
+            let awake = self.awake.iter().enumerate().filter(|x| *x.1);
+            self.awake_list = awake.map(|(i, _)| i as BodyId).collect();
+        }
         self.search(bodies, walls)?;
-        self.pairs.refresh_order(&self.awake);
+        self.pairs.refresh_order(&self.awake, &self.awake_list);
         let parameters = *self.law.parameters();
         let context = Context {
             pair: PairKernel::new(parameters.penalty)?,
@@ -247,10 +258,9 @@ impl ContactBatch {
             }
         }
         let mut neighbours = Vec::new();
-        for (i, motion) in bodies.iter().enumerate() {
-            if !self.awake[i] {
-                continue;
-            }
+        for k in 0..self.awake_list.len() {
+            let i = self.awake_list[k] as usize;
+            let motion = &bodies[i];
             if !motion.is_finite() {
                 return Err(ContactError::NotFinite {
                     body: i,
@@ -298,8 +308,8 @@ impl ContactBatch {
 
     /// Sums the loads of awake bodies and walls in the order of the pairs.
     fn gather(&mut self) {
-        for (load, _) in self.loads.iter_mut().zip(&self.awake).filter(|x| *x.1) {
-            *load = Load::default();
+        for &i in &self.awake_list {
+            self.loads[i as usize] = Load::default();
         }
         self.wall_loads.fill(Load::default());
         let mut totals = BatchTotals::default();

@@ -134,18 +134,15 @@ impl PairTable {
     }
 
     /// Rebuilds the list of pairs with an awake body, sorted by (a, b), walls last.
-    pub fn refresh_order(&mut self, awake: &[bool]) {
+    pub fn refresh_order(&mut self, awake: &[bool], awake_list: &[BodyId]) {
         if !self.changed {
             return;
         }
         self.changed = false;
         let mut keyed: Vec<(u64, u32)> = Vec::with_capacity(self.order.len());
-        for (i, list) in self.neighbours.iter().enumerate() {
-            if !awake[i] {
-                continue;
-            }
-            for n in list {
-                let (i, j) = (i as u32, n.code);
+        for &i in awake_list {
+            for n in &self.neighbours[i as usize] {
+                let j = n.code;
                 let other_lists_it = j < WALL && awake[j as usize] && j < i;
                 if !other_lists_it {
                     let (first, second) = if j < WALL {

@@ -1,12 +1,14 @@
 //! The active set: which bodies are frozen, and when they wake.
 //!
-//! A body rests when its net force, net moment and kinetic energy are small against its
-//! load scale, the larger of its weight and half the sum of its normal forces. It is
-//! frozen when it and all it touches have rested for a number of steps. Frozen bodies
-//! beside awake ones are examined again at fixed step numbers from the forces on record.
-//! All decisions are functions of the state, so they are the same in every run.
+//! A body rests when the running means of its net force, net moment and velocities are
+//! small against its load scale, the larger of its weight and half the sum of its normal
+//! forces. It is frozen when it and all it touches have rested for a number of steps.
+//! Frozen bodies beside awake ones are examined again at fixed step numbers from the
+//! forces on record; one that has lost a contact wakes at once. All decisions are
+//! functions of the state, so they are the same in every run.
 
 use super::World;
+use crate::body::Means;
 use femdem_contact::{Load, Partner};
 use femdem_mesh::Vector3;
 
@@ -52,25 +54,46 @@ impl World {
         load.total.force + self.parameters.gravity * self.bodies[i].mass
     }
 
-    /// Whether force and moment are below `tolerance` of the load scale.
+    /// Whether the mean force and moment are below `tolerance` of the load scale.
     fn is_balanced(&self, i: usize, load: &Load, tolerance: f64) -> bool {
         let bound = tolerance * self.scale(i, load);
-        let diameter = 2.0 * self.bodies[i].radius;
+        let body = &self.bodies[i];
         load.contacts > 0
-            && self.net_force(i, load).norm() < bound
-            && load.total.torque.norm() < bound * diameter
+            && body.means.force.norm() < bound
+            && body.means.moment.norm() < bound * 2.0 * body.radius
+    }
+
+    /// Mixes a load into a body's running means with a weight.
+    fn mix(&mut self, i: usize, load: &Load, share: f64) {
+        let net = self.net_force(i, load);
+        let body = &mut self.bodies[i];
+        let turn = body.angular_velocity();
+        let means = &mut body.means;
+        means.force += (net - means.force) * share;
+        means.moment += (load.total.torque - means.moment) * share;
+        means.velocity += (body.velocity - means.velocity) * share;
+        means.angular_velocity += (turn - means.angular_velocity) * share;
     }
 
     fn count_quiet_steps(&mut self) {
-        let tolerance = self.parameters.sleeping.tolerance;
+        let rule = self.parameters.sleeping;
+        let share = 1.0 / f64::from(rule.window);
         for k in 0..self.awake.len() {
             let i = self.awake[k] as usize;
-            let load = &self.batch.loads()[i];
+            let load = self.batch.loads()[i];
+            self.mix(i, &load, share);
             let body = &self.bodies[i];
-            let energy = 1e-6 * tolerance * self.scale(i, load) * 2.0 * body.radius;
+            let scale = self.scale(i, &load) * 2.0 * body.radius;
+            let means = &body.means;
+            let creep = 0.5
+                * (body.mass * means.velocity.norm_squared()
+                    + body.moments.max() * means.angular_velocity.norm_squared());
             let quiet = body.driven.is_some()
-                || (body.kinetic_energy() < energy && self.is_balanced(i, load, tolerance));
+                || (creep < rule.creep * scale
+                    && body.kinetic_energy() < rule.ringing * scale
+                    && self.is_balanced(i, &load, rule.tolerance));
             let body = &mut self.bodies[i];
+            body.means.contacts = load.contacts;
             body.quiet_steps = if quiet { body.quiet_steps + 1 } else { 0 };
         }
     }
@@ -96,14 +119,19 @@ impl World {
             .collect()
     }
 
-    /// Frozen neighbours of awake bodies whose forces on record no longer balance.
-    fn bodies_to_wake(&self) -> Vec<u32> {
-        let tolerance = 2.0 * self.parameters.sleeping.tolerance;
-        self.batch
-            .sleeping_neighbours()
-            .into_iter()
-            .filter(|&i| !self.is_balanced(i as usize, &self.batch.load_of(i), tolerance))
-            .collect()
+    /// Frozen neighbours of awake bodies that have lost a contact or whose forces on record
+    /// no longer balance.
+    fn bodies_to_wake(&mut self) -> Vec<u32> {
+        let rule = self.parameters.sleeping;
+        let share = f64::from(rule.recheck) / f64::from(rule.window);
+        let mut list = self.batch.sleeping_neighbours();
+        list.retain(|&i| {
+            let load = self.batch.load_of(i);
+            self.mix(i as usize, &load, share);
+            let lost = load.contacts < self.bodies[i as usize].means.contacts;
+            lost || !self.is_balanced(i as usize, &load, 2.0 * rule.tolerance)
+        });
+        list
     }
 
     fn freeze(&mut self, list: &[u32]) {
@@ -126,7 +154,9 @@ impl World {
             return;
         }
         for &i in list {
-            self.bodies[i as usize].quiet_steps = 0;
+            let body = &mut self.bodies[i as usize];
+            body.quiet_steps = 0;
+            body.means = Means::default();
             self.batch.wake_with_load(i);
         }
         self.awake.extend_from_slice(list);

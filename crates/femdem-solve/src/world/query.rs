@@ -200,9 +200,8 @@ impl World {
             r.mean_over_weight += net / weight;
             r.max_over_weight = r.max_over_weight.max(net / weight);
             let scale = weight * 2.0 * body.radius;
-            r.kinetic_energy_over_mgd = r
-                .kinetic_energy_over_mgd
-                .max(body.kinetic_energy() / scale);
+            r.kinetic_energy_over_mgd =
+                r.kinetic_energy_over_mgd.max(body.kinetic_energy() / scale);
             count += 1.0;
         }
         if count > 0.0 {

@@ -82,19 +82,14 @@ impl World {
             } else {
                 let rate = body.momentum.component_div(&body.moments).norm();
                 body.position += body.velocity * dt;
-                rotation::drift(
-                    &mut body.orientation,
-                    &mut body.momentum,
-                    &body.moments,
-                    dt,
-                );
+                rotation::drift(&mut body.orientation, &mut body.momentum, &body.moments, dt);
                 // The rate of a free body varies within a step by its nutation; half as
                 // much again bounds it at any step a stable simulation takes.
                 (body.velocity.norm() + 1.5 * rate * body.radius) * dt
             };
             body.travelled += moved;
-            let sound = moved.is_finite()
-                && (moved <= LARGEST_MOVE * body.radius || body.driven.is_some());
+            let sound =
+                moved.is_finite() && (moved <= LARGEST_MOVE * body.radius || body.driven.is_some());
             if !sound {
                 return Err(self.blow_up(i));
             }
