@@ -28,7 +28,7 @@ impl Default for Protocol {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Sequential {
-    /// Bodies in a batch; `None`: one for each (2 d)^2 of the floor that their centres can
+    /// Bodies in a batch; `None`: one for each (1.5 d)^2 of the floor that their centres can
     /// stand over, and at least one.
     pub batch: Option<u32>,
     /// Gap between the highest point of the pack and the lowest points of the new bodies, over d.
@@ -174,13 +174,13 @@ impl Protocol {
     }
 }
 
-/// One body for each (2 d)^2 of the floor that body centres can stand over: few enough that they
+/// One body for each (1.5 d)^2 of the floor that body centres can stand over: few enough that they
 /// seldom meet in the air, and the same for every unit of floor, so that the cost of a body does
 /// not depend on the size of the container.
 fn default_batch(container: &Container, diameter: f64) -> u32 {
     let free = container.area_inside(diameter / 2.0);
     // The slack keeps round-off from losing a body. The cast saturates.
-    ((free / (4.0 * diameter * diameter) + 1e-9) as u32).max(1)
+    ((free / (2.25 * diameter * diameter) + 1e-9) as u32).max(1)
 }
 
 #[cfg(test)]
@@ -197,13 +197,13 @@ mod tests {
             Protocol::default().batch(&container, 1.0, 1000)
         };
         assert_eq!(batch(1.0), 1);
-        assert_eq!(batch(9.0), 16);
-        assert_eq!(batch(17.0), 64);
+        assert_eq!(batch(10.0), 36);
+        assert_eq!(batch(16.0), 100);
         let container = Container::Box {
             width: 0.1,
             depth: 0.1,
         };
-        assert_eq!(Protocol::default().batch(&container, 0.02, 1000), 4);
+        assert_eq!(Protocol::default().batch(&container, 0.02, 1000), 7);
     }
 
     #[test]
