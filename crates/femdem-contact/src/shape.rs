@@ -47,6 +47,18 @@ impl From<&Pose> for Frame {
 pub(crate) struct Plane {
     pub normal: Vector3,
     pub offset: f64,
+    /// normal / offset: the gauge of this plane is gauge.x.
+    pub gauge: Vector3,
+}
+
+impl Plane {
+    fn new(normal: Vector3, offset: f64) -> Self {
+        Self {
+            normal,
+            offset,
+            gauge: normal / offset,
+        }
+    }
 }
 
 /// An orthonormal frame in a plane: e1 cross e2 is the plane's normal.
@@ -158,7 +170,7 @@ impl ConvexShape {
             });
         }
         self.inradius = self.inradius.min(offset);
-        let plane = self.plane_index(Plane { normal, offset });
+        let plane = self.plane_index(Plane::new(normal, offset));
         let normal = self.planes[plane].normal;
         let frame = PlaneFrame::new(loop_points[0], &normal);
         let polygon: Vec<Point> = loop_points.iter().map(|x| frame.point(x)).collect();
@@ -175,8 +187,7 @@ impl ConvexShape {
 
     /// Index of an equal plane, or of `plane` newly added.
     fn plane_index(&mut self, plane: Plane) -> usize {
-        let gauge = plane.normal / plane.offset;
-        let same = |p: &Plane| (p.normal / p.offset - gauge).norm() * plane.offset < SAME_PLANE;
+        let same = |p: &Plane| (p.gauge - plane.gauge).norm() * plane.offset < SAME_PLANE;
         if let Some(k) = self.planes.iter().position(same) {
             return k;
         }
@@ -217,7 +228,7 @@ impl ConvexShape {
     /// The gauge field at a body-frame point: 1 at the centroid, 0 on the skin,
     /// negative outside.
     pub fn field(&self, x: &Vector3) -> f64 {
-        let gauge = |p: &Plane| p.normal.dot(x) / p.offset;
+        let gauge = |p: &Plane| p.gauge.dot(x);
         1.0 - self.planes.iter().map(gauge).fold(0.0, f64::max)
     }
 

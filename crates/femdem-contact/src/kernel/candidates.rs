@@ -6,6 +6,7 @@
 //! are inflated by a margin, so that the lists stay valid while the bodies move
 //! relative to each other by less than that margin.
 
+use super::side::FieldPlane;
 use crate::shape::{ConvexShape, Facet};
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -17,6 +18,22 @@ pub(crate) struct ContactBox {
     pub axes: [Vector3; 3],
     pub centre: Vector3,
     pub half: Vector3,
+}
+
+impl ContactBox {
+    /// A face of the box: the depth under it in place of a field, in m.
+    pub fn face(&self, face: usize) -> FieldPlane {
+        let axis = face % 3;
+        let outward = if face < 3 {
+            self.axes[axis]
+        } else {
+            -self.axes[axis]
+        };
+        FieldPlane {
+            gradient: outward,
+            level: outward.dot(&self.centre) + self.half[axis],
+        }
+    }
 }
 
 /// Indices into a shape's planes and facets.

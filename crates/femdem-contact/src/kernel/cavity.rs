@@ -190,7 +190,7 @@ fn sections(view: &View, body: &ConvexShape, near: &Near, scratch: &mut Scratch)
     let origin = near.region.centre;
     pose_planes(
         body,
-        &near.body,
+        &near.body.planes,
         &Matrix3::identity(),
         &Vector3::zeros(),
         &mut scratch.planes,

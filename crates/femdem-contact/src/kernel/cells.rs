@@ -141,11 +141,9 @@ mod tests {
     fn a_pyramid_roof_is_integrated_exactly() {
         let polygon = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
             .map(|p| Point { x: p[0], y: p[1] });
-        let root = 2.0_f64.sqrt();
         let planes = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]].map(|n| FieldPlane {
-            normal: Vector3::new(n[0], n[1], -1.0) / root,
-            offset: 1.0 / root,
-            scale: root,
+            gradient: Vector3::new(n[0], n[1], -1.0),
+            level: 1.0,
         });
         let frame = PlaneFrame {
             origin: Vector3::zeros(),

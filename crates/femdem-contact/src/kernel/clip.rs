@@ -122,7 +122,7 @@ pub(crate) fn cut_into(polygon: &[Point], by: &Line, out: &mut Vec<Point>) -> Cu
     for q in polygon {
         let dq = by.at(q);
         if (dq >= 0.0) != (dp >= 0.0) {
-            out.push(crossing(p, q, dp, dq));
+            out.push(crossing_of(p, q, dp, dq));
         }
         if dq >= 0.0 {
             out.push(*q);
@@ -149,7 +149,7 @@ pub(crate) fn split_into(
     for q in polygon {
         let dq = by.at(q);
         if (dq >= 0.0) != (dp >= 0.0) {
-            let x = crossing(p, q, dp, dq);
+            let x = crossing_of(p, q, dp, dq);
             above.push(x);
             below.push(x);
         }
@@ -162,19 +162,24 @@ pub(crate) fn split_into(
     }
 }
 
-/// The point of the edge where the depth vanishes; the depths differ in sign. The same
-/// bits from either end, so that neighbouring pieces share their vertices.
+/// The point of the edge from `inside` to `out` where the depth vanishes; the depths differ
+/// in sign. Taken from the inner end, so that both pieces of a split get the same bits.
 #[inline]
-fn crossing(p: &Point, q: &Point, dp: f64, dq: f64) -> Point {
-    let (inside, out, d_in, d_out) = if dp >= 0.0 {
-        (p, q, dp, dq)
-    } else {
-        (q, p, dq, dp)
-    };
+pub(crate) fn crossing(inside: &Point, out: &Point, d_in: f64, d_out: f64) -> Point {
     let t = d_in / (d_in - d_out);
     Point {
         x: inside.x + (out.x - inside.x) * t,
         y: inside.y + (out.y - inside.y) * t,
+    }
+}
+
+/// As [`crossing`], with the inner end at either.
+#[inline]
+pub(crate) fn crossing_of(p: &Point, q: &Point, dp: f64, dq: f64) -> Point {
+    if dp >= 0.0 {
+        crossing(p, q, dp, dq)
+    } else {
+        crossing(q, p, dq, dp)
     }
 }
 

@@ -8,15 +8,6 @@ use femdem_mesh::Vector3;
 /// Round-off of phi; a wrong owner within it changes nothing.
 pub(crate) const TIE: f64 = 1e-15;
 
-/// phi of a plane over a facet.
-fn line_of(plane: &FieldPlane, frame: &PlaneFrame) -> Line {
-    Line {
-        a: plane.scale * plane.normal.dot(&frame.e1),
-        b: plane.scale * plane.normal.dot(&frame.e2),
-        c: plane.scale * (plane.offset - plane.normal.dot(&frame.origin)),
-    }
-}
-
 /// Fields linear over a facet: phi_k = c_k - a_k x - b_k y.
 #[derive(Debug)]
 pub(crate) struct PlaneField<'a> {
@@ -41,7 +32,7 @@ impl<'a> PlaneField<'a> {
     pub(crate) fn place(&mut self, frame: &PlaneFrame) {
         self.lines.clear();
         self.lines
-            .extend(self.planes.iter().map(|p| line_of(p, frame)));
+            .extend(self.planes.iter().map(|p| p.on(frame)));
     }
 
     /// phi of plane `k` on the present facet.
@@ -49,9 +40,9 @@ impl<'a> PlaneField<'a> {
         self.lines[k]
     }
 
-    /// Stiffness weight of plane `k` for a facet with unit normal `n`: scale (-n.n_k)+.
+    /// Stiffness weight of plane `k` for a facet with unit normal `n`.
     pub(crate) fn weight(&self, k: usize, n: &Vector3) -> f64 {
-        self.planes[k].scale * (-n.dot(&self.planes[k].normal)).max(0.0)
+        self.planes[k].weight(n)
     }
 
     /// The planes that can be lowest somewhere on the polygon; exactly one if one is lowest

@@ -4,10 +4,12 @@ mod candidates;
 mod cavity;
 mod cells;
 mod clip;
+mod fast;
 mod field;
 mod overlap;
 mod pair;
-mod rows;
+mod plan;
+mod polygon;
 mod separation;
 mod side;
 

@@ -1,7 +1,8 @@
 //! The gauge-gauge pair kernel (sum form, exact polygons) with its cache.
 
-use super::candidates::{Candidates, ContactBox, candidates, contact_box};
+use super::candidates::{ContactBox, candidates, contact_box};
 use super::overlap::{MEAN_OVER_RMS, Overlap};
+use super::plan::{Margins, PlanScratch, SidePlan};
 use super::separation::{gap_along, separate};
 use super::side::{FieldPlane, SideScratch, SideSums, Skin, integrate_side, pose_planes};
 use crate::error::{ContactError, check};
@@ -22,6 +23,7 @@ pub struct Scratch {
     pub(crate) side: SideScratch,
     pub(crate) planes: Vec<FieldPlane>,
     pub(crate) heights: Vec<f64>,
+    pub(crate) plan: PlanScratch,
 }
 
 /// What the kernel remembers of a pair: a separating direction with the motion it
@@ -36,14 +38,17 @@ pub struct PairCache {
     /// Motion at the last evaluation, m.
     last: f64,
     /// `None`: the bodies are apart.
-    near: Option<Near>,
+    near: Option<Box<Near>>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Near {
+    /// In A's axes.
     region: ContactBox,
-    a: Candidates,
-    b: Candidates,
+    /// A's field on B's skin.
+    on_b: SidePlan,
+    /// B's field on A's skin.
+    on_a: SidePlan,
 }
 
 /// The penalty law of convex bodies: U = p int (phi_A + phi_B) dV over the overlap.
@@ -177,31 +182,51 @@ fn sides(
     near: &Near,
     scratch: &mut Scratch,
 ) -> [SideSums; 2] {
-    let inverse = rotation.transpose();
-    let a_in_b = -(inverse * offset);
-    let region_b = ContactBox {
-        axes: near.region.axes.map(|d| inverse * d),
-        centre: inverse * near.region.centre + a_in_b,
-        half: near.region.half,
-    };
+    let Scratch { side, planes, .. } = scratch;
+    let pose = Pose::new(rotation, offset);
     let skin_b = Skin {
         shape: b,
-        facets: &near.b.facets,
-        field_centre: a_in_b,
-        region: region_b,
+        plan: &near.on_b,
+        field_centre: pose.a_in_b,
+        region: pose.in_b(&near.region),
     };
+    pose_planes(a, &near.on_b.planes, &pose.inverse, &pose.a_in_b, planes);
+    let on_b = integrate_side(&skin_b, planes, side);
     let skin_a = Skin {
         shape: a,
-        facets: &near.a.facets,
+        plan: &near.on_a,
         field_centre: *offset,
         region: near.region,
     };
-    let Scratch { side, planes, .. } = scratch;
-    pose_planes(a, &near.a, &inverse, &a_in_b, planes);
-    let on_b = integrate_side(&skin_b, planes, usize::from(near.a.bounding), side);
-    pose_planes(b, &near.b, rotation, offset, planes);
-    let on_a = integrate_side(&skin_a, planes, usize::from(near.b.bounding), side);
+    pose_planes(b, &near.on_a.planes, rotation, offset, planes);
+    let on_a = integrate_side(&skin_a, planes, side);
     [on_b, on_a]
+}
+
+/// The pose of A in B's axes.
+struct Pose {
+    inverse: Matrix3,
+    a_in_b: Vector3,
+}
+
+impl Pose {
+    #[inline]
+    fn new(rotation: &Matrix3, offset: &Vector3) -> Self {
+        let inverse = rotation.transpose();
+        Self {
+            inverse,
+            a_in_b: -(inverse * offset),
+        }
+    }
+
+    #[inline]
+    fn in_b(&self, region: &ContactBox) -> ContactBox {
+        ContactBox {
+            axes: region.axes.map(|d| self.inverse * d),
+            centre: self.inverse * region.centre + self.a_in_b,
+            half: region.half,
+        }
+    }
 }
 
 impl PairCache {
@@ -260,18 +285,27 @@ fn find_near(
     axis: &Vector3,
     margin: f64,
     scratch: &mut Scratch,
-) -> Option<Near> {
+) -> Option<Box<Near>> {
     let region = contact_box(a, b, rotation, offset, axis, margin, &mut scratch.heights)?;
+    let pose = Pose::new(rotation, offset);
+    let region_b = pose.in_b(&region);
     let in_a = candidates(a, &region, 0.0, axis)?;
-    let region_b = ContactBox {
-        axes: region.axes.map(|d| rotation.tr_mul(&d)),
-        centre: rotation.tr_mul(&(region.centre - offset)),
-        half: region.half,
-    };
     let in_b = candidates(b, &region_b, margin, &-region_b.axes[0])?;
-    Some(Near {
+    let Scratch { planes, plan, .. } = scratch;
+    pose_planes(a, &in_a.planes, &pose.inverse, &pose.a_in_b, planes);
+    let margins = |region: f64| Margins {
+        field: margin,
         region,
-        a: in_a,
-        b: in_b,
+    };
+    let on_b = SidePlan::new(b, &in_b.facets, &in_a, planes, &region_b, margins(margin), plan);
+    pose_planes(b, &in_b.planes, rotation, offset, planes);
+    let on_a = SidePlan::new(a, &in_a.facets, &in_b, planes, &region, margins(0.0), plan);
+    let some = !(on_a.facets.is_empty() && on_b.facets.is_empty());
+    some.then(|| {
+        Box::new(Near {
+            region,
+            on_b,
+            on_a,
+        })
     })
 }

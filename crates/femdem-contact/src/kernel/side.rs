@@ -1,21 +1,40 @@
 //! One side of a contact: plane polygons (the skin of one body, or a wall) inside the
 //! pressure field of the other.
 
-use super::candidates::{Candidates, ContactBox};
+use super::candidates::ContactBox;
 use super::cells::{Cells, PlaneSums};
 use super::clip::{Clipper, Cut, Line, Point};
+use super::fast::Fast;
 use super::field::PlaneField;
-use super::rows::Rows;
+use super::plan::{FacetPlan, SidePlan};
 use crate::shape::{ConvexShape, PlaneFrame};
 use femdem_mesh::{Matrix3, Vector3};
 
-/// A plane of the field body in the skin body's axes: phi = (offset - normal.x) * scale.
+/// A plane of the field body in the skin body's axes: phi = level - gradient.x.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FieldPlane {
-    /// Outward unit normal.
-    pub normal: Vector3,
-    pub offset: f64,
-    pub scale: f64,
+    /// Along the outward normal.
+    pub gradient: Vector3,
+    pub level: f64,
+}
+
+impl FieldPlane {
+    /// phi on the plane of a polygon.
+    #[inline]
+    pub fn on(&self, frame: &PlaneFrame) -> Line {
+        Line {
+            a: self.gradient.dot(&frame.e1),
+            b: self.gradient.dot(&frame.e2),
+            c: self.level - self.gradient.dot(&frame.origin),
+        }
+    }
+
+    /// Stiffness weight for a polygon with unit normal `n`: the rate at which phi grows as
+    /// the polygon moves along -n, if it does.
+    #[inline]
+    pub fn weight(&self, n: &Vector3) -> f64 {
+        (-n.dot(&self.gradient)).max(0.0)
+    }
 }
 
 /// Integrals over the polygons inside the field, in the skin body's axes about an origin,
@@ -42,113 +61,111 @@ pub(crate) struct SideSums {
     pub volume_tensor: Matrix3,
 }
 
+/// Faces of a contact box.
+pub(crate) const BOX_FACES: usize = 6;
+
 /// Buffers of the side loop.
 #[derive(Debug, Default)]
 pub(crate) struct SideScratch {
     pub clipper: Clipper,
     pub cells: Cells,
-    rows4: Rows<4>,
-    rows8: Rows<8>,
-    rows12: Rows<12>,
+    pub fast: Fast,
 }
 
 /// Planes of the field body expressed in the skin body's axes. The field body is posed
 /// by `rotation`, `offset` in those axes.
+#[inline]
 pub(crate) fn pose_planes(
     field: &ConvexShape,
-    list: &Candidates,
+    list: &[u16],
     rotation: &Matrix3,
     offset: &Vector3,
     out: &mut Vec<FieldPlane>,
 ) {
     out.clear();
-    out.extend(list.planes.iter().map(|&k| {
-        let plane = &field.planes[usize::from(k)];
-        let normal = rotation * plane.normal;
+    out.extend(list.iter().map(|&k| {
+        let gradient = rotation * field.planes[usize::from(k)].gauge;
         FieldPlane {
-            normal,
-            offset: plane.offset + normal.dot(offset),
-            scale: 1.0 / plane.offset,
+            gradient,
+            level: 1.0 + gradient.dot(offset),
         }
     }));
 }
 
 /// Cuts the polygon in the clipper by the box, so that nothing outside it is integrated.
 fn cut_by_box(clipper: &mut Clipper, region: &ContactBox, frame: &PlaneFrame) -> bool {
-    let from = region.centre - frame.origin;
-    [1, 2, 0].iter().all(|&k| {
-        let axis = &region.axes[k];
-        let mid = axis.dot(&from);
-        let upper = Line {
-            a: axis.dot(&frame.e1),
-            b: axis.dot(&frame.e2),
-            c: mid + region.half[k],
-        };
-        let lower = Line {
-            a: -upper.a,
-            b: -upper.b,
-            c: region.half[k] - mid,
-        };
-        clipper.cut_all([&upper, &lower])
-    })
+    (0..BOX_FACES).all(|face| clipper.cut(&region.face(face).on(frame)) != Cut::Empty)
 }
 
 /// The skin body's part in one side, with the region and the field's centre in its axes.
 pub(crate) struct Skin<'a> {
     pub shape: &'a ConvexShape,
-    pub facets: &'a [u16],
+    pub plan: &'a SidePlan,
     pub field_centre: Vector3,
     pub region: ContactBox,
 }
 
-/// Adds up the facets of the skin inside the field, of which the first `bounding` planes
-/// can cut. Moments are about the region's centre.
+/// Adds up the facets of the skin inside the field. Moments are about the region's centre.
+/// `planes` are the plan's, posed; the box faces that the plan names are added to them.
+#[inline]
 pub(crate) fn integrate_side(
     skin: &Skin,
-    field: &[FieldPlane],
-    bounding: usize,
+    planes: &mut Vec<FieldPlane>,
     scratch: &mut SideScratch,
 ) -> SideSums {
-    match field.len() {
-        0 => SideSums::default(),
-        1..=4 => scratch.rows4.integrate_side(skin, field, bounding),
-        5..=8 => scratch.rows8.integrate_side(skin, field, bounding),
-        9..=12 => scratch.rows12.integrate_side(skin, field, bounding),
-        _ => integrate_side_of_many(skin, field, bounding, scratch),
+    if skin.plan.general {
+        return integrate_side_of_many(skin, planes, scratch);
     }
+    let own = planes.len();
+    if skin.plan.box_faces != 0 {
+        let named = |face: &usize| skin.plan.box_faces >> face & 1 == 1;
+        planes.extend((0..BOX_FACES).filter(named).map(|f| skin.region.face(f)));
+    }
+    let mut sums = SideSums::default();
+    for facet in &skin.plan.facets {
+        let done = scratch.fast.add_facet(skin, facet, planes, &mut sums);
+        if done.is_err() {
+            add_facet_of_many(skin, facet, &planes[..own], &mut sums, scratch);
+        }
+    }
+    sums
 }
 
-/// As [`integrate_side`], for any number of planes.
+/// As [`integrate_side`], for any number of planes and corners.
 pub(crate) fn integrate_side_of_many(
     skin: &Skin,
     planes: &[FieldPlane],
-    bounding: usize,
     scratch: &mut SideScratch,
 ) -> SideSums {
     let mut sums = SideSums::default();
-    let mut field = PlaneField::new(planes);
-    for &i in skin.facets {
-        let facet = &skin.shape.facets[usize::from(i)];
-        let frame = &facet.frame;
-        field.place(frame);
-        scratch.clipper.load(skin.shape.polygon(facet));
-        if !cut_by_field(&mut scratch.clipper, &field, bounding)
-            || !cut_by_box(&mut scratch.clipper, &skin.region, frame)
-        {
-            continue;
-        }
-        let normal = skin.shape.planes[usize::from(facet.plane)].normal;
-        let lever = normal.dot(&(frame.origin - skin.field_centre));
-        sums.add_polygon(
-            frame,
-            &normal,
-            lever,
-            &mut field,
-            &skin.region.centre,
-            scratch,
-        );
+    for facet in &skin.plan.facets {
+        add_facet_of_many(skin, facet, planes, &mut sums, scratch);
     }
     sums
+}
+
+/// Adds up one facet, cut by all planes and the box whatever its plan says.
+fn add_facet_of_many(
+    skin: &Skin,
+    plan: &FacetPlan,
+    planes: &[FieldPlane],
+    sums: &mut SideSums,
+    scratch: &mut SideScratch,
+) {
+    let facet = &skin.shape.facets[usize::from(plan.facet)];
+    let frame = &facet.frame;
+    let mut field = PlaneField::new(planes);
+    field.place(frame);
+    scratch.clipper.load(skin.shape.polygon(facet));
+    let bounding = usize::from(skin.plan.bounding);
+    if cut_by_field(&mut scratch.clipper, &field, bounding)
+        && cut_by_box(&mut scratch.clipper, &skin.region, frame)
+    {
+        let normal = skin.shape.planes[usize::from(facet.plane)].normal;
+        let lever = normal.dot(&(frame.origin - skin.field_centre));
+        let origin = &skin.region.centre;
+        sums.add_polygon(frame, &normal, lever, &mut field, origin, scratch);
+    }
 }
 
 /// Cuts the polygon in the clipper by the planes that bound the field.
