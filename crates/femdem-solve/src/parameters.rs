@@ -44,7 +44,7 @@ pub struct TimeStepParameters {
 impl Default for TimeStepParameters {
     fn default() -> Self {
         Self {
-            safety: 0.8,
+            safety: 0.9,
             largest: None,
         }
     }
@@ -79,10 +79,10 @@ impl Default for SleepParameters {
         Self {
             enabled: true,
             tolerance: 0.03,
-            creep: 1e-6,
+            creep: 1e-5,
             ringing: 1e-4,
-            window: 100,
-            steps: 50,
+            window: 200,
+            steps: 30,
             recheck: 10,
         }
     }

@@ -90,14 +90,10 @@ impl Context<'_> {
     }
 }
 
-/// Evaluates the pairs in order.
+/// Evaluates all pairs of the order. Each pair is written in its own slot, so neither the
+/// order nor the number of threads changes a bit.
 pub(crate) fn run(context: &Context, pairs: &mut PairTable) {
-    #[cfg(feature = "parallel")]
-    if pairs.order_len() >= SERIAL_BELOW && rayon::current_num_threads() > 1 {
-        run_parallel(context, pairs);
-        return;
-    }
-    let mut scratch = Scratch::default();
+    let mut due = Vec::with_capacity(pairs.order_len());
     for k in 0..pairs.order_len() {
         let slot = pairs.order()[k];
         let pair = pairs.slot_mut(slot);
@@ -105,41 +101,24 @@ pub(crate) fn run(context: &Context, pairs: &mut PairTable) {
             pair.contact = None;
             pair.friction = None;
         } else {
-            context.evaluate(pair, &mut scratch);
+            due.push(slot);
         }
     }
-}
-
-/// As the serial loop: each task works on copies of its pairs, which are then put back in
-/// order.
-#[cfg(feature = "parallel")]
-fn run_parallel(context: &Context, pairs: &mut PairTable) {
-    use rayon::prelude::*;
-    let due: Vec<u32> = pairs
-        .order()
-        .iter()
-        .copied()
-        .filter(|&slot| !context.is_clear(pairs.slot(slot)))
-        .collect();
-    let mut outcomes = Vec::new();
-    let table: &PairTable = pairs;
-    due.par_iter()
-        .with_min_len(32)
-        .map_init(Scratch::default, |scratch, &slot| {
-            let mut pair = table.slot(slot).clone();
-            context.evaluate(&mut pair, scratch);
-            pair
-        })
-        .collect_into_vec(&mut outcomes);
-    for k in 0..pairs.order_len() {
-        let slot = pairs.order()[k];
-        if context.is_clear(pairs.slot(slot)) {
-            let pair = pairs.slot_mut(slot);
-            pair.contact = None;
-            pair.friction = None;
-        }
+    #[cfg(feature = "parallel")]
+    if due.len() >= SERIAL_BELOW && rayon::current_num_threads() > 1 {
+        use rayon::prelude::*;
+        due.sort_unstable();
+        pairs
+            .slots_mut(&due)
+            .into_par_iter()
+            .with_min_len(16)
+            .for_each_init(Scratch::default, |scratch, pair| {
+                context.evaluate(pair, scratch);
+            });
+        return;
     }
-    for (slot, pair) in due.into_iter().zip(outcomes) {
-        *pairs.slot_mut(slot) = pair;
+    let mut scratch = Scratch::default();
+    for slot in due {
+        context.evaluate(pairs.slot_mut(slot), &mut scratch);
     }
 }

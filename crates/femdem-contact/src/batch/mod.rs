@@ -19,7 +19,8 @@ use std::sync::Arc;
 
 /// Fewer pairs than this are evaluated on the calling thread: handing them out would
 /// cost more than it saves. The results are the same bits either way.
-pub(crate) const SERIAL_BELOW: usize = 256;
+#[cfg(feature = "parallel")]
+pub(crate) const SERIAL_BELOW: usize = 96;
 
 /// Sums over the pairs that the last update evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]

@@ -175,6 +175,24 @@ impl PairTable {
         &mut self.slots[slot as usize]
     }
 
+    /// The pairs in the given slots, which must be ascending.
+    #[cfg(feature = "parallel")]
+    pub fn slots_mut(&mut self, ascending: &[u32]) -> Vec<&mut Pair> {
+        let mut rest = self.slots.as_mut_slice();
+        let mut passed = 0;
+        let mut list = Vec::with_capacity(ascending.len());
+        for &slot in ascending {
+            let skip = (slot as usize).saturating_sub(passed).min(rest.len());
+            let Some((pair, after)) = rest.split_at_mut(skip).1.split_first_mut() else {
+                break;
+            };
+            list.push(pair);
+            passed += skip + 1;
+            rest = after;
+        }
+        list
+    }
+
     /// The pairs of the last update, in order.
     pub fn evaluated(&self) -> impl Iterator<Item = &Pair> {
         self.order.iter().map(|&slot| self.slot(slot))
