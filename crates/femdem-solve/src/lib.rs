@@ -14,4 +14,4 @@ pub use drive::Drive;
 pub use error::SolveError;
 pub use ledger::Ledger;
 pub use parameters::{Medium, SleepParameters, TimeStepParameters, WorldParameters};
-pub use world::{Counters, Residuals, World};
+pub use world::{Counters, Residuals, Stability, World};

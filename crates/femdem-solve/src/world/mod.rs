@@ -4,6 +4,7 @@ mod active;
 mod build;
 mod hash;
 mod query;
+mod stability;
 mod step;
 mod time_step;
 
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
 pub use query::Residuals;
+pub use stability::Stability;
 
 /// Rigid bodies of convex shapes between walls, stepped explicitly.
 ///
