@@ -30,10 +30,26 @@ impl PlaneSums {
         p.pressure_moment.x += q.pressure_moment.x;
         p.pressure_moment.y += q.pressure_moment.y;
         p.pressure_second += q.pressure_second;
+        self.add_stiffness(q, weight);
+    }
+
+    #[inline]
+    fn add_stiffness(&mut self, q: &PolygonIntegrals, weight: f64) {
         self.stiffness += weight * q.area;
         self.stiffness_moment.x += weight * q.moment.x;
         self.stiffness_moment.y += weight * q.moment.y;
         self.stiffness_second += weight * q.second;
+    }
+
+    /// Adds the change of field and weight over a part of what is already summed.
+    #[inline]
+    pub(crate) fn correct(&mut self, q: &PolygonIntegrals, weight: f64) {
+        let p = &mut self.polygon;
+        p.pressure += q.pressure;
+        p.pressure_moment.x += q.pressure_moment.x;
+        p.pressure_moment.y += q.pressure_moment.y;
+        p.pressure_second += q.pressure_second;
+        self.add_stiffness(q, weight);
     }
 }
 

@@ -7,7 +7,7 @@ use super::cells::PlaneSums;
 use super::clip::{Cut, Line, Point, integrate};
 use super::field::TIE;
 use super::plan::FacetPlan;
-use super::polygon::{MOST, Polygon};
+use super::polygon::Polygon;
 use super::side::{FieldPlane, SideSums, Skin};
 use crate::shape::PlaneFrame;
 use femdem_mesh::Vector3;
@@ -19,13 +19,6 @@ const LINE: usize = MOST_LINES - 1;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct TooMany;
 
-/// A convex piece of the polygon and the plane that is lowest on it so far.
-#[derive(Debug, Default)]
-struct Piece {
-    polygon: Box<Polygon>,
-    owner: usize,
-}
-
 /// Buffers of the fast path.
 #[derive(Debug)]
 pub(crate) struct Fast {
@@ -33,7 +26,7 @@ pub(crate) struct Fast {
     lines: [Line; MOST_LINES],
     polygon: Box<Polygon>,
     spare: Box<Polygon>,
-    pieces: Vec<Piece>,
+    cell: Box<Polygon>,
 }
 
 impl Default for Fast {
@@ -42,7 +35,7 @@ impl Default for Fast {
             lines: [Line::default(); MOST_LINES],
             polygon: Box::default(),
             spare: Box::default(),
-            pieces: Vec::new(),
+            cell: Box::default(),
         }
     }
 }
@@ -101,7 +94,11 @@ impl Fast {
             let Some(plane) = field.get(k) else { continue };
             let line = plane.on(frame);
             self.lines[k & LINE] = line;
-            let from = if whole { corners } else { self.polygon.corners() };
+            let from = if whole {
+                corners
+            } else {
+                self.polygon.corners()
+            };
             match self.spare.set_cut(from, &line).ok_or(TooMany)? {
                 Cut::Empty => return Ok(Cut::Empty),
                 Cut::Whole => {}
@@ -144,6 +141,10 @@ impl Fast {
 
     /// Integrals of the lowest field in `own`, placed, over the present polygon with unit
     /// normal `n`.
+    ///
+    /// One plane is taken as the owner of all; what the others are below it, each in its own
+    /// cell, is added. Cells are mostly narrow strips along cut edges, so the plane that is
+    /// lowest in the middle makes the few and small corrections.
     #[inline]
     pub(crate) fn sum_cells(
         &mut self,
@@ -152,93 +153,84 @@ impl Fast {
         n: &Vector3,
         origin: &Point,
     ) -> Result<PlaneSums, TooMany> {
-        let mut sums = PlaneSums::default();
         let weight = |k: usize| field.get(k).map_or(0.0, |plane| plane.weight(n));
-        let winners = if own & own.wrapping_sub(1) == 0 {
-            own
+        let single = own & own.wrapping_sub(1) == 0;
+        let main = if single {
+            own.trailing_zeros() as usize
         } else {
-            self.winners(own)
+            self.lowest_amid(own)
         };
-        let owner = winners.trailing_zeros() as usize;
-        if winners & winners.wrapping_sub(1) == 0 {
-            let q = integrate(self.polygon.corners(), origin, &self.line(owner));
-            sums.add(&q, weight(owner));
+        let (line, main_weight) = (self.line(main), weight(main));
+        let mut sums = PlaneSums::default();
+        let q = integrate(self.polygon.corners(), origin, &line);
+        sums.add(&q, main_weight);
+        if single {
             return Ok(sums);
         }
-        self.provide(0);
-        std::mem::swap(&mut self.pieces[0].polygon, &mut self.polygon);
-        self.pieces[0].owner = owner;
-        let mut used = 1;
-        // The planes that surely own something first: the others then mostly own nothing.
-        for k in bits(winners & !(1 << owner)).chain(bits(own & !winners)) {
-            for i in 0..used {
-                used += usize::from(self.split(i, k, used)?);
+        for k in bits(own & !(1 << main)) {
+            let excess = self.line(k).minus(&line);
+            if self.cut_cell(k, own & !(1 << main), &excess)? {
+                let q = integrate(self.cell.corners(), origin, &excess);
+                sums.correct(&q, weight(k) - main_weight);
             }
-        }
-        for piece in &self.pieces[..used] {
-            let q = integrate(piece.polygon.corners(), origin, &self.line(piece.owner));
-            sums.add(&q, weight(piece.owner));
         }
         Ok(sums)
     }
 
-    /// The planes of `own` that are lowest at a corner of the polygon.
+    /// The plane of `own` that is lowest at the mean of the corners.
     #[inline]
-    fn winners(&self, own: u64) -> u64 {
-        let mut lowest = [(f64::INFINITY, 0_u64); MOST];
+    fn lowest_amid(&self, own: u64) -> usize {
         let corners = self.polygon.corners();
+        let (mut x, mut y) = (0.0, 0.0);
+        for p in corners {
+            x += p.x;
+            y += p.y;
+        }
+        let share = 1.0 / corners.len() as f64;
+        let middle = Point {
+            x: x * share,
+            y: y * share,
+        };
+        let mut best = (f64::INFINITY, 0);
         for k in bits(own) {
-            let line = self.line(k);
-            for (p, low) in corners.iter().zip(&mut lowest) {
-                let v = line.at(p);
-                if v < low.0 {
-                    *low = (v, 1 << k);
+            let v = self.line(k).at(&middle);
+            if v < best.0 {
+                best = (v, k);
+            }
+        }
+        best.1
+    }
+
+    /// Cuts out the part of the polygon where plane `k` is below the main owner, `excess` =
+    /// phi_k - phi_main, and below the `others`; false if there is none. Of two planes that
+    /// are equal to round-off, the first takes all.
+    #[inline]
+    fn cut_cell(&mut self, k: usize, others: u64, excess: &Line) -> Result<bool, TooMany> {
+        let mut below = excess.flipped();
+        below.c -= TIE;
+        let polygon = self.polygon.corners();
+        let mut whole = match self.cell.set_cut(polygon, &below).ok_or(TooMany)? {
+            Cut::Empty => return Ok(false),
+            Cut::Whole => true,
+            Cut::Part => false,
+        };
+        let line = self.line(k);
+        for j in bits(others & !(1 << k)) {
+            let mut below = self.line(j).minus(&line);
+            below.c += if j < k { -TIE } else { TIE };
+            let from = if whole { &self.polygon } else { &self.cell };
+            match self.spare.set_cut(from.corners(), &below).ok_or(TooMany)? {
+                Cut::Empty => return Ok(false),
+                Cut::Whole => {}
+                Cut::Part => {
+                    std::mem::swap(&mut self.cell, &mut self.spare);
+                    whole = false;
                 }
             }
         }
-        let found = corners.iter().zip(&lowest);
-        found.fold(0, |set, (_, low)| set | low.1)
-    }
-
-    /// Makes sure that piece `i` exists.
-    #[inline]
-    fn provide(&mut self, i: usize) {
-        if self.pieces.len() <= i {
-            self.pieces.resize_with(i + 1, Piece::default);
+        if whole {
+            self.cell.load(self.polygon.corners());
         }
-    }
-
-    /// Gives plane `k` the part of piece `i` where it is lower than the owner; true if
-    /// that made a new piece, number `used`.
-    #[inline]
-    fn split(&mut self, i: usize, k: usize, used: usize) -> Result<bool, TooMany> {
-        let piece = &self.pieces[i];
-        let above = self.line(k).minus(&self.line(piece.owner));
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for p in piece.polygon.corners() {
-            let d = above.at(p);
-            low = if d < low { d } else { low };
-            high = if d > high { d } else { high };
-        }
-        if low >= -TIE {
-            return Ok(false);
-        }
-        if high <= TIE {
-            self.pieces[i].owner = k;
-            return Ok(false);
-        }
-        self.provide(used);
-        let [old, new] = self
-            .pieces
-            .get_disjoint_mut([i, used])
-            .map_err(|_| TooMany)?;
-        let corners = old.polygon.corners();
-        new.polygon
-            .set_cut(corners, &above.flipped())
-            .ok_or(TooMany)?;
-        new.owner = k;
-        self.spare.set_cut(corners, &above).ok_or(TooMany)?;
-        std::mem::swap(&mut old.polygon, &mut self.spare);
         Ok(true)
     }
 }

@@ -31,8 +31,7 @@ impl<'a> PlaneField<'a> {
     /// Moves to the plane of a facet.
     pub(crate) fn place(&mut self, frame: &PlaneFrame) {
         self.lines.clear();
-        self.lines
-            .extend(self.planes.iter().map(|p| p.on(frame)));
+        self.lines.extend(self.planes.iter().map(|p| p.on(frame)));
     }
 
     /// phi of plane `k` on the present facet.

@@ -297,15 +297,17 @@ fn find_near(
         field: margin,
         region,
     };
-    let on_b = SidePlan::new(b, &in_b.facets, &in_a, planes, &region_b, margins(margin), plan);
+    let on_b = SidePlan::new(
+        b,
+        &in_b.facets,
+        &in_a,
+        planes,
+        &region_b,
+        margins(margin),
+        plan,
+    );
     pose_planes(b, &in_b.planes, rotation, offset, planes);
     let on_a = SidePlan::new(a, &in_a.facets, &in_b, planes, &region, margins(0.0), plan);
     let some = !(on_a.facets.is_empty() && on_b.facets.is_empty());
-    some.then(|| {
-        Box::new(Near {
-            region,
-            on_b,
-            on_a,
-        })
-    })
+    some.then(|| Box::new(Near { region, on_b, on_a }))
 }

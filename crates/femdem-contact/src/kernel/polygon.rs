@@ -53,8 +53,12 @@ impl Signs {
         let before = (set << 1 | set >> (len - 1)) & self.all;
         let after = set >> 1 | (set & 1) << (len - 1);
         let (starts, ends) = (set & !before, set & !after);
-        (starts & (starts - 1) == 0)
-            .then(|| [starts.trailing_zeros() as usize, ends.trailing_zeros() as usize])
+        (starts & (starts - 1) == 0).then(|| {
+            [
+                starts.trailing_zeros() as usize,
+                ends.trailing_zeros() as usize,
+            ]
+        })
     }
 }
 
