@@ -68,7 +68,7 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
         let saved = folder::load(&args.folder)?;
         let summary = results::write(&args.folder, &saved.packing, &saved.usage)?;
-        report(&summary, &args.folder, args.quiet);
+        report(&summary, &saved.packing, &args.folder, args.quiet)?;
         Ok(Outcome::Finished)
     })
 }
@@ -137,7 +137,7 @@ impl Run {
             return Ok(Outcome::Interrupted);
         }
         let summary = results::write(&self.folder, &packing, &usage)?;
-        report(&summary, &self.folder, self.quiet);
+        report(&summary, &packing, &self.folder, self.quiet)?;
         Ok(Outcome::Finished)
     }
 
@@ -193,12 +193,24 @@ fn watch_for_interrupt() -> Result<Arc<AtomicBool>> {
     Ok(flag)
 }
 
-fn report(summary: &Summary, folder: &Path, quiet: bool) {
-    if !quiet {
-        say(&format!(
-            "{summary}  {:<20} {}",
-            "results in",
-            folder.display()
-        ));
+/// Prints the summary, and how close the step is to its measured limit.
+fn report(summary: &Summary, packing: &Packing, folder: &Path, quiet: bool) -> Result<()> {
+    if quiet {
+        return Ok(());
     }
+    let mut text = summary.to_string();
+    if let Some(stability) = packing.world().stability()? {
+        text += &format!(
+            "  {:<20} {:.2} of the measured limit, {:.2e} s\n",
+            "time step",
+            stability.used(),
+            stability.limit
+        );
+    }
+    say(&format!(
+        "{text}  {:<20} {}",
+        "results in",
+        folder.display()
+    ));
+    Ok(())
 }
