@@ -4,7 +4,7 @@ use crate::damping::Damped;
 use crate::friction::Friction;
 use crate::kernel::Overlap;
 use crate::motion::Motion;
-use femdem_mesh::Vector3;
+use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// A body of the batch, by order of addition.
@@ -58,8 +58,12 @@ pub struct Contact {
     pub spring_energy: f64,
     /// Normal stiffness, N/m.
     pub stiffness: f64,
-    /// Contribution to the squared frequency bound of A and B, 1/s^2.
-    pub(crate) frequency2: [f64; 2],
+    /// Stiffness of the tangential spring, N/m.
+    pub tangential_stiffness: f64,
+    /// Polar second moment of the normal stiffness over the patch, N m.
+    pub stiffness_second: f64,
+    /// Shares of A and B in the stability bound; see [`Load::frequency2`].
+    pub(crate) shares: [f64; 2],
     /// Contribution to the viscous rate bound of A and B, 1/s.
     pub(crate) rate: [f64; 2],
 }
@@ -74,17 +78,19 @@ pub(crate) fn assemble(
     motions: [&Motion; 2],
 ) -> Contact {
     let elastic_force = overlap.force_magnitude();
-    // The patch also resists rocking: its stiffness spread over the contact area.
-    let rocking = if overlap.stiffness > 0.0 {
-        overlap.stiffness_second / overlap.stiffness
-    } else {
-        0.0
-    };
-    let normal = [0, 1].map(|i| damped.inverse_mass[i] + rocking * motions[i].inverse_inertia_max);
-    let spring =
-        [0, 1].map(|i| friction.inverse_mass[i] + rocking * motions[i].inverse_inertia_max);
     let bound = |k: f64, w: [f64; 2], i: usize| k * (w[i] + (w[0] * w[1]).sqrt());
-    let both = |kn: f64, kt: f64| [0, 1].map(|i| bound(kn, normal, i) + bound(kt, spring, i));
+    let rate = [0, 1].map(|i| {
+        bound(damped.viscosity, damped.inverse_mass, i)
+            + bound(friction.viscosity, friction.inverse_mass, i)
+    });
+    let w = friction.inverse_mass;
+    let shares = [0, 1].map(|i| {
+        if w[i] > 0.0 {
+            1.0 + (w[1 - i] / w[i]).sqrt()
+        } else {
+            0.0
+        }
+    });
     Contact {
         a,
         b,
@@ -104,8 +110,10 @@ pub(crate) fn assemble(
         energy: overlap.energy,
         spring_energy: friction.energy,
         stiffness: overlap.stiffness,
-        frequency2: both(overlap.stiffness, friction.stiffness),
-        rate: both(damped.viscosity, friction.viscosity),
+        tangential_stiffness: friction.stiffness,
+        stiffness_second: overlap.stiffness_second,
+        shares,
+        rate,
     }
 }
 
@@ -168,8 +176,10 @@ pub struct Load {
     pub normal_sum: f64,
     /// Number of contacts.
     pub contacts: u32,
-    /// Bound of the squared contact frequencies, 1/s^2.
-    pub frequency2: f64,
+    /// Stiffness of the contacts against moving the body, weighted by its shares, N/m.
+    pub stiffness: Matrix3,
+    /// The same against turning it, N m.
+    pub turning_stiffness: Matrix3,
     /// Bound of the viscous rates, 1/s.
     pub rate: f64,
 }
@@ -201,7 +211,75 @@ impl Load {
         );
         self.normal_sum += contact.normal_force;
         self.contacts += 1;
-        self.frequency2 += contact.frequency2[side];
+        self.add_stiffness(contact, arm, contact.shares[side]);
         self.rate += contact.rate[side];
+    }
+
+    fn add_stiffness(&mut self, contact: &Contact, arm: &Vector3, share: f64) {
+        let n = &contact.normal;
+        let (kn, kt) = (
+            contact.stiffness * share,
+            contact.tangential_stiffness * share,
+        );
+        // Springs along and across the normal, at the contact point.
+        self.stiffness += n * (n * (kn - kt)).transpose();
+        let lever = arm.cross(n);
+        self.turning_stiffness +=
+            lever * (lever * (kn - kt)).transpose() - arm * (arm * kt).transpose();
+        // The foundation spread over the patch: rocking by half its polar second moment,
+        // torsion by the tangential share of all of it.
+        let second = contact.stiffness_second * share;
+        let ratio = if contact.stiffness > 0.0 {
+            contact.tangential_stiffness / contact.stiffness
+        } else {
+            0.0
+        };
+        self.turning_stiffness += n * (n * (second * (ratio - 0.5))).transpose();
+        for k in 0..3 {
+            self.stiffness[(k, k)] += kt;
+            self.turning_stiffness[(k, k)] += kt * arm.norm_squared() + 0.5 * second;
+        }
+    }
+
+    /// Bound of the squared frequencies of a body, 1/s^2, with its inverse mass and largest
+    /// inverse moment of inertia.
+    ///
+    /// The stiffness matrix of a pair, scaled by masses, is at most its own diagonal blocks
+    /// times 1 + sqrt(w_j/w_i) and 1 + sqrt(w_i/w_j), w the inverse masses at the contact:
+    /// the shares. Each body's block is at most the sum of its two diagonal blocks.
+    pub fn frequency2(&self, inverse_mass: f64, inverse_inertia: f64) -> f64 {
+        largest(&self.stiffness) * inverse_mass + largest(&self.turning_stiffness) * inverse_inertia
+    }
+}
+
+/// Upper bound of the largest eigenvalue of a symmetric matrix: the root of the largest row
+/// sum of its square.
+fn largest(m: &Matrix3) -> f64 {
+    let square = m * m;
+    let row = |i: usize| (0..3).map(|j| square[(i, j)].abs()).sum::<f64>();
+    row(0).max(row(1)).max(row(2)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bound_lies_just_above_the_largest_eigenvalue() {
+        let mut x = 0.3_f64;
+        let mut next = || {
+            x = (x * 997.0 + 0.123).fract();
+            x - 0.5
+        };
+        for _ in 0..200 {
+            let a = Matrix3::from_fn(|_, _| next());
+            let m = a * a.transpose();
+            let exact = m.symmetric_eigenvalues().max();
+            let bound = largest(&m);
+            assert!(
+                bound >= exact * (1.0 - 1e-12) && bound < 1.4 * exact,
+                "{bound} {exact}"
+            );
+        }
     }
 }

@@ -39,7 +39,10 @@ impl World {
 
     fn choose_step(&mut self) -> f64 {
         let loads = self.batch.loads();
-        let awake = self.awake.iter().map(|&i| &loads[i as usize]);
+        let awake = self
+            .awake
+            .iter()
+            .map(|&i| (&loads[i as usize], &self.motions[i as usize]));
         self.step_control.choose(awake, &self.parameters.time_step)
     }
 

@@ -2,7 +2,7 @@
 
 use crate::body::Body;
 use crate::parameters::TimeStepParameters;
-use femdem_contact::{ContactParameters, ConvexShape, Load};
+use femdem_contact::{ContactParameters, ConvexShape, Load, Motion};
 use serde::{Deserialize, Serialize};
 
 /// Step sizes are the cap divided by powers of this.
@@ -72,13 +72,16 @@ impl StepControl {
     /// Chooses the step from the loads of the awake bodies.
     pub(crate) fn choose<'a>(
         &mut self,
-        loads: impl Iterator<Item = &'a Load>,
+        loads: impl Iterator<Item = (&'a Load, &'a Motion)>,
         parameters: &TimeStepParameters,
     ) -> f64 {
         let limit = parameters.largest.unwrap_or(f64::INFINITY);
         let top = (parameters.safety * self.cap).min(limit);
         self.bound = loads
-            .map(|l| stable(l.frequency2, l.rate))
+            .map(|(load, m)| {
+                let frequency2 = load.frequency2(m.inverse_mass, m.inverse_inertia_max);
+                stable(frequency2, load.rate)
+            })
             .fold(f64::INFINITY, f64::min);
         let allowed = on_level(top, parameters.safety * self.bound);
         if allowed <= self.current || self.current == 0.0 || self.current > top {
