@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "every test file uses its own part")]
 
+pub mod pack;
+
 use femdem_contact::{ConvexShape, Frame};
 use femdem_mesh::Polyhedron;
 use femdem_mesh::catalogue::CatalogueShape;

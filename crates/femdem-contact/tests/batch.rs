@@ -1,0 +1,322 @@
+//! The batch finds the same contacts as the kernels called on every pair, sums them to the
+//! loads, keeps what is known of sleeping pairs, and does so in the same bits for any number
+//! of threads.
+
+mod common;
+
+use common::Stream;
+use common::pack::{advance, placed, shape, stir};
+use femdem_contact::kernel::{CavityKernel, Scratch};
+use femdem_contact::{
+    Contact, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Frame, Motion, Overlap,
+    PairKernel, Partner, Wall,
+};
+use femdem_mesh::nalgebra::Vector3;
+use std::sync::Arc;
+
+const PENALTY: f64 = 1e3;
+
+/// Bodies of five shapes and sizes 1 to 3 that drift about between moving walls.
+struct Pack {
+    batch: ContactBatch,
+    shapes: Vec<Arc<ConvexShape>>,
+    walls: Vec<Wall>,
+    bodies: Vec<Motion>,
+    wall_motions: Vec<Motion>,
+    stream: Stream,
+    step: u32,
+}
+
+impl Pack {
+    fn new(count: usize, seed: u64) -> Self {
+        let law = ContactLaw::new(ContactParameters {
+            penalty: PENALTY,
+            ..ContactParameters::default()
+        });
+        let mut batch = ContactBatch::new(law.unwrap());
+        let mut stream = Stream(seed);
+        let side = 1.35 * (count as f64).cbrt();
+        let mut walls = Wall::closed_box(Vector3::zeros(), Vector3::repeat(side)).unwrap();
+        walls.push(Wall::cylinder("mantle", 0.8 * side, 24).unwrap());
+        let mut wall_motions = vec![Motion::fixed(Frame::identity()); walls.len()];
+        wall_motions[6].frame.position = Vector3::new(0.5 * side, 0.5 * side, 0.0);
+        for wall in &walls {
+            batch.add_wall(wall.clone());
+        }
+        let ids = ["P1", "A10", "P5", "A1", "P3"];
+        let (mut shapes, mut bodies) = (Vec::new(), Vec::new());
+        for i in 0..count {
+            // The largest come late, so that the grid has to grow.
+            let d = 1.0 + 2.0 * i as f64 / count as f64;
+            shapes.push(shape(ids[i % ids.len()], d));
+            let id = batch.add_shape(shapes[i].clone());
+            batch.add_body(id).unwrap();
+            let position = (stream.vector() + Vector3::repeat(0.5)) * side;
+            let mut motion = placed(&shapes[i], position, stream.rotation());
+            stir(&mut motion, &shapes[i], &mut stream);
+            bodies.push(motion);
+        }
+        Self {
+            batch,
+            shapes,
+            walls,
+            bodies,
+            wall_motions,
+            stream,
+            step: 0,
+        }
+    }
+
+    /// Moves everything that is awake and updates the batch.
+    fn advance(&mut self) {
+        for (i, (motion, shape)) in self.bodies.iter_mut().zip(&self.shapes).enumerate() {
+            if self.step % 40 == 39 {
+                stir(motion, shape, &mut self.stream);
+            }
+            if self.batch.is_awake(i as u32) {
+                advance(motion, shape, 1.0);
+            }
+        }
+        for (w, motion) in self.wall_motions.iter_mut().enumerate() {
+            let phase = f64::from(self.step) * 0.05 + w as f64;
+            motion.velocity = Vector3::new(phase.sin(), phase.cos(), 0.5) * 0.01;
+            motion.frame.position += motion.velocity;
+            motion.travelled += motion.velocity.norm();
+        }
+        self.step += 1;
+        self.batch
+            .update(&self.bodies, &self.wall_motions, 1.0)
+            .unwrap();
+    }
+
+    /// All overlaps with at least one awake body, from the kernels without caches.
+    fn brute_force(&self) -> Vec<(Partner, u32, Overlap)> {
+        let pair = PairKernel::new(PENALTY).unwrap();
+        let cavity = CavityKernel::new(PENALTY).unwrap();
+        let mut scratch = Scratch::default();
+        let mut found = Vec::new();
+        let frame = |i: usize| &self.bodies[i].frame;
+        let awake = |i: usize| self.batch.is_awake(i as u32);
+        for i in 0..self.bodies.len() {
+            for j in i + 1..self.bodies.len() {
+                if (awake(i) || awake(j))
+                    && let Some(x) = pair.evaluate(
+                        &self.shapes[i],
+                        frame(i),
+                        &self.shapes[j],
+                        frame(j),
+                        &mut scratch,
+                    )
+                {
+                    found.push((Partner::Body(i as u32), j as u32, x));
+                }
+            }
+            for (w, wall) in self.walls.iter().enumerate() {
+                let at = &self.wall_motions[w].frame;
+                if awake(i)
+                    && let Some(x) =
+                        cavity.evaluate(wall, at, &self.shapes[i], frame(i), &mut scratch)
+                {
+                    found.push((Partner::Wall(w as u32), i as u32, x));
+                }
+            }
+        }
+        found.sort_by_key(|x| (x.0, x.1));
+        found
+    }
+
+    /// Contacts on record with at least one awake body, sorted like `brute_force`.
+    fn evaluated(&self) -> Vec<Contact> {
+        let mut list: Vec<Contact> = self
+            .batch
+            .contacts()
+            .into_iter()
+            .copied()
+            .filter(|c| {
+                self.batch.is_awake(c.b)
+                    || matches!(c.a, Partner::Body(a) if self.batch.is_awake(a))
+            })
+            .collect();
+        list.sort_by_key(|c| (c.a, c.b));
+        list
+    }
+
+    /// Compares contacts with brute force; returns how many there were. An overlap so slight
+    /// that its force is lost in rounding may be seen by one of the two only.
+    fn check_contacts(&self) -> usize {
+        let slight = 1e-12 * PENALTY;
+        let mut want = self.brute_force();
+        let mut got = self.evaluated();
+        let known: Vec<_> = want.iter().map(|w| (w.0, w.1)).collect();
+        let seen: Vec<_> = got.iter().map(|c| (c.a, c.b)).collect();
+        got.retain(|c| c.elastic_force > slight || known.contains(&(c.a, c.b)));
+        want.retain(|w| w.2.force.norm() > slight || seen.contains(&(w.0, w.1)));
+        let pairs = |x: &[Contact]| x.iter().map(|c| (c.a, c.b)).collect::<Vec<_>>();
+        let wanted: Vec<_> = want.iter().map(|w| (w.0, w.1)).collect();
+        assert_eq!(pairs(&got), wanted, "pairs at step {}", self.step);
+        for (c, (a, b, x)) in got.iter().zip(&want) {
+            let force = x.force.norm();
+            let off = (c.normal * c.elastic_force - x.force).norm();
+            let least = 1e-9 * force + slight;
+            assert!(off <= least, "{a:?}-{b}: force off by {off:e} of {force:e}");
+            let off =
+                (c.arm_b.cross(&(c.normal * c.elastic_force)) + c.moment - x.torque_b()).norm();
+            assert!(off <= 3.0 * least, "{a:?}-{b}: torque off by {off:e}");
+        }
+        got.len()
+    }
+
+    /// Sums the contacts to loads about each body's origin, from what a contact reports.
+    fn check_loads(&self) {
+        let mut sums = vec![[Vector3::zeros(); 2]; self.bodies.len()];
+        let mut on_walls = vec![[Vector3::zeros(); 2]; self.walls.len()];
+        let mut size = 0.0_f64;
+        for c in self.evaluated() {
+            let force = c.force_on_b();
+            let couple =
+                c.moment * (c.normal_force / c.elastic_force) + c.rocking + c.normal * c.torsion;
+            size = size.max(force.norm()).max(couple.norm());
+            let at = |position: &Vector3<f64>| couple + (c.point - position).cross(&force);
+            let b = c.b as usize;
+            sums[b][0] += force;
+            sums[b][1] += at(&self.bodies[b].frame.position);
+            let (sum, origin) = match c.a {
+                Partner::Body(a) => (&mut sums[a as usize], &self.bodies[a as usize]),
+                Partner::Wall(w) => (&mut on_walls[w as usize], &self.wall_motions[w as usize]),
+            };
+            sum[0] -= force;
+            sum[1] -= at(&origin.frame.position);
+        }
+        let close = |got: &Vector3<f64>, want: &Vector3<f64>, what: &str| {
+            let off = (got - want).norm();
+            assert!(off <= 1e-10 * size, "{what}: off by {off:e} of {size:e}");
+        };
+        for (w, (load, sum)) in self.batch.wall_loads().iter().zip(&on_walls).enumerate() {
+            close(&load.total.force, &sum[0], &format!("force on wall {w}"));
+            close(&load.total.torque, &sum[1], &format!("torque on wall {w}"));
+        }
+        for (i, (load, sum)) in self.batch.loads().iter().zip(&sums).enumerate() {
+            if self.batch.is_awake(i as u32) {
+                close(&load.total.force, &sum[0], &format!("force on {i}"));
+                close(&load.total.torque, &sum[1], &format!("torque on {i}"));
+                let count = self.batch.contacts_of(i as u32).count();
+                assert_eq!(load.contacts as usize, count);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_contacts_as_brute_force() {
+    for seed in [1, 2] {
+        let mut pack = Pack::new(40, seed);
+        let mut seen = 0;
+        for step in 0..300 {
+            pack.advance();
+            if step % 7 == 0 {
+                seen += pack.check_contacts();
+                pack.check_loads();
+            }
+        }
+        assert!(seen > 2000, "only {seen} contacts were compared");
+    }
+}
+
+#[test]
+fn sleeping_pairs_stay_on_record() {
+    let mut pack = Pack::new(40, 5);
+    let mut kept = 0;
+    for round in 0..12 {
+        for _ in 0..10 {
+            pack.advance();
+        }
+        for i in 0..40_u32 {
+            pack.batch.set_awake(i, true);
+        }
+        pack.advance();
+        let both = |c: &Contact, set: &[u32]| match c.a {
+            Partner::Body(a) => set.contains(&a) && set.contains(&c.b),
+            Partner::Wall(_) => set.contains(&c.b),
+        };
+        let sleepers: Vec<u32> = (0..40).filter(|_| pack.stream.unit() < 0.6).collect();
+        let on_record = |pack: &Pack| -> Vec<Contact> {
+            let all = pack.batch.contacts();
+            all.into_iter()
+                .copied()
+                .filter(|c| both(c, &sleepers))
+                .collect()
+        };
+        let before = on_record(&pack);
+        for &i in &sleepers {
+            pack.batch.set_awake(i, false);
+        }
+        for _ in 0..10 {
+            pack.advance();
+            pack.check_contacts();
+            pack.check_loads();
+            assert_eq!(on_record(&pack), before, "round {round}");
+        }
+        for &i in &sleepers {
+            let load = pack.batch.load_of(i);
+            assert_eq!(load.contacts as usize, pack.batch.contacts_of(i).count());
+        }
+        let neighbours = pack.batch.sleeping_neighbours();
+        assert!(neighbours.iter().all(|i| sleepers.contains(i)));
+        kept += before.len();
+    }
+    assert!(kept > 100, "only {kept} sleeping contacts");
+}
+
+/// Contacts as bits, with everything a step depends on.
+fn fingerprint(batch: &ContactBatch) -> Vec<u64> {
+    let bits = |v: &Vector3<f64>| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    let mut all: Vec<u64> = Vec::new();
+    for c in batch.contacts() {
+        all.push(u64::from(c.b));
+        for v in [&c.point, &c.normal, &c.friction, &c.moment, &c.rocking] {
+            all.extend(bits(v));
+        }
+        for x in [
+            c.normal_force,
+            c.energy,
+            c.spring_energy,
+            c.torsion,
+            c.stiffness,
+        ] {
+            all.push(x.to_bits());
+        }
+    }
+    for load in batch.loads().iter().chain(batch.wall_loads()) {
+        all.extend(bits(&load.total.force));
+        all.extend(bits(&load.total.torque));
+        all.push(load.frequency2.to_bits());
+    }
+    all
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| {
+            let mut pack = Pack::new(150, 9);
+            let mut all = Vec::new();
+            let mut most = 0;
+            for _ in 0..60 {
+                pack.advance();
+                most = most.max(pack.batch.candidate_count());
+                all.extend(fingerprint(&pack.batch));
+            }
+            assert!(most > 512, "{most} pairs are too few to be handed out");
+            all
+        })
+    };
+    let one = run(1);
+    assert!(one.len() > 10_000);
+    assert!(one == run(2), "two threads change the bits");
+    assert!(one == run(3), "three threads change the bits");
+}

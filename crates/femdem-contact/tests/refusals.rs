@@ -1,0 +1,177 @@
+//! Bodies, walls and updates that are refused, and what the messages tell.
+
+use femdem_contact::{
+    ContactBatch, ContactError, ContactLaw, ContactParameters, ConvexShape, Frame, Motion,
+    PairKernel, Wall, WallPlane,
+};
+use femdem_mesh::catalogue::CatalogueShape;
+use femdem_mesh::nalgebra::Vector3;
+use femdem_mesh::{Point3, Polyhedron};
+use std::sync::Arc;
+
+/// A prism over a polygon in the xy plane, counter-clockwise, from z = 0 to `height`.
+fn prism(outline: &[[f64; 2]], height: f64) -> Polyhedron {
+    let n = outline.len() as u32;
+    let level = |z: f64| outline.iter().map(move |p| Point3::new(p[0], p[1], z));
+    let vertices = level(0.0).chain(level(height)).collect();
+    let mut faces: Vec<Vec<u32>> = vec![(0..n).rev().collect(), (n..2 * n).collect()];
+    faces.extend((0..n).map(|i| vec![i, (i + 1) % n, n + (i + 1) % n, n + i]));
+    Polyhedron::new(vertices, faces).unwrap()
+}
+
+#[test]
+fn a_body_with_a_notch_is_refused_with_advice() {
+    let notched = prism(
+        &[
+            [0.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 2.0],
+            [0.0, 2.0],
+        ],
+        1.0,
+    );
+    let error = ConvexShape::new(&notched).unwrap_err();
+    assert_eq!(error, ContactError::NotConvex);
+    let text = error.to_string();
+    assert!(
+        text.contains("not convex") && text.contains("convex hull"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_sheet_is_refused_with_its_face() {
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    ConvexShape::new(&prism(&square, 1e-5)).unwrap();
+    let text = ConvexShape::new(&prism(&square, 1e-7))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        text.contains("too thin") && text.contains("5e-8 m"),
+        "{text}"
+    );
+}
+
+#[test]
+fn an_inside_out_body_never_becomes_a_shape() {
+    let cube = "P5"
+        .parse::<CatalogueShape>()
+        .unwrap()
+        .polyhedron(1.0)
+        .unwrap();
+    let reversed = cube
+        .faces()
+        .map(|f| f.iter().rev().copied().collect())
+        .collect();
+    let text = Polyhedron::new(cube.vertices().to_vec(), reversed)
+        .unwrap_err()
+        .to_string();
+    assert!(text.contains("inside out"), "{text}");
+}
+
+#[test]
+fn walls_that_mean_nothing_are_refused_by_name() {
+    let nan = f64::NAN;
+    let refused = |wall: Result<Wall, ContactError>| wall.unwrap_err().to_string();
+    let text = refused(Wall::new("mantle", vec![]));
+    assert!(
+        text.contains("\"mantle\"") && text.contains("0 planes"),
+        "{text}"
+    );
+    for normal in [
+        Vector3::zeros(),
+        Vector3::new(nan, 0.0, 1.0),
+        Vector3::repeat(f64::INFINITY),
+    ] {
+        let text = refused(Wall::half_space("floor", normal, 0.0));
+        assert!(
+            text.contains("\"floor\"") && text.contains("plane 0"),
+            "{text}"
+        );
+    }
+    assert!(refused(Wall::half_space("floor", Vector3::z(), nan)).contains("offset NaN"));
+    let many = vec![
+        WallPlane {
+            normal: Vector3::z(),
+            offset: 0.0
+        };
+        65_536
+    ];
+    assert!(refused(Wall::new("many", many)).contains("65536 planes"));
+    for (radius, facets) in [(0.0, 96), (-1.0, 96), (nan, 96), (1.0, 2)] {
+        let text = refused(Wall::cylinder("mantle", radius, facets));
+        assert!(
+            text.contains("\"mantle\"") && text.contains("at least 3 facets"),
+            "{text}"
+        );
+    }
+    for high in [
+        Vector3::new(1.0, 0.0, 1.0),
+        Vector3::new(1.0, -1.0, 1.0),
+        Vector3::new(1.0, nan, 1.0),
+    ] {
+        let text = Wall::closed_box(Vector3::zeros(), high)
+            .unwrap_err()
+            .to_string();
+        assert!(text.contains("box y"), "{text}");
+    }
+}
+
+#[test]
+fn a_penalty_that_is_no_stiffness_is_refused() {
+    for penalty in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let text = PairKernel::new(penalty).unwrap_err().to_string();
+        assert!(text.contains(&format!("penalty = {penalty}")), "{text}");
+    }
+}
+
+#[test]
+fn a_batch_refuses_what_does_not_fit_it() {
+    let mut batch = ContactBatch::new(ContactLaw::new(ContactParameters::default()).unwrap());
+    assert!(
+        batch
+            .add_body(0)
+            .unwrap_err()
+            .to_string()
+            .contains("there is no shape 0")
+    );
+    let cube = "P5"
+        .parse::<CatalogueShape>()
+        .unwrap()
+        .polyhedron(1.0)
+        .unwrap();
+    let shape = batch.add_shape(Arc::new(ConvexShape::new(&cube).unwrap()));
+    for _ in 0..2 {
+        batch.add_body(shape).unwrap();
+    }
+    let still = Motion::fixed(Frame::identity());
+    let count = batch.update(&[still], &[], 1e-4).unwrap_err();
+    assert_eq!(
+        count,
+        ContactError::StateCount {
+            given: 1,
+            expected: 2
+        }
+    );
+    let mut lost = still;
+    lost.frame.position.y = f64::NAN;
+    let text = batch
+        .update(&[still, lost], &[], 1e-4)
+        .unwrap_err()
+        .to_string();
+    assert!(text.contains("body 1 is not finite"), "{text}");
+    // The batch is still of use.
+    let mut apart = still;
+    apart.frame.position.x = 5.0;
+    batch.update(&[still, apart], &[], 1e-4).unwrap();
+    assert!(batch.contacts().is_empty());
+    assert!(
+        batch
+            .restore_shapes(vec![])
+            .unwrap_err()
+            .to_string()
+            .contains("shape 0")
+    );
+}
