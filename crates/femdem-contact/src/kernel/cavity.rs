@@ -6,10 +6,12 @@
 
 use super::candidates::{Candidates, ContactBox, candidates, complete};
 use super::clip::{Cut, Line, Point};
+use super::fast::TooMany;
 use super::field::PlaneField;
 use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::pair::Scratch;
-use super::side::{SideSums, cut_by_field, pose_planes};
+use super::plan::{MOST_PLANES, Margins, Place, PlanScratch};
+use super::side::{FieldPlane, SideScratch, SideSums, cut_by_field};
 use crate::error::{ContactError, check};
 use crate::shape::{ConvexShape, Frame, PlaneFrame};
 use crate::walls::Wall;
@@ -33,16 +35,27 @@ pub struct CavityKernel {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CavityCache {
     until: f64,
-    near: Option<Near>,
+    near: Option<Box<Near>>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Near {
     /// Wall planes within reach, the deepest first.
-    planes: SmallVec<[u16; 4]>,
+    planes: SmallVec<[WallPlan; 2]>,
     /// In the body's axes.
     region: ContactBox,
     body: Candidates,
+}
+
+/// A wall plane and the planes of the body that matter to it, as bits; none if they are too
+/// many for bits.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct WallPlan {
+    plane: u16,
+    /// The body cannot come to cross the plane.
+    outside: bool,
+    cut: u64,
+    own: u64,
 }
 
 /// A wall plane in the body's axes: the free side is {normal.y + distance >= 0}.
@@ -53,7 +66,31 @@ struct PosedPlane {
     distance: f64,
 }
 
+impl WallPlan {
+    fn new(plane: u16, place: &Place, margin: f64, scratch: &mut PlanScratch) -> Self {
+        let margins = Margins {
+            field: margin,
+            region: 0.0,
+        };
+        let bits = place.posed.len() <= MOST_PLANES;
+        let found = bits.then(|| place.plan(None, margins, scratch)).flatten();
+        let (cut, own) = found.unwrap_or_default();
+        Self {
+            plane,
+            outside: bits && found.is_none(),
+            cut,
+            own,
+        }
+    }
+}
+
 impl PosedPlane {
+    /// Coordinates in the plane about the foot of the region's centre.
+    fn frame(&self, region: &ContactBox) -> PlaneFrame {
+        let height = self.normal.dot(&region.centre) + self.distance;
+        PlaneFrame::new(region.centre - self.normal * height, &self.normal)
+    }
+
     /// The free side on the plane of a polygon.
     fn free_side(&self, frame: &PlaneFrame) -> Line {
         Line {
@@ -138,7 +175,7 @@ impl CavityKernel {
             centre: frame_wall.rotation.tr_mul(&between),
         };
         if expired {
-            cache.renew(&view, body, motion);
+            cache.renew(&view, body, motion, scratch);
         }
         let near = cache.near.as_ref()?;
         let sums = sections(&view, body, near, scratch);
@@ -187,59 +224,136 @@ impl CavityKernel {
 /// in the body's axes about the region's centre.
 fn sections(view: &View, body: &ConvexShape, near: &Near, scratch: &mut Scratch) -> SideSums {
     let mut sums = SideSums::default();
-    let origin = near.region.centre;
-    pose_planes(
-        body,
-        &near.body.planes,
-        &Matrix3::identity(),
-        &Vector3::zeros(),
-        &mut scratch.planes,
-    );
+    own_planes(body, &near.body, &mut scratch.planes);
     let planes: SmallVec<[PosedPlane; 4]> = near
         .planes
         .iter()
-        .map(|&k| view.plane(usize::from(k)))
+        .map(|p| view.plane(usize::from(p.plane)))
         .collect();
-    let mut field = PlaneField::new(&scratch.planes);
     let bounding = usize::from(near.body.bounding);
-    let size = 2.0 * near.region.half.norm();
     for (k, plane) in planes.iter().enumerate() {
-        let on_plane = origin - plane.normal * (plane.normal.dot(&origin) + plane.distance);
-        let frame = PlaneFrame::new(on_plane, &plane.normal);
-        let side = &mut scratch.side;
-        side.clipper.load(&square(size));
-        field.place(&frame);
-        let inside = cut_by_field(&mut side.clipper, &field, bounding)
-            && planes
-                .iter()
-                .enumerate()
-                .all(|(j, p)| j == k || side.clipper.cut(&p.free_side(&frame)) != Cut::Empty);
-        if inside {
-            sums.add_polygon(
-                &frame,
-                &plane.normal,
-                -plane.distance,
-                &mut field,
-                &origin,
-                side,
-            );
+        let section = Section {
+            frame: plane.frame(&near.region),
+            plane,
+            others: &planes,
+            number: k,
+            near,
+        };
+        let (field, side) = (&scratch.planes, &mut scratch.side);
+        if section.add_fast(field, side, &mut sums).is_err() {
+            section.add_general(field, bounding, side, &mut sums);
         }
-        // The skin behind this plane and in front of the earlier ones.
-        for &i in &near.body.facets {
-            let facet = &body.facets[usize::from(i)];
-            let clipper = &mut side.clipper;
-            let solid_side = plane.free_side(&facet.frame).flipped();
-            if clipper.load_cut(body.polygon(facet), &solid_side) != Cut::Empty
-                && planes[..k]
-                    .iter()
-                    .all(|p| clipper.cut(&p.free_side(&facet.frame)) != Cut::Empty)
-            {
-                let normal = body.planes[usize::from(facet.plane)].normal;
-                sums.add_skin(clipper.polygon(), &facet.frame, &normal, &origin);
-            }
-        }
+        add_skin_behind(plane, &planes[..k], body, near, side, &mut sums);
     }
     sums
+}
+
+/// The planes of the body's field, in its own axes.
+fn own_planes(body: &ConvexShape, list: &Candidates, out: &mut Vec<FieldPlane>) {
+    out.clear();
+    out.extend(list.planes.iter().map(|&k| FieldPlane {
+        gradient: body.planes[usize::from(k)].gauge,
+        level: 1.0,
+    }));
+}
+
+/// One wall plane across the body.
+struct Section<'a> {
+    frame: PlaneFrame,
+    plane: &'a PosedPlane,
+    others: &'a [PosedPlane],
+    number: usize,
+    near: &'a Near,
+}
+
+impl Section<'_> {
+    /// The free sides of the other planes of the wall.
+    fn free_sides(&self) -> impl Iterator<Item = Line> {
+        let others = self.others.iter().enumerate();
+        let others = others.filter(|(j, _)| *j != self.number);
+        others.map(|(_, p)| p.free_side(&self.frame))
+    }
+
+    fn corners(&self) -> [Point; 4] {
+        square(2.0 * self.near.region.half.norm())
+    }
+
+    fn add_fast(
+        &self,
+        field: &[FieldPlane],
+        side: &mut SideScratch,
+        sums: &mut SideSums,
+    ) -> Result<(), TooMany> {
+        let plan = self.near.planes[self.number];
+        if plan.own == 0 {
+            return if plan.outside { Ok(()) } else { Err(TooMany) };
+        }
+        let fast = &mut side.fast;
+        let frame = &self.frame;
+        if fast.cut_corners(&self.corners(), frame, field, plan.cut)? == Cut::Empty {
+            return Ok(());
+        }
+        for line in self.free_sides() {
+            if fast.cut(&line)? == Cut::Empty {
+                return Ok(());
+            }
+        }
+        let normal = &self.plane.normal;
+        let from = self.near.region.centre - frame.origin;
+        let origin = frame.point(&self.near.region.centre);
+        fast.place(frame, field, plan.own & !plan.cut);
+        let q = fast.sum_cells(plan.own, field, normal, &origin)?;
+        sums.add_sums(&q, frame, normal, -from.dot(normal));
+        sums.lever -= self.plane.distance * q.polygon.pressure;
+        Ok(())
+    }
+
+    /// As [`add_fast`](Self::add_fast), for any number of planes and corners.
+    fn add_general(
+        &self,
+        field: &[FieldPlane],
+        bounding: usize,
+        side: &mut SideScratch,
+        sums: &mut SideSums,
+    ) {
+        let mut field = PlaneField::new(field);
+        side.clipper.load(&self.corners());
+        field.place(&self.frame);
+        if cut_by_field(&mut side.clipper, &field, bounding)
+            && self
+                .free_sides()
+                .all(|line| side.clipper.cut(&line) != Cut::Empty)
+        {
+            let (normal, lever) = (&self.plane.normal, -self.plane.distance);
+            let origin = &self.near.region.centre;
+            sums.add_polygon(&self.frame, normal, lever, &mut field, origin, side);
+        }
+    }
+}
+
+/// Adds the body's skin behind a wall plane and in front of the `earlier` ones: it closes
+/// the volume.
+fn add_skin_behind(
+    plane: &PosedPlane,
+    earlier: &[PosedPlane],
+    body: &ConvexShape,
+    near: &Near,
+    side: &mut SideScratch,
+    sums: &mut SideSums,
+) {
+    for &i in &near.body.facets {
+        let facet = &body.facets[usize::from(i)];
+        let clipper = &mut side.clipper;
+        let solid_side = plane.free_side(&facet.frame).flipped();
+        if clipper.load_cut(body.polygon(facet), &solid_side) != Cut::Empty
+            && earlier
+                .iter()
+                .all(|p| clipper.cut(&p.free_side(&facet.frame)) != Cut::Empty)
+        {
+            let normal = &body.planes[usize::from(facet.plane)].normal;
+            sums.add_skin(clipper.polygon(), &facet.frame, normal, &near.region.centre);
+        }
+    }
 }
 
 /// A square of half-width `size` about the origin, counter-clockwise.
@@ -253,7 +367,7 @@ impl CavityCache {
         self.near.is_none() && motion < self.until
     }
 
-    fn renew(&mut self, view: &View, body: &ConvexShape, motion: f64) {
+    fn renew(&mut self, view: &View, body: &ConvexShape, motion: f64, scratch: &mut Scratch) {
         let margin = 2.0 * MARGIN * body.inradius();
         let mut clear = f64::INFINITY;
         let mut reach: SmallVec<[(f64, u16); 8]> = SmallVec::new();
@@ -277,12 +391,23 @@ impl CavityCache {
         let planes: SmallVec<[u16; 4]> = reach.iter().map(|r| r.1).collect();
         self.near = region(view, body, &planes, margin).and_then(|region| {
             let towards = -region.axes[0];
-            let body = candidates(body, &region, 0.0, &towards)?;
-            Some(Near {
-                planes,
+            let list = candidates(body, &region, 0.0, &towards)?;
+            own_planes(body, &list, &mut scratch.planes);
+            let plan = |&k: &u16| {
+                let posed = view.plane(usize::from(k));
+                let place = Place {
+                    corners: &square(2.0 * region.half.norm()),
+                    frame: &posed.frame(&region),
+                    posed: &scratch.planes,
+                    bounding: usize::from(list.bounding),
+                };
+                WallPlan::new(k, &place, margin, &mut scratch.plan)
+            };
+            Some(Box::new(Near {
+                planes: planes.iter().map(plan).collect(),
                 region,
-                body,
-            })
+                body: list,
+            }))
         });
         self.until = motion + margin;
     }

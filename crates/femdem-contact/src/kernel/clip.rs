@@ -92,12 +92,6 @@ impl Clipper {
         }
         cut
     }
-
-    /// Cuts the polygon in the buffer by all lines; false if nothing is left.
-    #[inline]
-    pub fn cut_all<'a>(&mut self, by: impl IntoIterator<Item = &'a Line>) -> bool {
-        by.into_iter().all(|h| self.cut(h) != Cut::Empty)
-    }
 }
 
 /// Clips a convex polygon. Edge by edge (Sutherland and Hodgman 1974), so that a line
@@ -237,6 +231,29 @@ pub(crate) fn integrate(polygon: &[Point], origin: &Point, field: &Line) -> Poly
         (b, bb) = (c, cc);
     }
     sum.shifted(a.x - origin.x, a.y - origin.y)
+}
+
+/// Area of a polygon and the integral of (x, y) dS about an origin.
+#[inline]
+pub(crate) fn area_and_moment(polygon: &[Point], origin: &Point) -> (f64, Point) {
+    let (mut area, mut x, mut y) = (0.0, 0.0, 0.0);
+    let Some((a, rest)) = polygon.split_first() else {
+        return (area, Point::default());
+    };
+    for side in rest.windows(2) {
+        let (b, c) = (&side[0], &side[1]);
+        let b = [b.x - a.x, b.y - a.y];
+        let c = [c.x - a.x, c.y - a.y];
+        let t = 0.5 * (b[0] * c[1] - b[1] * c[0]);
+        area += t;
+        x += t * (b[0] + c[0]);
+        y += t * (b[1] + c[1]);
+    }
+    let moment = Point {
+        x: x * (1.0 / 3.0) + area * (a.x - origin.x),
+        y: y * (1.0 / 3.0) + area * (a.y - origin.y),
+    };
+    (area, moment)
 }
 
 impl PolygonIntegrals {

@@ -6,6 +6,8 @@ mod cells;
 mod clip;
 mod fast;
 mod field;
+#[cfg(test)]
+mod oracle;
 mod overlap;
 mod pair;
 mod plan;

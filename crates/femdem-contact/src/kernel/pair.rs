@@ -42,13 +42,13 @@ pub struct PairCache {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Near {
+pub(super) struct Near {
     /// In A's axes.
-    region: ContactBox,
+    pub region: ContactBox,
     /// A's field on B's skin.
-    on_b: SidePlan,
+    pub on_b: SidePlan,
     /// B's field on A's skin.
-    on_a: SidePlan,
+    pub on_a: SidePlan,
 }
 
 /// The penalty law of convex bodies: U = p int (phi_A + phi_B) dV over the overlap.
@@ -174,7 +174,7 @@ impl PairKernel {
 }
 
 /// Both sides: A's field on B's skin (in B's axes), B's field on A's skin (in A's axes).
-fn sides(
+pub(super) fn sides(
     a: &ConvexShape,
     b: &ConvexShape,
     rotation: &Matrix3,
@@ -204,14 +204,14 @@ fn sides(
 }
 
 /// The pose of A in B's axes.
-struct Pose {
+pub(super) struct Pose {
     inverse: Matrix3,
     a_in_b: Vector3,
 }
 
 impl Pose {
     #[inline]
-    fn new(rotation: &Matrix3, offset: &Vector3) -> Self {
+    pub fn new(rotation: &Matrix3, offset: &Vector3) -> Self {
         let inverse = rotation.transpose();
         Self {
             inverse,
@@ -220,7 +220,7 @@ impl Pose {
     }
 
     #[inline]
-    fn in_b(&self, region: &ContactBox) -> ContactBox {
+    pub fn in_b(&self, region: &ContactBox) -> ContactBox {
         ContactBox {
             axes: region.axes.map(|d| self.inverse * d),
             centre: self.inverse * region.centre + self.a_in_b,
@@ -277,7 +277,7 @@ impl PairCache {
     }
 }
 
-fn find_near(
+pub(super) fn find_near(
     a: &ConvexShape,
     b: &ConvexShape,
     rotation: &Matrix3,

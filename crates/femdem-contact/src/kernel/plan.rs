@@ -8,14 +8,14 @@
 //! corners tell which planes can cut it or own a gauge cell on it.
 
 use super::candidates::{Candidates, ContactBox};
-use super::clip::{Clipper, Cut, Line, Point};
+use super::clip::{Clipper, Cut, Point};
 use super::side::{BOX_FACES, FieldPlane};
-use crate::shape::{ConvexShape, Facet};
+use crate::shape::{ConvexShape, PlaneFrame};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 /// Planes that the bits of a plan can name, the faces of the contact box included.
-const MOST_PLANES: usize = u64::BITS as usize;
+pub(crate) const MOST_PLANES: usize = u64::BITS as usize;
 
 /// Distances are compared with this much to spare, times the margin.
 const HAIR: f64 = 1e-6;
@@ -72,36 +72,43 @@ impl SidePlan {
         margins: Margins,
         scratch: &mut PlanScratch,
     ) -> Self {
+        if posed.len() + BOX_FACES > MOST_PLANES {
+            return Self::general(facets, planes);
+        }
         let mut plan = Self {
             planes: planes.planes.iter().copied().collect(),
             bounding: planes.bounding,
-            box_faces: 0,
-            general: posed.len() + BOX_FACES > MOST_PLANES,
-            facets: SmallVec::new(),
+            ..Self::default()
         };
-        if plan.general {
-            let all = |&facet: &u16| FacetPlan {
-                facet,
-                cut: 0,
-                own: 0,
-            };
-            plan.facets.extend(facets.iter().map(all));
-            return plan;
-        }
-        let bounding = usize::from(planes.bounding);
         for &facet in facets {
             let place = Place {
-                skin,
-                facet: &skin.facets[usize::from(facet)],
+                corners: skin.polygon(&skin.facets[usize::from(facet)]),
+                frame: &skin.facets[usize::from(facet)].frame,
                 posed,
-                region,
+                bounding: usize::from(planes.bounding),
             };
-            if let Some((cut, own)) = place.plan(bounding, margins, scratch) {
+            if let Some((cut, own)) = place.plan(Some(region), margins, scratch) {
                 plan.facets.push(FacetPlan { facet, cut, own });
             }
         }
         plan.compact(posed.len());
         plan
+    }
+
+    /// The plan that leaves nothing out.
+    pub(crate) fn general(facets: &[u16], planes: &Candidates) -> Self {
+        let all = |&facet: &u16| FacetPlan {
+            facet,
+            cut: 0,
+            own: 0,
+        };
+        Self {
+            planes: planes.planes.iter().copied().collect(),
+            bounding: planes.bounding,
+            box_faces: 0,
+            general: true,
+            facets: facets.iter().map(all).collect(),
+        }
     }
 
     /// Leaves out the planes that no facet needs.
@@ -133,24 +140,21 @@ impl SidePlan {
     }
 }
 
-/// A facet among the planes of a field.
-struct Place<'a> {
-    skin: &'a ConvexShape,
-    facet: &'a Facet,
-    posed: &'a [FieldPlane],
-    region: &'a ContactBox,
+/// A polygon among the planes of a field; the first `bounding` of them can cut.
+pub(crate) struct Place<'a> {
+    pub corners: &'a [Point],
+    pub frame: &'a PlaneFrame,
+    pub posed: &'a [FieldPlane],
+    pub bounding: usize,
 }
 
 impl Place<'_> {
-    fn box_face(&self, face: usize) -> Line {
-        self.region.face(face).on(&self.facet.frame)
-    }
-
-    /// Planes that can cut and planes that can own; `None` if nothing of the facet can
-    /// come to lie in the field.
-    fn plan(
+    /// Planes that can cut and planes that can own a cell while the polygon moves by less
+    /// than the margins; `None` if nothing of it can come to lie in the field. Without a
+    /// region nothing but the field bounds it.
+    pub(crate) fn plan(
         &self,
-        bounding: usize,
+        region: Option<&ContactBox>,
         margins: Margins,
         scratch: &mut PlanScratch,
     ) -> Option<(u64, u64)> {
@@ -159,17 +163,19 @@ impl Place<'_> {
             values,
             lowest,
         } = scratch;
-        let frame = &self.facet.frame;
-        clipper.load(self.skin.polygon(self.facet));
-        for plane in &self.posed[..bounding] {
-            let mut line = plane.on(frame);
+        clipper.load(self.corners);
+        for plane in &self.posed[..self.bounding] {
+            let mut line = plane.on(self.frame);
             line.c += margins.field * plane.gradient.norm();
             if clipper.cut(&line) == Cut::Empty {
                 return None;
             }
         }
-        for face in 0..BOX_FACES {
-            let mut line = self.box_face(face);
+        let faces = || {
+            let all = region.map(|r| (0..BOX_FACES).map(|face| r.face(face).on(self.frame)));
+            all.into_iter().flatten()
+        };
+        for mut line in faces() {
             line.c += margins.region;
             if clipper.cut(&line) == Cut::Empty {
                 return None;
@@ -181,20 +187,19 @@ impl Place<'_> {
         lowest.clear();
         lowest.resize(polygon.len(), f64::INFINITY);
         for (k, plane) in self.posed.iter().enumerate() {
-            let line = plane.on(frame);
+            let line = plane.on(self.frame);
             let mut least = f64::INFINITY;
             for (p, low) in polygon.iter().zip(lowest.iter_mut()) {
                 let v = line.at(p);
-                least = least.min(v);
-                *low = low.min(v);
+                least = if v < least { v } else { least };
+                *low = if v < *low { v } else { *low };
                 values.push(v);
             }
             let reach = margins.field * (1.0 + HAIR) * plane.gradient.norm();
-            cut |= u64::from(k < bounding && least <= reach) << k;
+            cut |= u64::from(k < self.bounding && least <= reach) << k;
         }
         let reach = margins.region + HAIR * margins.field;
-        for face in 0..BOX_FACES {
-            let line = self.box_face(face);
+        for (face, line) in faces().enumerate() {
             let near = |p: &Point| line.at(p) <= reach;
             cut |= u64::from(polygon.iter().any(near)) << (self.posed.len() + face);
         }

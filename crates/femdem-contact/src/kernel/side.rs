@@ -3,7 +3,7 @@
 
 use super::candidates::ContactBox;
 use super::cells::{Cells, PlaneSums};
-use super::clip::{Clipper, Cut, Line, Point};
+use super::clip::{Clipper, Cut, Line, Point, area_and_moment};
 use super::fast::Fast;
 use super::field::PlaneField;
 use super::plan::{FacetPlan, SidePlan};
@@ -233,9 +233,8 @@ impl SideSums {
             x: from.dot(&frame.e1),
             y: from.dot(&frame.e2),
         };
-        let q = super::clip::integrate(polygon, &origin_2d, &Line::default());
-        let moment =
-            frame.e1 * q.moment.x + frame.e2 * q.moment.y - normal * (from.dot(normal) * q.area);
+        let (area, centre) = area_and_moment(polygon, &origin_2d);
+        let moment = frame.e1 * centre.x + frame.e2 * centre.y - normal * (from.dot(normal) * area);
         self.add_volume(&moment, normal);
     }
 }
