@@ -1,0 +1,267 @@
+//! Friction of a patch under prescribed motion: a cube of unit edge on a floor, or on
+//! another cube.
+
+mod common;
+
+use common::pack::{placed, shape};
+use common::{Stream, turned};
+use femdem_contact::{
+    Contact, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Frame, Motion, Wall,
+};
+use femdem_mesh::nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use proptest::prelude::*;
+use std::sync::Arc;
+
+/// Depth of the overlap, over an edge of 1 m.
+const DEPTH: f64 = 1e-3;
+
+fn law(friction: f64, tangential_damping: f64) -> ContactParameters {
+    ContactParameters {
+        penalty: 1e6,
+        friction,
+        damping_ratio: 0.0,
+        tangential_damping,
+        ..ContactParameters::default()
+    }
+}
+
+/// Cubes of unit edge, one on another, or on a floor through the origin.
+struct Rig {
+    batch: ContactBatch,
+    walls: Vec<Motion>,
+    cube: Arc<ConvexShape>,
+}
+
+impl Rig {
+    fn new(parameters: ContactParameters, cubes: usize, floor: bool) -> Self {
+        let mut batch = ContactBatch::new(ContactLaw::new(parameters).unwrap());
+        let cube = shape("P5", 3.0_f64.sqrt());
+        let id = batch.add_shape(cube.clone());
+        for _ in 0..cubes {
+            batch.add_body(id).unwrap();
+        }
+        let mut walls = Vec::new();
+        if floor {
+            batch.add_wall(Wall::half_space("floor", Vector3::z(), 0.0).unwrap());
+            walls.push(Motion::fixed(Frame::identity()));
+        }
+        Self { batch, walls, cube }
+    }
+
+    /// The one contact after an update.
+    fn update(&mut self, bodies: &[Motion], dt: f64) -> Contact {
+        self.batch.update(bodies, &self.walls, dt).unwrap();
+        let contacts = self.batch.contacts();
+        assert_eq!(contacts.len(), 1);
+        *contacts[0]
+    }
+
+    /// A cube that rests `DEPTH` deep on the floor, its centroid `x` aside.
+    fn resting(&self, x: Vector3<f64>) -> Motion {
+        let position = Vector3::new(x.x, x.y, 0.5 - DEPTH);
+        placed(&self.cube, position, Matrix3::identity())
+    }
+}
+
+/// Two cubes with a stretched, twisted patch between them turn as one rigid body for ten
+/// thousand steps: the friction turns with them.
+#[test]
+fn rigid_motion_turns_friction_with_the_pair() {
+    let mut rig = Rig::new(law(0.6, 0.0), 2, false);
+    let mut pair =
+        [0.0, 1.0 - DEPTH].map(|z| placed(&rig.cube, Vector3::z() * z, Matrix3::identity()));
+    rig.update(&pair, 0.0);
+    // A tangential stretch of a third of what slips, and a twist.
+    let twist = 1e-4;
+    pair[1].frame = turned(&pair[1].frame, &Vector3::z(), twist);
+    pair[1].frame.position += Vector3::new(2.0e-4, 1.0e-4, 0.0);
+    pair[1].angular_velocity = Vector3::z() * twist;
+    pair[1].velocity = Vector3::new(2.0e-4, 1.0e-4, 0.0);
+    pair[1].travelled = 1e-3;
+    let start = rig.update(&pair, 1.0);
+    assert!(!start.slides && start.friction.norm() > 0.1 * start.normal_force);
+    assert!(start.torsion.abs() > 0.0);
+    let axis = Vector3::new(1.0, 2.0, -0.7).normalize();
+    let about = Vector3::new(3.0, -1.0, 0.5);
+    let (dt, rate) = (1e-3, 2.0);
+    let still = pair;
+    let mut worst = 0.0_f64;
+    for step in 1..=10_000_u32 {
+        let angle = rate * dt * f64::from(step);
+        let turn = UnitQuaternion::from_scaled_axis(axis * angle).to_rotation_matrix();
+        for (body, from) in pair.iter_mut().zip(&still) {
+            let arm = turn * (from.frame.position - about);
+            body.frame.position = about + arm;
+            body.frame.rotation = turn.into_inner() * from.frame.rotation;
+            body.angular_velocity = axis * rate;
+            body.velocity = body.angular_velocity.cross(&arm);
+            body.travelled += rate * dt * 10.0;
+        }
+        let now = rig.update(&pair, dt);
+        let off = (now.friction - turn * start.friction).norm() / start.friction.norm();
+        let twisted = (now.torsion / start.torsion - 1.0).abs();
+        worst = worst.max(off).max(twisted);
+    }
+    assert!(worst < 1e-10, "the friction is off by {worst:e}");
+}
+
+/// Work of the friction on the cube along a closed path of its centroid, and the largest
+/// energy in the spring. Trapezia are exact for a linear spring.
+fn closed_path(
+    rig: &mut Rig,
+    path: impl Fn(f64) -> Vector3<f64>,
+    steps: u32,
+    rounds: u32,
+) -> (f64, f64) {
+    let mut body = rig.resting(path(0.0));
+    let mut last = rig.update(&[body], 0.0);
+    let (mut work, mut stored) = (0.0, 0.0_f64);
+    for step in 1..=steps * rounds {
+        let to = path(f64::from(step % steps) / f64::from(steps));
+        let from = body.frame.position;
+        body.frame.position = Vector3::new(to.x, to.y, from.z);
+        let moved = body.frame.position - from;
+        body.travelled += moved.norm();
+        // Steps of unit time.
+        body.velocity = moved;
+        let now = rig.update(&[body], 1.0);
+        work += 0.5 * (now.friction + last.friction).dot(&moved);
+        stored = stored.max(now.spring_energy);
+        last = now;
+    }
+    (work, stored)
+}
+
+#[test]
+fn a_closed_stick_loop_does_no_work() {
+    let mut rig = Rig::new(law(0.6, 0.0), 1, true);
+    let path = |s: f64| {
+        let (sin, cos) = (std::f64::consts::TAU * s).sin_cos();
+        Vector3::new(1.0 - cos, 0.7 * sin, 0.0) * 1e-4
+    };
+    let (work, stored) = closed_path(&mut rig, path, 1000, 3);
+    assert!(stored > 0.0);
+    assert!(
+        work.abs() < 1e-12 * stored,
+        "a net work of {work:e} J, {stored:e} J stored"
+    );
+}
+
+/// Sliding to and fro with amplitude A takes 4 mu F (A - mu F/k) out of every cycle.
+#[test]
+fn cyclic_slip_takes_the_known_energy() {
+    let friction = 0.3;
+    let mut rig = Rig::new(law(friction, 0.0), 1, true);
+    let contact = rig.update(&[rig.resting(Vector3::zeros())], 0.0);
+    let (force, k) = (contact.normal_force, 0.8 * contact.stiffness);
+    // A face of A = 1 m^2, h = 1/2 m from the centroid: F = 2 p A delta/h.
+    let want = 2.0 * 1e6 * DEPTH / 0.5;
+    assert!(
+        (force / want - 1.0).abs() < 0.01,
+        "{force} instead of {want} N"
+    );
+    let slip = friction * force / k;
+    for amplitude in [2.0 * slip, 10.0 * slip] {
+        let path = |s: f64| Vector3::x() * (amplitude * (std::f64::consts::TAU * s).sin());
+        let mut rig = Rig::new(law(friction, 0.0), 1, true);
+        let (first, _) = closed_path(&mut rig, path, 4000, 1);
+        let mut rig = Rig::new(law(friction, 0.0), 1, true);
+        let (both, _) = closed_path(&mut rig, path, 4000, 2);
+        let got = first - both;
+        let want = 4.0 * friction * force * (amplitude - slip);
+        assert!(
+            (got / want - 1.0).abs() < 0.01,
+            "{got:e} instead of {want:e} J"
+        );
+    }
+}
+
+/// Mean distance of a square of unit edge from its centre:
+/// (sqrt 2 + ln(1 + sqrt 2))/6.
+fn mean_distance() -> f64 {
+    (2.0_f64.sqrt() + 1.0_f64.asinh()) / 6.0
+}
+
+#[test]
+fn a_spinning_face_reaches_the_moment_of_its_shape() {
+    let mut rig = Rig::new(law(0.4, 0.6), 1, true);
+    let mut body = rig.resting(Vector3::zeros());
+    body.angular_velocity = Vector3::z() * 0.05;
+    for _ in 0..400 {
+        body.frame = turned(&body.frame, &Vector3::z(), 0.05 * 0.1);
+        body.travelled += 0.01;
+        let c = rig.update(&[body], 0.1);
+        let most = 0.4 * c.normal_force * mean_distance();
+        assert!(c.torsion.abs() <= 1.01 * most);
+        assert!(c.torsion <= 0.0, "it drives the spin");
+    }
+    let c = rig.update(&[body], 0.1);
+    let most = 0.4 * c.normal_force * mean_distance();
+    assert!(c.slides);
+    assert!(
+        (c.torsion / -most - 1.0).abs() < 0.01,
+        "{} of {most}",
+        c.torsion
+    );
+}
+
+/// Slip and spin together stay within the ellipsoid, and reach it.
+#[test]
+fn slip_with_spin_lies_on_the_ellipsoid() {
+    for (speed, spin) in [(1.0, 0.1), (1.0, 3.0), (0.1, 3.0)] {
+        let mut rig = Rig::new(law(0.4, 0.0), 1, true);
+        let mut body = rig.resting(Vector3::zeros());
+        let dt = 1e-3;
+        let mut last = 0.0;
+        for _ in 0..300 {
+            body.velocity = Vector3::x() * speed;
+            body.angular_velocity = Vector3::z() * spin;
+            body.frame.position += body.velocity * dt;
+            body.frame = turned(&body.frame, &Vector3::z(), spin * dt);
+            body.travelled += (speed + spin) * dt;
+            let c = rig.update(&[body], dt);
+            let most = 0.4 * c.normal_force;
+            // The radius of the kernel is within 1 % of the square's own.
+            let part = c.torsion / (most * 1.01 * mean_distance());
+            last = (c.friction.norm() / most).hypot(part);
+            assert!(last <= 1.0 + 1e-12, "{last} at speed {speed}, spin {spin}");
+        }
+        assert!(last > 0.97, "only {last} at speed {speed}, spin {spin}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// However two bodies move, friction never exceeds mu times the normal force and lies in
+    /// the contact plane.
+    #[test]
+    fn friction_stays_within_coulombs_bound(
+        mu in 0.0..1.0_f64,
+        zeta in 0.0..0.7_f64,
+        eta in 0.0..1.0_f64,
+        seed in any::<u64>(),
+    ) {
+        let parameters = ContactParameters { damping_ratio: zeta, ..law(mu, eta) };
+        let mut rig = Rig::new(parameters, 2, false);
+        let mut stream = Stream(seed);
+        let mut bodies = [0.0, 0.9].map(|z| placed(&rig.cube, Vector3::z() * z, stream.rotation()));
+        let (dt, mut seen) = (1e-3, 0);
+        for step in 0..300 {
+            if step % 20 == 0 {
+                bodies[1].velocity = stream.vector() * 4.0;
+                bodies[1].angular_velocity = stream.vector() * 8.0;
+            }
+            common::pack::advance(&mut bodies[1], &rig.cube, dt);
+            rig.batch.update(&bodies, &[], dt).unwrap();
+            for c in rig.batch.contacts() {
+                let most = mu * c.normal_force;
+                seen += 1;
+                prop_assert!(c.normal_force >= 0.0);
+                prop_assert!(c.friction.norm() <= most * (1.0 + 1e-12));
+                prop_assert!(c.friction.dot(&c.normal).abs() <= 1e-9 * most);
+            }
+        }
+        prop_assume!(seen > 0);
+    }
+}
