@@ -1,4 +1,84 @@
-//! femdem-solve.
+//! Rigid bodies in motion: the step, its size, the active set, the energy ledger and checkpoints.
+//!
+//! **Use it** to follow convex rigid bodies that fall, collide, slide and come to rest between walls
+//! that may move, with the energy of the whole run accounted for. **Do not use it** for bodies that
+//! deform, break or are joined, for steps larger than the contacts allow (the scheme is explicit), or
+//! to fill containers (femdem-pack has the protocols). A code with an integrator of its own needs only
+//! femdem-contact.
+//!
+//! ```
+//! use femdem_contact::Wall;
+//! use femdem_mesh::catalogue::{CatalogueShape, Solid};
+//! use femdem_mesh::{Pose, Vector3};
+//! use femdem_solve::{BodySpec, Drive, World, WorldParameters};
+//!
+//! // A cube of side 0.1 m and 2 kg falls 10 mm onto a floor.
+//! let cube = CatalogueShape::from(Solid::P5).polyhedron(0.1 * 3_f64.sqrt())?;
+//! let mut parameters = WorldParameters::default();
+//! parameters.time_step.safety = 0.2;
+//! let mut world = World::new(parameters)?;
+//! world.add_wall(Wall::half_space("floor", Vector3::z(), 0.0)?, Drive::Fixed)?;
+//! let shape = world.add_shape("cube", &cube)?;
+//! let body = world.add_body(BodySpec::at_rest(shape, 2000.0, Pose::translation(0.0, 0.0, 0.06)))?;
+//! while world.time() < 1.0 {
+//!     world.step()?;
+//! }
+//! let height = world.position(body).map(|x| x.z).unwrap_or_default();
+//! assert!(height < 0.05 && height > 0.0499, "a contact carries its weight by a small overlap");
+//! assert!(world.residuals().max_over_weight < 0.02);
+//! assert!(world.ledger().error_relative().abs() < 5e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What is here
+//!
+//! - [`World`]: shapes, bodies and walls, one [`World::step`] at a time, and everything there is to
+//!   ask about them ([`Residuals`], [`Stability`], [`Counters`], contacts).
+//! - [`WorldParameters`]: gravity, the contact law, the time step, the active set, the medium; every
+//!   field has a default.
+//! - [`Drive`]: prescribed motion of a wall or a body: shaken, tapped, drawn along a line.
+//! - [`Ledger`]: where every joule came from and went.
+//! - [`checkpoint`]: files that survive crashes; [`World::to_bytes`] and [`World::state_hash`].
+//!
+//! # How a step goes
+//!
+//! Kick, drift, contacts, kick, with one step size for all bodies. The drift turns a body by the
+//! rational plane rotations of the DLM splitting, without a trigonometric call. Then, at fixed step numbers, bodies at rest are frozen and disturbed ones woken: a body is
+//! judged by running means of its net force, moment and velocities, since every impact rings through a
+//! pack and only a lasting imbalance has a mean ([`SleepParameters`]). Frozen bodies cost nothing.
+//!
+//! # Units
+//!
+//! SI: m, kg, s, N, J, Pa; angles in rad. Poses take the coordinates of a shape's polyhedron to the
+//! world; velocities are those of the centroid.
+//!
+//! # Features
+//!
+//! - `parallel` (default): contacts are evaluated on the caller's rayon pool. The state is the same
+//!   bits with any number of threads, without the feature, and through a checkpoint.
+//!
+//! # Accuracy
+//!
+//! - Without friction and damping the energy has no trend: 27 bodies colliding in a closed box for 1 s
+//!   keep theirs to 1e-5, and momentum is kept to round-off (`tests/physics.rs`).
+//! - The step is a fraction, [`TimeStepParameters::safety`], of a bound that is larger than the true
+//!   frequency; [`World::stability`] measures the true limit. At the default of 0.9 the impact of a
+//!   single flat face is resolved by few steps: the cube above then misses 9 % of its energy in the
+//!   ledger, 0.2 % at 0.2 (the error falls with the square of the step). Studies of single impacts
+//!   want 0.2 or less; in packs, contacts are softer and such errors cancel.
+//! - The active set counts in steps, not in seconds: with a much smaller step lengthen
+//!   [`SleepParameters::window`] and [`SleepParameters::steps`] as much, or switch it off, or bodies
+//!   may be frozen before they have come to rest.
+//! - Freezing removes kinetic energy, which the ledger states, and the error of a frozen body's balance
+//!   is bounded by [`SleepParameters::tolerance`]. For a final state, wake all bodies
+//!   ([`World::set_sleeping`]) and let them come to rest.
+//! - The same bits on one machine and build; platforms that round `f64` arithmetic alike agree too, as
+//!   long as no medium (which calls `exp`) and no shaking (which calls `cos`) is used.
+//!
+//! # Sources
+//!
+//! Rotation: Dullweber, Leimkuhler and McLachlan, J. Chem. Phys. 107, 5840 (1997). Local damping:
+//! Cundall (1987). The contact law is that of femdem-contact.
 
 mod body;
 pub mod checkpoint;
