@@ -154,23 +154,20 @@ pub(crate) fn candidates(
     let half = region.half.add_scalar(inflate);
     let bounds = |k: usize| {
         let p = &shape.planes[k];
-        let mid = p.normal.dot(&region.centre);
-        let reach: f64 = (0..3)
-            .map(|i| half[i] * p.normal.dot(&region.axes[i]).abs())
-            .sum();
-        ((mid - reach) / p.offset, (mid + reach) / p.offset)
+        let mid = p.gauge.dot(&region.centre);
+        let along = |i: usize| half[i] * p.gauge.dot(&region.axes[i]).abs();
+        let reach = along(0) + along(1) + along(2);
+        (mid - reach, mid + reach)
     };
-    let floor = (0..shape.planes.len())
-        .map(|k| bounds(k).0)
-        .fold(f64::NEG_INFINITY, f64::max);
+    // A cell of the gauge is the region where its plane has the largest gauge.
+    let all: SmallVec<[(f64, f64); 64]> = (0..shape.planes.len()).map(bounds).collect();
+    let floor = all.iter().map(|b| b.0).fold(f64::NEG_INFINITY, f64::max);
     if floor >= 1.0 {
         return None;
     }
     let mut list = Candidates::default();
     let mut kept: SmallVec<[(bool, f64, u16); 32]> = SmallVec::new();
-    for (k, plane) in shape.planes.iter().enumerate() {
-        // A cell of the gauge is the region where its plane has the largest gauge.
-        let high = bounds(k).1;
+    for (k, (plane, &(_, high))) in shape.planes.iter().zip(&all).enumerate() {
         if high >= floor {
             kept.push((high < 1.0, -plane.normal.dot(towards), k as u16));
         }
@@ -179,7 +176,7 @@ pub(crate) fn candidates(
     list.planes.extend(kept.iter().map(|x| x.2));
     list.bounding = kept.iter().filter(|x| !x.0).count() as u16;
     for (i, facet) in shape.facets.iter().enumerate() {
-        let (low, high) = bounds(usize::from(facet.plane));
+        let (low, high) = all[usize::from(facet.plane)];
         if low <= 1.0 && high >= 1.0 && meets(shape, facet, region, &half) {
             list.facets.push(i as u16);
         }

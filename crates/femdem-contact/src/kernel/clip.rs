@@ -196,7 +196,7 @@ pub(crate) struct PolygonIntegrals {
 
 /// Exact integrals over a counter-clockwise polygon: fan triangles about the first vertex,
 /// then a shift of the moments to the origin.
-#[inline]
+#[inline(always)]
 pub(crate) fn integrate(polygon: &[Point], origin: &Point, field: &Line) -> PolygonIntegrals {
     let mut sum = PolygonIntegrals::default();
     let Some((a, rest)) = polygon.split_first() else {

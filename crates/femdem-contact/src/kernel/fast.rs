@@ -68,7 +68,7 @@ impl Fast {
             return Ok(());
         }
         let normal = &skin.shape.planes[usize::from(facet.plane)].normal;
-        let from = skin.region.centre - frame.origin;
+        let from = skin.origin - frame.origin;
         let origin = Point {
             x: from.dot(&frame.e1),
             y: from.dot(&frame.e2),

@@ -4,7 +4,7 @@ use super::candidates::{ContactBox, candidates, contact_box};
 use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::plan::{Margins, PlanScratch, SidePlan};
 use super::separation::{gap_along, separate};
-use super::side::{FieldPlane, SideScratch, SideSums, Skin, integrate_side, pose_planes};
+use super::side::{FieldPlane, Region, SideScratch, SideSums, Skin, integrate_side, pose_planes};
 use crate::error::{ContactError, check};
 use crate::shape::{ConvexShape, Frame};
 use femdem_mesh::{Matrix3, Vector3};
@@ -188,7 +188,8 @@ pub(super) fn sides(
         shape: b,
         plan: &near.on_b,
         field_centre: pose.a_in_b,
-        region: pose.in_b(&near.region),
+        origin: pose.inverse * near.region.centre + pose.a_in_b,
+        region: Region::Posed(&near.region, &pose),
     };
     pose_planes(a, &near.on_b.planes, &pose.inverse, &pose.a_in_b, planes);
     let on_b = integrate_side(&skin_b, planes, side);
@@ -196,7 +197,8 @@ pub(super) fn sides(
         shape: a,
         plan: &near.on_a,
         field_centre: *offset,
-        region: near.region,
+        origin: near.region.centre,
+        region: Region::Here(&near.region),
     };
     pose_planes(b, &near.on_a.planes, rotation, offset, planes);
     let on_a = integrate_side(&skin_a, planes, side);
@@ -204,7 +206,8 @@ pub(super) fn sides(
 }
 
 /// The pose of A in B's axes.
-pub(super) struct Pose {
+#[derive(Debug)]
+pub(crate) struct Pose {
     inverse: Matrix3,
     a_in_b: Vector3,
 }

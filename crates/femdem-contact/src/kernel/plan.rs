@@ -171,21 +171,15 @@ impl Place<'_> {
                 return None;
             }
         }
-        let faces = || {
-            let all = region.map(|r| (0..BOX_FACES).map(|face| r.face(face).on(self.frame)));
-            all.into_iter().flatten()
-        };
-        for mut line in faces() {
-            line.c += margins.region;
-            if clipper.cut(&line) == Cut::Empty {
-                return None;
-            }
+        let mut cut = 0;
+        if let Some(region) = region {
+            cut = self.plan_region(region, margins, clipper)? << self.posed.len();
         }
         let polygon = clipper.polygon();
-        let mut cut = 0;
         values.clear();
         lowest.clear();
         lowest.resize(polygon.len(), f64::INFINITY);
+        let margin = margins.field * (1.0 + HAIR);
         for (k, plane) in self.posed.iter().enumerate() {
             let line = plane.on(self.frame);
             let mut least = f64::INFINITY;
@@ -195,20 +189,38 @@ impl Place<'_> {
                 *low = if v < *low { v } else { *low };
                 values.push(v);
             }
-            let reach = margins.field * (1.0 + HAIR) * plane.gradient.norm();
-            cut |= u64::from(k < self.bounding && least <= reach) << k;
-        }
-        let reach = margins.region + HAIR * margins.field;
-        for (face, line) in faces().enumerate() {
-            let near = |p: &Point| line.at(p) <= reach;
-            cut |= u64::from(polygon.iter().any(near)) << (self.posed.len() + face);
+            let near = k < self.bounding && least <= margin * plane.gradient.norm();
+            cut |= u64::from(near) << k;
         }
         let rows = Rows {
             values,
             lowest,
             planes: self.posed,
         };
-        Some((cut, rows.owners(margins.field * (1.0 + HAIR))))
+        Some((cut, rows.owners(margin)))
+    }
+
+    /// Cuts by the region, and the faces of it that can cut later; `None` if nothing is left.
+    fn plan_region(
+        &self,
+        region: &ContactBox,
+        margins: Margins,
+        clipper: &mut Clipper,
+    ) -> Option<u64> {
+        let reach = margins.region + HAIR * margins.field;
+        let mut set = 0;
+        for face in 0..BOX_FACES {
+            let mut line = region.face(face).on(self.frame);
+            let near = |p: &Point| line.at(p) <= reach;
+            if clipper.polygon().iter().any(near) {
+                set |= 1 << face;
+                line.c += margins.region;
+                if clipper.cut(&line) == Cut::Empty {
+                    return None;
+                }
+            }
+        }
+        Some(set)
     }
 }
 
@@ -234,9 +246,13 @@ impl Rows<'_> {
         };
         let winners: SmallVec<[usize; 8]> = (0..self.planes.len()).filter(wins).collect();
         let stays_below = |w: usize, k: usize| {
-            let slope = (self.planes[k].gradient - self.planes[w].gradient).norm();
-            let mut pairs = self.row(w).iter().zip(self.row(k));
-            pairs.all(|(low, v)| v - low > margin * slope)
+            let gap = self
+                .row(w)
+                .iter()
+                .zip(self.row(k))
+                .fold(f64::INFINITY, |gap, (low, v)| gap.min(v - low));
+            let slope = self.planes[k].gradient - self.planes[w].gradient;
+            gap > 0.0 && gap * gap > margin * margin * slope.norm_squared()
         };
         (0..self.planes.len())
             .filter(|&k| !winners.iter().any(|&w| w != k && stays_below(w, k)))

@@ -47,9 +47,10 @@ impl Signs {
         }
     }
 
-    /// First and last corner of the one run of `set`; `None` if there are several.
+    /// First and last corner of the one run inside; `None` if there are several.
     #[inline]
-    fn run(&self, set: u64, len: usize) -> Option<[usize; 2]> {
+    fn run(&self, len: usize) -> Option<[usize; 2]> {
+        let set = self.inside;
         let before = (set << 1 | set >> (len - 1)) & self.all;
         let after = set >> 1 | (set & 1) << (len - 1);
         let (starts, ends) = (set & !before, set & !after);
@@ -92,7 +93,7 @@ impl Polygon {
 
     /// Sets this polygon to the part of another where `by` is at least 0. If that is all or
     /// nothing of it, this one is left as it was. `None`: too many corners.
-    #[inline]
+    #[inline(always)]
     pub fn set_cut(&mut self, of: &[Point], by: &Line) -> Option<Cut> {
         if of.len() > MOST {
             return None;
@@ -104,29 +105,39 @@ impl Polygon {
         if signs.inside == 0 {
             return Some(Cut::Empty);
         }
-        if let Some([first, last]) = signs.run(signs.inside, of.len()) {
+        self.set_part(of, by.a, by.b, by.c, signs)
+            .then_some(Cut::Part)
+    }
+
+    /// As [`set_cut`](Self::set_cut), if there are corners on both sides; false: too many.
+    ///
+    /// The line comes in three numbers, so that they stay in registers: read back as a
+    /// vector right after they were written one by one, they would have to wait.
+    #[inline(never)]
+    fn set_part(&mut self, of: &[Point], a: f64, b: f64, c: f64, signs: Signs) -> bool {
+        let by = &Line { a, b, c };
+        if let Some([first, last]) = signs.run(of.len()) {
             self.set_run(of, by, first, last);
         } else {
             self.set_corner_by_corner(of, by);
         }
-        self.fits().then_some(Cut::Part)
+        self.fits()
     }
 
     /// Corners `first` to `last` of a polygon, between the crossings at either end.
     #[inline]
     fn set_run(&mut self, of: &[Point], by: &Line, first: usize, last: usize) {
         let n = of.len();
-        let at = |i: usize| of.get(i).copied().unwrap_or_default();
-        let before = at(if first == 0 { n - 1 } else { first - 1 });
-        let after = at(if last + 1 == n { 0 } else { last + 1 });
-        let mut p = at(first);
+        let before = of[if first == 0 { n - 1 } else { first - 1 }];
+        let after = of[if last + 1 == n { 0 } else { last + 1 }];
+        let mut p = of[first];
         let mut i = first;
         self.len = 0;
         self.push(crossing(&p, &before, by.at(&p), by.at(&before)));
         while i != last {
             self.push(p);
             i = if i + 1 == n { 0 } else { i + 1 };
-            p = at(i);
+            p = of[i];
         }
         self.push(p);
         self.push(crossing(&p, &after, by.at(&p), by.at(&after)));

@@ -6,6 +6,7 @@ use super::cells::{Cells, PlaneSums};
 use super::clip::{Clipper, Cut, Line, Point, area_and_moment};
 use super::fast::Fast;
 use super::field::PlaneField;
+use super::pair::Pose;
 use super::plan::{FacetPlan, SidePlan};
 use crate::shape::{ConvexShape, PlaneFrame};
 use femdem_mesh::{Matrix3, Vector3};
@@ -93,7 +94,7 @@ pub(crate) fn pose_planes(
 }
 
 /// Cuts the polygon in the clipper by the box, so that nothing outside it is integrated.
-fn cut_by_box(clipper: &mut Clipper, region: &ContactBox, frame: &PlaneFrame) -> bool {
+fn cut_by_box(clipper: &mut Clipper, region: &Region, frame: &PlaneFrame) -> bool {
     (0..BOX_FACES).all(|face| clipper.cut(&region.face(face).on(frame)) != Cut::Empty)
 }
 
@@ -102,7 +103,27 @@ pub(crate) struct Skin<'a> {
     pub shape: &'a ConvexShape,
     pub plan: &'a SidePlan,
     pub field_centre: Vector3,
-    pub region: ContactBox,
+    /// Centre of the region: the origin of the moments.
+    pub origin: Vector3,
+    pub region: Region<'a>,
+}
+
+/// The contact region on one of the bodies.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Region<'a> {
+    /// Given in the skin body's axes.
+    Here(&'a ContactBox),
+    /// Given in other axes, which the pose takes to the skin body's.
+    Posed(&'a ContactBox, &'a Pose),
+}
+
+impl Region<'_> {
+    fn face(&self, face: usize) -> FieldPlane {
+        match self {
+            Self::Here(region) => region.face(face),
+            Self::Posed(region, pose) => pose.in_b(region).face(face),
+        }
+    }
 }
 
 /// Adds up the facets of the skin inside the field. Moments are about the region's centre.
@@ -163,7 +184,7 @@ fn add_facet_of_many(
     {
         let normal = skin.shape.planes[usize::from(facet.plane)].normal;
         let lever = normal.dot(&(frame.origin - skin.field_centre));
-        let origin = &skin.region.centre;
+        let origin = &skin.origin;
         sums.add_polygon(frame, &normal, lever, &mut field, origin, scratch);
     }
 }
