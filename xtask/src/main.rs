@@ -2,10 +2,12 @@
 //!
 //! `tidy` looks for what the compiler does not see: the documented crate graph against the
 //! real one, file lengths, leftovers, crate docs, broken links. `ci` runs every check that a
-//! change must pass, in the same order as `.ci/run`.
+//! change must pass, in the same order as `.ci/run`. `validate` makes the long runs behind the
+//! figures in `docs/validation`.
 
 mod ci;
 mod tidy;
+mod validate;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -26,6 +28,8 @@ enum Task {
     Tidy,
     /// Run format, clippy, test, documentation and tidy checks; stop at the first failure
     Ci,
+    /// Run the program against the figures it is to reach, and write docs/validation
+    Validate(validate::Options),
 }
 
 fn main() -> ExitCode {
@@ -46,6 +50,7 @@ fn run() -> Result<bool> {
     match cli.command {
         Task::Tidy => tidy::run(&root),
         Task::Ci => ci::run(&root),
+        Task::Validate(options) => validate::run(&root, &options),
     }
 }
 

@@ -1,0 +1,130 @@
+//! Where and from what a result was made.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context, Result};
+
+/// The machine, the compiler and the commit of a run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub(crate) processor: String,
+    pub(crate) cores: usize,
+    /// Mean number of busy cores in the minute before; `None` where the system does not tell.
+    pub(crate) load: Option<String>,
+    pub(crate) compiler: String,
+    pub(crate) commit: String,
+}
+
+impl Place {
+    /// Asks the system, the compiler and git.
+    ///
+    /// # Errors
+    /// When the compiler or git cannot be asked.
+    pub(crate) fn find(root: &Path) -> Result<Self> {
+        let hash = answer(root, "git", &["rev-parse", "--short=12", "HEAD"])?;
+        let changes = answer(
+            root,
+            "git",
+            &["status", "--porcelain", "--untracked-files=no"],
+        )?;
+        let cpuinfo = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        Ok(Self {
+            processor: processor(&cpuinfo),
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            load: fs::read_to_string("/proc/loadavg")
+                .ok()
+                .and_then(|text| text.split_whitespace().next().map(str::to_owned)),
+            compiler: answer(root, "rustc", &["--version"])?,
+            commit: commit(&hash, &changes),
+        })
+    }
+
+    /// The lines of a page.
+    pub(crate) fn to_markdown(&self) -> String {
+        let load = match &self.load {
+            Some(load) => format!("; load {load} before the run"),
+            None => String::new(),
+        };
+        format!(
+            "- machine: {}, {} cores{load}\n- compiler: {}\n- commit: {}\n",
+            self.processor, self.cores, self.compiler, self.commit
+        )
+    }
+}
+
+/// What a command prints, without the last line break.
+fn answer(root: &Path, program: &str, arguments: &[&str]) -> Result<String> {
+    let output = Command::new(program)
+        .args(arguments)
+        .current_dir(root)
+        .output()
+        .with_context(|| format!("cannot start {program}"))?;
+    anyhow::ensure!(
+        output.status.success(),
+        "{program} {} failed: {}",
+        arguments.join(" "),
+        String::from_utf8_lossy(&output.stderr).trim()
+    );
+    Ok(String::from_utf8_lossy(&output.stdout)
+        .trim_end()
+        .to_owned())
+}
+
+/// The model in the text of `/proc/cpuinfo`.
+fn processor(cpuinfo: &str) -> String {
+    let model = cpuinfo
+        .lines()
+        .filter_map(|line| line.split_once(':'))
+        .find(|(key, _)| key.trim() == "model name");
+    match model {
+        Some((_, name)) => name.trim().to_owned(),
+        None => format!("{} processor", std::env::consts::ARCH),
+    }
+}
+
+fn commit(hash: &str, changes: &str) -> String {
+    if changes.is_empty() {
+        hash.to_owned()
+    } else {
+        format!("{hash}, with changes that are not committed")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_model_is_found_among_the_other_keys() {
+        let text =
+            "processor\t: 0\nmodel\t\t: 49\nmodel name\t: Brand 7 (16 cores)\nflags\t: a b\n";
+        assert_eq!(processor(text), "Brand 7 (16 cores)");
+        assert!(processor("").ends_with("processor"));
+    }
+
+    #[test]
+    fn changes_are_told() {
+        assert_eq!(commit("abc", ""), "abc");
+        assert!(commit("abc", " M a.rs").starts_with("abc, with changes"));
+    }
+
+    #[test]
+    fn a_page_without_a_load_does_not_mention_one() {
+        let mut place = Place {
+            processor: "P".to_owned(),
+            cores: 2,
+            load: Some("0.10".to_owned()),
+            compiler: "rustc 1".to_owned(),
+            commit: "abc".to_owned(),
+        };
+        assert!(
+            place
+                .to_markdown()
+                .contains("P, 2 cores; load 0.10 before the run\n")
+        );
+        place.load = None;
+        assert!(place.to_markdown().starts_with("- machine: P, 2 cores\n"));
+    }
+}

@@ -1,0 +1,105 @@
+//! `cargo xtask validate`: long runs of the program against the figures it is to reach.
+//!
+//! Each case builds the release program, runs it in a temporary folder, reads its `summary.json`
+//! and writes a page and a table with the machine, the commit and the commands. With `--count` a
+//! case is a trial on fewer bodies, and writes to `out/validation` instead of `docs/validation`.
+
+mod bits;
+mod cost;
+mod machine;
+mod pack;
+mod program;
+mod report;
+
+use std::path::Path;
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+
+use program::Workshop;
+use report::Report;
+
+/// Options of `cargo xtask validate`.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct Options {
+    /// What to run
+    case: Case,
+
+    /// Bodies, for a trial: its results go to out/validation (cost runs N, 2N, 4N and 8N)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    count: Option<u32>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Case {
+    /// The main job, 500 truncated dodecahedra: time, penetration, residual
+    Pack500,
+    /// Processor time per body from 500 to 4,000 bodies
+    Cost,
+    /// The same bits at 1, 2 and 3 threads and without the feature `parallel`
+    Threads,
+    /// The same bits through an interruption and a resumption
+    Restart,
+    /// All of them
+    All,
+}
+
+impl Case {
+    /// The single cases that this one stands for.
+    fn parts(self) -> Vec<Self> {
+        match self {
+            Self::All => vec![Self::Pack500, Self::Threads, Self::Restart, Self::Cost],
+            single => vec![single],
+        }
+    }
+
+    fn run(self, workshop: &Workshop, count: Option<u32>) -> Result<Report> {
+        match self {
+            Self::Pack500 | Self::All => pack::run(workshop, count.unwrap_or(500)),
+            Self::Cost => cost::run(workshop, count.unwrap_or(500)),
+            Self::Threads => bits::threads(workshop, count.unwrap_or(200)),
+            Self::Restart => bits::restart(workshop, count.unwrap_or(200)),
+        }
+    }
+}
+
+/// Runs the cases and writes their pages; whether every figure was reached.
+///
+/// # Errors
+/// When the program cannot be built or fails, or a page cannot be written.
+pub(crate) fn run(root: &Path, options: &Options) -> Result<bool> {
+    let folder = match options.count {
+        Some(_) => root.join("out/validation"),
+        None => root.join("docs/validation"),
+    };
+    let workshop = Workshop::new(root)?;
+    let mut reached = true;
+    for case in options.case.parts() {
+        let place = machine::Place::find(root)?;
+        let report = case.run(&workshop, options.count)?;
+        let trial = options
+            .count
+            .map_or(String::new(), |n| format!(" --count {n}"));
+        let made_by = format!("cargo xtask validate {}{trial}", report.name);
+        let page = report.write(&folder, &place, &made_by)?;
+        println!("{}\nwritten to {}", report.checks_as_text(), page.display());
+        reached &= report.all_met();
+    }
+    Ok(reached)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_is_every_case_once() {
+        let mut parts = Case::All.parts();
+        let count = parts.len();
+        parts.dedup();
+        assert_eq!(parts.len(), count);
+        for case in Case::value_variants() {
+            assert_eq!(parts.contains(case), *case != Case::All, "{case:?}");
+        }
+    }
+}
