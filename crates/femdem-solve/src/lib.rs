@@ -60,7 +60,7 @@
 //! # Accuracy
 //!
 //! - Without friction and damping the energy has no trend: 27 bodies colliding in a closed box for 1 s
-//!   keep theirs to 1e-5, and momentum is kept to round-off (`tests/physics.rs`).
+//!   keep theirs to 1e-5 at a step of 1e-5 s, and momentum is kept to round-off (`tests/physics.rs`).
 //! - The step is a fraction, [`TimeStepParameters::safety`], of a bound that is larger than the true
 //!   frequency; [`World::stability`] measures the true limit. At the default of 0.9 the impact of a
 //!   single flat face is resolved by few steps: the cube above then misses 9 % of its energy in the
