@@ -135,7 +135,11 @@ fn rebound(id: &str, rotation: Rotation, zeta: f64) -> f64 {
     world.add_wall(floor, Drive::Fixed).unwrap();
     let spec = BodySpec {
         velocity: Vector3::new(0.0, 0.0, -1.0),
-        ..BodySpec::at_rest(shape, DENSITY, pose(Vector3::new(0.0, 0.0, 0.051), rotation))
+        ..BodySpec::at_rest(
+            shape,
+            DENSITY,
+            pose(Vector3::new(0.0, 0.0, 0.051), rotation),
+        )
     };
     let body = world.add_body(spec).unwrap();
     let mut touched = false;
