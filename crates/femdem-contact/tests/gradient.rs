@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Stream, oracle, solids, turned, wall_oracle};
-use femdem_contact::kernel::{CavityKernel, PairCache, Scratch};
+use femdem_contact::kernel::{CavityCache, CavityKernel, PairCache, Scratch};
 use femdem_contact::{ConvexShape, Frame, Overlap, PairKernel, Wall, WallPlane};
 use femdem_mesh::Polyhedron;
 use femdem_mesh::nalgebra::Vector3;
@@ -211,4 +211,57 @@ fn wall_wrench_is_minus_the_gradient() {
         }
     }
     assert!(checked > 25, "only {checked} touching walls");
+}
+
+/// The same for a wall: a wedge of two planes that a body slides and turns along.
+#[test]
+fn a_warm_wall_cache_changes_nothing() {
+    let kernel = CavityKernel::new(PENALTY).unwrap();
+    let mut scratch = Scratch::default();
+    let mut stream = Stream(13);
+    let at_origin = Frame::identity();
+    let mut touching = 0;
+    for (name, _, shape) in solids() {
+        let base = stream.vector().normalize();
+        let planes = [base, (base + stream.vector() * 0.4).normalize()].map(|normal| WallPlane {
+            normal,
+            offset: 0.0,
+        });
+        let wall = Wall::new("wedge", planes.to_vec()).unwrap();
+        let mut fb = Frame::identity();
+        fb.rotation = stream.rotation();
+        fb.position = base * (shape.radius() * 1.05);
+        let mut cache = CavityCache::default();
+        let mut motion = 0.0;
+        let direction = stream.vector().normalize() * 0.5 - base;
+        let axis = stream.vector().normalize();
+        for _ in 0..300 {
+            fb.position += direction * 5e-4;
+            fb = turned(&fb, &axis, 1e-3);
+            motion += direction.norm() * 5e-4 + 1e-3 * shape.radius();
+            let warm = kernel.evaluate_cached(
+                &wall,
+                &at_origin,
+                &shape,
+                &fb,
+                &mut cache,
+                motion,
+                &mut scratch,
+            );
+            let cold = kernel.evaluate(&wall, &at_origin, &shape, &fb, &mut scratch);
+            let (Some(w), Some(c)) = (warm, cold) else {
+                let tiny = warm.or(cold).map_or(0.0, |o| o.force.norm());
+                assert!(tiny < 1e-15, "{name}: only one of them touches, {tiny:e}");
+                continue;
+            };
+            touching += 1;
+            let scale = 1e-9 * c.force.norm() + 1e-18;
+            assert!((w.force - c.force).norm() <= scale, "{name}: force");
+            assert!(
+                (w.torque_b() - c.torque_b()).norm() <= scale,
+                "{name}: torque"
+            );
+        }
+    }
+    assert!(touching > 2000, "only {touching} touching steps");
 }

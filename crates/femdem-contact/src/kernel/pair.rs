@@ -122,42 +122,44 @@ impl PairKernel {
         cache.last = motion;
         let near = cache.near.as_ref()?;
         let sides = sides(a, b, &rotation, &offset, near, scratch);
-        let overlap = self.assemble(frame_a, frame_b, &between, near, &sides)?;
-        cache.axis = frame_a.rotation.tr_mul(&overlap.normal);
+        let (overlap, axis) =
+            self.assemble(&frame_a.rotation, &rotation, &between, near, &sides)?;
+        cache.axis = axis;
         Some(overlap)
     }
 
-    /// Turns the sums of both sides into the wrench on B, in world axes.
+    /// Turns the sums of both sides into the wrench on B, in world axes, and the contact
+    /// normal in A's axes, in which the work is done.
     fn assemble(
         &self,
-        frame_a: &Frame,
-        frame_b: &Frame,
+        to_world: &Matrix3,
+        rotation: &Matrix3,
         between: &Vector3,
         near: &Near,
         [on_b, on_a]: &[SideSums; 2],
-    ) -> Option<Overlap> {
+    ) -> Option<(Overlap, Vector3)> {
         let p = self.penalty;
-        let (ra, rb) = (&frame_a.rotation, &frame_b.rotation);
         let pressure = on_a.pressure + on_b.pressure;
-        let force = (ra * on_a.force - rb * on_b.force) * p;
+        let force = (on_a.force - rotation * on_b.force) * p;
         let magnitude = force.norm();
         if !(pressure > 0.0 && magnitude > 0.0) {
             return None;
         }
-        let normal = force / magnitude;
-        let centre = (ra * on_a.pressure_moment + rb * on_b.pressure_moment) / pressure;
-        let torque = (ra * on_a.torque - rb * on_b.torque) * p;
-        let arm_a = ra * near.region.centre + centre;
-        let (na, nb) = (ra.tr_mul(&normal), rb.tr_mul(&normal));
+        let na = force / magnitude;
+        let nb = rotation.tr_mul(&na);
+        let centre = (on_a.pressure_moment + rotation * on_b.pressure_moment) / pressure;
+        let torque = (on_a.torque - rotation * on_b.torque) * p;
+        let arm_a = to_world * (near.region.centre + centre);
         let volume = na.dot(&(on_a.volume_tensor * na)) + nb.dot(&(on_b.volume_tensor * nb));
         let stiffness = p * (on_a.stiffness + on_b.stiffness);
         let stiffness_centre =
-            (ra * on_a.stiffness_moment + rb * on_b.stiffness_moment) * (p / stiffness);
+            (on_a.stiffness_moment + rotation * on_b.stiffness_moment) * (p / stiffness);
         let spread =
             (on_a.pressure_second + on_b.pressure_second) / pressure - centre.norm_squared();
-        Some(Overlap {
-            force,
-            moment: torque - centre.cross(&force),
+        let normal = to_world * na;
+        let overlap = Overlap {
+            force: normal * magnitude,
+            moment: to_world * (torque - centre.cross(&force)),
             arm_a,
             arm_b: arm_a - between,
             normal,
@@ -169,7 +171,8 @@ impl PairKernel {
                 - stiffness * stiffness_centre.norm_squared())
             .max(0.0),
             torsion_radius: MEAN_OVER_RMS * spread.max(0.0).sqrt(),
-        })
+        };
+        Some((overlap, na))
     }
 }
 
