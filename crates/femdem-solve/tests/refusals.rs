@@ -1,0 +1,330 @@
+//! What a world refuses, and how it reports a simulation that has blown up.
+
+mod common;
+
+use common::{DENSITY, add_floor, at, half_edge, parameters, solid, weightless};
+use femdem_mesh::nalgebra::{Quaternion, Unit, Vector3};
+use femdem_mesh::{Point3, Polyhedron};
+use femdem_solve::{BodySpec, Drive, SolveError, World, WorldParameters};
+
+#[test]
+fn parameters_out_of_range_are_named() {
+    type Change = fn(&mut WorldParameters);
+    let cases: [(&str, Change); 24] = [
+        ("gravity = NaN", |p| p.gravity.x = f64::NAN),
+        ("gravity = inf", |p| p.gravity.z = f64::NEG_INFINITY),
+        ("penalty = -1", |p| p.contact.penalty = -1.0),
+        ("penalty = NaN", |p| p.contact.penalty = f64::NAN),
+        ("friction = -0.5", |p| p.contact.friction = -0.5),
+        ("damping_ratio = 0.9", |p| p.contact.damping_ratio = 0.9),
+        ("damping_ratio = NaN", |p| {
+            p.contact.damping_ratio = f64::NAN
+        }),
+        ("tangential_ratio = 3", |p| p.contact.tangential_ratio = 3.0),
+        ("tangential_damping = 2", |p| {
+            p.contact.tangential_damping = 2.0
+        }),
+        ("time_step.safety = 0", |p| p.time_step.safety = 0.0),
+        ("time_step.safety = 1.5", |p| p.time_step.safety = 1.5),
+        ("time_step.safety = NaN", |p| p.time_step.safety = f64::NAN),
+        ("time_step.largest = 0", |p| p.time_step.largest = Some(0.0)),
+        ("time_step.largest = NaN", |p| {
+            p.time_step.largest = Some(f64::NAN)
+        }),
+        ("sleeping.tolerance = 0.5", |p| p.sleeping.tolerance = 0.5),
+        ("sleeping.tolerance = NaN", |p| {
+            p.sleeping.tolerance = f64::NAN
+        }),
+        ("sleeping.creep = 0.1", |p| p.sleeping.creep = 0.1),
+        ("sleeping.ringing = 0", |p| p.sleeping.ringing = 0.0),
+        ("sleeping.window = 1", |p| p.sleeping.window = 1),
+        ("sleeping.steps = 0", |p| p.sleeping.steps = 0),
+        ("sleeping.recheck = 0", |p| p.sleeping.recheck = 0),
+        ("medium.drag = -1", |p| p.medium.drag = -1.0),
+        ("medium.drag = NaN", |p| p.medium.drag = f64::NAN),
+        ("medium.local_damping = 1", |p| p.medium.local_damping = 1.0),
+    ];
+    for (text, change) in cases {
+        let mut p = WorldParameters::default();
+        change(&mut p);
+        let error = World::new(p).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains(text), "\"{text}\" is not in \"{error}\"");
+        assert!(error.contains("must be"), "{error}");
+    }
+    World::new(WorldParameters::default()).unwrap();
+}
+
+fn cubes() -> (World, u32) {
+    let mut world = World::new(parameters(1e6, 0.6, 0.6)).unwrap();
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    (world, shape)
+}
+
+#[test]
+fn bodies_that_are_nowhere_are_refused() {
+    let (mut world, shape) = cubes();
+    let good = BodySpec::at_rest(shape, DENSITY, at(Vector3::zeros()));
+    let skewed = |w: f64| Unit::new_unchecked(Quaternion::new(w, 0.0, 0.0, 0.1));
+    type Change<'a> = &'a dyn Fn(&mut BodySpec);
+    let cases: [(&str, Change); 10] = [
+        ("density = NaN", &|s| s.density = f64::NAN),
+        ("density = 0", &|s| s.density = 0.0),
+        ("density = -5", &|s| s.density = -5.0),
+        ("density = inf", &|s| s.density = f64::INFINITY),
+        ("pose.translation", &|s| {
+            s.pose.translation.vector.y = f64::NAN
+        }),
+        ("velocity", &|s| s.velocity.z = f64::INFINITY),
+        ("angular_velocity", &|s| s.angular_velocity.x = f64::NAN),
+        ("pose.", &|s| s.pose.rotation = skewed(f64::NAN)),
+        ("pose.rotation", &|s| s.pose.rotation = skewed(0.5)),
+        ("there is no shape 7: 1 were added", &|s| s.shape = 7),
+    ];
+    for (text, change) in cases {
+        let mut spec = good;
+        change(&mut spec);
+        let error = world.add_body(spec).unwrap_err().to_string();
+        assert!(error.contains(text), "\"{text}\" is not in \"{error}\"");
+        let error = world
+            .add_driven_body(spec, Drive::Fixed)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains(text),
+            "driven: \"{text}\" is not in \"{error}\""
+        );
+    }
+    // Nothing of what was refused is left behind.
+    assert_eq!(world.body_count(), 0);
+    world.add_body(good).unwrap();
+    world.step().unwrap();
+}
+
+#[test]
+fn drives_that_lead_nowhere_are_refused() {
+    let (mut world, shape) = cubes();
+    let floor = add_floor(&mut world, Drive::Fixed);
+    let nan = f64::NAN;
+    let stroke = Vector3::z();
+    let cases = [
+        (
+            "drive.velocity",
+            Drive::Linear {
+                velocity: stroke * nan,
+                start: 0.0,
+                end: 1.0,
+            },
+        ),
+        (
+            "drive.start",
+            Drive::Linear {
+                velocity: stroke,
+                start: nan,
+                end: 1.0,
+            },
+        ),
+        (
+            "drive.end = 1",
+            Drive::Linear {
+                velocity: stroke,
+                start: 2.0,
+                end: 1.0,
+            },
+        ),
+        (
+            "drive.stroke",
+            Drive::Shake {
+                stroke: stroke * nan,
+                frequency: 1.0,
+                start: 0.0,
+                periods: 1,
+            },
+        ),
+        (
+            "drive.frequency = 0",
+            Drive::Shake {
+                stroke,
+                frequency: 0.0,
+                start: 0.0,
+                periods: 1,
+            },
+        ),
+        (
+            "drive.frequency = NaN",
+            Drive::Tap {
+                stroke,
+                frequency: nan,
+                start: 0.0,
+                interval: 1.0,
+                taps: 1,
+            },
+        ),
+        (
+            "drive.interval = 0.1",
+            Drive::Tap {
+                stroke,
+                frequency: 1.0,
+                start: 0.0,
+                interval: 0.1,
+                taps: 1,
+            },
+        ),
+    ];
+    for (text, drive) in cases {
+        let error = world.drive_wall(floor, drive).unwrap_err().to_string();
+        assert!(error.contains(text), "\"{text}\" is not in \"{error}\"");
+        let spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::zeros()));
+        assert!(world.add_driven_body(spec, drive).is_err(), "{text}");
+    }
+    let error = world.drive_wall(3, Drive::Fixed).unwrap_err().to_string();
+    assert!(
+        error.contains("there is no wall 3: 1 were added"),
+        "{error}"
+    );
+}
+
+#[test]
+fn shapes_without_a_gauge_are_refused_with_advice() {
+    let (mut world, _) = cubes();
+    // A cube with a pyramid pressed into one face.
+    let cube = solid("P5");
+    let mut vertices = cube.vertices().to_vec();
+    let mut faces: Vec<Vec<u32>> = cube.faces().map(<[u32]>::to_vec).collect();
+    let face = faces.pop().unwrap();
+    let middle = face
+        .iter()
+        .map(|&v| vertices[v as usize].coords)
+        .sum::<Vector3<f64>>()
+        / 4.0;
+    vertices.push(Point3::from(middle * 0.5));
+    let tip = vertices.len() as u32 - 1;
+    faces.extend((0..4).map(|k| vec![face[k], face[(k + 1) % 4], tip]));
+    let dented = Polyhedron::new(vertices, faces).unwrap();
+    let error = world.add_shape("dented", &dented).unwrap_err().to_string();
+    assert!(
+        error.contains("not convex") && error.contains("convex hull"),
+        "{error}"
+    );
+    assert_eq!(world.shapes().len(), 1);
+}
+
+/// Steps until the world fails; it must not panic on the way.
+fn failure(world: &mut World, most: u32) -> SolveError {
+    for _ in 0..most {
+        if let Err(error) = world.step() {
+            return error;
+        }
+    }
+    panic!("nothing failed in {most} steps");
+}
+
+#[test]
+fn a_body_launched_too_fast_is_named() {
+    let (mut world, shape) = cubes();
+    world
+        .add_body(BodySpec::at_rest(shape, DENSITY, at(Vector3::zeros())))
+        .unwrap();
+    let mut fast = BodySpec::at_rest(shape, DENSITY, at(Vector3::x() * 3.0));
+    fast.velocity.x = 1e4;
+    world.add_body(fast).unwrap();
+    let error = failure(&mut world, 10);
+    assert!(
+        matches!(
+            error,
+            SolveError::BlowUp {
+                body: 1,
+                step: 0,
+                ..
+            }
+        ),
+        "{error}"
+    );
+    let text = error.to_string();
+    for part in ["blew up at step 0", "body 1", "time_step", "1.000e4 m/s"] {
+        assert!(text.contains(part), "\"{part}\" is not in \"{text}\"");
+    }
+}
+
+/// Bodies added into each other under a penalty that makes an explosion of it.
+#[test]
+fn bodies_added_into_each_other_are_named() {
+    let mut p = weightless(1e12, 0.0, 0.0);
+    p.time_step.safety = 1.0;
+    let mut world = World::new(p).unwrap();
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    for k in 0..4 {
+        let place = Vector3::new(0.13, 0.21, 0.4) * (f64::from(k) * half_edge());
+        world
+            .add_body(BodySpec::at_rest(shape, DENSITY, at(place)))
+            .unwrap();
+    }
+    let error = failure(&mut world, 2000);
+    let SolveError::BlowUp { body, cause, .. } = &error else {
+        panic!("{error}");
+    };
+    assert!(*body < 4);
+    assert!(
+        cause.contains("overlapped when they were added") && cause.contains("penalty"),
+        "{cause}"
+    );
+}
+
+/// A law that is made a million times stiffer under load: the step follows it, or the
+/// failure is reported; no number ever stops being finite without a word.
+#[test]
+fn a_law_changed_under_load() {
+    let (mut world, shape) = cubes();
+    add_floor(&mut world, Drive::Fixed);
+    world
+        .add_body(BodySpec::at_rest(
+            shape,
+            DENSITY,
+            at(Vector3::z() * half_edge()),
+        ))
+        .unwrap();
+    for _ in 0..200 {
+        world.step().unwrap();
+    }
+    let soft = world.time_step();
+    let mut law = world.parameters().contact;
+    law.penalty *= 1e6;
+    world.set_contact(law).unwrap();
+    for _ in 0..2000 {
+        match world.step() {
+            Ok(()) => assert!(world.position(0).unwrap().iter().all(|x| x.is_finite())),
+            Err(error) => {
+                assert!(matches!(error, SolveError::BlowUp { .. }), "{error}");
+                break;
+            }
+        }
+    }
+    assert!(world.time_step() < 0.1 * soft);
+    law.friction = -1.0;
+    assert!(
+        world
+            .set_contact(law)
+            .unwrap_err()
+            .to_string()
+            .contains("friction = -1")
+    );
+}
+
+#[test]
+fn bytes_that_hold_no_world_are_refused() {
+    let (world, _) = cubes();
+    let bytes = world.to_bytes().unwrap();
+    assert_eq!(
+        World::from_bytes(&bytes).unwrap().state_hash().unwrap(),
+        world.state_hash().unwrap()
+    );
+    for cut in [0, 1, bytes.len() / 2, bytes.len() - 1] {
+        let error = World::from_bytes(&bytes[..cut]).map(|_| ()).unwrap_err();
+        assert!(
+            error.to_string().contains("could not be decoded"),
+            "{error}"
+        );
+    }
+    let mut long = bytes;
+    long.push(0);
+    assert!(World::from_bytes(&long).is_err());
+}

@@ -1,0 +1,210 @@
+//! The active set: what falls asleep, what it costs to wake it, and what wakes it.
+
+mod common;
+
+use common::{
+    D, DENSITY, add_floor, add_heap, add_sides, at, half_edge, parameters, run_until, solid,
+};
+use femdem_mesh::nalgebra::Vector3;
+use femdem_solve::{BodySpec, Drive, World, WorldParameters};
+
+fn sleepy() -> WorldParameters {
+    let mut p = parameters(1e6, 0.6, 0.6);
+    p.sleeping.enabled = true;
+    p
+}
+
+fn add_cube(world: &mut World, shape: u32, position: Vector3<f64>) -> u32 {
+    let spec = BodySpec::at_rest(shape, DENSITY, at(position));
+    world.add_body(spec).unwrap()
+}
+
+/// Steps until nothing is awake.
+fn settle(world: &mut World, latest: f64) {
+    while world.awake_count() > 0 {
+        world.step().unwrap();
+        assert!(
+            world.time() < latest,
+            "{} are awake after {latest} s",
+            world.awake_count()
+        );
+    }
+}
+
+fn places(world: &World) -> Vec<Vector3<f64>> {
+    (0..world.body_count() as u32)
+        .map(|i| world.position(i).unwrap())
+        .collect()
+}
+
+fn largest_move(world: &World, from: &[Vector3<f64>]) -> f64 {
+    let now = places(world);
+    now.iter()
+        .zip(from)
+        .map(|(a, b)| (a - b).norm())
+        .fold(0.0, f64::max)
+}
+
+/// A heap that has settled under a strict rule sleeps; woken for half a second without sleep
+/// it stays where it is. The default rule lets a body sleep that still creeps by up to a
+/// hundredth of its size in half a second.
+#[test]
+fn a_sleeping_heap_is_at_rest() {
+    let mut p = sleepy();
+    p.sleeping.tolerance = 0.01;
+    p.sleeping.creep = 3e-8;
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    add_sides(&mut world, 2.3 * D, Drive::Fixed);
+    add_heap(&mut world, 16, 2);
+    settle(&mut world, 10.0);
+    assert!((0..16).all(|i| world.is_asleep(i)));
+    assert_eq!(world.kinetic_energy(), 0.0);
+    let asleep = places(&world);
+    // Asleep, time passes without any motion.
+    let until = world.time() + 0.05;
+    run_until(&mut world, until);
+    assert_eq!(places(&world), asleep);
+    world.set_sleeping(false);
+    assert_eq!(world.awake_count(), 16);
+    let until = world.time() + 0.5;
+    run_until(&mut world, until);
+    let moved = largest_move(&world, &asleep);
+    assert!(moved < 1e-3 * D, "waking moved a body by {:e} d", moved / D);
+    assert!(
+        world.residuals().max_over_load < 0.05,
+        "{:?}",
+        world.residuals()
+    );
+}
+
+/// A floor that goes away takes its support with it: everything wakes and falls freely.
+#[test]
+fn without_support_sleepers_fall() {
+    let mut world = World::new(sleepy()).unwrap();
+    let floor = add_floor(&mut world, Drive::Fixed);
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    for k in 0..3 {
+        add_cube(
+            &mut world,
+            shape,
+            Vector3::z() * (half_edge() * (2.0 * f64::from(k) + 1.0)),
+        );
+    }
+    settle(&mut world, 5.0);
+    let before = places(&world);
+    let start = world.time() + 0.01;
+    let velocity = Vector3::z() * -5.0;
+    world
+        .drive_wall(
+            floor,
+            Drive::Linear {
+                velocity,
+                start,
+                end: start + 1.0,
+            },
+        )
+        .unwrap();
+    run_until(&mut world, start + 0.3);
+    let fallen = 0.5 * common::G * 0.3 * 0.3;
+    for (now, then) in places(&world).iter().zip(&before) {
+        let depth = then.z - now.z;
+        assert!(
+            (depth / fallen - 1.0).abs() < 0.05,
+            "{depth} m instead of {fallen} m"
+        );
+    }
+    assert_eq!(world.awake_count(), 3);
+}
+
+/// A driven body that leaves wakes what lay on it.
+#[test]
+fn a_driven_support_that_leaves_wakes_its_load() {
+    let mut world = World::new(sleepy()).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let (start, speed) = (4.0, 2.0);
+    let support = BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * (0.3 + half_edge())));
+    let away = Drive::Linear {
+        velocity: Vector3::z() * -speed,
+        start,
+        end: start + 0.1,
+    };
+    world.add_driven_body(support, away).unwrap();
+    let load = add_cube(&mut world, shape, Vector3::z() * (0.3 + 3.0 * half_edge()));
+    run_until(&mut world, start - 0.01);
+    assert!(world.is_asleep(load));
+    let before = world.position(load).unwrap().z;
+    run_until(&mut world, start + 0.08);
+    assert!(!world.is_asleep(load));
+    assert!(before - world.position(load).unwrap().z > 0.01);
+}
+
+/// At the top of its flight a body is at rest for a moment, and nothing holds it: it must
+/// not fall asleep there, however slow the flight.
+#[test]
+fn nothing_sleeps_in_flight() {
+    let mut p = sleepy();
+    p.gravity = Vector3::z() * -0.05;
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let mut spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * D));
+    spec.velocity = Vector3::z() * 0.02;
+    let body = world.add_body(spec).unwrap();
+    // It rises for 0.4 s and falls for longer.
+    while world.time() < 1.0 {
+        world.step().unwrap();
+        assert!(
+            !world.is_asleep(body),
+            "asleep in flight at {} s",
+            world.time()
+        );
+    }
+    assert!(world.velocity(body).unwrap().z < 0.0);
+}
+
+/// A hit wakes what is hit and its neighbours, and leaves the rest of the floor alone. It is
+/// looked for at every step: the default looks less often than this impact lasts.
+#[test]
+fn a_hit_wakes_those_around_it() {
+    let mut p = sleepy();
+    p.sleeping.recheck = 1;
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let edge = 2.0 * half_edge();
+    let bottom = add_cube(&mut world, shape, Vector3::z() * (0.5 * edge));
+    let top = add_cube(&mut world, shape, Vector3::z() * (1.5 * edge));
+    let far = add_cube(&mut world, shape, Vector3::new(3.0, 0.0, 0.5 * edge));
+    settle(&mut world, 5.0);
+    let before = world.position(top).unwrap();
+    let mut spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::new(-0.3, 0.0, 1.6 * edge)));
+    spec.velocity = Vector3::new(2.5, 0.0, 0.6);
+    let hammer = world.add_body(spec).unwrap();
+    let mut woken = [false; 2];
+    for _ in 0..2000 {
+        world.step().unwrap();
+        woken[0] |= !world.is_asleep(top);
+        woken[1] |= !world.is_asleep(bottom);
+        assert!(world.is_asleep(far), "the far cube woke");
+    }
+    assert_eq!(
+        woken,
+        [true, true],
+        "the hammer is at {:?}",
+        world.position(hammer)
+    );
+    assert!((world.position(top).unwrap() - before).norm() > 0.05 * D);
+}
+
+/// Forbidden to sleep, a heap at rest stays awake.
+#[test]
+fn sleep_can_be_forbidden() {
+    let mut world = World::new(parameters(1e6, 0.6, 0.6)).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    add_cube(&mut world, shape, Vector3::z() * half_edge());
+    run_until(&mut world, 2.0);
+    assert_eq!(world.awake(), [0]);
+}
