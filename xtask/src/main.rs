@@ -1,7 +1,7 @@
 //! Chores of the project, run as `cargo xtask <command>`.
 //!
 //! `tidy` looks for what the compiler does not see: the documented crate graph against the
-//! real one, file lengths, leftovers, crate docs, broken links. `ci` runs every check that a
+//! real one, the tests of the invariants, file lengths, leftovers, crate docs, broken links. `ci` runs every check that a
 //! change must pass, in the same order as `.ci/run`. `validate` makes the long runs behind the
 //! figures in `docs/validation`.
 
@@ -24,7 +24,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Check the crate graph, file lengths, leftovers, crate docs and links
+    /// Check the crate graph, the invariants' tests, file lengths, leftovers, crate docs and links
     Tidy,
     /// Run format, clippy, test, documentation and tidy checks; stop at the first failure
     Ci,

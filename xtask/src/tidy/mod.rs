@@ -6,6 +6,7 @@
 mod crates;
 mod files;
 mod graph;
+mod invariants;
 mod lengths;
 mod links;
 mod metadata;
@@ -59,7 +60,7 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
 
     let lengths = lengths::measure(&files);
     let mut problems = lengths.problems();
-    problems.extend(check_graph(&files, &packages));
+    problems.extend(check_architecture(&files, &packages));
     problems.extend(words::check(&files));
     problems.extend(crates::check(&files, &packages));
     problems.extend(check_links(root, &files));
@@ -77,9 +78,13 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     Ok(problems.is_empty())
 }
 
-fn check_graph(files: &[SourceFile], packages: &[metadata::Package]) -> Vec<Problem> {
+fn check_architecture(files: &[SourceFile], packages: &[metadata::Package]) -> Vec<Problem> {
     match find(files, ARCHITECTURE) {
-        Some(file) => graph::check(&file.path, &file.text, packages),
+        Some(file) => {
+            let mut problems = graph::check(&file.path, &file.text, packages);
+            problems.extend(invariants::check(&file.path, &file.text, files));
+            problems
+        }
         None => vec![Problem::new(
             ARCHITECTURE,
             1,
