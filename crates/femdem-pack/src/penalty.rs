@@ -20,7 +20,7 @@ pub enum Penalty {
 
 impl Default for Penalty {
     fn default() -> Self {
-        Self::Automatic { penetration: 0.004 }
+        Self::Automatic { penetration: 0.0035 }
     }
 }
 

@@ -188,7 +188,7 @@ impl PackSpec {
                 "penetration",
                 penetration,
                 (1e-6..=0.1).contains(&penetration),
-                "between 1e-6 and 0.1, in d; 0.004 is usual",
+                "between 1e-6 and 0.1, in d; 0.0035 is usual",
             )?,
             Penalty::Given { pressure } => check_positive("penalty", pressure)?,
         }

@@ -89,7 +89,7 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "PA")]
     penalty: Option<f64>,
 
-    /// Mean penetration over d that the automatic penalty aims at [default: 0.004]
+    /// Mean penetration over d that the automatic penalty aims at [default: 0.0035]
     #[arg(long, value_name = "X", conflicts_with = "penalty")]
     penetration: Option<f64>,
 

@@ -117,7 +117,7 @@ impl Default for Scene {
             friction: spec.friction,
             damping: spec.damping_ratio,
             penalty: None,
-            penetration: 0.004,
+            penetration: 0.0035,
             drag: 0.0,
             gravity: spec.gravity,
             container: ContainerKind::Box,
