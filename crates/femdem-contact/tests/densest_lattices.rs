@@ -1,6 +1,8 @@
 //! The densest lattice packings of six solids: every neighbour touches and none overlaps,
 //! so the pair kernel has to tell a gap of 1e-6 from an overlap of 1e-3.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 use femdem_contact::kernel::Scratch;
 use femdem_contact::{ConvexShape, Frame, PairKernel};
 use femdem_mesh::catalogue::CatalogueShape;

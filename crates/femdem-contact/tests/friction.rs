@@ -1,6 +1,8 @@
 //! Friction of a patch under prescribed motion: a cube of unit edge on a floor, or on
 //! another cube.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 mod common;
 
 use common::pack::{placed, shape};

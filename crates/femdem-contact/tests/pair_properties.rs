@@ -1,5 +1,7 @@
 //! Properties that the pair kernel keeps for any two of the solids, at any scale and place.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 mod common;
 
 use common::{Stream, solids};

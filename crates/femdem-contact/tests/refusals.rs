@@ -1,5 +1,7 @@
 //! Bodies, walls and updates that are refused, and what the messages tell.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 use femdem_contact::{
     ContactBatch, ContactError, ContactLaw, ContactParameters, ConvexShape, Frame, Motion,
     PairKernel, Wall, WallPlane,

@@ -1,5 +1,7 @@
 //! Walls: half-spaces, boxes and the mantle of a cylinder.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 mod common;
 
 use common::pack::{placed, shape};

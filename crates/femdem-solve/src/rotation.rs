@@ -62,11 +62,11 @@ mod tests {
         let world = q * l;
         let start = energy(&l, &moments);
         let mut worst: [f64; 2] = [0.0; 2];
-        for half in 0..2 {
+        for worst in &mut worst {
             for _ in 0..20_000 {
                 drift(&mut q, &mut l, &moments, 0.01);
                 let off = (energy(&l, &moments) / start - 1.0).abs();
-                worst[half] = worst[half].max(off);
+                *worst = worst.max(off);
             }
         }
         assert!((q * l - world).norm() < 1e-11 * world.norm());

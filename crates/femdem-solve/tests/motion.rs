@@ -1,5 +1,7 @@
 //! Motion in closed form: flight, prescribed motion, drag and local damping.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 mod common;
 
 use common::{
@@ -107,10 +109,13 @@ fn resting(p: WorldParameters) -> (World, f64) {
     (world, depth)
 }
 
-/// A cube on a slowly shaken floor goes with it: the spring is pressed by m (g + a).
+/// A cube on a slowly shaken floor goes with it: the spring is pressed by m (g + a). The
+/// dashpot sees the floor half a step ahead of the body, hence the small step.
 #[test]
 fn a_body_follows_a_slow_floor() {
-    let (mut world, depth) = resting(parameters(1e6, 0.6, 0.6));
+    let mut p = parameters(1e6, 0.6, 0.6);
+    p.time_step.safety = 0.3;
+    let (mut world, depth) = resting(p);
     let weight = G * world.mass(0).unwrap();
     // F = 2 p A delta/h: the face of edge 2 h on the wall.
     let want = weight / (2.0 * 1e6 * 4.0 * half_edge());

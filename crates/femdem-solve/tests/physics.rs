@@ -1,5 +1,7 @@
 //! Closed-form checks of the whole step: conservation, restitution, friction, stacking.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 use femdem_contact::{ContactParameters, Wall, restitution};
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::{Translation3, Vector3};

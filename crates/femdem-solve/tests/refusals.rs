@@ -1,5 +1,7 @@
 //! What a world refuses, and how it reports a simulation that has blown up.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 mod common;
 
 use common::{DENSITY, add_floor, at, half_edge, parameters, solid, weightless};

@@ -1,6 +1,8 @@
 //! The state after n steps is the same bits for any number of threads, with and without the
 //! feature `parallel`, and through a checkpoint.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 mod common;
 
 use common::{D, DENSITY, G, add_floor, add_heap, add_sides, parameters};

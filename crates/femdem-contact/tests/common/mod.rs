@@ -1,6 +1,10 @@
 //! Shared by the kernel tests: poses, and an energy oracle that shares no code with the kernel.
 
-#![allow(dead_code, reason = "every test file uses its own part")]
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    reason = "every test file uses its own part, and helpers of tests fail the test"
+)]
 
 pub mod pack;
 

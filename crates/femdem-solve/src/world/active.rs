@@ -19,7 +19,8 @@ impl World {
             return;
         }
         self.count_quiet_steps();
-        if self.steps % u64::from(self.parameters.sleeping.recheck) == 0 {
+        let recheck = u64::from(self.parameters.sleeping.recheck);
+        if self.steps.is_multiple_of(recheck) {
             let sleepers = self.bodies_to_freeze();
             let wakers = self.bodies_to_wake();
             self.freeze(&sleepers);

@@ -1,6 +1,10 @@
 //! Worlds for the tests of this crate.
 
-#![allow(dead_code, reason = "every test file uses its own part")]
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    reason = "every test file uses its own part, and helpers of tests fail the test"
+)]
 
 use femdem_contact::{BodyId, ContactParameters, Wall};
 use femdem_mesh::catalogue::CatalogueShape;
