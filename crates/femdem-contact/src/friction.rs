@@ -93,7 +93,8 @@ impl FrictionState {
         };
         let mut stretch = self.stretch(overlap, a, b);
         let mut torsion = self.torsion + spin * dt;
-        let k = law.tangential_ratio * overlap.stiffness;
+        // A body deep inside another has no stiffness but for rounding, of either sign.
+        let k = law.tangential_ratio * overlap.stiffness.max(0.0);
         let k_theta = law.tangential_ratio * overlap.stiffness_second;
         let mut moved = false;
         // A stiffer patch keeps its force, a softer one its stretch: neither makes energy.
@@ -178,4 +179,48 @@ fn limit_surface(force: f64, moment: f64, most: f64, radius: f64) -> f64 {
         }
     };
     part(force, most).hypot(part(moment, most * radius))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::Frame;
+
+    /// A body around the centre of another overlaps it without force and stiffness, but for
+    /// rounding of either sign: the friction stays finite and within its bound.
+    #[test]
+    fn an_overlap_without_stiffness_gives_finite_friction() {
+        let mut body = Motion::fixed(Frame::identity());
+        body.inverse_mass = 1.0;
+        body.inverse_inertia_max = 1.0;
+        let mut moving = body;
+        moving.velocity = Vector3::new(0.3, -1.0, 0.2);
+        moving.angular_velocity = Vector3::new(1.0, 2.0, 3.0);
+        for stiffness in [-1e-16, 0.0, 1e-16] {
+            let overlap = Overlap {
+                force: Vector3::z() * 1e-17,
+                moment: Vector3::zeros(),
+                arm_a: Vector3::zeros(),
+                arm_b: Vector3::zeros(),
+                normal: Vector3::z(),
+                energy: 0.1,
+                volume: 1.0,
+                area: 0.0,
+                stiffness,
+                stiffness_second: 0.0,
+                torsion_radius: 0.5,
+            };
+            let mut state = FrictionState::new(&overlap, &body, &moving);
+            for _ in 0..3 {
+                let law = ContactParameters::default();
+                let friction = state.update(&law, &overlap, 1e-17, &body, &moving, 1e-3);
+                let size = friction.force.norm();
+                assert!(
+                    size <= 1e-17 * law.friction * (1.0 + 1e-12),
+                    "{stiffness}: {size}"
+                );
+                assert!(friction.torsion.abs() <= 1e-17 && friction.energy.is_finite());
+            }
+        }
+    }
 }
