@@ -2,7 +2,7 @@
 //!
 //! phi is the lowest of several linear functions. The polygon is split one function at a
 //! time: each piece has an owner, and a new function takes what lies below the owner's.
-//! Most polygons of a pack lie in one cell and are never split.
+//! The polygons of a pack have about two cells each: one, and strips along cut edges.
 
 use super::clip::{Line, Point, PolygonIntegrals, integrate, split_into};
 use super::field::{PlaneField, TIE};
@@ -96,7 +96,8 @@ impl Cells {
         for c in 1..self.competitors.len() {
             let k = self.competitors[c];
             let line = field.line(k);
-            for i in 0..used {
+            let before = used;
+            for i in 0..before {
                 let above = line.minus(&field.line(self.pieces[i].owner));
                 used += usize::from(self.split(i, k, &above, used));
             }
