@@ -110,8 +110,8 @@ fn through_bytes_in_the_middle() {
 }
 
 /// A build with `parallel` and one without leave their hashes in the target folder, under a
-/// name made from the sources; whichever runs second compares. The checks of the project
-/// run both.
+/// name made from the sources; whichever runs second compares. So run this test twice in the
+/// crate's folder, once with `--no-default-features`.
 fn compare_with_the_other_build(hash: u64) {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let mut sources = Vec::new();
