@@ -19,7 +19,7 @@ struct Step {
 ///
 /// The commands without a package option act on the default members, which are the crates of
 /// `crates/`: there, `--no-default-features` builds the serial code paths.
-const STEPS: [Step; 5] = [
+const STEPS: [Step; 6] = [
     Step {
         name: "format",
         arguments: "fmt --all --check",
@@ -38,6 +38,11 @@ const STEPS: [Step; 5] = [
     Step {
         name: "tests",
         arguments: "test --workspace --locked",
+        environment: &[],
+    },
+    Step {
+        name: "same bits without threads",
+        arguments: "test -p femdem-solve --no-default-features --test same_bits --locked",
         environment: &[],
     },
     Step {

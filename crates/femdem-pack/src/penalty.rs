@@ -20,7 +20,9 @@ pub enum Penalty {
 
 impl Default for Penalty {
     fn default() -> Self {
-        Self::Automatic { penetration: 0.0035 }
+        Self::Automatic {
+            penetration: 0.0035,
+        }
     }
 }
 

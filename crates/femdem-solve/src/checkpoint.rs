@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 const MAGIC: &[u8; 8] = b"FEMDEMCK";
 const VERSION: u32 = 1;
 const KIND_LENGTH: usize = 16;
+/// Largest state that is written or read, bytes: bounds what a damaged length field can
+/// make the decoder allocate.
+const LIMIT: usize = u32::MAX as usize;
 const HEADER: usize = 8 + 4 + KIND_LENGTH + 8 + 8;
 
 /// FNV-1a over bytes: catches truncation and flipped bits; no defence against intent.
@@ -26,12 +29,20 @@ pub fn checksum(bytes: &[u8]) -> u64 {
 /// # Errors
 /// [`SolveError::Encoding`] if the value cannot be encoded.
 pub fn encode(value: &impl Serialize) -> Result<Vec<u8>, SolveError> {
-    bincode::serde::encode_to_vec(value, bincode::config::legacy()).map_err(|e| {
-        SolveError::Encoding {
-            action: "encoded",
-            why: e.to_string(),
-        }
-    })
+    let fail = |why: String| SolveError::Encoding {
+        action: "encoded",
+        why,
+    };
+    let bytes = bincode::serde::encode_to_vec(value, bincode::config::legacy())
+        .map_err(|e| fail(e.to_string()))?;
+    if bytes.len() < LIMIT {
+        Ok(bytes)
+    } else {
+        Err(fail(format!(
+            "it has {} bytes, but at most {LIMIT} are supported",
+            bytes.len()
+        )))
+    }
 }
 
 /// The state of bytes made by [`encode`].
@@ -39,13 +50,13 @@ pub fn encode(value: &impl Serialize) -> Result<Vec<u8>, SolveError> {
 /// # Errors
 /// [`SolveError::Encoding`] if the bytes do not hold such a value, or hold more.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, SolveError> {
-    // The limit bounds what a length field can make the decoder allocate.
     let fail = |why: String| SolveError::Encoding {
         action: "decoded",
         why,
     };
-    let (value, used) = bincode::serde::decode_from_slice(bytes, bincode::config::legacy())
-        .map_err(|e| fail(e.to_string()))?;
+    let (value, used) =
+        bincode::serde::decode_from_slice(bytes, bincode::config::legacy().with_limit::<LIMIT>())
+            .map_err(|e| fail(e.to_string()))?;
     if used == bytes.len() {
         Ok(value)
     } else {

@@ -79,7 +79,7 @@ impl Default for SleepParameters {
         Self {
             enabled: true,
             tolerance: 0.03,
-            creep: 1e-5,
+            creep: 3e-6,
             ringing: 1e-4,
             window: 200,
             steps: 30,

@@ -204,6 +204,25 @@ impl ContactBatch {
         list
     }
 
+    /// Sleeping bodies, sorted, in contact with an awake body under a normal force for which
+    /// `is_struck(body, force)` holds.
+    pub fn struck_sleepers(&self, is_struck: impl Fn(BodyId, f64) -> bool) -> Vec<BodyId> {
+        let mut list: Vec<BodyId> = Vec::new();
+        for contact in self.pairs.evaluated().filter_map(|p| p.contact.as_ref()) {
+            let Partner::Body(a) = contact.a else {
+                continue;
+            };
+            for body in [a, contact.b] {
+                if !self.awake[body as usize] && is_struck(body, contact.normal_force) {
+                    list.push(body);
+                }
+            }
+        }
+        list.sort_unstable();
+        list.dedup();
+        list
+    }
+
     /// Finds and evaluates all contacts of awake bodies.
     ///
     /// `bodies` and `walls` hold one motion per added body and wall; `dt` is the time

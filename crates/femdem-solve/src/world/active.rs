@@ -4,13 +4,17 @@
 //! small against its load scale, the larger of its weight and half the sum of its normal
 //! forces. It is frozen when it and all it touches have rested for a number of steps.
 //! Frozen bodies beside awake ones are examined again at fixed step numbers from the
-//! forces on record; one that has lost a contact wakes at once. All decisions are
-//! functions of the state, so they are the same in every run.
+//! forces on record; one that has lost a contact wakes then, one that is struck at once.
+//! All decisions are functions of the state, so they are the same in every run.
 
 use super::World;
 use crate::body::Means;
 use femdem_contact::{Load, Partner};
 use femdem_mesh::Vector3;
+
+/// A sleeping body is struck by a contact that exceeds its load scale this many times. At
+/// rest no contact can carry more than twice the scale.
+const STRUCK: f64 = 2.0;
 
 impl World {
     /// Freezes and wakes bodies; called after every step.
@@ -19,6 +23,8 @@ impl World {
             return;
         }
         self.count_quiet_steps();
+        let struck = self.struck_bodies();
+        self.wake(&struck);
         let recheck = u64::from(self.parameters.sleeping.recheck);
         if self.steps.is_multiple_of(recheck) {
             let sleepers = self.bodies_to_freeze();
@@ -133,6 +139,13 @@ impl World {
             lost || !self.is_balanced(i as usize, &load, 2.0 * rule.tolerance)
         });
         list
+    }
+
+    /// Frozen bodies that an awake one has hit.
+    fn struck_bodies(&self) -> Vec<u32> {
+        let loads = self.batch.loads();
+        self.batch
+            .struck_sleepers(|i, force| force > STRUCK * self.scale(i as usize, &loads[i as usize]))
     }
 
     fn freeze(&mut self, list: &[u32]) {

@@ -65,6 +65,7 @@ impl World {
         let law = parameters.validate()?;
         self.parameters = parameters;
         self.batch.set_law(law);
+        self.loaded = false;
         self.step_control.forget();
         self.shapes_to_step_control()?;
         Ok(())

@@ -2,6 +2,7 @@
 
 use super::World;
 use crate::body::Body;
+use crate::drive::Drive;
 use crate::error::SolveError;
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
@@ -59,9 +60,9 @@ impl World {
                 kick_body(body, load, &self.parameters, h, &mut flows);
             }
         }
-        for (load, motion) in self.batch.wall_loads().iter().zip(&self.wall_motions) {
-            if motion.velocity != Vector3::zeros() {
-                book_driven(load, &motion.velocity, h, &mut flows);
+        for (load, (drive, _)) in self.batch.wall_loads().iter().zip(&self.wall_drives) {
+            if *drive != Drive::Fixed {
+                book_driven(load, &drive.at(self.time).velocity, h, &mut flows);
             }
         }
         self.flows.work_in += flows.work_in;
@@ -78,7 +79,10 @@ impl World {
             let moved = if let Some((drive, origin)) = body.driven {
                 let driven = drive.at(end);
                 let to = origin + driven.displacement;
-                let moved = (to - body.position).norm();
+                let way = to - body.position;
+                let moved = way.norm();
+                // Contacts see all bodies at the half step.
+                self.motions[i].velocity = way / dt;
                 body.position = to;
                 body.velocity = driven.velocity;
                 moved
@@ -96,14 +100,19 @@ impl World {
             if !sound {
                 return Err(self.blow_up(i));
             }
+            let seen = self.motions[i].velocity;
             self.motions[i] = self.bodies[i].motion();
+            if self.bodies[i].driven.is_some() {
+                self.motions[i].velocity = seen;
+            }
         }
         for (motion, (drive, origin)) in self.wall_motions.iter_mut().zip(&self.wall_drives) {
             let driven = drive.at(end);
             let to = origin + driven.displacement;
-            motion.travelled += (to - motion.frame.position).norm();
+            let way = to - motion.frame.position;
+            motion.travelled += way.norm();
             motion.frame.position = to;
-            motion.velocity = driven.velocity;
+            motion.velocity = way / dt;
         }
         Ok(())
     }
@@ -114,8 +123,8 @@ impl World {
         for &i in &self.awake {
             let body = &self.bodies[i as usize];
             let motion = &mut self.motions[i as usize];
-            motion.velocity = body.velocity;
             if body.driven.is_none() {
+                motion.velocity = body.velocity;
                 motion.angular_velocity = body.angular_velocity();
             }
         }
@@ -146,9 +155,11 @@ impl World {
             )
         } else {
             format!(
-                "the step {:.3e} s is {ratio:.2} of the stability bound; lower \
-                 time_step.safety, or look for a body launched at this speed",
-                self.step_control.current()
+                "the step {:.3e} s is {ratio:.2} of the stability bound and moves the body by \
+                 more than a quarter of its radius; lower time_step.safety, or, for a body that \
+                 was launched or fell to this speed, set time_step.largest below {:.1e} s",
+                self.step_control.current(),
+                LARGEST_MOVE * body.radius / body.velocity.norm()
             )
         };
         SolveError::BlowUp {

@@ -11,6 +11,10 @@ const LEVEL: f64 = 1.189_207_115_002_721;
 /// A larger step is taken only after this many steps that would all have allowed it.
 const PATIENCE: u32 = 25;
 
+/// Fraction of its bounding radius that a body may move in a step at the speed it is added
+/// with.
+const LARGEST_LAUNCH_MOVE: f64 = 0.1;
+
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StepControl {
     /// The step of a single full face contact, the largest ever taken, s.
@@ -67,6 +71,11 @@ impl StepControl {
         let frequency2 = 2.0 * stiffness / body.mass;
         let rate = 2.0 * law.damping_ratio * frequency2.sqrt();
         self.cap = self.cap.min(stable(frequency2, rate));
+        // A body launched fast may not cross a fraction of its own size in a step.
+        let speed = body.velocity.norm();
+        if speed > 0.0 {
+            self.cap = self.cap.min(LARGEST_LAUNCH_MOVE * body.radius / speed);
+        }
     }
 
     /// Chooses the step from the loads of the awake bodies.
