@@ -118,7 +118,7 @@ pub(crate) struct PackArgs {
     #[arg(long, value_enum)]
     protocol: Option<ProtocolKind>,
 
-    /// Bodies in a batch (sequential) or a layer (pour) [default: one for each 2d x 2d of the floor]
+    /// Bodies in a batch (sequential) or a layer (pour) [default: one for each 1.5d x 1.5d of the floor]
     #[arg(long, value_name = "N")]
     batch: Option<u32>,
 
