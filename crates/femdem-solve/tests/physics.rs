@@ -2,30 +2,17 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-use femdem_contact::{ContactParameters, Wall, restitution};
+mod common;
+
+use common::{DENSITY, parameters};
+use femdem_contact::{Wall, restitution};
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::{Translation3, Vector3};
 use femdem_mesh::{Polyhedron, Pose, Rotation};
-use femdem_solve::{BodySpec, Drive, TimeStepParameters, World, WorldParameters};
-
-const DENSITY: f64 = 2560.0;
+use femdem_solve::{BodySpec, Drive, TimeStepParameters, World};
 
 fn solid(id: &str, d: f64) -> Polyhedron {
     id.parse::<CatalogueShape>().unwrap().polyhedron(d).unwrap()
-}
-
-fn parameters(penalty: f64, friction: f64, damping_ratio: f64) -> WorldParameters {
-    let mut p = WorldParameters {
-        contact: ContactParameters {
-            penalty,
-            friction,
-            damping_ratio,
-            ..ContactParameters::default()
-        },
-        ..WorldParameters::default()
-    };
-    p.sleeping.enabled = false;
-    p
 }
 
 fn pose(position: Vector3<f64>, rotation: Rotation) -> Pose {
