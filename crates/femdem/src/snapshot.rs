@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use femdem_analysis::Region;
+use femdem_analysis::{Region, Touch, contact_counts};
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
 
 use crate::Error;
@@ -129,7 +129,7 @@ pub struct Patch {
     pub diameter: f64,
 }
 
-/// A contact.
+/// A contact: one connected patch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactRow {
     /// One body.
@@ -150,6 +150,8 @@ pub struct ContactRow {
     pub volume: f64,
     /// How the surfaces meet.
     pub class: ContactClass,
+    /// Number of the patch within its pair, from 0: bodies that are not convex may touch in several.
+    pub patch: u32,
 }
 
 /// A pack at one moment.
@@ -240,18 +242,40 @@ impl Snapshot {
     ///
     /// # Errors
     ///
-    /// As [`check`](Self::check).
+    /// As [`check`](Self::check), and [`Error::Analysis`] for a body that touches itself.
     pub fn loads(&self) -> Result<Vec<BodyLoad>, Error> {
         self.check()?;
         let mut loads = vec![BodyLoad::default(); self.bodies.len()];
         for row in self.contacts.iter().filter(|row| row.normal_force > 0.0) {
             for body in row.bodies() {
-                let load = &mut loads[body as usize];
-                load.coordination += 1;
-                load.force_sum += row.normal_force;
+                loads[body as usize].force_sum += row.normal_force;
             }
         }
+        let counts = contact_counts(self.bodies.len(), &self.touches(), 0.0)?;
+        for (load, count) in loads.iter_mut().zip(counts) {
+            load.coordination = count.total();
+        }
         Ok(loads)
+    }
+
+    /// The contacts as analysis counts them: walls by number, in the order of their first contact.
+    pub(crate) fn touches(&self) -> Vec<Touch> {
+        let mut walls = Vec::new();
+        let touch = |row: &ContactRow| Touch {
+            first: row.body,
+            second: match &row.partner {
+                Partner::Body(other) => femdem_analysis::Partner::Body(*other),
+                Partner::Wall(name) => {
+                    let known = walls.iter().position(|wall| wall == name);
+                    femdem_analysis::Partner::Wall(known.unwrap_or_else(|| {
+                        walls.push(name.clone());
+                        walls.len() - 1
+                    }) as u32)
+                }
+            },
+            normal_force: row.normal_force,
+        };
+        self.contacts.iter().map(touch).collect()
     }
 
     /// Name of the shapes in tables: of the one shape, or "mixed".

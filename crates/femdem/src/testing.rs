@@ -27,6 +27,7 @@ pub(crate) fn two_cubes() -> Snapshot {
         area: 1.0,
         volume: 0.001,
         class: ContactClass::FaceFace,
+        patch: 0,
     };
     Snapshot {
         shapes: vec![NamedShape {

@@ -86,7 +86,7 @@ fn a_pack_leaves_every_file_and_every_key() {
     let contacts = lines(&out.join("contacts.csv"));
     assert_eq!(
         contacts[0],
-        "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class"
+        "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class,patch"
     );
     weight_rests_on_the_floor(&contacts, &summary);
 }

@@ -8,7 +8,8 @@ use crate::{Partner, Snapshot};
 pub const BODY_COLUMNS: &str = "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping";
 
 /// Header of `contacts.csv`.
-pub const CONTACT_COLUMNS: &str = "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class";
+pub const CONTACT_COLUMNS: &str =
+    "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class,patch";
 
 /// Writes the bodies, one a line.
 ///
@@ -42,12 +43,13 @@ pub fn write_bodies(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<(
     Ok(())
 }
 
-/// Writes the contacts, one a line.
+/// Writes the contacts, one a line: bodies that are not convex may touch in several patches, each of
+/// which is a contact.
 ///
 /// `i` is a body, `j` a body or the name of a wall. `x, y, z` \[m\] is the centre of pressure,
 /// `nx, ny, nz` the unit normal from `i` to `j`; the forces \[N\] are magnitudes, the normal one
 /// positive when it pushes the two apart; `area` is in m²; `class` is face-face, edge-face or point
-/// (see [`ContactClass`](crate::ContactClass)).
+/// (see [`ContactClass`](crate::ContactClass)); `patch` numbers the patches of a pair, from 0.
 ///
 /// # Errors
 ///
@@ -63,7 +65,7 @@ pub fn write_contacts(snapshot: &Snapshot, mut writer: impl Write) -> io::Result
         let (p, n) = (&row.point, &row.normal);
         writeln!(
             writer,
-            "{},{partner},{},{},{},{},{},{},{},{},{},{}",
+            "{},{partner},{},{},{},{},{},{},{},{},{},{},{}",
             row.body,
             p.x,
             p.y,
@@ -75,6 +77,7 @@ pub fn write_contacts(snapshot: &Snapshot, mut writer: impl Write) -> io::Result
             row.friction.norm(),
             row.area,
             row.class.name(),
+            row.patch,
         )?;
     }
     Ok(())
@@ -128,7 +131,7 @@ mod tests {
         assert_eq!(rows[1][..2], ["0", "1"]);
         assert_eq!(rows[2][..2], ["0", "floor"]);
         assert_eq!(rows[2][9].parse::<f64>().unwrap(), 5.0);
-        assert_eq!(rows[1][11], "face-face");
+        assert_eq!(rows[1][11..], ["face-face", "0"]);
     }
 
     #[test]

@@ -2,8 +2,8 @@
 //!
 //! Point data: `force` (on the partner, N), `normal` (from body to partner), `normal_force` and
 //! `tangential_force` (N), `area` (m²), `penetration` (m), `class` (patch dimension: 2 face-face,
-//! 1 edge-face, 0 point), `body` and `partner` (−1 for a wall). Glyphs scaled by `force` show the
-//! force network.
+//! 1 edge-face, 0 point), `body` and `partner` (−1 for a wall), `patch` (number of the patch within
+//! its pair). Glyphs scaled by `force` show the force network.
 
 use std::io::{self, Write};
 
@@ -69,6 +69,7 @@ fn point_data(out: &mut Document, rows: &[ContactRow]) {
             Partner::Wall(_) => -1,
         }),
     );
+    out.integers("patch", rows.iter().map(|row| i64::from(row.patch)));
 }
 
 #[cfg(test)]
@@ -89,6 +90,7 @@ mod tests {
             "tangential_force",
             "area",
             "class",
+            "patch",
         ] {
             assert!(text.contains(&format!("Name=\"{name}\"")), "{name}");
         }

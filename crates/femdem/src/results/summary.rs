@@ -6,14 +6,14 @@
 use std::io::{self, Write};
 
 use femdem_analysis::{
-    CoordinationOptions, CoreOptions, DensityOptions, Pack, PosedBody, Touch, choose_core,
-    coordination, packing_density,
+    CoordinationOptions, CoreOptions, DensityOptions, Pack, PosedBody, choose_core, coordination,
+    packing_density,
 };
 use femdem_mesh::Polyhedron;
 use femdem_pack::Packing;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Partner, Snapshot};
+use crate::{Error, Snapshot};
 
 /// Version of the keys of `summary.json`.
 pub const SCHEMA: u32 = 1;
@@ -284,31 +284,8 @@ fn density(snapshot: &Snapshot) -> Result<Option<DensitySummary>, Error> {
 }
 
 fn coordination_of(snapshot: &Snapshot) -> Result<CoordinationSummary, Error> {
-    let mut walls: Vec<&str> = Vec::new();
-    let touches: Vec<Touch> = snapshot
-        .contacts
-        .iter()
-        .map(|row| {
-            let second = match &row.partner {
-                Partner::Body(other) => femdem_analysis::Partner::Body(*other),
-                Partner::Wall(name) => {
-                    let known = walls.iter().position(|wall| wall == name);
-                    let index = known.unwrap_or_else(|| {
-                        walls.push(name);
-                        walls.len() - 1
-                    });
-                    femdem_analysis::Partner::Wall(index as u32)
-                }
-            };
-            Touch {
-                first: row.body,
-                second,
-                normal_force: row.normal_force,
-            }
-        })
-        .collect();
     let options = CoordinationOptions::default();
-    let result = coordination(snapshot.bodies.len(), &touches, &options)?;
+    let result = coordination(snapshot.bodies.len(), &snapshot.touches(), &options)?;
     Ok(CoordinationSummary {
         mean: result.mean,
         sd: result.sd,
@@ -337,6 +314,19 @@ mod tests {
     fn coordination_counts_bodies_and_walls() {
         let result = coordination_of(&two_cubes()).unwrap();
         assert_eq!((result.mean, result.histogram), (1.5, vec![0, 1, 1]));
+    }
+
+    /// A second patch of a pair is a contact more, and no partner more.
+    #[test]
+    fn coordination_counts_pairs_and_not_patches() {
+        let mut snapshot = two_cubes();
+        let mut second = snapshot.contacts[0].clone();
+        second.patch = 1;
+        snapshot.contacts.insert(1, second);
+        assert_eq!(coordination_of(&snapshot).unwrap().histogram, [0, 1, 1]);
+        let loads = snapshot.loads().unwrap();
+        assert_eq!((loads[0].coordination, loads[1].coordination), (2, 1));
+        assert_eq!((loads[0].force_sum, loads[1].force_sum), (40.0, 20.0));
     }
 
     #[test]
