@@ -64,6 +64,15 @@ impl Image {
         Ok(())
     }
 
+    /// Copies another picture into this one; what reaches over the edge is lost.
+    pub(super) fn paste(&mut self, tile: &Self, [left, top]: [usize; 2]) {
+        for y in 0..tile.height {
+            for x in 0..tile.width {
+                self.blend(left + x, top + y, tile.pixels[y * tile.width + x], 1.0);
+            }
+        }
+    }
+
     pub(super) fn blend(&mut self, x: usize, y: usize, colour: Srgb, amount: f64) {
         if x < self.width && y < self.height {
             let pixel = &mut self.pixels[y * self.width + x];

@@ -21,6 +21,7 @@
 mod canvas;
 mod colour;
 mod font;
+mod gallery;
 mod legend;
 mod light;
 mod raster;
@@ -31,6 +32,7 @@ mod view;
 use femdem_mesh::Point3;
 
 pub use canvas::Image;
+pub use gallery::{Exhibit, gallery};
 
 use crate::{Error, Snapshot};
 use colour::Srgb;
@@ -131,25 +133,8 @@ pub fn draw(snapshot: &Snapshot, options: &PictureOptions) -> Result<Image, Erro
 
     let mut extent = bounding_corners(&mesh.points);
     extent.extend(outline.iter().flat_map(|o| o.floor.iter().chain(&o.rim)));
-    let view = eye(&extent, options);
-    let (width, height) = (
-        SUPERSAMPLING * options.width,
-        SUPERSAMPLING * options.height,
-    );
-    let seen = DepthBuffer::of(&mesh, &view, width, height);
-    let lamp = lamp(
-        &mesh,
-        &extent,
-        azimuth,
-        diameter,
-        width.max(height).min(4096),
-    );
-    let gaps = Gaps {
-        view: &view,
-        seen: &seen,
-        reach: 0.55 * diameter,
-    };
-    let mut image = shade::shade(&mesh, &lamp, &gaps, SUPERSAMPLING);
+    let view = eye(&extent, options, LEGEND);
+    let (mut image, seen) = paint(&mesh, &extent, &view, options, diameter);
 
     if let Some(outline) = &outline {
         draw_outline(&mut image, outline, &view, &seen);
@@ -162,6 +147,32 @@ pub fn draw(snapshot: &Snapshot, options: &PictureOptions) -> Result<Image, Erro
         "sequence of\nplacement",
     );
     Ok(image)
+}
+
+/// Draws a mesh as `view` sees it, and says what is seen where.
+fn paint(
+    mesh: &Mesh,
+    extent: &[Point3],
+    view: &View,
+    options: &PictureOptions,
+    diameter: f64,
+) -> (Image, DepthBuffer) {
+    let [width, height] = [options.width, options.height].map(|size| SUPERSAMPLING * size);
+    let seen = DepthBuffer::of(mesh, view, width, height);
+    let lamp = lamp(
+        mesh,
+        extent,
+        options.azimuth.to_radians(),
+        diameter,
+        width.max(height).min(4096),
+    );
+    let gaps = Gaps {
+        view,
+        seen: &seen,
+        reach: 0.55 * diameter,
+    };
+    let image = shade::shade(mesh, &lamp, &gaps, SUPERSAMPLING);
+    (image, seen)
 }
 
 /// Mean circumscribed diameter of the bodies \[m\].
@@ -183,15 +194,16 @@ fn bounding_corners(points: &[Point3]) -> Vec<Point3> {
     (0..8).map(corner).collect()
 }
 
-/// The eye, in pixels of the depth buffer: a mild perspective from the front.
-fn eye(extent: &[Point3], options: &PictureOptions) -> View {
+/// The eye, in pixels of the depth buffer: a mild perspective from the front, beside a strip of
+/// `legend` picture widths at the right edge.
+fn eye(extent: &[Point3], options: &PictureOptions, legend: f64) -> View {
     let (width, height) = (options.width as f64, options.height as f64);
     let sub = SUPERSAMPLING as f64;
     let margin = 0.035 * width.min(height);
     let frame = Frame {
         left: sub * margin,
         top: sub * margin,
-        right: sub * (width - LEGEND * width - 1.5 * margin),
+        right: sub * (width - legend * width - if legend > 0.0 { 1.5 } else { 1.0 } * margin),
         bottom: sub * (height - margin),
     };
     let (azimuth, elevation) = (options.azimuth.to_radians(), options.elevation.to_radians());

@@ -68,6 +68,15 @@ impl Mesh {
         mesh
     }
 
+    /// The same with all facets of the colour `value`, 0 to 1.
+    pub fn coloured(mut self, value: f64) -> Self {
+        let colour = viridis(value).to_light();
+        for facet in &mut self.facets {
+            facet.colour = colour;
+        }
+        self
+    }
+
     /// Adds a floor.
     pub fn add_floor(&mut self, outline: &[Point3]) {
         let first = self.points.len() as u32;

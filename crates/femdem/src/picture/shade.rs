@@ -19,6 +19,10 @@ const EYE: f64 = 0.14;
 const BORDER: f32 = 0.22;
 const CREASE: f32 = 0.62;
 
+/// Cosine of the smallest angle between two faces that counts as an edge; facets of smooth bodies
+/// meet at less.
+const SHARP: f64 = 0.978;
+
 /// How far the most distant bodies fade towards the background.
 const HAZE: f64 = 0.10;
 
@@ -104,11 +108,17 @@ fn ink(mesh: &Mesh, seen: &DepthBuffer, [x, y]: [usize; 2]) -> f32 {
             return BORDER;
         }
         // Each edge between two faces is drawn on one side of it only.
-        if there < here {
+        if there < here && is_sharp(mesh, there, here) {
             left = CREASE;
         }
     }
     left
+}
+
+/// Whether two facets of a body meet in an edge that is worth a line.
+fn is_sharp(mesh: &Mesh, a: u32, b: u32) -> bool {
+    let normal = |facet: u32| mesh.facets[facet as usize].normal;
+    normal(a).dot(&normal(b)) < SHARP
 }
 
 /// The fading of distant bodies.
