@@ -286,4 +286,75 @@ pub enum MeshError {
     /// Reading or writing failed.
     #[error(transparent)]
     Io(#[from] std::io::Error),
+    /// A tetrahedral mesh without tetrahedra.
+    #[error("the mesh has no tetrahedra: give at least one")]
+    NoTetrahedra,
+    /// A tetrahedron names a point that does not exist, or one twice.
+    #[error(
+        "tetrahedron {tet} names point {index} twice, or beyond the {count} points there are: \
+         it needs four different indices below {count}"
+    )]
+    TetrahedronIndex {
+        /// Index of the tetrahedron.
+        tet: usize,
+        /// The index it names.
+        index: u32,
+        /// Number of points.
+        count: usize,
+    },
+    /// A point belongs to no tetrahedron.
+    #[error("point {point} belongs to no tetrahedron: remove it")]
+    UnusedPoint {
+        /// Index of the point.
+        point: usize,
+    },
+    /// A tetrahedron is flat or inverted.
+    #[error(
+        "tetrahedron {tet} has a volume of {volume:e} m^3: it must be positive (exchange two of \
+         its points if it is inverted, remove it or move its points if it is flat)"
+    )]
+    FlatTetrahedron {
+        /// Index of the tetrahedron.
+        tet: usize,
+        /// Its signed volume \[m^3\].
+        volume: f64,
+    },
+    /// A triangle has more than two tetrahedra, or two on one side.
+    #[error(
+        "{count} tetrahedra share the triangle of points {points:?}, among them {first} and \
+         {second}: there may be one on each of its sides"
+    )]
+    NonManifoldTriangle {
+        /// Its points, sorted.
+        points: [u32; 3],
+        /// One of the tetrahedra.
+        first: usize,
+        /// Another one.
+        second: usize,
+        /// Number of tetrahedra that have it.
+        count: usize,
+    },
+    /// The tetrahedra are not connected through triangles.
+    #[error(
+        "the tetrahedra form {pieces} pieces that share no triangle: a body must be one; \
+         give each piece on its own"
+    )]
+    SeveralPieces {
+        /// Number of pieces.
+        pieces: usize,
+    },
+    /// A convex body was wanted.
+    #[error("the body is not convex: use star_fan or tet::mesh")]
+    NotConvex,
+    /// There is no point from which all of the surface can be seen.
+    #[error(
+        "the body is not star-shaped: no point lies behind the planes of faces {faces:?} (the best \
+         is {radius:e} m behind all of them): use tet::mesh with an edge length"
+    )]
+    NotStarShaped {
+        /// Faces that no point sees together.
+        faces: Vec<usize>,
+        /// Greatest depth of a point behind all planes \[m\], zero or negative.
+        radius: f64,
+    },
 }

@@ -29,6 +29,8 @@
 //! - [`Polyhedron`]: the checked surface; [`MassProperties`], [`PrincipalFrame`].
 //! - [`convex_hull`]: the hull of points, with polygon faces.
 //! - [`catalogue`]: the 18 solids by identifier, name and diameter, chiral ones in both hands.
+//! - [`TetMesh`]: the checked tetrahedral mesh; [`tet`]: fans, refinement and a general mesher.
+//! - [`bvh`]: a tree of boxes.
 //! - [`io`]: OBJ and STL in and out.
 //! - `strategies`: random rotations, poses and bodies for property tests (feature `proptest`).
 //!
@@ -59,17 +61,20 @@ mod mass;
 mod merge;
 mod polyhedron;
 
+pub mod bvh;
 pub mod catalogue;
 mod hull;
 pub mod io;
 #[cfg(any(test, feature = "proptest"))]
 pub mod strategies;
+pub mod tet;
 
 pub use error::MeshError;
 pub use hull::convex_hull;
 pub use mass::{MassProperties, PrincipalFrame};
 pub use nalgebra;
 pub use polyhedron::{CONVEXITY_TOLERANCE, PLANARITY_TOLERANCE, Polyhedron};
+pub use tet::TetMesh;
 
 /// A point \[m\].
 pub type Point3 = nalgebra::Point3<f64>;

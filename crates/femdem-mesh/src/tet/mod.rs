@@ -1,0 +1,229 @@
+//! Tetrahedral meshes of bodies, and how to make them.
+
+mod distance;
+mod fan;
+mod interior;
+mod lp;
+mod quality;
+mod topology;
+
+use crate::polyhedron::check_coordinates;
+use crate::{MassProperties, MeshError, Point3, Polyhedron};
+use distance::Triangles;
+pub use quality::Quality;
+use serde::{Deserialize, Serialize};
+
+/// The triangles of a tetrahedron of positive volume, opposite its points 0 to 3, each
+/// counter-clockwise seen from outside.
+pub const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+
+/// A tetrahedron counts as flat if six times its volume is below this part of the cube of its
+/// longest edge.
+const FLATNESS_TOLERANCE: f64 = 1e-12;
+
+/// A tetrahedral mesh of one solid body.
+///
+/// Always valid (see [`TetMesh::new`]). Serialised as points and tetrahedra, and validated again
+/// when read back.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Parts", into = "Parts")]
+pub struct TetMesh {
+    points: Vec<Point3>,
+    tets: Vec<[u32; 4]>,
+    neighbours: Vec<[Option<u32>; 4]>,
+    skin: Vec<[u32; 3]>,
+    on_skin: Vec<bool>,
+}
+
+/// What a mesh is made from, and is stored as.
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "TetMesh", deny_unknown_fields)]
+struct Parts {
+    points: Vec<Point3>,
+    tets: Vec<[u32; 4]>,
+}
+
+impl TryFrom<Parts> for TetMesh {
+    type Error = MeshError;
+
+    fn try_from(parts: Parts) -> Result<Self, MeshError> {
+        Self::new(parts.points, parts.tets)
+    }
+}
+
+impl From<TetMesh> for Parts {
+    fn from(mesh: TetMesh) -> Self {
+        Self {
+            points: mesh.points,
+            tets: mesh.tets,
+        }
+    }
+}
+
+impl TetMesh {
+    /// Makes a mesh from points \[m\] and tetrahedra, each four indices of points (a, b, c, d) with
+    /// (b - a) . ((c - a) x (d - a)) > 0.
+    ///
+    /// # Errors
+    ///
+    /// Refuses, naming the place: coordinates that are not finite, or too small, large or far from
+    /// the origin for the arithmetic; no tetrahedra; indices out of range; points that no
+    /// tetrahedron uses; tetrahedra that are inverted or flat; triangles shared by more than two
+    /// tetrahedra, or by two on the same side; and meshes in several pieces (pieces that share no
+    /// triangle). Tetrahedra that overlap without sharing a triangle are not found out.
+    pub fn new(points: Vec<Point3>, tets: Vec<[u32; 4]>) -> Result<Self, MeshError> {
+        topology::check_indices(points.len(), &tets)?;
+        check_coordinates(&points)?;
+        for (tet, corners) in tets.iter().enumerate() {
+            check_volume(tet, corners.map(|i| points[i as usize]))?;
+        }
+        let (neighbours, skin) = topology::connect(&tets)?;
+        topology::check_one_piece(&neighbours)?;
+        let mut on_skin = vec![false; points.len()];
+        for &i in skin.iter().flatten() {
+            on_skin[i as usize] = true;
+        }
+        Ok(Self {
+            points,
+            tets,
+            neighbours,
+            skin,
+            on_skin,
+        })
+    }
+
+    /// Tetrahedra about the centroid of a convex body, one for each triangle of its surface.
+    ///
+    /// # Errors
+    ///
+    /// If the body is not convex, or a tetrahedron would be flat.
+    pub fn centroid_fan(polyhedron: &Polyhedron) -> Result<Self, MeshError> {
+        fan::about_centroid(polyhedron)
+    }
+
+    /// Tetrahedra about one point from which all of the surface can be seen, one for each triangle
+    /// of the surface. The point is the centre of the largest sphere in the kernel.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such point: the error names faces that no point sees together.
+    pub fn star_fan(polyhedron: &Polyhedron) -> Result<Self, MeshError> {
+        fan::about_kernel(polyhedron)
+    }
+
+    /// The points \[m\].
+    pub fn points(&self) -> &[Point3] {
+        &self.points
+    }
+
+    /// The tetrahedra, as four indices of points each.
+    pub fn tets(&self) -> &[[u32; 4]] {
+        &self.tets
+    }
+
+    /// Per tetrahedron its neighbours across the triangles opposite its points 0 to 3 (see
+    /// [`FACES`]); none where that triangle is on the skin.
+    pub fn neighbours(&self) -> &[[Option<u32>; 4]] {
+        &self.neighbours
+    }
+
+    /// The triangles of the skin, counter-clockwise seen from outside, in the order of the
+    /// tetrahedra that own them.
+    pub fn skin(&self) -> &[[u32; 3]] {
+        &self.skin
+    }
+
+    /// Whether point `i` lies on the skin; false for points that do not exist.
+    pub fn is_skin_point(&self, i: usize) -> bool {
+        self.on_skin.get(i).copied().unwrap_or(false)
+    }
+
+    /// The corners of a tetrahedron of this mesh.
+    pub(crate) fn corners(&self, tet: [u32; 4]) -> [Point3; 4] {
+        tet.map(|i| self.points[i as usize])
+    }
+
+    /// Volume \[m^3\].
+    pub fn volume(&self) -> f64 {
+        self.mass_properties().volume
+    }
+
+    /// Volume, centroid and inertia for unit density, by exact integration.
+    pub fn mass_properties(&self) -> MassProperties {
+        MassProperties::of_surface(&self.points, self.skin.iter().copied())
+    }
+
+    /// Shapes of the tetrahedra: the worst and the mean.
+    pub fn quality(&self) -> Quality {
+        Quality::of(self.tets.iter().map(|&tet| self.corners(tet)))
+    }
+
+    /// The skin as a surface of triangles. Its vertices are the skin's points in their order.
+    ///
+    /// # Errors
+    ///
+    /// If the skin is not one valid surface: it touches itself in a point or an edge, or has
+    /// several parts (a cavity).
+    pub fn surface(&self) -> Result<Polyhedron, MeshError> {
+        let mut new_index = vec![0; self.points.len()];
+        let mut vertices = Vec::new();
+        for (i, point) in self.points.iter().enumerate() {
+            if self.on_skin[i] {
+                new_index[i] = vertices.len() as u32;
+                vertices.push(*point);
+            }
+        }
+        let renumbered = |t: &[u32; 3]| t.map(|i| new_index[i as usize]).to_vec();
+        Polyhedron::new(vertices, self.skin.iter().map(renumbered).collect())
+    }
+
+    /// The mesh with every tetrahedron split whose four points all lie on the skin.
+    ///
+    /// A field that is zero on the skin is zero throughout such a tetrahedron: it would offer no
+    /// resistance. It is cut at the middle of an edge that runs through the body, together with
+    /// all tetrahedra around that edge, or at its centroid, whichever leaves the better shapes.
+    pub fn with_interior_points(&self) -> Self {
+        interior::with_interior_points(self)
+    }
+
+    /// Whether every tetrahedron has a point that does not lie on the skin.
+    pub fn every_tet_has_interior_point(&self) -> bool {
+        let dead = |tet: &[u32; 4]| tet.iter().all(|&i| self.on_skin[i as usize]);
+        !self.tets.iter().any(dead)
+    }
+
+    /// Distance of every point to the nearest triangle of the skin \[m\]; 0 for points of the skin.
+    pub fn distance_to_skin(&self) -> Vec<f64> {
+        let triangles =
+            Triangles::new(self.skin.iter().map(|t| t.map(|i| self.points[i as usize])));
+        self.points
+            .iter()
+            .zip(&self.on_skin)
+            .map(|(p, &on_skin)| if on_skin { 0.0 } else { triangles.distance(p) })
+            .collect()
+    }
+}
+
+/// Six times the signed volume of a tetrahedron \[m^3\].
+pub(crate) fn six_volumes([a, b, c, d]: [Point3; 4]) -> f64 {
+    (b - a).dot(&(c - a).cross(&(d - a)))
+}
+
+/// The six edges of a tetrahedron, as pairs of its points.
+pub(crate) const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+
+fn check_volume(tet: usize, corners: [Point3; 4]) -> Result<(), MeshError> {
+    let longest = EDGES
+        .iter()
+        .map(|&[i, j]| (corners[i] - corners[j]).norm())
+        .fold(0.0, f64::max);
+    let volume = six_volumes(corners) / 6.0;
+    if 6.0 * volume > FLATNESS_TOLERANCE * longest.powi(3) {
+        Ok(())
+    } else {
+        Err(MeshError::FlatTetrahedron { tet, volume })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,120 @@
+//! Connectivity of a tetrahedral mesh: neighbours across triangles, and the skin.
+
+use super::FACES;
+use crate::MeshError;
+
+/// Neighbours per tetrahedron, and the triangles that have none.
+pub(super) type Connected = (Vec<[Option<u32>; 4]>, Vec<[u32; 3]>);
+
+/// There are tetrahedra; every index names a point, no tetrahedron repeats one, and every point is
+/// used.
+pub(super) fn check_indices(point_count: usize, tets: &[[u32; 4]]) -> Result<(), MeshError> {
+    if tets.is_empty() {
+        return Err(MeshError::NoTetrahedra);
+    }
+    for (what, count) in [("points", point_count), ("tetrahedra", tets.len())] {
+        if u32::try_from(count).is_err() {
+            let allowed = u32::MAX as usize;
+            return Err(MeshError::TooMany {
+                what,
+                count,
+                allowed,
+            });
+        }
+    }
+    let mut used = vec![false; point_count];
+    for (tet, corners) in tets.iter().enumerate() {
+        for (k, &index) in corners.iter().enumerate() {
+            match used.get_mut(index as usize) {
+                Some(used) if !corners[..k].contains(&index) => *used = true,
+                _ => {
+                    return Err(MeshError::TetrahedronIndex {
+                        tet,
+                        index,
+                        count: point_count,
+                    });
+                }
+            }
+        }
+    }
+    match used.iter().position(|used| !used) {
+        Some(point) => Err(MeshError::UnusedPoint { point }),
+        None => Ok(()),
+    }
+}
+
+/// One side of a triangle: sorted points, the owner, and whether sorting was an odd permutation.
+type Side = ([u32; 3], u32, u8, bool);
+
+fn side(tet: usize, corners: &[u32; 4], k: usize) -> Side {
+    let [a, b, c] = FACES[k].map(|i| corners[i]);
+    let mut sorted = [a, b, c];
+    sorted.sort_unstable();
+    let odd = [a > b, b > c, a > c].iter().filter(|&&x| x).count() % 2 == 1;
+    (sorted, tet as u32, k as u8, odd)
+}
+
+/// Finds neighbours and skin of tetrahedra with valid indices.
+pub(super) fn connect(tets: &[[u32; 4]]) -> Result<Connected, MeshError> {
+    let mut sides: Vec<Side> = tets
+        .iter()
+        .enumerate()
+        .flat_map(|(tet, corners)| (0..4).map(move |k| side(tet, corners, k)))
+        .collect();
+    sides.sort_unstable();
+    let mut neighbours = vec![[None; 4]; tets.len()];
+    for group in sides.chunk_by(|a, b| a.0 == b.0) {
+        match *group {
+            [_] => {}
+            [(_, i, k, odd), (_, j, l, opposite)] if odd != opposite => {
+                neighbours[i as usize][k as usize] = Some(j);
+                neighbours[j as usize][l as usize] = Some(i);
+            }
+            [(points, first, ..), (_, second, ..), ..] => {
+                return Err(MeshError::NonManifoldTriangle {
+                    points,
+                    first: first as usize,
+                    second: second as usize,
+                    count: group.len(),
+                });
+            }
+            [] => {}
+        }
+    }
+    let mut skin = Vec::new();
+    for (corners, across) in tets.iter().zip(&neighbours) {
+        for (face, neighbour) in FACES.iter().zip(across) {
+            if neighbour.is_none() {
+                skin.push(face.map(|i| corners[i]));
+            }
+        }
+    }
+    Ok((neighbours, skin))
+}
+
+/// All tetrahedra can be reached from the first one through shared triangles.
+pub(super) fn check_one_piece(neighbours: &[[Option<u32>; 4]]) -> Result<(), MeshError> {
+    let mut reached = vec![false; neighbours.len()];
+    let mut pieces = 0;
+    let mut stack = Vec::new();
+    for start in 0..neighbours.len() {
+        if reached[start] {
+            continue;
+        }
+        pieces += 1;
+        reached[start] = true;
+        stack.push(start);
+        while let Some(tet) = stack.pop() {
+            for &next in neighbours[tet].iter().flatten() {
+                if !std::mem::replace(&mut reached[next as usize], true) {
+                    stack.push(next as usize);
+                }
+            }
+        }
+    }
+    if pieces == 1 {
+        Ok(())
+    } else {
+        Err(MeshError::SeveralPieces { pieces })
+    }
+}
