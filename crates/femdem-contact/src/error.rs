@@ -75,6 +75,12 @@ pub enum ContactError {
         /// Its position, m.
         position: [f64; 3],
     },
+    /// A mesh cannot be prepared for the general kernel.
+    #[error("the mesh cannot be prepared: {why}")]
+    Mesh {
+        /// What is wrong.
+        why: String,
+    },
     /// A wall description is inconsistent.
     #[error("the wall \"{name}\" cannot be built: {why}")]
     Wall {
@@ -83,6 +89,14 @@ pub enum ContactError {
         /// What is wrong and what to do.
         why: String,
     },
+}
+
+impl From<femdem_mesh::MeshError> for ContactError {
+    fn from(error: femdem_mesh::MeshError) -> Self {
+        Self::Mesh {
+            why: error.to_string(),
+        }
+    }
 }
 
 /// Returns an error unless `value` is finite and satisfies `ok`.

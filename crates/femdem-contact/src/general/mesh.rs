@@ -1,0 +1,281 @@
+//! Bodies with a field on a tetrahedral mesh.
+
+use super::cells::{Cells, NONE};
+use crate::error::ContactError;
+use crate::shape::ConvexShape;
+use femdem_mesh::tet::FACES;
+use femdem_mesh::{Matrix3, Point3, Polyhedron, TetMesh, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// The pressure field that a meshed body carries: nodal values, linear in every tetrahedron, 0 on
+/// the skin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+pub enum Field {
+    /// The distance to the skin over the largest such distance h0 of a node. For every body; the
+    /// stiffness of a face, 1/h0, does not depend on the mesh.
+    #[default]
+    Body,
+    /// 1 - gauge, as the convex kernel has it. For convex bodies; on a centroid fan the field is
+    /// the convex kernel's own.
+    Gauge,
+    /// Munjiza's potential of each tetrahedron by itself: 0 on all its faces, 1 at its centroid.
+    /// For comparison: a body feels the mesh of the other, and finer meshes are stiffer.
+    Classic,
+}
+
+/// A body given by tetrahedra with a field, about its centroid. Immutable; share it among bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldMesh {
+    pub(crate) cells: Cells,
+    /// Triangles of the skin with the tetrahedron behind each.
+    pub(crate) skin: Vec<([Vector3; 3], u32)>,
+    vertices: Vec<Vector3>,
+    field: Field,
+    convex: bool,
+    centroid: Vector3,
+    radius: f64,
+    inradius: f64,
+    face_stiffness: f64,
+}
+
+impl FieldMesh {
+    /// Prepares a meshed body with a field. `centroid` is the body's centre of mass in the mesh's
+    /// coordinates, m: the origin of the kernel's body frame.
+    ///
+    /// Tetrahedra whose four points all lie on the skin are split first, so that the field is
+    /// positive in all of them.
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] if the centroid is not finite. For [`Field::Gauge`] also the
+    /// errors of [`ConvexShape::new`] for the mesh's surface.
+    pub fn new(mesh: &TetMesh, centroid: Vector3, field: Field) -> Result<Self, ContactError> {
+        for x in centroid.iter() {
+            crate::error::check("centroid", *x, true, "finite, in m")?;
+        }
+        let surface = mesh.surface().ok();
+        let convex = surface.as_ref().is_some_and(Polyhedron::is_convex);
+        if field == Field::Classic {
+            let (split, values) = split_at_centroids(mesh)?;
+            let inradius = largest(&mesh.with_interior_points().distance_to_skin());
+            return Ok(Self::build(
+                &split, centroid, &values, field, convex, inradius,
+            ));
+        }
+        let mesh = if mesh.every_tet_has_interior_point() {
+            mesh.clone()
+        } else {
+            mesh.with_interior_points()
+        };
+        let (values, inradius) = match field {
+            Field::Gauge => {
+                let surface = surface.filter(Polyhedron::is_convex);
+                gauge(&mesh, &surface.ok_or(ContactError::NotConvex)?)?
+            }
+            Field::Body | Field::Classic => {
+                let distance = mesh.distance_to_skin();
+                let h0 = largest(&distance);
+                (distance.iter().map(|d| (d / h0).min(1.0)).collect(), h0)
+            }
+        };
+        Ok(Self::build(
+            &mesh, centroid, &values, field, convex, inradius,
+        ))
+    }
+
+    /// A convex body as the fan of tetrahedra about its centroid, with the gauge field: the same
+    /// contact as a [`ConvexShape`]'s.
+    ///
+    /// # Errors
+    /// As [`ConvexShape::new`].
+    pub fn from_convex(polyhedron: &Polyhedron) -> Result<Self, ContactError> {
+        let centroid = polyhedron.mass_properties().centroid.coords;
+        ConvexShape::new(polyhedron)?;
+        let mesh = TetMesh::centroid_fan(polyhedron)?;
+        Self::new(&mesh, centroid, Field::Gauge)
+    }
+
+    fn build(
+        mesh: &TetMesh,
+        centroid: Vector3,
+        values: &[f64],
+        field: Field,
+        convex: bool,
+        inradius: f64,
+    ) -> Self {
+        let on_skin = |i: &usize| mesh.is_skin_point(*i);
+        let vertices: Vec<Vector3> = (0..mesh.points().len())
+            .filter(on_skin)
+            .map(|i| mesh.points()[i].coords - centroid)
+            .collect();
+        let cells = Cells::new(mesh, &centroid, values);
+        let skin = skin_of(&cells);
+        let face_stiffness = face_stiffness(&cells, &skin);
+        Self {
+            radius: vertices.iter().map(Vector3::norm).fold(0.0, f64::max),
+            cells,
+            skin,
+            vertices,
+            field,
+            convex,
+            centroid,
+            inradius,
+            face_stiffness,
+        }
+    }
+
+    /// Which field the body carries.
+    pub fn kind(&self) -> Field {
+        self.field
+    }
+
+    /// Whether the body is convex.
+    pub fn is_convex(&self) -> bool {
+        self.convex
+    }
+
+    /// The body's centre of mass in the mesh's coordinates, m: the origin of the kernel's body
+    /// frame.
+    pub fn centroid(&self) -> Vector3 {
+        self.centroid
+    }
+
+    /// Largest distance of a vertex from the centroid, m.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// The field's length scale h0, m: the largest distance of a node from the skin; with
+    /// [`Field::Gauge`] the smallest distance of a face plane from the centroid.
+    pub fn inradius(&self) -> f64 {
+        self.inradius
+    }
+
+    /// Stiffness per unit penalty of a contact over a whole side of the body against an equal
+    /// body, m: an upper bound for flat sides.
+    pub fn face_stiffness(&self) -> f64 {
+        self.face_stiffness
+    }
+
+    /// Points of the skin about the centroid, m.
+    pub fn vertices(&self) -> &[Vector3] {
+        &self.vertices
+    }
+
+    /// Number of tetrahedra, after splitting.
+    pub fn tet_count(&self) -> usize {
+        self.cells.list.len()
+    }
+
+    /// The field at a point in body axes: 0 on the skin and outside.
+    pub fn field(&self, x: &Vector3) -> f64 {
+        let mut value = 0.0_f64;
+        self.cells.tree.visit(
+            |b| b.distance_squared(&Point3::from(*x)) <= 0.0,
+            |i| {
+                let cell = &self.cells.list[i as usize];
+                if cell.holds(x) {
+                    value = value.max(cell.field(x));
+                }
+            },
+        );
+        value
+    }
+
+    /// Largest n.x over the body, for any direction n in body axes.
+    pub fn support(&self, direction: &Vector3) -> f64 {
+        self.vertices
+            .iter()
+            .map(|v| direction.dot(v))
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The axis-aligned box about the origin of this body under a rotation, as (lowest, highest)
+    /// corner relative to the centroid, m.
+    pub fn bounds(&self, rotation: &Matrix3) -> (Vector3, Vector3) {
+        let mut low = Vector3::zeros();
+        let mut high = Vector3::zeros();
+        for axis in 0..3 {
+            let direction = rotation.row(axis).transpose();
+            high[axis] = self.support(&direction);
+            low[axis] = -self.support(&-direction);
+        }
+        (low, high)
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(0.0, f64::max)
+}
+
+/// Values of 1 - gauge at the nodes, and the inradius.
+fn gauge(mesh: &TetMesh, surface: &Polyhedron) -> Result<(Vec<f64>, f64), ContactError> {
+    let shape = ConvexShape::new(surface)?;
+    let value = |(i, p): (usize, &Point3)| {
+        if mesh.is_skin_point(i) {
+            0.0
+        } else {
+            shape.field(&(p.coords - shape.centroid())).max(0.0)
+        }
+    };
+    let values = mesh.points().iter().enumerate().map(value).collect();
+    Ok((values, shape.inradius()))
+}
+
+/// Every tetrahedron split in four at its centroid, with 1 there and 0 elsewhere.
+fn split_at_centroids(mesh: &TetMesh) -> Result<(TetMesh, Vec<f64>), ContactError> {
+    let mut points = mesh.points().to_vec();
+    let mut values = vec![0.0; points.len()];
+    let mut tets = Vec::with_capacity(4 * mesh.tets().len());
+    for tet in mesh.tets() {
+        let centre = points.len() as u32;
+        let sum: Vector3 = tet.iter().map(|&i| mesh.points()[i as usize].coords).sum();
+        points.push(Point3::from(sum / 4.0));
+        values.push(1.0);
+        for k in 0..4 {
+            let mut part = *tet;
+            part[k] = centre;
+            tets.push(part);
+        }
+    }
+    Ok((TetMesh::new(points, tets)?, values))
+}
+
+fn skin_of(cells: &Cells) -> Vec<([Vector3; 3], u32)> {
+    let mut skin = Vec::new();
+    for (i, cell) in cells.list.iter().enumerate() {
+        for (k, face) in FACES.iter().enumerate() {
+            if cell.neighbours[k] == NONE {
+                skin.push((face.map(|c| cell.corners[c]), i as u32));
+            }
+        }
+    }
+    skin
+}
+
+/// Sides of at most this many triangles are looked at.
+const SIDES: usize = 256;
+
+/// Triangles whose normals differ by less than this cosine count as one side.
+const ONE_SIDE: f64 = 0.95;
+
+/// Twice the largest integral of |grad phi| over a side of the skin.
+fn face_stiffness(cells: &Cells, skin: &[([Vector3; 3], u32)]) -> f64 {
+    let facets: Vec<(Vector3, f64)> = skin
+        .iter()
+        .map(|([a, b, c], tet)| {
+            let vector = (b - a).cross(&(c - a)) * 0.5;
+            let area = vector.norm();
+            let slope = cells.list[*tet as usize].gradient.norm();
+            (vector / area, area * slope)
+        })
+        .collect();
+    let stride = facets.len().div_ceil(SIDES).max(1);
+    facets
+        .iter()
+        .step_by(stride)
+        .map(|(n, _)| {
+            let part = |(m, k): &(Vector3, f64)| if n.dot(m) > ONE_SIDE { *k } else { 0.0 };
+            2.0 * facets.iter().map(part).sum::<f64>()
+        })
+        .fold(0.0, f64::max)
+}
