@@ -1,17 +1,18 @@
-//! Containers: a floor and upright walls, open at the top.
+//! Containers: a floor, a cone perhaps, and upright walls, open at the top.
 
-use crate::error::{PackError, check_positive};
-use femdem_contact::Wall;
+use crate::error::{PackError, check, check_positive};
+use femdem_contact::{Wall, WallPlane};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::{PI, TAU};
 
 /// Planes that make the mantle of a cylinder; the cross-section is 0.036 % larger than the
 /// circle's.
 const MANTLE_FACETS: usize = 96;
 
 /// What holds a pack. Inner dimensions in m; the floor is z = 0, the z axis is the container's
-/// axis, and the walls reach up without end.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// axis, and the upright walls reach up without end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Container {
     /// Four walls: |x| <= width/2, |y| <= depth/2.
@@ -25,6 +26,15 @@ pub enum Container {
     Cylinder {
         /// Inner diameter, m.
         diameter: f64,
+    },
+    /// An upright cylinder that narrows below, in a cone, to a closed flat outlet.
+    Silo {
+        /// Inner diameter of the cylinder, m.
+        diameter: f64,
+        /// Diameter of the floor at the foot of the cone, m; 0 for a pointed cone.
+        outlet: f64,
+        /// Angle between the cone's wall and the vertical, degrees.
+        half_angle: f64,
     },
 }
 
@@ -53,11 +63,30 @@ impl Container {
                 check_side("container depth", "depth", depth)
             }
             Self::Cylinder { diameter } => check_side("container diameter", "diameter", diameter),
+            Self::Silo {
+                diameter,
+                outlet,
+                half_angle,
+            } => {
+                check_side("container diameter", "diameter", diameter)?;
+                check(
+                    "silo outlet",
+                    outlet,
+                    (0.0..diameter).contains(&outlet),
+                    "at least 0 and less than the diameter, in m",
+                )?;
+                check(
+                    "silo half_angle",
+                    half_angle,
+                    (5.0..=85.0).contains(&half_angle),
+                    "between 5 and 85 degrees from the vertical",
+                )
+            }
         }
     }
 
     /// The walls, in the order in which a pack adds them: "floor", then "x-", "x+", "y-", "y+"
-    /// or "mantle".
+    /// or "mantle", and "cone".
     ///
     /// # Errors
     /// [`PackError::Contact`] if a dimension cannot bound a wall.
@@ -77,23 +106,69 @@ impl Container {
             Self::Cylinder { diameter } => {
                 walls.push(Wall::cylinder("mantle", diameter / 2.0, MANTLE_FACETS)?);
             }
+            Self::Silo {
+                diameter,
+                outlet,
+                half_angle,
+            } => {
+                walls.push(Wall::cylinder("mantle", diameter / 2.0, MANTLE_FACETS)?);
+                walls.push(cone(outlet / 2.0, half_angle.to_radians())?);
+            }
         }
         Ok(walls)
     }
 
-    /// Area of the floor, m^2.
-    pub fn floor_area(&self) -> f64 {
+    /// Height from which on the container is as wide as its upright walls, m: 0 but for a silo, where
+    /// it is the upper end of the cone.
+    pub fn base(&self) -> f64 {
         match *self {
-            Self::Box { width, depth } => width * depth,
-            Self::Cylinder { diameter } => std::f64::consts::PI * diameter * diameter / 4.0,
+            Self::Box { .. } | Self::Cylinder { .. } => 0.0,
+            Self::Silo {
+                diameter,
+                outlet,
+                half_angle,
+            } => (diameter - outlet) / 2.0 / half_angle.to_radians().tan(),
         }
     }
 
-    /// Length of the floor's edge, m.
+    /// Height to which a volume (m^3) fills the container, m.
+    pub fn level(&self, volume: f64) -> f64 {
+        let Self::Silo {
+            diameter,
+            outlet,
+            half_angle,
+        } = *self
+        else {
+            return volume / self.floor_area();
+        };
+        let slope = half_angle.to_radians().tan();
+        let (low, high) = (outlet / 2.0, diameter / 2.0);
+        // A frustum of radii r and R holds pi (R^3 - r^3)/(3 tan).
+        let cubes = low.powi(3) + 3.0 * slope * volume / PI;
+        let radius = cubes.cbrt();
+        if radius <= high {
+            (radius - low) / slope
+        } else {
+            let cone = PI * (high.powi(3) - low.powi(3)) / (3.0 * slope);
+            self.base() + (volume - cone) / self.floor_area()
+        }
+    }
+
+    /// Area between the upright walls, m^2.
+    pub fn floor_area(&self) -> f64 {
+        match *self {
+            Self::Box { width, depth } => width * depth,
+            Self::Cylinder { diameter } | Self::Silo { diameter, .. } => {
+                PI * diameter * diameter / 4.0
+            }
+        }
+    }
+
+    /// Length of the upright walls in plan, m.
     pub fn perimeter(&self) -> f64 {
         match *self {
             Self::Box { width, depth } => 2.0 * (width + depth),
-            Self::Cylinder { diameter } => std::f64::consts::PI * diameter,
+            Self::Cylinder { diameter } | Self::Silo { diameter, .. } => PI * diameter,
         }
     }
 
@@ -101,42 +176,73 @@ impl Container {
     pub fn half_extent(&self) -> [f64; 2] {
         match *self {
             Self::Box { width, depth } => [width / 2.0, depth / 2.0],
-            Self::Cylinder { diameter } => [diameter / 2.0; 2],
+            Self::Cylinder { diameter } | Self::Silo { diameter, .. } => [diameter / 2.0; 2],
         }
     }
 
-    /// Whether the point (x, y) lies inside the walls by at least `margin` (m).
+    /// Whether a point lies inside the container, m.
+    pub fn holds(&self, p: &Vector3) -> bool {
+        let below = match *self {
+            Self::Silo {
+                outlet, half_angle, ..
+            } => {
+                let wall = outlet / 2.0 + p.z * half_angle.to_radians().tan();
+                p.x.hypot(p.y) <= wall
+            }
+            _ => true,
+        };
+        p.z >= 0.0 && below && self.contains(p.x, p.y, 0.0)
+    }
+
+    /// Whether the point (x, y) lies inside the upright walls by at least `margin` (m).
     pub fn contains(&self, x: f64, y: f64, margin: f64) -> bool {
         match *self {
             Self::Box { width, depth } => {
                 x.abs() <= width / 2.0 - margin && y.abs() <= depth / 2.0 - margin
             }
-            Self::Cylinder { diameter } => x.hypot(y) <= diameter / 2.0 - margin,
+            Self::Cylinder { diameter } | Self::Silo { diameter, .. } => {
+                x.hypot(y) <= diameter / 2.0 - margin
+            }
         }
     }
 
-    /// Area of the points that lie inside the walls by at least `margin` (m), m^2.
+    /// Area of the points that lie inside the upright walls by at least `margin` (m), m^2.
     pub fn area_inside(&self, margin: f64) -> f64 {
         let [a, b] = self.half_extent().map(|h| (h - margin).max(0.0));
         match self {
             Self::Box { .. } => 4.0 * a * b,
-            Self::Cylinder { .. } => std::f64::consts::PI * a * a,
+            Self::Cylinder { .. } | Self::Silo { .. } => PI * a * a,
         }
     }
 
-    /// The point at which the unit square (u, v) in [0, 1)^2 meets the part of the floor that
-    /// lies inside the walls by `margin`; uniform if u and v are.
+    /// The point at which the unit square (u, v) in [0, 1)^2 meets the part of the plan that
+    /// lies inside the upright walls by `margin`; uniform if u and v are.
     pub(crate) fn point(&self, u: f64, v: f64, margin: f64) -> [f64; 2] {
         let [a, b] = self.half_extent().map(|h| (h - margin).max(0.0));
         match self {
             Self::Box { .. } => [a * (2.0 * u - 1.0), b * (2.0 * v - 1.0)],
-            Self::Cylinder { .. } => {
-                let (sin, cos) = (std::f64::consts::TAU * v).sin_cos();
+            Self::Cylinder { .. } | Self::Silo { .. } => {
+                let (sin, cos) = (TAU * v).sin_cos();
                 let r = a * u.sqrt();
                 [r * cos, r * sin]
             }
         }
     }
+}
+
+/// The cone of a silo from the radius of its outlet up: one wall of as many facets as a mantle.
+fn cone(outlet: f64, half_angle: f64) -> Result<Wall, PackError> {
+    let (sin, cos) = half_angle.sin_cos();
+    let planes = (0..MANTLE_FACETS)
+        .map(|k| {
+            let (s, c) = (TAU * k as f64 / MANTLE_FACETS as f64).sin_cos();
+            WallPlane {
+                normal: Vector3::new(-cos * c, -cos * s, sin),
+                offset: -outlet * cos,
+            }
+        })
+        .collect();
+    Ok(Wall::new("cone", planes)?)
 }
 
 #[cfg(test)]
@@ -148,10 +254,15 @@ mod tests {
         depth: 0.1,
     };
     const CYLINDER: Container = Container::Cylinder { diameter: 0.2 };
+    const SILO: Container = Container::Silo {
+        diameter: 0.2,
+        outlet: 0.05,
+        half_angle: 30.0,
+    };
 
     #[test]
     fn walls_enclose_what_the_container_contains() {
-        for container in [BOX, CYLINDER] {
+        for container in [BOX, CYLINDER, SILO] {
             let walls = container.walls().unwrap();
             for i in -12..=12 {
                 for j in -12..=12 {
@@ -172,6 +283,38 @@ mod tests {
         }
     }
 
+    /// Inside and outside of a silo's cone agree with the clearance of its walls, at every height.
+    #[test]
+    fn a_silo_holds_what_its_walls_enclose() {
+        let walls = SILO.walls().unwrap();
+        for i in -11..=11 {
+            for k in -2..=20 {
+                let p = Vector3::new(0.0101 * f64::from(i), 0.0, 0.0103 * f64::from(k));
+                let gaps = walls.iter().map(|w| w.clearance(&p));
+                let gap = gaps.fold(f64::INFINITY, f64::min);
+                assert_eq!(SILO.holds(&p), gap >= 0.0, "{p:?}: {gap}");
+            }
+        }
+        assert!((SILO.base() - 0.075 * 3.0_f64.sqrt()).abs() < 1e-15);
+    }
+
+    /// The volume below a level, integrated over slices, is the one that was filled in.
+    #[test]
+    fn a_volume_fills_a_silo_to_its_level() {
+        for volume in [1e-5, 5e-4, 1.6e-3, 2e-3, 5e-3] {
+            let level = SILO.level(volume);
+            let n = 20_000;
+            let slices = (0..n).map(|i| {
+                let z = level * (f64::from(i) + 0.5) / f64::from(n);
+                let radius = (0.025 + z / 3.0_f64.sqrt()).min(0.1);
+                PI * radius * radius * level / f64::from(n)
+            });
+            let filled: f64 = slices.sum();
+            assert!((filled / volume - 1.0).abs() < 1e-6, "{volume}: {filled}");
+        }
+        assert!((BOX.level(0.004) - 0.2).abs() < 1e-15);
+    }
+
     #[test]
     fn walls_are_named_floor_first() {
         let names = |c: Container| -> Vec<String> {
@@ -180,6 +323,7 @@ mod tests {
         };
         assert_eq!(names(BOX), ["floor", "x-", "x+", "y-", "y+"]);
         assert_eq!(names(CYLINDER), ["floor", "mantle"]);
+        assert_eq!(names(SILO), ["floor", "mantle", "cone"]);
     }
 
     /// Mean of x^2 over a rectangle of half width a is a^2/3, over a disc of radius a it is a^2/4.
@@ -217,5 +361,12 @@ mod tests {
         assert!(says(cylinder(0.149)).contains("diameter is 0.149 m"));
         assert!(says(cylinder(f64::NAN)).contains("diameter = NaN"));
         assert!(says(cylinder(-1.0)).contains("diameter = -1"));
+        let silo = |outlet, half_angle| Container::Silo {
+            diameter: 0.2,
+            outlet,
+            half_angle,
+        };
+        assert!(says(silo(0.2, 30.0)).contains("outlet = 0.2"));
+        assert!(says(silo(0.1, 90.0)).contains("half_angle = 90"));
     }
 }

@@ -68,4 +68,4 @@ pub use penalty::{PackLoad, Penalty, automatic_penalty};
 pub use protocol::{Landing, Pour, Protocol, Release, Sequential};
 pub use random::{body_stream, random_rotation};
 pub use report::{PackReport, Verification};
-pub use spec::{PackShape, PackSpec, Settling};
+pub use spec::{Mixing, PackShape, PackSpec, Settling};

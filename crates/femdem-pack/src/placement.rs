@@ -3,7 +3,7 @@
 use crate::error::PackError;
 use crate::protocol::Release;
 use crate::random::{body_stream, random_rotation, uniform};
-use crate::spec::PackSpec;
+use crate::spec::{Mixing, PackSpec};
 use femdem_contact::BodyId;
 use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::{Polyhedron, Pose, Rotation, Vector3};
@@ -40,7 +40,15 @@ impl<'a> Draw<'a> {
     fn new(spec: &'a PackSpec, body: BodyId) -> Result<Self, PackError> {
         let mut stream = body_stream(spec.seed, body);
         let total: f64 = spec.shapes.iter().map(|s| s.share).sum();
-        let drawn = uniform(&mut stream) * total;
+        let drawn = match spec.mixing {
+            Mixing::Drawn => uniform(&mut stream),
+            Mixing::Dealt => {
+                // The number that would have been drawn is skipped, so that the rest of the stream
+                // does not depend on the mixing.
+                uniform(&mut stream);
+                dealt(body, spec.count)
+            }
+        } * total;
         let rotation = random_rotation(&mut stream);
         let mut sum = 0.0;
         let mut chosen = None;
@@ -83,6 +91,23 @@ impl<'a> Draw<'a> {
     }
 }
 
+/// A number in (0, 1) for a body of `count`: the numbers of all bodies are the midpoints of `count`
+/// equal parts, in an order that spreads them evenly over any run of bodies (steps of the golden
+/// section, rounded to one that reaches every part).
+fn dealt(body: BodyId, count: u32) -> f64 {
+    const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
+    let count = u64::from(count.max(1));
+    let near = (GOLDEN_SECTION * count as f64).round() as u64;
+    let step = (near..).find(|step| gcd(*step, count) == 1).unwrap_or(1);
+    let part = u64::from(body) * step % count;
+    (part as f64 + 0.5) / count as f64
+}
+
+/// Greatest common divisor.
+fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
 /// A batch of at most `most` bodies from number `first` on: lowest points at `height`, random
 /// orientations, centroids uniform over the places that keep clear of the walls and of the bodies
 /// before in the batch. A body whose place is taken tries the next place of its own stream; when
@@ -94,6 +119,7 @@ pub(crate) fn batch(
     height: f64,
 ) -> Result<Vec<Start>, PackError> {
     let end = first.saturating_add(most).min(spec.count);
+    let height = height.max(spec.container.base());
     let mut batch: Vec<Start> = Vec::new();
     for body in first..end {
         let mut draw = Draw::new(spec, body)?;
@@ -122,12 +148,13 @@ pub(crate) fn batch(
 }
 
 /// All bodies of a release: layer upon layer of a square lattice centred over the floor, the
-/// lowest half a spacing above it, with random orientations.
+/// lowest half a spacing above it (above the cone of a silo), with random orientations.
 pub(crate) fn lattice(spec: &PackSpec, release: &Release) -> Result<Vec<Start>, PackError> {
     let spacing = release.spacing * spec.largest_diameter();
     let layer = layer_sites(spec, release)?;
     let mut starts = Vec::new();
-    let heights = (0..).map(|k| (f64::from(k) + 0.5) * spacing);
+    let base = spec.container.base();
+    let heights = (0..).map(|k| base + (f64::from(k) + 0.5) * spacing);
     let sites = heights.flat_map(|z| layer.iter().map(move |[x, y]| Vector3::new(*x, *y, z)));
     for (body, site) in (0..spec.count).zip(sites) {
         starts.push(Draw::new(spec, body)?.start(site));
@@ -206,10 +233,41 @@ mod tests {
         points.map(|v| (start.pose * v).coords).collect()
     }
 
+    /// Whatever the shares, each shape has its share of the bodies to within one, and of every run of
+    /// 20 bodies to within three.
+    #[test]
+    fn dealt_shapes_keep_their_shares() {
+        let mut spec = spec(square(0.4));
+        spec.mixing = Mixing::Dealt;
+        for (count, share) in [(100, 3.0), (97, 1.0), (10, 4.0), (1, 1.0)] {
+            spec.count = count;
+            spec.shapes[1].share = share;
+            let starts = lattice(&spec, &Release::default()).unwrap();
+            let first = |starts: &[Start]| starts.iter().filter(|s| s.shape == 0).count() as f64;
+            let wanted = f64::from(count) / (1.0 + share);
+            assert!((first(&starts) - wanted).abs() <= 1.0, "{count} {share}");
+            for run in starts.windows(20) {
+                assert!((first(run) - 20.0 / (1.0 + share)).abs() < 3.0);
+            }
+        }
+    }
+
+    /// As many shapes as bodies: each once.
+    #[test]
+    fn dealt_shapes_all_differ_if_there_are_as_many_as_bodies() {
+        for count in [1_u32, 2, 12, 97, 288] {
+            let mut numbers: Vec<u32> = (0..count)
+                .map(|k| (dealt(k, count) * f64::from(count)) as u32)
+                .collect();
+            numbers.sort_unstable();
+            assert!(numbers.into_iter().eq(0..count));
+        }
+    }
+
     #[test]
     fn batches_stand_at_the_height_inside_the_walls_and_apart() {
         for container in [square(0.12), Container::Cylinder { diameter: 0.12 }] {
-            let spec = spec(container);
+            let spec = spec(container.clone());
             let starts = batch(&spec, 3, 12, 0.5).unwrap();
             assert_eq!(starts.len(), 12);
             for (k, a) in starts.iter().enumerate() {
@@ -269,7 +327,7 @@ mod tests {
         for step in 0..60 {
             let diameter = 0.02 + 0.001 * f64::from(step);
             let container = Container::Cylinder { diameter };
-            let starts = lattice(&spec(container), &Release::default()).unwrap();
+            let starts = lattice(&spec(container.clone()), &Release::default()).unwrap();
             assert_eq!(starts.len(), 500);
             let inside = |s: &Start| container.contains(s.centroid.x, s.centroid.y, 0.0099999);
             assert!(starts.iter().all(inside), "diameter {diameter}");

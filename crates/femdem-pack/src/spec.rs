@@ -26,8 +26,7 @@ pub struct PackShape {
     pub name: String,
     /// The surface, in m. It must be convex.
     pub polyhedron: Polyhedron,
-    /// Relative number of bodies of this shape in a mixture; each body draws its shape with this
-    /// weight.
+    /// Relative number of bodies of this shape in a mixture (see [`Mixing`]).
     #[serde(default = "equal_share")]
     pub share: f64,
 }
@@ -50,6 +49,17 @@ impl PackShape {
     pub fn diameter(&self) -> f64 {
         2.0 * self.polyhedron.bounding_radius()
     }
+}
+
+/// How the bodies of a mixture get their shapes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mixing {
+    /// Each body draws its shape, with the shares as weights.
+    #[default]
+    Drawn,
+    /// Each shape gets its share of the bodies, to within one body, spread evenly over their order.
+    Dealt,
 }
 
 /// When a pack counts as settled.
@@ -98,6 +108,8 @@ impl Default for Settling {
 pub struct PackSpec {
     /// The shapes; at least one.
     pub shapes: Vec<PackShape>,
+    /// How the bodies of a mixture get their shapes.
+    pub mixing: Mixing,
     /// Number of bodies.
     pub count: u32,
     /// Density of the bodies, kg/m^3.
@@ -116,6 +128,9 @@ pub struct PackSpec {
     pub gravity: f64,
     /// The container.
     pub container: Container,
+    /// Height of the container's rim, m, for drawings and for the count of bodies above it; the walls
+    /// themselves reach up without end.
+    pub rim: Option<f64>,
     /// How bodies come into it.
     pub protocol: Protocol,
     /// Seed of all random numbers.
@@ -140,6 +155,7 @@ impl Default for PackSpec {
                 .map(|p| PackShape::new(solid.id(), p))
                 .into_iter()
                 .collect(),
+            mixing: Mixing::default(),
             count: 500,
             density: 2560.0,
             friction: 0.6,
@@ -152,6 +168,7 @@ impl Default for PackSpec {
                 width: 8.0 * DEFAULT_DIAMETER,
                 depth: 8.0 * DEFAULT_DIAMETER,
             },
+            rim: None,
             protocol: Protocol::default(),
             seed: 1,
             medium: Medium::default(),
@@ -193,6 +210,9 @@ impl PackSpec {
             Penalty::Given { pressure } => check_positive("penalty", pressure)?,
         }
         self.container.validate(self.largest_diameter())?;
+        if let Some(rim) = self.rim {
+            check_positive("rim", rim)?;
+        }
         self.protocol.validate()?;
         self.settling.validate()
     }
@@ -217,7 +237,8 @@ impl PackSpec {
     /// Height that the pack will have at a packing density of 0.57, m.
     pub fn expected_height(&self) -> f64 {
         let volume = self.mean(|s| s.polyhedron.mass_properties().volume);
-        f64::from(self.count) * volume / (EXPECTED_DENSITY * self.container.floor_area())
+        self.container
+            .level(f64::from(self.count) * volume / EXPECTED_DENSITY)
     }
 
     /// The penalty, Pa: as given, or what the automatic choice comes to.

@@ -83,5 +83,5 @@ pub use error::Error;
 pub use results::{Summary, Usage};
 pub use scene::Scene;
 pub use snapshot::{
-    Body, BodyLoad, ContactClass, ContactRow, NamedShape, Partner, Patch, Snapshot,
+    Body, BodyLoad, ContactClass, ContactRow, Drawing, NamedShape, Partner, Patch, Snapshot,
 };

@@ -163,8 +163,19 @@ pub struct Snapshot {
     pub bodies: Vec<Body>,
     /// The contacts, each once.
     pub contacts: Vec<ContactRow>,
-    /// Inside of the container, for outlines.
+    /// Inside of the container: where the pack is measured, and what pictures show of the container.
     pub container: Option<Region>,
+    /// What pictures show of the container instead, where a region does not tell all.
+    pub drawing: Option<Drawing>,
+}
+
+/// What a picture shows of a container.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Drawing {
+    /// The floor: corners of a convex polygon, counter-clockwise seen from above \[m\].
+    pub floor: Vec<Point3>,
+    /// The edges \[m\].
+    pub lines: Vec<[Point3; 2]>,
 }
 
 /// What the contacts do to one body.

@@ -43,5 +43,6 @@ pub(crate) fn two_cubes() -> Snapshot {
             min: Point3::new(-1.0, -1.0, 0.0),
             max: Point3::new(1.5, 1.0, 3.0),
         }),
+        drawing: None,
     }
 }

@@ -19,7 +19,7 @@ impl Packing {
             let Some(p) = self.world.position(body) else {
                 continue;
             };
-            if !(p.z >= 0.0 && self.job.spec.container.contains(p.x, p.y, 0.0)) {
+            if !self.job.spec.container.holds(&p) {
                 return Err(self.escaped(body, &p));
             }
             if p.z > ceiling {

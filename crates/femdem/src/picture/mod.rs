@@ -29,16 +29,18 @@ mod scene;
 mod shade;
 mod view;
 
+use femdem_analysis::Region;
 use femdem_mesh::Point3;
 
 pub use canvas::Image;
 pub use gallery::{Exhibit, gallery};
 
-use crate::{Error, Snapshot};
+use crate::{Drawing, Error, Snapshot};
 use colour::Srgb;
 use light::{Gaps, Lamp};
 use raster::DepthBuffer;
-use scene::{Mesh, Outline};
+use scene::Mesh;
+pub(crate) use scene::{circle, sides};
 use view::{Frame, View};
 
 /// Pixels of the depth buffer for each pixel of the picture, along each axis.
@@ -123,16 +125,18 @@ pub fn draw(snapshot: &Snapshot, options: &PictureOptions) -> Result<Image, Erro
         .iter()
         .map(|p| p.z)
         .fold(f64::NEG_INFINITY, f64::max);
-    let outline = snapshot
-        .container
-        .as_ref()
-        .map(|c| Outline::of(c, top + 0.6 * diameter, azimuth));
+    let of_region = |region: &Region| {
+        let height = region.corners().1.z.min(top + 0.6 * diameter);
+        scene::outline(region, height, azimuth)
+    };
+    let drawing = snapshot.drawing.clone();
+    let outline = drawing.or_else(|| snapshot.container.as_ref().map(of_region));
     if let Some(outline) = &outline {
         mesh.add_floor(&outline.floor);
     }
 
     let mut extent = bounding_corners(&mesh.points);
-    extent.extend(outline.iter().flat_map(|o| o.floor.iter().chain(&o.rim)));
+    extent.extend(outline.iter().flat_map(|o| o.lines.iter().flatten()));
     let view = eye(&extent, options, LEGEND);
     let (mut image, seen) = paint(&mesh, &extent, &view, options, diameter);
 
@@ -147,6 +151,12 @@ pub fn draw(snapshot: &Snapshot, options: &PictureOptions) -> Result<Image, Erro
         "sequence of\nplacement",
     );
     Ok(image)
+}
+
+/// The drawing of an upright container up to a height \[m\], for the usual point of view.
+pub(crate) fn outline(container: &Region, top: f64) -> Drawing {
+    let azimuth = PictureOptions::default().azimuth;
+    scene::outline(container, top, azimuth.to_radians())
 }
 
 /// Draws a mesh as `view` sees it, and says what is seen where.
@@ -237,11 +247,11 @@ fn radius(points: &[Point3]) -> f64 {
 }
 
 /// Draws the container's edges, faint where bodies hide them.
-fn draw_outline(image: &mut Image, outline: &Outline, view: &View, seen: &DepthBuffer) {
+fn draw_outline(image: &mut Image, outline: &Drawing, view: &View, seen: &DepthBuffer) {
     let sub = SUPERSAMPLING as f64;
     let line_width = image.width() as f64 / 800.0;
-    for [from, to] in outline.lines() {
-        let ends = [view.see(&from), view.see(&to)];
+    for [from, to] in &outline.lines {
+        let ends = [view.see(from), view.see(to)];
         let place = ends.map(|end| [end.x / sub, end.y / sub]);
         let along = [place[1][0] - place[0][0], place[1][1] - place[0][1]];
         let length2 = (along[0] * along[0] + along[1] * along[1]).max(f64::MIN_POSITIVE);

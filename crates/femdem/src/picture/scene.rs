@@ -4,7 +4,7 @@ use femdem_analysis::Region;
 use femdem_mesh::{Point3, Vector3};
 
 use super::colour::{Light, Srgb, viridis};
-use crate::Snapshot;
+use crate::{Drawing, Snapshot};
 
 /// Corners of a polygon that stands for a circle.
 const CIRCLE_SIDES: usize = 96;
@@ -106,68 +106,53 @@ pub(super) fn last_sequence(snapshot: &Snapshot) -> u32 {
         .unwrap_or(0)
 }
 
-/// The outline of a container: the rim of its floor and the same rim above.
-pub(super) struct Outline {
-    pub floor: Vec<Point3>,
-    pub rim: Vec<Point3>,
-    /// Which corners of the rims are joined by a line.
-    pub posts: Vec<usize>,
+/// Corners of a horizontal circle about the z axis of `centre`, counter-clockwise from above; the first
+/// is in the direction `from` (radians).
+pub(crate) fn circle(centre: Point3, radius: f64, from: f64) -> Vec<Point3> {
+    (0..CIRCLE_SIDES)
+        .map(|k| {
+            let (sin, cos) =
+                (std::f64::consts::TAU * k as f64 / CIRCLE_SIDES as f64 + from).sin_cos();
+            centre + radius * Vector3::new(cos, sin, 0.0)
+        })
+        .collect()
 }
 
-impl Outline {
-    /// The container up to the height `top` \[m\] at most, seen from `azimuth` (radians).
-    pub fn of(container: &Region, top: f64, azimuth: f64) -> Self {
-        let (min, max) = container.corners();
-        let height = max.z.min(top);
-        let (footprint, posts): (Vec<[f64; 2]>, Vec<usize>) = match *container {
-            Region::Box { min, max } => (
-                vec![
-                    [min.x, min.y],
-                    [max.x, min.y],
-                    [max.x, max.y],
-                    [min.x, max.y],
-                ],
-                (0..4).collect(),
-            ),
-            Region::Cylinder { centre, radius, .. } => {
-                // The first corner is the one at the right edge as seen, so that the posts stand there.
-                let circle = (0..CIRCLE_SIDES).map(|k| {
-                    let angle = std::f64::consts::TAU * k as f64 / CIRCLE_SIDES as f64 + azimuth;
-                    [
-                        centre[0] + radius * angle.cos(),
-                        centre[1] + radius * angle.sin(),
-                    ]
-                });
-                (circle.collect(), vec![0, CIRCLE_SIDES / 2])
-            }
-        };
-        let at = |z: f64| {
-            footprint
-                .iter()
-                .map(|[x, y]| Point3::new(*x, *y, z))
-                .collect()
-        };
-        Self {
-            floor: at(min.z),
-            rim: at(height),
-            posts,
-        }
-    }
+/// The sides of a closed polygon.
+pub(crate) fn sides(polygon: &[Point3]) -> impl Iterator<Item = [Point3; 2]> {
+    let next = polygon.iter().cycle().skip(1);
+    polygon.iter().zip(next).map(|(a, b)| [*a, *b])
+}
 
-    /// The lines to draw.
-    pub fn lines(&self) -> Vec<[Point3; 2]> {
-        let around = |rim: &[Point3]| {
-            let next = rim.iter().cycle().skip(1);
-            rim.iter()
-                .zip(next)
-                .map(|(a, b)| [*a, *b])
-                .collect::<Vec<_>>()
-        };
-        let posts = self.posts.iter().map(|&i| [self.floor[i], self.rim[i]]);
-        posts
-            .chain(around(&self.floor))
-            .chain(around(&self.rim))
-            .collect()
+/// The drawing of an upright container up to the height `top` \[m\], seen from `azimuth` (radians).
+pub(super) fn outline(container: &Region, top: f64, azimuth: f64) -> Drawing {
+    let (floor, posts) = match *container {
+        Region::Box { min, max } => {
+            let corners = [
+                [min.x, min.y],
+                [max.x, min.y],
+                [max.x, max.y],
+                [min.x, max.y],
+            ];
+            let floor = corners.map(|[x, y]| Point3::new(x, y, min.z)).to_vec();
+            (floor, vec![0, 1, 2, 3])
+        }
+        // The first corner is the one at the right edge as seen, so that the posts stand there.
+        Region::Cylinder {
+            centre: [x, y],
+            radius,
+            z_min,
+            ..
+        } => (
+            circle(Point3::new(x, y, z_min), radius, azimuth),
+            vec![0, CIRCLE_SIDES / 2],
+        ),
+    };
+    let rim: Vec<Point3> = floor.iter().map(|p| Point3::new(p.x, p.y, top)).collect();
+    let posts = posts.into_iter().map(|i| [floor[i], rim[i]]);
+    Drawing {
+        lines: posts.chain(sides(&floor)).chain(sides(&rim)).collect(),
+        floor,
     }
 }
 
@@ -194,11 +179,11 @@ mod tests {
     #[test]
     fn outline_of_a_box_has_12_lines_and_stops_at_the_top() {
         let container = two_cubes().container.unwrap();
-        let outline = Outline::of(&container, 2.0, 0.0);
-        assert_eq!(outline.lines().len(), 12);
+        let outline = outline(&container, 2.0, 0.0);
+        assert_eq!((outline.floor.len(), outline.lines.len()), (4, 12));
         assert!(
             outline
-                .lines()
+                .lines
                 .iter()
                 .flatten()
                 .all(|p| p.z == 0.0 || p.z == 2.0)

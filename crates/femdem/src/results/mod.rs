@@ -1,14 +1,14 @@
 //! From a packing job to its results: the snapshot, the summary, and the files in a folder.
 
+mod container;
 mod display;
 mod summary;
 
 use std::path::Path;
 
-use femdem_analysis::Region;
 use femdem_contact::Contact;
 use femdem_mesh::Point3;
-use femdem_pack::{Container, Packing};
+use femdem_pack::Packing;
 use femdem_solve::World;
 
 pub use summary::{
@@ -40,7 +40,8 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
         shapes: shapes.collect(),
         bodies: bodies.collect(),
         contacts: rows(world),
-        container: Some(inside(packing)),
+        drawing: container::drawing(packing),
+        container: Some(container::inside(packing)),
     }
 }
 
@@ -102,28 +103,6 @@ fn mean_diameter(world: &World, contact: &Contact) -> f64 {
     match contact.a {
         femdem_contact::Partner::Body(a) => 0.5 * (diameter(a).unwrap_or_default() + of_b),
         femdem_contact::Partner::Wall(_) => of_b,
-    }
-}
-
-/// Inside of the container, up to one diameter above the highest body.
-fn inside(packing: &Packing) -> Region {
-    let world = packing.world();
-    let top = (0..)
-        .map_while(|id| world.bounds(id))
-        .map(|(_, high)| high.z)
-        .fold(0.0, f64::max);
-    let z_max = top + packing.spec().diameter();
-    match packing.spec().container {
-        Container::Box { width, depth } => Region::Box {
-            min: Point3::new(-width / 2.0, -depth / 2.0, 0.0),
-            max: Point3::new(width / 2.0, depth / 2.0, z_max),
-        },
-        Container::Cylinder { diameter } => Region::Cylinder {
-            centre: [0.0; 2],
-            radius: diameter / 2.0,
-            z_min: 0.0,
-            z_max,
-        },
     }
 }
 
