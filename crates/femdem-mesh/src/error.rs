@@ -1,3 +1,4 @@
+use crate::repair::FacetList;
 use std::path::PathBuf;
 
 /// Everything that can be wrong with a surface, a shape's name or a surface file.
@@ -189,6 +190,73 @@ pub enum MeshError {
         /// The signed volume \[m^3\].
         volume: f64,
     },
+    /// Facets have a side that no other facet has.
+    #[error(
+        "the surface is open: {edges} sides of {facets} have no second facet: close the holes (or \
+         weld or repair, if neighbours do not quite meet)"
+    )]
+    OpenSurface {
+        /// Number of sides with one facet.
+        edges: usize,
+        /// The facets that have them.
+        facets: FacetList,
+    },
+    /// More than two facets meet at an edge, or a vertex joins parts that meet nowhere else.
+    #[error(
+        "the surface is not manifold: {facets} share an edge or vertex that must have {}: remove \
+         facets inside the body, or separate parts that touch",
+        if *.what == "vertex" { "one fan of facets" } else { "2 facets" }
+    )]
+    NonManifoldFacets {
+        /// "edge" or "vertex".
+        what: &'static str,
+        /// The facets there.
+        facets: FacetList,
+        /// Number of such edges, or of fans at the vertex.
+        count: usize,
+    },
+    /// Facets cannot be made to look to the same side, as on a Moebius strip.
+    #[error(
+        "the surface has only one side: {facets} cannot be made to agree with their neighbours"
+    )]
+    OneSided {
+        /// The facets where the sides meet.
+        facets: FacetList,
+    },
+    /// Facets have no area, or welding left them none.
+    #[error(
+        "{facets} have no area: their vertices lie on a line within rounding or at the same place \
+         within the welding distance: remove them, or ask for repair"
+    )]
+    DegenerateFacets {
+        /// The facets.
+        facets: FacetList,
+    },
+    /// Facets have the same vertices as earlier ones.
+    #[error("{facets} are copies of earlier ones: remove them, or ask for repair")]
+    DuplicateFacets {
+        /// The copies.
+        facets: FacetList,
+    },
+    /// The surface cuts or touches itself.
+    #[error(
+        "the surface cuts or touches itself: facets {} and {}{}: a body's surface must not",
+        pairs[0][0], pairs[0][1],
+        if pairs.len() > 1 { ", and others" } else { "" }
+    )]
+    SelfIntersecting {
+        /// The first pairs of facets found, each once; at most eight.
+        pairs: Vec<[usize; 2]>,
+    },
+    /// So many triangles lie across each other that looking for cuts would take too long.
+    #[error(
+        "the triangles of the {facets} facets are so long and thin and so many that cuts between \
+         them cannot be looked for in reasonable time: split long facets"
+    )]
+    Tangled {
+        /// Number of facets.
+        facets: usize,
+    },
     /// Points from which no solid hull can be made: they coincide, or lie on a line or in a plane.
     #[error(
         "the {points} points {span} within {tolerance:e} m: a convex hull needs 4 points that span \
@@ -236,6 +304,38 @@ pub enum MeshError {
         /// The name asked for.
         name: String,
     },
+    /// Neither a family of shapes nor a solid has that name.
+    #[error(
+        "no shape is called \"{name}\"; allowed are {families}, and the solids P1 to P5 and A1 to A13"
+    )]
+    UnknownFamily {
+        /// The name asked for.
+        name: String,
+        /// The names of the families.
+        families: String,
+    },
+    /// A shape has no parameter of that name.
+    #[error("{shape} has no parameter \"{parameter}\"; allowed are: {allowed}")]
+    UnknownParameter {
+        /// The shape.
+        shape: String,
+        /// The name given.
+        parameter: String,
+        /// The names of its parameters.
+        allowed: String,
+    },
+    /// A parameter of a shape is no value of its kind, or lies outside its range.
+    #[error("{parameter} of {shape} is \"{value}\": allowed is {allowed}")]
+    BadParameter {
+        /// The shape.
+        shape: String,
+        /// The parameter.
+        parameter: &'static str,
+        /// The value given.
+        value: String,
+        /// The values allowed.
+        allowed: String,
+    },
     /// A line of a text file cannot be understood.
     #[error("line {line}: {problem}")]
     Parse {
@@ -257,6 +357,26 @@ pub enum MeshError {
         /// Bytes found.
         found: u64,
     },
+    /// A file ends before all that it promises.
+    #[error(
+        "the file promises {promised} {what}, but ends after {found}: it is cut off or damaged"
+    )]
+    CutOff {
+        /// What is counted.
+        what: &'static str,
+        /// How many the file promises.
+        promised: u64,
+        /// How many are there.
+        found: u64,
+    },
+    /// A file is of a kind that is not read.
+    #[error("the file has {what}, which is not read: {advice}")]
+    Unsupported {
+        /// What it has.
+        what: String,
+        /// What to do.
+        advice: &'static str,
+    },
     /// A file has no surface in it.
     #[error("the file holds no {what}")]
     Empty {
@@ -270,7 +390,7 @@ pub enum MeshError {
         allowed: u64,
     },
     /// The ending of a file name says nothing of its format.
-    #[error("cannot tell the format of {}: its name must end in .obj or .stl", path.display())]
+    #[error("cannot tell the format of {}: its name must end in .obj, .stl, .off or .ply", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,

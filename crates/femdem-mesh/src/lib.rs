@@ -3,7 +3,7 @@
 //! For programs that simulate or analyse bodies of polyhedral shape: a [`Polyhedron`] is a closed,
 //! oriented surface that has been checked, with its planes, convexity, volume, centroid and inertia
 //! computed once. Knows nothing of physics. Not for you if you edit meshes, need Boolean operations
-//! or remeshing, draw open surfaces, or need to find surfaces that cut through themselves.
+//! or remeshing, or draw open surfaces.
 //!
 //! ```
 //! use femdem_mesh::catalogue::{CatalogueShape, Solid};
@@ -31,7 +31,8 @@
 //! - [`catalogue`]: the 18 solids by identifier, name and diameter, chiral ones in both hands.
 //! - [`TetMesh`]: the checked tetrahedral mesh; [`tet`]: fans, refinement and a general mesher.
 //! - [`bvh`]: a tree of boxes.
-//! - [`io`]: OBJ and STL in and out.
+//! - [`io`]: OBJ, STL, OFF and PLY surfaces in and out, Gmsh meshes of tetrahedra, VTU out.
+//! - [`repair`]: from loose facets to a body, with errors that name facets and mending on request.
 //! - `strategies`: random rotations, poses and bodies for property tests (feature `proptest`).
 //!
 //! # Units
@@ -65,6 +66,7 @@ pub mod bvh;
 pub mod catalogue;
 mod hull;
 pub mod io;
+pub mod repair;
 #[cfg(any(test, feature = "proptest"))]
 pub mod strategies;
 pub mod tet;

@@ -1,8 +1,22 @@
-//! Surface files: Wavefront OBJ and STL.
+//! Files: surfaces as Wavefront OBJ, STL, OFF and PLY; meshes of tetrahedra for Gmsh and as VTU.
+//!
+//! Surfaces are welded, oriented and checked, see [`repair`](crate::repair): a file holds one
+//! closed surface, or the error names the facets at fault, counted from 0.
+//!
+//! Files may be hostile. What is read is at most [`MAX_FILE_BYTES`] long, counts in headers are
+//! not believed before what they count has been read, memory stays within a constant times the
+//! length of the file, and time within that times the logarithm of it; polygons have at most
+//! [`MAX_FACET_CORNERS`] corners.
 
 pub mod obj;
+pub mod off;
+pub mod ply;
 pub mod stl;
+mod text;
 
+pub use crate::repair::{FacetList, Options, Orient, Report};
+
+use crate::repair::{LOOSE_WELD, close};
 use crate::{MeshError, Point3, Polyhedron, Pose};
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -11,35 +25,127 @@ use std::path::Path;
 /// Largest file that is read \[bytes\].
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// Reads a body from a file; the ending of its name, .obj or .stl in any case, tells the format.
+/// Most corners of a polygon in a file.
+pub const MAX_FACET_CORNERS: usize = 1 << 10;
+
+/// A format of surface files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Wavefront OBJ, `.obj`.
+    Obj,
+    /// STL, ASCII or binary, `.stl`.
+    Stl,
+    /// Object File Format of Geomview, `.off`.
+    Off,
+    /// Polygon File Format of Stanford, ASCII or binary, `.ply`.
+    Ply,
+}
+
+impl Format {
+    /// All formats.
+    pub const ALL: [Self; 4] = [Self::Obj, Self::Stl, Self::Off, Self::Ply];
+
+    /// The format that the ending of a file's name tells, in any case.
+    ///
+    /// # Errors
+    ///
+    /// [`MeshError::UnknownFormat`] if it tells none.
+    pub fn of_path(path: impl AsRef<Path>) -> Result<Self, MeshError> {
+        let path = path.as_ref();
+        let ending = path.extension().unwrap_or_default().to_string_lossy();
+        match ending.to_ascii_lowercase().as_str() {
+            "obj" => Ok(Self::Obj),
+            "stl" => Ok(Self::Stl),
+            "off" => Ok(Self::Off),
+            "ply" => Ok(Self::Ply),
+            _ => Err(MeshError::UnknownFormat {
+                path: path.to_path_buf(),
+            }),
+        }
+    }
+}
+
+/// Vertices and loops of vertex numbers as a file has them.
+struct Facets {
+    points: Vec<Point3>,
+    loops: Vec<Vec<u32>>,
+}
+
+/// Reads a body from a file; the ending of its name, .obj, .stl, .off or .ply in any case, tells
+/// the format.
 ///
 /// # Errors
 ///
 /// If the ending is another one, the file cannot be read, or it does not hold one closed surface;
 /// the message names the file.
 pub fn read_file(path: impl AsRef<Path>) -> Result<Polyhedron, MeshError> {
+    read_file_with(path, &Options::default()).map(|(body, _)| body)
+}
+
+/// Reads a body from a file as [`read_file`], with options, and says what was done to it.
+///
+/// # Errors
+///
+/// As [`read_file`]; also if the options are out of range.
+pub fn read_file_with(
+    path: impl AsRef<Path>,
+    options: &Options,
+) -> Result<(Polyhedron, Report), MeshError> {
     let path = path.as_ref();
-    let ending = path
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_ascii_lowercase();
-    let read: fn(BufReader<File>) -> Result<Polyhedron, MeshError> = match ending.as_str() {
-        "obj" => obj::read,
-        "stl" => stl::read,
-        _ => {
-            return Err(MeshError::UnknownFormat {
-                path: path.to_path_buf(),
-            });
-        }
-    };
+    let format = Format::of_path(path)?;
     File::open(path)
         .map_err(MeshError::from)
-        .and_then(|file| read(BufReader::new(file)))
+        .and_then(|file| read(BufReader::new(file), format, options))
         .map_err(|problem| MeshError::InFile {
             path: path.to_path_buf(),
             problem: Box::new(problem),
         })
+}
+
+/// Reads a body in a format, with options, and says what was done to it.
+///
+/// # Errors
+///
+/// If reading fails, there are more than [`MAX_FILE_BYTES`], or as [`parse`].
+pub fn read(
+    reader: impl Read,
+    format: Format,
+    options: &Options,
+) -> Result<(Polyhedron, Report), MeshError> {
+    parse(&read_limited(reader, MAX_FILE_BYTES)?, format, options)
+}
+
+/// Reads a body from the bytes of a file, with options, and says what was done to it.
+///
+/// # Errors
+///
+/// If the bytes are not what the format says, or the facets, after what the options allow, do not
+/// make one closed surface.
+pub fn parse(
+    bytes: &[u8],
+    format: Format,
+    options: &Options,
+) -> Result<(Polyhedron, Report), MeshError> {
+    let Facets { points, loops } = match format {
+        Format::Obj => obj::facets(bytes),
+        Format::Stl => stl::facets(bytes),
+        Format::Off => off::facets(bytes),
+        Format::Ply => ply::facets(bytes),
+    }?;
+    let too_long = loops.iter().find(|l| l.len() > MAX_FACET_CORNERS);
+    if let Some(corners) = too_long {
+        return Err(MeshError::TooMany {
+            what: "corners of a facet",
+            count: corners.len(),
+            allowed: MAX_FACET_CORNERS,
+        });
+    }
+    match format {
+        // Loose triangles: flat faces are put together again.
+        Format::Stl => close(points, loops, options, LOOSE_WELD)
+            .map(|(body, report)| (body.with_merged_faces(), report)),
+        _ => close(points, loops, options, 0.0),
+    }
 }
 
 /// All bytes of a reader, or an error if there are more than `allowed`.
@@ -72,33 +178,5 @@ fn posed_vertices(body: &Polyhedron, pose: &Pose) -> Result<Vec<Point3>, MeshErr
     }
 }
 
-/// Reads a coordinate.
-fn coordinate(word: &str, line: usize) -> Result<f64, MeshError> {
-    match word.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(MeshError::Parse {
-            line,
-            problem: format!("\"{}\" is not a finite number", shortened(word)),
-        }),
-    }
-}
-
-/// The start of a word, for messages about files that are no text at all.
-fn shortened(word: &str) -> String {
-    word.chars().take(40).collect()
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn endless_input_is_cut_off() {
-        let endless = read_limited(std::io::repeat(b'v'), 1000);
-        assert!(matches!(
-            endless,
-            Err(MeshError::FileTooLarge { allowed: 1000 })
-        ));
-        assert_eq!(read_limited(&[7; 1000][..], 1000).unwrap(), [7; 1000]);
-    }
-}
+mod tests;

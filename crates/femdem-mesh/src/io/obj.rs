@@ -3,10 +3,11 @@
 //! Read are vertices (`v x y z`) and faces (`f 1 2 3`, `f 1/1 2/2 3/3`, `f 1//1 2//2 3//3`,
 //! negative indices counting back from the latest vertex). Texture coordinates, normals, groups,
 //! objects, materials and smoothing are passed over. All faces of the file together must be one
-//! closed surface. Vertices that no face uses are dropped.
+//! closed surface. Vertices of equal coordinates are welded, vertices that no face uses are dropped.
 
-use super::{MAX_FILE_BYTES, coordinate, posed_vertices, read_limited, shortened};
-use crate::{MeshError, Point3, Polyhedron, Pose};
+use super::text::{Lines, number, point, problem, shortened, words};
+use super::{Facets, Format, MAX_FILE_BYTES, Options, posed_vertices, read_limited};
+use crate::{MeshError, Polyhedron, Pose};
 use std::io::{BufRead, Write};
 
 /// Reads a body.
@@ -16,108 +17,105 @@ use std::io::{BufRead, Write};
 /// As [`parse`]; also if reading fails or the file is larger than
 /// [`MAX_FILE_BYTES`].
 pub fn read(reader: impl BufRead) -> Result<Polyhedron, MeshError> {
-    let bytes = read_limited(reader, MAX_FILE_BYTES)?;
-    // Names of groups and materials may be in any encoding; they are passed over.
-    parse(&String::from_utf8_lossy(&bytes))
+    parse(read_limited(reader, MAX_FILE_BYTES)?)
 }
 
-/// Reads a body from text.
+/// Reads a body from text. Names of groups and materials may be in any encoding.
 ///
 /// # Errors
 ///
 /// If a vertex or face cannot be read (the message names the line), there are none, or they do not
-/// make a valid [`Polyhedron`]; several closed surfaces in one file are
+/// make one closed surface; several closed surfaces in one file are
 /// [`MeshError::Disconnected`].
-pub fn parse(text: &str) -> Result<Polyhedron, MeshError> {
-    let mut vertices = Vec::new();
-    let mut faces = Vec::new();
-    let mut face_lines = Vec::new();
-    let mut numbered = text.lines().enumerate().map(|(i, line)| (i + 1, line));
-    while let Some((line, content)) = numbered.next() {
-        let content = content.split('#').next().unwrap_or_default();
-        let mut words: Vec<&str> = content.split_whitespace().collect();
+pub fn parse(text: impl AsRef<[u8]>) -> Result<Polyhedron, MeshError> {
+    super::parse(text.as_ref(), Format::Obj, &Options::default()).map(|(body, _)| body)
+}
+
+pub(super) fn facets(bytes: &[u8]) -> Result<Facets, MeshError> {
+    let mut points = Vec::new();
+    let mut loops = Vec::new();
+    let mut loop_lines = Vec::new();
+    let mut lines = Lines::new(bytes, Some(b'#'));
+    while let Some((line, content)) = lines.next() {
         // A backslash at the end of a line joins the next one to it.
-        while words.last() == Some(&"\\") {
-            words.pop();
-            let next = numbered.next().map_or("", |(_, next)| next);
-            words.extend(
-                next.split('#')
-                    .next()
-                    .unwrap_or_default()
-                    .split_whitespace(),
-            );
+        let mut joined;
+        let mut content = content;
+        if continues(content).is_some() {
+            joined = content.to_vec();
+            while let Some(start) = continues(&joined) {
+                joined.truncate(start);
+                joined.extend_from_slice(b" ");
+                joined.extend_from_slice(lines.next().map_or(b"", |(_, next)| next));
+            }
+            content = &joined;
         }
-        match words.split_first() {
-            Some((&"v", numbers)) => vertices.push(vertex(numbers, line)?),
-            Some((&"f", corners)) => {
-                faces.push(face(corners, vertices.len(), line)?);
-                face_lines.push(line);
+        let mut words = words(content);
+        match words.next() {
+            Some(b"v") => points.push(point(&mut words, line)?),
+            Some(b"f") => {
+                loops.push(face(words, points.len(), line)?);
+                loop_lines.push(line);
             }
             _ => {}
         }
     }
-    if vertices.is_empty() {
+    if points.is_empty() {
         return Err(MeshError::Empty {
             what: "vertices (lines that start with v)",
         });
     }
-    if faces.is_empty() {
+    if loops.is_empty() {
         return Err(MeshError::Empty {
             what: "faces (lines that start with f)",
         });
     }
     // A face may stand before its vertices, so that indices are compared with all of them.
-    let count = vertices.len();
-    for (corners, &line) in faces.iter().zip(&face_lines) {
+    let count = points.len();
+    for (corners, &line) in loops.iter().zip(&loop_lines) {
         if let Some(&index) = corners.iter().find(|&&index| index as usize >= count) {
             let number = u64::from(index) + 1;
-            let problem = format!("the face names vertex {number}, but the file has only {count}");
-            return Err(MeshError::Parse { line, problem });
+            let names = format!("the face names vertex {number}, but the file has only {count}");
+            return Err(problem(line, names));
         }
     }
-    let (vertices, faces) = crate::merge::compact(&vertices, &faces);
-    Polyhedron::new(vertices, faces)
+    Ok(Facets { points, loops })
 }
 
-/// Coordinates, of which there may be a fourth (weight) or three more (colour).
-fn vertex(words: &[&str], line: usize) -> Result<Point3, MeshError> {
-    let [x, y, z, ..] = words else {
-        return Err(MeshError::Parse {
-            line,
-            problem: format!("a vertex needs 3 coordinates, found {}", words.len()),
-        });
-    };
-    Ok(Point3::new(
-        coordinate(x, line)?,
-        coordinate(y, line)?,
-        coordinate(z, line)?,
-    ))
+/// Where a line holds a backslash, if that ends it.
+fn continues(line: &[u8]) -> Option<usize> {
+    let line = line.trim_ascii_end();
+    let before = line.strip_suffix(b"\\")?;
+    let own_word = before.last().is_none_or(u8::is_ascii_whitespace);
+    own_word.then_some(before.len())
 }
 
-fn face(words: &[&str], vertex_count: usize, line: usize) -> Result<Vec<u32>, MeshError> {
-    words
-        .iter()
+fn face<'a>(
+    words: impl Iterator<Item = &'a [u8]>,
+    vertex_count: usize,
+    line: usize,
+) -> Result<Vec<u32>, MeshError> {
+    let corners: Vec<u32> = words
         .map(|word| corner(word, vertex_count, line))
-        .collect()
+        .collect::<Result<_, _>>()?;
+    if corners.len() < 3 {
+        let has = format!("a face needs at least 3 vertices, found {}", corners.len());
+        return Err(problem(line, has));
+    }
+    Ok(corners)
 }
 
 /// Index of the vertex, from 0, of "7", "7/1", "7/1/3", "7//3" or "-1".
-fn corner(word: &str, vertex_count: usize, line: usize) -> Result<u32, MeshError> {
-    let problem = |problem: &str| MeshError::Parse {
-        line,
-        problem: format!("face corner \"{}\" {problem}", shortened(word)),
-    };
-    let index = word.split('/').next().unwrap_or_default();
-    let index: i64 = index
-        .parse()
-        .map_err(|_| problem("does not start with a vertex number"))?;
+fn corner(word: &[u8], vertex_count: usize, line: usize) -> Result<u32, MeshError> {
+    let bad = |what: &str| problem(line, format!("face corner \"{}\" {what}", shortened(word)));
+    let index = word.split(|&b| b == b'/').next().unwrap_or_default();
+    let index: i64 = number(index).ok_or_else(|| bad("does not start with a vertex number"))?;
     let from_zero = match index {
         1.. => index - 1,
-        0 => return Err(problem("is zero: vertices count from 1")),
+        0 => return Err(bad("is zero: vertices count from 1")),
         _ => index.saturating_add(vertex_count as i64),
     };
     u32::try_from(from_zero).map_err(|_| {
-        problem(&format!(
+        bad(&format!(
             "names no vertex: {vertex_count} vertices stand before this line"
         ))
     })

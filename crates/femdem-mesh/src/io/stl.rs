@@ -1,13 +1,14 @@
 //! STL, ASCII and binary.
 //!
-//! STL holds loose triangles: reading welds vertices with equal coordinates, drops triangles
-//! that then have two equal corners, and merges coplanar neighbours into polygon faces
-//! ([`Polyhedron::with_merged_faces`]), so that a cube has 6 faces. Binary files hold single
-//! precision: coordinates are good to 6e-8 of the largest. Normals and attributes are ignored.
+//! STL holds loose triangles: reading welds vertices within
+//! [`LOOSE_WELD`](crate::repair::LOOSE_WELD) of the diagonal, and merges coplanar neighbours into
+//! polygon faces ([`Polyhedron::with_merged_faces`]), so that a cube has 6 faces. Binary files hold
+//! single precision: coordinates are good to 6e-8 of the largest. Normals and attributes are
+//! ignored; messages count facets as the file has them, from 0.
 
-use super::{MAX_FILE_BYTES, coordinate, posed_vertices, read_limited, shortened};
+use super::text::{Lines, point, problem, shortened, words};
+use super::{Facets, Format, MAX_FILE_BYTES, Options, posed_vertices, read_limited};
 use crate::{MeshError, Point3, Polyhedron, Pose, Vector3};
-use std::collections::BTreeMap;
 use std::io::{Read, Write};
 
 const HEADER_BYTES: usize = 80;
@@ -32,12 +33,16 @@ pub fn read(reader: impl Read) -> Result<Polyhedron, MeshError> {
 ///
 /// As [`read`].
 pub fn parse(bytes: &[u8]) -> Result<Polyhedron, MeshError> {
+    super::parse(bytes, Format::Stl, &Options::default()).map(|(body, _)| body)
+}
+
+pub(super) fn facets(bytes: &[u8]) -> Result<Facets, MeshError> {
     let promised = bytes.get(HEADER_BYTES..HEADER_BYTES + 4);
     let promised = promised
         .and_then(|b| b.try_into().ok())
         .map(u32::from_le_bytes);
     let expected = |n: u32| (HEADER_BYTES + 4) as u64 + u64::from(n) * TRIANGLE_BYTES as u64;
-    let corners = match promised {
+    let points = match promised {
         Some(n) if expected(n) == bytes.len() as u64 => binary_corners(&bytes[HEADER_BYTES + 4..]),
         _ if bytes.trim_ascii_start().starts_with(b"solid") => ascii_corners(bytes)?,
         Some(promised) => {
@@ -53,11 +58,12 @@ pub fn parse(bytes: &[u8]) -> Result<Polyhedron, MeshError> {
             });
         }
     };
-    if corners.is_empty() {
+    if points.is_empty() {
         return Err(MeshError::Empty { what: "triangles" });
     }
-    let (vertices, faces) = weld(&corners);
-    Ok(Polyhedron::new(vertices, faces)?.with_merged_faces())
+    let corners: Vec<u32> = (0..points.len() as u32).collect();
+    let loops = corners.chunks_exact(3).map(<[u32]>::to_vec).collect();
+    Ok(Facets { points, loops })
 }
 
 fn binary_corners(triangles: &[u8]) -> Vec<Point3> {
@@ -70,66 +76,32 @@ fn binary_corners(triangles: &[u8]) -> Vec<Point3> {
         .collect()
 }
 
+/// Corners, three for each facet.
 fn ascii_corners(bytes: &[u8]) -> Result<Vec<Point3>, MeshError> {
-    let text = String::from_utf8_lossy(bytes);
     let mut corners = Vec::new();
     let mut ended = false;
-    for (i, content) in text.lines().enumerate() {
-        let line = i + 1;
-        let words: Vec<&str> = content.split_whitespace().collect();
-        match words[..] {
-            ["vertex", x, y, z] => corners.push(Point3::new(
-                coordinate(x, line)?,
-                coordinate(y, line)?,
-                coordinate(z, line)?,
-            )),
-            ["endfacet"] if corners.len() % 3 != 0 => {
-                return Err(MeshError::Parse {
-                    line,
-                    problem: "a facet ends that has not 3 vertices".to_owned(),
-                });
+    let mut lines = Lines::new(bytes, None);
+    while let Some((line, content)) = lines.filled() {
+        let mut words = words(content);
+        match words.next().unwrap_or_default() {
+            b"vertex" => corners.push(point(&mut words, line)?),
+            b"endfacet" if corners.len() % 3 != 0 => {
+                return Err(problem(line, "a facet ends that has not 3 vertices"));
             }
-            ["endsolid", ..] => ended = true,
-            ["outer", "loop"] | ["endloop" | "endfacet"] | ["facet" | "solid", ..] | [] => {}
-            [word, ..] => {
-                return Err(MeshError::Parse {
-                    line,
-                    problem: format!("\"{}\" is not part of an ASCII STL file", shortened(word)),
-                });
+            b"endsolid" => ended = true,
+            b"outer" | b"endloop" | b"endfacet" | b"facet" | b"solid" => {}
+            word => {
+                let word = shortened(word);
+                let what = format!("\"{word}\" is not part of an ASCII STL file");
+                return Err(problem(line, what));
             }
         }
     }
-    if !ended {
-        return Err(MeshError::Parse {
-            line: text.lines().count(),
-            problem: "the file ends without \"endsolid\": it is cut off".to_owned(),
-        });
+    if !ended || corners.len() % 3 != 0 {
+        let what = "the file ends without \"endsolid\" or amid a facet: it is cut off";
+        return Err(problem(lines.number, what));
     }
     Ok(corners)
-}
-
-/// Vertices that differ, in the order of their first use, and triangles of three different ones.
-fn weld(corners: &[Point3]) -> (Vec<Point3>, Vec<Vec<u32>>) {
-    let mut index = BTreeMap::new();
-    let mut vertices = Vec::new();
-    let indices: Vec<u32> = corners
-        .iter()
-        .map(|p| {
-            // Adding zero makes -0.0 and 0.0 one.
-            *index
-                .entry([p.x, p.y, p.z].map(|x| (x + 0.0).to_bits()))
-                .or_insert_with(|| {
-                    vertices.push(*p);
-                    vertices.len() as u32 - 1
-                })
-        })
-        .collect();
-    let faces = indices
-        .chunks_exact(3)
-        .filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0])
-        .map(<[u32]>::to_vec)
-        .collect();
-    (vertices, faces)
 }
 
 /// Writes a body as binary STL.
@@ -154,7 +126,7 @@ pub fn write_binary_posed<'a>(
     let mut buffer = Vec::new();
     let mut count = 0;
     for (body, pose) in bodies {
-        for (normal, corners) in facets(body, pose)? {
+        for (normal, corners) in triangles(body, pose)? {
             for value in std::iter::once(normal.into())
                 .chain(corners)
                 .flat_map(single)
@@ -207,7 +179,7 @@ pub fn write_ascii_posed<'a>(
 ) -> Result<(), MeshError> {
     writeln!(writer, "solid femdem")?;
     for (body, pose) in bodies {
-        for (n, corners) in facets(body, pose)? {
+        for (n, corners) in triangles(body, pose)? {
             writeln!(
                 writer,
                 "  facet normal {} {} {}\n    outer loop",
@@ -225,7 +197,7 @@ pub fn write_ascii_posed<'a>(
 }
 
 /// Unit normal and corners of each triangle of a body in its pose.
-fn facets(
+fn triangles(
     body: &Polyhedron,
     pose: &Pose,
 ) -> Result<impl Iterator<Item = (Vector3, [Point3; 3])> + use<>, MeshError> {

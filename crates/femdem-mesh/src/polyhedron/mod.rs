@@ -1,13 +1,18 @@
 //! The closed polyhedral surface and what is computed from it once.
 
+mod intersect;
 mod planes;
 mod topology;
 mod triangulate;
 
+use crate::bvh::{Aabb, Bvh};
 use crate::{MassProperties, MeshError, Point3, Pose, Vector3, merge};
 pub(crate) use planes::Plane;
 use serde::{Deserialize, Serialize};
-pub(crate) use topology::sides;
+use std::cell::Cell;
+use std::collections::BTreeSet;
+pub(crate) use topology::{check as check_topology, check_counts, sides};
+pub(crate) use triangulate::{SHARP, triangulate};
 
 /// A vertex may lie off the plane of its face by this part of the bounding box's diagonal.
 ///
@@ -77,7 +82,8 @@ impl Polyhedron {
     /// without exactly two faces of opposite direction; several surfaces, or surfaces that touch
     /// in a vertex; faces without area, or not planar within [`PLANARITY_TOLERANCE`]; a surface
     /// that is inside out; and bodies too small, too large or too far from the origin for the
-    /// arithmetic. Surfaces that cut through themselves are not found out.
+    /// arithmetic. Surfaces that cut through themselves are not found out: see
+    /// [`self_intersections`](Self::self_intersections).
     pub fn new(vertices: Vec<Point3>, faces: Vec<Vec<u32>>) -> Result<Self, MeshError> {
         topology::check_counts(vertices.len(), faces.len())?;
         let extent = check_coordinates(&vertices)?;
@@ -212,9 +218,64 @@ impl Polyhedron {
     pub fn triangles(&self) -> Vec<[u32; 3]> {
         let mut triangles = Vec::with_capacity(self.corners.len());
         for (face, normal) in self.faces().zip(&self.normals) {
-            triangulate::triangulate(&self.vertices, face, normal, &mut triangles);
+            triangulate(&self.vertices, face, normal, SHARP, &mut triangles);
         }
         triangles
+    }
+
+    /// Pairs of faces that cut or touch each other outside their common edges and vertices, each
+    /// as its smaller and larger face, sorted; a face that cuts itself is paired with itself. Stops
+    /// at `limit` pairs. Empty for a surface that is the skin of a body.
+    ///
+    /// Exact for the surface as [`triangles`](Self::triangles) has it: no tolerance. In the order
+    /// of n log n steps for n triangles of which few overlap in their boxes.
+    pub fn self_intersections(&self, limit: usize) -> Vec<[usize; 2]> {
+        self.self_intersections_within(limit, u64::MAX)
+            .unwrap_or_default()
+    }
+
+    /// The same, or nothing if more than `budget` pairs of triangles would have to be compared.
+    pub(crate) fn self_intersections_within(
+        &self,
+        limit: usize,
+        mut budget: u64,
+    ) -> Option<Vec<[usize; 2]>> {
+        let mut triangles = Vec::with_capacity(self.corners.len());
+        let mut face_of = Vec::with_capacity(self.corners.len());
+        for (i, (face, normal)) in self.faces().zip(&self.normals).enumerate() {
+            triangulate(&self.vertices, face, normal, SHARP, &mut triangles);
+            face_of.resize(triangles.len(), i);
+        }
+        let corners = |t: &[u32; 3]| t.map(|v| self.vertices[v as usize]);
+        let boxes: Vec<Aabb> = triangles
+            .iter()
+            .map(|t| Aabb::of_points(corners(t)))
+            .collect();
+        let tree = Bvh::new(&boxes);
+        // The search prunes everything once it is over.
+        let over = Cell::new(limit == 0);
+        let mut found = BTreeSet::new();
+        tree.visit_pairs(
+            &tree,
+            |a, b| !over.get() && a.overlaps(b),
+            |i, j| {
+                let (i, j) = (i as usize, j as usize);
+                if i >= j || over.get() || !boxes[i].overlaps(&boxes[j]) {
+                    return;
+                }
+                if budget == 0 {
+                    over.set(true);
+                    return;
+                }
+                budget -= 1;
+                if intersect::meet(&self.vertices, triangles[i], triangles[j]) {
+                    found.insert([face_of[i], face_of[j]]);
+                    over.set(found.len() >= limit);
+                }
+            },
+        );
+        let finished = !over.get() || found.len() >= limit;
+        finished.then(|| found.into_iter().collect())
     }
 
     /// The body with all coordinates multiplied by `factor`.
@@ -307,7 +368,7 @@ pub(crate) fn check_coordinates(points: &[Point3]) -> Result<f64, MeshError> {
 }
 
 /// Lowest and highest corner of the box around points; both the origin if there are none.
-fn bounding_box(points: &[Point3]) -> (Point3, Point3) {
+pub(crate) fn bounding_box(points: &[Point3]) -> (Point3, Point3) {
     let first = points.first().copied().unwrap_or_default();
     points
         .iter()

@@ -2,7 +2,9 @@
 
 use super::topology::sides;
 use super::{CONVEXITY_TOLERANCE, PLANARITY_TOLERANCE};
+use crate::bvh::{Aabb, Bvh};
 use crate::{MeshError, Point3, Vector3};
+use std::cell::Cell;
 
 /// A face whose area is less than this part of its squared perimeter has no reliable normal.
 const AREA_TOLERANCE: f64 = 1e-12;
@@ -111,8 +113,35 @@ pub(super) fn is_convex(vertices: &[Point3], faces: &[&[u32]], planes: &[Plane])
                 .all(|&v| planes[i].distance(&vertices[v as usize]) <= allowed)
         })
     });
-    edges_convex
-        && planes
-            .iter()
-            .all(|plane| vertices.iter().all(|v| plane.distance(v) <= allowed))
+    if !edges_convex {
+        return false;
+    }
+    let points: Vec<Aabb> = vertices.iter().map(|&v| Aabb::of_points([v])).collect();
+    let tree = Bvh::new(&points);
+    let convex = Cell::new(true);
+    for plane in planes {
+        let offset = plane.normal.dot(&plane.point.coords);
+        tree.visit(
+            // Boxes are entered a little early, for rounding; the vertices themselves decide.
+            |b| convex.get() && reach(b, &plane.normal) - offset > 0.5 * allowed,
+            |v| {
+                if plane.distance(&vertices[v as usize]) > allowed {
+                    convex.set(false);
+                }
+            },
+        );
+    }
+    convex.get()
+}
+
+/// Largest `direction . x` of the points x of a box.
+fn reach(b: &Aabb, direction: &Vector3) -> f64 {
+    let far = |k: usize| {
+        if direction[k] > 0.0 {
+            b.high[k]
+        } else {
+            b.low[k]
+        }
+    };
+    (0..3).map(|k| direction[k] * far(k)).sum()
 }

@@ -19,7 +19,7 @@ struct Side {
 }
 
 /// There are enough vertices and faces, and not too many.
-pub(super) fn check_counts(vertex_count: usize, face_count: usize) -> Result<(), MeshError> {
+pub(crate) fn check_counts(vertex_count: usize, face_count: usize) -> Result<(), MeshError> {
     if vertex_count < 4 || face_count < 4 {
         return Err(MeshError::TooFew {
             vertices: vertex_count,
@@ -37,7 +37,7 @@ pub(super) fn check_counts(vertex_count: usize, face_count: usize) -> Result<(),
 }
 
 /// Checks the faces of a surface with `vertex_count` vertices.
-pub(super) fn check(vertex_count: usize, faces: &[Vec<u32>]) -> Result<(), MeshError> {
+pub(crate) fn check(vertex_count: usize, faces: &[Vec<u32>]) -> Result<(), MeshError> {
     check_loops(vertex_count, faces)?;
     let sides = sorted_sides(faces);
     check_single(&sides)?;

@@ -11,28 +11,41 @@ pub(super) fn fan(face: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
         .map(move |side| [first, side[0], side[1]])
 }
 
-/// Appends triangles that cover the face: its fan if the face is convex, else by ear clipping.
-pub(super) fn triangulate(
+/// Usual sharpness of triangles, twice the area by the sum of two squared sides, below which they
+/// are avoided: triangles whose vertices lie on a line have no normal.
+pub(crate) const SHARP: f64 = 1e-9;
+
+/// Appends triangles that cover the face: its fan if the face is convex and all triangles of the
+/// fan are `sharp` or more, else by ear clipping.
+pub(crate) fn triangulate(
     vertices: &[Point3],
     face: &[u32],
     normal: &Vector3,
+    sharp: f64,
     triangles: &mut Vec<[u32; 3]>,
 ) {
+    // The turn at b on the way from a to c, positive to the left seen from outside.
     let turn = |[a, b, c]: [u32; 3]| {
         let [a, b, c] = [a, b, c].map(|i| vertices[i as usize]);
         (b - a).cross(&(c - b)).dot(normal)
     };
-    if fan(face).all(|triangle| turn(triangle) >= 0.0) && is_convex(face, turn) {
+    let is_sharp = |[a, b, c]: [u32; 3]| {
+        let [p, q, r] = [a, b, c].map(|i| vertices[i as usize]);
+        turn([a, b, c]) > sharp * ((q - p).norm_squared() + (r - q).norm_squared())
+    };
+    if face.len() <= 3 || (fan(face).all(is_sharp) && is_convex(face, turn)) {
         triangles.extend(fan(face));
         return;
     }
     let mut remaining = face.to_vec();
+    // The search goes on where the last ear was: this keeps the number of trials low.
+    let mut at = 0;
     while remaining.len() > 3 {
         let n = remaining.len();
         let corner = |i: usize| {
             [
                 remaining[(i + n - 1) % n],
-                remaining[i],
+                remaining[i % n],
                 remaining[(i + 1) % n],
             ]
         };
@@ -44,9 +57,13 @@ pub(super) fn triangulate(
             turn([a, b, c]) > 0.0 && others.copied().all(|p| !inside(p))
         };
         // A simple polygon always has an ear; rounding or a loop that cuts itself may hide it.
-        let ear = (0..n).find(|&i| is_ear(i)).unwrap_or(0);
+        let ear = (at..at + n)
+            .find(|&i| is_sharp(corner(i)) && is_ear(i))
+            .or_else(|| (at..at + n).find(|&i| is_ear(i)))
+            .unwrap_or(at);
         triangles.push(corner(ear));
-        remaining.remove(ear);
+        at = ear % n;
+        remaining.remove(at);
     }
     triangles.extend(fan(&remaining));
 }

@@ -80,7 +80,7 @@ fn surfaces_that_are_no_body_are_named() {
     ));
     assert!(matches!(error_of("v 0 0 0\n"), MeshError::Empty { .. }));
     let open = TETRAHEDRON.replace("f -3 -2 -1\n", "v 1 1 1\nf 2 3 5\n");
-    assert!(matches!(error_of(&open), MeshError::OpenEdge { .. }));
+    assert!(matches!(error_of(&open), MeshError::OpenSurface { .. }));
     let beyond = TETRAHEDRON.replace("f -3", "f 5");
     assert!(matches!(
         error_of(&beyond),

@@ -128,16 +128,25 @@ fn a_hole_is_found() {
     let mut bytes = binary(&cube());
     bytes.truncate(bytes.len() - 50);
     bytes[80..84].copy_from_slice(&11_u32.to_le_bytes());
-    assert!(matches!(parse(&bytes), Err(MeshError::OpenEdge { .. })));
+    match parse(&bytes) {
+        Err(MeshError::OpenSurface { edges: 3, facets }) => assert_eq!(facets.count, 3),
+        other => panic!("{other:?}"),
+    }
 }
 
 #[test]
-fn triangles_without_area_from_welding_are_dropped() {
+fn triangles_without_area_are_named_and_dropped_on_request() {
     let text = ascii(&cube());
     let p = text.lines().find(|l| l.contains("vertex")).unwrap();
     let needle = format!("facet normal 0 0 0\nouter loop\n{p}\n{p}\n{p}\nendloop\nendfacet\n");
     let with_needle = text.replace("endsolid", &format!("{needle}endsolid"));
-    assert_eq!(parse(with_needle.as_bytes()).unwrap().face_count(), 6);
+    match parse(with_needle.as_bytes()) {
+        Err(MeshError::DegenerateFacets { facets }) => assert_eq!(facets.first, [12]),
+        other => panic!("{other:?}"),
+    }
+    let repaired = crate::io::parse(with_needle.as_bytes(), Format::Stl, &Options::REPAIR);
+    let (body, report) = repaired.unwrap();
+    assert_eq!((body.face_count(), report.facets_without_area), (6, 1));
 }
 
 #[test]
