@@ -477,4 +477,44 @@ pub enum MeshError {
         /// Greatest depth of a point behind all planes \[m\], zero or negative.
         radius: f64,
     },
+    /// A mesh has parts or holes that the body does not have, or lacks some.
+    #[error(
+        "the mesh has an Euler characteristic of {found}, the body of {expected}: parts of it are \
+         thinner than the edge length"
+    )]
+    WrongTopology {
+        /// Of the mesh's skin.
+        found: i64,
+        /// Of the body's surface.
+        expected: i64,
+    },
+    /// The volume of a mesh is too far from the body's.
+    #[error("the mesh's volume is off by {error:e} of the body's, allowed are {allowed:e}")]
+    VolumeError {
+        /// Mesh over body, less 1.
+        error: f64,
+        /// Largest magnitude allowed.
+        allowed: f64,
+    },
+    /// A mesh has tetrahedra of bad shape.
+    #[error("the mesh has a dihedral angle of {dihedral} rad, allowed are {allowed} rad and more")]
+    BadShape {
+        /// Smallest dihedral angle \[rad\].
+        dihedral: f64,
+        /// Smallest allowed \[rad\].
+        allowed: f64,
+    },
+    /// No mesh of a body could be made.
+    #[error(
+        "no mesh with edges from {asked:e} m down to {tried:e} m meets the options; at the last \
+         length: {problem}; ask for a shorter edge length, or relax the options"
+    )]
+    MeshingFailed {
+        /// Edge length asked for \[m\].
+        asked: f64,
+        /// Shortest tried \[m\].
+        tried: f64,
+        /// What was wrong with the last mesh.
+        problem: Box<MeshError>,
+    },
 }

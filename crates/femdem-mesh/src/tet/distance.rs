@@ -27,11 +27,33 @@ impl Triangles {
 
     /// The nearest triangle and the nearest point on it.
     pub(crate) fn nearest(&self, p: &Point3) -> Option<(usize, Point3)> {
-        let distance_squared =
-            |i: u32| (closest_point(&self.corners[i as usize], p) - p).norm_squared();
+        self.nearest_of(p, |_| true)
+    }
+
+    /// The nearest among the triangles that `wanted` chooses.
+    pub(crate) fn nearest_of(
+        &self,
+        p: &Point3,
+        wanted: impl Fn(usize) -> bool,
+    ) -> Option<(usize, Point3)> {
+        let distance_squared = |i: u32| {
+            if wanted(i as usize) {
+                (closest_point(&self.corners[i as usize], p) - p).norm_squared()
+            } else {
+                f64::INFINITY
+            }
+        };
         let (i, _) = self.tree.nearest(p, distance_squared)?;
         let i = i as usize;
         Some((i, closest_point(&self.corners[i], p)))
+    }
+
+    /// Calls `hit` for all triangles whose boxes a segment's box may touch.
+    pub(crate) fn along(&self, segment: [Point3; 2], mut hit: impl FnMut(&[Point3; 3])) {
+        self.tree.query(
+            &Aabb::of_points(segment),
+            |i| hit(&self.corners[i as usize]),
+        );
     }
 }
 

@@ -1,15 +1,23 @@
 //! Tetrahedral meshes of bodies, and how to make them.
 
+mod body;
 mod distance;
+mod draft;
 mod fan;
 mod interior;
+mod lattice;
 mod lp;
+mod mesher;
 mod quality;
+mod refine;
+mod snap;
+mod stuffing;
 mod topology;
 
 use crate::polyhedron::check_coordinates;
 use crate::{MassProperties, MeshError, Point3, Polyhedron};
 use distance::Triangles;
+pub use mesher::{MeshOptions, MeshReport, Method, mesh};
 pub use quality::Quality;
 use serde::{Deserialize, Serialize};
 
@@ -184,6 +192,16 @@ impl TetMesh {
     /// all tetrahedra around that edge, or at its centroid, whichever leaves the better shapes.
     pub fn with_interior_points(&self) -> Self {
         interior::with_interior_points(self)
+    }
+
+    /// The mesh with every tetrahedron cut into eight, at the middles of all edges.
+    ///
+    /// # Errors
+    ///
+    /// If there would be more points or tetrahedra than 32-bit indices can name, or if halving
+    /// lengths exhausts the digits of coordinates.
+    pub fn refined(&self) -> Result<Self, MeshError> {
+        refine::refined(self)
     }
 
     /// Whether every tetrahedron has a point that does not lie on the skin.

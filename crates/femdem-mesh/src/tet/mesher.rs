@@ -1,0 +1,304 @@
+//! The front door: a mesh of any closed surface.
+
+use super::body::Body;
+use super::distance::Triangles;
+use super::draft::Draft;
+use super::lattice::Lattice;
+use super::{EDGES, Quality, TetMesh, snap, stuffing};
+use crate::{MeshError, Point3, Polyhedron};
+
+/// Lattices of more nodes are refused.
+const MOST_NODES: f64 = 2e7;
+/// Meshes are not refined beyond this number of tetrahedra.
+const MOST_TETS: usize = 20_000_000;
+/// Where an edge length is asked for, fans of smaller dihedral angles \[rad\] than this (15 degrees)
+/// are taken only if stuffing fails.
+const GOOD_FAN: f64 = 0.26;
+/// Samples along an edge, for distances.
+const SAMPLES: usize = 4;
+
+/// What is asked of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshOptions {
+    /// Length of edges that is aimed at \[m\]. None leaves fans unrefined, and takes twice the
+    /// volume over the area of the surface for other bodies (half the width of a square bar).
+    pub edge_length: Option<f64>,
+    /// Smallest dihedral angle allowed \[rad\]: meshes with smaller ones are refused.
+    pub min_dihedral: f64,
+    /// Largest error of the volume allowed, relative to the body's.
+    pub max_volume_error: f64,
+    /// How often the length may be divided by the square root of 2 where a mesh with the length
+    /// asked for fails.
+    pub refinements: u32,
+}
+
+impl Default for MeshOptions {
+    /// No edge length; dihedral angles of at least 5 degrees, volume within 5 %, 4 refinements.
+    fn default() -> Self {
+        Self {
+            edge_length: None,
+            min_dihedral: 5_f64.to_radians(),
+            max_volume_error: 0.05,
+            refinements: 4,
+        }
+    }
+}
+
+/// How a mesh was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Tetrahedra about the centroid of a convex body, refined as often as needed.
+    CentroidFan,
+    /// Tetrahedra about the centre of a star-shaped body's kernel, refined as often as needed.
+    StarFan,
+    /// A lattice of tetrahedra fitted to the surface (isosurface stuffing).
+    Stuffing,
+}
+
+/// What came out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshReport {
+    /// How the mesh was made.
+    pub method: Method,
+    /// Number of points.
+    pub points: usize,
+    /// Number of tetrahedra.
+    pub tets: usize,
+    /// Longest edge \[m\].
+    pub longest_edge: f64,
+    /// The length the lattice was made with \[m\]: less than asked for if the body needed it; none
+    /// for fans.
+    pub lattice_length: Option<f64>,
+    /// Shapes of the tetrahedra.
+    pub quality: Quality,
+    /// Volume of the mesh less that of the body, relative to the latter.
+    pub volume_error: f64,
+    /// Largest distance between the skin and the surface, either way, by samples \[m\].
+    pub distance: f64,
+    /// Largest distance of the surface's sharp edges to the skin, by samples \[m\].
+    pub edge_distance: f64,
+}
+
+/// Makes a tetrahedral mesh of a body: a centroid fan if it is convex, else a star fan if it is
+/// star-shaped, else by isosurface stuffing with corners and sharp edges (more than 34 degrees
+/// between normals) recovered. Stuffing also serves where a fan does not meet the options, or has
+/// an edge length to keep and dihedral angles below 15 degrees. Every tetrahedron has a point
+/// inside the body. The same input gives the same bits.
+///
+/// The skin of fans is the surface, exactly. That of a stuffed lattice approaches it: see
+/// [`MeshReport`]. It always is one valid surface with as many holes as the body's.
+///
+/// # Errors
+///
+/// If options are out of range, the lattice would be too large, or no mesh meets the options within
+/// the refinements allowed: the error names what failed at the finest length tried.
+pub fn mesh(body: &Polyhedron, options: &MeshOptions) -> Result<(TetMesh, MeshReport), MeshError> {
+    check(options)?;
+    let fan = fan(body, options);
+    let good_enough = |(_, report): &(TetMesh, MeshReport)| {
+        options.edge_length.is_none() || report.quality.min_dihedral > GOOD_FAN
+    };
+    let fan = match fan {
+        Some(fan) if good_enough(&fan) => return Ok(fan),
+        other => other,
+    };
+    let mass = body.mass_properties();
+    let first = options
+        .edge_length
+        .unwrap_or(2.0 * mass.volume / body.area());
+    let prepared = Body::new(body);
+    let mut length = first;
+    let mut result = stuffed(body, &prepared, length, options);
+    for _ in 0..options.refinements {
+        if result.is_ok() {
+            break;
+        }
+        length *= std::f64::consts::FRAC_1_SQRT_2;
+        result = stuffed(body, &prepared, length, options);
+    }
+    result
+        .or_else(|problem| fan.ok_or(problem))
+        .map_err(|problem| match problem {
+            MeshError::OutOfRange { .. } => problem,
+            problem => MeshError::MeshingFailed {
+                asked: first,
+                tried: length,
+                problem: Box::new(problem),
+            },
+        })
+}
+
+/// A centroid fan of a convex body or a star fan of a star-shaped one, if it meets the options.
+fn fan(body: &Polyhedron, options: &MeshOptions) -> Option<(TetMesh, MeshReport)> {
+    let (method, mesh) = if body.is_convex() {
+        (Method::CentroidFan, TetMesh::centroid_fan(body))
+    } else {
+        (Method::StarFan, TetMesh::star_fan(body))
+    };
+    let refined = mesh.and_then(|mesh| refine_to(mesh, options.edge_length));
+    refined
+        .and_then(|mesh| accept(mesh, body, method, None, options))
+        .ok()
+}
+
+fn check(options: &MeshOptions) -> Result<(), MeshError> {
+    let refuse = |what, value, allowed| {
+        Err(MeshError::OutOfRange {
+            what,
+            value,
+            allowed,
+        })
+    };
+    if let Some(length) = options.edge_length
+        && !(length > 0.0 && length.is_finite())
+    {
+        return refuse(
+            "the edge length",
+            length,
+            "a positive, finite number of metres",
+        );
+    }
+    // The regular tetrahedron's 70.5 degrees cannot be had throughout, nor 45 by a lattice.
+    if !(0.0..0.7).contains(&options.min_dihedral) {
+        return refuse(
+            "the smallest dihedral angle",
+            options.min_dihedral,
+            "0 to 0.7 rad",
+        );
+    }
+    if !(0.0..=1.0).contains(&options.max_volume_error) {
+        return refuse(
+            "the largest volume error",
+            options.max_volume_error,
+            "0 to 1",
+        );
+    }
+    Ok(())
+}
+
+/// Refines until no edge is longer than twice the root of 1/2 of the length: on average edges then
+/// have about that length.
+fn refine_to(mut mesh: TetMesh, length: Option<f64>) -> Result<TetMesh, MeshError> {
+    let Some(length) = length else {
+        return Ok(mesh);
+    };
+    while longest_edge(&mesh) > std::f64::consts::SQRT_2 * length {
+        if mesh.tets.len() > MOST_TETS / 8 {
+            return Err(too_fine(length));
+        }
+        mesh = mesh.refined()?;
+    }
+    Ok(mesh)
+}
+
+fn too_fine(length: f64) -> MeshError {
+    MeshError::OutOfRange {
+        what: "the edge length",
+        value: length,
+        allowed: "a length that gives at most 2e7 lattice nodes or tetrahedra",
+    }
+}
+
+fn longest_edge(mesh: &TetMesh) -> f64 {
+    let length = |tet: &[u32; 4], [i, j]: [usize; 2]| {
+        let corners = mesh.corners(*tet);
+        (corners[i] - corners[j]).norm()
+    };
+    let lengths = mesh
+        .tets
+        .iter()
+        .flat_map(|tet| EDGES.map(|edge| length(tet, edge)));
+    lengths.fold(0.0, f64::max)
+}
+
+fn stuffed(
+    polyhedron: &Polyhedron,
+    body: &Body,
+    length: f64,
+    options: &MeshOptions,
+) -> Result<(TetMesh, MeshReport), MeshError> {
+    if Lattice::estimate(polyhedron, length) > MOST_NODES {
+        return Err(too_fine(length));
+    }
+    let lattice = Lattice::around(polyhedron, length);
+    let stuffed = stuffing::stuff(body, &lattice, length);
+    if stuffed.tets.is_empty() {
+        return Err(MeshError::NoTetrahedra);
+    }
+    let mut draft = Draft::new(body, stuffed, length)?;
+    snap::snap(&mut draft, body, length)?;
+    let mesh = draft.finish()?;
+    accept(mesh, polyhedron, Method::Stuffing, Some(length), options)
+}
+
+/// Measures a mesh and refuses it if it is not what was asked for.
+fn accept(
+    mesh: TetMesh,
+    body: &Polyhedron,
+    method: Method,
+    lattice_length: Option<f64>,
+    options: &MeshOptions,
+) -> Result<(TetMesh, MeshReport), MeshError> {
+    let mesh = mesh.with_interior_points();
+    let skin = mesh.surface()?;
+    let (found, expected) = (skin.euler_characteristic(), body.euler_characteristic());
+    if found != expected {
+        return Err(MeshError::WrongTopology { found, expected });
+    }
+    let report = measure(&mesh, body, method, lattice_length);
+    if report.volume_error.abs() > options.max_volume_error {
+        return Err(MeshError::VolumeError {
+            error: report.volume_error,
+            allowed: options.max_volume_error,
+        });
+    }
+    if report.quality.min_dihedral < options.min_dihedral {
+        return Err(MeshError::BadShape {
+            dihedral: report.quality.min_dihedral,
+            allowed: options.min_dihedral,
+        });
+    }
+    Ok((mesh, report))
+}
+
+fn measure(
+    mesh: &TetMesh,
+    body: &Polyhedron,
+    method: Method,
+    lattice_length: Option<f64>,
+) -> MeshReport {
+    let volume = body.mass_properties().volume;
+    let vertices = body.vertices();
+    let surface = Body::new(body);
+    let skin_triangles = mesh.skin.iter().map(|t| t.map(|i| mesh.points[i as usize]));
+    let skin = Triangles::new(skin_triangles);
+    let outward = skin
+        .corners
+        .iter()
+        .flat_map(samples)
+        .map(|p| surface.triangles.distance(&p));
+    let inward = vertices.iter().map(|p| skin.distance(p));
+    let edge_distance = surface
+        .sharp_edges()
+        .flat_map(|[a, b]| (0..=SAMPLES).map(move |i| a + (b - a) * (i as f64 / SAMPLES as f64)))
+        .map(|p| skin.distance(&p))
+        .fold(0.0, f64::max);
+    MeshReport {
+        method,
+        points: mesh.points.len(),
+        tets: mesh.tets.len(),
+        longest_edge: longest_edge(mesh),
+        lattice_length,
+        quality: mesh.quality(),
+        volume_error: mesh.volume() / volume - 1.0,
+        distance: outward.chain(inward).fold(edge_distance, f64::max),
+        edge_distance,
+    }
+}
+
+/// Corners, middles of edges and the centroid of a triangle.
+fn samples(&[a, b, c]: &[Point3; 3]) -> [Point3; 7] {
+    let middle = |p: Point3, q: Point3| nalgebra::center(&p, &q);
+    let centroid = Point3::from((a.coords + b.coords + c.coords) / 3.0);
+    [a, b, c, middle(a, b), middle(b, c), middle(c, a), centroid]
+}

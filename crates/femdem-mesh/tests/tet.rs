@@ -1,0 +1,209 @@
+//! Tetrahedral meshes of closed surfaces: shapes, volumes, distances, and what is refused.
+
+#![expect(clippy::expect_used, reason = "helpers of tests")]
+
+use femdem_mesh::nalgebra::Translation3;
+use femdem_mesh::tet::{MeshOptions, Method, mesh};
+use femdem_mesh::{Point3, Polyhedron, Pose, Rotation, Vector3};
+use std::f64::consts::TAU;
+
+/// The union of unit cubes at integer places, scaled by `size` along each axis.
+fn cubes(places: &[[i32; 3]], size: f64) -> Polyhedron {
+    let mut vertices: Vec<[i32; 3]> = Vec::new();
+    let mut faces = Vec::new();
+    for place in places {
+        for axis in 0..3 {
+            for side in [0, 1] {
+                let mut beside = *place;
+                beside[axis] += 2 * side - 1;
+                if places.contains(&beside) {
+                    continue;
+                }
+                let mut loop_ = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[u, v]| {
+                    let mut corner = *place;
+                    corner[axis] += side;
+                    corner[(axis + 1) % 3] += u;
+                    corner[(axis + 2) % 3] += v;
+                    corner
+                });
+                if side == 0 {
+                    loop_.reverse();
+                }
+                let face = loop_.map(|corner| {
+                    let known = vertices.iter().position(|v| *v == corner);
+                    known.unwrap_or_else(|| {
+                        vertices.push(corner);
+                        vertices.len() - 1
+                    }) as u32
+                });
+                faces.push(face.to_vec());
+            }
+        }
+    }
+    let vertices = vertices
+        .iter()
+        .map(|v| Point3::from(v.map(f64::from)) * size)
+        .collect();
+    Polyhedron::new(vertices, faces).expect("a valid surface")
+}
+
+/// A closed grid of quads, `m` by `n` and periodic both ways, as triangles.
+fn wrapped(m: u32, n: u32, point: impl Fn(f64, f64) -> Point3) -> Polyhedron {
+    let vertices = (0..m * n)
+        .map(|k| point(TAU * f64::from(k / n) / f64::from(m), f64::from(k % n)))
+        .collect();
+    let id = |i: u32, j: u32| i % m * n + j % n;
+    let mut faces = Vec::new();
+    for i in 0..m {
+        for j in 0..n {
+            let [a, b, c, d] = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
+            faces.extend([vec![a, b, c], vec![a, c, d]]);
+        }
+    }
+    Polyhedron::new(vertices, faces).expect("a valid surface")
+}
+
+fn torus(m: u32, n: u32, radius: f64, tube: f64) -> Polyhedron {
+    wrapped(m, n, |u, j| {
+        let v = TAU * j / f64::from(n);
+        let r = radius + tube * v.cos();
+        Point3::new(r * u.cos(), r * u.sin(), tube * v.sin())
+    })
+}
+
+fn hollow_cylinder(m: u32, outer: f64, inner: f64, height: f64) -> Polyhedron {
+    wrapped(m, 4, |u, j| {
+        let [r, z] = [[outer, 0.0], [outer, height], [inner, height], [inner, 0.0]][j as usize];
+        Point3::new(r * u.cos(), r * u.sin(), z)
+    })
+}
+
+/// Two crossed bars joined by a third: the skeleton of a dolos. Not star-shaped.
+fn block_dolos() -> Polyhedron {
+    let mut places: Vec<[i32; 3]> = (0..5).map(|i| [0, 0, i]).collect();
+    places.extend([[-2, 0, 0], [-1, 0, 0], [1, 0, 0], [2, 0, 0]]);
+    places.extend([[0, -2, 4], [0, -1, 4], [0, 1, 4], [0, 2, 4]]);
+    cubes(&places, 0.1)
+}
+
+fn l_block() -> Polyhedron {
+    cubes(
+        &[[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [0, 2, 0]],
+        0.1,
+    )
+}
+
+fn u_block() -> Polyhedron {
+    let mut places = Vec::new();
+    for i in 0..3 {
+        places.extend([[i, 0, 0], [0, i + 1, 0], [2, i + 1, 0]]);
+    }
+    cubes(&places, 0.1)
+}
+
+fn turned(body: &Polyhedron, i: u32) -> Polyhedron {
+    let [a, b, c] = [0.37, 1.13, 2.09].map(|x| x * f64::from(i));
+    body.transformed(&Pose::from_parts(
+        Translation3::from(Vector3::new(0.1, -0.2, 0.3) * f64::from(i)),
+        Rotation::from_euler_angles(a, b, c),
+    ))
+}
+
+struct Case {
+    name: &'static str,
+    body: Polyhedron,
+    length: f64,
+    /// Allowed errors: of the volume, and distances as parts of the length.
+    volume: f64,
+    distance: f64,
+    edge_distance: f64,
+    /// Least dihedral angle in degrees.
+    dihedral: f64,
+}
+
+fn cases() -> Vec<Case> {
+    let case = |name, body, length, [volume, distance, edge_distance, dihedral]: [f64; 4]| Case {
+        name,
+        body,
+        length,
+        volume,
+        distance,
+        edge_distance,
+        dihedral,
+    };
+    // Blocks whose edges are whole numbers of cells are met exactly, the others but for corners.
+    vec![
+        case("L", l_block(), 0.05, [1e-12, 1e-9, 1e-9, 44.9]),
+        case("U", u_block(), 0.05, [1e-12, 1e-9, 1e-9, 44.9]),
+        case("U, uneven", u_block(), 0.03, [1e-12, 1e-9, 1e-9, 12.0]),
+        case(
+            "dolos of blocks",
+            block_dolos(),
+            0.05,
+            [1e-12, 1e-9, 1e-9, 44.9],
+        ),
+        // Curved edges are cut short by chords.
+        case(
+            "hollow cylinder",
+            hollow_cylinder(32, 0.1, 0.05, 0.2),
+            0.025,
+            [2e-3, 0.08, 0.05, 15.0],
+        ),
+        case(
+            "torus",
+            torus(32, 16, 0.1, 0.04),
+            0.02,
+            [0.03, 0.16, 0.0, 15.0],
+        ),
+        case(
+            "fine torus",
+            torus(32, 16, 0.1, 0.04),
+            0.01,
+            [7e-3, 0.16, 0.0, 15.0],
+        ),
+    ]
+}
+
+#[test]
+fn general_bodies_in_any_orientation() {
+    for case in cases() {
+        for i in 0..4 {
+            let body = turned(&case.body, i);
+            let options = MeshOptions {
+                edge_length: Some(case.length),
+                ..MeshOptions::default()
+            };
+            let (mesh, report) = mesh(&body, &options).unwrap();
+            let context = format!("{} turned {i}: {report:?}", case.name);
+            assert!(mesh.every_tet_has_interior_point(), "{context}");
+            let skin = mesh.surface().unwrap();
+            assert_eq!(
+                skin.euler_characteristic(),
+                body.euler_characteristic(),
+                "{context}"
+            );
+            assert_eq!(report.method, Method::Stuffing, "{context}");
+            assert_eq!(report.lattice_length, Some(case.length), "{context}");
+            assert!(report.volume_error.abs() <= case.volume, "{context}");
+            assert!(report.distance <= case.distance * case.length, "{context}");
+            assert!(
+                report.edge_distance <= case.edge_distance * case.length,
+                "{context}"
+            );
+            let dihedral = report.quality.min_dihedral.to_degrees();
+            assert!(dihedral > case.dihedral, "{context}");
+            assert!(
+                report.quality.max_dihedral.to_degrees() < 160.0,
+                "{context}"
+            );
+            assert!(report.quality.min_radius_ratio > 0.3, "{context}");
+            assert!(
+                report.quality.smallest_height > 0.08 * case.length,
+                "{context}"
+            );
+            // An independent volume: that of the skin as a surface.
+            let relative = skin.mass_properties().volume / body.mass_properties().volume - 1.0;
+            assert!((relative - report.volume_error).abs() < 1e-12, "{context}");
+        }
+    }
+}
