@@ -1,8 +1,14 @@
 //! The general kernel.
 
-use super::cache::GeneralCache;
+use super::assemble::{Energy, assemble};
+use super::cache::{GeneralCache, Placed};
+use super::cells::Cells;
 use super::mesh::FieldMesh;
-use super::patch::Patch;
+use super::patch::{Patch, connect};
+use super::piece::Piece;
+use super::pieces::{Law, Record, integrate, intersect};
+use super::posed::Posed;
+use super::sums::Sums;
 use super::wall::SolidWall;
 use crate::error::{ContactError, check};
 use crate::shape::Frame;
@@ -23,8 +29,18 @@ pub enum Form {
 /// Buffers that the general kernel reuses from call to call.
 #[derive(Debug, Default)]
 pub struct GeneralScratch {
-    pub(crate) patches: Vec<Patch>,
+    patches: Vec<Patch>,
+    in_a: Vec<Posed>,
+    in_b: Vec<Posed>,
+    piece: Piece,
+    pieces: Vec<Record>,
+    root: Vec<u32>,
+    sums: Vec<([u32; 2], Sums)>,
 }
+
+/// Least overlap volume of the shaped form over the cube of the field's length: below it the
+/// quotient of its energy means nothing.
+const LEAST_VOLUME: f64 = 1e-12;
 
 /// The penalty law of meshed bodies of any shape.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -90,9 +106,15 @@ impl GeneralKernel {
         motion: f64,
         scratch: &'s mut GeneralScratch,
     ) -> &'s [Patch] {
-        let _ = (a, frame_a, b, frame_b, cache, motion);
-        scratch.patches.clear();
-        &scratch.patches
+        let pair = Pair {
+            a: &a.cells,
+            b: &b.cells,
+            lengths: [a.inradius(), b.inradius()],
+            connected: a.is_convex() && b.is_convex(),
+            factor: 1.0,
+            form: self.form,
+        };
+        self.run(&pair, frame_a, frame_b, cache, motion, scratch)
     }
 
     /// The contact of a wall (A) with a body (B): U = 2 p int phi_B dV over the part of B in the
@@ -125,8 +147,137 @@ impl GeneralKernel {
         motion: f64,
         scratch: &'s mut GeneralScratch,
     ) -> &'s [Patch] {
-        let _ = (wall, frame_wall, body, frame_body, cache, motion);
+        let pair = Pair {
+            a: &wall.cells,
+            b: &body.cells,
+            lengths: [0.0, body.inradius()],
+            connected: false,
+            factor: if self.form == Form::Min { 1.0 } else { 2.0 },
+            // Against a wall, which has no field, the lower field is the body's.
+            form: if self.form == Form::Shaped {
+                Form::Shaped
+            } else {
+                Form::Sum
+            },
+        };
+        self.run(&pair, frame_wall, frame_body, cache, motion, scratch)
+    }
+
+    fn run<'s>(
+        &self,
+        pair: &Pair,
+        frame_a: &Frame,
+        frame_b: &Frame,
+        cache: &mut GeneralCache,
+        motion: f64,
+        scratch: &'s mut GeneralScratch,
+    ) -> &'s [Patch] {
         scratch.patches.clear();
+        if cache.is_clear(motion) {
+            return &scratch.patches;
+        }
+        let between = frame_b.position - frame_a.position;
+        let placed = Placed {
+            a: pair.a,
+            b: pair.b,
+            rotation: frame_a.rotation.tr_mul(&frame_b.rotation),
+            offset: frame_a.rotation.tr_mul(&between),
+            scale: pair.lengths[0].max(pair.lengths[1]),
+        };
+        let Some(near) = cache.candidates(&placed, motion) else {
+            return &scratch.patches;
+        };
+        placed.pose(near, &mut scratch.in_a, &mut scratch.in_b);
+        let law = pair.law();
+        scratch.pieces.clear();
+        for &[i, j] in &near.pairs {
+            let (Some(a), Some(b)) = (scratch.in_a.get(i as usize), scratch.in_b.get(j as usize))
+            else {
+                continue;
+            };
+            if intersect(a, b, &mut scratch.piece)
+                && let Some((faces, sums)) = integrate(a, b, &law, &mut scratch.piece)
+            {
+                scratch.pieces.push(Record {
+                    pair: [near.in_a[i as usize], near.in_b[j as usize]],
+                    faces,
+                    sums,
+                });
+            }
+        }
+        scratch.gather(pair);
+        if let Some(energy) = self.energy(pair, scratch) {
+            for (key, sums) in &scratch.sums {
+                let overlap = assemble(sums, &energy, &near.centre, &frame_a.rotation, &between);
+                scratch
+                    .patches
+                    .extend(overlap.map(|overlap| Patch { overlap, key: *key }));
+            }
+        }
         &scratch.patches
+    }
+
+    /// How the sums of this pair turn into energy and force.
+    fn energy(&self, pair: &Pair, scratch: &GeneralScratch) -> Option<Energy> {
+        if self.form != Form::Shaped {
+            return Some(Energy::linear(self.penalty * pair.factor));
+        }
+        let mut total = Sums::default();
+        for (_, sums) in &scratch.sums {
+            total += sums;
+        }
+        let shorter = pair.lengths.into_iter().filter(|h| *h > 0.0);
+        let length = shorter.fold(f64::INFINITY, f64::min);
+        (total.volume > LEAST_VOLUME * length.powi(3) && total.energy > 0.0)
+            .then(|| Energy::shaped(self.penalty, pair.factor, &total))
+    }
+}
+
+/// Two solids and how their fields count.
+struct Pair<'a> {
+    a: &'a Cells,
+    b: &'a Cells,
+    lengths: [f64; 2],
+    /// The overlap is one patch.
+    connected: bool,
+    factor: f64,
+    form: Form,
+}
+
+impl Pair<'_> {
+    fn law(&self) -> Law {
+        Law {
+            form: self.form,
+            lengths: if self.form == Form::Shaped {
+                self.lengths
+            } else {
+                [1.0; 2]
+            },
+        }
+    }
+}
+
+impl GeneralScratch {
+    /// Sums over the pieces of each patch, in the order of the patches' first pairs.
+    fn gather(&mut self, pair: &Pair) {
+        self.sums.clear();
+        if pair.connected {
+            if let Some(first) = self.pieces.first() {
+                let mut total = Sums::default();
+                for piece in &self.pieces {
+                    total += &piece.sums;
+                }
+                self.sums.push((first.pair, total));
+            }
+            return;
+        }
+        connect(&self.pieces, pair.a, pair.b, &mut self.root);
+        for (n, piece) in self.pieces.iter().enumerate() {
+            let first = self.pieces[self.root[n] as usize].pair;
+            match self.sums.binary_search_by_key(&first, |s| s.0) {
+                Ok(place) => self.sums[place].1 += &piece.sums,
+                Err(place) => self.sums.insert(place, (first, piece.sums)),
+            }
+        }
     }
 }

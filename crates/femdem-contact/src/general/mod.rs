@@ -1,10 +1,15 @@
 //! The general pair kernel: bodies of any shape, as tetrahedral meshes with a nodal field.
 
+mod assemble;
 mod cache;
 mod cells;
 mod kernel;
 mod mesh;
 mod patch;
+mod piece;
+mod pieces;
+mod posed;
+mod sums;
 mod wall;
 
 pub use cache::GeneralCache;

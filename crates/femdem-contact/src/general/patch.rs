@@ -1,5 +1,7 @@
 //! Connected parts of an overlap.
 
+use super::cells::{Cells, NONE};
+use super::pieces::Record;
 use crate::kernel::Overlap;
 
 /// One connected part of the overlap of two bodies (or of a wall A and a body B).
@@ -9,4 +11,52 @@ pub struct Patch {
     pub overlap: Overlap,
     /// The first pair of tetrahedra (of A, of B) in it. Patches come in the order of their keys.
     pub key: [u32; 2],
+}
+
+/// Finds for every piece the first one of its patch. Pieces come in the order of their pairs.
+///
+/// Pieces are joined across the faces of tetrahedra that bound both.
+pub(crate) fn connect(pieces: &[Record], a: &Cells, b: &Cells, root: &mut Vec<u32>) {
+    root.clear();
+    root.extend(0..pieces.len() as u32);
+    let place = |pair: &[u32; 2]| pieces.binary_search_by_key(pair, |r| r.pair).ok();
+    for (n, piece) in pieces.iter().enumerate() {
+        let [i, j] = piece.pair;
+        for k in 0..4 {
+            let beside_i = across(a, i, k, piece.faces);
+            let beside_j = across(b, j, k, piece.faces >> 4);
+            if let Some(other) = beside_i.and_then(|i| place(&[i, j])) {
+                join(root, n, other);
+            }
+            if let Some(other) = beside_j.and_then(|j| place(&[i, j])) {
+                join(root, n, other);
+            }
+        }
+    }
+    for n in 0..root.len() {
+        root[n] = find(root, n) as u32;
+    }
+}
+
+/// The tetrahedron across face k, if that face bounds the piece.
+fn across(cells: &Cells, i: u32, k: usize, faces: u8) -> Option<u32> {
+    let cell = cells.list.get(i as usize)?;
+    let next = cell.neighbours[k];
+    (faces >> k & 1 == 1 && next != NONE).then_some(next)
+}
+
+fn find(root: &[u32], mut n: usize) -> usize {
+    while root[n] as usize != n {
+        n = root[n] as usize;
+    }
+    n
+}
+
+/// Makes the lower root that of both.
+fn join(root: &mut [u32], n: usize, m: usize) {
+    let (x, y) = (find(root, n), find(root, m));
+    root[x.max(y)] = x.min(y) as u32;
+    let low = x.min(y) as u32;
+    root[n] = low;
+    root[m] = low;
 }

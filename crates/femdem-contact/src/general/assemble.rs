@@ -1,0 +1,112 @@
+//! From the sums of a patch to its contact.
+
+use super::sums::Sums;
+use crate::kernel::{MEAN_OVER_RMS, Overlap};
+use femdem_mesh::{Matrix3, Vector3};
+
+/// The energy as a function of I = int of the fields and the overlap volume V: U(I, V), by its
+/// value and derivatives at a pair's totals.
+pub(crate) struct Energy {
+    /// dU/dI and dU/dV.
+    by_integral: f64,
+    by_volume: f64,
+    /// U of a patch per its part of I.
+    share: f64,
+    curvature: Option<Curvature>,
+}
+
+/// Second derivatives, and the totals' gradients that they multiply.
+struct Curvature {
+    integral2: f64,
+    mixed: f64,
+    volume2: f64,
+    force: Vector3,
+    area: Vector3,
+}
+
+impl Energy {
+    /// U = p I.
+    pub fn linear(penalty: f64) -> Self {
+        Self {
+            by_integral: penalty,
+            by_volume: 0.0,
+            share: penalty,
+            curvature: None,
+        }
+    }
+
+    /// U = E (factor I)^1.5 / V, with I the integral of h phi over the whole overlap.
+    pub fn shaped(modulus: f64, factor: f64, total: &Sums) -> Self {
+        let (i, v) = (total.energy, total.volume);
+        let u = modulus * (factor * i).powf(1.5) / v;
+        Self {
+            by_integral: 1.5 * u / i,
+            by_volume: -u / v,
+            share: u / i,
+            curvature: Some(Curvature {
+                integral2: 0.75 * u / (i * i),
+                mixed: -1.5 * u / (i * v),
+                volume2: 2.0 * u / (v * v),
+                force: total.force,
+                area: total.area * 0.5,
+            }),
+        }
+    }
+
+    /// What the curvature of U(I, V) adds to the stiffness of the pair.
+    fn stiffness(&self) -> f64 {
+        self.curvature.as_ref().map_or(0.0, |c| {
+            c.integral2 * c.force.norm_squared()
+                + 2.0 * c.mixed * c.force.dot(&c.area)
+                + c.volume2 * c.area.norm_squared()
+        })
+    }
+}
+
+/// The contact of a patch in world axes; `None` if nothing presses. The sums are in A's axes about
+/// `origin`, and `between` goes from A's origin to B's.
+pub(crate) fn assemble(
+    sums: &Sums,
+    energy: &Energy,
+    origin: &Vector3,
+    to_world: &Matrix3,
+    between: &Vector3,
+) -> Option<Overlap> {
+    let (di, dv) = (energy.by_integral, energy.by_volume);
+    // Both skins' vector areas are equal but for sign and round-off.
+    let area = sums.area * 0.5;
+    let force = sums.force * di + area * dv;
+    let torque = sums.torque * di + sums.area_torque * (0.5 * dv);
+    let magnitude = force.norm();
+    let pressed = sums.pressure > 0.0 && magnitude > 0.0 && magnitude.is_finite();
+    if !pressed {
+        return None;
+    }
+    let normal = force / magnitude;
+    let centre = sums.pressure_moment / sums.pressure;
+    let spread = sums.pressure_second / sums.pressure - centre.norm_squared();
+    let arm_a = to_world * (origin + centre);
+    let curved = energy.stiffness();
+    let stiffness = (di * sums.stiffness + curved).max(0.0);
+    let (centre_k, second_k) = if sums.stiffness > 0.0 {
+        (
+            sums.stiffness_moment / sums.stiffness,
+            sums.stiffness_second / sums.stiffness,
+        )
+    } else {
+        (centre, centre.norm_squared())
+    };
+    Some(Overlap {
+        force: to_world * force,
+        moment: to_world * (torque - centre.cross(&force)),
+        arm_a,
+        arm_b: arm_a - between,
+        normal: to_world * normal,
+        energy: (energy.share * sums.energy).max(0.0),
+        volume: sums.volume,
+        area: normal.dot(&area).max(0.0),
+        stiffness,
+        stiffness_second: (stiffness * (second_k - centre_k.norm_squared())).max(0.0),
+        torsion_radius: MEAN_OVER_RMS * spread.max(0.0).sqrt(),
+    })
+}

@@ -1,0 +1,145 @@
+//! What one piece, the common part of a tetrahedron of A and one of B, gives.
+
+use super::kernel::Form;
+use super::piece::{Cut, Moments, Piece, SURFACE};
+use super::posed::Posed;
+use super::sums::{Face, Sums};
+use femdem_mesh::Vector3;
+
+/// Labels of the faces: 0 to 3 of A's tetrahedron, 4 to 7 of B's.
+const LABEL: [u8; 2] = [0, 4];
+
+/// Fields whose gradients differ by less than this part have no contact surface.
+const SAME_FIELD: f64 = 1e-6;
+
+/// A piece's sums, its tetrahedra, and which of their faces bound it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Record {
+    pub pair: [u32; 2],
+    pub faces: u8,
+    pub sums: Sums,
+}
+
+/// Field lengths h of A and B that the shaped form weighs fields by; 1 otherwise.
+pub(crate) struct Law {
+    pub form: Form,
+    pub lengths: [f64; 2],
+}
+
+/// Cuts the tetrahedra's common part into `piece`; false if there is none.
+pub(crate) fn intersect(a: &Posed, b: &Posed, piece: &mut Piece) -> bool {
+    if !a.is_near(b, 0.0) {
+        return false;
+    }
+    let (Some(of_a), Some(of_b)) = (a.faces_across(b, 0.0), b.faces_across(a, 0.0)) else {
+        return false;
+    };
+    // The smaller one is cut, so that round-off goes with the smaller one's size.
+    let (small, large, faces, labels) = if a.size() < b.size() {
+        (a, b, of_b, LABEL)
+    } else {
+        (b, a, of_a, [LABEL[1], LABEL[0]])
+    };
+    piece.load(&small.corners, labels[0]);
+    (0..4)
+        .filter(|k| faces >> k & 1 == 1)
+        .all(|k| piece.cut(labels[1] + k as u8, |x| large.depth(k, x)) != Cut::Empty)
+}
+
+/// The sums of the piece in the buffer, and the bits of its faces; `None` if it has no volume.
+pub(crate) fn integrate(a: &Posed, b: &Posed, law: &Law, piece: &mut Piece) -> Option<(u8, Sums)> {
+    let whole = piece.moments();
+    if whole.volume.is_nan() || whole.volume <= 0.0 {
+        return None;
+    }
+    let mut sums = Sums {
+        volume: whole.volume,
+        ..Sums::default()
+    };
+    let mut faces = 0;
+    let skins = a.skin | b.skin << 4;
+    piece.for_faces(|label, polygon| {
+        faces |= 1 << label;
+        if skins >> label & 1 == 1 {
+            add_skin(a, b, law, label, polygon, &mut sums);
+        }
+    });
+    match law.form {
+        Form::Min => add_series(a, b, &whole, piece, &mut sums),
+        Form::Sum | Form::Shaped => {
+            let [ha, hb] = law.lengths;
+            let gradient = b.gradient * hb - a.gradient * ha;
+            sums.force = gradient * whole.volume;
+            sums.torque = whole.first.cross(&gradient);
+            sums.energy = ha * integral(a, &whole) + hb * integral(b, &whole);
+        }
+    }
+    Some((faces, sums))
+}
+
+/// Integral of a tetrahedron's field over a part with the given moments.
+fn integral(tet: &Posed, part: &Moments) -> f64 {
+    tet.level * part.volume + tet.gradient.dot(&part.first)
+}
+
+/// Adds a polygon of A's skin in B or of B's skin in A. In the form Min only the contact surface
+/// carries pressure; the skins still give the vector area.
+fn add_skin(a: &Posed, b: &Posed, law: &Law, label: u8, polygon: &[Vector3], sums: &mut Sums) {
+    let own = label < LABEL[1];
+    let (skin, field, side, length) = if own {
+        (a, b, 1.0, law.lengths[1])
+    } else {
+        (b, a, -1.0, law.lengths[0])
+    };
+    let normal = skin.normals[usize::from(label % 4)];
+    let presses = if law.form == Form::Min { 0.0 } else { length };
+    sums.add_face(&Face {
+        polygon,
+        normal,
+        gradient: field.gradient * presses,
+        level: field.level * presses,
+        weight: presses * normal.dot(&field.gradient).max(0.0),
+        side,
+    });
+}
+
+/// U = int min(phi_A, phi_B): the part where A's field is the smaller one, and the rest.
+fn add_series(a: &Posed, b: &Posed, whole: &Moments, piece: &mut Piece, sums: &mut Sums) {
+    let slope = b.gradient - a.gradient;
+    let level = b.level - a.level;
+    let cut = piece.cut(SURFACE, |x| level + slope.dot(x));
+    let in_a = match cut {
+        Cut::Whole => *whole,
+        Cut::Part => piece.moments(),
+        Cut::Empty => Moments::default(),
+    };
+    let in_b = Moments {
+        volume: whole.volume - in_a.volume,
+        first: whole.first - in_a.first,
+    };
+    // Both parts give the same force; their mean has the smaller round-off.
+    sums.force = (b.gradient * in_b.volume - a.gradient * in_a.volume) * 0.5;
+    sums.torque = (in_b.first.cross(&b.gradient) - in_a.first.cross(&a.gradient)) * 0.5;
+    sums.energy = integral(a, &in_a) + integral(b, &in_b);
+    let steepness = slope.norm();
+    let scale = a.gradient.norm().max(b.gradient.norm());
+    if cut != Cut::Part || steepness <= SAME_FIELD * scale {
+        return;
+    }
+    // The part that was kept lies on B's side: its face looks back to A.
+    let normal = -slope / steepness;
+    piece.for_faces(|label, polygon| {
+        if label == SURFACE {
+            let mut surface = Sums::default();
+            surface.add_face(&Face {
+                polygon,
+                normal,
+                gradient: a.gradient,
+                level: a.level,
+                weight: (-a.gradient.dot(&b.gradient)).max(0.0) / steepness,
+                side: 0.0,
+            });
+            *sums += &surface;
+        }
+    });
+}
