@@ -5,12 +5,13 @@
 //! face. The force is p_w sum_k n_k int phi_B dS over the wall planes inside B.
 
 use super::candidates::{Candidates, ContactBox, candidates, complete};
+use super::cells::PlaneSums;
 use super::clip::{Cut, Line, Point};
-use super::fast::TooMany;
 use super::field::PlaneField;
 use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::pair::Scratch;
 use super::plan::{MOST_PLANES, Margins, Place, PlanScratch};
+use super::polygon::TooMany;
 use super::side::{FieldPlane, SideScratch, SideSums, cut_by_field};
 use crate::error::{ContactError, check};
 use crate::shape::{ConvexShape, Frame, PlaneFrame};
@@ -302,7 +303,8 @@ impl Section<'_> {
         let from = self.near.region.centre - frame.origin;
         let origin = frame.point(&self.near.region.centre);
         fast.place(frame, field, plan.own & !plan.cut);
-        let q = fast.sum_cells(plan.own, field, normal, &origin)?;
+        let mut q = PlaneSums::default();
+        fast.sum_cells(plan.own, field, normal, &origin, &mut q)?;
         sums.add_sums(&q, frame, normal, -from.dot(normal));
         sums.lever -= self.plane.distance * q.polygon.pressure;
         Ok(())

@@ -194,43 +194,80 @@ pub(crate) struct PolygonIntegrals {
     pub pressure_second: f64,
 }
 
+/// x, y, x^2, y^2, x y, x r^2 and y r^2 of a point, r^2 = x^2 + y^2.
+#[derive(Clone, Copy)]
+struct Powers {
+    first: [f64; 2],
+    squares: [f64; 2],
+    product: f64,
+    cubes: [f64; 2],
+}
+
+impl Powers {
+    #[inline(always)]
+    fn new(x: f64, y: f64) -> Self {
+        let squares = [x * x, y * y];
+        let square = squares[0] + squares[1];
+        Self {
+            first: [x, y],
+            squares,
+            product: x * y,
+            cubes: [x * square, y * square],
+        }
+    }
+}
+
 /// Exact integrals over a counter-clockwise polygon: fan triangles about the first vertex,
 /// then a shift of the moments to the origin.
+///
+/// A power of degree m over the triangle from 0 to b and c is 2 T / (m + 2) times its mean
+/// over the edge from b to c, and that mean is Simpson's up to degree 3: exact with the
+/// values at b, c and (b + c) / 2.
 #[inline(always)]
 pub(crate) fn integrate(polygon: &[Point], origin: &Point, field: &Line) -> PolygonIntegrals {
-    let mut sum = PolygonIntegrals::default();
     let Some((a, rest)) = polygon.split_first() else {
-        return sum;
+        return PolygonIntegrals::default();
     };
-    let phi_a = field.at(a);
-    // x, y and phi of a vertex, relative to the first vertex.
-    let mut corners = rest.iter().map(|p| {
-        let (x, y) = (p.x - a.x, p.y - a.y);
-        [x, y, phi_a - field.a * x - field.b * y]
-    });
+    let mut corners = rest.iter().map(|p| Powers::new(p.x - a.x, p.y - a.y));
     let Some(mut b) = corners.next() else {
-        return sum;
+        return PolygonIntegrals::default();
     };
-    let mut bb = b[0] * b[0] + b[1] * b[1];
+    let (mut area, mut product) = (0.0, 0.0);
+    let (mut first, mut squares, mut cubes) = ([0.0; 2], [0.0; 2], [0.0; 2]);
     for c in corners {
-        let cc = c[0] * c[0] + c[1] * c[1];
-        let t = 0.5 * (b[0] * c[1] - b[1] * c[0]);
-        let s = [b[0] + c[0], b[1] + c[1], phi_a + b[2] + c[2]];
-        let w = [b[2] * b[0] + c[2] * c[0], b[2] * b[1] + c[2] * c[1]];
-        let squares = s[0] * s[0] + s[1] * s[1] + bb + cc;
-        let (t3, t12) = (t * (1.0 / 3.0), t * (1.0 / 12.0));
-        sum.area += t;
-        sum.moment.x += t3 * s[0];
-        sum.moment.y += t3 * s[1];
-        sum.second += t12 * squares;
-        sum.pressure += t3 * s[2];
-        sum.pressure_moment.x += t12 * (s[0] * s[2] + w[0]);
-        sum.pressure_moment.y += t12 * (s[1] * s[2] + w[1]);
-        let cross = 2.0 * (w[0] * s[0] + w[1] * s[1] + b[2] * bb + c[2] * cc);
-        sum.pressure_second += t * (1.0 / 60.0) * (s[2] * squares + cross);
-        (b, bb) = (c, cc);
+        let t = b.first[0] * c.first[1] - b.first[1] * c.first[0];
+        let s = Powers::new(b.first[0] + c.first[0], b.first[1] + c.first[1]);
+        area += t;
+        product += t * (b.product + c.product + s.product);
+        for i in 0..2 {
+            first[i] += t * s.first[i];
+            squares[i] += t * (b.squares[i] + c.squares[i] + s.squares[i]);
+            cubes[i] += t * (b.cubes[i] + c.cubes[i] + 0.5 * s.cubes[i]);
+        }
+        b = c;
     }
-    sum.shifted(a.x - origin.x, a.y - origin.y)
+    let area = 0.5 * area;
+    let first = first.map(|m| m * (1.0 / 6.0));
+    let squares = squares.map(|m| m * (1.0 / 24.0));
+    let cubes = cubes.map(|m| m * (1.0 / 30.0));
+    let product = product * (1.0 / 24.0);
+    let second = squares[0] + squares[1];
+    let phi = field.at(a);
+    PolygonIntegrals {
+        area,
+        moment: Point {
+            x: first[0],
+            y: first[1],
+        },
+        second,
+        pressure: phi * area - field.a * first[0] - field.b * first[1],
+        pressure_moment: Point {
+            x: phi * first[0] - field.a * squares[0] - field.b * product,
+            y: phi * first[1] - field.a * product - field.b * squares[1],
+        },
+        pressure_second: phi * second - field.a * cubes[0] - field.b * cubes[1],
+    }
+    .shifted(a.x - origin.x, a.y - origin.y)
 }
 
 /// Area of a polygon and the integral of (x, y) dS about an origin.

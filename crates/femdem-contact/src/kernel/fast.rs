@@ -7,7 +7,7 @@ use super::cells::PlaneSums;
 use super::clip::{Cut, Line, Point, integrate};
 use super::field::TIE;
 use super::plan::FacetPlan;
-use super::polygon::Polygon;
+use super::polygon::{Polygon, TooMany};
 use super::side::{FieldPlane, SideSums, Skin};
 use crate::shape::PlaneFrame;
 use femdem_mesh::Vector3;
@@ -15,29 +15,50 @@ use femdem_mesh::Vector3;
 const MOST_LINES: usize = 64;
 const LINE: usize = MOST_LINES - 1;
 
-/// The polygon does not fit the fixed storage.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct TooMany;
+/// Fields of the planes on the present facet: three arrays, since numbers written one by one
+/// and read back as a vector have to wait.
+#[derive(Debug)]
+struct Lines {
+    a: [f64; MOST_LINES],
+    b: [f64; MOST_LINES],
+    c: [f64; MOST_LINES],
+}
+
+impl Default for Lines {
+    fn default() -> Self {
+        Self {
+            a: [0.0; MOST_LINES],
+            b: [0.0; MOST_LINES],
+            c: [0.0; MOST_LINES],
+        }
+    }
+}
+
+impl Lines {
+    #[inline]
+    fn set(&mut self, k: usize, line: &Line) {
+        self.a[k & LINE] = line.a;
+        self.b[k & LINE] = line.b;
+        self.c[k & LINE] = line.c;
+    }
+
+    #[inline]
+    fn get(&self, k: usize) -> Line {
+        Line {
+            a: self.a[k & LINE],
+            b: self.b[k & LINE],
+            c: self.c[k & LINE],
+        }
+    }
+}
 
 /// Buffers of the fast path.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Fast {
-    /// Fields of the planes on the present facet.
-    lines: [Line; MOST_LINES],
+    lines: Lines,
     polygon: Box<Polygon>,
     spare: Box<Polygon>,
     cell: Box<Polygon>,
-}
-
-impl Default for Fast {
-    fn default() -> Self {
-        Self {
-            lines: [Line::default(); MOST_LINES],
-            polygon: Box::default(),
-            spare: Box::default(),
-            cell: Box::default(),
-        }
-    }
 }
 
 /// The numbers of the bits set, lowest first.
@@ -74,13 +95,17 @@ impl Fast {
             y: from.dot(&frame.e2),
         };
         self.place(frame, field, plan.own & !plan.cut);
-        let q = self.sum_cells(plan.own, field, normal, &origin)?;
+        let mut q = PlaneSums::default();
+        self.sum_cells(plan.own, field, normal, &origin, &mut q)?;
         sums.add_sums(&q, frame, normal, -from.dot(normal));
         sums.lever += normal.dot(&(frame.origin - skin.field_centre)) * q.polygon.pressure;
         Ok(())
     }
 
     /// Cuts a polygon of the plane of `frame` by the planes in `set`, which are placed.
+    ///
+    /// Whether all fits is asked at the end: a branch at every cut costs a tenth of the
+    /// kernel's time.
     #[inline]
     pub(crate) fn cut_corners(
         &mut self,
@@ -89,39 +114,32 @@ impl Fast {
         field: &[FieldPlane],
         set: u64,
     ) -> Result<Cut, TooMany> {
-        let mut whole = true;
+        let mut fits = set != 0 || self.polygon.load(corners);
+        let mut from = corners;
         for k in bits(set) {
-            let Some(plane) = field.get(k) else { continue };
-            let line = plane.on(frame);
-            self.lines[k & LINE] = line;
-            let from = if whole {
-                corners
-            } else {
-                self.polygon.corners()
-            };
-            match self.spare.set_cut(from, &line).ok_or(TooMany)? {
-                Cut::Empty => return Ok(Cut::Empty),
-                Cut::Whole => {}
-                Cut::Part => {
-                    std::mem::swap(&mut self.polygon, &mut self.spare);
-                    whole = false;
-                }
+            let line = field.get(k).ok_or(TooMany)?.on(frame);
+            self.lines.set(k, &line);
+            fits &= self.spare.set_cut(from, &line);
+            std::mem::swap(&mut self.polygon, &mut self.spare);
+            if self.polygon.is_empty() {
+                return fits.then_some(Cut::Empty).ok_or(TooMany);
             }
+            from = self.polygon.corners();
         }
-        if whole && !self.polygon.load(corners) {
-            return Err(TooMany);
-        }
-        Ok(Cut::Part)
+        fits.then_some(Cut::Part).ok_or(TooMany)
     }
 
     /// Cuts the present polygon.
     #[inline]
     pub(crate) fn cut(&mut self, by: &Line) -> Result<Cut, TooMany> {
-        let cut = self.spare.set_cut(self.polygon.corners(), by);
-        if cut == Some(Cut::Part) {
-            std::mem::swap(&mut self.polygon, &mut self.spare);
-        }
-        cut.ok_or(TooMany)
+        let fits = self.spare.set_cut(self.polygon.corners(), by);
+        std::mem::swap(&mut self.polygon, &mut self.spare);
+        let left = if self.polygon.is_empty() {
+            Cut::Empty
+        } else {
+            Cut::Part
+        };
+        fits.then_some(left).ok_or(TooMany)
     }
 
     /// Expresses the fields of the planes in `set` on the plane of a facet.
@@ -129,18 +147,13 @@ impl Fast {
     pub(crate) fn place(&mut self, frame: &PlaneFrame, field: &[FieldPlane], set: u64) {
         for k in bits(set) {
             if let Some(plane) = field.get(k) {
-                self.lines[k & LINE] = plane.on(frame);
+                self.lines.set(k, &plane.on(frame));
             }
         }
     }
 
-    #[inline]
-    fn line(&self, k: usize) -> Line {
-        self.lines[k & LINE]
-    }
-
-    /// Integrals of the lowest field in `own`, placed, over the present polygon with unit
-    /// normal `n`.
+    /// Adds to `sums` the integrals of the lowest field in `own`, placed, over the present
+    /// polygon with unit normal `n`.
     ///
     /// One plane is taken as the owner of all; what the others are below it, each in its own
     /// cell, is added. Cells are mostly narrow strips along cut edges, so the plane that is
@@ -152,7 +165,8 @@ impl Fast {
         field: &[FieldPlane],
         n: &Vector3,
         origin: &Point,
-    ) -> Result<PlaneSums, TooMany> {
+        sums: &mut PlaneSums,
+    ) -> Result<(), TooMany> {
         let weight = |k: usize| field.get(k).map_or(0.0, |plane| plane.weight(n));
         let single = own & own.wrapping_sub(1) == 0;
         let main = if single {
@@ -160,21 +174,20 @@ impl Fast {
         } else {
             self.lowest_amid(own)
         };
-        let (line, main_weight) = (self.line(main), weight(main));
-        let mut sums = PlaneSums::default();
+        let (line, main_weight) = (self.lines.get(main), weight(main));
         let q = integrate(self.polygon.corners(), origin, &line);
         sums.add(&q, main_weight);
         if single {
-            return Ok(sums);
+            return Ok(());
         }
         for k in bits(own & !(1 << main)) {
-            let excess = self.line(k).minus(&line);
+            let excess = self.lines.get(k).minus(&line);
             if self.cut_cell(k, own & !(1 << main), &excess)? {
                 let q = integrate(self.cell.corners(), origin, &excess);
                 sums.correct(&q, weight(k) - main_weight);
             }
         }
-        Ok(sums)
+        Ok(())
     }
 
     /// The plane of `own` that is lowest at the mean of the corners.
@@ -193,7 +206,7 @@ impl Fast {
         };
         let mut best = (f64::INFINITY, 0);
         for k in bits(own) {
-            let v = self.line(k).at(&middle);
+            let v = self.lines.get(k).at(&middle);
             if v < best.0 {
                 best = (v, k);
             }
@@ -208,29 +221,17 @@ impl Fast {
     fn cut_cell(&mut self, k: usize, others: u64, excess: &Line) -> Result<bool, TooMany> {
         let mut below = excess.flipped();
         below.c -= TIE;
-        let polygon = self.polygon.corners();
-        let mut whole = match self.cell.set_cut(polygon, &below).ok_or(TooMany)? {
-            Cut::Empty => return Ok(false),
-            Cut::Whole => true,
-            Cut::Part => false,
-        };
-        let line = self.line(k);
+        let mut fits = self.cell.set_cut(self.polygon.corners(), &below);
+        let line = self.lines.get(k);
         for j in bits(others & !(1 << k)) {
-            let mut below = self.line(j).minus(&line);
-            below.c += if j < k { -TIE } else { TIE };
-            let from = if whole { &self.polygon } else { &self.cell };
-            match self.spare.set_cut(from.corners(), &below).ok_or(TooMany)? {
-                Cut::Empty => return Ok(false),
-                Cut::Whole => {}
-                Cut::Part => {
-                    std::mem::swap(&mut self.cell, &mut self.spare);
-                    whole = false;
-                }
+            if self.cell.is_empty() {
+                break;
             }
+            let mut below = self.lines.get(j).minus(&line);
+            below.c += if j < k { -TIE } else { TIE };
+            fits &= self.spare.set_cut(self.cell.corners(), &below);
+            std::mem::swap(&mut self.cell, &mut self.spare);
         }
-        if whole {
-            self.cell.load(self.polygon.corners());
-        }
-        Ok(true)
+        fits.then_some(!self.cell.is_empty()).ok_or(TooMany)
     }
 }

@@ -21,4 +21,3 @@ pub use pair::{PairCache, PairKernel, Scratch};
 
 pub(crate) use candidates::complete;
 pub(crate) use clip::{Line, Point, integrate};
-pub(crate) use overlap::MEAN_OVER_RMS;

@@ -186,6 +186,7 @@ pub(super) fn sides(
     scratch: &mut Scratch,
 ) -> [SideSums; 2] {
     let Scratch { side, planes, .. } = scratch;
+    let mut sums = [SideSums::default(); 2];
     let pose = Pose::new(rotation, offset);
     let skin_b = Skin {
         shape: b,
@@ -195,7 +196,7 @@ pub(super) fn sides(
         region: Region::Posed(&near.region, &pose),
     };
     pose_planes(a, &near.on_b.planes, &pose.inverse, &pose.a_in_b, planes);
-    let on_b = integrate_side(&skin_b, planes, side);
+    integrate_side(&skin_b, planes, &mut sums[0], side);
     let skin_a = Skin {
         shape: a,
         plan: &near.on_a,
@@ -204,8 +205,8 @@ pub(super) fn sides(
         region: Region::Here(&near.region),
     };
     pose_planes(b, &near.on_a.planes, rotation, offset, planes);
-    let on_a = integrate_side(&skin_a, planes, side);
-    [on_b, on_a]
+    integrate_side(&skin_a, planes, &mut sums[1], side);
+    sums
 }
 
 /// The pose of A in B's axes.

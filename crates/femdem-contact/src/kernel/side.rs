@@ -132,37 +132,35 @@ impl Region<'_> {
 pub(crate) fn integrate_side(
     skin: &Skin,
     planes: &mut Vec<FieldPlane>,
+    sums: &mut SideSums,
     scratch: &mut SideScratch,
-) -> SideSums {
+) {
     if skin.plan.general {
-        return integrate_side_of_many(skin, planes, scratch);
+        return integrate_side_of_many(skin, planes, sums, scratch);
     }
     let own = planes.len();
     if skin.plan.box_faces != 0 {
         let named = |face: &usize| skin.plan.box_faces >> face & 1 == 1;
         planes.extend((0..BOX_FACES).filter(named).map(|f| skin.region.face(f)));
     }
-    let mut sums = SideSums::default();
     for facet in &skin.plan.facets {
-        let done = scratch.fast.add_facet(skin, facet, planes, &mut sums);
+        let done = scratch.fast.add_facet(skin, facet, planes, sums);
         if done.is_err() {
-            add_facet_of_many(skin, facet, &planes[..own], &mut sums, scratch);
+            add_facet_of_many(skin, facet, &planes[..own], sums, scratch);
         }
     }
-    sums
 }
 
 /// As [`integrate_side`], for any number of planes and corners.
 pub(crate) fn integrate_side_of_many(
     skin: &Skin,
     planes: &[FieldPlane],
+    sums: &mut SideSums,
     scratch: &mut SideScratch,
-) -> SideSums {
-    let mut sums = SideSums::default();
+) {
     for facet in &skin.plan.facets {
-        add_facet_of_many(skin, facet, planes, &mut sums, scratch);
+        add_facet_of_many(skin, facet, planes, sums, scratch);
     }
-    sums
 }
 
 /// Adds up one facet, cut by all planes and the box whatever its plan says.
