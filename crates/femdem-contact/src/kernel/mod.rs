@@ -21,3 +21,4 @@ pub use pair::{PairCache, PairKernel, Scratch};
 
 pub(crate) use candidates::complete;
 pub(crate) use clip::{Line, Point, integrate};
+pub(crate) use overlap::MEAN_OVER_RMS;
