@@ -31,6 +31,7 @@
 //! - [`catalogue`]: the 18 solids by identifier, name and diameter, chiral ones in both hands.
 //! - [`TetMesh`]: the checked tetrahedral mesh; [`tet`]: fans, refinement and a general mesher.
 //! - [`bvh`]: a tree of boxes.
+//! - [`shapes`]: spheres, pellets, boulders, armour units and other bodies with named parameters.
 //! - [`io`]: OBJ, STL, OFF and PLY surfaces in and out, Gmsh meshes of tetrahedra, VTU out.
 //! - [`repair`]: from loose facets to a body, with errors that name facets and mending on request.
 //! - `strategies`: random rotations, poses and bodies for property tests (feature `proptest`).
@@ -67,6 +68,7 @@ pub mod catalogue;
 mod hull;
 pub mod io;
 pub mod repair;
+pub mod shapes;
 #[cfg(any(test, feature = "proptest"))]
 pub mod strategies;
 pub mod tet;

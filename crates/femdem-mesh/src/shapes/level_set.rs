@@ -1,0 +1,206 @@
+//! Triangles of the surface where a distance function vanishes, by marching tetrahedra.
+
+use crate::{MeshError, Point3, Polyhedron, Vector3};
+use std::collections::BTreeMap;
+
+/// Most cells of the lattice.
+const MOST_CELLS: f64 = 4e6;
+/// Cut points keep at least this part of a lattice edge from its ends, so that no two coincide.
+const CLEARANCE: f64 = 0.15;
+/// Rounds of smoothing that make the triangles well-shaped.
+const ROUNDS: usize = 12;
+
+/// A body given by its signed distance, negative inside.
+pub(super) struct LevelSet<Distance, Project> {
+    pub(super) distance: Distance,
+    /// A point of the surface near a point near the surface.
+    pub(super) project: Project,
+    /// Lower corner of a box that holds the body.
+    pub(super) low: Point3,
+    /// Upper corner of that box.
+    pub(super) high: Point3,
+    /// Edge of the cubes of the lattice.
+    pub(super) cell: f64,
+}
+
+/// Place in the body-centred lattice: twice its coordinates in cells. All even: a cube's corner;
+/// all odd: a cube's middle.
+type Site = [i32; 3];
+
+impl<Distance, Project> LevelSet<Distance, Project>
+where
+    Distance: Fn(&Point3) -> f64,
+    Project: Fn(&Point3) -> Point3,
+{
+    /// The surface, closed and manifold: every tetrahedron of a body-centred cubic lattice is cut
+    /// between the corners inside and outside, then vertices are smoothed along the surface.
+    pub(super) fn polyhedron(&self) -> Result<Polyhedron, MeshError> {
+        let size = (self.high - self.low) / self.cell;
+        let count = size.map(|x| x.ceil() + 4.0);
+        if count.product() > MOST_CELLS {
+            return Err(MeshError::OutOfRange {
+                what: "the number of cells of the lattice of a clump",
+                value: count.product(),
+                allowed: "at most 4e6: choose fewer cells, or leave out the smallest spheres",
+            });
+        }
+        let mut cut = Cut {
+            surface: self,
+            middle: self.low + 0.5 * (self.high - self.low),
+            distances: BTreeMap::new(),
+            cuts: BTreeMap::new(),
+            vertices: Vec::new(),
+            triangles: Vec::new(),
+        };
+        let half = count.map(|x| (0.5 * x).ceil() as i32);
+        for i in -half.x..=half.x {
+            for j in -half.y..=half.y {
+                for k in -half.z..=half.z {
+                    cut.tetrahedra_at([2 * i + 1, 2 * j + 1, 2 * k + 1]);
+                }
+            }
+        }
+        let Cut {
+            mut vertices,
+            triangles,
+            ..
+        } = cut;
+        for _ in 0..ROUNDS {
+            vertices = self.smoothed(&vertices, &triangles);
+        }
+        Polyhedron::new(vertices, triangles.iter().map(|t| t.to_vec()).collect())
+    }
+
+    /// Each vertex moved to the mean of the triangles around it, weighted by area, and back to the
+    /// surface.
+    fn smoothed(&self, vertices: &[Point3], triangles: &[[u32; 3]]) -> Vec<Point3> {
+        let mut sums = vec![(Vector3::zeros(), 0.0); vertices.len()];
+        for triangle in triangles {
+            let [a, b, c] = triangle.map(|i| vertices[i as usize].coords);
+            let area = (b - a).cross(&(c - a)).norm();
+            for &i in triangle {
+                let sum = &mut sums[i as usize];
+                sum.0 += (a + b + c) / 3.0 * area;
+                sum.1 += area;
+            }
+        }
+        sums.iter()
+            .map(|(sum, area)| (self.project)(&Point3::from(sum / *area)))
+            .collect()
+    }
+}
+
+struct Cut<'a, Distance, Project> {
+    surface: &'a LevelSet<Distance, Project>,
+    /// Where the lattice has its origin: the middle of the box, for symmetry.
+    middle: Point3,
+    distances: BTreeMap<Site, f64>,
+    cuts: BTreeMap<[Site; 2], u32>,
+    vertices: Vec<Point3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl<Distance, Project> Cut<'_, Distance, Project>
+where
+    Distance: Fn(&Point3) -> f64,
+    Project: Fn(&Point3) -> Point3,
+{
+    fn place(&self, site: Site) -> Point3 {
+        let [x, y, z] = site.map(|i| 0.5 * f64::from(i) * self.surface.cell);
+        self.middle + Vector3::new(x, y, z)
+    }
+
+    fn distance(&mut self, site: Site) -> f64 {
+        let place = self.place(site);
+        *self
+            .distances
+            .entry(site)
+            .or_insert_with(|| (self.surface.distance)(&place))
+    }
+
+    /// The tetrahedra around the three cube faces on the upper sides of a cube's middle.
+    fn tetrahedra_at(&mut self, middle: Site) {
+        // Twice a cell is more than any site of these tetrahedra is away.
+        if self.distance(middle).abs() > 2.0 * self.surface.cell {
+            return;
+        }
+        for axis in 0..3 {
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            let mut beyond = middle;
+            beyond[axis] += 2;
+            let corner = |du: i32, dv: i32| {
+                let mut corner = middle;
+                corner[axis] += 1;
+                corner[u] += du;
+                corner[v] += dv;
+                corner
+            };
+            let around = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+            for k in 0..4 {
+                self.tetrahedron([middle, beyond, around[k], around[(k + 1) % 4]]);
+            }
+        }
+    }
+
+    /// Cuts a tetrahedron, positively oriented, between its corners inside and outside.
+    fn tetrahedron(&mut self, sites: [Site; 4]) {
+        let inside = sites.map(|site| self.distance(site) < 0.0);
+        // Even permutations: the corner that is alone, or the two inside, come first.
+        let order: [usize; 4] = match inside {
+            [true, false, false, false] | [false, true, true, true] => [0, 1, 2, 3],
+            [false, true, false, false] | [true, false, true, true] => [1, 0, 3, 2],
+            [false, false, true, false] | [true, true, false, true] => [2, 3, 0, 1],
+            [false, false, false, true] | [true, true, true, false] => [3, 2, 1, 0],
+            [true, true, false, false] => [0, 1, 2, 3],
+            [true, false, true, false] => [0, 2, 3, 1],
+            [true, false, false, true] => [0, 3, 1, 2],
+            [false, true, true, false] => [1, 2, 0, 3],
+            [false, true, false, true] => [1, 3, 2, 0],
+            [false, false, true, true] => [2, 3, 0, 1],
+            [true, true, true, true] | [false, false, false, false] => return,
+        };
+        let [a, b, c, d] = order.map(|i| sites[i]);
+        match inside.iter().filter(|&&is| is).count() {
+            1 => {
+                let triangle = [self.cut(a, b), self.cut(a, c), self.cut(a, d)];
+                self.triangles.push(triangle);
+            }
+            2 => {
+                let quad = [
+                    self.cut(a, c),
+                    self.cut(a, d),
+                    self.cut(b, d),
+                    self.cut(b, c),
+                ];
+                self.quadrilateral(quad);
+            }
+            _ => {
+                let triangle = [self.cut(b, a), self.cut(d, a), self.cut(c, a)];
+                self.triangles.push(triangle);
+            }
+        }
+    }
+
+    /// Two triangles, along the shorter diagonal.
+    fn quadrilateral(&mut self, [p, q, r, s]: [u32; 4]) {
+        let length =
+            |i: u32, j: u32| (self.vertices[i as usize] - self.vertices[j as usize]).norm_squared();
+        if length(p, r) <= length(q, s) {
+            self.triangles.extend([[p, q, r], [p, r, s]]);
+        } else {
+            self.triangles.extend([[p, q, s], [q, r, s]]);
+        }
+    }
+
+    /// The vertex on the lattice edge between a site inside and one outside.
+    fn cut(&mut self, inside: Site, outside: Site) -> u32 {
+        let (from, to) = (self.distance(inside), self.distance(outside));
+        let (a, b) = (self.place(inside), self.place(outside));
+        let vertices = &mut self.vertices;
+        *self.cuts.entry([inside, outside]).or_insert_with(|| {
+            let part = (from / (from - to)).clamp(CLEARANCE, 1.0 - CLEARANCE);
+            vertices.push(a + (b - a) * part);
+            vertices.len() as u32 - 1
+        })
+    }
+}
