@@ -369,6 +369,14 @@ pub enum MeshError {
         /// How many are there.
         found: u64,
     },
+    /// Nodes of a file are numbered wrongly.
+    #[error("the node with the tag {tag} {problem}")]
+    NodeTag {
+        /// The tag.
+        tag: u64,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
     /// A file is of a kind that is not read.
     #[error("the file has {what}, which is not read: {advice}")]
     Unsupported {

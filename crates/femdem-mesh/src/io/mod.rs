@@ -8,11 +8,13 @@
 //! length of the file, and time within that times the logarithm of it; polygons have at most
 //! [`MAX_FACET_CORNERS`] corners.
 
+pub mod msh;
 pub mod obj;
 pub mod off;
 pub mod ply;
 pub mod stl;
 mod text;
+pub mod vtu;
 
 pub use crate::repair::{FacetList, Options, Orient, Report};
 
