@@ -5,7 +5,7 @@
 //! bodies that do not move cost nothing.
 
 use crate::motion::Motion;
-use crate::shape::ConvexShape;
+use crate::shape::BodyShape;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -45,12 +45,12 @@ impl Broadphase {
     }
 
     /// Half skin of a shape, m: how far a body may travel before it is entered again.
-    pub(crate) fn half_skin(shape: &ConvexShape) -> f64 {
+    pub(crate) fn half_skin(shape: &BodyShape) -> f64 {
         0.5 * SKIN * shape.radius()
     }
 
     /// Enters a body at its current place.
-    pub(crate) fn enter(&mut self, body: usize, shape: &ConvexShape, motion: &Motion) {
+    pub(crate) fn enter(&mut self, body: usize, shape: &BodyShape, motion: &Motion) {
         let half_skin = Self::half_skin(shape);
         let reach = shape.radius() + half_skin;
         if 2.0 * reach > self.size {

@@ -19,13 +19,16 @@ pub enum Partner {
     Wall(u32),
 }
 
-/// One touching pair: a body or wall A, and a body B. Vectors are in world axes.
+/// One contact patch of a touching pair: a body or wall A, and a body B. Convex bodies touch in
+/// one patch; others may touch in several, each a contact of its own. Vectors are in world axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// Side A: the body with the lower index, or a wall.
     pub a: Partner,
     /// Side B.
     pub b: BodyId,
+    /// Rank of the patch within its pair, from 0.
+    pub patch: u32,
     /// Contact point (centre of pressure), m.
     pub point: Vector3,
     /// Contact point relative to the origins of A and B, m.
@@ -68,10 +71,9 @@ pub struct Contact {
     pub(crate) rate: [f64; 2],
 }
 
-/// Puts the parts of one pair together.
+/// Puts the parts of one patch together.
 pub(crate) fn assemble(
-    a: Partner,
-    b: BodyId,
+    (a, b, patch): (Partner, BodyId, u32),
     overlap: &Overlap,
     damped: &Damped,
     friction: &Friction,
@@ -94,6 +96,7 @@ pub(crate) fn assemble(
     Contact {
         a,
         b,
+        patch,
         point: motions[1].frame.position + overlap.arm_b,
         arm_a: overlap.arm_a,
         arm_b: overlap.arm_b,
@@ -174,7 +177,7 @@ pub struct Load {
     pub friction: Wrench,
     /// Sum of the normal forces, N.
     pub normal_sum: f64,
-    /// Number of contacts.
+    /// Number of bodies and walls in contact; the patches of a pair count once.
     pub contacts: u32,
     /// Stiffness of the contacts against moving the body, weighted by its shares, N/m.
     pub stiffness: Matrix3,
@@ -210,7 +213,7 @@ impl Load {
             arm,
         );
         self.normal_sum += contact.normal_force;
-        self.contacts += 1;
+        self.contacts += u32::from(contact.patch == 0);
         self.add_stiffness(contact, arm, contact.shares[side]);
         self.rate += contact.rate[side];
     }

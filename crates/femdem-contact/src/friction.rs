@@ -47,7 +47,119 @@ pub(crate) struct Friction {
     pub slides: bool,
 }
 
+/// The springs of a patch as they stand, or a part of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Springs {
+    /// The patch's point from A's origin, world axes, m.
+    pub point: Vector3,
+    /// x_B(X_B) - x_A(X_A), m.
+    pub stretch: Vector3,
+    /// Torsion angle, rad.
+    pub torsion: f64,
+    /// N/m.
+    pub stiffness: f64,
+    /// N m/rad.
+    pub torsion_stiffness: f64,
+}
+
+impl Springs {
+    /// The same bristles, fewer of them.
+    pub fn share(&self, part: f64) -> Self {
+        Self {
+            stiffness: self.stiffness * part,
+            torsion_stiffness: self.torsion_stiffness * part,
+            ..*self
+        }
+    }
+
+    /// One foundation for several: the rigid motion about `normal` that stretches the bristles
+    /// as they are, by least squares weighted with their stiffness. It carries the same force
+    /// and torsion and holds no more energy.
+    pub fn merged(parts: &[Self], normal: &Vector3) -> Option<Self> {
+        let stiffness: f64 = parts.iter().map(|p| p.stiffness).sum();
+        if stiffness <= 0.0 {
+            return None;
+        }
+        let mean = |f: fn(&Self) -> Vector3| {
+            parts.iter().map(|p| f(p) * p.stiffness).sum::<Vector3>() / stiffness
+        };
+        let (point, stretch) = (mean(|p| p.point), mean(|p| p.stretch));
+        let (mut torsion_stiffness, mut moment) = (0.0, 0.0);
+        for p in parts {
+            let arm = p.point - point;
+            let lever = normal.cross(&arm);
+            torsion_stiffness += p.torsion_stiffness + p.stiffness * lever.norm_squared();
+            moment +=
+                p.torsion_stiffness * p.torsion + p.stiffness * lever.dot(&(p.stretch - stretch));
+        }
+        Some(Self {
+            point,
+            stretch,
+            torsion: if torsion_stiffness > 0.0 {
+                moment / torsion_stiffness
+            } else {
+                0.0
+            },
+            stiffness,
+            torsion_stiffness,
+        })
+    }
+
+    /// The stretch of the bristles at another point of the patch's plane.
+    pub fn stretch_at(&self, point: &Vector3, normal: &Vector3) -> Vector3 {
+        self.stretch + normal.cross(&(point - self.point)) * self.torsion
+    }
+
+    /// Energy in the plane across `normal`, J.
+    pub fn energy(&self, normal: &Vector3) -> f64 {
+        let along = normal.dot(&self.stretch);
+        let square = self.stretch.norm_squared() - along * along;
+        0.5 * (self.stiffness * square.max(0.0)
+            + self.torsion_stiffness * self.torsion * self.torsion)
+    }
+}
+
 impl FrictionState {
+    /// The springs at the present place of the bodies.
+    pub(crate) fn springs(&self, a: &Motion, b: &Motion) -> Springs {
+        let between = b.frame.position - a.frame.position;
+        let on_a = a.frame.rotation * self.anchor_a;
+        let on_b = between + b.frame.rotation * self.anchor_b;
+        Springs {
+            point: (on_a + on_b) * 0.5,
+            stretch: on_b - on_a,
+            torsion: self.torsion,
+            stiffness: self.stiffness,
+            torsion_stiffness: self.torsion_stiffness,
+        }
+    }
+
+    /// A patch with the springs of others, at its own contact point.
+    pub(crate) fn with_springs(
+        overlap: &Overlap,
+        a: &Motion,
+        b: &Motion,
+        springs: &Springs,
+    ) -> Self {
+        let n = &overlap.normal;
+        let stretch = springs.stretch_at(&overlap.arm_a, n);
+        let mut state = Self {
+            torsion: springs.torsion,
+            stiffness: springs.stiffness,
+            torsion_stiffness: springs.torsion_stiffness,
+            ..Self::new(overlap, a, b)
+        };
+        state.place(overlap, a, b, &(stretch - n * n.dot(&stretch)));
+        state
+    }
+
+    /// Shrinks stretch and torsion by a factor.
+    pub(crate) fn relax(&mut self, overlap: &Overlap, a: &Motion, b: &Motion, scale: f64) {
+        let stretch = self.stretch(overlap, a, b) * scale;
+        self.torsion *= scale;
+        self.place(overlap, a, b, &stretch);
+    }
+
     /// A patch that has just formed, unstretched.
     pub(crate) fn new(overlap: &Overlap, a: &Motion, b: &Motion) -> Self {
         Self {

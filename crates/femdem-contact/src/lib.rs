@@ -103,5 +103,5 @@ pub use general::{Field, FieldMesh, Form, GeneralKernel, SolidWall};
 pub use kernel::{Overlap, PairKernel};
 pub use law::{ContactLaw, ContactParameters, restitution};
 pub use motion::Motion;
-pub use shape::{ConvexShape, Frame};
-pub use walls::{Wall, WallPlane};
+pub use shape::{BodyShape, ConvexShape, Frame};
+pub use walls::{Drum, Hopper, MeshWall, Silo, Wall, WallPlane, WallShape};

@@ -52,7 +52,7 @@ fn the_mantle_of_a_cylinder_touches_once() {
             };
             let position = out * (radius - reach - edge + 0.02) + Vector3::z() * 0.3;
             let rotation = (around * own).to_rotation_matrix().into_inner();
-            let mut body = placed(&batch.shapes()[0].clone(), position, rotation);
+            let mut body = placed(&shape("P5", 1.0), position, rotation);
             travelled += 1.0;
             body.travelled = travelled;
             batch
@@ -174,7 +174,7 @@ fn walls_follow_their_frames() {
     let up = place.rotation * Vector3::z();
     let half = 0.5 / 3.0_f64.sqrt();
     let body = placed(
-        &batch.shapes()[0].clone(),
+        &shape("P5", 1.0),
         place.position + up * (half - 1e-3),
         place.rotation,
     );

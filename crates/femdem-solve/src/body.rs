@@ -1,10 +1,10 @@
 //! Shapes and rigid bodies as the world keeps them.
 
-use crate::drive::Drive;
+use crate::drive::{Drive, Driven};
 use crate::error::{SolveError, check};
-use femdem_contact::{ConvexShape, Frame, Motion};
+use femdem_contact::{BodyShape, ConvexShape, Field, FieldMesh, Frame, Motion};
 use femdem_mesh::nalgebra::{Matrix3, Translation3};
-use femdem_mesh::{Polyhedron, Pose, Rotation, Vector3};
+use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Index of a shape, by order of addition.
@@ -18,6 +18,9 @@ pub struct Shape {
     pub name: String,
     /// The surface in the coordinates it was given in.
     pub polyhedron: Polyhedron,
+    /// Tetrahedra in the same coordinates with their field; `None` for a convex shape, whose
+    /// contacts are those of `polyhedron`.
+    pub mesh: Option<(TetMesh, Field)>,
     /// Principal axes at the centroid -> given coordinates.
     principal: Pose,
     /// Principal moments of inertia at unit density, m^5.
@@ -31,17 +34,47 @@ impl Shape {
         Self {
             name: name.to_owned(),
             polyhedron: polyhedron.clone(),
+            mesh: None,
             principal: Pose::from_parts(Translation3::from(mass.centroid.coords), frame.rotation),
             moments: frame.moments,
         }
     }
 
+    /// With tetrahedra for the contacts, which have to fill the surface.
+    pub(crate) fn meshed(
+        name: &str,
+        polyhedron: &Polyhedron,
+        mesh: &TetMesh,
+        field: Field,
+    ) -> Result<Self, SolveError> {
+        let ratio = mesh.volume() / polyhedron.mass_properties().volume;
+        check(
+            "volume of the mesh over that of the surface",
+            ratio,
+            (ratio - 1.0).abs() <= MESH_VOLUME,
+            "between 0.9 and 1.1: the two must be the same body in the same coordinates",
+        )?;
+        Ok(Self {
+            mesh: Some((mesh.clone(), field)),
+            ..Self::new(name, polyhedron)
+        })
+    }
+
     /// The contact shape in the principal frame.
-    pub(crate) fn convex(&self) -> Result<ConvexShape, SolveError> {
-        let posed = self.polyhedron.transformed(&self.principal.inverse());
-        Ok(ConvexShape::new(&posed)?)
+    pub(crate) fn contact(&self) -> Result<BodyShape, SolveError> {
+        let to_principal = self.principal.inverse();
+        let Some((mesh, field)) = &self.mesh else {
+            let posed = self.polyhedron.transformed(&to_principal);
+            return Ok(ConvexShape::new(&posed)?.into());
+        };
+        let points = mesh.points().iter().map(|x| to_principal * x).collect();
+        let posed = TetMesh::new(points, mesh.tets().to_vec())?;
+        Ok(FieldMesh::new(&posed, Vector3::zeros(), *field)?.into())
     }
 }
+
+/// Most that the volume of a mesh may differ from its surface's, relative.
+const MESH_VOLUME: f64 = 0.1;
 
 /// A body to add.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -110,8 +143,8 @@ pub(crate) struct Body {
     pub quiet_steps: u32,
     /// What the active set judges by.
     pub means: Means,
-    /// Prescribed motion, with the position it counts from.
-    pub driven: Option<(Drive, Vector3)>,
+    /// Prescribed motion, with the pose of the principal axes that it counts from.
+    pub driven: Option<(Drive, Pose)>,
 }
 
 impl Body {
@@ -173,8 +206,22 @@ impl Body {
 
     /// Given coordinates of the shape -> world.
     pub fn pose(&self, shape: &Shape) -> Pose {
+        self.place() * shape.principal.inverse()
+    }
+
+    /// Principal axes -> world.
+    pub fn place(&self) -> Pose {
         Pose::from_parts(Translation3::from(self.position), self.orientation)
-            * shape.principal.inverse()
+    }
+
+    /// Takes the place and the velocities of its drive.
+    pub fn follow(&mut self, driven: &Driven, place: &Pose) {
+        self.position = place.translation.vector;
+        self.orientation = place.rotation;
+        self.velocity = driven.velocity_at(&self.position);
+        let rate = driven.angular_velocity();
+        let in_body = self.orientation.inverse_transform_vector(&rate);
+        self.momentum = in_body.component_mul(&self.moments);
     }
 
     /// What the contact stage sees.
@@ -187,6 +234,7 @@ impl Body {
         if self.driven.is_some() {
             return Motion {
                 velocity: self.velocity,
+                angular_velocity: self.angular_velocity(),
                 travelled: self.travelled,
                 ..Motion::fixed(frame)
             };

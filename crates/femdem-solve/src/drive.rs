@@ -1,12 +1,13 @@
 //! Prescribed motion of walls and driven bodies.
 
 use crate::error::{SolveError, check};
-use femdem_mesh::Vector3;
+use femdem_mesh::nalgebra::{Translation3, Unit};
+use femdem_mesh::{Pose, Rotation, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// A translation prescribed in time. Displacements count from where the wall or body was
-/// added.
+/// A motion prescribed in time. Displacements and angles count from where the wall or body
+/// was added.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Drive {
@@ -47,13 +48,108 @@ pub enum Drive {
         /// Number of taps.
         taps: u32,
     },
+    /// Turning at a constant rate between two times, as a drum does.
+    Turn {
+        /// Direction of the axis, of any length; the sense is right-handed.
+        axis: Vector3,
+        /// A point of the axis, m.
+        point: Vector3,
+        /// Rate, rad/s.
+        rate: f64,
+        /// Start of the motion, s.
+        start: f64,
+        /// End of the motion, s.
+        end: f64,
+    },
+    /// Rocking about an axis: whole periods of stroke (1 - cos(2 pi f t))/2, which starts
+    /// and ends at rest.
+    Rock {
+        /// Direction of the axis, of any length; the sense is right-handed.
+        axis: Vector3,
+        /// A point of the axis, m.
+        point: Vector3,
+        /// Full stroke, rad.
+        stroke: f64,
+        /// Frequency f, 1/s.
+        frequency: f64,
+        /// Start, s.
+        start: f64,
+        /// Number of periods.
+        periods: u32,
+    },
 }
 
-/// Displacement and velocity of a driven thing.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Where a driven thing has come to from its base, and how it moves.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Driven {
+    /// m.
     pub displacement: Vector3,
+    /// m/s.
     pub velocity: Vector3,
+    /// Unit axis; zero for a translation.
+    pub axis: Vector3,
+    /// A point of the axis, m.
+    pub point: Vector3,
+    /// rad.
+    pub angle: f64,
+    /// rad/s.
+    pub rate: f64,
+}
+
+impl Driven {
+    fn turned(axis: &Vector3, point: Vector3, angle: f64, rate: f64) -> Self {
+        Self {
+            axis: axis.try_normalize(0.0).unwrap_or_default(),
+            point,
+            angle,
+            rate,
+            ..Self::default()
+        }
+    }
+
+    fn rotation(&self) -> Rotation {
+        Rotation::from_axis_angle(&Unit::new_unchecked(self.axis), self.angle)
+    }
+
+    /// The pose that a base pose has come to.
+    pub(crate) fn place(&self, base: &Pose) -> Pose {
+        let from = base.translation.vector;
+        if self.angle == 0.0 {
+            let to = from + self.displacement;
+            return Pose::from_parts(Translation3::from(to), base.rotation);
+        }
+        let turn = self.rotation();
+        let to = self.point + turn * (from - self.point) + self.displacement;
+        Pose::from_parts(Translation3::from(to), turn * base.rotation)
+    }
+
+    /// The base pose that has come to `pose`.
+    pub(crate) fn base_of(&self, pose: &Pose) -> Pose {
+        let to = pose.translation.vector - self.displacement;
+        if self.angle == 0.0 {
+            return Pose::from_parts(Translation3::from(to), pose.rotation);
+        }
+        let back = self.rotation().inverse();
+        let from = self.point + back * (to - self.point);
+        Pose::from_parts(Translation3::from(from), back * pose.rotation)
+    }
+
+    /// rad/s.
+    pub(crate) fn angular_velocity(&self) -> Vector3 {
+        self.axis * self.rate
+    }
+
+    /// Velocity of the driven thing's point that is at `position` now, m/s.
+    pub(crate) fn velocity_at(&self, position: &Vector3) -> Vector3 {
+        self.velocity + self.angular_velocity().cross(&(position - self.point))
+    }
+
+    /// Bound of the way of points up to `reach` from the point of the axis, from an earlier
+    /// state, m.
+    pub(crate) fn way_from(&self, earlier: &Self, reach: f64) -> f64 {
+        (self.displacement - earlier.displacement).norm()
+            + (self.angle - earlier.angle).abs() * reach
+    }
 }
 
 impl Drive {
@@ -61,6 +157,10 @@ impl Drive {
         let finite = |name, v: &Vector3| check(name, v.norm(), true, "finite");
         let time = |name, t: f64| check(name, t, true, "finite, in s");
         let frequency = |f: f64| check("drive.frequency", f, f > 0.0, "positive, in 1/s");
+        let direction = |v: &Vector3| {
+            let length = v.norm();
+            check("drive.axis", length, length > 0.0, "of a length above zero")
+        };
         match self {
             Self::Fixed => Ok(()),
             Self::Linear {
@@ -104,6 +204,38 @@ impl Drive {
                     "at least one period, 1/frequency, in s",
                 )
             }
+            Self::Turn {
+                axis,
+                point,
+                rate,
+                start,
+                end,
+            } => {
+                direction(axis)?;
+                finite("drive.point", point)?;
+                check("drive.rate", *rate, true, "finite, in rad/s")?;
+                time("drive.start", *start)?;
+                check(
+                    "drive.end",
+                    *end,
+                    end >= start,
+                    "at least drive.start, in s",
+                )
+            }
+            Self::Rock {
+                axis,
+                point,
+                stroke,
+                frequency: f,
+                start,
+                ..
+            } => {
+                direction(axis)?;
+                finite("drive.point", point)?;
+                check("drive.stroke", *stroke, true, "finite, in rad")?;
+                time("drive.start", *start)?;
+                frequency(*f)
+            }
         }
     }
 
@@ -111,8 +243,14 @@ impl Drive {
     pub(crate) fn is_active(&self, t: f64, ahead: f64) -> bool {
         let (from, to) = match *self {
             Self::Fixed => return false,
-            Self::Linear { start, end, .. } => (start, end),
+            Self::Linear { start, end, .. } | Self::Turn { start, end, .. } => (start, end),
             Self::Shake {
+                frequency,
+                start,
+                periods,
+                ..
+            }
+            | Self::Rock {
                 frequency,
                 start,
                 periods,
@@ -134,30 +272,25 @@ impl Drive {
 
     /// Where it is at time `t`.
     pub(crate) fn at(&self, t: f64) -> Driven {
-        let rest = Driven {
-            displacement: Vector3::zeros(),
-            velocity: Vector3::zeros(),
-        };
         match *self {
-            Self::Fixed => rest,
+            Self::Fixed => Driven::default(),
             Self::Linear {
                 velocity,
                 start,
                 end,
-            } => Driven {
-                displacement: velocity * (t.clamp(start, end) - start),
-                velocity: if t >= start && t < end {
-                    velocity
-                } else {
-                    Vector3::zeros()
-                },
-            },
+            } => {
+                let [since, moves] = ramp(t, start, end);
+                translated(&velocity, since, moves)
+            }
             Self::Shake {
                 stroke,
                 frequency,
                 start,
                 periods,
-            } => swing(&stroke, frequency, t - start, f64::from(periods)),
+            } => {
+                let [part, rate] = swing(frequency, t - start, f64::from(periods));
+                translated(&stroke, part, rate)
+            }
             Self::Tap {
                 stroke,
                 frequency,
@@ -168,29 +301,58 @@ impl Drive {
                 let since = t - start;
                 let number = (since / interval).floor();
                 if since < 0.0 || number >= f64::from(taps) {
-                    rest
-                } else {
-                    swing(&stroke, frequency, since - number * interval, 1.0)
+                    return Driven::default();
                 }
+                let [part, rate] = swing(frequency, since - number * interval, 1.0);
+                translated(&stroke, part, rate)
+            }
+            Self::Turn {
+                axis,
+                point,
+                rate,
+                start,
+                end,
+            } => {
+                let [since, moves] = ramp(t, start, end);
+                Driven::turned(&axis, point, rate * since, rate * moves)
+            }
+            Self::Rock {
+                axis,
+                point,
+                stroke,
+                frequency,
+                start,
+                periods,
+            } => {
+                let [part, rate] = swing(frequency, t - start, f64::from(periods));
+                Driven::turned(&axis, point, stroke * part, stroke * rate)
             }
         }
     }
 }
 
-/// `periods` periods of stroke (1 - cos)/2 from time 0.
-fn swing(stroke: &Vector3, frequency: f64, t: f64, periods: f64) -> Driven {
+fn translated(along: &Vector3, part: f64, rate: f64) -> Driven {
+    Driven {
+        displacement: along * part,
+        velocity: along * rate,
+        ..Driven::default()
+    }
+}
+
+/// Time since `start` until `end`, and its rate.
+fn ramp(t: f64, start: f64, end: f64) -> [f64; 2] {
+    let moves = t >= start && t < end;
+    [t.clamp(start, end) - start, f64::from(u8::from(moves))]
+}
+
+/// `periods` periods of (1 - cos)/2 from time 0, and their rate.
+fn swing(frequency: f64, t: f64, periods: f64) -> [f64; 2] {
     let phase = t * frequency;
     if !(0.0..periods).contains(&phase) {
-        return Driven {
-            displacement: Vector3::zeros(),
-            velocity: Vector3::zeros(),
-        };
+        return [0.0; 2];
     }
     let (sin, cos) = (TAU * phase).sin_cos();
-    Driven {
-        displacement: stroke * (0.5 * (1.0 - cos)),
-        velocity: stroke * (0.5 * TAU * frequency * sin),
-    }
+    [0.5 * (1.0 - cos), 0.5 * TAU * frequency * sin]
 }
 
 #[cfg(test)]
@@ -232,6 +394,56 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// A point of a turning thing moves at the velocity that is stated, and `base_of` undoes
+    /// `place`.
+    #[test]
+    fn points_move_at_the_velocity_of_the_turn() {
+        let (axis, point) = (Vector3::new(1.0, -2.0, 0.5), Vector3::new(0.3, 0.1, -0.2));
+        let drives = [
+            Drive::Turn {
+                axis,
+                point,
+                rate: -1.7,
+                start: 0.2,
+                end: 1.5,
+            },
+            Drive::Rock {
+                axis,
+                point,
+                stroke: 0.8,
+                frequency: 2.0,
+                start: 0.1,
+                periods: 3,
+            },
+        ];
+        let turn = Rotation::from_euler_angles(0.1, 0.2, 0.3);
+        let base = Pose::from_parts(Translation3::new(1.0, 2.0, 3.0), turn);
+        let x = Vector3::new(0.4, 0.5, -0.6);
+        for drive in drives {
+            drive.validate().unwrap();
+            let at = |t: f64| drive.at(t).place(&base).transform_point(&x.into()).coords;
+            for k in 0..200 {
+                let (t, h) = (0.0093 * f64::from(k) + 1e-4, 1e-6);
+                let slope = (at(t + h) - at(t - h)) / (2.0 * h);
+                let driven = drive.at(t);
+                let off = (slope - driven.velocity_at(&at(t))).norm();
+                assert!(off < 1e-6, "{drive:?} at {t}: {off:e}");
+                let back = driven.base_of(&driven.place(&base));
+                assert!((back.translation.vector - base.translation.vector).norm() < 1e-13);
+                assert!(back.rotation.angle_to(&base.rotation) < 1e-7);
+                assert!((at(t) - at(0.0)).norm() <= driven.way_from(&drive.at(0.0), 5.0));
+            }
+        }
+        let flat = Drive::Turn {
+            axis: Vector3::zeros(),
+            point,
+            rate: 1.0,
+            start: 0.0,
+            end: 1.0,
+        };
+        assert!(flat.validate().unwrap_err().to_string().contains("axis"));
     }
 
     #[test]

@@ -1,35 +1,72 @@
 //! Narrow phase of a batch: one outcome per pair, in fixed slots.
 
-use super::pairs::{Cache, Pair, PairTable};
-use crate::contact::{Contact, Partner, assemble};
+use super::history::{PatchRecord, inherit};
+use super::pairs::{Cache, MeshPair, Pair, PairTable};
+use crate::contact::{BodyId, Contact, Partner, assemble};
 use crate::damping::damp;
 use crate::friction::FrictionState;
-use crate::kernel::{CavityKernel, PairKernel, Scratch};
+use crate::general::{FieldMesh, GeneralKernel, GeneralScratch, Patch};
+use crate::kernel::{CavityKernel, Overlap, PairKernel, Scratch};
 use crate::law::ContactParameters;
 use crate::motion::Motion;
-use crate::shape::ConvexShape;
-use crate::walls::Wall;
+use crate::shape::{BodyShape, ConvexShape};
+use crate::walls::{Wall, WallShape};
 use std::sync::Arc;
 
 #[cfg(feature = "parallel")]
 use super::SERIAL_BELOW;
 
+/// A pair with a mesh costs as much as this many convex pairs, when pairs are handed out.
+#[cfg(feature = "parallel")]
+const MESH_PAIR: usize = 16;
+
+/// Buffers of one thread.
+#[derive(Default)]
+pub(crate) struct Workspace {
+    convex: Scratch,
+    general: GeneralScratch,
+}
+
 /// What every pair of one update shares.
 pub(crate) struct Context<'a> {
     pub pair: PairKernel,
     pub cavity: CavityKernel,
+    pub general: GeneralKernel,
     pub parameters: ContactParameters,
-    pub shapes: &'a [Arc<ConvexShape>],
+    pub shapes: &'a [BodyShape],
+    /// Fans of the convex shapes, where there is a mesh.
+    pub fans: &'a [Option<Arc<FieldMesh>>],
     pub body_shapes: &'a [u32],
-    pub wall_shapes: &'a [Wall],
+    pub wall_shapes: &'a [WallShape],
     pub bodies: &'a [Motion],
     pub walls: &'a [Motion],
     pub dt: f64,
 }
 
+/// A body or wall A, a body B, and the rank of the patch.
+type Ids = (Partner, BodyId, u32);
+
 impl Context<'_> {
-    fn shape(&self, body: u32) -> &ConvexShape {
-        &self.shapes[self.body_shapes[body as usize] as usize]
+    fn convex(&self, body: BodyId) -> Option<&ConvexShape> {
+        match &self.shapes[self.body_shapes[body as usize] as usize] {
+            BodyShape::Convex(shape) => Some(shape),
+            BodyShape::Mesh(_) => None,
+        }
+    }
+
+    fn mesh(&self, body: BodyId) -> Option<&FieldMesh> {
+        let shape = self.body_shapes[body as usize] as usize;
+        match &self.shapes[shape] {
+            BodyShape::Convex(_) => self.fans.get(shape)?.as_deref(),
+            BodyShape::Mesh(mesh) => Some(mesh),
+        }
+    }
+
+    fn planes(&self, wall: u32) -> Option<&Wall> {
+        match &self.wall_shapes[wall as usize] {
+            WallShape::Planes(wall) => Some(wall),
+            WallShape::Mesh(_) => None,
+        }
     }
 
     fn motion_a(&self, a: Partner) -> &Motion {
@@ -45,48 +82,132 @@ impl Context<'_> {
         match &pair.cache {
             Cache::Body(cache) => cache.is_clear(travelled),
             Cache::Wall(cache) => cache.is_clear(travelled),
+            Cache::Mesh(mesh) => mesh.cache.is_clear(travelled),
         }
     }
 
     /// Evaluates one pair in place.
-    fn evaluate(&self, pair: &mut Pair, scratch: &mut Scratch) {
+    fn evaluate(&self, pair: &mut Pair, work: &mut Workspace) {
         let (a, b) = (self.motion_a(pair.a), &self.bodies[pair.b as usize]);
-        let travelled = a.travelled + b.travelled;
-        let body = self.shape(pair.b);
-        let overlap = match (&mut pair.cache, pair.a) {
-            (Cache::Body(cache), Partner::Body(i)) => self.pair.evaluate_cached(
-                self.shape(i),
-                &a.frame,
-                body,
-                &b.frame,
-                cache,
-                travelled,
-                scratch,
-            ),
-            (Cache::Wall(cache), Partner::Wall(w)) => self.cavity.evaluate_cached(
-                &self.wall_shapes[w as usize],
-                &a.frame,
-                body,
-                &b.frame,
-                cache,
-                travelled,
-                scratch,
-            ),
-            _ => None,
+        let overlap = match &mut pair.cache {
+            Cache::Mesh(mesh) => {
+                self.evaluate_mesh(pair.a, pair.b, mesh, &mut work.general);
+                return;
+            }
+            cache => self.evaluate_convex(pair.a, pair.b, cache, &mut work.convex),
         };
         let Some(overlap) = overlap else {
             pair.contact = None;
             pair.friction = None;
             return;
         };
-        let damped = damp(&overlap, a, b, self.parameters.damping_ratio);
-        let normal_force = overlap.force_magnitude() * damped.scale;
         let state = pair
             .friction
             .get_or_insert_with(|| FrictionState::new(&overlap, a, b));
-        let friction = state.update(&self.parameters, &overlap, normal_force, a, b, self.dt);
-        let contact: Contact = assemble(pair.a, pair.b, &overlap, &damped, &friction, [a, b]);
-        pair.contact = Some(contact);
+        pair.contact = Some(self.touch((pair.a, pair.b, 0), &overlap, state));
+    }
+
+    fn evaluate_convex(
+        &self,
+        a: Partner,
+        b: BodyId,
+        cache: &mut Cache,
+        scratch: &mut Scratch,
+    ) -> Option<Overlap> {
+        let (of_a, of_b) = (self.motion_a(a), &self.bodies[b as usize]);
+        let (frame_a, frame_b) = (&of_a.frame, &of_b.frame);
+        let travelled = of_a.travelled + of_b.travelled;
+        let body = self.convex(b)?;
+        match (cache, a) {
+            (Cache::Body(cache), Partner::Body(i)) => {
+                let shape = self.convex(i)?;
+                self.pair
+                    .evaluate_cached(shape, frame_a, body, frame_b, cache, travelled, scratch)
+            }
+            (Cache::Wall(cache), Partner::Wall(w)) => {
+                let wall = self.planes(w)?;
+                self.cavity
+                    .evaluate_cached(wall, frame_a, body, frame_b, cache, travelled, scratch)
+            }
+            _ => None,
+        }
+    }
+
+    /// Evaluates a pair with a mesh and carries its patches over from the last step.
+    fn evaluate_mesh(
+        &self,
+        a: Partner,
+        b: BodyId,
+        pair: &mut MeshPair,
+        scratch: &mut GeneralScratch,
+    ) {
+        let patches = self.patches(a, b, pair, scratch).unwrap_or_default();
+        if patches.is_empty() {
+            pair.patches.clear();
+            return;
+        }
+        let motions = [self.motion_a(a), &self.bodies[b as usize]];
+        let found: Vec<([u32; 2], &Overlap)> =
+            patches.iter().map(|p| (p.key, &p.overlap)).collect();
+        let ratio = self.parameters.tangential_ratio;
+        let states = inherit(&pair.patches, &found, motions, ratio);
+        pair.patches.clear();
+        for (rank, ((key, overlap), mut state)) in found.into_iter().zip(states).enumerate() {
+            let contact = self.touch((a, b, rank as u32), overlap, &mut state);
+            let record = PatchRecord::new(key, overlap, motions, state, contact);
+            pair.patches.push(record);
+        }
+    }
+
+    fn patches<'s>(
+        &self,
+        a: Partner,
+        b: BodyId,
+        pair: &mut MeshPair,
+        scratch: &'s mut GeneralScratch,
+    ) -> Option<&'s [Patch]> {
+        let (of_a, of_b) = (self.motion_a(a), &self.bodies[b as usize]);
+        let (frame_a, frame_b) = (&of_a.frame, &of_b.frame);
+        let travelled = of_a.travelled + of_b.travelled;
+        let body = self.mesh(b)?;
+        let cache = &mut pair.cache;
+        let wall = match a {
+            Partner::Body(i) => {
+                let mesh = self.mesh(i)?;
+                return Some(
+                    self.general
+                        .evaluate_cached(mesh, frame_a, body, frame_b, cache, travelled, scratch),
+                );
+            }
+            Partner::Wall(w) => match &self.wall_shapes[w as usize] {
+                WallShape::Mesh(wall) => wall.solid_wall(),
+                WallShape::Planes(wall) => {
+                    let from_wall = frame_b.position - frame_a.position;
+                    let x = frame_a.rotation.tr_mul(&from_wall);
+                    let (solid, renewed) = pair.local.near(wall, &x, body.radius());
+                    if renewed {
+                        *cache = Default::default();
+                        for patch in &mut pair.patches {
+                            patch.forget_key();
+                        }
+                    }
+                    solid?
+                }
+            },
+        };
+        Some(
+            self.general
+                .evaluate_wall_cached(wall, frame_a, body, frame_b, cache, travelled, scratch),
+        )
+    }
+
+    /// Damping and friction of one patch, whose state is advanced.
+    fn touch(&self, ids: Ids, overlap: &Overlap, state: &mut FrictionState) -> Contact {
+        let (a, b) = (self.motion_a(ids.0), &self.bodies[ids.1 as usize]);
+        let damped = damp(overlap, a, b, self.parameters.damping_ratio);
+        let normal_force = overlap.force_magnitude() * damped.scale;
+        let friction = state.update(&self.parameters, overlap, normal_force, a, b, self.dt);
+        assemble(ids, overlap, &damped, &friction, [a, b])
     }
 }
 
@@ -94,31 +215,36 @@ impl Context<'_> {
 /// order nor the number of threads changes a bit.
 pub(crate) fn run(context: &Context, pairs: &mut PairTable) {
     let mut due = Vec::with_capacity(pairs.order_len());
+    #[cfg_attr(
+        not(feature = "parallel"),
+        expect(unused, reason = "counts what is handed out")
+    )]
+    let mut meshes = 0;
     for k in 0..pairs.order_len() {
         let slot = pairs.order()[k];
         let pair = pairs.slot_mut(slot);
         if context.is_clear(pair) {
-            pair.contact = None;
-            pair.friction = None;
+            pair.part();
         } else {
+            meshes += usize::from(matches!(pair.cache, Cache::Mesh(_)));
             due.push(slot);
         }
     }
     #[cfg(feature = "parallel")]
-    if due.len() >= SERIAL_BELOW && rayon::current_num_threads() > 1 {
+    if due.len() + MESH_PAIR * meshes >= SERIAL_BELOW && rayon::current_num_threads() > 1 {
         use rayon::prelude::*;
         due.sort_unstable();
         pairs
             .slots_mut(&due)
             .into_par_iter()
-            .with_min_len(16)
-            .for_each_init(Scratch::default, |scratch, pair| {
-                context.evaluate(pair, scratch);
+            .with_min_len(if meshes > 0 { 1 } else { MESH_PAIR })
+            .for_each_init(Workspace::default, |work, pair| {
+                context.evaluate(pair, work);
             });
         return;
     }
-    let mut scratch = Scratch::default();
+    let mut work = Workspace::default();
     for slot in due {
-        context.evaluate(pairs.slot_mut(slot), &mut scratch);
+        context.evaluate(pairs.slot_mut(slot), &mut work);
     }
 }

@@ -2,16 +2,18 @@
 //! history; the host owns the bodies, their integration and the time step.
 
 mod evaluate;
+mod history;
 mod pairs;
 
 use crate::broadphase::Broadphase;
 use crate::contact::{BodyId, Contact, Load, Partner};
 use crate::error::ContactError;
+use crate::general::{FieldMesh, Form, GeneralKernel};
 use crate::kernel::{CavityKernel, PairKernel};
 use crate::law::{ContactLaw, ContactParameters};
 use crate::motion::Motion;
-use crate::shape::ConvexShape;
-use crate::walls::Wall;
+use crate::shape::BodyShape;
+use crate::walls::WallShape;
 use evaluate::Context;
 use pairs::PairTable;
 use serde::{Deserialize, Serialize};
@@ -35,7 +37,7 @@ pub struct BatchTotals {
     pub touching: usize,
 }
 
-/// Contact of many convex bodies and walls, with friction history.
+/// Contact of many bodies and walls of any shape, with friction history.
 ///
 /// Bodies are added once and then updated with one [`Motion`] each. Pairs of two bodies
 /// that are both asleep are not evaluated; their last contact stays on record.
@@ -43,9 +45,12 @@ pub struct BatchTotals {
 pub struct ContactBatch {
     law: ContactLaw,
     #[serde(skip)]
-    shapes: Vec<Arc<ConvexShape>>,
+    shapes: Vec<BodyShape>,
+    /// Fans of the convex shapes; empty as long as there is no mesh.
+    #[serde(skip)]
+    fans: Vec<Option<Arc<FieldMesh>>>,
     body_shapes: Vec<u32>,
-    walls: Vec<Wall>,
+    walls: Vec<WallShape>,
     /// Travel of each wall at which all bodies must look for it again, m.
     wall_expires: Vec<f64>,
     awake: Vec<bool>,
@@ -65,6 +70,7 @@ impl ContactBatch {
         Self {
             law,
             shapes: Vec::new(),
+            fans: Vec::new(),
             body_shapes: Vec::new(),
             walls: Vec::new(),
             wall_expires: Vec::new(),
@@ -79,9 +85,9 @@ impl ContactBatch {
         }
     }
 
-    /// Adds a shape and returns its index.
-    pub fn add_shape(&mut self, shape: Arc<ConvexShape>) -> u32 {
-        self.shapes.push(shape);
+    /// Adds a shape, convex or a mesh, and returns its index.
+    pub fn add_shape(&mut self, shape: impl Into<BodyShape>) -> u32 {
+        self.shapes.push(shape.into());
         self.shapes.len() as u32 - 1
     }
 
@@ -90,23 +96,25 @@ impl ContactBatch {
     /// # Errors
     /// [`ContactError::NoSuch`] if the shape was never added.
     pub fn add_body(&mut self, shape: u32) -> Result<BodyId, ContactError> {
-        if shape as usize >= self.shapes.len() {
+        let Some(kind) = self.shapes.get(shape as usize) else {
             return Err(ContactError::NoSuch {
                 what: "shape",
                 index: shape as usize,
                 count: self.shapes.len(),
             });
-        }
+        };
+        self.pairs.add_body(kind.is_mesh());
         self.body_shapes.push(shape);
         self.awake.push(true);
         self.awake_changed = true;
         self.loads.push(Load::default());
-        self.pairs.add_body();
         Ok(self.body_shapes.len() as u32 - 1)
     }
 
-    /// Adds a wall and returns its index.
-    pub fn add_wall(&mut self, wall: Wall) -> u32 {
+    /// Adds a wall, of planes or a mesh, and returns its index.
+    pub fn add_wall(&mut self, wall: impl Into<WallShape>) -> u32 {
+        let wall = wall.into();
+        self.pairs.add_wall(wall.is_mesh());
         self.walls.push(wall);
         self.wall_expires.push(f64::NEG_INFINITY);
         self.wall_loads.push(Load::default());
@@ -124,12 +132,12 @@ impl ContactBatch {
     }
 
     /// The walls, by index.
-    pub fn walls(&self) -> &[Wall] {
+    pub fn walls(&self) -> &[WallShape] {
         &self.walls
     }
 
     /// The shapes, by index.
-    pub fn shapes(&self) -> &[Arc<ConvexShape>] {
+    pub fn shapes(&self) -> &[BodyShape] {
         &self.shapes
     }
 
@@ -137,7 +145,7 @@ impl ContactBatch {
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if a body refers to a shape that is not there.
-    pub fn restore_shapes(&mut self, shapes: Vec<Arc<ConvexShape>>) -> Result<(), ContactError> {
+    pub fn restore_shapes(&mut self, shapes: Vec<BodyShape>) -> Result<(), ContactError> {
         if let Some(&bad) = self
             .body_shapes
             .iter()
@@ -150,6 +158,7 @@ impl ContactBatch {
             });
         }
         self.shapes = shapes;
+        self.fans.clear();
         Ok(())
     }
 
@@ -208,7 +217,7 @@ impl ContactBatch {
     /// `is_struck(body, force)` holds.
     pub fn struck_sleepers(&self, is_struck: impl Fn(BodyId, f64) -> bool) -> Vec<BodyId> {
         let mut list: Vec<BodyId> = Vec::new();
-        for contact in self.pairs.evaluated().filter_map(|p| p.contact.as_ref()) {
+        for contact in self.pairs.evaluated().flat_map(|p| p.contacts()) {
             let Partner::Body(a) = contact.a else {
                 continue;
             };
@@ -230,7 +239,8 @@ impl ContactBatch {
     ///
     /// # Errors
     /// [`ContactError::StateCount`] if a slice has the wrong length,
-    /// [`ContactError::NotFinite`] if an awake body's state is not finite.
+    /// [`ContactError::NotFinite`] if an awake body's state is not finite,
+    /// [`ContactError::Mesh`] if a convex body among meshes is too flat for tetrahedra.
     pub fn update(
         &mut self,
         bodies: &[Motion],
@@ -249,14 +259,17 @@ impl ContactBatch {
             let awake = self.awake.iter().enumerate().filter(|x| *x.1);
             self.awake_list = awake.map(|(i, _)| i as BodyId).collect();
         }
+        self.make_fans()?;
         self.search(bodies, walls)?;
         self.pairs.refresh_order(&self.awake, &self.awake_list);
         let parameters = *self.law.parameters();
         let context = Context {
             pair: PairKernel::new(parameters.penalty)?,
             cavity: CavityKernel::new(parameters.penalty)?,
+            general: GeneralKernel::new(parameters.penalty, Form::Sum)?,
             parameters,
             shapes: &self.shapes,
+            fans: &self.fans,
             body_shapes: &self.body_shapes,
             wall_shapes: &self.walls,
             bodies,
@@ -265,6 +278,19 @@ impl ContactBatch {
         };
         evaluate::run(&context, &mut self.pairs);
         self.gather();
+        Ok(())
+    }
+
+    /// Makes tetrahedra of the convex shapes, once a mesh can meet them.
+    fn make_fans(&mut self) -> Result<(), ContactError> {
+        if self.fans.len() < self.shapes.len() && self.pairs.has_meshes() {
+            for shape in &self.shapes[self.fans.len()..] {
+                self.fans.push(match shape {
+                    BodyShape::Convex(convex) => Some(Arc::new(convex.fan()?)),
+                    BodyShape::Mesh(_) => None,
+                });
+            }
+        }
         Ok(())
     }
 
@@ -305,7 +331,7 @@ impl ContactBatch {
 
     /// How far a wall may travel before the bodies near it are looked up again, m.
     fn wall_skin(&self) -> f64 {
-        let largest = |m: f64, s: &Arc<ConvexShape>| m.max(Broadphase::half_skin(s));
+        let largest = |m: f64, s: &BodyShape| m.max(Broadphase::half_skin(s));
         self.shapes.iter().fold(0.0, largest)
     }
 
@@ -335,21 +361,20 @@ impl ContactBatch {
         let mut totals = BatchTotals::default();
         for pair in self.pairs.evaluated() {
             totals.candidates += 1;
-            let Some(contact) = &pair.contact else {
-                continue;
-            };
-            totals.touching += 1;
-            totals.energy += contact.energy;
-            totals.spring_energy += contact.spring_energy;
-            match contact.a {
-                Partner::Body(a) if self.awake[a as usize] => {
-                    self.loads[a as usize].add(contact, 0);
+            for contact in pair.contacts() {
+                totals.touching += usize::from(contact.patch == 0);
+                totals.energy += contact.energy;
+                totals.spring_energy += contact.spring_energy;
+                match contact.a {
+                    Partner::Body(a) if self.awake[a as usize] => {
+                        self.loads[a as usize].add(contact, 0);
+                    }
+                    Partner::Body(_) => {}
+                    Partner::Wall(w) => self.wall_loads[w as usize].add(contact, 0),
                 }
-                Partner::Body(_) => {}
-                Partner::Wall(w) => self.wall_loads[w as usize].add(contact, 0),
-            }
-            if self.awake[contact.b as usize] {
-                self.loads[contact.b as usize].add(contact, 1);
+                if self.awake[contact.b as usize] {
+                    self.loads[contact.b as usize].add(contact, 1);
+                }
             }
         }
         self.totals = totals;
@@ -379,12 +404,12 @@ impl ContactBatch {
         &self.totals
     }
 
-    /// All contacts on record, sorted by pair.
+    /// All contacts on record, sorted by pair and patch.
     pub fn contacts(&self) -> Vec<&Contact> {
         self.pairs.contacts()
     }
 
-    /// The contacts of one body, sorted by partner.
+    /// The contacts of one body, sorted by partner and patch.
     pub fn contacts_of(&self, body: BodyId) -> impl Iterator<Item = &Contact> {
         self.pairs.contacts_of(body)
     }

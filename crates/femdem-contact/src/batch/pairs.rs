@@ -1,15 +1,19 @@
 //! The pair table: one slot per candidate pair, neighbour lists, and the sorted order of
 //! the pairs to evaluate.
 
+use super::history::PatchRecord;
 use crate::contact::{BodyId, Contact, Partner};
 use crate::friction::FrictionState;
+use crate::general::GeneralCache;
 use crate::kernel::{CavityCache, PairCache};
+use crate::walls::LocalSolid;
 use serde::{Deserialize, Serialize};
 
 /// A neighbour code: bodies by index, walls above them.
 const WALL: u32 = 1 << 31;
 
-/// What is remembered of a candidate pair.
+/// What is remembered of a candidate pair. Convex pairs keep their one patch here, others keep
+/// theirs in the cache.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Pair {
     pub a: Partner,
@@ -19,11 +23,43 @@ pub(crate) struct Pair {
     pub contact: Option<Contact>,
 }
 
-/// The kernel's memory for either kind of pair.
+impl Pair {
+    /// The contacts on record, by patch.
+    pub fn contacts(&self) -> impl Iterator<Item = &Contact> {
+        let patches: &[PatchRecord] = match &self.cache {
+            Cache::Mesh(mesh) => &mesh.patches,
+            Cache::Body(_) | Cache::Wall(_) => &[],
+        };
+        self.contact
+            .iter()
+            .chain(patches.iter().map(|p| &p.contact))
+    }
+
+    /// Forgets contacts and friction: the two are apart.
+    pub fn part(&mut self) {
+        self.contact = None;
+        self.friction = None;
+        if let Cache::Mesh(mesh) = &mut self.cache {
+            mesh.patches.clear();
+        }
+    }
+}
+
+/// The kernel's memory for each kind of pair.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) enum Cache {
     Body(PairCache),
     Wall(CavityCache),
+    Mesh(Box<MeshPair>),
+}
+
+/// What is remembered of a pair with a mesh.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct MeshPair {
+    pub cache: GeneralCache,
+    /// Against a wall of planes: its part near the body.
+    pub local: LocalSolid,
+    pub patches: Vec<PatchRecord>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -39,12 +75,34 @@ pub(crate) struct PairTable {
     neighbours: Vec<Vec<Neighbour>>,
     order: Vec<u32>,
     changed: bool,
+    /// Whether a body or a wall is a mesh.
+    mesh_bodies: Vec<bool>,
+    mesh_walls: Vec<bool>,
 }
 
 impl PairTable {
-    pub fn add_body(&mut self) {
+    pub fn add_body(&mut self, is_mesh: bool) {
         self.neighbours.push(Vec::new());
+        self.mesh_bodies.push(is_mesh);
         self.changed = true;
+    }
+
+    pub fn add_wall(&mut self, is_mesh: bool) {
+        self.mesh_walls.push(is_mesh);
+    }
+
+    /// Whether any body or wall is a mesh.
+    pub fn has_meshes(&self) -> bool {
+        self.mesh_bodies.iter().chain(&self.mesh_walls).any(|m| *m)
+    }
+
+    fn is_mesh(&self, code: u32) -> bool {
+        let (list, index) = if code >= WALL {
+            (&self.mesh_walls, code & !WALL)
+        } else {
+            (&self.mesh_bodies, code)
+        };
+        list.get(index as usize).copied().unwrap_or(false)
     }
 
     pub fn mark_changed(&mut self) {
@@ -86,12 +144,17 @@ impl PairTable {
     }
 
     fn link(&mut self, body: BodyId, code: u32) {
-        let (a, b, cache) = if code >= WALL {
-            let cache = Cache::Wall(CavityCache::default());
-            (Partner::Wall(code & !WALL), body, cache)
+        let (a, b) = if code >= WALL {
+            (Partner::Wall(code & !WALL), body)
         } else {
-            let cache = Cache::Body(PairCache::default());
-            (Partner::Body(body.min(code)), body.max(code), cache)
+            (Partner::Body(body.min(code)), body.max(code))
+        };
+        let cache = if self.is_mesh(body) || self.is_mesh(code) {
+            Cache::Mesh(Box::default())
+        } else if code >= WALL {
+            Cache::Wall(CavityCache::default())
+        } else {
+            Cache::Body(PairCache::default())
         };
         let pair = Pair {
             a,
@@ -126,9 +189,7 @@ impl PairTable {
         if neighbour.code < WALL {
             self.neighbours[neighbour.code as usize].retain(|n| n.code != body);
         }
-        let pair = &mut self.slots[neighbour.slot as usize];
-        pair.contact = None;
-        pair.friction = None;
+        self.slots[neighbour.slot as usize].part();
         self.free.push(neighbour.slot);
         self.changed = true;
     }
@@ -202,7 +263,7 @@ impl PairTable {
         let mut all: Vec<&Contact> = Vec::new();
         for (i, list) in self.neighbours.iter().enumerate() {
             let own = list.iter().filter(|n| n.code > i as u32);
-            all.extend(own.filter_map(|n| self.slot(n.slot).contact.as_ref()));
+            all.extend(own.flat_map(|n| self.slot(n.slot).contacts()));
         }
         all
     }
@@ -212,6 +273,6 @@ impl PairTable {
             .get(body as usize)
             .into_iter()
             .flatten()
-            .filter_map(|n| self.slot(n.slot).contact.as_ref())
+            .flat_map(|n| self.slot(n.slot).contacts())
     }
 }

@@ -7,9 +7,8 @@ use crate::drive::Drive;
 use crate::error::SolveError;
 use crate::ledger::Flows;
 use crate::parameters::WorldParameters;
-use femdem_contact::{BodyId, ContactBatch, ContactParameters, ConvexShape, Frame, Motion, Wall};
-use femdem_mesh::{Polyhedron, Vector3};
-use std::sync::Arc;
+use femdem_contact::{BodyId, ContactBatch, ContactParameters, Field, Frame, Motion, WallShape};
+use femdem_mesh::{Polyhedron, Pose, TetMesh};
 
 impl World {
     /// An empty world.
@@ -80,10 +79,32 @@ impl World {
         name: &str,
         polyhedron: &Polyhedron,
     ) -> Result<ShapeId, SolveError> {
-        let shape = Shape::new(name, polyhedron);
-        let convex = shape.convex()?;
+        self.insert_shape(Shape::new(name, polyhedron))
+    }
+
+    /// Adds a shape of any form and returns its index: its surface, and tetrahedra that fill it,
+    /// in the same coordinates, with the field that makes the contact forces.
+    ///
+    /// Mass, centroid and inertia are those of the surface; contacts are those of the mesh. A
+    /// convex shape is cheaper by [`add_shape`](Self::add_shape).
+    ///
+    /// # Errors
+    /// [`SolveError::Parameter`] if the volumes of the two differ by more than 10 %,
+    /// [`SolveError::Contact`] if the mesh cannot carry the field.
+    pub fn add_mesh_shape(
+        &mut self,
+        name: &str,
+        polyhedron: &Polyhedron,
+        mesh: &TetMesh,
+        field: Field,
+    ) -> Result<ShapeId, SolveError> {
+        self.insert_shape(Shape::meshed(name, polyhedron, mesh, field)?)
+    }
+
+    fn insert_shape(&mut self, shape: Shape) -> Result<ShapeId, SolveError> {
+        let contact = shape.contact()?;
         self.shapes.push(shape);
-        Ok(self.batch.add_shape(Arc::new(convex)))
+        Ok(self.batch.add_shape(contact))
     }
 
     /// Adds a body and returns its index.
@@ -112,12 +133,15 @@ impl World {
                 count: self.shapes.len(),
             });
         };
-        let convex: &ConvexShape = &self.batch.shapes()[spec.shape as usize];
-        let mut body = Body::new(&spec, shape, convex.radius())?;
-        body.driven = drive.map(|d| (d, body.position));
-        if body.driven.is_none() {
+        let contact = &self.batch.shapes()[spec.shape as usize];
+        let mut body = Body::new(&spec, shape, contact.radius())?;
+        if let Some(drive) = drive {
+            let (driven, place) = (drive.at(self.time), body.place());
+            body.driven = Some((drive, driven.base_of(&place)));
+            body.follow(&driven, &place);
+        } else {
             self.step_control
-                .see(convex, &body, &self.parameters.contact);
+                .see(contact, &body, &self.parameters.contact);
             let energy =
                 body.kinetic_energy() - body.mass * self.parameters.gravity.dot(&body.position);
             self.initial_energy += energy;
@@ -130,13 +154,19 @@ impl World {
         Ok(id)
     }
 
-    /// Adds a wall that is fixed or moves as prescribed, and returns its index.
+    /// Adds a wall, of planes or a mesh, that is fixed or moves as prescribed, and returns its
+    /// index.
     ///
     /// # Errors
     /// [`SolveError::Parameter`] for a drive out of range.
-    pub fn add_wall(&mut self, wall: Wall, drive: Drive) -> Result<u32, SolveError> {
+    pub fn add_wall(
+        &mut self,
+        wall: impl Into<WallShape>,
+        drive: Drive,
+    ) -> Result<u32, SolveError> {
         drive.validate()?;
-        self.wall_drives.push((drive, Vector3::zeros()));
+        let base = drive.at(self.time).base_of(&Pose::identity());
+        self.wall_drives.push((drive, base));
         self.wall_motions.push(Motion::fixed(Frame::identity()));
         self.loaded = false;
         Ok(self.batch.add_wall(wall))
@@ -150,21 +180,17 @@ impl World {
     pub fn drive_wall(&mut self, wall: u32, drive: Drive) -> Result<(), SolveError> {
         drive.validate()?;
         let count = self.wall_drives.len();
-        let here = self
-            .wall_motions
-            .get(wall as usize)
-            .map(|m| m.frame.position - drive.at(self.time).displacement);
-        match (self.wall_drives.get_mut(wall as usize), here) {
-            (Some(slot), Some(origin)) => {
-                *slot = (drive, origin);
-                Ok(())
-            }
-            _ => Err(SolveError::NoSuch {
+        let time = self.time;
+        let Some(slot) = self.wall_drives.get_mut(wall as usize) else {
+            return Err(SolveError::NoSuch {
                 what: "wall",
                 index: wall as usize,
                 count,
-            }),
-        }
+            });
+        };
+        let here = slot.0.at(time).place(&slot.1);
+        *slot = (drive, drive.at(time).base_of(&here));
+        Ok(())
     }
 
     /// The whole state as bytes.
@@ -193,7 +219,7 @@ impl World {
         let shapes = self
             .shapes
             .iter()
-            .map(|s| s.convex().map(Arc::new))
+            .map(Shape::contact)
             .collect::<Result<Vec<_>, _>>()?;
         self.batch.restore_shapes(shapes)?;
         Ok(())
@@ -202,9 +228,9 @@ impl World {
     /// Tells the step control about all bodies again.
     fn shapes_to_step_control(&mut self) -> Result<(), SolveError> {
         for body in self.bodies.iter().filter(|b| b.driven.is_none()) {
-            let convex = &self.batch.shapes()[body.shape as usize];
+            let contact = &self.batch.shapes()[body.shape as usize];
             self.step_control
-                .see(convex, body, &self.parameters.contact);
+                .see(contact, body, &self.parameters.contact);
         }
         Ok(())
     }

@@ -13,7 +13,7 @@ use crate::drive::Drive;
 use crate::ledger::Flows;
 use crate::parameters::WorldParameters;
 use femdem_contact::{ContactBatch, Motion};
-use femdem_mesh::Vector3;
+use femdem_mesh::Pose;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
@@ -31,7 +31,8 @@ pub struct World {
     shapes: Vec<Shape>,
     bodies: Vec<Body>,
     motions: Vec<Motion>,
-    wall_drives: Vec<(Drive, Vector3)>,
+    /// Each with the pose it counts from.
+    wall_drives: Vec<(Drive, Pose)>,
     wall_motions: Vec<Motion>,
     batch: ContactBatch,
     /// Awake bodies, ascending.

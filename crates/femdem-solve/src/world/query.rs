@@ -4,7 +4,7 @@ use super::{Counters, World};
 use crate::body::{Body, Shape, ShapeId};
 use crate::ledger::Ledger;
 use crate::parameters::WorldParameters;
-use femdem_contact::{BodyId, Contact, Load, Wall};
+use femdem_contact::{BodyId, Contact, Load, WallShape};
 use femdem_mesh::{Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -154,18 +154,18 @@ impl World {
             .sum()
     }
 
-    /// All contacts on record, sorted by pair.
+    /// All contacts on record, sorted by pair and patch: a contact for each patch.
     pub fn contacts(&self) -> Vec<&Contact> {
         self.batch.contacts()
     }
 
-    /// The contacts of one body, sorted by partner.
+    /// The contacts of one body, sorted by partner and patch.
     pub fn contacts_of(&self, id: BodyId) -> impl Iterator<Item = &Contact> {
         self.batch.contacts_of(id)
     }
 
     /// The walls, by index.
-    pub fn walls(&self) -> &[Wall] {
+    pub fn walls(&self) -> &[WallShape] {
         self.batch.walls()
     }
 
@@ -238,7 +238,7 @@ impl World {
     }
 }
 
-/// Mean normal force over the contacts of a body, N.
+/// Mean normal force over the partners of a body, N.
 fn mean_force(load: &Load) -> f64 {
     if load.contacts > 0 {
         load.normal_sum / f64::from(load.contacts)

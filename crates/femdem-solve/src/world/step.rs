@@ -7,7 +7,7 @@ use crate::error::SolveError;
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
 use crate::rotation;
-use femdem_contact::{ContactError, Load};
+use femdem_contact::{ContactError, Frame, Load, Wrench};
 use femdem_mesh::Vector3;
 use std::time::Instant;
 
@@ -54,15 +54,17 @@ impl World {
         for &i in &self.awake {
             let (body, load) = (&mut self.bodies[i as usize], &loads[i as usize]);
             if body.driven.is_some() {
-                let v = body.velocity;
-                book_driven(load, &v, h, &mut flows);
+                let (v, w) = (body.velocity, body.angular_velocity());
+                book_driven(load, &v, &w, h, &mut flows);
             } else {
                 kick_body(body, load, &self.parameters, h, &mut flows);
             }
         }
-        for (load, (drive, _)) in self.batch.wall_loads().iter().zip(&self.wall_drives) {
+        for (load, (drive, base)) in self.batch.wall_loads().iter().zip(&self.wall_drives) {
             if *drive != Drive::Fixed {
-                book_driven(load, &drive.at(self.time).velocity, h, &mut flows);
+                let driven = drive.at(self.time);
+                let v = driven.velocity_at(&driven.place(base).translation.vector);
+                book_driven(load, &v, &driven.angular_velocity(), h, &mut flows);
             }
         }
         self.flows.work_in += flows.work_in;
@@ -76,16 +78,18 @@ impl World {
         for k in 0..self.awake.len() {
             let i = self.awake[k] as usize;
             let body = &mut self.bodies[i];
-            let moved = if let Some((drive, origin)) = body.driven {
-                let driven = drive.at(end);
-                let to = origin + driven.displacement;
-                let way = to - body.position;
-                let moved = way.norm();
+            let mut seen = None;
+            let moved = if let Some((drive, base)) = body.driven {
+                let (from, driven) = (drive.at(self.time), drive.at(end));
+                let reach = (body.position - driven.point).norm() + body.radius;
+                let to = driven.place(&base);
                 // Contacts see all bodies at the half step.
-                self.motions[i].velocity = way / dt;
-                body.position = to;
-                body.velocity = driven.velocity;
-                moved
+                seen = Some([
+                    (to.translation.vector - body.position) / dt,
+                    driven.axis * ((driven.angle - from.angle) / dt),
+                ]);
+                body.follow(&driven, &to);
+                driven.way_from(&from, reach)
             } else {
                 let rate = body.momentum.component_div(&body.moments).norm();
                 body.position += body.velocity * dt;
@@ -100,21 +104,43 @@ impl World {
             if !sound {
                 return Err(self.blow_up(i));
             }
-            let seen = self.motions[i].velocity;
             self.motions[i] = self.bodies[i].motion();
-            if self.bodies[i].driven.is_some() {
-                self.motions[i].velocity = seen;
+            if let Some([velocity, angular_velocity]) = seen {
+                self.motions[i].velocity = velocity;
+                self.motions[i].angular_velocity = angular_velocity;
             }
         }
-        for (motion, (drive, origin)) in self.wall_motions.iter_mut().zip(&self.wall_drives) {
-            let driven = drive.at(end);
-            let to = origin + driven.displacement;
-            let way = to - motion.frame.position;
-            motion.travelled += way.norm();
-            motion.frame.position = to;
-            motion.velocity = way / dt;
-        }
+        self.drift_walls(dt);
         Ok(())
+    }
+
+    /// Moves the driven walls from the present time by `dt`.
+    fn drift_walls(&mut self, dt: f64) {
+        for (motion, (drive, base)) in self.wall_motions.iter_mut().zip(&self.wall_drives) {
+            let (from, driven) = (drive.at(self.time), drive.at(self.time + dt));
+            if *drive == Drive::Fixed {
+                motion.velocity = Vector3::zeros();
+                motion.angular_velocity = Vector3::zeros();
+                continue;
+            }
+            let to = driven.place(base);
+            let turn = driven.angle - from.angle;
+            // A wall has no end: what counts is how far it moves where bodies are.
+            let reach = if turn == 0.0 {
+                0.0
+            } else {
+                let far = |b: &Body| (b.position - driven.point).norm() + b.radius;
+                1.1 * self.bodies.iter().map(far).fold(0.0, f64::max)
+            };
+            let at = to.translation.vector;
+            motion.travelled += driven.way_from(&from, reach);
+            motion.velocity = (at - motion.frame.position) / dt;
+            motion.angular_velocity = driven.axis * (turn / dt);
+            motion.frame.position = at;
+            if turn != 0.0 {
+                motion.frame = Frame::from(&to);
+            }
+        }
     }
 
     /// Contacts at the present positions. `dt` is the time since the last call.
@@ -175,8 +201,8 @@ impl World {
 
 /// Work exchanged with something that moves as prescribed: what its contacts do to it
 /// comes from the drive.
-fn book_driven(load: &Load, velocity: &Vector3, h: f64, flows: &mut Flows) {
-    let power = |w: &femdem_contact::Wrench| w.force.dot(velocity) * h;
+fn book_driven(load: &Load, velocity: &Vector3, turn: &Vector3, h: f64, flows: &mut Flows) {
+    let power = |w: &Wrench| w.power(velocity, turn) * h;
     flows.work_in -= power(&load.total);
     flows.damping_work += power(&load.damping);
     flows.friction_work += power(&load.friction);

@@ -2,7 +2,7 @@
 
 use crate::body::Body;
 use crate::parameters::TimeStepParameters;
-use femdem_contact::{ContactParameters, ConvexShape, Load, Motion};
+use femdem_contact::{BodyShape, ContactParameters, Load, Motion};
 use serde::{Deserialize, Serialize};
 
 /// Step sizes are the cap divided by powers of this.
@@ -66,7 +66,7 @@ impl StepControl {
     }
 
     /// Lowers the cap for a body: one contact over its largest face against an equal body.
-    pub(crate) fn see(&mut self, shape: &ConvexShape, body: &Body, law: &ContactParameters) {
+    pub(crate) fn see(&mut self, shape: &BodyShape, body: &Body, law: &ContactParameters) {
         let stiffness = shape.face_stiffness() * law.penalty;
         let frequency2 = 2.0 * stiffness / body.mass;
         let rate = 2.0 * law.damping_ratio * frequency2.sqrt();

@@ -1,0 +1,197 @@
+//! Which patch of a pair was which one step ago: friction history through slip, splits and
+//! merges.
+//!
+//! A patch goes on from the old patch with its key, or from the nearest one; a patch that splits
+//! has several heirs, each with its part of the bristles, and an old patch that nobody goes on
+//! from joins the nearest new one. What is too far for either dies, and its springs' energy is
+//! dissipated. All in index order, so that the outcome is a function of the state.
+
+use crate::contact::Contact;
+use crate::friction::{FrictionState, Springs};
+use crate::kernel::Overlap;
+use crate::motion::Motion;
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Patches farther apart than this many times their summed radii are strangers.
+const REACH: f64 = 4.0;
+
+/// A patch on record.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct PatchRecord {
+    /// The kernel's name for it.
+    pub key: [u32; 2],
+    /// The contact point in the axes of A and of B, m from their origins.
+    place: [Vector3; 2],
+    /// Mean distance of the pressure from the contact point, m.
+    radius: f64,
+    pub friction: FrictionState,
+    pub contact: Contact,
+}
+
+impl PatchRecord {
+    pub fn new(
+        key: [u32; 2],
+        overlap: &Overlap,
+        [a, b]: [&Motion; 2],
+        friction: FrictionState,
+        contact: Contact,
+    ) -> Self {
+        Self {
+            key,
+            place: [
+                a.frame.rotation.tr_mul(&overlap.arm_a),
+                b.frame.rotation.tr_mul(&overlap.arm_b),
+            ],
+            radius: overlap.torsion_radius,
+            friction,
+            contact,
+        }
+    }
+
+    /// The names have changed: only places tell patches apart.
+    pub fn forget_key(&mut self) {
+        self.key = [u32::MAX; 2];
+    }
+
+    /// Distance of a patch from where this one has been carried by both bodies, if it is within
+    /// reach, m.
+    fn distance(&self, overlap: &Overlap, [a, b]: [&Motion; 2]) -> Option<f64> {
+        let by_a = a.frame.rotation * self.place[0];
+        let by_b = overlap.arm_a - overlap.arm_b + b.frame.rotation * self.place[1];
+        let distance = (overlap.arm_a - (by_a + by_b) * 0.5).norm();
+        let reach = REACH * (self.radius + overlap.torsion_radius) + 2.0 * (by_a - by_b).norm();
+        (distance <= reach).then_some(distance)
+    }
+}
+
+/// The friction states of the patches found now, before they are advanced, from those on record.
+/// `ratio` is the tangential over the normal stiffness.
+pub(crate) fn inherit(
+    old: &[PatchRecord],
+    new: &[([u32; 2], &Overlap)],
+    motions: [&Motion; 2],
+    ratio: f64,
+) -> Vec<FrictionState> {
+    let [a, b] = motions;
+    if let ([one], [(_, overlap)]) = (old, new)
+        && one.distance(overlap, motions).is_some()
+    {
+        return vec![one.friction];
+    }
+    let parents = parents(old, new, motions);
+    let parts = parts(old, new, &parents, motions);
+    let mut plain = true;
+    let mut states: Vec<FrictionState> = Vec::with_capacity(new.len());
+    for ((_, overlap), (parents, parts)) in new.iter().zip(parents.iter().zip(&parts)) {
+        let only = matches!((parents.as_slice(), parts.as_slice()), ([_], [(_, true)]));
+        let springs: Vec<Springs> = parts.iter().map(|p| p.0).collect();
+        states.push(if only {
+            old[parents[0]].friction
+        } else if let Some(springs) = Springs::merged(&springs, &overlap.normal) {
+            plain = false;
+            FrictionState::with_springs(overlap, a, b, &springs)
+        } else {
+            FrictionState::new(overlap, a, b)
+        });
+    }
+    if !plain {
+        limit_energy(old, new, &mut states, motions, ratio);
+    }
+    states
+}
+
+/// Old patches that each new one goes on from, ascending.
+fn parents(
+    old: &[PatchRecord],
+    new: &[([u32; 2], &Overlap)],
+    motions: [&Motion; 2],
+) -> Vec<Vec<usize>> {
+    let mut heirless = vec![true; old.len()];
+    let mut parents: Vec<Vec<usize>> = Vec::with_capacity(new.len());
+    for (key, overlap) in new {
+        let same = old.iter().position(|o| o.key == *key);
+        let parent = same.or_else(|| nearest(old.iter().map(|o| o.distance(overlap, motions))));
+        if let Some(i) = parent {
+            heirless[i] = false;
+        }
+        parents.push(parent.into_iter().collect());
+    }
+    for (i, o) in old.iter().enumerate().filter(|(i, _)| heirless[*i]) {
+        let distances = new.iter().map(|(_, overlap)| o.distance(overlap, motions));
+        if let Some(k) = nearest(distances) {
+            parents[k].push(i);
+            parents[k].sort_unstable();
+        }
+    }
+    parents
+}
+
+/// Index of the smallest distance, the first of equals.
+fn nearest(distances: impl Iterator<Item = Option<f64>>) -> Option<usize> {
+    let mut best: Option<(usize, f64)> = None;
+    for (i, d) in distances.enumerate() {
+        if let Some(d) = d
+            && best.is_none_or(|(_, least)| d < least)
+        {
+            best = Some((i, d));
+        }
+    }
+    best.map(|(i, _)| i)
+}
+
+/// The springs that each new patch takes over from its parents, and whether they are all of that
+/// parent's. Heirs of one parent share it by their stiffness.
+fn parts(
+    old: &[PatchRecord],
+    new: &[([u32; 2], &Overlap)],
+    parents: &[Vec<usize>],
+    [a, b]: [&Motion; 2],
+) -> Vec<Vec<(Springs, bool)>> {
+    let weight = |k: usize| new[k].1.stiffness.max(f64::MIN_POSITIVE);
+    let mut total = vec![0.0; old.len()];
+    let mut heirs = vec![0_u32; old.len()];
+    for (k, list) in parents.iter().enumerate() {
+        for &i in list {
+            total[i] += weight(k);
+            heirs[i] += 1;
+        }
+    }
+    let of = |k: usize, i: usize| {
+        let springs = old[i].friction.springs(a, b);
+        let all = heirs[i] == 1;
+        let part = if all { 1.0 } else { weight(k) / total[i] };
+        (springs.share(part), all)
+    };
+    let list = |(k, list): (usize, &Vec<usize>)| list.iter().map(|&i| of(k, i)).collect();
+    parents.iter().enumerate().map(list).collect()
+}
+
+/// Splits and merges redistribute the bristles; they give no energy.
+fn limit_energy(
+    old: &[PatchRecord],
+    new: &[([u32; 2], &Overlap)],
+    states: &mut [FrictionState],
+    [a, b]: [&Motion; 2],
+    ratio: f64,
+) {
+    let before: f64 = old
+        .iter()
+        .map(|o| o.friction.springs(a, b).energy(&o.contact.normal))
+        .sum();
+    // A patch that is softer than what it took over holds its own stiffness times the stretch.
+    let held = |(state, (_, overlap)): (&FrictionState, &([u32; 2], &Overlap))| {
+        let mut springs = state.springs(a, b);
+        springs.stiffness = springs.stiffness.min(ratio * overlap.stiffness.max(0.0));
+        let second = ratio * overlap.stiffness_second.max(0.0);
+        springs.torsion_stiffness = springs.torsion_stiffness.min(second);
+        springs.energy(&overlap.normal)
+    };
+    let after: f64 = states.iter().zip(new).map(held).sum();
+    if after > before {
+        let scale = (before / after).sqrt();
+        for (state, (_, overlap)) in states.iter_mut().zip(new) {
+            state.relax(overlap, a, b, scale);
+        }
+    }
+}

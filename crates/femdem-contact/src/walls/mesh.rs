@@ -1,0 +1,146 @@
+//! Walls of any shape.
+
+use super::{Drum, Hopper, Silo};
+use crate::error::ContactError;
+use crate::general::SolidWall;
+use femdem_mesh::{Point3, TetMesh, Vector3};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// A rigid wall that fills the space of a mesh. Cheap to clone.
+///
+/// The wall has no field: a body that lies in it is pushed out the way the body's own field
+/// points, so the wall must be thicker than the deepest overlap, and a body that gets through it
+/// is outside.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(try_from = "Source", into = "Source")]
+pub struct MeshWall {
+    inner: Arc<Inner>,
+}
+
+#[derive(Debug)]
+struct Inner {
+    source: Source,
+    solid: SolidWall,
+}
+
+/// What a wall is made from, and is stored as.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Source {
+    name: String,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+enum Kind {
+    Solid(TetMesh),
+    Sheet {
+        points: Vec<Point3>,
+        triangles: Vec<[u32; 3]>,
+        thickness: f64,
+    },
+}
+
+impl TryFrom<Source> for MeshWall {
+    type Error = ContactError;
+
+    fn try_from(source: Source) -> Result<Self, ContactError> {
+        let solid = match &source.kind {
+            Kind::Solid(mesh) => SolidWall::solid(mesh),
+            Kind::Sheet {
+                points,
+                triangles,
+                thickness,
+            } => SolidWall::sheet(points, triangles, *thickness)?,
+        };
+        let inner = Arc::new(Inner { source, solid });
+        Ok(Self { inner })
+    }
+}
+
+impl From<MeshWall> for Source {
+    fn from(wall: MeshWall) -> Self {
+        wall.inner.source.clone()
+    }
+}
+
+impl PartialEq for MeshWall {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.inner, &other.inner) || self.inner.source == other.inner.source
+    }
+}
+
+impl MeshWall {
+    /// A wall that fills the volume of a mesh, in the mesh's coordinates.
+    pub fn solid(name: &str, mesh: &TetMesh) -> Self {
+        let inner = Arc::new(Inner {
+            solid: SolidWall::solid(mesh),
+            source: Source {
+                name: name.to_owned(),
+                kind: Kind::Solid(mesh.clone()),
+            },
+        });
+        Self { inner }
+    }
+
+    /// A wall of a given thickness (m) behind a sheet of triangles: bodies are on the side that
+    /// the triangles' normals point to, and touch the sheet's own surface.
+    ///
+    /// # Errors
+    /// [`ContactError::Wall`] if the sheet cannot be thickened.
+    pub fn sheet(
+        name: &str,
+        points: Vec<Point3>,
+        triangles: Vec<[u32; 3]>,
+        thickness: f64,
+    ) -> Result<Self, ContactError> {
+        Self::try_from(Source {
+            name: name.to_owned(),
+            kind: Kind::Sheet {
+                points,
+                triangles,
+                thickness,
+            },
+        })
+    }
+
+    /// A funnel.
+    ///
+    /// # Errors
+    /// As [`Hopper::mesh`].
+    pub fn hopper(name: &str, hopper: &Hopper) -> Result<Self, ContactError> {
+        Ok(Self::solid(name, &hopper.mesh()?))
+    }
+
+    /// A silo with a cone.
+    ///
+    /// # Errors
+    /// As [`Silo::mesh`].
+    pub fn silo(name: &str, silo: &Silo) -> Result<Self, ContactError> {
+        Ok(Self::solid(name, &silo.mesh()?))
+    }
+
+    /// A closed drum.
+    ///
+    /// # Errors
+    /// As [`Drum::mesh`].
+    pub fn drum(name: &str, drum: &Drum) -> Result<Self, ContactError> {
+        Ok(Self::solid(name, &drum.mesh()?))
+    }
+
+    /// The wall's name, as it appears in results.
+    pub fn name(&self) -> &str {
+        &self.inner.source.name
+    }
+
+    /// The wall as the kernel takes it.
+    pub fn solid_wall(&self) -> &SolidWall {
+        &self.inner.solid
+    }
+
+    /// Distance of a point in the wall's axes from the box around the wall, m.
+    pub(super) fn clearance(&self, x: &Vector3) -> f64 {
+        let (low, high) = self.inner.solid.bounds();
+        (low - x).sup(&(x - high)).sup(&Vector3::zeros()).norm()
+    }
+}
