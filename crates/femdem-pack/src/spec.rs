@@ -5,9 +5,9 @@ use crate::error::{PackError, check, check_positive};
 use crate::penalty::{EXPECTED_DENSITY, PackLoad, Penalty, automatic_penalty};
 use crate::protocol::Protocol;
 use femdem_contact::ContactParameters;
-use femdem_mesh::Polyhedron;
-use femdem_mesh::Vector3;
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
+use femdem_mesh::tet::{self, MeshOptions, MeshReport};
+use femdem_mesh::{Polyhedron, TetMesh, Vector3};
 use femdem_solve::{Medium, SleepParameters, TimeStepParameters, WorldParameters};
 use serde::{Deserialize, Serialize};
 
@@ -24,8 +24,11 @@ const LARGEST_STEP: f64 = 0.01;
 pub struct PackShape {
     /// Name, as it appears in results.
     pub name: String,
-    /// The surface, in m. It must be convex.
+    /// The surface, in m.
     pub polyhedron: Polyhedron,
+    /// Tetrahedra of the same body, in the same coordinates; a body that is not convex needs them.
+    #[serde(default)]
+    pub mesh: Option<TetMesh>,
     /// Relative number of bodies of this shape in a mixture (see [`Mixing`]).
     #[serde(default = "equal_share")]
     pub share: f64,
@@ -36,13 +39,33 @@ fn equal_share() -> f64 {
 }
 
 impl PackShape {
-    /// A shape with share 1.
+    /// A convex shape with share 1.
     pub fn new(name: impl Into<String>, polyhedron: Polyhedron) -> Self {
         Self {
             name: name.into(),
             polyhedron,
+            mesh: None,
             share: equal_share(),
         }
+    }
+
+    /// A shape of any closed surface, with share 1: one that is not convex is meshed, and the report
+    /// says how.
+    ///
+    /// # Errors
+    /// [`PackError::Mesh`] if the surface cannot be meshed as the options ask.
+    pub fn of_surface(
+        name: impl Into<String>,
+        polyhedron: Polyhedron,
+        options: &MeshOptions,
+    ) -> Result<(Self, Option<MeshReport>), PackError> {
+        let shape = Self::new(name, polyhedron);
+        if shape.polyhedron.is_convex() {
+            return Ok((shape, None));
+        }
+        let (mesh, report) = tet::mesh(&shape.polyhedron, options)?;
+        let mesh = Some(mesh);
+        Ok((Self { mesh, ..shape }, Some(report)))
     }
 
     /// Circumscribed diameter: of the smallest sphere about the centroid that holds the body, m.
@@ -234,11 +257,15 @@ impl PackSpec {
         diameters.fold(0.0, f64::max)
     }
 
+    /// Volume of a body, m^3; the mean by share for a mixture.
+    pub fn mean_volume(&self) -> f64 {
+        self.mean(|s| s.polyhedron.mass_properties().volume)
+    }
+
     /// Height that the pack will have at a packing density of 0.57, m.
     pub fn expected_height(&self) -> f64 {
-        let volume = self.mean(|s| s.polyhedron.mass_properties().volume);
         self.container
-            .level(f64::from(self.count) * volume / EXPECTED_DENSITY)
+            .level(f64::from(self.count) * self.mean_volume() / EXPECTED_DENSITY)
     }
 
     /// The penalty, Pa: as given, or what the automatic choice comes to.

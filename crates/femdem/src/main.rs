@@ -14,7 +14,7 @@ fn main() -> ExitCode {
         Command::Pack(args) => job::pack(&args),
         Command::Resume(args) => job::resume(&args),
         Command::Analyse(args) => job::analyse(&args),
-        Command::Shapes(args) => shapes::list(args.json).map(|()| Outcome::Finished),
+        Command::Shapes(args) => shapes::run(&args).map(|()| Outcome::Finished),
     };
     match outcome {
         Ok(Outcome::Finished) => ExitCode::SUCCESS,

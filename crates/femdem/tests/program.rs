@@ -226,12 +226,27 @@ fn a_body_from_a_file_is_packed_in_a_cylinder() {
 }
 
 #[test]
-fn shapes_are_18_with_known_values() {
+fn shapes_are_18_solids_with_known_values_and_families_with_parameters() {
     let table = stdout(&run(&mut femdem("shapes")));
     assert!(table.contains("truncated icosidodecahedron"));
     let json = stdout(&run(femdem("shapes").arg("--json")));
     let rows: Vec<serde_json::Value> = serde_json::from_str(&json).unwrap();
-    assert_eq!(rows.len(), 18);
+    assert!(rows.len() > 18);
+    let dolos = rows.iter().find(|row| row["id"] == "dolos").unwrap();
+    assert_eq!(
+        (&dolos["convex"], &dolos["inradius_over_d"]),
+        (&false.into(), &serde_json::Value::Null)
+    );
+    let parameters = dolos["parameters"].as_array().unwrap();
+    for p in parameters {
+        let setting = format!(
+            "{}={}",
+            p["name"].as_str().unwrap(),
+            p["default"].as_str().unwrap()
+        );
+        assert!(table.contains(&setting), "{setting}");
+    }
+    assert!(!parameters.is_empty());
     let cube = rows.iter().find(|row| row["id"] == "P5").unwrap();
     let expect = |key: &str, value: f64| {
         assert!((cube[key].as_f64().unwrap() - value).abs() < 1e-12, "{key}");

@@ -154,7 +154,7 @@ fn bodies_that_are_not_closed_convex_surfaces_are_refused() {
         ("nan.obj", &not_a_number, &["nan"]),
         ("dented.obj", dented, &["convex"]),
         ("empty.obj", "", &["no"]),
-        ("other.ply", "ply", &["other.ply", "obj"]),
+        ("other.step", "step", &["other.step", "obj"]),
     ] {
         let path = folder.path().join(name);
         fs::write(&path, text).unwrap();

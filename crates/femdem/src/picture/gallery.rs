@@ -12,7 +12,7 @@ const INK: Srgb = Srgb([0x33, 0x33, 0x33]);
 const PAPER: Srgb = Srgb([0xff; 3]);
 
 /// Height of the capitals of a label and of the strip that it stands in, over the width of a tile.
-const LETTER: f64 = 0.05;
+const LETTER: f64 = 0.045;
 const STRIP: f64 = 0.13;
 
 /// A shape in a gallery.

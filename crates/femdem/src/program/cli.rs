@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use femdem::Scene;
-use femdem::scene::{ContainerKind, Footprint, ProtocolKind};
+use femdem::scene::{ContainerKind, Footprint, Length, ProtocolKind, Unit};
 
-/// Pack bodies of any convex shape under gravity, with friction, and measure the pack
+/// Pack bodies of any shape under gravity, with friction, and measure the pack
 #[derive(Debug, Parser)]
 #[command(name = "femdem", version, propagate_version = true, after_help = EXAMPLES)]
 pub(crate) struct Cli {
@@ -19,7 +19,9 @@ Examples:
   femdem pack                                      200 truncated dodecahedra into out/pack
   femdem pack --shape A10 --count 500 --friction 0.6 --seed 1 --out out/a10
   femdem pack --shape cube --container cylinder --protocol pour --out out/cubes
-  femdem pack --shape stone.obj --diameter 0.03 --box 8x8 --out out/stones
+  femdem pack --shape stone.stl --unit mm --box 8x8 --out out/stones
+  femdem pack --shape boulder --variety 50 --mass 40 --box 5.26x5.3x3.87m --out out/boulders
+  femdem pack --shape cube --shape dolos:waist=0.36 --share 3 --share 1 --out out/mixed
   femdem pack --count 2000 --print-scene > big.toml && femdem pack big.toml
   femdem resume out/a10                            go on after Ctrl-C or a crash
   femdem analyse out/a10                           measure again, without simulating
@@ -48,7 +50,7 @@ pub(crate) enum Command {
     Resume(ResumeArgs),
     /// Measure and draw the pack in a folder's checkpoint again, without simulating
     Analyse(AnalyseArgs),
-    /// List the shapes that --shape knows
+    /// List the shapes that --shape knows, with their parameters, or draw them
     Shapes(ShapesArgs),
 }
 
@@ -58,18 +60,48 @@ pub(crate) struct PackArgs {
     /// Scene file (TOML); options given beside it win
     pub scene: Option<PathBuf>,
 
-    /// Shape: an identifier or name of `femdem shapes`, or the path of an OBJ or STL file (one closed,
-    /// convex surface) [default: A10]
+    /// Shape: an identifier or name of `femdem shapes`, with parameters if you like, such as
+    /// cylinder:aspect=2, or the path of an OBJ, STL, OFF or PLY file (one closed surface, convex or
+    /// not); repeat it for a mixture [default: A10]
     #[arg(long, value_name = "NAME|FILE")]
-    shape: Option<String>,
+    shape: Vec<String>,
+
+    /// Relative number of bodies of a shape; give none, or one for each --shape [default: equal]
+    #[arg(long, value_name = "X")]
+    share: Vec<f64>,
+
+    /// Variants of each shape that has a seed (boulder): its seed and the ones after it [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    variety: Option<u32>,
 
     /// Number of bodies [default: 200]
     #[arg(long, value_name = "N")]
     count: Option<u32>,
 
     /// Circumscribed diameter d of a body in m [default: 0.05; for a file, its own size]
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", conflicts_with_all = ["size", "mass"])]
     diameter: Option<f64>,
+
+    /// Size of a body in m by the measure that `femdem shapes` names, instead of --diameter
+    #[arg(long, value_name = "M", conflicts_with = "mass")]
+    size: Option<f64>,
+
+    /// Mass of a body in kg, instead of --diameter
+    #[arg(long, value_name = "KG")]
+    mass: Option<f64>,
+
+    /// Unit of the coordinates in surface files [default: m]
+    #[arg(long, value_enum)]
+    unit: Option<Unit>,
+
+    /// Mend surface files that are nearly fine (gaps, doubled or flat facets, inside out), and say
+    /// what was done
+    #[arg(long)]
+    repair: bool,
+
+    /// Target edge length of the tetrahedra of a body that is not convex, in d [default: by the shape]
+    #[arg(long, value_name = "X")]
+    mesh_size: Option<f64>,
 
     /// Density of the bodies in kg/m3 [default: 2560]
     #[arg(long, value_name = "KG/M3")]
@@ -105,14 +137,23 @@ pub(crate) struct PackArgs {
     #[arg(long, value_enum)]
     container: Option<ContainerKind>,
 
-    /// Inner width and depth of the box in d, each at least 1, such as 6x6 [default: as wide as the
-    /// pack will be high]
-    #[arg(long, value_name = "WxD")]
+    /// Inner width and depth of the box in d, each at least 1, such as 6x6, or in m, such as
+    /// 0.3x0.4m; a third number is the height of its rim [default: as wide as the pack will be high]
+    #[arg(long, value_name = "WxD[xH][m]")]
     r#box: Option<Footprint>,
 
-    /// Inner diameter of the cylinder in d, at least 1 [default: as wide as the pack will be high]
-    #[arg(long, value_name = "X", conflicts_with = "box")]
-    cylinder: Option<f64>,
+    /// Inner diameter of the cylinder in d, at least 1, or in m, such as 0.3m [default: as wide as the
+    /// pack will be high]
+    #[arg(long, value_name = "X[m]", conflicts_with = "box")]
+    cylinder: Option<Length>,
+
+    /// Diameter of the closed outlet of a silo, in d or in m [default: 3]
+    #[arg(long, value_name = "X[m]", conflicts_with = "box")]
+    outlet: Option<Length>,
+
+    /// Angle between a silo's cone and the vertical, in degrees [default: 30]
+    #[arg(long, value_name = "DEGREES", conflicts_with = "box")]
+    cone: Option<f64>,
 
     /// How bodies come into the container [default: sequential]
     #[arg(long, value_enum)]
@@ -191,6 +232,10 @@ pub(crate) struct ShapesArgs {
     /// Write a list of JSON objects
     #[arg(long)]
     pub json: bool,
+
+    /// Draw all shapes side by side into a PNG file instead
+    #[arg(long, value_name = "FILE", conflicts_with = "json")]
+    pub picture: Option<PathBuf>,
 }
 
 impl PackArgs {
@@ -200,7 +245,7 @@ impl PackArgs {
             Some(path) => Scene::read(path)?,
             None => Scene::default(),
         };
-        set(&mut scene.shape, &self.shape);
+        self.set_shapes(&mut scene);
         set(&mut scene.count, &self.count);
         set(&mut scene.density, &self.density);
         set(&mut scene.friction, &self.friction);
@@ -214,7 +259,6 @@ impl PackArgs {
         set(&mut scene.seed, &self.seed);
         set(&mut scene.out, &self.out);
         set(&mut scene.checkpoint_every, &self.run.checkpoint_every);
-        scene.diameter = self.diameter.or(scene.diameter);
         scene.batch = self.batch.or(scene.batch);
         scene.threads = self.run.threads.map(usize::from).or(scene.threads);
         // A penetration asked for here undoes a penalty in the file.
@@ -225,6 +269,24 @@ impl PackArgs {
         Ok(scene)
     }
 
+    /// Shapes given here take the place of all shapes in the file, and their size that of any other.
+    fn set_shapes(&self, scene: &mut Scene) {
+        if !self.shape.is_empty() {
+            scene.shape.clone_from(&self.shape);
+            scene.share.clear();
+        }
+        if !self.share.is_empty() {
+            scene.share.clone_from(&self.share);
+        }
+        set(&mut scene.variety, &self.variety);
+        if self.diameter.or(self.size).or(self.mass).is_some() {
+            (scene.diameter, scene.size, scene.mass) = (self.diameter, self.size, self.mass);
+        }
+        set(&mut scene.unit, &self.unit);
+        scene.repair |= self.repair;
+        scene.mesh_size = self.mesh_size.or(scene.mesh_size);
+    }
+
     /// The size of a container chooses its kind, unless the kind is named too.
     fn set_container(&self, scene: &mut Scene) {
         if self.r#box.is_some() {
@@ -233,7 +295,12 @@ impl PackArgs {
         if self.cylinder.is_some() {
             scene.container = ContainerKind::Cylinder;
         }
+        if self.outlet.is_some() || self.cone.is_some() {
+            scene.container = ContainerKind::Silo;
+        }
         set(&mut scene.container, &self.container);
+        set(&mut scene.outlet, &self.outlet);
+        set(&mut scene.cone, &self.cone);
         scene.r#box = self.r#box.or(scene.r#box);
         scene.cylinder = self.cylinder.or(scene.cylinder);
     }
@@ -275,23 +342,22 @@ mod tests {
         let scene =
             scene("--shape P5 --count 7 --box 4x5 --seed 9 --threads 2 --penalty 1e6 --out x");
         assert_eq!(
-            (scene.shape.as_str(), scene.count, scene.seed),
-            ("P5", 7, 9)
+            (scene.shape.as_slice(), scene.count, scene.seed),
+            (&["P5".to_owned()][..], 7, 9)
         );
-        assert_eq!(
-            scene.r#box,
-            Some(Footprint {
-                width: 4.0,
-                depth: 5.0
-            })
-        );
+        assert_eq!(scene.r#box, Some(Footprint::diameters(4.0, 5.0)));
         assert_eq!((scene.threads, scene.penalty), (Some(2), Some(1e6)));
     }
 
     #[test]
     fn the_size_of_a_cylinder_makes_the_container_one() {
         assert_eq!(scene("--cylinder 5").container, ContainerKind::Cylinder);
-        assert_eq!(scene("--cylinder 5").cylinder, Some(5.0));
+        let five = Length::Diameters(5.0);
+        assert_eq!(scene("--cylinder 5").cylinder, Some(five));
+        assert_eq!(
+            scene("--cylinder 5 --cone 40").container,
+            ContainerKind::Silo
+        );
         assert_eq!(
             scene("--container cylinder").container,
             ContainerKind::Cylinder
@@ -300,6 +366,15 @@ mod tests {
             scene("--container box --cylinder 5").container,
             ContainerKind::Box
         );
+    }
+
+    #[test]
+    fn shapes_and_shares_are_lists() {
+        let mixed = scene("--shape cube --shape A10 --share 3 --share 1 --mass 2 --unit mm");
+        assert_eq!(mixed.shape, ["cube", "A10"]);
+        assert_eq!(mixed.share, [3.0, 1.0]);
+        assert_eq!((mixed.mass, mixed.diameter), (Some(2.0), None));
+        assert_eq!(mixed.unit, Unit::Mm);
     }
 
     /// The defaults in the help are those of the scene.
@@ -319,6 +394,10 @@ mod tests {
             format!("aims at [default: {}]", d.penetration),
             format!("m/s2 [default: {}]", d.gravity),
             format!("second (pour) [default: {}]", d.rate),
+            format!("in m [default: {}]", d.outlet),
+            format!("degrees [default: {}]", d.cone),
+            format!("after it [default: {}]", d.variety),
+            "[default: A10]".to_owned(),
             format!("empty [default: {}]", d.out.display()),
             format!("0 or more [default: {}]", d.checkpoint_every),
         ] {

@@ -1,20 +1,36 @@
-//! Width and depth, written 6x6.
+//! Width, depth and height of a box, written 6x6, 0.3x0.4m or 5.26x5.3x3.87m.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use super::Length;
 use crate::Error;
 
-/// Width and depth of a box, in body diameters; written "6x6" or "6x7.5".
+/// Inner width and depth of a box and the height of its rim, in body diameters ("6x7.5") or in metres
+/// ("0.3x0.4m", "5.26x5.3x3.87m").
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Footprint {
-    /// Along x, in body diameters.
-    pub width: f64,
-    /// Along y, in body diameters.
-    pub depth: f64,
+    /// Along x.
+    pub width: Length,
+    /// Along y.
+    pub depth: Length,
+    /// Height of the rim, if it has one.
+    pub height: Option<Length>,
+}
+
+impl Footprint {
+    /// A box without a rim, in body diameters.
+    #[must_use]
+    pub fn diameters(width: f64, depth: f64) -> Self {
+        Self {
+            width: Length::Diameters(width),
+            depth: Length::Diameters(depth),
+            height: None,
+        }
+    }
 }
 
 impl FromStr for Footprint {
@@ -24,23 +40,49 @@ impl FromStr for Footprint {
         let refused = || Error::Option {
             name: "box",
             value: text.chars().take(40).collect(),
-            allowed: "give width x depth in body diameters, each at least 1, such as 6x6",
+            allowed: "give width x depth, and height of the rim if you like, in body diameters, such \
+                      as 6x6, or in metres, such as 5.26x5.3x3.87m",
         };
-        let (width, depth) = text.split_once(['x', 'X']).ok_or_else(refused)?;
-        let number = |text: &str| match text.trim().parse::<f64>() {
-            Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        let trimmed = text.trim();
+        let (numbers, unit) = match trimmed.strip_suffix('m') {
+            Some(numbers) => (numbers, "m"),
+            None => (trimmed, ""),
+        };
+        let sizes: Option<Vec<Length>> = numbers
+            .split(['x', 'X'])
+            .map(|number| format!("{}{unit}", number.trim()).parse().ok())
+            .collect();
+        let zero = |length: &Length| length.metres(1.0) == 0.0;
+        match sizes.ok_or_else(refused)?.as_slice() {
+            sizes if sizes.iter().any(zero) => Err(refused()),
+            [width, depth] => Ok(Self {
+                width: *width,
+                depth: *depth,
+                height: None,
+            }),
+            [width, depth, height] => Ok(Self {
+                width: *width,
+                depth: *depth,
+                height: Some(*height),
+            }),
             _ => Err(refused()),
-        };
-        Ok(Self {
-            width: number(width)?,
-            depth: number(depth)?,
-        })
+        }
     }
 }
 
 impl fmt::Display for Footprint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}x{}", self.width, self.depth)
+        let sizes = [Some(self.width), Some(self.depth), self.height];
+        let texts: Vec<String> = sizes.iter().flatten().map(Length::to_string).collect();
+        // The unit is written once, at the end.
+        let last = texts.len() - 1;
+        for (k, text) in texts.iter().enumerate() {
+            match k {
+                _ if k == last => f.write_str(text)?,
+                _ => write!(f, "{}x", text.trim_end_matches('m'))?,
+            }
+        }
+        Ok(())
     }
 }
 
@@ -65,18 +107,16 @@ mod tests {
     #[test]
     fn what_is_written_is_read() {
         let footprint: Footprint = " 6 x7.5".parse().unwrap();
-        assert_eq!(
-            footprint,
-            Footprint {
-                width: 6.0,
-                depth: 7.5
-            }
-        );
-        assert_eq!(
-            footprint.to_string().parse::<Footprint>().unwrap(),
-            footprint
-        );
-        for bad in ["", "6", "6x", "x6", "6x-1", "NaNx6", "6x6x6", "infx2"] {
+        assert_eq!(footprint, Footprint::diameters(6.0, 7.5));
+        let bin: Footprint = "5.26x5.3x3.87m".parse().unwrap();
+        assert_eq!(bin.width, Length::Metres(5.26));
+        assert_eq!(bin.height, Some(Length::Metres(3.87)));
+        for read in [footprint, bin, "0.3x0.4m".parse().unwrap()] {
+            assert_eq!(read.to_string().parse::<Footprint>().unwrap(), read);
+        }
+        for bad in [
+            "", "6", "6x", "x6", "6x-1", "NaNx6", "6x6x6x6", "infx2", "0x3", "6x6mm",
+        ] {
             let message = bad.parse::<Footprint>().unwrap_err().to_string();
             assert!(message.contains("such as 6x6"), "{bad}: {message}");
         }

@@ -13,27 +13,30 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bodies;
+mod container;
 mod footprint;
+mod length;
+mod list;
+mod note;
+mod unit;
 
-use std::f64::consts::FRAC_PI_4;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use femdem_mesh::catalogue::CatalogueShape;
-use femdem_mesh::{MeshError, Polyhedron};
-use femdem_pack::{Container, PackShape, PackSpec, Penalty, Pour, Protocol, Release, Sequential};
+use femdem_pack::{Mixing, PackSpec, Penalty, Pour, Protocol, Release, Sequential};
 use femdem_solve::Medium;
 use serde::{Deserialize, Serialize};
 
 pub use footprint::Footprint;
+pub use length::Length;
+pub use note::ShapeNote;
+pub use unit::Unit;
 
 use crate::Error;
 
-/// Circumscribed diameter of a catalogue shape where none is given \[m\].
+/// Circumscribed diameter of a parametric shape where no size is given \[m\].
 pub const DEFAULT_DIAMETER: f64 = 0.05;
-
-/// Packing density that the automatic size of a container counts on.
-const EXPECTED_DENSITY: f64 = 0.6;
 
 /// How bodies come into the container.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -57,19 +60,39 @@ pub enum ContainerKind {
     Box,
     /// An upright cylinder
     Cylinder,
+    /// An upright cylinder above a cone with a closed outlet
+    Silo,
 }
 
 /// A packing job with the options of the program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Scene {
-    /// A catalogue shape by identifier or name, or the path of an OBJ or STL file.
-    pub shape: String,
+    /// Shapes: parametric ones such as "A10", "cube" or "dolos:waist=0.36" (see
+    /// [`femdem_mesh::shapes`]), or paths of surface files. Several make a mixture.
+    #[serde(with = "list")]
+    pub shape: Vec<String>,
+    /// Relative number of bodies of each shape; empty: equal.
+    #[serde(with = "list", skip_serializing_if = "Vec::is_empty")]
+    pub share: Vec<f64>,
+    /// Number of variants of each shape that has a seed: its seed and the ones after it.
+    pub variety: u32,
+    /// Circumscribed diameter d of each shape \[m\]. If neither `diameter` nor `size` nor `mass` is
+    /// given: [`DEFAULT_DIAMETER`] for a parametric shape, the size in the file for a file.
+    pub diameter: Option<f64>,
+    /// Size of parametric shapes by their own measure \[m\].
+    pub size: Option<f64>,
+    /// Mass of a body of each shape \[kg\].
+    pub mass: Option<f64>,
+    /// Unit of the coordinates in surface files.
+    pub unit: Unit,
+    /// Whether surface files that are nearly fine are mended.
+    pub repair: bool,
+    /// Target edge length of the tetrahedra of bodies that are not convex, in d of the body. `None`: by
+    /// the shape, see [`MeshOptions`](femdem_mesh::tet::MeshOptions).
+    pub mesh_size: Option<f64>,
     /// Number of bodies.
     pub count: u32,
-    /// Circumscribed diameter d \[m\]. `None`: [`DEFAULT_DIAMETER`] for a catalogue shape, the size in
-    /// the file for a file.
-    pub diameter: Option<f64>,
     /// Density of the bodies \[kg/m³\].
     pub density: f64,
     /// Friction coefficient.
@@ -86,10 +109,15 @@ pub struct Scene {
     pub gravity: f64,
     /// Kind of container.
     pub container: ContainerKind,
-    /// Inner width and depth of the box, in d. `None`: as wide as the pack will be high.
+    /// Inner width and depth of the box, and height of its rim. `None`: as wide as the pack will be
+    /// high.
     pub r#box: Option<Footprint>,
-    /// Inner diameter of the cylinder, in d. `None`: as wide as the pack will be high.
-    pub cylinder: Option<f64>,
+    /// Inner diameter of the cylinder or silo. `None`: as wide as the pack will be high.
+    pub cylinder: Option<Length>,
+    /// Diameter of the closed outlet of a silo.
+    pub outlet: Length,
+    /// Angle between the cone of a silo and the vertical \[degrees\].
+    pub cone: f64,
     /// How bodies come into the container.
     pub protocol: ProtocolKind,
     /// Bodies in a batch (sequential) or layer (pour). `None`: by the floor's area.
@@ -110,9 +138,16 @@ impl Default for Scene {
     fn default() -> Self {
         let spec = PackSpec::default();
         Self {
-            shape: "A10".to_owned(),
+            shape: vec!["A10".to_owned()],
+            share: Vec::new(),
+            variety: 1,
             count: 200,
             diameter: None,
+            size: None,
+            mass: None,
+            unit: Unit::M,
+            repair: false,
+            mesh_size: None,
             density: spec.density,
             friction: spec.friction,
             damping: spec.damping_ratio,
@@ -123,6 +158,8 @@ impl Default for Scene {
             container: ContainerKind::Box,
             r#box: None,
             cylinder: None,
+            outlet: Length::Diameters(3.0),
+            cone: 30.0,
             protocol: ProtocolKind::Sequential,
             batch: None,
             rate: Pour::default().rate,
@@ -187,13 +224,19 @@ impl Scene {
     /// [`Error::Mesh`] for a shape that is unknown, cannot be read, or is no closed surface;
     /// [`Error::Option`] and [`Error::Pack`] for values out of range.
     pub fn spec(&self) -> Result<PackSpec, Error> {
-        let (name, polyhedron) = self.body()?;
-        let (volume, diameter) = (
-            polyhedron.mass_properties().volume,
-            2.0 * polyhedron.bounding_radius(),
-        );
-        let spec = PackSpec {
-            shapes: vec![PackShape::new(name, polyhedron)],
+        self.prepare().map(|(spec, _)| spec)
+    }
+
+    /// The packing job, and how its shapes were read and meshed.
+    ///
+    /// # Errors
+    ///
+    /// As [`spec`](Self::spec).
+    pub fn prepare(&self) -> Result<(PackSpec, Vec<ShapeNote>), Error> {
+        let (shapes, notes) = bodies::bodies(self)?;
+        let mut spec = PackSpec {
+            shapes,
+            mixing: Mixing::Dealt,
             count: self.count,
             density: self.density,
             friction: self.friction,
@@ -205,72 +248,19 @@ impl Scene {
                 },
             },
             gravity: self.gravity,
-            container: self.container(volume, diameter),
             protocol: self.protocol(),
             seed: self.seed,
-            medium: Medium {
-                drag: self.drag * (self.gravity.abs() / diameter).sqrt(),
-                ..Medium::default()
-            },
             ..PackSpec::default()
         };
+        let diameter = spec.diameter();
+        spec.container = container::container(self, &spec);
+        spec.rim = container::rim(self, diameter);
+        spec.medium = Medium {
+            drag: self.drag * (self.gravity.abs() / diameter).sqrt(),
+            ..Medium::default()
+        };
         spec.validate()?;
-        Ok(spec)
-    }
-
-    /// Name and surface of the bodies.
-    fn body(&self) -> Result<(String, Polyhedron), Error> {
-        match self.shape.parse::<CatalogueShape>() {
-            Ok(shape) => {
-                let diameter = self.diameter.unwrap_or(DEFAULT_DIAMETER);
-                Ok((shape.id(), shape.polyhedron(diameter)?))
-            }
-            Err(unknown) => {
-                let path = Path::new(&self.shape);
-                if path.extension().is_none() && !path.exists() {
-                    return Err(unknown.into());
-                }
-                Ok((file_stem(path), self.body_of_file(path)?))
-            }
-        }
-    }
-
-    fn body_of_file(&self, path: &Path) -> Result<Polyhedron, MeshError> {
-        let read = femdem_mesh::io::read_file(path)?;
-        let size = 2.0 * read.bounding_radius();
-        match self.diameter {
-            None => Ok(read),
-            Some(diameter) if diameter > 0.0 => read.scaled(diameter / size),
-            Some(value) => Err(MeshError::OutOfRange {
-                what: "the diameter of a shape in metres",
-                value,
-                allowed: "above zero",
-            }),
-        }
-    }
-
-    /// The container for bodies of a volume \[m³\] and a diameter \[m\].
-    fn container(&self, volume: f64, diameter: f64) -> Container {
-        let pack = f64::from(self.count) * volume / diameter.powi(3) / EXPECTED_DENSITY;
-        match self.container {
-            ContainerKind::Box => {
-                let side = level_width(pack);
-                let size = self.r#box.unwrap_or(Footprint {
-                    width: side,
-                    depth: side,
-                });
-                Container::Box {
-                    width: size.width * diameter,
-                    depth: size.depth * diameter,
-                }
-            }
-            ContainerKind::Cylinder => {
-                let width = self.cylinder.unwrap_or(level_width(pack / FRAC_PI_4));
-                Container::Cylinder {
-                    diameter: width * diameter,
-                }
-            }
-        }
+        Ok((spec, notes))
     }
 
     fn protocol(&self) -> Protocol {
@@ -290,33 +280,19 @@ impl Scene {
     }
 }
 
-/// Side of the cube of a volume, to the nearest half, and 3 at least.
-fn level_width(volume: f64) -> f64 {
-    ((2.0 * volume.cbrt()).round() / 2.0).max(3.0)
-}
-
-fn file_stem(path: &Path) -> String {
-    path.file_stem()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use femdem_pack::Container;
 
     #[test]
     fn a_scene_survives_its_file() {
         let scene = Scene {
-            shape: "body.obj".to_owned(),
+            shape: vec!["body.obj".to_owned()],
             diameter: Some(0.02),
             container: ContainerKind::Cylinder,
             batch: Some(3),
-            r#box: Some(Footprint {
-                width: 4.0,
-                depth: 5.5,
-            }),
+            r#box: Some(Footprint::diameters(4.0, 5.5)),
             threads: Some(2),
             ..Scene::default()
         };
@@ -354,7 +330,7 @@ mod tests {
     fn sizes_are_in_diameters() {
         let scene = Scene {
             container: ContainerKind::Cylinder,
-            cylinder: Some(5.0),
+            cylinder: Some(Length::Diameters(5.0)),
             ..Scene::default()
         };
         let spec = scene.spec().unwrap();
@@ -403,11 +379,17 @@ mod tests {
             change(&mut scene);
             scene.spec().unwrap_err().to_string()
         };
-        assert!(says(|s| s.shape = "A14".to_owned()).contains("A14"));
-        assert!(says(|s| s.shape = "none.obj".to_owned()).contains("none.obj"));
+        assert!(says(|s| s.shape = vec!["A14".to_owned()]).contains("A14"));
+        assert!(says(|s| s.shape = vec!["none.obj".to_owned()]).contains("none.obj"));
         assert!(says(|s| s.count = 0).contains("count = 0"));
         assert!(says(|s| s.diameter = Some(f64::NAN)).contains("NaN"));
         assert!(says(|s| s.r#box = "0.5x4".parse().ok()).contains("width"));
         assert!(says(|s| s.density = -1.0).contains("density = -1"));
+        assert!(says(|s| s.shape.clear()).contains("no shape"));
+        assert!(says(|s| s.share = vec![1.0, 2.0]).contains("one number for each"));
+        assert!(says(|s| s.variety = 3).contains("variety = 3"));
+        assert!(says(|s| s.mass = Some(-1.0)).contains("mass = -1"));
+        let both = |s: &mut Scene| (s.mass, s.diameter) = (Some(1.0), Some(0.1));
+        assert!(says(both).contains("only one"));
     }
 }

@@ -1,0 +1,235 @@
+//! From the shapes that a scene names to bodies that can be packed.
+
+use std::path::{Path, PathBuf};
+
+use femdem_mesh::io::{self, Options, Report};
+use femdem_mesh::shapes::Shape;
+use femdem_mesh::tet::{MeshOptions, MeshReport};
+use femdem_mesh::{MeshError, Polyhedron};
+use femdem_pack::PackShape;
+
+use super::{DEFAULT_DIAMETER, Scene, ShapeNote, Unit};
+use crate::Error;
+
+/// A shape before it has a size.
+struct Source {
+    name: String,
+    form: Form,
+    share: f64,
+}
+
+enum Form {
+    /// A parametric shape or a solid of the catalogue.
+    Shape(Shape),
+    /// The surface of a file, in metres.
+    File {
+        path: PathBuf,
+        polyhedron: Box<Polyhedron>,
+        report: Report,
+    },
+}
+
+/// The bodies of a scene, and what was done to make them.
+pub(super) fn bodies(scene: &Scene) -> Result<(Vec<PackShape>, Vec<ShapeNote>), Error> {
+    let mut shapes = Vec::new();
+    let mut notes = Vec::new();
+    for source in sources(scene)? {
+        let polyhedron = source.sized(scene)?;
+        let options = mesh_options(scene, &polyhedron)?;
+        let (shape, mesh) = PackShape::of_surface(&source.name, polyhedron, &options)?;
+        notes.push(source.note(scene.unit, &shape, mesh));
+        shapes.push(PackShape {
+            share: source.share,
+            ..shape
+        });
+    }
+    Ok((shapes, notes))
+}
+
+/// The shapes named, with the variants of those that have a seed.
+fn sources(scene: &Scene) -> Result<Vec<Source>, Error> {
+    let shares = shares(scene)?;
+    let mut sources: Vec<Source> = Vec::new();
+    for (text, share) in scene.shape.iter().zip(shares) {
+        let form = form(text, scene)?;
+        let name = match &form {
+            Form::Shape(shape) => shape.to_string(),
+            Form::File { path, .. } => file_stem(path),
+        };
+        let variants = variants(&form, scene.variety)?;
+        let share = share / variants.len().max(1) as f64;
+        if variants.is_empty() {
+            sources.push(Source { name, form, share });
+        }
+        sources.extend(variants.into_iter().map(|shape| Source {
+            name: shape.to_string(),
+            form: Form::Shape(shape),
+            share,
+        }));
+    }
+    if scene.variety > 1 && sources.len() == scene.shape.len() {
+        return Err(Error::Option {
+            name: "variety",
+            value: scene.variety.to_string(),
+            allowed: "1, unless a shape has a seed, as boulder has",
+        });
+    }
+    for k in 1..sources.len() {
+        let (before, this) = sources.split_at_mut(k);
+        let taken = |name: &str| before.iter().any(|other| other.name == name);
+        if taken(&this[0].name) {
+            let mut names = (2..).map(|n| format!("{}-{n}", this[0].name));
+            if let Some(free) = names.find(|name| !taken(name)) {
+                this[0].name = free;
+            }
+        }
+    }
+    Ok(sources)
+}
+
+fn shares(scene: &Scene) -> Result<Vec<f64>, Error> {
+    if scene.share.is_empty() {
+        return Ok(vec![1.0; scene.shape.len()]);
+    }
+    if scene.share.len() == scene.shape.len() {
+        return Ok(scene.share.clone());
+    }
+    Err(Error::Option {
+        name: "share",
+        value: format!("{} numbers", scene.share.len()),
+        allowed: "one number for each shape, or none at all",
+    })
+}
+
+/// A parametric shape, or the surface in a file.
+fn form(text: &str, scene: &Scene) -> Result<Form, Error> {
+    match text.parse::<Shape>() {
+        Ok(shape) => Ok(Form::Shape(shape)),
+        Err(unknown) => {
+            let path = Path::new(text);
+            let family = text.split(':').next().unwrap_or_default();
+            let is_shape = family.len() < text.len() && family.parse::<Shape>().is_ok();
+            if is_shape || (path.extension().is_none() && !path.exists()) {
+                return Err(unknown.into());
+            }
+            let options = if scene.repair {
+                Options::REPAIR
+            } else {
+                Options::default()
+            };
+            let (polyhedron, report) = io::read_file_with(path, &options)?;
+            let polyhedron = match scene.unit {
+                Unit::M => polyhedron,
+                unit => polyhedron.scaled(unit.metres())?,
+            };
+            Ok(Form::File {
+                path: path.to_path_buf(),
+                polyhedron: Box::new(polyhedron),
+                report,
+            })
+        }
+    }
+}
+
+/// The same shape with as many seeds, from its own on; none if it has no seed or one will do.
+fn variants(form: &Form, variety: u32) -> Result<Vec<Shape>, Error> {
+    let Form::Shape(shape) = form else {
+        return Ok(Vec::new());
+    };
+    let seed = shape.parameters().into_iter().find(|p| p.name == "seed");
+    let Some(first) = seed.and_then(|p| p.value.parse::<u64>().ok()) else {
+        return Ok(Vec::new());
+    };
+    if variety <= 1 {
+        return Ok(Vec::new());
+    }
+    let variant = |k: u32| {
+        let mut variant = shape.clone();
+        let seed = first.wrapping_add(u64::from(k));
+        variant.set("seed", &seed.to_string())?;
+        Ok::<_, MeshError>(variant)
+    };
+    Ok((0..variety).map(variant).collect::<Result<_, _>>()?)
+}
+
+impl Source {
+    /// The surface in the size that the scene asks for \[m\].
+    fn sized(&self, scene: &Scene) -> Result<Polyhedron, Error> {
+        let own = match &self.form {
+            Form::Shape(shape) => shape.polyhedron(1.0)?,
+            Form::File { polyhedron, .. } => polyhedron.as_ref().clone(),
+        };
+        let by = match (&self.form, scene.diameter, scene.size, scene.mass) {
+            (_, Some(diameter), None, None) => {
+                positive("diameter", diameter)? / (2.0 * own.bounding_radius())
+            }
+            (Form::Shape(_), None, Some(size), None) => positive("size", size)?,
+            (_, None, None, Some(mass)) => {
+                let volume = positive("mass", mass)? / positive("density", scene.density)?;
+                (volume / own.mass_properties().volume).cbrt()
+            }
+            (Form::Shape(_), None, None, None) => DEFAULT_DIAMETER / (2.0 * own.bounding_radius()),
+            (Form::File { .. }, None, None, None) => return Ok(own),
+            (Form::File { .. }, None, Some(size), None) => {
+                return Err(Error::Option {
+                    name: "size",
+                    value: size.to_string(),
+                    allowed: "for shapes of `femdem shapes`; give the diameter or the mass of bodies \
+                              from a file",
+                });
+            }
+            _ => {
+                return Err(Error::Option {
+                    name: "diameter, size and mass",
+                    value: "several".to_owned(),
+                    allowed: "only one of the three",
+                });
+            }
+        };
+        Ok(own.scaled(by)?)
+    }
+
+    fn note(&self, unit: Unit, shape: &PackShape, mesh: Option<MeshReport>) -> ShapeNote {
+        let file = match &self.form {
+            Form::Shape(_) => None,
+            Form::File { path, report, .. } => Some((path.clone(), unit, report.clone())),
+        };
+        ShapeNote {
+            name: shape.name.clone(),
+            file,
+            faces: shape.polyhedron.face_count(),
+            is_convex: shape.polyhedron.is_convex(),
+            diameter: shape.diameter(),
+            volume: shape.polyhedron.mass_properties().volume,
+            mesh,
+        }
+    }
+}
+
+/// How a body that is not convex is meshed.
+fn mesh_options(scene: &Scene, body: &Polyhedron) -> Result<MeshOptions, Error> {
+    let size = scene.mesh_size.map(|size| positive("mesh-size", size));
+    let diameter = 2.0 * body.bounding_radius();
+    Ok(MeshOptions {
+        edge_length: size.transpose()?.map(|size| size * diameter),
+        ..MeshOptions::default()
+    })
+}
+
+fn positive(name: &'static str, value: f64) -> Result<f64, Error> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    Err(Error::Option {
+        name,
+        value: value.to_string(),
+        allowed: "above 0 and finite",
+    })
+}
+
+fn file_stem(path: &Path) -> String {
+    path.file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+}

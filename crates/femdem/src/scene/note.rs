@@ -1,0 +1,90 @@
+//! What was done to make the bodies of a scene, for people.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use femdem_mesh::io::Report;
+use femdem_mesh::tet::{MeshReport, Method};
+
+use super::Unit;
+
+/// How a shape of a scene was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShapeNote {
+    /// Name in results.
+    pub name: String,
+    /// The file it was read from, the unit of its coordinates, and what reading did.
+    pub file: Option<(PathBuf, Unit, Report)>,
+    /// Number of faces.
+    pub faces: usize,
+    /// Whether it is convex; if not, its contacts go by its tetrahedra.
+    pub is_convex: bool,
+    /// Circumscribed diameter \[m\].
+    pub diameter: f64,
+    /// Volume \[m³\].
+    pub volume: f64,
+    /// The mesh of a body that is not convex.
+    pub mesh: Option<MeshReport>,
+}
+
+impl ShapeNote {
+    /// Whether there is something to say that the command does not say already.
+    #[must_use]
+    pub fn is_news(&self) -> bool {
+        self.file.is_some() || self.mesh.is_some()
+    }
+}
+
+impl fmt::Display for ShapeNote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.name)?;
+        if let Some((path, unit, report)) = &self.file {
+            writeln!(f, "{} in {unit}", path.display())?;
+            for line in report.to_string().lines() {
+                writeln!(f, "  {line}")?;
+            }
+            f.write_str("  ")?;
+        }
+        write!(
+            f,
+            "{} faces, d = {:.4e} m, volume {:.4e} m3, {}",
+            self.faces,
+            self.diameter,
+            self.volume,
+            if self.is_convex {
+                "convex"
+            } else {
+                "not convex"
+            }
+        )?;
+        match &self.mesh {
+            Some(mesh) => write!(f, "\n  {}", mesh_text(mesh)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// How a body was meshed, in a sentence.
+fn mesh_text(report: &MeshReport) -> String {
+    let method = match (report.method, report.lattice_length) {
+        (Method::CentroidFan, _) => "a fan about its centroid".to_owned(),
+        (Method::StarFan, _) => "a fan about a point that sees all of it".to_owned(),
+        (Method::Stuffing, None) => "a lattice fitted to the surface".to_owned(),
+        (Method::Stuffing, Some(length)) => {
+            format!("a lattice of edge length {length:.3e} m fitted to the surface")
+        }
+    };
+    let quality = &report.quality;
+    let [low, high] = [quality.min_dihedral, quality.max_dihedral].map(f64::to_degrees);
+    format!(
+        "meshed by {method}: {} tetrahedra, longest edge {:.3e} m\n  quality: dihedral angles {low:.0} to \
+         {high:.0} degrees, radius ratio at least {:.3}, heights at least {:.1e} m\n  error: volume \
+         {:+.2} %, surface within {:.1e} m",
+        report.tets,
+        report.longest_edge,
+        quality.min_radius_ratio,
+        quality.smallest_height,
+        100.0 * report.volume_error,
+        report.distance,
+    )
+}
