@@ -17,7 +17,7 @@ family! {
     /// A cube whose edges and corners are rounded: a smaller cube with a sphere rolled around it.
     ///
     /// The roundings are polygonal with vertices on the true surface, so the body lies inside it:
-    /// with r the radius and n the segments by about 0.3 r / n^2.
+    /// with r the radius and n the segments by up to r / n^2.
     RoundedCube = "rounded_cube", "cube with rounded edges and corners",
     size: "the distance of opposite faces" {
         /// Radius of the rounding over the distance of opposite faces.

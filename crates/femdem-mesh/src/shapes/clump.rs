@@ -3,7 +3,7 @@
 use super::family::{Value, family};
 use super::level_set::LevelSet;
 use super::weld::centred;
-use crate::{MeshError, Point3, Polyhedron};
+use crate::{MeshError, Point3, Polyhedron, Vector3};
 
 /// Most spheres of a clump.
 const MOST_SPHERES: usize = 1000;
@@ -94,33 +94,37 @@ impl Clump {
             low = low.inf(&s.centre.map(|x| x - s.radius));
             high = high.sup(&s.centre.map(|x| x + s.radius));
         }
-        let nearest = |p: &Point3| {
-            let mut best = (
-                f64::INFINITY,
-                ClumpSphere {
-                    centre: first,
-                    radius: smallest,
-                },
-            );
-            for s in spheres {
-                let distance = (p - s.centre).norm() - s.radius;
-                if distance < best.0 {
-                    best = (distance, *s);
-                }
-            }
-            best
-        };
         let surface = LevelSet {
-            distance: |p: &Point3| nearest(p).0,
-            project: |p: &Point3| {
-                let (_, s) = nearest(p);
-                let out = (p - s.centre).try_normalize(0.0);
-                out.map_or(*p, |out| s.centre + out * s.radius)
-            },
+            distance: |p: &Point3| distance(spheres, p),
+            project: |p: &Point3| project(spheres, p),
             low,
             high,
             cell: smallest / self.cells,
         };
         centred(&surface.polyhedron()?)
     }
+}
+
+/// Signed distance of a point from the union of spheres; inside it is a bound.
+fn distance(spheres: &[ClumpSphere], p: &Point3) -> f64 {
+    spheres
+        .iter()
+        .map(|s| (p - s.centre).norm() - s.radius)
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// The nearest point of the nearest sphere; the mean of such points for spheres equally near, so
+/// that symmetry is kept.
+fn project(spheres: &[ClumpSphere], p: &Point3) -> Point3 {
+    let nearest = distance(spheres, p);
+    let (mut sum, mut count) = (Vector3::zeros(), 0.0);
+    for s in spheres {
+        let out = p - s.centre;
+        let length = out.norm();
+        if length > 0.0 && length - s.radius <= nearest + 1e-9 * s.radius {
+            sum += out * (s.radius / length - 1.0);
+            count += 1.0;
+        }
+    }
+    p + sum / f64::max(count, 1.0)
 }

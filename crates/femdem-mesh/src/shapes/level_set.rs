@@ -50,7 +50,7 @@ where
             distances: BTreeMap::new(),
             cuts: BTreeMap::new(),
             vertices: Vec::new(),
-            triangles: Vec::new(),
+            polygons: Vec::new(),
         };
         let half = count.map(|x| (0.5 * x).ceil() as i32);
         for i in -half.x..=half.x {
@@ -62,31 +62,47 @@ where
         }
         let Cut {
             mut vertices,
-            triangles,
+            polygons,
             ..
         } = cut;
         for _ in 0..ROUNDS {
-            vertices = self.smoothed(&vertices, &triangles);
+            vertices = self.smoothed(&vertices, &polygons);
         }
-        Polyhedron::new(vertices, triangles.iter().map(|t| t.to_vec()).collect())
+        let triangles = polygons
+            .into_iter()
+            .flat_map(|polygon| along_shorter_diagonal(&vertices, polygon))
+            .collect();
+        Polyhedron::new(vertices, triangles)
     }
 
-    /// Each vertex moved to the mean of the triangles around it, weighted by area, and back to the
+    /// Each vertex moved to the mean of the polygons around it, weighted by area, and back to the
     /// surface.
-    fn smoothed(&self, vertices: &[Point3], triangles: &[[u32; 3]]) -> Vec<Point3> {
+    fn smoothed(&self, vertices: &[Point3], polygons: &[Vec<u32>]) -> Vec<Point3> {
         let mut sums = vec![(Vector3::zeros(), 0.0); vertices.len()];
-        for triangle in triangles {
-            let [a, b, c] = triangle.map(|i| vertices[i as usize].coords);
-            let area = (b - a).cross(&(c - a)).norm();
-            for &i in triangle {
+        for polygon in polygons {
+            let at = |k: usize| vertices[polygon[k % polygon.len()] as usize].coords;
+            // Of a quadrilateral half the product of the diagonals, of a triangle that of two sides.
+            let area = (at(2) - at(0)).cross(&(at(3) - at(1))).norm();
+            let middle = (0..polygon.len()).map(at).sum::<Vector3>() / polygon.len() as f64;
+            for &i in polygon {
                 let sum = &mut sums[i as usize];
-                sum.0 += (a + b + c) / 3.0 * area;
+                sum.0 += middle * area;
                 sum.1 += area;
             }
         }
         sums.iter()
             .map(|(sum, area)| (self.project)(&Point3::from(sum / *area)))
             .collect()
+    }
+}
+
+/// A triangle as it is; a quadrilateral as two triangles.
+fn along_shorter_diagonal(vertices: &[Point3], polygon: Vec<u32>) -> Vec<Vec<u32>> {
+    let length = |i: u32, j: u32| (vertices[i as usize] - vertices[j as usize]).norm();
+    match polygon[..] {
+        [p, q, r, s] if length(p, r) <= length(q, s) => vec![vec![p, q, r], vec![p, r, s]],
+        [p, q, r, s] => vec![vec![p, q, s], vec![q, r, s]],
+        _ => vec![polygon],
     }
 }
 
@@ -97,7 +113,8 @@ struct Cut<'a, Distance, Project> {
     distances: BTreeMap<Site, f64>,
     cuts: BTreeMap<[Site; 2], u32>,
     vertices: Vec<Point3>,
-    triangles: Vec<[u32; 3]>,
+    /// Triangles and quadrilaterals.
+    polygons: Vec<Vec<u32>>,
 }
 
 impl<Distance, Project> Cut<'_, Distance, Project>
@@ -160,36 +177,17 @@ where
             [true, true, true, true] | [false, false, false, false] => return,
         };
         let [a, b, c, d] = order.map(|i| sites[i]);
-        match inside.iter().filter(|&&is| is).count() {
-            1 => {
-                let triangle = [self.cut(a, b), self.cut(a, c), self.cut(a, d)];
-                self.triangles.push(triangle);
-            }
-            2 => {
-                let quad = [
-                    self.cut(a, c),
-                    self.cut(a, d),
-                    self.cut(b, d),
-                    self.cut(b, c),
-                ];
-                self.quadrilateral(quad);
-            }
-            _ => {
-                let triangle = [self.cut(b, a), self.cut(d, a), self.cut(c, a)];
-                self.triangles.push(triangle);
-            }
-        }
-    }
-
-    /// Two triangles, along the shorter diagonal.
-    fn quadrilateral(&mut self, [p, q, r, s]: [u32; 4]) {
-        let length =
-            |i: u32, j: u32| (self.vertices[i as usize] - self.vertices[j as usize]).norm_squared();
-        if length(p, r) <= length(q, s) {
-            self.triangles.extend([[p, q, r], [p, r, s]]);
-        } else {
-            self.triangles.extend([[p, q, s], [q, r, s]]);
-        }
+        let polygon = match inside.iter().filter(|&&is| is).count() {
+            1 => vec![self.cut(a, b), self.cut(a, c), self.cut(a, d)],
+            2 => vec![
+                self.cut(a, c),
+                self.cut(a, d),
+                self.cut(b, d),
+                self.cut(b, c),
+            ],
+            _ => vec![self.cut(b, a), self.cut(d, a), self.cut(c, a)],
+        };
+        self.polygons.push(polygon);
     }
 
     /// The vertex on the lattice edge between a site inside and one outside.
