@@ -10,7 +10,7 @@ use super::clip::{Cut, Line, Point};
 use super::field::PlaneField;
 use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::pair::Scratch;
-use super::plan::{MOST_PLANES, Margins, Place, PlanScratch};
+use super::plan::{MOST_PLANES, Margins, Place, PlanScratch, Reach};
 use super::polygon::TooMany;
 use super::side::{FieldPlane, SideScratch, SideSums, cut_by_field};
 use crate::error::{ContactError, check};
@@ -55,8 +55,7 @@ struct WallPlan {
     plane: u16,
     /// The body cannot come to cross the plane.
     outside: bool,
-    cut: u64,
-    own: u64,
+    reach: Reach,
 }
 
 /// A wall plane in the body's axes: the free side is {normal.y + distance >= 0}.
@@ -75,12 +74,10 @@ impl WallPlan {
         };
         let bits = place.posed.len() <= MOST_PLANES;
         let found = bits.then(|| place.plan(None, margins, scratch)).flatten();
-        let (cut, own) = found.unwrap_or_default();
         Self {
             plane,
             outside: bits && found.is_none(),
-            cut,
-            own,
+            reach: found.unwrap_or_default(),
         }
     }
 }
@@ -286,12 +283,12 @@ impl Section<'_> {
         sums: &mut SideSums,
     ) -> Result<(), TooMany> {
         let plan = self.near.planes[self.number];
-        if plan.own == 0 {
+        if plan.reach.own == 0 {
             return if plan.outside { Ok(()) } else { Err(TooMany) };
         }
         let fast = &mut side.fast;
         let frame = &self.frame;
-        if fast.cut_corners(&self.corners(), frame, field, plan.cut)? == Cut::Empty {
+        if fast.cut_corners(&self.corners(), frame, field, plan.reach.cut)? == Cut::Empty {
             return Ok(());
         }
         for line in self.free_sides() {
@@ -302,9 +299,9 @@ impl Section<'_> {
         let normal = &self.plane.normal;
         let from = self.near.region.centre - frame.origin;
         let origin = frame.point(&self.near.region.centre);
-        fast.place(frame, field, plan.own & !plan.cut);
+        fast.place(frame, field, &plan.reach);
         let mut q = PlaneSums::default();
-        fast.sum_cells(plan.own, field, normal, &origin, &mut q)?;
+        fast.sum_cells(&plan.reach, field, normal, &origin, &mut q)?;
         sums.add_sums(&q, frame, normal, -from.dot(normal));
         sums.lever -= self.plane.distance * q.polygon.pressure;
         Ok(())

@@ -6,7 +6,7 @@
 use super::cells::PlaneSums;
 use super::clip::{Cut, Line, Point, integrate};
 use super::field::TIE;
-use super::plan::FacetPlan;
+use super::plan::{FacetPlan, Reach};
 use super::polygon::{Polygon, TooMany};
 use super::side::{FieldPlane, SideSums, Skin};
 use crate::shape::PlaneFrame;
@@ -85,7 +85,8 @@ impl Fast {
     ) -> Result<(), TooMany> {
         let facet = &skin.shape.facets[usize::from(plan.facet)];
         let frame = &facet.frame;
-        if self.cut_corners(skin.shape.polygon(facet), frame, field, plan.cut)? == Cut::Empty {
+        if self.cut_corners(skin.shape.polygon(facet), frame, field, plan.reach.cut)? == Cut::Empty
+        {
             return Ok(());
         }
         let normal = &skin.shape.planes[usize::from(facet.plane)].normal;
@@ -94,9 +95,9 @@ impl Fast {
             x: from.dot(&frame.e1),
             y: from.dot(&frame.e2),
         };
-        self.place(frame, field, plan.own & !plan.cut);
+        self.place(frame, field, &plan.reach);
         let mut q = PlaneSums::default();
-        self.sum_cells(plan.own, field, normal, &origin, &mut q)?;
+        self.sum_cells(&plan.reach, field, normal, &origin, &mut q)?;
         sums.add_sums(&q, frame, normal, -from.dot(normal));
         sums.lever += normal.dot(&(frame.origin - skin.field_centre)) * q.polygon.pressure;
         Ok(())
@@ -104,7 +105,7 @@ impl Fast {
 
     /// Cuts a polygon of the plane of `frame` by the planes in `set`, which are placed.
     ///
-    /// Whether all fits is asked at the end: a branch at every cut costs a tenth of the
+    /// Whether all fits is asked at the end: a branch at every cut costs 7 % of the
     /// kernel's time.
     #[inline]
     pub(crate) fn cut_corners(
@@ -142,17 +143,17 @@ impl Fast {
         fits.then_some(left).ok_or(TooMany)
     }
 
-    /// Expresses the fields of the planes in `set` on the plane of a facet.
+    /// Expresses the fields of the owners on the plane of a facet; the cuts placed theirs.
     #[inline]
-    pub(crate) fn place(&mut self, frame: &PlaneFrame, field: &[FieldPlane], set: u64) {
-        for k in bits(set) {
+    pub(crate) fn place(&mut self, frame: &PlaneFrame, field: &[FieldPlane], reach: &Reach) {
+        for k in bits(reach.own & !reach.cut) {
             if let Some(plane) = field.get(k) {
                 self.lines.set(k, &plane.on(frame));
             }
         }
     }
 
-    /// Adds to `sums` the integrals of the lowest field in `own`, placed, over the present
+    /// Adds to `sums` the integrals of the lowest field of the owners, placed, over the present
     /// polygon with unit normal `n`.
     ///
     /// One plane is taken as the owner of all; what the others are below it, each in its own
@@ -161,57 +162,26 @@ impl Fast {
     #[inline]
     pub(crate) fn sum_cells(
         &mut self,
-        own: u64,
+        reach: &Reach,
         field: &[FieldPlane],
         n: &Vector3,
         origin: &Point,
         sums: &mut PlaneSums,
     ) -> Result<(), TooMany> {
         let weight = |k: usize| field.get(k).map_or(0.0, |plane| plane.weight(n));
-        let single = own & own.wrapping_sub(1) == 0;
-        let main = if single {
-            own.trailing_zeros() as usize
-        } else {
-            self.lowest_amid(own)
-        };
+        let main = usize::from(reach.main);
         let (line, main_weight) = (self.lines.get(main), weight(main));
         let q = integrate(self.polygon.corners(), origin, &line);
         sums.add(&q, main_weight);
-        if single {
-            return Ok(());
-        }
-        for k in bits(own & !(1 << main)) {
+        let others = reach.own & !(1 << (reach.main & LINE as u8));
+        for k in bits(others) {
             let excess = self.lines.get(k).minus(&line);
-            if self.cut_cell(k, own & !(1 << main), &excess)? {
+            if self.cut_cell(k, others, &excess)? {
                 let q = integrate(self.cell.corners(), origin, &excess);
                 sums.correct(&q, weight(k) - main_weight);
             }
         }
         Ok(())
-    }
-
-    /// The plane of `own` that is lowest at the mean of the corners.
-    #[inline]
-    fn lowest_amid(&self, own: u64) -> usize {
-        let corners = self.polygon.corners();
-        let (mut x, mut y) = (0.0, 0.0);
-        for p in corners {
-            x += p.x;
-            y += p.y;
-        }
-        let share = 1.0 / corners.len() as f64;
-        let middle = Point {
-            x: x * share,
-            y: y * share,
-        };
-        let mut best = (f64::INFINITY, 0);
-        for k in bits(own) {
-            let v = self.lines.get(k).at(&middle);
-            if v < best.0 {
-                best = (v, k);
-            }
-        }
-        best.1
     }
 
     /// Cuts out the part of the polygon where plane `k` is below the main owner, `excess` =

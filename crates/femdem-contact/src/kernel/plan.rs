@@ -8,7 +8,7 @@
 //! corners tell which planes can cut it or own a gauge cell on it.
 
 use super::candidates::{Candidates, ContactBox};
-use super::clip::{Clipper, Cut, Point};
+use super::clip::{Clipper, Cut, Line, Point};
 use super::side::{BOX_FACES, FieldPlane};
 use crate::shape::{ConvexShape, PlaneFrame};
 use serde::{Deserialize, Serialize};
@@ -20,11 +20,19 @@ pub(crate) const MOST_PLANES: usize = u64::BITS as usize;
 /// Distances are compared with this much to spare, times the margin.
 const HAIR: f64 = 1e-6;
 
-/// A facet of the skin and the planes of the field that matter to it, a bit for each.
+/// A facet of the skin and the planes of the field that matter to it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FacetPlan {
     pub facet: u16,
-    /// Planes that can cut the facet.
+    pub reach: Reach,
+}
+
+/// The planes of a field that matter to a polygon, a bit for each.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Reach {
+    /// The plane that is lowest in the middle of the polygon.
+    pub main: u8,
+    /// Planes that can cut the polygon.
     pub cut: u64,
     /// Planes that can own a cell on it.
     pub own: u64,
@@ -87,8 +95,8 @@ impl SidePlan {
                 posed,
                 bounding: usize::from(planes.bounding),
             };
-            if let Some((cut, own)) = place.plan(Some(region), margins, scratch) {
-                plan.facets.push(FacetPlan { facet, cut, own });
+            if let Some(reach) = place.plan(Some(region), margins, scratch) {
+                plan.facets.push(FacetPlan { facet, reach });
             }
         }
         plan.compact(posed.len());
@@ -99,8 +107,7 @@ impl SidePlan {
     pub(crate) fn general(facets: &[u16], planes: &Candidates) -> Self {
         let all = |&facet: &u16| FacetPlan {
             facet,
-            cut: 0,
-            own: 0,
+            reach: Reach::default(),
         };
         Self {
             planes: planes.planes.iter().copied().collect(),
@@ -113,7 +120,8 @@ impl SidePlan {
 
     /// Leaves out the planes that no facet needs.
     fn compact(&mut self, planes: usize) {
-        let used = self.facets.iter().fold(0, |set, f| set | f.cut | f.own);
+        let both = |f: &FacetPlan| f.reach.cut | f.reach.own;
+        let used = self.facets.iter().fold(0, |set, f| set | both(f));
         let is_used = |k: usize| used >> k & 1 == 1;
         let packed = |set: u64| {
             let mut out = 0;
@@ -127,7 +135,9 @@ impl SidePlan {
             out
         };
         for f in &mut self.facets {
-            (f.cut, f.own) = (packed(f.cut), packed(f.own));
+            let reach = &mut f.reach;
+            reach.main = packed(1 << reach.main).trailing_zeros() as u8;
+            (reach.cut, reach.own) = (packed(reach.cut), packed(reach.own));
         }
         let all = usize::from(self.bounding);
         self.bounding = (0..all).filter(|&k| is_used(k)).count() as u16;
@@ -157,7 +167,7 @@ impl Place<'_> {
         region: Option<&ContactBox>,
         margins: Margins,
         scratch: &mut PlanScratch,
-    ) -> Option<(u64, u64)> {
+    ) -> Option<Reach> {
         let PlanScratch {
             clipper,
             values,
@@ -197,7 +207,9 @@ impl Place<'_> {
             lowest,
             planes: self.posed,
         };
-        Some((cut, rows.owners(margin)))
+        let own = rows.owners(margin);
+        let main = lowest_amid(polygon, own, |k| self.posed[k].on(self.frame));
+        Some(Reach { main, cut, own })
     }
 
     /// Cuts by the region, and the faces of it that can cut later; `None` if nothing is left.
@@ -222,6 +234,19 @@ impl Place<'_> {
         }
         Some(set)
     }
+}
+
+/// The function of those in `own` that is lowest at the mean of the corners.
+fn lowest_amid(corners: &[Point], own: u64, line: impl Fn(usize) -> Line) -> u8 {
+    let share = 1.0 / corners.len() as f64;
+    let middle = corners.iter().fold(Point::default(), |m, p| Point {
+        x: m.x + p.x * share,
+        y: m.y + p.y * share,
+    });
+    let at = |k: usize| (line(k).at(&middle), k as u8);
+    let owners = (0..MOST_PLANES).filter(|&k| own >> k & 1 == 1);
+    let lowest = owners.map(at).min_by(|p, q| p.0.total_cmp(&q.0));
+    lowest.map_or(0, |(_, k)| k)
 }
 
 /// Fields of all planes at the corners of a polygon, plane by plane.
