@@ -147,3 +147,6 @@ pub fn write(body: &Polyhedron, mut writer: impl Write) -> Result<(), MeshError>
     writer.flush()?;
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;
