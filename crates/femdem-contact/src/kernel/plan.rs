@@ -8,7 +8,7 @@
 //! corners tell which planes can cut it or own a gauge cell on it.
 
 use super::candidates::{Candidates, ContactBox};
-use super::clip::{Clipper, Cut, Line, Point};
+use super::clip::{Clipper, Cut, Point};
 use super::side::{BOX_FACES, FieldPlane};
 use crate::shape::{ConvexShape, PlaneFrame};
 use serde::{Deserialize, Serialize};
@@ -208,7 +208,7 @@ impl Place<'_> {
             planes: self.posed,
         };
         let own = rows.owners(margin);
-        let main = lowest_amid(polygon, own, |k| self.posed[k].on(self.frame));
+        let main = rows.lowest_amid(own);
         Some(Reach { main, cut, own })
     }
 
@@ -236,19 +236,6 @@ impl Place<'_> {
     }
 }
 
-/// The function of those in `own` that is lowest at the mean of the corners.
-fn lowest_amid(corners: &[Point], own: u64, line: impl Fn(usize) -> Line) -> u8 {
-    let share = 1.0 / corners.len() as f64;
-    let middle = corners.iter().fold(Point::default(), |m, p| Point {
-        x: m.x + p.x * share,
-        y: m.y + p.y * share,
-    });
-    let at = |k: usize| (line(k).at(&middle), k as u8);
-    let owners = (0..MOST_PLANES).filter(|&k| own >> k & 1 == 1);
-    let lowest = owners.map(at).min_by(|p, q| p.0.total_cmp(&q.0));
-    lowest.map_or(0, |(_, k)| k)
-}
-
 /// Fields of all planes at the corners of a polygon, plane by plane.
 struct Rows<'a> {
     values: &'a [f64],
@@ -260,6 +247,16 @@ impl Rows<'_> {
     fn row(&self, k: usize) -> &[f64] {
         let n = self.lowest.len();
         &self.values[k * n..(k + 1) * n]
+    }
+
+    /// The plane of `own` that is lowest at the mean of the corners.
+    fn lowest_amid(&self, own: u64) -> u8 {
+        let mut best = (f64::INFINITY, 0);
+        for k in (0..self.planes.len()).filter(|&k| own >> k & 1 == 1) {
+            let sum = self.row(k).iter().sum();
+            best = if sum < best.0 { (sum, k as u8) } else { best };
+        }
+        best.1
     }
 
     /// The planes that can be lowest somewhere: those that no plane, lowest at some corner
