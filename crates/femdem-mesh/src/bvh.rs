@@ -129,6 +129,11 @@ impl Bvh {
         self.build(boxes, start + half, end);
     }
 
+    /// The things as leaves hold them, one leaf after another.
+    pub(crate) fn order(&self) -> &[u32] {
+        &self.order
+    }
+
     /// Number of things in the tree.
     pub fn len(&self) -> usize {
         self.order.len()

@@ -515,7 +515,8 @@ pub enum MeshError {
     /// No mesh of a body could be made.
     #[error(
         "no mesh with edges from {asked:e} m down to {tried:e} m meets the options; at the last \
-         length: {problem}; ask for a shorter edge length, or relax the options"
+         length: {problem}; parts of the body may be thinner than that: ask for a shorter edge \
+         length, allow more refinements, or relax the options"
     )]
     MeshingFailed {
         /// Edge length asked for \[m\].

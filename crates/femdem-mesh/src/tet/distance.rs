@@ -19,6 +19,11 @@ impl Triangles {
         }
     }
 
+    /// The triangles in the tree's order: neighbours are near each other.
+    pub(crate) fn order(&self) -> &[u32] {
+        self.tree.order()
+    }
+
     /// Distance to the nearest triangle \[m\]; infinite if there is none.
     pub(crate) fn distance(&self, p: &Point3) -> f64 {
         self.nearest(p)

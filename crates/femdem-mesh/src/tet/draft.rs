@@ -1,6 +1,6 @@
 //! A mesh whose points still move: on their patch or sharp edge of the surface, or freely inside.
 
-use super::body::Body;
+use super::features::{Features, Place};
 use super::quality::radius_ratio;
 use super::stuffing::Stuffed;
 use super::{TetMesh, topology};
@@ -11,22 +11,9 @@ const ON_FEATURE: f64 = 1e-5;
 /// Tetrahedra of a radius ratio below this are worth improving.
 const GOAL: f64 = 0.35;
 
-/// What holds a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
-    /// Nothing: it moves freely.
-    Inside,
-    /// A smooth patch of the surface.
-    Patch(u32),
-    /// A chain of sharp edges.
-    Chain(u32),
-    /// A corner: it does not move.
-    Corner,
-}
-
 /// Points, tetrahedra and where they may go.
 pub(super) struct Draft<'a> {
-    body: &'a Body,
+    features: &'a Features,
     length: f64,
     pub(super) points: Vec<Point3>,
     pub(super) places: Vec<Place>,
@@ -37,7 +24,11 @@ pub(super) struct Draft<'a> {
 
 impl<'a> Draft<'a> {
     /// Finds out where the points of a stuffed lattice lie.
-    pub(super) fn new(body: &'a Body, stuffed: Stuffed, length: f64) -> Result<Self, MeshError> {
+    pub(super) fn new(
+        features: &'a Features,
+        stuffed: Stuffed,
+        length: f64,
+    ) -> Result<Self, MeshError> {
         let Stuffed { points, tets } = stuffed;
         let mut at = vec![Vec::new(); points.len()];
         for (i, tet) in tets.iter().enumerate() {
@@ -47,11 +38,11 @@ impl<'a> Draft<'a> {
         for point in topology::connect(&tets)?.1.into_iter().flatten() {
             let i = point as usize;
             if places[i] == Place::Inside {
-                places[i] = place_of(body, &points[i], ON_FEATURE * length);
+                places[i] = features.place(&points[i], ON_FEATURE * length);
             }
         }
         Ok(Self {
-            body,
+            features,
             length,
             points,
             places,
@@ -109,9 +100,9 @@ impl<'a> Draft<'a> {
     fn allowed(&self, point: u32, position: &Point3) -> Option<Point3> {
         match self.places[point as usize] {
             Place::Inside => Some(*position),
-            Place::Patch(patch) => self.body.nearest_on_patch(position, patch),
-            Place::Chain(chain) => self.body.nearest_on_chain(position, chain),
-            Place::Corner => None,
+            Place::Patch(patch) => self.features.nearest_on_patch(position, patch),
+            Place::Chain(chain) => self.features.nearest_on_chain(position, chain),
+            Place::Corner(_) => None,
         }
     }
 
@@ -138,7 +129,7 @@ impl<'a> Draft<'a> {
     /// Tries positions around a point, and the mean of its neighbours; takes the best.
     fn improve(&mut self, point: u32) -> bool {
         let here = self.points[point as usize];
-        if self.places[point as usize] == Place::Corner {
+        if matches!(self.places[point as usize], Place::Corner(_)) {
             return false;
         }
         let old = self.worst_at(point, here, f64::NEG_INFINITY);
@@ -227,18 +218,6 @@ impl<'a> Draft<'a> {
         }
         true
     }
-}
-
-fn place_of(body: &Body, p: &Point3, tolerance: f64) -> Place {
-    if body.corners.iter().any(|c| (c - p).norm() < tolerance) {
-        return Place::Corner;
-    }
-    if let Some((chain, q)) = body.nearest_sharp(p)
-        && (q - p).norm() < tolerance
-    {
-        return Place::Chain(chain);
-    }
-    Place::Patch(body.nearest(p).0)
 }
 
 /// The edges of triangles, each once, sorted.

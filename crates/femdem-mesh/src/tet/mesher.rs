@@ -3,6 +3,7 @@
 use super::body::Body;
 use super::distance::Triangles;
 use super::draft::Draft;
+use super::features::Features;
 use super::lattice::Lattice;
 use super::{EDGES, Quality, TetMesh, snap, stuffing};
 use crate::{MeshError, Point3, Polyhedron};
@@ -20,6 +21,8 @@ const SAMPLES: usize = 4;
 /// What is asked of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshOptions {
+    /// The only way to be tried; none chooses.
+    pub method: Option<Method>,
     /// Length of edges that is aimed at \[m\]. None leaves fans unrefined, and takes twice the
     /// volume over the area of the surface for other bodies (half the width of a square bar).
     pub edge_length: Option<f64>,
@@ -36,6 +39,7 @@ impl Default for MeshOptions {
     /// No edge length; dihedral angles of at least 5 degrees, volume within 5 %, 4 refinements.
     fn default() -> Self {
         Self {
+            method: None,
             edge_length: None,
             min_dihedral: 5_f64.to_radians(),
             max_volume_error: 0.05,
@@ -69,13 +73,17 @@ pub struct MeshReport {
     /// The length the lattice was made with \[m\]: less than asked for if the body needed it; none
     /// for fans.
     pub lattice_length: Option<f64>,
+    /// Whether sharp edges of the surface longer than the lattice's length were kept; false where
+    /// that would have spoiled the shapes.
+    pub edges_kept: bool,
     /// Shapes of the tetrahedra.
     pub quality: Quality,
     /// Volume of the mesh less that of the body, relative to the latter.
     pub volume_error: f64,
     /// Largest distance between the skin and the surface, either way, by samples \[m\].
     pub distance: f64,
-    /// Largest distance of the surface's sharp edges to the skin, by samples \[m\].
+    /// Largest distance to the skin of the surface's sharp edges (those in chains longer than the
+    /// lattice's length), by samples \[m\].
     pub edge_distance: f64,
 }
 
@@ -94,12 +102,18 @@ pub struct MeshReport {
 /// the refinements allowed: the error names what failed at the finest length tried.
 pub fn mesh(body: &Polyhedron, options: &MeshOptions) -> Result<(TetMesh, MeshReport), MeshError> {
     check(options)?;
-    let fan = fan(body, options);
-    let good_enough = |(_, report): &(TetMesh, MeshReport)| {
-        options.edge_length.is_none() || report.quality.min_dihedral > GOOD_FAN
+    let fan = match options.method {
+        Some(Method::Stuffing) => Err(MeshError::NotConvex),
+        Some(method) => return fan(method, body, options),
+        None if body.is_convex() => fan(Method::CentroidFan, body, options),
+        None => fan(Method::StarFan, body, options),
     };
     let fan = match fan {
-        Some(fan) if good_enough(&fan) => return Ok(fan),
+        Ok((mesh, report))
+            if options.edge_length.is_none() || report.quality.min_dihedral > GOOD_FAN =>
+        {
+            return Ok((mesh, report));
+        }
         other => other,
     };
     let mass = body.mass_properties();
@@ -108,16 +122,16 @@ pub fn mesh(body: &Polyhedron, options: &MeshOptions) -> Result<(TetMesh, MeshRe
         .unwrap_or(2.0 * mass.volume / body.area());
     let prepared = Body::new(body);
     let mut length = first;
-    let mut result = stuffed(body, &prepared, length, options);
+    let mut result = stuff(body, &prepared, length, options);
     for _ in 0..options.refinements {
         if result.is_ok() {
             break;
         }
         length *= std::f64::consts::FRAC_1_SQRT_2;
-        result = stuffed(body, &prepared, length, options);
+        result = stuff(body, &prepared, length, options);
     }
     result
-        .or_else(|problem| fan.ok_or(problem))
+        .or_else(|problem| fan.map_err(|_| problem))
         .map_err(|problem| match problem {
             MeshError::OutOfRange { .. } => problem,
             problem => MeshError::MeshingFailed {
@@ -128,17 +142,18 @@ pub fn mesh(body: &Polyhedron, options: &MeshOptions) -> Result<(TetMesh, MeshRe
         })
 }
 
-/// A centroid fan of a convex body or a star fan of a star-shaped one, if it meets the options.
-fn fan(body: &Polyhedron, options: &MeshOptions) -> Option<(TetMesh, MeshReport)> {
-    let (method, mesh) = if body.is_convex() {
-        (Method::CentroidFan, TetMesh::centroid_fan(body))
-    } else {
-        (Method::StarFan, TetMesh::star_fan(body))
+/// A fan, refined as often as the edge length asks, if it meets the options.
+fn fan(
+    method: Method,
+    body: &Polyhedron,
+    options: &MeshOptions,
+) -> Result<(TetMesh, MeshReport), MeshError> {
+    let mesh = match method {
+        Method::StarFan => TetMesh::star_fan(body)?,
+        Method::CentroidFan | Method::Stuffing => TetMesh::centroid_fan(body)?,
     };
-    let refined = mesh.and_then(|mesh| refine_to(mesh, options.edge_length));
-    refined
-        .and_then(|mesh| accept(mesh, body, method, None, options))
-        .ok()
+    let mesh = refine_to(mesh, options.edge_length)?;
+    accept(mesh, body, method, None, options)
 }
 
 fn check(options: &MeshOptions) -> Result<(), MeshError> {
@@ -211,7 +226,9 @@ fn longest_edge(mesh: &TetMesh) -> f64 {
     lengths.fold(0.0, f64::max)
 }
 
-fn stuffed(
+/// Stuffs the body with the sharp edges kept that are longer than `length`, or, if that fails,
+/// without regard to edges.
+fn stuff(
     polyhedron: &Polyhedron,
     body: &Body,
     length: f64,
@@ -225,10 +242,21 @@ fn stuffed(
     if stuffed.tets.is_empty() {
         return Err(MeshError::NoTetrahedra);
     }
-    let mut draft = Draft::new(body, stuffed, length)?;
-    snap::snap(&mut draft, body, length)?;
-    let mesh = draft.finish()?;
-    accept(mesh, polyhedron, Method::Stuffing, Some(length), options)
+    let attempt = |shortest_edge: f64| {
+        let features = Features::new(polyhedron, shortest_edge);
+        let mut draft = Draft::new(&features, stuffed.clone(), length)?;
+        snap::snap(&mut draft, &features, length)?;
+        let (mesh, mut report) = accept(
+            draft.finish()?,
+            polyhedron,
+            Method::Stuffing,
+            Some(length),
+            options,
+        )?;
+        report.edges_kept = shortest_edge.is_finite();
+        Ok((mesh, report))
+    };
+    attempt(length).or_else(|_| attempt(f64::INFINITY))
 }
 
 /// Measures a mesh and refuses it if it is not what was asked for.
@@ -269,7 +297,7 @@ fn measure(
 ) -> MeshReport {
     let volume = body.mass_properties().volume;
     let vertices = body.vertices();
-    let surface = Body::new(body);
+    let surface = Features::new(body, lattice_length.unwrap_or(0.0));
     let skin_triangles = mesh.skin.iter().map(|t| t.map(|i| mesh.points[i as usize]));
     let skin = Triangles::new(skin_triangles);
     let outward = skin
@@ -289,6 +317,7 @@ fn measure(
         tets: mesh.tets.len(),
         longest_edge: longest_edge(mesh),
         lattice_length,
+        edges_kept: true,
         quality: mesh.quality(),
         volume_error: mesh.volume() / volume - 1.0,
         distance: outward.chain(inward).fold(edge_distance, f64::max),

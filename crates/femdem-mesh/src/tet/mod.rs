@@ -4,6 +4,7 @@ mod body;
 mod distance;
 mod draft;
 mod fan;
+mod features;
 mod interior;
 mod lattice;
 mod lp;
@@ -13,6 +14,7 @@ mod refine;
 mod snap;
 mod stuffing;
 mod topology;
+mod winding;
 
 use crate::polyhedron::check_coordinates;
 use crate::{MassProperties, MeshError, Point3, Polyhedron};

@@ -18,6 +18,7 @@ const ALPHA_SHORT: f64 = 0.411_89;
 const ON_SURFACE: f64 = 1e-6;
 
 /// Points and tetrahedra. Every tetrahedron has a lattice node strictly inside the body.
+#[derive(Clone)]
 pub(super) struct Stuffed {
     pub(super) points: Vec<Point3>,
     pub(super) tets: Vec<[u32; 4]>,
@@ -56,7 +57,10 @@ impl<'a> Filling<'a> {
         let near = near_surface(body, lattice);
         let mut side = vec![None; lattice.len()];
         for id in (0..lattice.len()).filter(|&id| near[id]) {
-            let (_, foot) = body.nearest(&positions[id]);
+            let foot = body
+                .triangles
+                .nearest(&positions[id])
+                .map_or(positions[id], |(_, q)| q);
             side[id] = Some(if (foot - positions[id]).norm() < ON_SURFACE * length {
                 positions[id] = foot;
                 Side::On
