@@ -10,6 +10,13 @@ const CLEARANCE: f64 = 0.15;
 /// Rounds of smoothing that make the triangles well-shaped.
 const ROUNDS: usize = 12;
 
+/// Triangles with a smaller altitude than this part of a cell count as slivers.
+const SMALLEST_ALTITUDE: f64 = 0.1;
+/// Times that vertices near slivers and cuts go halfway back before all go back for good.
+const RETREATS: usize = 24;
+/// Cuts looked for at a time.
+const MOST_CUTS: usize = 1000;
+
 /// A body given by its signed distance, negative inside.
 pub(super) struct LevelSet<Distance, Project> {
     pub(super) distance: Distance,
@@ -33,7 +40,9 @@ where
     Project: Fn(&Point3) -> Point3,
 {
     /// The surface, closed and manifold: every tetrahedron of a body-centred cubic lattice is cut
-    /// between the corners inside and outside, then vertices are smoothed along the surface.
+    /// between the corners inside and outside, then vertices are smoothed along the surface. Where
+    /// that would make slivers or let faces cut each other, they stay nearer to the lattice's cuts,
+    /// which never let faces cross.
     pub(super) fn polyhedron(&self) -> Result<Polyhedron, MeshError> {
         let size = (self.high - self.low) / self.cell;
         let count = size.map(|x| x.ceil() + 4.0);
@@ -61,18 +70,49 @@ where
             }
         }
         let Cut {
-            mut vertices,
+            vertices: rough,
             polygons,
             ..
         } = cut;
+        let mut smooth = rough.clone();
         for _ in 0..ROUNDS {
-            vertices = self.smoothed(&vertices, &polygons);
+            smooth = self.smoothed(&smooth, &polygons);
         }
-        let triangles = polygons
-            .into_iter()
-            .flat_map(|polygon| along_shorter_diagonal(&vertices, polygon))
-            .collect();
-        Polyhedron::new(vertices, triangles)
+        // How far each vertex goes from the cut to its smoothed place.
+        let mut part = vec![1.0; rough.len()];
+        let fallback = body(rough.clone(), &polygons)?;
+        for _ in 0..RETREATS {
+            let place = |i: usize| rough[i] + (smooth[i] - rough[i]) * part[i];
+            match body((0..rough.len()).map(place).collect(), &polygons) {
+                Ok(body) => {
+                    let bad = self.bad_faces(&body);
+                    if bad.is_empty() {
+                        return Ok(body);
+                    }
+                    retreat(&mut part, &body, &bad);
+                }
+                Err(_) => part.iter_mut().for_each(|part| *part *= 0.5),
+            }
+        }
+        Ok(fallback)
+    }
+
+    /// Faces that cut each other, and slivers.
+    fn bad_faces(&self, body: &Polyhedron) -> Vec<usize> {
+        let floor = SMALLEST_ALTITUDE * self.cell;
+        let is_sliver = |face: &[u32]| {
+            let at = |k: usize| body.vertices()[face[k % face.len()] as usize];
+            let longest = (0..3)
+                .map(|k| (at(k + 1) - at(k)).norm())
+                .fold(0.0, f64::max);
+            (at(1) - at(0)).cross(&(at(2) - at(0))).norm() < floor * longest
+        };
+        let slivers = body.faces().enumerate().filter(|(_, face)| is_sliver(face));
+        let cuts = body.self_intersections(MOST_CUTS);
+        slivers
+            .map(|(i, _)| i)
+            .chain(cuts.into_iter().flatten())
+            .collect()
     }
 
     /// Each vertex moved to the mean of the polygons around it, weighted by area, and back to the
@@ -96,13 +136,43 @@ where
     }
 }
 
+fn body(vertices: Vec<Point3>, polygons: &[Vec<u32>]) -> Result<Polyhedron, MeshError> {
+    let triangles = polygons
+        .iter()
+        .flat_map(|polygon| along_shorter_diagonal(&vertices, polygon))
+        .collect();
+    Polyhedron::new(vertices, triangles)
+}
+
+/// Halves the part of the vertices of bad faces and of their neighbours.
+fn retreat(part: &mut [f64], body: &Polyhedron, bad: &[usize]) {
+    let mut marked = vec![false; part.len()];
+    for &face in bad {
+        for &v in body.face(face) {
+            marked[v as usize] = true;
+        }
+    }
+    let mut near = marked.clone();
+    for face in body
+        .faces()
+        .filter(|face| face.iter().any(|&v| marked[v as usize]))
+    {
+        for &v in face {
+            near[v as usize] = true;
+        }
+    }
+    for (part, _) in part.iter_mut().zip(near).filter(|(_, near)| *near) {
+        *part *= 0.5;
+    }
+}
+
 /// A triangle as it is; a quadrilateral as two triangles.
-fn along_shorter_diagonal(vertices: &[Point3], polygon: Vec<u32>) -> Vec<Vec<u32>> {
+fn along_shorter_diagonal(vertices: &[Point3], polygon: &[u32]) -> Vec<Vec<u32>> {
     let length = |i: u32, j: u32| (vertices[i as usize] - vertices[j as usize]).norm();
-    match polygon[..] {
+    match *polygon {
         [p, q, r, s] if length(p, r) <= length(q, s) => vec![vec![p, q, r], vec![p, r, s]],
         [p, q, r, s] => vec![vec![p, q, s], vec![q, r, s]],
-        _ => vec![polygon],
+        _ => vec![polygon.to_vec()],
     }
 }
 

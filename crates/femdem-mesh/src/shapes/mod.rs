@@ -7,6 +7,10 @@
 //! the origin. Round surfaces are polyhedral, with their vertices on the true surface: volumes are
 //! smaller than the smooth body's by the amount each family states.
 //!
+//! Sphere, ellipsoid, superquadric, box, rounded cube, cylinder and boulder are convex. Lobed
+//! extrudates, tetrapods and many clumps are star-shaped: their centroid sees all of the surface.
+//! Hollow cylinder, pellet, Antifer cube and dolos are neither.
+//!
 //! ```
 //! use femdem_mesh::shapes::{Boulder, Shape};
 //! let ring: Shape = "hollow_cylinder:bore=0.4,aspect=2".parse()?;

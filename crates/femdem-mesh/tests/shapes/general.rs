@@ -36,6 +36,42 @@ fn default_shapes_are_as_they_are_said_to_be() {
         assert_eq!(body.euler_characteristic(), 2 - 2 * holes, "{name}");
         let centroid = body.mass_properties().centroid.coords.amax();
         assert!(centroid < 1e-15, "{name}: centroid at {centroid:e}");
+        assert_eq!(body.self_intersections(1), [[0; 2]; 0], "{name}");
+    }
+}
+
+#[test]
+fn lobes_and_tetrapods_are_star_shaped_whatever_their_parameters() {
+    for lobes in 2..=8 {
+        for spacing in [0.3, 0.6, 0.85, 0.97] {
+            for segments in [3, 12, 64] {
+                let text = format!("lobed:lobes={lobes},spacing={spacing},segments={segments}");
+                assert!(body(&text, 1.0).inradius() > 0.0, "{text}");
+            }
+        }
+    }
+    for (foot, root) in [(0.2, 0.37), (0.2, 0.6), (0.36, 0.37), (0.36, 0.6)] {
+        let text = format!("tetrapod:foot={foot},root={root}");
+        assert!(body(&text, 1.0).inradius() > 0.0, "{text}");
+    }
+}
+
+#[test]
+fn convex_families_are_convex_whatever_their_parameters() {
+    for text in [
+        "sphere:level=0",
+        "ellipsoid:width=0.05,height=20",
+        "superquadric:n1=2,n2=20",
+        "superquadric:n1=20,n2=2,width=20,aspect=0.05",
+        "superquadric:n1=11,n2=17,cells=2",
+        "superquadric:n1=20,n2=5,cells=40",
+        "box:width=100,height=0.01",
+        "rounded_cube:radius=0.005,segments=16",
+        "rounded_cube:radius=0.45,segments=1",
+        "cylinder:sides=256,aspect=0.02",
+        "boulder:angularity=1,elongation=0.4,flatness=0.4",
+    ] {
+        assert!(body(text, 1.0).is_convex(), "{text}");
     }
 }
 

@@ -33,6 +33,8 @@ fn check(shape: &Shape) -> Result<(), TestCaseError> {
                 "{shape}: {centroid:e}"
             );
             prop_assert!(body.euler_characteristic() % 2 == 0);
+            let cuts = body.self_intersections(1);
+            prop_assert!(cuts.is_empty(), "{shape}: faces {cuts:?} cut each other");
         }
         Err(error) => {
             let named = matches!(
@@ -48,7 +50,7 @@ fn check(shape: &Shape) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
     fn a_body_or_a_named_error(family in 0..13_usize, parts in prop::collection::vec(0.0..1.0, 7)) {
@@ -69,12 +71,18 @@ proptest! {
     fn clumps_of_any_spheres(
         spheres in prop::collection::vec((-0.6..0.6, -0.6..0.6, -0.6..0.6, 0.2..0.5), 1..6)
     ) {
+        let radii: Vec<f64> = spheres.iter().map(|s| s.3).collect();
         let spheres: Vec<String> = spheres
             .iter()
             .map(|(x, y, z, r): &(f64, f64, f64, f64)| format!("{x} {y} {z} {r}"))
             .collect();
         let shape: Shape = format!("clump:spheres={}", spheres.join("/")).parse().unwrap();
         check(&shape)?;
+        if let Ok(body) = shape.polyhedron(1.0) {
+            let smallest = radii.iter().copied().fold(f64::INFINITY, f64::min);
+            let altitude = crate::smallest_altitude(&body);
+            prop_assert!(altitude > 0.03 * smallest, "{shape}: {altitude}");
+        }
     }
 
     #[test]

@@ -16,8 +16,8 @@ family! {
     /// and a volume of 0.16 in units of the height. Flukes taper straight from the waist's width in
     /// their middle to the tips. H. F. Burcharth and Z. Liu (23rd Int. Conf. Coastal Engineering,
     /// 1992) vary the waist from 0.32 to 0.42 and give a volume of 0.675 `waist`^1.285, which this
-    /// body meets within 4 %. Where the shank meets a tapered fluke its sides bend by up to 2 % of
-    /// the height, so that they end on the edges of the fluke.
+    /// body meets within 4 %. Where the shank meets a tapered fluke its sides bend, by 2 % of the
+    /// height at a waist of 0.32 and 5 % at 0.42, so that they end on the edges of the fluke.
     Dolos = "dolos", "dolos, two crossed flukes on a shank",
     size: "the height, which is also the length of a fluke" {
         /// Waist ratio: width of the shank, and of a fluke in its middle, over the height.
