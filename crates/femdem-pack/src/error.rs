@@ -22,6 +22,12 @@ pub enum PackError {
     /// A pack needs something to pack.
     #[error("no shape was given: name at least one shape to pack")]
     NoShapes,
+    /// A body that is not convex needs tetrahedra for its contacts.
+    #[error("the shape {name} is not convex and has no mesh: make it with PackShape::of_surface")]
+    NotConvex {
+        /// The shape.
+        name: String,
+    },
     /// A body fits into the container only in some orientations, or not at all.
     #[error(
         "the container's {side} is {size} m, but a body of circumscribed diameter {diameter} m \

@@ -4,11 +4,13 @@ use crate::container::Container;
 use crate::error::{PackError, check, check_positive};
 use crate::penalty::{EXPECTED_DENSITY, PackLoad, Penalty, automatic_penalty};
 use crate::protocol::Protocol;
-use femdem_contact::ContactParameters;
+use femdem_contact::{ContactParameters, Field};
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::tet::{self, MeshOptions, MeshReport};
 use femdem_mesh::{Polyhedron, TetMesh, Vector3};
-use femdem_solve::{Medium, SleepParameters, TimeStepParameters, WorldParameters};
+use femdem_solve::{
+    Medium, ShapeId, SleepParameters, SolveError, TimeStepParameters, World, WorldParameters,
+};
 use serde::{Deserialize, Serialize};
 
 /// Circumscribed diameter of the default bodies, m.
@@ -66,6 +68,14 @@ impl PackShape {
         let (mesh, report) = tet::mesh(&shape.polyhedron, options)?;
         let mesh = Some(mesh);
         Ok((Self { mesh, ..shape }, Some(report)))
+    }
+
+    /// Adds the shape to a world: with its mesh if it has one, with the body field.
+    pub(crate) fn add_to(&self, world: &mut World) -> Result<ShapeId, SolveError> {
+        match &self.mesh {
+            Some(mesh) => world.add_mesh_shape(&self.name, &self.polyhedron, mesh, Field::Body),
+            None => world.add_shape(&self.name, &self.polyhedron),
+        }
     }
 
     /// Circumscribed diameter: of the smallest sphere about the centroid that holds the body, m.
@@ -207,13 +217,18 @@ impl PackSpec {
     /// checks when it is built (contact law, time step, sleeping, medium).
     ///
     /// # Errors
-    /// [`PackError::NoShapes`], [`PackError::Parameter`], [`PackError::ContainerTooNarrow`].
+    /// [`PackError::NoShapes`], [`PackError::NotConvex`] for a shape without the mesh it needs, [`PackError::Parameter`], [`PackError::ContainerTooNarrow`].
     pub fn validate(&self) -> Result<(), PackError> {
         if self.shapes.is_empty() {
             return Err(PackError::NoShapes);
         }
         for shape in &self.shapes {
             check_positive("share of a shape", shape.share)?;
+            if shape.mesh.is_none() && !shape.polyhedron.is_convex() {
+                return Err(PackError::NotConvex {
+                    name: shape.name.clone(),
+                });
+            }
         }
         check(
             "count",

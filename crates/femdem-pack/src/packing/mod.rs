@@ -150,7 +150,7 @@ impl Packing {
         let penalty = spec.resolved_penalty()?;
         let mut world = World::new(spec.world_parameters(penalty))?;
         for shape in &spec.shapes {
-            world.add_shape(&shape.name, &shape.polyhedron)?;
+            shape.add_to(&mut world)?;
         }
         for wall in spec.container.walls()? {
             world.add_wall(wall, Drive::Fixed)?;

@@ -39,25 +39,14 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
     Snapshot {
         shapes: shapes.collect(),
         bodies: bodies.collect(),
-        contacts: rows(world),
+        contacts: world
+            .contacts()
+            .into_iter()
+            .map(|contact| row(world, contact))
+            .collect(),
         drawing: container::drawing(packing),
         container: Some(container::inside(packing)),
     }
-}
-
-/// The contacts as rows, with the patches of each pair numbered in the order of the records.
-fn rows(world: &World) -> Vec<ContactRow> {
-    let mut rows: Vec<ContactRow> = Vec::new();
-    for contact in world.contacts() {
-        let mut row = row(world, contact);
-        if let Some(last) = rows.last()
-            && (last.body, &last.partner) == (row.body, &row.partner)
-        {
-            row.patch = last.patch + 1;
-        }
-        rows.push(row);
-    }
-    rows
 }
 
 /// A contact record as a row that starts from a body.
@@ -89,7 +78,7 @@ fn row(world: &World, contact: &Contact) -> ContactRow {
             stiffness: contact.stiffness,
             diameter: mean_diameter(world, contact),
         }),
-        patch: 0,
+        patch: contact.patch,
     }
 }
 
