@@ -6,6 +6,7 @@
     reason = "every test file uses its own part, and helpers of tests fail the test"
 )]
 
+pub mod meshes;
 pub mod pack;
 
 use femdem_contact::{ConvexShape, Frame};
@@ -93,7 +94,7 @@ fn volume(t: &Tet) -> f64 {
 }
 
 /// Integral over (tet below the planes) of the linear function with vertex values `w`.
-fn clipped_integral(t: &Tet, w: [f64; 4], planes: &[(Vector3<f64>, f64)]) -> (f64, f64) {
+pub fn clipped_integral(t: &Tet, w: [f64; 4], planes: &[(Vector3<f64>, f64)]) -> (f64, f64) {
     let Some(((n, c), rest)) = planes.split_first() else {
         let v = volume(t);
         return (v, v * w.iter().sum::<f64>() / 4.0);
