@@ -7,6 +7,10 @@ use std::collections::BTreeMap;
 /// Flat regions that are not convex are searched for convex parts up to this many triangles.
 const SEARCH_LIMIT: usize = 1000;
 
+/// Faces with more corners are not made: their convexity is judged corner by corner and side by
+/// side.
+const OUTLINE_LIMIT: usize = 4096;
+
 /// Vertices and faces of a surface.
 pub(crate) type Surface = (Vec<Point3>, Vec<Vec<u32>>);
 
@@ -148,7 +152,7 @@ impl Patches<'_> {
                 return None;
             }
         }
-        (outline.len() == next.len()).then_some(outline)
+        (outline.len() == next.len() && outline.len() <= OUTLINE_LIMIT).then_some(outline)
     }
 
     /// Covers a flat region by convex polygons, each grown from a triangle as far as it stays

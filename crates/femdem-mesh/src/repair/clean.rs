@@ -5,7 +5,7 @@ use crate::polyhedron::{Plane, SHARP, check_coordinates, check_topology, triangu
 use crate::{MeshError, PLANARITY_TOLERANCE, Point3, Polyhedron, merge};
 
 /// Pairs of triangles that are compared at most in search of cuts, by the number of triangles.
-const PAIRS_PER_TRIANGLE: u64 = 2_000;
+const PAIRS_PER_TRIANGLE: u64 = 500;
 
 /// Pairs of facets that cut each other named in a message.
 const CUTS_NAMED: usize = 8;
@@ -142,7 +142,7 @@ impl Surface {
             origin,
         } = self;
         let body = Polyhedron::new(points, loops).map_err(|error| renumbered(error, &origin))?;
-        let budget = PAIRS_PER_TRIANGLE * (1000 + 2 * body.face_count() as u64);
+        let budget = PAIRS_PER_TRIANGLE * (10_000 + 2 * body.face_count() as u64);
         match body.self_intersections_within(CUTS_NAMED, budget) {
             None => Err(MeshError::Tangled {
                 facets: origin.len(),
