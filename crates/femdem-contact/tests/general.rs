@@ -1,12 +1,16 @@
 //! The general kernel on centroid fans of convex bodies against the convex kernel.
 
 mod common;
+#[path = "common/tets.rs"]
+mod tets;
 
 use common::{Stream, solids};
 use femdem_contact::general::GeneralScratch;
 use femdem_contact::kernel::Scratch;
-use femdem_contact::{FieldMesh, Form, Frame, GeneralKernel, Overlap, PairKernel};
+use femdem_contact::{Field, FieldMesh, Form, Frame, GeneralKernel, Overlap, PairKernel};
+use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::Vector3;
+use femdem_mesh::tet::FACES;
 
 const PENALTY: f64 = 3.0;
 
@@ -81,4 +85,79 @@ fn fans_of_convex_bodies_are_the_convex_kernel() {
     for (name, error) in worst {
         assert!(error < 2e-12, "{name} differs by {error:e}");
     }
+}
+
+/// Energy and volume against every tetrahedron of one body cut by the planes of every one of the
+/// other, by the recursive code of tests/common, and nodal values from the mesh itself.
+#[test]
+fn energy_and_volume_are_those_of_brute_force() {
+    let mut stream = Stream(29);
+    let kernel = GeneralKernel::new(PENALTY, Form::Sum).unwrap();
+    let mut scratch = GeneralScratch::default();
+    let mut several = 0;
+    for mesh in [tets::l_block(), tets::tube(), tets::dolos()] {
+        let mesh = mesh.with_interior_points();
+        let body = tets::body(&mesh, Field::Body);
+        for _ in 0..4 {
+            let fa = Frame {
+                position: stream.vector(),
+                rotation: stream.rotation(),
+            };
+            let fb = Frame {
+                position: fa.position + stream.vector().normalize() * (0.3 + 0.4 * stream.unit()),
+                rotation: stream.rotation(),
+            };
+            let (volume, integral) = brute_force(&mesh, &body, &fa, &fb);
+            let patches = kernel.evaluate(&body, &fa, &body, &fb, &mut scratch);
+            several += usize::from(patches.len() > 1);
+            let got = tets::total(patches);
+            assert!(
+                (got.volume - volume).abs() < 1e-12,
+                "{} {volume}",
+                got.volume
+            );
+            let energy = PENALTY * integral;
+            assert!(
+                (got.energy - energy).abs() < 1e-12,
+                "{} {energy}",
+                got.energy
+            );
+        }
+    }
+    assert!(several > 0);
+}
+
+type Nodal = ([Vector3<f64>; 4], [f64; 4]);
+
+fn brute_force(mesh: &TetMesh, body: &FieldMesh, fa: &Frame, fb: &Frame) -> (f64, f64) {
+    let distance = mesh.distance_to_skin();
+    let most = distance.iter().copied().fold(0.0, f64::max);
+    let posed = |frame: &Frame| -> Vec<Nodal> {
+        let at = |i: u32| frame.point(&(mesh.points()[i as usize].coords - body.centroid()));
+        let value = |i: u32| distance[i as usize] / most;
+        mesh.tets()
+            .iter()
+            .map(|t| (t.map(at), t.map(value)))
+            .collect()
+    };
+    let one_way = |own: &[Nodal], others: &[Nodal]| {
+        let mut sum = (0.0, 0.0);
+        for (y, _) in others {
+            let plane = |f: &[usize; 3]| {
+                let [p, q, r] = f.map(|c| y[c]);
+                let n = (q - p).cross(&(r - p)).normalize();
+                (n, n.dot(&p))
+            };
+            let planes: Vec<_> = FACES.iter().map(plane).collect();
+            for (x, values) in own {
+                let (v, i) = common::clipped_integral(x, *values, &planes);
+                sum = (sum.0 + v, sum.1 + i);
+            }
+        }
+        sum
+    };
+    let (a, b) = (posed(fa), posed(fb));
+    let (volume, of_a) = one_way(&a, &b);
+    let (_, of_b) = one_way(&b, &a);
+    (volume, of_a + of_b)
 }

@@ -15,21 +15,25 @@ pub struct Patch {
 
 /// Finds for every piece the first one of its patch. Pieces come in the order of their pairs.
 ///
-/// Pieces are joined across the faces of tetrahedra that bound both.
+/// Pieces are joined across the faces of tetrahedra that bound both; where a face of A coincides
+/// with one of B, also across both at once.
 pub(crate) fn connect(pieces: &[Record], a: &Cells, b: &Cells, root: &mut Vec<u32>) {
     root.clear();
     root.extend(0..pieces.len() as u32);
-    let place = |pair: &[u32; 2]| pieces.binary_search_by_key(pair, |r| r.pair).ok();
+    let place = |pair: [u32; 2]| pieces.binary_search_by_key(&pair, |r| r.pair).ok();
     for (n, piece) in pieces.iter().enumerate() {
         let [i, j] = piece.pair;
+        let bits = piece.faces.bits;
         for k in 0..4 {
-            let beside_i = across(a, i, k, piece.faces);
-            let beside_j = across(b, j, k, piece.faces >> 4);
-            if let Some(other) = beside_i.and_then(|i| place(&[i, j])) {
-                join(root, n, other);
-            }
-            if let Some(other) = beside_j.and_then(|j| place(&[i, j])) {
-                join(root, n, other);
+            let beside_i = across(a, i, k, bits);
+            let beside_j = across(b, j, k, bits >> 4);
+            join(root, n, beside_i.and_then(|i| place([i, j])));
+            join(root, n, beside_j.and_then(|j| place([i, j])));
+            if let (Some(i), true) = (beside_i, piece.faces.coincide) {
+                for l in 0..4 {
+                    let beside_j = across(b, j, l, bits >> 4);
+                    join(root, n, beside_j.and_then(|j| place([i, j])));
+                }
             }
         }
     }
@@ -53,7 +57,10 @@ fn find(root: &[u32], mut n: usize) -> usize {
 }
 
 /// Makes the lower root that of both.
-fn join(root: &mut [u32], n: usize, m: usize) {
+fn join(root: &mut [u32], n: usize, other: Option<usize>) {
+    let Some(m) = other else {
+        return;
+    };
     let (x, y) = (find(root, n), find(root, m));
     root[x.max(y)] = x.min(y) as u32;
     let low = x.min(y) as u32;

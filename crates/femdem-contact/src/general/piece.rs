@@ -185,6 +185,10 @@ impl Piece {
         }
     }
 
+    pub fn vertices(&self) -> &[Vector3] {
+        &self.at[..self.count]
+    }
+
     /// Calls `face` with the label and the corners, counter-clockwise, of every face.
     pub fn for_faces(&mut self, mut face: impl FnMut(u8, &[Vector3])) {
         self.seen[..4 * self.count].fill(false);

@@ -12,11 +12,29 @@ const LABEL: [u8; 2] = [0, 4];
 /// Fields whose gradients differ by less than this part have no contact surface.
 const SAME_FIELD: f64 = 1e-6;
 
+/// Planes whose normals have a larger cosine may coincide.
+const SAME_NORMAL: f64 = 1.0 - 1e-12;
+
+/// Coinciding planes are this near, over the size of the tetrahedra.
+const FLAT: f64 = 1e-12;
+
+/// Fields that differ by less than this on a piece are equal there.
+const SAME_VALUE: f64 = 1e-10;
+
+/// Which faces of its tetrahedra bound a piece.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Faces {
+    /// Bits by label.
+    pub bits: u8,
+    /// Whether a face of A's tetrahedron coincides with one of B's.
+    pub coincide: bool,
+}
+
 /// A piece's sums, its tetrahedra, and which of their faces bound it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Record {
     pub pair: [u32; 2],
-    pub faces: u8,
+    pub faces: Faces,
     pub sums: Sums,
 }
 
@@ -46,8 +64,13 @@ pub(crate) fn intersect(a: &Posed, b: &Posed, piece: &mut Piece) -> bool {
         .all(|k| piece.cut(labels[1] + k as u8, |x| large.depth(k, x)) != Cut::Empty)
 }
 
-/// The sums of the piece in the buffer, and the bits of its faces; `None` if it has no volume.
-pub(crate) fn integrate(a: &Posed, b: &Posed, law: &Law, piece: &mut Piece) -> Option<(u8, Sums)> {
+/// The sums of the piece in the buffer, and its faces; `None` if it has no volume.
+pub(crate) fn integrate(
+    a: &Posed,
+    b: &Posed,
+    law: &Law,
+    piece: &mut Piece,
+) -> Option<(Faces, Sums)> {
     let whole = piece.moments();
     if whole.volume.is_nan() || whole.volume <= 0.0 {
         return None;
@@ -56,14 +79,7 @@ pub(crate) fn integrate(a: &Posed, b: &Posed, law: &Law, piece: &mut Piece) -> O
         volume: whole.volume,
         ..Sums::default()
     };
-    let mut faces = 0;
-    let skins = a.skin | b.skin << 4;
-    piece.for_faces(|label, polygon| {
-        faces |= 1 << label;
-        if skins >> label & 1 == 1 {
-            add_skin(a, b, law, label, polygon, &mut sums);
-        }
-    });
+    let faces = add_skins(a, b, law, piece, &mut sums);
     match law.form {
         Form::Min => add_series(a, b, &whole, piece, &mut sums),
         Form::Sum | Form::Shaped => {
@@ -77,6 +93,56 @@ pub(crate) fn integrate(a: &Posed, b: &Posed, law: &Law, piece: &mut Piece) -> O
     Some((faces, sums))
 }
 
+/// Adds the polygons of the piece that lie on a skin.
+///
+/// Where a face of A's tetrahedron coincides with one of B's, the piece's face has the label of
+/// one of them by chance, and a flat piece behind it may have the other. Flat pieces are left out,
+/// and the polygons of the others count for both faces.
+fn add_skins(a: &Posed, b: &Posed, law: &Law, piece: &mut Piece, sums: &mut Sums) -> Faces {
+    let skins = a.skin | b.skin << 4;
+    let least = FLAT * a.size().max(b.size());
+    let plane = |label: u8| {
+        let tet = if label < LABEL[1] { a } else { b };
+        (tet, usize::from(label % 4))
+    };
+    let mut twins = [None; 8];
+    for k in 0..4 {
+        for l in 0..4 {
+            if a.normals[k].dot(&b.normals[l]) > SAME_NORMAL {
+                twins[k] = Some(4 + l as u8);
+                twins[4 + l] = Some(k as u8);
+            }
+        }
+    }
+    let mut thick = 0_u8;
+    for label in (0..8).filter(|l| skins >> l & 1 == 1) {
+        let (tet, k) = plane(label);
+        let deep = piece.vertices().iter().any(|x| tet.depth(k, x) > least);
+        thick |= u8::from(deep) << label;
+    }
+    let mut faces = Faces::default();
+    piece.for_faces(|label, polygon| {
+        faces.bits |= 1 << label;
+        let twin = twins[usize::from(label)].filter(|&twin| {
+            let (tet, k) = plane(twin);
+            polygon.iter().all(|x| tet.depth(k, x) <= least)
+        });
+        faces.coincide |= twin.is_some();
+        faces.bits |= twin.map_or(0, |twin| 1 << twin);
+        let counts = |l: u8| (skins & thick) >> l & 1 == 1;
+        let of_skins = [Some(label), twin]
+            .into_iter()
+            .flatten()
+            .filter(|&l| counts(l));
+        // Moved either way, one of two skins that coincide takes all of the area: on average, none.
+        let both = of_skins.clone().count() == 2;
+        for l in of_skins {
+            add_skin(a, b, law, l, polygon, if both { 0.0 } else { 1.0 }, sums);
+        }
+    });
+    faces
+}
+
 /// Integral of a tetrahedron's field over a part with the given moments.
 fn integral(tet: &Posed, part: &Moments) -> f64 {
     tet.level * part.volume + tet.gradient.dot(&part.first)
@@ -84,7 +150,15 @@ fn integral(tet: &Posed, part: &Moments) -> f64 {
 
 /// Adds a polygon of A's skin in B or of B's skin in A. In the form Min only the contact surface
 /// carries pressure; the skins still give the vector area.
-fn add_skin(a: &Posed, b: &Posed, law: &Law, label: u8, polygon: &[Vector3], sums: &mut Sums) {
+fn add_skin(
+    a: &Posed,
+    b: &Posed,
+    law: &Law,
+    label: u8,
+    polygon: &[Vector3],
+    counts: f64,
+    sums: &mut Sums,
+) {
     let own = label < LABEL[1];
     let (skin, field, side, length) = if own {
         (a, b, 1.0, law.lengths[1])
@@ -99,7 +173,7 @@ fn add_skin(a: &Posed, b: &Posed, law: &Law, label: u8, polygon: &[Vector3], sum
         gradient: field.gradient * presses,
         level: field.level * presses,
         weight: presses * normal.dot(&field.gradient).max(0.0),
-        side,
+        side: side * counts,
     });
 }
 
@@ -107,8 +181,19 @@ fn add_skin(a: &Posed, b: &Posed, law: &Law, label: u8, polygon: &[Vector3], sum
 fn add_series(a: &Posed, b: &Posed, whole: &Moments, piece: &mut Piece, sums: &mut Sums) {
     let slope = b.gradient - a.gradient;
     let level = b.level - a.level;
-    let cut = piece.cut(SURFACE, |x| level + slope.dot(x));
+    let above = |x: &Vector3| level + slope.dot(x);
+    let equal = piece.vertices().iter().all(|x| above(x).abs() < SAME_VALUE);
+    let cut = if equal {
+        Cut::Whole
+    } else {
+        piece.cut(SURFACE, above)
+    };
     let in_a = match cut {
+        // Moved either way, one of the fields becomes the lower one: on average, each has half.
+        Cut::Whole if equal => Moments {
+            volume: 0.5 * whole.volume,
+            first: whole.first * 0.5,
+        },
         Cut::Whole => *whole,
         Cut::Part => piece.moments(),
         Cut::Empty => Moments::default(),
