@@ -4,7 +4,7 @@
 
 use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::tet::{MeshOptions, Method, mesh};
-use femdem_mesh::{Point3, Polyhedron, Pose, Rotation, Vector3};
+use femdem_mesh::{MeshError, Point3, Polyhedron, Pose, Rotation, Vector3};
 use std::f64::consts::TAU;
 
 /// The union of unit cubes at integer places, scaled by `size` along each axis.
@@ -205,5 +205,144 @@ fn general_bodies_in_any_orientation() {
             let relative = skin.mass_properties().volume / body.mass_properties().volume - 1.0;
             assert!((relative - report.volume_error).abs() < 1e-12, "{context}");
         }
+    }
+}
+
+#[test]
+fn curved_surfaces_are_approached() {
+    // Volumes with the square of the length, as chords do.
+    let body = torus(96, 48, 0.1, 0.04);
+    let error = |length: f64| {
+        let options = MeshOptions {
+            edge_length: Some(length),
+            ..MeshOptions::default()
+        };
+        mesh(&body, &options).unwrap().1.volume_error
+    };
+    let (coarse, fine) = (error(0.02), error(0.01));
+    assert!(
+        coarse < 0.0 && fine < 0.0 && coarse / fine > 3.0,
+        "{coarse} {fine}"
+    );
+}
+
+#[test]
+fn thin_parts_make_the_lattice_finer_or_are_refused() {
+    // A tube with walls of 10 mm, asked for with 30 mm.
+    let tube = hollow_cylinder(32, 0.1, 0.09, 0.06);
+    let options = MeshOptions {
+        edge_length: Some(0.03),
+        ..MeshOptions::default()
+    };
+    let (fine, report) = mesh(&tube, &options).unwrap();
+    assert!(report.lattice_length.unwrap() < 0.02);
+    assert_eq!(fine.surface().unwrap().euler_characteristic(), 0);
+    assert!(report.volume_error.abs() < 0.05);
+
+    let strict = MeshOptions {
+        refinements: 0,
+        ..options
+    };
+    let error = mesh(&tube, &strict).unwrap_err();
+    assert!(matches!(
+        error,
+        MeshError::MeshingFailed {
+            asked: 0.03,
+            tried: 0.03,
+            ..
+        }
+    ));
+    assert!(error.to_string().contains("thinner"), "{error}");
+}
+
+#[test]
+fn the_quality_floor_is_enforced() {
+    let options = MeshOptions {
+        edge_length: Some(0.03),
+        min_dihedral: 0.6,
+        refinements: 0,
+        ..MeshOptions::default()
+    };
+    let Err(MeshError::MeshingFailed { problem, .. }) = mesh(&u_block(), &options) else {
+        panic!("34 degrees cannot be had with cells that do not fit");
+    };
+    assert!(matches!(*problem, MeshError::BadShape { .. }), "{problem}");
+}
+
+#[test]
+fn the_route_follows_the_body() {
+    let coarse = MeshOptions::default();
+    let route = |body: &Polyhedron, options: &MeshOptions| mesh(body, options).unwrap().1.method;
+    let cube = cubes(&[[0, 0, 0]], 1.0);
+    assert_eq!(route(&cube, &coarse), Method::CentroidFan);
+    assert_eq!(route(&l_block(), &coarse), Method::StarFan);
+    assert_eq!(route(&block_dolos(), &coarse), Method::Stuffing);
+    let stuffing = MeshOptions {
+        method: Some(Method::Stuffing),
+        edge_length: Some(0.25),
+        ..coarse
+    };
+    assert_eq!(route(&cube, &stuffing), Method::Stuffing);
+    let star = MeshOptions {
+        method: Some(Method::StarFan),
+        ..coarse
+    };
+    let Err(MeshError::NotStarShaped { faces, radius }) = mesh(&u_block(), &star) else {
+        panic!("a U is not star-shaped");
+    };
+    assert!(faces.len() == 4 && radius <= 0.0, "{faces:?} {radius}");
+}
+
+#[test]
+fn fans_are_refined_to_the_length() {
+    let cube = cubes(&[[0, 0, 0]], 1.0);
+    let options = MeshOptions {
+        edge_length: Some(0.2),
+        ..MeshOptions::default()
+    };
+    let (_, report) = mesh(&cube, &options).unwrap();
+    assert_eq!(report.method, Method::CentroidFan);
+    assert!(report.longest_edge <= 0.2 * 2_f64.sqrt() && report.longest_edge > 0.1);
+    assert!(report.volume_error.abs() < 1e-12 && report.distance < 1e-12);
+}
+
+#[test]
+fn bad_options_are_named() {
+    for (length, dihedral, volume) in [
+        (0.0, 0.1, 0.1),
+        (f64::NAN, 0.1, 0.1),
+        (1.0, 1.0, 0.1),
+        (1.0, 0.1, -0.1),
+        (1e-6, 0.1, 0.1),
+    ] {
+        let options = MeshOptions {
+            edge_length: Some(length),
+            min_dihedral: dihedral,
+            max_volume_error: volume,
+            ..MeshOptions::default()
+        };
+        let error = mesh(&u_block(), &options).unwrap_err();
+        assert!(matches!(error, MeshError::OutOfRange { .. }), "{error}");
+    }
+}
+
+#[test]
+fn same_bits_in_every_run_and_same_shapes_at_every_scale() {
+    let body = block_dolos();
+    let make = |scale: f64| {
+        let options = MeshOptions {
+            edge_length: Some(0.04 * scale),
+            ..MeshOptions::default()
+        };
+        mesh(&body.scaled(scale).unwrap(), &options).unwrap()
+    };
+    let (first, report) = make(1.0);
+    assert_eq!(make(1.0).0, first);
+    // Powers of two change no digit.
+    for scale in [2_f64.powi(-60), 2_f64.powi(60)] {
+        let (other, found) = make(scale);
+        assert_eq!(other.tets(), first.tets());
+        assert_eq!(found.volume_error, report.volume_error);
+        assert_eq!(found.quality.min_dihedral, report.quality.min_dihedral);
     }
 }

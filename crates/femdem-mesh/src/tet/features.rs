@@ -245,3 +245,64 @@ fn join(parent: &mut [usize], i: usize, j: usize) {
     let (i, j) = (root(parent, i), root(parent, j));
     parent[i.max(j)] = i.min(j);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::{CatalogueShape, Solid};
+
+    fn cube() -> Polyhedron {
+        CatalogueShape::from(Solid::P5)
+            .polyhedron(3_f64.sqrt())
+            .unwrap()
+    }
+
+    #[test]
+    fn a_cube_has_12_edges_and_8_corners() {
+        let features = Features::new(&cube(), 0.9);
+        assert_eq!(features.corners.len(), 8);
+        assert_eq!(features.chain.len(), 12);
+        let mut patches = features.patch.clone();
+        patches.sort_unstable();
+        patches.dedup();
+        assert_eq!(patches.len(), 6);
+        assert!(
+            features
+                .beside_corner
+                .iter()
+                .all(|patches| patches.len() == 3)
+        );
+        // Neighbouring faces do not share a patch, but each shares one with the edge between.
+        let at = |x: f64, y: f64, z: f64| features.place(&Point3::new(x, y, z), 1e-9);
+        let [top, side, edge] = [at(0.1, 0.2, 0.5), at(0.5, 0.1, 0.2), at(0.5, 0.1, 0.5)];
+        assert!(matches!(
+            (top, side, edge),
+            (Place::Patch(_), Place::Patch(_), Place::Chain(_))
+        ));
+        assert!(matches!(at(0.5, -0.5, 0.5), Place::Corner(_)));
+        assert!(!features.share_patch(&top, &side));
+        assert!(features.share_patch(&top, &edge) && features.share_patch(&edge, &side));
+        assert!(!features.share_patch(&edge, &at(-0.5, 0.0, 0.0)));
+    }
+
+    #[test]
+    fn short_edges_are_dropped() {
+        let features = Features::new(&cube(), 1.1);
+        assert!(features.corners.is_empty() && features.chain.is_empty());
+        assert!(features.patch.iter().all(|&patch| patch == 0));
+    }
+
+    #[test]
+    fn an_edge_runs_on_through_slight_bends() {
+        // The rims of a prism with 24 sides bend by 15 degrees: two closed chains, no corner.
+        let corner = |i: u32| {
+            let angle = f64::from(i / 2) / 24.0 * std::f64::consts::TAU;
+            Point3::new(angle.cos(), angle.sin(), f64::from(i % 2))
+        };
+        let prism = crate::convex_hull(&(0..48).map(corner).collect::<Vec<_>>()).unwrap();
+        let features = Features::new(&prism, 6.0);
+        assert!(features.corners.is_empty());
+        assert_eq!(features.chain.len(), 48);
+        assert!(Features::new(&prism, 6.3).chain.is_empty());
+    }
+}

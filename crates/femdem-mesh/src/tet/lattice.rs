@@ -184,3 +184,41 @@ fn dominant_axes(body: &Polyhedron) -> Matrix3 {
     let second = (second - first * first.dot(&second)).normalize();
     Matrix3::from_columns(&[first, second, first.cross(&second)])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::{CatalogueShape, Solid};
+    use crate::tet::{EDGES, six_volumes};
+
+    #[test]
+    fn tetrahedra_tile_the_cells() {
+        let body = CatalogueShape::from(Solid::P5).polyhedron(1.0).unwrap();
+        let lattice = Lattice::around(&body, 0.2);
+        for id in 0..lattice.len() {
+            assert_eq!(lattice.id(lattice.node(id)), Some(id));
+        }
+        // Around an inner corner there are 24 of them, all alike, joined along lattice edges; the
+        // lattice has 12 for each cell.
+        let middle = lattice.size.map(|n| n as i32 / 2 * 2);
+        let center = lattice.id(middle).unwrap();
+        let around: Vec<[usize; 4]> = lattice.tets().filter(|t| t.contains(&center)).collect();
+        assert_eq!(around.len(), 24);
+        for tet in &around {
+            let corners = tet.map(|id| lattice.position(lattice.node(id)));
+            let volume = six_volumes(corners) / 6.0;
+            assert!((volume / lattice.cell.product() * 12.0 - 1.0).abs() < 1e-12);
+            for [i, j] in EDGES {
+                assert!(lattice.neighbours(tet[i]).any(|id| id == tet[j]));
+                let length = (corners[i] - corners[j]).norm() / lattice.cell.x;
+                let expected = if lattice.is_long(tet[i], tet[j]) {
+                    1.0
+                } else {
+                    0.75_f64.sqrt()
+                };
+                assert!((length - expected).abs() < 1e-12);
+            }
+        }
+        assert_eq!(lattice.neighbours(center).count(), 14);
+    }
+}

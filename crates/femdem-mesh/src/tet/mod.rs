@@ -1,4 +1,37 @@
 //! Tetrahedral meshes of bodies, and how to make them.
+//!
+//! A [`TetMesh`] is checked: every triangle has one or two tetrahedra, all of positive volume.
+//! [`mesh`] makes one of any closed surface and says in a [`MeshReport`] what came out:
+//!
+//! - convex bodies: tetrahedra about the centroid; star-shaped ones: about the centre of the largest
+//!   sphere in the kernel. Refined by cutting edges in half. The skin is the surface, exactly.
+//! - all others: isosurface stuffing. A body-centred cubic lattice is warped and cut to the surface;
+//!   then points of the skin are moved to the surface's corners and sharp edges, where shapes allow,
+//!   and shapes are improved. Blocks whose faces are perpendicular are met to rounding, in any
+//!   orientation; curved surfaces to the second order of the edge length.
+//!
+//! A mesh that does not meet [`MeshOptions`], or has other holes than the body, is refused; the
+//! lattice is made finer a few times before that. Every tetrahedron has a point inside the body, as
+//! a field that is zero on the skin needs it.
+//!
+//! ```
+//! use femdem_mesh::shapes::{Dolos, Shape};
+//! use femdem_mesh::tet::{MeshOptions, mesh};
+//!
+//! let dolos = Shape::from(Dolos::default()).polyhedron(1.0)?;
+//! let options = MeshOptions { edge_length: Some(0.08), ..MeshOptions::default() };
+//! let (mesh, report) = mesh(&dolos, &options)?;
+//! assert!(report.volume_error.abs() < 0.02);
+//! assert!(report.quality.min_dihedral.to_degrees() > 5.0);
+//! assert!(mesh.every_tet_has_interior_point());
+//! # Ok::<(), femdem_mesh::MeshError>(())
+//! ```
+//!
+//! Parts thinner than the edge length are not seen by the lattice: if that changes the number of
+//! parts or holes, the mesh is refused; a thin fin or spike can be lost, which
+//! [`MeshReport::distance`] shows. Noise of a surface on the scale of the edge length is smoothed
+//! over. The surface must not cut through itself; where it does, its inside is where its winding
+//! number exceeds one half.
 
 mod body;
 mod distance;

@@ -370,3 +370,41 @@ fn prism(bottom: [u32; 3], top: [u32; 3], halved: [bool; 3]) -> Vec<[u32; 4]> {
     }
     tets
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::strategies::{convex_polyhedra, poses};
+    use crate::tet::{Quality, TetMesh};
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(40))]
+        #[test]
+        fn shapes_keep_the_bounds_of_the_paper(
+            solid in convex_polyhedra(),
+            pose in poses(1.0),
+            length in 0.15..0.4,
+        ) {
+            let solid = solid.transformed(&pose);
+            let lattice = Lattice::around(&solid, length);
+            let Stuffed { points, tets } = stuff(&Body::new(&solid), &lattice, length);
+            let corners = |tet: &[u32; 4]| tet.map(|i| points[i as usize]);
+            let quality = Quality::of(tets.iter().map(corners));
+            // 10.78 and 164.74 degrees for cubic cells; these are stretched by up to 26 %.
+            prop_assert!(quality.min_dihedral.to_degrees() > 9.0, "{quality:?}");
+            prop_assert!(quality.max_dihedral.to_degrees() < 167.0, "{quality:?}");
+            // Nothing sticks out of a convex body, and what is lost is a layer thinner than a cell.
+            for p in &points {
+                let outside = (0..solid.face_count())
+                    .map(|i| solid.face_normal(i).dot(&p.coords) - solid.face_offset(i));
+                prop_assert!(outside.fold(f64::NEG_INFINITY, f64::max) < 1e-6 * length);
+            }
+            if let Ok(mesh) = TetMesh::new(points, tets) {
+                prop_assert!(mesh.every_tet_has_interior_point());
+                let lost = solid.mass_properties().volume - mesh.volume();
+                prop_assert!(lost > -1e-6 && lost < solid.area() * length);
+            }
+        }
+    }
+}

@@ -163,3 +163,64 @@ proptest! {
         prop_assert!(depth(&star) >= depth(&centroid) * (1.0 - 1e-9));
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+    #[test]
+    fn refinement_keeps_volume_skin_and_shapes(body in convex_polyhedra()) {
+        let mesh = TetMesh::centroid_fan(&body).unwrap();
+        let once = mesh.refined().unwrap();
+        let twice = once.refined().unwrap();
+        prop_assert_eq!(twice.tets().len(), 64 * mesh.tets().len());
+        prop_assert_eq!(twice.skin().len(), 16 * mesh.skin().len());
+        prop_assert!((twice.volume() / mesh.volume() - 1.0).abs() < 1e-12);
+        prop_assert!(once.every_tet_has_interior_point());
+        // The children at the corners are similar to their parents: shapes get no better at the
+        // worst, and with the right diagonal not much worse.
+        let [before, after] = [&mesh, &twice].map(|mesh| mesh.quality().min_radius_ratio);
+        prop_assert!(after <= before * (1.0 + 1e-9) && after > 0.2 * before, "{before} {after}");
+        // Points of the refined fan lie in the body.
+        let depth = twice.distance_to_skin().into_iter().fold(0.0, f64::max);
+        prop_assert!((depth / body.inradius() - 1.0).abs() < 1e-9 || depth > body.inradius());
+    }
+
+    #[test]
+    fn the_field_rule_keeps_the_body(keep in 1..6_usize, turn in poses(1.0)) {
+        // Parts of the cube of six tetrahedra: wedges without any interior point.
+        let (points, tets) = kuhn_cube();
+        let mut used: Vec<u32> = tets[..keep].iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        let index = |i: u32| used.binary_search(&i).unwrap() as u32;
+        let points = used.iter().map(|&i| turn * points[i as usize]).collect();
+        let tets = tets[..keep].iter().map(|tet| tet.map(index)).collect();
+        let mesh = TetMesh::new(points, tets).unwrap();
+        let split = mesh.with_interior_points();
+        prop_assert!(split.every_tet_has_interior_point());
+        prop_assert!((split.volume() / mesh.volume() - 1.0).abs() < 1e-12);
+        prop_assert_eq!(split.skin().len(), mesh.skin().len());
+    }
+}
+
+#[test]
+fn the_nearest_point_of_a_triangle_is_that_of_a_fine_grid() {
+    let triangle = [[0.1, 0.2, 0.3], [1.4, -0.2, 0.5], [0.3, 1.1, -0.4]].map(Point3::from);
+    let grid: Vec<Point3> = (0..=300)
+        .flat_map(|i| (0..=300 - i).map(move |j| (f64::from(i) / 300.0, f64::from(j) / 300.0)))
+        .map(|(u, v)| {
+            triangle[0] + (triangle[1] - triangle[0]) * u + (triangle[2] - triangle[0]) * v
+        })
+        .collect();
+    for k in 0..200 {
+        let p = Point3::from([1.0, 1.7, 2.3].map(|f| 2.0 * (f64::from(k) * f).sin()));
+        let exact = (distance::closest_point(&triangle, &p) - p).norm();
+        let sampled = grid
+            .iter()
+            .map(|q| (q - p).norm())
+            .fold(f64::INFINITY, f64::min);
+        assert!(
+            exact <= sampled + 1e-12 && sampled < exact + 5e-3,
+            "{k}: {exact} {sampled}"
+        );
+    }
+}
