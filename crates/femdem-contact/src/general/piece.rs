@@ -114,7 +114,7 @@ impl Piece {
             if !self.is_inside(v) {
                 continue;
             }
-            for k in 0..3 {
+            for (k, before) in BEFORE.into_iter().enumerate() {
                 let out = 4 * v + k;
                 let back = usize::from(self.twin[out]);
                 let w = back / 4;
@@ -131,7 +131,7 @@ impl Piece {
                 self.twin[out] = (4 * u) as u16;
                 self.twin[back] = (4 * u) as u16;
                 self.twin[4 * u] = out as u16;
-                self.label[4 * u] = self.label[4 * v + BEFORE[k]];
+                self.label[4 * u] = self.label[4 * v + before];
                 self.label[4 * u + 1] = label;
                 self.label[4 * u + 2] = self.label[out];
             }
