@@ -335,4 +335,45 @@ mod tests {
             }
         }
     }
+
+    /// Bristles stretched by a rigid motion of their plane are taken apart and put together again
+    /// without loss; others lose energy when they are made to move as one, and keep their force
+    /// and torsion.
+    #[test]
+    fn bristles_taken_apart_and_put_together() {
+        let normal = Vector3::new(1.0, 2.0, 2.0) / 3.0;
+        let whole = Springs {
+            point: Vector3::new(0.1, -0.2, 0.3),
+            stretch: Vector3::new(2e-3, -1e-3, 0.0),
+            torsion: 0.01,
+            stiffness: 5.0,
+            torsion_stiffness: 0.7,
+        };
+        let across = Vector3::new(2.0, -1.0, 0.0);
+        let part = |share: f64, arm: f64| {
+            let mut part = whole.share(share);
+            part.point += across * arm;
+            part.stretch = whole.stretch_at(&part.point, &normal);
+            part
+        };
+        let parts = [part(0.25, 0.3), part(0.75, -0.1)];
+        let lever: f64 = 5.0 * across.norm_squared() * (0.25 * 0.09 + 0.75 * 0.01);
+        let merged = Springs::merged(&parts, &normal).unwrap();
+        assert!((merged.point - whole.point).norm() < 1e-15);
+        assert!((merged.stretch - whole.stretch).norm() < 1e-15);
+        assert!((merged.torsion - whole.torsion).abs() < 1e-15);
+        assert!((merged.torsion_stiffness - 0.7 - lever).abs() < 1e-14);
+        let sum = parts[0].energy(&normal) + parts[1].energy(&normal);
+        assert!((merged.energy(&normal) / sum - 1.0).abs() < 1e-12);
+
+        let mut odd = parts;
+        odd[0].stretch += across * 1e-3;
+        odd[1].torsion *= -1.0;
+        let merged = Springs::merged(&odd, &normal).unwrap();
+        let sum = odd[0].energy(&normal) + odd[1].energy(&normal);
+        assert!(merged.energy(&normal) < 0.9 * sum);
+        let force: Vector3 = odd.iter().map(|p| p.stretch * p.stiffness).sum();
+        assert!((merged.stretch * merged.stiffness - force).norm() < 1e-15);
+        assert_eq!(Springs::merged(&[whole.share(0.0)], &normal), None);
+    }
 }
