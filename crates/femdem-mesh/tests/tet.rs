@@ -3,6 +3,7 @@
 #![expect(clippy::expect_used, reason = "helpers of tests")]
 
 use femdem_mesh::nalgebra::Translation3;
+use femdem_mesh::shapes::Shape;
 use femdem_mesh::tet::{MeshOptions, Method, mesh};
 use femdem_mesh::{MeshError, Point3, Polyhedron, Pose, Rotation, Vector3};
 use std::f64::consts::TAU;
@@ -344,5 +345,85 @@ fn same_bits_in_every_run_and_same_shapes_at_every_scale() {
         assert_eq!(other.tets(), first.tets());
         assert_eq!(found.volume_error, report.volume_error);
         assert_eq!(found.quality.min_dihedral, report.quality.min_dihedral);
+    }
+}
+
+/// A ball of 2,000 triangles whose points are off by up to 15 % of the radius, as scans are.
+fn rough_ball() -> Polyhedron {
+    let (m, n) = (40, 26);
+    // Noise without a generator: the fractional parts of large sines.
+    let radius =
+        |i: u32| 0.1 * (1.0 + 0.15 * ((f64::from(i) * 12.9898).sin() * 43_758.545).fract());
+    let mut vertices = vec![Point3::new(0.0, 0.0, radius(0))];
+    for k in 0..m * (n - 1) {
+        let (polar, around) = (
+            f64::from(k / m + 1) / f64::from(n),
+            f64::from(k % m) / f64::from(m),
+        );
+        let (s, c) = (0.5 * TAU * polar).sin_cos();
+        let (y, x) = (TAU * around).sin_cos();
+        vertices.push(Point3::new(s * x, s * y, c) * radius(k + 1));
+    }
+    vertices.push(Point3::new(0.0, 0.0, -radius(9999)));
+    let last = vertices.len() as u32 - 1;
+    let id = |i: u32, j: u32| 1 + (j - 1) * m + i % m;
+    let mut faces = Vec::new();
+    for i in 0..m {
+        faces.push(vec![0, id(i, 1), id(i + 1, 1)]);
+        faces.push(vec![last, id(i + 1, n - 1), id(i, n - 1)]);
+        for j in 1..n - 1 {
+            faces.push(vec![id(i, j), id(i, j + 1), id(i + 1, j + 1)]);
+            faces.push(vec![id(i, j), id(i + 1, j + 1), id(i + 1, j)]);
+        }
+    }
+    Polyhedron::new(vertices, faces).expect("a valid surface")
+}
+
+#[test]
+fn a_rough_scan_is_meshed() {
+    let body = rough_ball();
+    assert_eq!(body.face_count(), 2000);
+    let options = MeshOptions {
+        method: Some(Method::Stuffing),
+        edge_length: Some(0.02),
+        ..MeshOptions::default()
+    };
+    for i in 0..3 {
+        let (mesh, report) = mesh(&turned(&body, i), &options).unwrap();
+        assert_eq!(report.lattice_length, Some(0.02), "{report:?}");
+        assert!(mesh.every_tet_has_interior_point());
+        assert!(report.volume_error.abs() < 0.02, "{report:?}");
+        // Noise on the scale of the lattice is smoothed over, not followed.
+        assert!(report.distance < 0.02, "{report:?}");
+    }
+}
+
+#[test]
+fn tips_edges_and_bores_of_catalogue_shapes_are_kept() {
+    // Largest miss of the sharp edges, and error of the volume.
+    for (text, length, edges, volume) in [
+        ("P1", 0.1, 0.01, 0.01),
+        ("dolos", 0.05, 0.01, 0.002),
+        ("dolos", 0.1, 0.04, 0.02),
+        ("tetrapod", 0.08, 0.02, 0.02),
+        ("antifer", 0.1, 1e-6, 0.01),
+        ("hollow_cylinder", 0.2, 0.015, 0.01),
+        ("pellet", 0.08, 0.01, 0.03),
+    ] {
+        let body = text.parse::<Shape>().unwrap().polyhedron(1.0).unwrap();
+        let options = MeshOptions {
+            method: Some(Method::Stuffing),
+            edge_length: Some(length),
+            ..MeshOptions::default()
+        };
+        let (mesh, report) = mesh(&body, &options).unwrap();
+        let context = format!("{text} {report:?}");
+        assert!(
+            report.edges_kept && report.lattice_length == Some(length),
+            "{context}"
+        );
+        assert!(report.edge_distance < edges, "{context}");
+        assert!(report.volume_error.abs() < volume, "{context}");
+        assert!(mesh.every_tet_has_interior_point(), "{context}");
     }
 }

@@ -14,7 +14,7 @@ const TRIES: usize = 8;
 /// under it.
 const UNDERCUT: f64 = 0.05;
 /// Rounds of moving points to sharp edges and smoothing.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 6;
 
 /// Moves points of the skin to corners and sharp edges, and inserts points where none can be moved.
 pub(super) fn snap(draft: &mut Draft, features: &Features, length: f64) -> Result<(), MeshError> {
@@ -30,7 +30,7 @@ pub(super) fn snap(draft: &mut Draft, features: &Features, length: f64) -> Resul
     Ok(())
 }
 
-/// Gives each corner a point; returns how many still have none.
+/// Gives each corner a point; returns how many had none.
 fn snap_corners(draft: &mut Draft, features: &Features, length: f64) -> usize {
     let mut missed = 0;
     for (index, corner) in features.corners.iter().enumerate() {
@@ -48,9 +48,11 @@ fn snap_corners(draft: &mut Draft, features: &Features, length: f64) -> usize {
             .filter(|(distance, _)| *distance < REACH * length)
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut tries = near.iter().take(TRIES);
-        if !tries.any(|&(_, i)| draft.try_move(i, *corner, place, FLOOR)) {
-            missed += 1;
+        missed += 1;
+        for &(_, i) in near.iter().take(TRIES) {
+            if draft.try_move(i, *corner, place, FLOOR) {
+                break;
+            }
         }
     }
     missed
@@ -58,18 +60,19 @@ fn snap_corners(draft: &mut Draft, features: &Features, length: f64) -> usize {
 
 /// Moves one end of every edge of the skin that joins different patches to the sharp edge between them;
 /// where neither end can go and `insert` is true, puts a new point there. Returns how many such
-/// edges are left.
+/// edges there were: moves can make others.
 fn snap_edges(
     draft: &mut Draft,
     features: &Features,
     length: f64,
     insert: bool,
 ) -> Result<usize, MeshError> {
-    let mut left = 0;
+    let mut found = 0;
     for edge in edges(&draft.skin()?) {
         if !crosses_sharp_edge(draft, features, edge, length) {
             continue;
         }
+        found += 1;
         let mut targets: Vec<(f64, u32, u32, Point3)> = edge
             .into_iter()
             .filter(|&i| matches!(draft.places[i as usize], Place::Patch(_)))
@@ -81,21 +84,18 @@ fn snap_edges(
             .collect();
         targets.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut targets = targets.into_iter();
-        if targets.any(|(_, i, chain, foot)| draft.try_move(i, foot, Place::Chain(chain), FLOOR)) {
-            continue;
+        let moved =
+            targets.any(|(_, i, chain, foot)| draft.try_move(i, foot, Place::Chain(chain), FLOOR));
+        let ends = edge.map(|i| draft.points[i as usize]);
+        let middle = nalgebra::center(&ends[0], &ends[1]);
+        if let Some((chain, foot)) = features.nearest_sharp(&middle)
+            && insert
+            && !moved
+        {
+            draft.try_split(edge, foot, Place::Chain(chain), 0.5 * FLOOR);
         }
-        if insert {
-            let ends = edge.map(|i| draft.points[i as usize]);
-            let middle = nalgebra::center(&ends[0], &ends[1]);
-            if let Some((chain, foot)) = features.nearest_sharp(&middle)
-                && draft.try_split(edge, foot, Place::Chain(chain), 0.5 * FLOOR)
-            {
-                continue;
-            }
-        }
-        left += 1;
     }
-    Ok(left)
+    Ok(found)
 }
 
 /// Whether an edge of the skin joins different patches, or cuts under a sharp edge within one
