@@ -392,8 +392,9 @@ fn a_rough_scan_is_meshed() {
         let (mesh, report) = mesh(&turned(&body, i), &options).unwrap();
         assert_eq!(report.lattice_length, Some(0.02), "{report:?}");
         assert!(mesh.every_tet_has_interior_point());
-        assert!(report.volume_error.abs() < 0.02, "{report:?}");
-        // Noise on the scale of the lattice is smoothed over, not followed.
+        assert!(mesh.surface().unwrap().self_intersections(1).is_empty());
+        assert!(report.volume_error.abs() < 0.05, "{report:?}");
+        // Noise on the scale of the lattice is smoothed over, not followed: convex tips are cut.
         assert!(report.distance < 0.02, "{report:?}");
     }
 }

@@ -94,7 +94,8 @@ pub struct MeshReport {
 /// inside the body. The same input gives the same bits.
 ///
 /// The skin of fans is the surface, exactly. That of a stuffed lattice approaches it: see
-/// [`MeshReport`]. It always is one valid surface with as many holes as the body's.
+/// [`MeshReport`]. It always is one valid surface that does not cut itself, with as many holes as the
+/// body's.
 ///
 /// # Errors
 ///
@@ -272,6 +273,13 @@ fn accept(
     let (found, expected) = (skin.euler_characteristic(), body.euler_characteristic());
     if found != expected {
         return Err(MeshError::WrongTopology { found, expected });
+    }
+    // The skin of a fan is the body's surface; that of a lattice is new.
+    if method == Method::Stuffing {
+        let pairs = skin.self_intersections(8);
+        if !pairs.is_empty() {
+            return Err(MeshError::SelfIntersecting { pairs });
+        }
     }
     let report = measure(&mesh, body, method, lattice_length);
     if report.volume_error.abs() > options.max_volume_error {
