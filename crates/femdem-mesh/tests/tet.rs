@@ -395,7 +395,7 @@ fn a_rough_scan_is_meshed() {
         assert!(mesh.surface().unwrap().self_intersections(1).is_empty());
         assert!(report.volume_error.abs() < 0.05, "{report:?}");
         // Noise on the scale of the lattice is smoothed over, not followed: convex tips are cut.
-        assert!(report.distance < 0.02, "{report:?}");
+        assert!(report.distance < 0.03, "{report:?}");
     }
 }
 
