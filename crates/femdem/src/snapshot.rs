@@ -32,7 +32,7 @@ pub struct Body {
 }
 
 /// What a body touches.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Partner {
     /// Another body, by index.
     Body(u32),

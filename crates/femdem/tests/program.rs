@@ -62,11 +62,13 @@ fn a_pack_leaves_every_file_and_every_key() {
 
     let summary = summary(&out);
     let mut found = keys(&summary);
-    let mut wanted: Vec<&str> = "schema shape count diameter density friction damping_ratio \
+    let mut wanted: Vec<&str> = "schema shape count diameter shapes container.kind container.width \
+        container.depth container.diameter container.outlet container.half_angle container.rim \
+        container.top container.mean_top container.above_rim density friction damping_ratio \
         contact.law contact.penalty contact.form seed threads settled simulated_time steps time_step \
         wall_seconds cpu_seconds contact_nanoseconds_per_pair packing_density.exact \
         packing_density.grid packing_density.standard_error packing_density.core.min \
-        packing_density.core.max coordination.mean coordination.sd coordination.histogram \
+        packing_density.core.max coordination.mean coordination.sd coordination.histogram coordination.patches_per_pair \
         penetration.mean_over_d penetration.max_over_d penetration.overlap_volume_fraction \
         residual.mean_over_weight residual.max_over_weight residual.kinetic_energy_over_mgd \
         energy.initial energy.final energy.dissipated_friction energy.dissipated_damping \

@@ -167,6 +167,11 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "1/S")]
     rate: Option<f64>,
 
+    /// Height of the release above the floor (pour), in d or in m, such as 3.87m [default: 1 d above
+    /// the pack to come]
+    #[arg(long, value_name = "X[m]")]
+    height: Option<Length>,
+
     /// Seed of all random numbers; the same seed gives the same pack, bit for bit, on any number of
     /// threads [default: 1]
     #[arg(long, value_name = "N")]
@@ -259,6 +264,7 @@ impl PackArgs {
         set(&mut scene.seed, &self.seed);
         set(&mut scene.out, &self.out);
         set(&mut scene.checkpoint_every, &self.run.checkpoint_every);
+        scene.height = self.height.or(scene.height);
         scene.batch = self.batch.or(scene.batch);
         scene.threads = self.run.threads.map(usize::from).or(scene.threads);
         // A penetration asked for here undoes a penalty in the file.

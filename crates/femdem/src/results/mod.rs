@@ -2,6 +2,7 @@
 
 mod container;
 mod display;
+mod parts;
 mod summary;
 
 use std::path::Path;
@@ -11,6 +12,7 @@ use femdem_mesh::Point3;
 use femdem_pack::Packing;
 use femdem_solve::World;
 
+pub use parts::{ContainerSummary, ShapeSummary};
 pub use summary::{
     ContactLawSummary, CoordinationSummary, Core, DensitySummary, EnergySummary,
     PenetrationSummary, ResidualSummary, SCHEMA, Summary, Usage,

@@ -13,6 +13,7 @@ use femdem_mesh::Polyhedron;
 use femdem_pack::Packing;
 use serde::{Deserialize, Serialize};
 
+use super::parts::{ContainerSummary, ShapeSummary};
 use crate::{Error, Snapshot};
 
 /// Version of the keys of `summary.json`.
@@ -46,6 +47,10 @@ pub struct Summary {
     pub count: usize,
     /// Mean circumscribed diameter d \[m\].
     pub diameter: f64,
+    /// The shapes, by index.
+    pub shapes: Vec<ShapeSummary>,
+    /// What holds the pack.
+    pub container: ContainerSummary,
     /// Density of the bodies \[kg/m³\].
     pub density: f64,
     /// Friction coefficient.
@@ -131,6 +136,8 @@ pub struct CoordinationSummary {
     pub sd: f64,
     /// Entry k: number of bodies with k partners.
     pub histogram: Vec<u64>,
+    /// Mean number of patches in which a pair touches; 1 for convex bodies. `null` without contacts.
+    pub patches_per_pair: Option<f64>,
 }
 
 /// Penetration: overlap volume over contact area.
@@ -185,12 +192,14 @@ impl Summary {
             schema: SCHEMA,
             shape: snapshot.shape_name().to_owned(),
             count: world.body_count(),
+            shapes: ShapeSummary::all(packing, snapshot),
+            container: ContainerSummary::of(packing, &report),
             diameter: spec.diameter(),
             density: spec.density,
             friction: spec.friction,
             damping_ratio: spec.damping_ratio,
             contact: ContactLawSummary {
-                law: "boundary-integral penalty, gauge field".to_owned(),
+                law: law(packing).to_owned(),
                 penalty: packing.penalty(),
                 form: "sum".to_owned(),
             },
@@ -290,7 +299,31 @@ fn coordination_of(snapshot: &Snapshot) -> Result<CoordinationSummary, Error> {
         mean: result.mean,
         sd: result.sd,
         histogram: result.histogram,
+        patches_per_pair: patches_per_pair(snapshot),
     })
+}
+
+/// Contacts over pairs that touch.
+fn patches_per_pair(snapshot: &Snapshot) -> Option<f64> {
+    let contacts = &snapshot.contacts;
+    let mut pairs: Vec<_> = contacts.iter().map(|c| (c.body, &c.partner)).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    (!pairs.is_empty()).then(|| contacts.len() as f64 / pairs.len() as f64)
+}
+
+/// Name of the contact law; the field is that of the bodies.
+fn law(packing: &Packing) -> &'static str {
+    let shapes = &packing.spec().shapes;
+    let meshed = shapes.iter().filter(|shape| shape.mesh.is_some()).count();
+    if meshed == 0 {
+        "boundary-integral penalty, gauge field"
+    } else if meshed == shapes.len() {
+        "volume-integral penalty, body field"
+    } else {
+        "boundary-integral penalty, gauge field; volume-integral penalty, body field for bodies that \
+         are not convex"
+    }
 }
 
 fn overlap_volume_fraction(snapshot: &Snapshot) -> f64 {
@@ -323,7 +356,9 @@ mod tests {
         let mut second = snapshot.contacts[0].clone();
         second.patch = 1;
         snapshot.contacts.insert(1, second);
-        assert_eq!(coordination_of(&snapshot).unwrap().histogram, [0, 1, 1]);
+        let result = coordination_of(&snapshot).unwrap();
+        assert_eq!(result.histogram, [0, 1, 1]);
+        assert_eq!(result.patches_per_pair, Some(1.5));
         let loads = snapshot.loads().unwrap();
         assert_eq!((loads[0].coordination, loads[1].coordination), (2, 1));
         assert_eq!((loads[0].force_sum, loads[1].force_sum), (40.0, 20.0));

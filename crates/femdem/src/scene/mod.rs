@@ -124,6 +124,8 @@ pub struct Scene {
     pub batch: Option<u32>,
     /// Bodies per second (pour).
     pub rate: f64,
+    /// Height of the release above the floor (pour). `None`: 1 d above the pack to come.
+    pub height: Option<Length>,
     /// Seed of all random numbers.
     pub seed: u64,
     /// Folder for the results.
@@ -163,6 +165,7 @@ impl Default for Scene {
             protocol: ProtocolKind::Sequential,
             batch: None,
             rate: Pour::default().rate,
+            height: None,
             seed: 1,
             out: PathBuf::from("out/pack"),
             threads: None,
@@ -248,13 +251,13 @@ impl Scene {
                 },
             },
             gravity: self.gravity,
-            protocol: self.protocol(),
             seed: self.seed,
             ..PackSpec::default()
         };
         let diameter = spec.diameter();
         spec.container = container::container(self, &spec);
         spec.rim = container::rim(self, diameter);
+        spec.protocol = self.protocol(diameter);
         spec.medium = Medium {
             drag: self.drag * (self.gravity.abs() / diameter).sqrt(),
             ..Medium::default()
@@ -263,7 +266,7 @@ impl Scene {
         Ok((spec, notes))
     }
 
-    fn protocol(&self) -> Protocol {
+    fn protocol(&self, diameter: f64) -> Protocol {
         let batch = self.batch;
         match self.protocol {
             ProtocolKind::Sequential => Protocol::Sequential(Sequential {
@@ -273,6 +276,7 @@ impl Scene {
             ProtocolKind::Pour => Protocol::Pour(Pour {
                 rate: self.rate,
                 layer: batch,
+                height: self.height.map(|height| height.metres(diameter)),
                 ..Pour::default()
             }),
             ProtocolKind::Release => Protocol::Release(Release::default()),
