@@ -12,7 +12,7 @@ use femdem_contact::{
     BodyShape, Contact, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Drum, Field,
     FieldMesh, Frame, MeshWall, Motion, Partner, Wall, WallShape,
 };
-use femdem_mesh::nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use femdem_mesh::nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
 fn batch(parameters: ContactParameters) -> ContactBatch {
@@ -117,7 +117,7 @@ fn fans_touch_as_convex_bodies_do() {
     assert!(worst < 1e-7, "{worst:e}");
 }
 
-/// A floor as a half-space and as a block, under a convex body and under a meshed one, at many
+/// A floor as a half-space, as a block and as a sheet, under a convex body and under a meshed one, at many
 /// places and turns: the same contact to 1e-10.
 #[test]
 fn a_plane_given_as_planes_and_as_a_mesh() {
@@ -128,11 +128,18 @@ fn a_plane_given_as_planes_and_as_a_mesh() {
         2,
     );
     let slab = MeshWall::solid("floor", &solid);
+    let corners = [[-4.0, -3.0], [4.0, -3.5], [3.0, 4.0], [-3.0, 3.0]];
+    let corners = corners.map(|[x, y]| Point3::new(x, y, 0.0)).to_vec();
+    let sheet = MeshWall::sheet("floor", corners, vec![[0, 1, 2], [0, 2, 3]], 2.0).unwrap();
     let mut stream = Stream(5);
     let mut compared = 0;
     for id in ["P1", "P5", "A1", "A10"] {
         let convex = shape(id, 1.0);
-        let walls: [WallShape; 2] = [plane.clone().into(), slab.clone().into()];
+        let walls: [WallShape; 3] = [
+            plane.clone().into(),
+            slab.clone().into(),
+            sheet.clone().into(),
+        ];
         for _ in 0..40 {
             let height = convex.inradius() * (0.7 + 0.6 * stream.unit());
             let place = stream.vector() * 2.0;
@@ -159,7 +166,7 @@ fn a_plane_given_as_planes_and_as_a_mesh() {
                 }
             }
             let counts: Vec<usize> = found.iter().map(Vec::len).collect();
-            assert_eq!(counts, vec![counts[0]; 4], "{id}");
+            assert_eq!(counts, vec![counts[0]; 6], "{id}");
             for other in &found[1..] {
                 for (x, y) in found[0].iter().zip(other) {
                     let off = difference(x, y);
@@ -172,7 +179,7 @@ fn a_plane_given_as_planes_and_as_a_mesh() {
             }
         }
     }
-    assert!(compared > 200, "only {compared}");
+    assert!(compared > 300, "only {compared}");
 }
 
 /// A dolos lies on an edge of one bar and the end of the other: two patches. Their sum is the

@@ -1,7 +1,7 @@
 //! Rigid bodies in motion: the step, its size, the active set, the energy ledger and checkpoints.
 //!
-//! **Use it** to follow convex rigid bodies that fall, collide, slide and come to rest between walls
-//! that may move, with the energy of the whole run accounted for. **Do not use it** for bodies that
+//! **Use it** to follow rigid bodies of any shape that fall, collide, slide and come to rest between
+//! walls that may move, with the energy of the whole run accounted for. **Do not use it** for bodies that
 //! deform, break or are joined, for steps larger than the contacts allow (the scheme is explicit), or
 //! to fill containers (femdem-pack has the protocols). A code with an integrator of its own needs only
 //! femdem-contact.
@@ -36,14 +36,18 @@
 //!   ask about them ([`Residuals`], [`Stability`], [`Counters`], contacts).
 //! - [`WorldParameters`]: gravity, the contact law, the time step, the active set, the medium; every
 //!   field has a default.
-//! - [`Drive`]: prescribed motion of a wall or a body: shaken, tapped, drawn along a line.
+//! - [`World::add_shape`] takes convex surfaces, [`World::add_mesh_shape`] any closed surface with
+//!   tetrahedra that fill it; [`World::add_wall`] takes planes and meshes.
+//! - [`Drive`]: prescribed motion of a wall or a body: shaken, tapped, drawn along a line, turned
+//!   about an axis.
 //! - [`Ledger`]: where every joule came from and went.
 //! - [`checkpoint`]: files that survive crashes; [`World::to_bytes`] and [`World::state_hash`].
 //!
 //! # How a step goes
 //!
 //! Kick, drift, contacts, kick, with one step size for all bodies. The drift turns a body by the
-//! rational plane rotations of the DLM splitting, without a trigonometric call. Then, at fixed step numbers, bodies at rest are frozen and disturbed ones woken: a body is
+//! rational plane rotations of the DLM splitting, without a trigonometric call. Then, at fixed step
+//! numbers, bodies at rest are frozen and disturbed ones woken: a body is
 //! judged by running means of its net force, moment and velocities, since every impact rings through a
 //! pack and only a lasting imbalance has a mean ([`SleepParameters`]). Frozen bodies cost nothing.
 //!
@@ -60,7 +64,8 @@
 //! # Accuracy
 //!
 //! - Without friction and damping the energy has no trend: 27 bodies colliding in a closed box for 1 s
-//!   keep theirs to 1e-5 at a step of 1e-5 s, and momentum is kept to round-off (`tests/physics.rs`).
+//!   keep theirs to 1e-5 at a step of 1e-5 s, and momentum is kept to round-off (`tests/physics.rs`);
+//!   20 hollow pellets and dolosse keep theirs to 1e-4 at 2e-5 s (`tests/any_shape.rs`).
 //! - The step is a fraction, [`TimeStepParameters::safety`], of a bound that is larger than the true
 //!   frequency; [`World::stability`] measures the true limit. At the default of 0.9 the impact of a
 //!   single flat face is resolved by few steps: the cube above then misses 9 % of its energy in the
@@ -73,7 +78,7 @@
 //!   is bounded by [`SleepParameters::tolerance`]. For a final state, wake all bodies
 //!   ([`World::set_sleeping`]) and let them come to rest.
 //! - The same bits on one machine and build; platforms that round `f64` arithmetic alike agree too, as
-//!   long as no medium (which calls `exp`) and no shaking (which calls `cos`) is used.
+//!   long as no medium (which calls `exp`) and no shaking or turning (which call `cos`) is used.
 //!
 //! # Sources
 //!

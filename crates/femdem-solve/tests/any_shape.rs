@@ -10,7 +10,7 @@ mod meshes;
 
 use common::{DENSITY, G, add_floor, add_sides, noise, parameters, turned, weightless};
 use femdem_contact::{Drum, Field, MeshWall, Partner, Wall};
-use femdem_mesh::nalgebra::{Translation3, Vector3};
+use femdem_mesh::nalgebra::{Point3, Translation3, Vector3};
 use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh};
 use femdem_solve::{BodySpec, Drive, SolveError, World};
 use std::f64::consts::FRAC_PI_2;
@@ -360,7 +360,7 @@ fn a_drum_turns_its_filling_over() {
         axis: Vector3::y(),
         point: Vector3::zeros(),
         rate: 3.0,
-        start: 0.3,
+        start: 0.1,
         end: 10.0,
     };
     world
@@ -378,9 +378,9 @@ fn a_drum_turns_its_filling_over() {
     }
     let mut centre = 0.0;
     let mut steps = 0.0;
-    while world.time() < 1.2 {
+    while world.time() < 0.7 {
         world.step().unwrap();
-        if world.time() > 0.6 {
+        if world.time() > 0.4 {
             centre += (0..6).map(|i| world.position(i).unwrap().x).sum::<f64>() / 6.0;
             steps += 1.0;
         }
@@ -412,6 +412,15 @@ fn heap() -> World {
     world
         .add_wall(MeshWall::solid("step", &step), Drive::Fixed)
         .unwrap();
+    let ramp = [
+        [0.3, 0.0, 0.0],
+        [0.4, 0.0, 0.1],
+        [0.4, 0.4, 0.1],
+        [0.3, 0.4, 0.0],
+    ];
+    let ramp = ramp.map(|[x, y, z]| Point3::new(x, y, z)).to_vec();
+    let ramp = MeshWall::sheet("ramp", ramp, vec![[0, 1, 2], [0, 2, 3]], 0.05).unwrap();
+    world.add_wall(ramp, Drive::Fixed).unwrap();
     let shapes = [
         add_mesh(&mut world, "dolos", &meshes::dolos(0.03)),
         world.add_shape("A1", &common::solid("A1")).unwrap(),

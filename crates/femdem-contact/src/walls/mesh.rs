@@ -138,9 +138,14 @@ impl MeshWall {
         &self.inner.solid
     }
 
-    /// Distance of a point in the wall's axes from the box around the wall, m.
+    /// Distance of a point in the wall's axes from the boxes around the wall's tetrahedra, m.
     pub(super) fn clearance(&self, x: &Vector3) -> f64 {
-        let (low, high) = self.inner.solid.bounds();
-        (low - x).sup(&(x - high)).sup(&Vector3::zeros()).norm()
+        let (x, cells) = (Point3::from(*x), &self.inner.solid.cells);
+        let distance = |i: u32| match cells.list.get(i as usize) {
+            Some(cell) => cell.aabb().distance_squared(&x),
+            None => f64::INFINITY,
+        };
+        let nearest = cells.tree.nearest(&x, distance);
+        nearest.map_or(f64::INFINITY, |(_, square)| square.sqrt())
     }
 }

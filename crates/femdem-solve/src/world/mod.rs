@@ -20,7 +20,7 @@ use std::time::Duration;
 pub use query::Residuals;
 pub use stability::Stability;
 
-/// Rigid bodies of convex shapes between walls, stepped explicitly.
+/// Rigid bodies between walls, stepped explicitly.
 ///
 /// The step is kick-drift-kick with one step size for all bodies. Its state after n steps
 /// is the same bits for any number of threads, with or without the feature `parallel`, and
