@@ -62,6 +62,8 @@
 //!
 //! - `parallel` (default): [`ContactBatch::update`] evaluates pairs on the caller's rayon pool. Results
 //!   are the same bits with any number of threads and without the feature.
+//! - `proptest` (off by default): the module `strategies`, bodies and touching pairs for property
+//!   tests of your own kernel.
 //!
 //! # Accuracy
 //!
@@ -94,6 +96,8 @@ pub mod kernel;
 mod law;
 mod motion;
 mod shape;
+#[cfg(feature = "proptest")]
+pub mod strategies;
 mod walls;
 
 pub use batch::{BatchTotals, ContactBatch};

@@ -1,0 +1,223 @@
+//! One pair through every kernel.
+
+use femdem_contact::general::GeneralScratch;
+use femdem_contact::kernel::{CavityKernel, PairCache, Scratch};
+use femdem_contact::strategies::{Arrangement, TestPair};
+use femdem_contact::{
+    ContactError, Form, Frame, GeneralKernel, Overlap, PairKernel, SolidWall, Wall,
+};
+use femdem_mesh::{Point3, TetMesh, Vector3};
+
+/// The penalty of all kernels, Pa.
+const PENALTY: f64 = 1e6;
+
+/// The kernels by name. The first three and the last but one of them are for convex bodies only.
+pub const KERNELS: [&str; 9] = [
+    "convex",
+    "convex, cached",
+    "general, sum",
+    "general, sum, cached",
+    "general, min",
+    "general, shaped",
+    "wall of planes",
+    "wall of a mesh",
+    "body as a wall",
+];
+
+/// Whether faces of both bodies may lie in one plane: there the gradient of the energy jumps, and
+/// kernels may differ in what they count.
+pub fn planes_may_coincide(arrangement: Arrangement) -> bool {
+    matches!(
+        arrangement,
+        Arrangement::FaceOnFace
+            | Arrangement::AlignedFaces
+            | Arrangement::Lattice
+            | Arrangement::Identical
+    )
+}
+
+/// All kernels with their buffers.
+pub struct Kernels {
+    pair: PairKernel,
+    cavity: CavityKernel,
+    sum: GeneralKernel,
+    min: GeneralKernel,
+    shaped: GeneralKernel,
+    plane: Wall,
+    scratch: Scratch,
+    general: GeneralScratch,
+}
+
+/// What the kernels said of a pair.
+#[derive(Debug, Default, Clone, PartialEq)]
+pub struct Verdict {
+    /// Whether each of [`KERNELS`] was asked, and whether it found a contact.
+    pub asked: [bool; KERNELS.len()],
+    pub touching: [bool; KERNELS.len()],
+    /// What is wrong with a result, by kernel.
+    pub faults: Vec<(usize, String)>,
+    /// Difference of the energies of the convex and the general kernel over p r^3, r the radius
+    /// of the smaller body.
+    pub energy_difference: f64,
+}
+
+impl Verdict {
+    fn add<'o>(&mut self, kernel: usize, overlaps: impl IntoIterator<Item = &'o Overlap>) -> f64 {
+        self.asked[kernel] = true;
+        let mut energy = 0.0;
+        for overlap in overlaps {
+            self.touching[kernel] = true;
+            energy += overlap.energy;
+            if let Some(fault) = fault(overlap) {
+                self.faults.push((kernel, fault));
+            }
+        }
+        energy
+    }
+}
+
+/// What is wrong with an overlap, if anything.
+fn fault(overlap: &Overlap) -> Option<String> {
+    let Overlap {
+        force,
+        moment,
+        arm_a,
+        arm_b,
+        normal,
+        energy,
+        volume,
+        area,
+        stiffness,
+        stiffness_second,
+        torsion_radius,
+    } = overlap;
+    let vectors = [force, moment, arm_a, arm_b, normal];
+    let scalars = [
+        energy,
+        volume,
+        area,
+        stiffness,
+        stiffness_second,
+        torsion_radius,
+    ];
+    let mut all = vectors.into_iter().flatten().chain(scalars);
+    if !all.all(|x| x.is_finite()) {
+        return Some(format!("not finite: {overlap:?}"));
+    }
+    if scalars.into_iter().any(|x| *x < 0.0) {
+        return Some(format!("negative: {overlap:?}"));
+    }
+    let unit = (normal.norm() - 1.0).abs() < 1e-6;
+    (!unit).then(|| format!("the normal is not a unit vector: {overlap:?}"))
+}
+
+/// A tetrahedron below z = 0 that is wide and deep enough for a body of the given radius.
+fn slab(radius: f64) -> Result<SolidWall, ContactError> {
+    let size = 8.0 * radius;
+    let points = [
+        [size, 0.0, 0.0],
+        [-size, size, 0.0],
+        [-size, -size, 0.0],
+        [0.0, 0.0, -size],
+    ];
+    let points = points.map(Point3::from).to_vec();
+    let mesh = TetMesh::new(points, vec![[0, 2, 1, 3]])?;
+    Ok(SolidWall::solid(&mesh))
+}
+
+impl Kernels {
+    pub fn new() -> Result<Self, ContactError> {
+        Ok(Self {
+            pair: PairKernel::new(PENALTY)?,
+            cavity: CavityKernel::new(PENALTY)?,
+            sum: GeneralKernel::new(PENALTY, Form::Sum)?,
+            min: GeneralKernel::new(PENALTY, Form::Min)?,
+            shaped: GeneralKernel::new(PENALTY, Form::Shaped)?,
+            plane: Wall::half_space("floor", Vector3::z(), 0.0)?,
+            scratch: Scratch::default(),
+            general: GeneralScratch::default(),
+        })
+    }
+
+    /// Asks every kernel about a pair and looks at the answers.
+    ///
+    /// # Errors
+    /// If the wall beside the pair cannot be built.
+    pub fn check(&mut self, pair: &TestPair) -> Result<Verdict, ContactError> {
+        let mut verdict = Verdict::default();
+        let energy = self.check_general(pair, &mut verdict);
+        let size = PENALTY * pair.a.radius().min(pair.b.radius()).powi(3);
+        if let Some(convex) = self.check_convex(pair, &mut verdict) {
+            verdict.energy_difference = (convex - energy).abs() / size;
+        }
+        let scratch = &mut self.general;
+        let slab = slab(pair.a.radius())?;
+        let patches = self.sum.evaluate_wall(
+            &slab,
+            &pair.frame_wall,
+            &pair.a.field,
+            &pair.frame_a,
+            scratch,
+        );
+        verdict.add(7, patches.iter().map(|p| &p.overlap));
+        let wall = SolidWall::solid(&pair.b.mesh);
+        let patches =
+            self.sum
+                .evaluate_wall(&wall, &pair.frame_b, &pair.a.field, &pair.frame_a, scratch);
+        verdict.add(8, patches.iter().map(|p| &p.overlap));
+        Ok(verdict)
+    }
+
+    /// The kernels of convex bodies; the energy, if both are.
+    fn check_convex(&mut self, pair: &TestPair, verdict: &mut Verdict) -> Option<f64> {
+        let a = pair.a.convex.as_deref()?;
+        let scratch = &mut self.scratch;
+        let floor = self
+            .cavity
+            .evaluate(&self.plane, &pair.frame_wall, a, &pair.frame_a, scratch);
+        verdict.add(6, &floor);
+        let b = pair.b.convex.as_deref()?;
+        let cold = self
+            .pair
+            .evaluate(a, &pair.frame_a, b, &pair.frame_b, scratch);
+        let energy = verdict.add(0, &cold);
+        let mut cache = PairCache::default();
+        for (frame, motion) in path(pair) {
+            let warm =
+                self.pair
+                    .evaluate_cached(a, &pair.frame_a, b, &frame, &mut cache, motion, scratch);
+            verdict.add(1, &warm);
+        }
+        Some(energy)
+    }
+
+    /// The general kernel in all forms; the energy of the form Sum.
+    fn check_general(&mut self, pair: &TestPair, verdict: &mut Verdict) -> f64 {
+        let (a, b) = (&pair.a.field, &pair.b.field);
+        let scratch = &mut self.general;
+        let mut energies = [0.0; 3];
+        for (kernel, place, energy) in [(&self.sum, 2, 0), (&self.min, 4, 1), (&self.shaped, 5, 2)]
+        {
+            let patches = kernel.evaluate(a, &pair.frame_a, b, &pair.frame_b, scratch);
+            energies[energy] = verdict.add(place, patches.iter().map(|p| &p.overlap));
+        }
+        let mut cache = Default::default();
+        for (frame, motion) in path(pair) {
+            let patches =
+                self.sum
+                    .evaluate_cached(a, &pair.frame_a, b, &frame, &mut cache, motion, scratch);
+            verdict.add(3, patches.iter().map(|p| &p.overlap));
+        }
+        energies[0]
+    }
+}
+
+/// Where B is at the first, second and third call of a kernel with a cache, and the motion.
+fn path(pair: &TestPair) -> [(Frame, f64); 3] {
+    let step = 1e-3 * pair.a.radius().min(pair.b.radius());
+    [0.0, 1.0, 30.0].map(|steps| {
+        let mut frame = pair.frame_b;
+        frame.position.x += steps * step;
+        (frame, steps * step)
+    })
+}
