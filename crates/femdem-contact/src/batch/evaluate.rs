@@ -215,36 +215,41 @@ impl Context<'_> {
 /// order nor the number of threads changes a bit.
 pub(crate) fn run(context: &Context, pairs: &mut PairTable) {
     let mut due = Vec::with_capacity(pairs.order_len());
-    #[cfg_attr(
-        not(feature = "parallel"),
-        expect(unused, reason = "counts what is handed out")
-    )]
-    let mut meshes = 0;
     for k in 0..pairs.order_len() {
         let slot = pairs.order()[k];
         let pair = pairs.slot_mut(slot);
         if context.is_clear(pair) {
             pair.part();
         } else {
-            meshes += usize::from(matches!(pair.cache, Cache::Mesh(_)));
             due.push(slot);
         }
     }
     #[cfg(feature = "parallel")]
-    if due.len() + MESH_PAIR * meshes >= SERIAL_BELOW && rayon::current_num_threads() > 1 {
-        use rayon::prelude::*;
-        due.sort_unstable();
-        pairs
-            .slots_mut(&due)
-            .into_par_iter()
-            .with_min_len(if meshes > 0 { 1 } else { MESH_PAIR })
-            .for_each_init(Workspace::default, |work, pair| {
-                context.evaluate(pair, work);
-            });
+    if rayon::current_num_threads() > 1 && hand_out(context, pairs, &mut due) {
         return;
     }
     let mut work = Workspace::default();
     for slot in due {
         context.evaluate(pairs.slot_mut(slot), &mut work);
     }
+}
+
+/// Evaluates the pairs on all threads, unless they are too few.
+#[cfg(feature = "parallel")]
+fn hand_out(context: &Context, pairs: &mut PairTable, due: &mut [u32]) -> bool {
+    use rayon::prelude::*;
+    let is_mesh = |slot: &&u32| matches!(pairs.slot(**slot).cache, Cache::Mesh(_));
+    let meshes = due.iter().filter(is_mesh).count();
+    if due.len() + MESH_PAIR * meshes < SERIAL_BELOW {
+        return false;
+    }
+    due.sort_unstable();
+    pairs
+        .slots_mut(due)
+        .into_par_iter()
+        .with_min_len(if meshes > 0 { 1 } else { MESH_PAIR })
+        .for_each_init(Workspace::default, |work, pair| {
+            context.evaluate(pair, work);
+        });
+    true
 }
