@@ -44,6 +44,7 @@ pub(crate) fn threads(workshop: &Workshop, count: u32) -> Result<Report> {
         checks: vec![equal_hashes(&rows)],
         columns: COLUMNS.to_vec(),
         rows,
+        attachments: Vec::new(),
     })
 }
 
@@ -83,6 +84,7 @@ pub(crate) fn restart(workshop: &Workshop, count: u32) -> Result<Report> {
         checks: vec![equal_hashes(&rows)],
         columns: COLUMNS.to_vec(),
         rows,
+        attachments: Vec::new(),
     })
 }
 

@@ -67,6 +67,7 @@ pub(crate) fn run(workshop: &Workshop, smallest: u32) -> Result<Report> {
             "peak_memory_bytes",
         ],
         rows,
+        attachments: Vec::new(),
     })
 }
 

@@ -5,11 +5,13 @@
 //! case is a trial on fewer bodies, and writes to `out/validation` instead of `docs/validation`.
 
 mod bits;
+mod bodies;
 mod cost;
 mod machine;
 mod pack;
 mod program;
 mod report;
+mod scan;
 
 use std::path::Path;
 
@@ -40,6 +42,12 @@ enum Case {
     Threads,
     /// The same bits through an interruption and a resumption
     Restart,
+    /// 288 different boulders of 40 kg dumped in the paper's bin
+    Boulders,
+    /// 200 dolosse poured into a cylinder
+    Dolosse,
+    /// Stones from a scan-like surface of 2,000 triangles
+    Scan,
     /// All of them
     All,
 }
@@ -48,7 +56,15 @@ impl Case {
     /// The single cases that this one stands for.
     fn parts(self) -> Vec<Self> {
         match self {
-            Self::All => vec![Self::Pack500, Self::Threads, Self::Restart, Self::Cost],
+            Self::All => vec![
+                Self::Pack500,
+                Self::Threads,
+                Self::Restart,
+                Self::Boulders,
+                Self::Dolosse,
+                Self::Scan,
+                Self::Cost,
+            ],
             single => vec![single],
         }
     }
@@ -59,6 +75,9 @@ impl Case {
             Self::Cost => cost::run(workshop, count.unwrap_or(500)),
             Self::Threads => bits::threads(workshop, count.unwrap_or(200)),
             Self::Restart => bits::restart(workshop, count.unwrap_or(200)),
+            Self::Boulders => bodies::boulders(workshop, count.unwrap_or(288)),
+            Self::Dolosse => bodies::dolosse(workshop, count.unwrap_or(200)),
+            Self::Scan => bodies::scanned(workshop, count.unwrap_or(60)),
         }
     }
 }

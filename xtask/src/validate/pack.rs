@@ -24,6 +24,7 @@ pub(crate) fn run(workshop: &Workshop, count: u32) -> Result<Report> {
         checks: checks(&summary)?,
         columns: vec!["quantity", "value"],
         rows: rows(&summary)?,
+        attachments: Vec::new(),
     })
 }
 
@@ -54,7 +55,10 @@ fn checks(summary: &Summary) -> Result<Vec<Check>> {
 }
 
 /// The numbers of the summary worth a line.
-fn rows(summary: &Summary) -> Result<Vec<Vec<String>>> {
+///
+/// # Errors
+/// When the summary has no fingerprint.
+pub(super) fn rows(summary: &Summary) -> Result<Vec<Vec<String>>> {
     let paths = [
         "count",
         "threads",

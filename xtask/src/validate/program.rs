@@ -60,6 +60,26 @@ impl Workshop {
         Ok(Program { path })
     }
 
+    /// Writes a file for the runs; its path.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<PathBuf> {
+        let path = self.folder.path().join(name);
+        fs::write(&path, bytes).with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(path)
+    }
+
+    /// A copy of a file under another name; its path.
+    ///
+    /// # Errors
+    /// When it cannot be copied.
+    pub(crate) fn named(&self, file: &Path, name: &str) -> Result<PathBuf> {
+        let path = self.folder.path().join(name);
+        fs::copy(file, &path).with_context(|| format!("cannot copy {}", file.display()))?;
+        Ok(path)
+    }
+
     /// The folder of a run.
     pub(crate) fn results(&self, name: &str) -> PathBuf {
         self.folder.path().join("runs").join(name)

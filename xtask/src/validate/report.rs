@@ -53,6 +53,8 @@ pub(crate) struct Report {
     pub(crate) checks: Vec<Check>,
     pub(crate) columns: Vec<&'static str>,
     pub(crate) rows: Vec<Vec<String>>,
+    /// Files to be copied beside the page, such as pictures that its text shows.
+    pub(crate) attachments: Vec<PathBuf>,
 }
 
 impl Report {
@@ -90,6 +92,10 @@ impl Report {
             (&table, self.to_csv()),
         ] {
             fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        }
+        for file in &self.attachments {
+            let to = folder.join(file.file_name().unwrap_or_default());
+            fs::copy(file, &to).with_context(|| format!("cannot write {}", to.display()))?;
         }
         Ok(page)
     }
@@ -180,6 +186,7 @@ mod tests {
                 vec!["500".to_owned(), "plain".to_owned()],
                 vec!["1000".to_owned(), "a, \"b\"".to_owned()],
             ],
+            attachments: Vec::new(),
         }
     }
 
@@ -232,7 +239,13 @@ mod tests {
             compiler: "rustc 1".to_owned(),
             commit: "abc".to_owned(),
         };
-        let page = report()
+        let picture = folder.path().join("trial.png");
+        fs::write(&picture, "P").unwrap();
+        let report = Report {
+            attachments: vec![picture],
+            ..report()
+        };
+        let page = report
             .write(
                 &folder.path().join("new"),
                 &place,
@@ -250,5 +263,6 @@ mod tests {
             assert!(text.contains(part), "{part:?} is not in\n{text}");
         }
         assert!(page.with_extension("csv").is_file());
+        assert!(page.with_extension("png").is_file());
     }
 }
