@@ -33,6 +33,7 @@ pub struct GeneralScratch {
     in_a: Vec<Posed>,
     in_b: Vec<Posed>,
     piece: Piece,
+    candidates: usize,
     pieces: Vec<Record>,
     root: Vec<u32>,
     sums: Vec<([u32; 2], Sums)>,
@@ -173,6 +174,8 @@ impl GeneralKernel {
         scratch: &'s mut GeneralScratch,
     ) -> &'s [Patch] {
         scratch.patches.clear();
+        scratch.pieces.clear();
+        scratch.candidates = 0;
         if cache.is_clear(motion) {
             return &scratch.patches;
         }
@@ -189,7 +192,7 @@ impl GeneralKernel {
         };
         placed.pose(near, &mut scratch.in_a, &mut scratch.in_b);
         let law = pair.law();
-        scratch.pieces.clear();
+        scratch.candidates = near.pairs.len();
         for &[i, j] in &near.pairs {
             let (Some(a), Some(b)) = (scratch.in_a.get(i as usize), scratch.in_b.get(j as usize))
             else {
@@ -258,6 +261,11 @@ impl Pair<'_> {
 }
 
 impl GeneralScratch {
+    /// Pairs of tetrahedra that the last evaluation looked at, and how many of them overlap.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.candidates, self.pieces.len()]
+    }
+
     /// Sums over the pieces of each patch, in the order of the patches' first pairs.
     fn gather(&mut self, pair: &Pair) {
         self.sums.clear();

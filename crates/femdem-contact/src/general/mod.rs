@@ -9,6 +9,7 @@ mod patch;
 mod piece;
 mod pieces;
 mod posed;
+mod skin_path;
 mod sums;
 mod wall;
 
@@ -16,4 +17,5 @@ pub use cache::GeneralCache;
 pub use kernel::{Form, GeneralKernel, GeneralScratch};
 pub use mesh::{Field, FieldMesh};
 pub use patch::Patch;
+pub use skin_path::{SkinPath, SkinWrench};
 pub use wall::SolidWall;
