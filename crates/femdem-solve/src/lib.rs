@@ -74,8 +74,9 @@
 //! - The active set counts in steps, not in seconds: with a much smaller step lengthen
 //!   [`SleepParameters::window`] and [`SleepParameters::steps`] as much, or switch it off, or bodies
 //!   may be frozen before they have come to rest.
-//! - Freezing removes kinetic energy, which the ledger states, and the error of a frozen body's balance
-//!   is bounded by [`SleepParameters::tolerance`]. For a final state, wake all bodies
+//! - Freezing removes kinetic energy, which the ledger states. A frozen body holds an imbalance of up to
+//!   [`SleepParameters::wake`] of its load, so a pack that grew while it slept passes new loads down too
+//!   late. For a final state, and from time to time before, wake all bodies
 //!   ([`World::set_sleeping`]) and let them come to rest.
 //! - The same bits on one machine and build; platforms that round `f64` arithmetic alike agree too, as
 //!   long as no medium (which calls `exp`) and no shaking or turning (which call `cos`) is used.

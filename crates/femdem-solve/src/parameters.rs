@@ -60,8 +60,12 @@ pub struct SleepParameters {
     /// Whether bodies may sleep at all.
     pub enabled: bool,
     /// Mean net force, and mean net moment over d, below this fraction of W count as
-    /// balanced. A frozen body wakes at twice this.
+    /// balanced.
     pub tolerance: f64,
+    /// A frozen body wakes when its mean net force, or mean net moment over d, exceeds this
+    /// fraction of W. Loads below it are not passed on: a pack that grew while it slept is
+    /// compressed too little until all its bodies have been awake together.
+    pub wake: f64,
     /// Kinetic energy of the mean motion over W d that counts as rest.
     pub creep: f64,
     /// Kinetic energy over W d that a body may ring with when it is frozen.
@@ -79,6 +83,7 @@ impl Default for SleepParameters {
         Self {
             enabled: true,
             tolerance: 0.03,
+            wake: 0.25,
             creep: 3e-6,
             ringing: 1e-4,
             window: 200,
@@ -124,6 +129,12 @@ impl WorldParameters {
             s.tolerance,
             s.tolerance > 0.0 && s.tolerance <= 0.1,
             "above 0 and at most 0.1: a laxer rule freezes bodies that are not at rest",
+        )?;
+        check(
+            "sleeping.wake",
+            s.wake,
+            s.wake > s.tolerance && s.wake <= 0.5,
+            "above sleeping.tolerance, or bodies wake as they fall asleep, and at most 0.5",
         )?;
         for (name, share) in [("sleeping.creep", s.creep), ("sleeping.ringing", s.ringing)] {
             check(

@@ -12,7 +12,7 @@ use femdem_solve::{BodySpec, Drive, SolveError, World, WorldParameters};
 #[test]
 fn parameters_out_of_range_are_named() {
     type Change = fn(&mut WorldParameters);
-    let cases: [(&str, Change); 24] = [
+    let cases: [(&str, Change); 26] = [
         ("gravity = NaN", |p| p.gravity.x = f64::NAN),
         ("gravity = inf", |p| p.gravity.z = f64::NEG_INFINITY),
         ("penalty = -1", |p| p.contact.penalty = -1.0),
@@ -37,6 +37,8 @@ fn parameters_out_of_range_are_named() {
         ("sleeping.tolerance = NaN", |p| {
             p.sleeping.tolerance = f64::NAN
         }),
+        ("sleeping.wake = 0.02", |p| p.sleeping.wake = 0.02),
+        ("sleeping.wake = 0.6", |p| p.sleeping.wake = 0.6),
         ("sleeping.creep = 0.1", |p| p.sleeping.creep = 0.1),
         ("sleeping.ringing = 0", |p| p.sleeping.ringing = 0.0),
         ("sleeping.window = 1", |p| p.sleeping.window = 1),

@@ -202,6 +202,36 @@ fn a_hit_wakes_those_around_it() {
     assert!((world.position(top).unwrap() - before).norm() > 0.05 * D);
 }
 
+/// A cube laid on a sleeping one adds its weight to a load that balances without it: the sleeper
+/// wakes if that is more than its share, and sleeps on under less.
+#[test]
+fn a_sleeper_wakes_under_more_than_its_share() {
+    for (share_of_weight, wake, wakes) in [
+        (0.5, 0.25, true),
+        (0.1, 0.25, false),
+        (0.1, 0.06, true),
+        (0.02, 0.06, false),
+    ] {
+        let mut p = sleepy();
+        p.sleeping.wake = wake;
+        let mut world = World::new(p).unwrap();
+        add_floor(&mut world, Drive::Fixed);
+        let shape = world.add_shape("P5", &solid("P5")).unwrap();
+        let below = add_cube(&mut world, shape, Vector3::z() * half_edge());
+        settle(&mut world, 5.0);
+        let above = Vector3::z() * (3.0 * half_edge());
+        let light = BodySpec::at_rest(shape, share_of_weight * DENSITY, at(above));
+        let load = world.add_body(light).unwrap();
+        let mut woken = false;
+        let until = world.time() + 1.0;
+        while world.time() < until && !world.is_asleep(load) {
+            world.step().unwrap();
+            woken |= !world.is_asleep(below);
+        }
+        assert_eq!(woken, wakes, "{share_of_weight} of its weight, {wake}");
+    }
+}
+
 /// Forbidden to sleep, a heap at rest stays awake.
 #[test]
 fn sleep_can_be_forbidden() {

@@ -4,11 +4,11 @@
 //! small against its load scale, the larger of its weight and half the sum of its normal
 //! forces. It is frozen when it and all it touches have rested for a number of steps.
 //! Frozen bodies beside awake ones are examined again at fixed step numbers from the
-//! forces on record; one that has lost a contact wakes then, one that is struck at once.
+//! forces on record; one that has lost a contact or much of its balance wakes then, one that
+//! is struck at once.
 //! All decisions are functions of the state, so they are the same in every run.
 
 use super::World;
-use crate::body::Means;
 use femdem_contact::{Load, Partner};
 use femdem_mesh::Vector3;
 
@@ -19,10 +19,12 @@ const STRUCK: f64 = 2.0;
 impl World {
     /// Freezes and wakes bodies; called after every step.
     pub(super) fn update_active_set(&mut self) {
+        // Also where sleep is forbidden, so that bodies at rest sleep at once when it is
+        // allowed again.
+        self.count_quiet_steps();
         if !self.parameters.sleeping.enabled {
             return;
         }
-        self.count_quiet_steps();
         let struck = self.struck_bodies();
         self.wake(&struck);
         let recheck = u64::from(self.parameters.sleeping.recheck);
@@ -109,7 +111,8 @@ impl World {
         let needed = self.parameters.sleeping.steps;
         let rested = |i: u32| self.bodies[i as usize].quiet_steps >= needed;
         let settled = |p: Partner| match p {
-            Partner::Body(j) => !self.batch.is_awake(j) || rested(j),
+            Partner::Body(j) if self.batch.is_awake(j) => rested(j),
+            Partner::Body(j) => self.holds(j),
             Partner::Wall(_) => true,
         };
         self.awake
@@ -126,6 +129,16 @@ impl World {
             .collect()
     }
 
+    /// Whether the forces on record of a frozen body balance well enough for it to sleep on. Its
+    /// means follow them with a delay, and are not followed up once nothing near it is awake.
+    fn holds(&self, i: u32) -> bool {
+        let load = self.batch.load_of(i);
+        let bound = self.parameters.sleeping.wake * self.scale(i as usize, &load);
+        let diameter = 2.0 * self.bodies[i as usize].radius;
+        self.net_force(i as usize, &load).norm() < bound
+            && load.total.torque.norm() < bound * diameter
+    }
+
     /// Frozen neighbours of awake bodies that have lost a contact or whose forces on record
     /// no longer balance.
     fn bodies_to_wake(&mut self) -> Vec<u32> {
@@ -136,7 +149,7 @@ impl World {
             let load = self.batch.load_of(i);
             self.mix(i as usize, &load, share);
             let lost = load.contacts < self.bodies[i as usize].means.contacts;
-            lost || !self.is_balanced(i as usize, &load, 2.0 * rule.tolerance)
+            lost || !self.is_balanced(i as usize, &load, rule.wake)
         });
         list
     }
@@ -168,10 +181,13 @@ impl World {
             return;
         }
         for &i in list {
+            self.batch.wake_with_load(i);
             let body = &mut self.bodies[i as usize];
             body.quiet_steps = 0;
-            body.means = Means::default();
-            self.batch.wake_with_load(i);
+            // The means of force and moment go on: begun at zero they would let the body sleep
+            // again before it has moved, begun at an impact they would keep it awake for long.
+            body.means.velocity = Vector3::zeros();
+            body.means.angular_velocity = Vector3::zeros();
         }
         self.awake.extend_from_slice(list);
         self.awake.sort_unstable();
