@@ -49,7 +49,8 @@
 //! [`Penalty::Automatic`] was asked for, and the report states the mean and the largest
 //! penetration. Settled means what [`Settling`] says, with every body awake and no medium; a pack
 //! that does not get there in the stated time is reported as not settled, never forced. What the
-//! verification moved is in the report too.
+//! verification moved is in the report too, and so is what the last awake relaxation before it
+//! moved ([`Relaxation`]): the loads that sleeping bodies had not passed on.
 
 mod container;
 mod error;
@@ -67,5 +68,5 @@ pub use packing::{Packing, Progress, Stage};
 pub use penalty::{PackLoad, Penalty, automatic_penalty};
 pub use protocol::{Landing, Pour, Protocol, Release, Sequential};
 pub use random::{body_stream, random_rotation};
-pub use report::{PackReport, Verification};
+pub use report::{PackReport, Relaxation, Verification};
 pub use spec::{Mixing, PackShape, PackSpec, Settling};

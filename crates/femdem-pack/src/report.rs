@@ -22,6 +22,22 @@ pub struct Verification {
     pub mean_top_change_over_d: f64,
 }
 
+/// An awake relaxation: what all bodies did when they were woken and kept awake until their mean
+/// net force was small. While the pack grows that is done at numbers of bodies that follow a
+/// geometric series; the last one comes before the verification.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Relaxation {
+    /// Bodies in the pack.
+    pub bodies: u32,
+    /// Steps it took.
+    pub steps: u64,
+    /// Mean distance that the centroids moved, over d: mostly compression by loads that
+    /// sleeping bodies had not passed on.
+    pub mean_displacement_over_d: f64,
+    /// Largest distance that a centroid moved, over d.
+    pub max_displacement_over_d: f64,
+}
+
 /// The state of a pack in numbers; d is the (mean) circumscribed diameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PackReport {
@@ -58,6 +74,8 @@ pub struct PackReport {
     pub penetration_mean_over_d: f64,
     /// The same, largest.
     pub penetration_max_over_d: f64,
+    /// The last awake relaxation, if there was one.
+    pub relaxation: Option<Relaxation>,
     /// The final verification, once it is over.
     pub verification: Option<Verification>,
 }
@@ -94,14 +112,21 @@ impl PackReport {
             kinetic_energy_over_mgd: residuals.kinetic_energy_over_mgd,
             penetration_mean_over_d: depths.iter().sum::<f64>() / depths.len().max(1) as f64,
             penetration_max_over_d: depths.iter().copied().fold(0.0, f64::max),
+            relaxation: None,
             verification,
         }
     }
 
-    pub(crate) fn with_batches(self, batches: u32, cut_short: u32) -> Self {
+    pub(crate) fn with_history(
+        self,
+        batches: u32,
+        cut_short: u32,
+        relaxation: Option<Relaxation>,
+    ) -> Self {
         Self {
             batches,
             cut_short,
+            relaxation,
             ..self
         }
     }

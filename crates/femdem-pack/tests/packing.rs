@@ -51,6 +51,7 @@ fn assert_settled(packing: &Packing, report: &PackReport) {
     assert_eq!(report.bodies, packing.spec().count);
     assert!(report.residual_max_over_load <= 0.02, "{report:?}");
     assert!(report.kinetic_energy_over_mgd <= 1e-6, "{report:?}");
+    assert_eq!(report.relaxation.unwrap().bodies, report.bodies);
     let verification = report.verification.unwrap();
     assert!(verification.max_displacement_over_d < 0.01, "{report:?}");
     // A vertex under a few weights sinks in by (F d/(16 p))^(1/3), here about 0.025 d.
@@ -160,6 +161,16 @@ fn a_pack_made_with_drag_rests_without_it() {
     assert_eq!(packing.world().parameters().medium.drag, 0.0);
     assert!(!packing.world().parameters().sleeping.enabled);
     assert_eq!(packing.world().awake_count(), 5);
+}
+
+/// Where sleep is forbidden there is nobody to wake.
+#[test]
+fn a_pack_made_awake_needs_no_relaxation() {
+    let mut spec = cubes(5);
+    spec.sleeping.enabled = false;
+    let report = Packing::new(spec).unwrap().run().unwrap();
+    assert!(report.settled, "{report:?}");
+    assert_eq!(report.relaxation, None);
 }
 
 /// The rate of a pour is what was asked for: 8 bodies in layers of 2 at 20 bodies per second

@@ -17,8 +17,14 @@ impl Packing {
     pub(super) fn step_deposition(&mut self) -> Result<(), PackError> {
         self.world.step()?;
         if self.world.time() >= self.job.next_check {
-            self.wait_for_next_check();
             self.guard()?;
+            if self.job.relaxing.is_some() {
+                self.check_relaxation();
+            }
+            self.wait_for_next_check();
+        }
+        if self.job.relaxing.is_some() {
+            return Ok(());
         }
         self.release_if_due()
     }
@@ -32,6 +38,10 @@ impl Packing {
             Protocol::Release(_) => true,
         };
         if !due {
+            return Ok(());
+        }
+        if matches!(self.job.spec.protocol, Protocol::Sequential(_)) && self.is_relaxation_due() {
+            self.begin_relaxation();
             return Ok(());
         }
         self.update_top();

@@ -2,11 +2,12 @@
 //! pack.
 
 mod deposit;
+mod relax;
 mod settle;
 mod surface;
 
 use crate::error::PackError;
-use crate::report::{PackReport, Verification};
+use crate::report::{PackReport, Relaxation, Verification};
 use crate::spec::PackSpec;
 use femdem_contact::BodyId;
 use femdem_mesh::Vector3;
@@ -100,6 +101,10 @@ struct Job {
     cut_short: u32,
     /// Simulated time at which the last batch was released, s.
     released: f64,
+    /// The awake relaxation that is going on.
+    relaxing: Option<relax::Relaxing>,
+    /// The last one that is over.
+    relaxation: Option<Relaxation>,
     /// Since when all bodies of the last batch have been at rest, s.
     landed_since: Option<f64>,
     /// Highest point of any start, m.
@@ -164,6 +169,8 @@ impl Packing {
             batches: Vec::new(),
             cut_short: 0,
             released: 0.0,
+            relaxing: None,
+            relaxation: None,
             landed_since: None,
             highest_start: 0.0,
             top: 0.0,
@@ -267,7 +274,7 @@ impl Packing {
             settled,
             verification,
         )
-        .with_batches(self.batch_count(), self.job.cut_short)
+        .with_history(self.batch_count(), self.job.cut_short, self.job.relaxation)
     }
 
     fn placed(&self) -> u32 {

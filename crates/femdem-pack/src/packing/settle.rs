@@ -10,14 +10,29 @@ use femdem_solve::Medium;
 const PASSES_WITHOUT_AIM: u32 = 3;
 
 impl Packing {
-    /// Waits until all bodies sleep or pass the checks.
+    /// Waits until all bodies sleep or pass the checks, then wakes them all until they are calm.
     pub(super) fn step_settling(&mut self) -> Result<(), PackError> {
         self.world.step()?;
+        if self.job.relaxing.is_some() {
+            if self.world.time() >= self.job.next_check {
+                self.guard()?;
+                self.check_relaxation();
+                self.wait_for_next_check();
+            }
+            return match self.job.relaxing {
+                Some(_) => Ok(()),
+                None => self.begin_verification(),
+            };
+        }
         let quiet = self.check_if_due()?.is_some_and(|c| c.enough);
         let longest =
             self.fall_time() + self.job.spec.settling.longest_settling * self.job.spec.time_unit();
         if quiet || self.world.awake_count() == 0 || self.stage_time() > longest {
-            self.begin_verification()?;
+            if self.job.spec.sleeping.enabled {
+                self.begin_relaxation();
+            } else {
+                self.begin_verification()?;
+            }
         }
         Ok(())
     }
@@ -61,18 +76,12 @@ impl Packing {
             Some((positions, top)) => (positions.as_slice(), *top),
             None => (&[][..], top),
         };
-        let moves = positions(&self.world).zip(before);
-        let (mut sum, mut max) = (0.0, 0.0_f64);
-        for ((_, now), before) in moves {
-            let moved = (now - before).norm() / diameter;
-            sum += moved;
-            max = max.max(moved);
-        }
+        let (mean, max) = self.displacements(before);
         Verification {
             passed: self.job.passed >= self.job.spec.settling.checks,
             steps: self.world.steps() - self.job.stage_steps,
             time: self.stage_time(),
-            mean_displacement_over_d: sum / before.len().max(1) as f64,
+            mean_displacement_over_d: mean,
             max_displacement_over_d: max,
             mean_top_change_over_d: (top - top_before) / diameter,
         }
