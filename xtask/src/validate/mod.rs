@@ -7,6 +7,7 @@
 mod bits;
 mod bodies;
 mod cost;
+mod fuzz_pairs;
 mod machine;
 mod pack;
 mod program;
@@ -27,7 +28,8 @@ pub(crate) struct Options {
     /// What to run
     case: Case,
 
-    /// Bodies, for a trial: its results go to out/validation (cost runs N, 2N, 4N and 8N)
+    /// Bodies, for a trial: its results go to out/validation (cost runs N, 2N, 4N and 8N; for
+    /// fuzz-pairs the number of pairs)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     count: Option<u32>,
 }
@@ -48,6 +50,8 @@ enum Case {
     Dolosse,
     /// Stones from a scan-like surface of 2,000 triangles
     Scan,
+    /// Random pairs through every contact kernel: no panic, no number that is not finite
+    FuzzPairs,
     /// All of them
     All,
 }
@@ -75,6 +79,7 @@ impl Case {
             Self::Cost => cost::run(workshop, count.unwrap_or(500)),
             Self::Threads => bits::threads(workshop, count.unwrap_or(200)),
             Self::Restart => bits::restart(workshop, count.unwrap_or(200)),
+            Self::FuzzPairs => fuzz_pairs::run(workshop, count.unwrap_or(1_000_000)),
             Self::Boulders => bodies::boulders(workshop, count.unwrap_or(288)),
             Self::Dolosse => bodies::dolosse(workshop, count.unwrap_or(200)),
             Self::Scan => bodies::scanned(workshop, count.unwrap_or(60)),

@@ -37,6 +37,11 @@ impl Workshop {
         })
     }
 
+    /// The root of the workspace.
+    pub(crate) fn root(&self) -> &Path {
+        &self.root
+    }
+
     /// Builds the release program with more options for cargo.
     ///
     /// # Errors

@@ -31,6 +31,7 @@ pub fn planes_may_coincide(arrangement: Arrangement) -> bool {
         arrangement,
         Arrangement::FaceOnFace
             | Arrangement::AlignedFaces
+            | Arrangement::EdgeOnEdge
             | Arrangement::Lattice
             | Arrangement::Identical
     )
@@ -62,13 +63,18 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    fn add<'o>(&mut self, kernel: usize, overlaps: impl IntoIterator<Item = &'o Overlap>) -> f64 {
+    fn add<'o>(
+        &mut self,
+        kernel: usize,
+        size: f64,
+        overlaps: impl IntoIterator<Item = &'o Overlap>,
+    ) -> f64 {
         self.asked[kernel] = true;
         let mut energy = 0.0;
         for overlap in overlaps {
             self.touching[kernel] = true;
             energy += overlap.energy;
-            if let Some(fault) = fault(overlap) {
+            if let Some(fault) = fault(overlap, size) {
                 self.faults.push((kernel, fault));
             }
         }
@@ -76,8 +82,11 @@ impl Verdict {
     }
 }
 
-/// What is wrong with an overlap, if anything.
-fn fault(overlap: &Overlap) -> Option<String> {
+/// A number is negative if it is so by more than this part of what a deep overlap gives.
+const ROUND_OFF: f64 = 1e-9;
+
+/// What is wrong with an overlap of a body of radius `size`, if anything.
+fn fault(overlap: &Overlap, size: f64) -> Option<String> {
     let Overlap {
         force,
         moment,
@@ -104,7 +113,17 @@ fn fault(overlap: &Overlap) -> Option<String> {
     if !all.all(|x| x.is_finite()) {
         return Some(format!("not finite: {overlap:?}"));
     }
-    if scalars.into_iter().any(|x| *x < 0.0) {
+    let stiffness_scale = PENALTY * size;
+    let scales = [
+        stiffness_scale * size * size,
+        size.powi(3),
+        size.powi(2),
+        stiffness_scale,
+        stiffness_scale * size * size,
+        size,
+    ];
+    let mut parts = scalars.into_iter().zip(scales);
+    if parts.any(|(x, scale)| *x < -ROUND_OFF * scale) {
         return Some(format!("negative: {overlap:?}"));
     }
     let unit = (normal.norm() - 1.0).abs() < 1e-6;
@@ -146,9 +165,9 @@ impl Kernels {
     pub fn check(&mut self, pair: &TestPair) -> Result<Verdict, ContactError> {
         let mut verdict = Verdict::default();
         let energy = self.check_general(pair, &mut verdict);
-        let size = PENALTY * pair.a.radius().min(pair.b.radius()).powi(3);
         if let Some(convex) = self.check_convex(pair, &mut verdict) {
-            verdict.energy_difference = (convex - energy).abs() / size;
+            let scale = PENALTY * size(pair).powi(3);
+            verdict.energy_difference = (convex - energy).abs() / scale;
         }
         let scratch = &mut self.general;
         let slab = slab(pair.a.radius())?;
@@ -159,12 +178,12 @@ impl Kernels {
             &pair.frame_a,
             scratch,
         );
-        verdict.add(7, patches.iter().map(|p| &p.overlap));
+        verdict.add(7, size(pair), patches.iter().map(|p| &p.overlap));
         let wall = SolidWall::solid(&pair.b.mesh);
         let patches =
             self.sum
                 .evaluate_wall(&wall, &pair.frame_b, &pair.a.field, &pair.frame_a, scratch);
-        verdict.add(8, patches.iter().map(|p| &p.overlap));
+        verdict.add(8, size(pair), patches.iter().map(|p| &p.overlap));
         Ok(verdict)
     }
 
@@ -175,18 +194,18 @@ impl Kernels {
         let floor = self
             .cavity
             .evaluate(&self.plane, &pair.frame_wall, a, &pair.frame_a, scratch);
-        verdict.add(6, &floor);
+        verdict.add(6, size(pair), &floor);
         let b = pair.b.convex.as_deref()?;
         let cold = self
             .pair
             .evaluate(a, &pair.frame_a, b, &pair.frame_b, scratch);
-        let energy = verdict.add(0, &cold);
+        let energy = verdict.add(0, size(pair), &cold);
         let mut cache = PairCache::default();
         for (frame, motion) in path(pair) {
             let warm =
                 self.pair
                     .evaluate_cached(a, &pair.frame_a, b, &frame, &mut cache, motion, scratch);
-            verdict.add(1, &warm);
+            verdict.add(1, size(pair), &warm);
         }
         Some(energy)
     }
@@ -199,22 +218,27 @@ impl Kernels {
         for (kernel, place, energy) in [(&self.sum, 2, 0), (&self.min, 4, 1), (&self.shaped, 5, 2)]
         {
             let patches = kernel.evaluate(a, &pair.frame_a, b, &pair.frame_b, scratch);
-            energies[energy] = verdict.add(place, patches.iter().map(|p| &p.overlap));
+            energies[energy] = verdict.add(place, size(pair), patches.iter().map(|p| &p.overlap));
         }
         let mut cache = Default::default();
         for (frame, motion) in path(pair) {
             let patches =
                 self.sum
                     .evaluate_cached(a, &pair.frame_a, b, &frame, &mut cache, motion, scratch);
-            verdict.add(3, patches.iter().map(|p| &p.overlap));
+            verdict.add(3, size(pair), patches.iter().map(|p| &p.overlap));
         }
         energies[0]
     }
 }
 
+/// Radius of the smaller body, m.
+fn size(pair: &TestPair) -> f64 {
+    pair.a.radius().min(pair.b.radius())
+}
+
 /// Where B is at the first, second and third call of a kernel with a cache, and the motion.
 fn path(pair: &TestPair) -> [(Frame, f64); 3] {
-    let step = 1e-3 * pair.a.radius().min(pair.b.radius());
+    let step = 1e-3 * size(pair);
     [0.0, 1.0, 30.0].map(|steps| {
         let mut frame = pair.frame_b;
         frame.position.x += steps * step;
