@@ -33,8 +33,48 @@ fn inverse_mass(motion: &Motion, torque: &Vector3, magnitude: f64) -> f64 {
     motion.inverse_mass + lever.dot(&(motion.inverse_inertia * lever))
 }
 
-/// Scales the elastic wrench of `overlap` by the dashpot of ratio `zeta`.
-pub(crate) fn damp(overlap: &Overlap, a: &Motion, b: &Motion, zeta: f64) -> Damped {
+/// All patches of a pair together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Whole {
+    /// J.
+    energy: f64,
+    /// Inverse effective mass of the pair along its total gradient, 1/kg; larger where the patches
+    /// press against each other.
+    inverse_mass: f64,
+}
+
+impl Whole {
+    pub fn new<'a>(patches: impl Iterator<Item = &'a Overlap>, a: &Motion, b: &Motion) -> Self {
+        let (mut energy, mut pressed) = (0.0, 0.0);
+        let mut total = [Vector3::zeros(); 3];
+        for patch in patches {
+            energy += patch.energy;
+            pressed += patch.force_magnitude();
+            total[0] += patch.force;
+            total[1] += patch.torque_a();
+            total[2] += patch.torque_b();
+        }
+        let square = total[0].norm_squared();
+        let response = square * (a.inverse_mass + b.inverse_mass)
+            + total[1].dot(&(a.inverse_inertia * total[1]))
+            + total[2].dot(&(b.inverse_inertia * total[2]));
+        Self {
+            energy,
+            inverse_mass: response * (pressed / square).powi(2),
+        }
+    }
+}
+
+/// Scales the elastic wrench of `overlap` by the dashpot of ratio `zeta`. If it is one of several
+/// patches, `whole` is the pair: patches that press the same way are damped as one contact would
+/// be, and patches that press against each other each by itself.
+pub(crate) fn damp(
+    overlap: &Overlap,
+    whole: Option<&Whole>,
+    a: &Motion,
+    b: &Motion,
+    zeta: f64,
+) -> Damped {
     let magnitude = overlap.force_magnitude();
     let (torque_a, torque_b) = (overlap.torque_a(), overlap.torque_b());
     let inverse_mass = [
@@ -48,14 +88,19 @@ pub(crate) fn damp(overlap: &Overlap, a: &Motion, b: &Motion, zeta: f64) -> Damp
         viscosity: 0.0,
         rocking: Vector3::zeros(),
     };
-    if zeta == 0.0 || total <= 0.0 || overlap.energy <= 0.0 {
+    let (energy, along) = match whole {
+        // The quotient has no value where the patches' forces cancel.
+        Some(w) => (w.energy, w.inverse_mass.min(total)),
+        None => (overlap.energy, total),
+    };
+    if zeta == 0.0 || along <= 0.0 || energy <= 0.0 {
         return damped;
     }
     let power = overlap.force.dot(&(b.velocity - a.velocity))
         + torque_b.dot(&b.angular_velocity)
         + torque_a.dot(&a.angular_velocity);
     let closing = -power / magnitude;
-    let rate = 2.0 * zeta / (2.0 * overlap.energy * total).sqrt();
+    let rate = 2.0 * zeta / (2.0 * energy * along).sqrt();
     damped.viscosity = rate * magnitude;
     damped.scale = (1.0 + rate * closing).max(0.0);
     damped.rocking = rocking(overlap, a, b, zeta, magnitude * damped.scale);

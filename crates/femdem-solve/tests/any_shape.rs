@@ -5,11 +5,10 @@
 
 mod common;
 #[path = "../../femdem-contact/tests/common/meshes.rs"]
-#[expect(dead_code, reason = "every test file uses its own part")]
 mod meshes;
 
 use common::{DENSITY, G, add_floor, add_sides, noise, parameters, turned, weightless};
-use femdem_contact::{Drum, Field, MeshWall, Partner, Wall};
+use femdem_contact::{Drum, Field, MeshWall, Partner, Wall, restitution};
 use femdem_mesh::nalgebra::{Point3, Translation3, Vector3};
 use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh};
 use femdem_solve::{BodySpec, Drive, SolveError, World};
@@ -107,10 +106,10 @@ fn elastic_box_keeps_its_energy_for_a_second() {
 fn momentum_is_kept_to_round_off() {
     let mut world = World::new(weightless(1e6, 0.5, 0.3)).unwrap();
     let shape = add_mesh(&mut world, "dolos", &meshes::dolos(0.04));
-    for i in 0..3 {
+    for i in 0..3_u32 {
         let angle = f64::from(i) * 2.1;
         let out = Vector3::new(angle.cos(), angle.sin(), 0.1 * f64::from(i));
-        let mut spec = BodySpec::at_rest(shape, DENSITY, pose(out * 0.12, turned(i as u64)));
+        let mut spec = BodySpec::at_rest(shape, DENSITY, pose(out * 0.12, turned(u64::from(i))));
         spec.velocity = -out + Vector3::new(0.1, 0.0, 0.0);
         spec.angular_velocity = Vector3::new(1.0, f64::from(i), -2.0);
         world.add_body(spec).unwrap();
@@ -128,6 +127,41 @@ fn momentum_is_kept_to_round_off() {
     assert!(touched > 30, "{touched} contacts");
     assert!((world.linear_momentum() - before[0]).norm() < 1e-12 * scale);
     assert!((world.angular_momentum(&about) - before[1]).norm() < 1e-12 * scale);
+}
+
+/// A block on two feet meets a floor squarely, without weight: two patches rebound as one contact
+/// would.
+#[test]
+fn two_patches_rebound_as_one() {
+    for zeta in [0.1, 0.3, 0.6] {
+        let mut p = weightless(1e6, 0.0, zeta);
+        p.time_step.safety = 0.05;
+        let mut world = World::new(p).unwrap();
+        add_floor(&mut world, Drive::Fixed);
+        let x = [-0.05, -0.02, 0.02, 0.05];
+        let z = [0.0, 0.03, 0.06, 0.1];
+        let cells: Vec<[i32; 3]> = (0..18)
+            .map(|i| [i % 3, i / 3 % 2, i / 6])
+            .filter(|c| !(c[0] == 1 && c[2] == 0))
+            .collect();
+        let mesh = meshes::boxes(&cells, &x, &[-0.05, 0.0, 0.05], &z);
+        let shape = add_mesh(&mut world, "feet", &mesh);
+        let mut spec = BodySpec::at_rest(shape, DENSITY, Pose::translation(0.0, 0.0, 1e-3));
+        spec.velocity.z = -0.05;
+        let body = world.add_body(spec).unwrap();
+        let mut patches = 0;
+        while world.time() < 0.1 {
+            world.step().unwrap();
+            patches = patches.max(world.contacts().len());
+        }
+        let rebound = world.velocity(body).unwrap().z / 0.05;
+        let expected = restitution(zeta);
+        assert_eq!(patches, 2);
+        assert!(
+            (rebound - expected).abs() < 0.01,
+            "{zeta}: {rebound}, {expected}"
+        );
+    }
 }
 
 /// Two rings hang from a third that is held: each in the one above, crosswise. They come to rest,

@@ -3,7 +3,7 @@
 use super::history::{PatchRecord, inherit};
 use super::pairs::{Cache, MeshPair, Pair, PairTable};
 use crate::contact::{BodyId, Contact, Partner, assemble};
-use crate::damping::damp;
+use crate::damping::{Whole, damp};
 use crate::friction::FrictionState;
 use crate::general::{FieldMesh, GeneralKernel, GeneralScratch, Patch};
 use crate::kernel::{CavityKernel, Overlap, PairKernel, Scratch};
@@ -104,7 +104,8 @@ impl Context<'_> {
         let state = pair
             .friction
             .get_or_insert_with(|| FrictionState::new(&overlap, a, b));
-        pair.contact = Some(self.touch((pair.a, pair.b, 0), &overlap, state));
+        let ids = (pair.a, pair.b, 0);
+        pair.contact = Some(self.touch(ids, &overlap, None, state));
     }
 
     fn evaluate_convex(
@@ -151,9 +152,11 @@ impl Context<'_> {
             patches.iter().map(|p| (p.key, &p.overlap)).collect();
         let ratio = self.parameters.tangential_ratio;
         let states = inherit(&pair.patches, &found, motions, ratio);
+        let overlaps = patches.iter().map(|p| &p.overlap);
+        let whole = (patches.len() > 1).then(|| Whole::new(overlaps, motions[0], motions[1]));
         pair.patches.clear();
         for (rank, ((key, overlap), mut state)) in found.into_iter().zip(states).enumerate() {
-            let contact = self.touch((a, b, rank as u32), overlap, &mut state);
+            let contact = self.touch((a, b, rank as u32), overlap, whole.as_ref(), &mut state);
             let record = PatchRecord::new(key, overlap, motions, state, contact);
             pair.patches.push(record);
         }
@@ -201,10 +204,17 @@ impl Context<'_> {
         )
     }
 
-    /// Damping and friction of one patch, whose state is advanced.
-    fn touch(&self, ids: Ids, overlap: &Overlap, state: &mut FrictionState) -> Contact {
+    /// Damping and friction of one patch, whose state is advanced; `whole` is all of the pair
+    /// if there are several.
+    fn touch(
+        &self,
+        ids: Ids,
+        overlap: &Overlap,
+        whole: Option<&Whole>,
+        state: &mut FrictionState,
+    ) -> Contact {
         let (a, b) = (self.motion_a(ids.0), &self.bodies[ids.1 as usize]);
-        let damped = damp(overlap, a, b, self.parameters.damping_ratio);
+        let damped = damp(overlap, whole, a, b, self.parameters.damping_ratio);
         let normal_force = overlap.force_magnitude() * damped.scale;
         let friction = state.update(&self.parameters, overlap, normal_force, a, b, self.dt);
         assemble(ids, overlap, &damped, &friction, [a, b])

@@ -195,3 +195,110 @@ fn limit_energy(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Partner, assemble};
+    use crate::damping::damp;
+    use crate::law::ContactParameters;
+    use crate::shape::Frame;
+
+    /// A round patch of radius 0.1 at `x` on the plane z = 0, of stiffness `k`.
+    fn overlap(x: f64, k: f64) -> Overlap {
+        Overlap {
+            force: Vector3::z(),
+            moment: Vector3::zeros(),
+            arm_a: Vector3::x() * x,
+            arm_b: Vector3::x() * x,
+            normal: Vector3::z(),
+            energy: 1.0,
+            volume: 1.0,
+            area: 1.0,
+            stiffness: k,
+            stiffness_second: 0.01 * k,
+            torsion_radius: 0.1,
+        }
+    }
+
+    /// Patches at the given places, stretched by 1 mm along x.
+    fn records(places: &[(f64, f64)], body: &Motion) -> Vec<PatchRecord> {
+        let law = ContactParameters {
+            friction: 1e3,
+            tangential_damping: 0.0,
+            ..ContactParameters::default()
+        };
+        let mut moved = *body;
+        moved.frame.position.x += 1e-3;
+        places
+            .iter()
+            .enumerate()
+            .map(|(i, &(x, k))| {
+                let before = overlap(x, k);
+                let mut now = before;
+                now.arm_b.x -= 1e-3;
+                let mut state = FrictionState::new(&before, body, body);
+                let friction = state.update(&law, &now, 1.0, body, &moved, 1.0);
+                let damped = damp(&now, None, body, &moved, 0.0);
+                let ids = (Partner::Body(0), 1, i as u32);
+                let contact = assemble(ids, &now, &damped, &friction, [body, &moved]);
+                PatchRecord::new([i as u32, 0], &now, [body, &moved], state, contact)
+            })
+            .collect()
+    }
+
+    /// Stretch times stiffness of the heirs at the given places, with keys from 100 upwards.
+    fn forces(old: &[PatchRecord], places: &[(f64, f64)]) -> Vec<f64> {
+        let body = Motion::fixed(Frame::identity());
+        let mut moved = body;
+        moved.frame.position.x += 1e-3;
+        let overlaps: Vec<Overlap> = places
+            .iter()
+            .map(|&(x, k)| {
+                let mut o = overlap(x, k);
+                o.arm_b.x -= 1e-3;
+                o
+            })
+            .collect();
+        let new: Vec<_> = (100..).map(|i| [i, 0]).zip(&overlaps).collect();
+        inherit(old, &new, [&body, &moved], 0.8)
+            .iter()
+            .map(|s| {
+                let springs = s.springs(&body, &moved);
+                springs.stretch.x * springs.stiffness
+            })
+            .collect()
+    }
+
+    fn near(got: &[f64], want: &[f64]) -> bool {
+        let close = |(x, y): (&f64, &f64)| (x - y).abs() < 1e-12;
+        got.len() == want.len() && got.iter().zip(want).all(close)
+    }
+
+    #[test]
+    fn heirs_share_and_orphans_join() {
+        let body = Motion::fixed(Frame::identity());
+        // 0.8 k times 1 mm.
+        let old = records(&[(0.0, 10.0), (5.0, 20.0)], &body);
+        assert!(near(
+            &forces(&old, &[(0.01, 10.0), (5.02, 20.0)]),
+            &[8e-3, 16e-3]
+        ));
+        // Both heirs of the first are within reach of it alone: they share by stiffness.
+        let split = forces(&old, &[(-0.2, 2.0), (0.3, 6.0), (5.0, 20.0)]);
+        assert!(near(&split, &[2e-3, 6e-3, 16e-3]), "{split:?}");
+        let close = records(&[(0.0, 10.0), (0.4, 30.0)], &body);
+        assert!(near(&forces(&close, &[(0.3, 40.0)]), &[32e-3]));
+    }
+
+    #[test]
+    fn strangers_inherit_nothing() {
+        let body = Motion::fixed(Frame::identity());
+        let old = records(&[(0.0, 10.0)], &body);
+        assert!(near(&forces(&old, &[(3.0, 10.0)]), &[0.0]));
+        assert!(near(
+            &forces(&old, &[(0.0, 10.0), (3.0, 10.0)]),
+            &[8e-3, 0.0]
+        ));
+    }
+}
