@@ -1,12 +1,11 @@
-//! Contact of convex polyhedra: where bodies overlap, with what force they push apart, and how they
-//! rub.
+//! Contact of polyhedra, convex or not: where bodies overlap, with what force they push apart, and
+//! how they rub.
 //!
 //! **Use it** to give a granular or multibody code of your own contacts of polyhedra, against each
 //! other and against walls: the normal force is the exact gradient of an overlap energy, so it
-//! neither makes nor loses energy, whatever touches what. **Do not use it** for bodies that are not
-//! convex (split them first) or that deform, for spheres (closed formulas serve better), where
-//! nothing may overlap at all (the bodies are penalty bodies), or if you want bodies moved for you
-//! (femdem-solve does that).
+//! neither makes nor loses energy, whatever touches what. **Do not use it** for bodies that deform,
+//! for spheres (closed formulas serve better), where nothing may overlap at all (the bodies are
+//! penalty bodies), or if you want bodies moved for you (femdem-solve does that).
 //!
 //! ```
 //! use femdem_contact::kernel::Scratch;
@@ -35,9 +34,12 @@
 //! 1. [`PairKernel`]: two prepared shapes, two frames and a penalty in; an [`Overlap`] out (energy,
 //!    force, moment, point, area, stiffness). No state but a scratch buffer and, if you like, a
 //!    [`kernel::PairCache`], both yours. [`kernel::CavityKernel`] is the same for a wall.
-//! 2. [`ContactBatch`]: many bodies and walls. Finds the pairs, keeps caches and friction history, and
-//!    turns one [`Motion`] per body into sorted [`Contact`]s and a [`Load`] per body. Your code
-//!    integrates; a load also bounds the stable step ([`Load::frequency2`], [`Load::rate`]).
+//!    [`GeneralKernel`] takes bodies of any shape, as tetrahedra with a field ([`FieldMesh`]), and
+//!    walls of any shape ([`SolidWall`]); it gives one overlap for each connected part. For convex
+//!    bodies it costs many times what [`PairKernel`] does.
+//! 2. [`ContactBatch`]: many bodies and walls of either kind ([`BodyShape`], [`WallShape`]), each pair
+//!    by the kernel it needs. Finds the pairs, keeps caches and friction history, and turns one
+//!    [`Motion`] per body into sorted [`Contact`]s and a [`Load`] per body. Your code integrates; a load also bounds the stable step ([`Load::frequency2`], [`Load::rate`]).
 //! 3. `World`, in femdem-solve: owns the bodies and steps them.
 //!
 //! # The law
@@ -52,6 +54,10 @@
 //!   patch, which the first cannot see.
 //! - Friction: anchors in both bodies stretch a tangential spring, and a torsion spring twists about
 //!   the normal; the ellipsoid (f/μF)² + (M/M_max)² = 1 bounds both. There is no rolling resistance.
+//! - Patches: bodies that are not convex may touch in several, each a [`Contact`] with a friction
+//!   history of its own. A patch that splits leaves its springs to its heirs, merging ones become one
+//!   by least squares; neither makes energy, and what dies is dissipated. The dashpots of patches that
+//!   press the same way add up to those of one contact.
 //!
 //! # Units
 //!

@@ -7,23 +7,14 @@ mod common;
 #[path = "../../femdem-contact/tests/common/meshes.rs"]
 mod meshes;
 
-use common::{DENSITY, G, add_floor, add_sides, noise, parameters, turned, weightless};
-use femdem_contact::{Drum, Field, MeshWall, Partner, Wall, restitution};
-use femdem_mesh::nalgebra::{Point3, Translation3, Vector3};
-use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh};
+use common::{
+    DENSITY, G, add_floor, add_mesh, add_sides, noise, parameters, pose, turned, weightless,
+};
+use femdem_contact::{Field, MeshWall, Partner, Wall, restitution};
+use femdem_mesh::nalgebra::{Point3, Vector3};
+use femdem_mesh::{Polyhedron, Pose, Rotation};
 use femdem_solve::{BodySpec, Drive, SolveError, World};
 use std::f64::consts::FRAC_PI_2;
-
-fn add_mesh(world: &mut World, name: &str, mesh: &TetMesh) -> u32 {
-    let surface = mesh.surface().unwrap();
-    world
-        .add_mesh_shape(name, &surface, mesh, Field::Body)
-        .unwrap()
-}
-
-fn pose(position: Vector3<f64>, rotation: Rotation) -> Pose {
-    Pose::from_parts(Translation3::from(position), rotation)
-}
 
 /// Pellets with a hole and dolosse fly about in a closed box, without friction and damping.
 /// Returns the largest energy error, its trend, and how many patches and pairs were seen.
@@ -177,7 +168,7 @@ fn a_chain_of_links_holds_its_weight() {
     let cross = Rotation::from_axis_angle(&Vector3::z_axis(), FRAC_PI_2) * upright;
     let drop = 2.0 * (radius - bar) + 0.001;
     let link = |k: u32| {
-        let turn = if k % 2 == 0 { upright } else { cross };
+        let turn = if k.is_multiple_of(2) { upright } else { cross };
         let place = Vector3::new(0.0, 0.0, -drop * f64::from(k));
         BodySpec::at_rest(shape, DENSITY, pose(place, turn))
     };
@@ -216,222 +207,6 @@ fn a_chain_of_links_holds_its_weight() {
         assert!(crept < 1e-6 * radius, "crept by {crept:e} m in a second");
         assert!(turn.angle_to(&turned) < 1e-6);
     }
-}
-
-/// What a plate that moves is to the world.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Plate {
-    Plane,
-    MeshWall,
-    Body,
-}
-
-/// A cube on a plate at z = 0 that follows a drive.
-fn cube_on_a_plate(plate: Plate, at: Vector3<f64>, drive: Drive) -> (World, u32) {
-    let mut p = parameters(1e7, 0.8, 0.5);
-    p.time_step.safety = 0.2;
-    let mut world = World::new(p).unwrap();
-    let slab = meshes::block(
-        Vector3::new(-0.5, -0.5, -0.2),
-        Vector3::new(1.0, 1.0, 0.0),
-        3,
-    );
-    match plate {
-        Plate::Plane => {
-            add_floor(&mut world, drive);
-        }
-        Plate::MeshWall => {
-            let wall = MeshWall::solid("plate", &slab);
-            world.add_wall(wall, drive).unwrap();
-        }
-        Plate::Body => {
-            let shape = add_mesh(&mut world, "plate", &slab);
-            let spec = BodySpec::at_rest(shape, DENSITY, Pose::identity());
-            world.add_driven_body(spec, drive).unwrap();
-        }
-    }
-    let shape = world.add_shape("P5", &common::solid("P5")).unwrap();
-    let place = at + Vector3::z() * common::half_edge();
-    let spec = BodySpec::at_rest(shape, DENSITY, pose(place, Rotation::identity()));
-    let body = world.add_body(spec).unwrap();
-    (world, body)
-}
-
-/// A cube on a plate that swings smoothly about an axis beside it goes with it, without slip, and
-/// comes back; and the books close.
-#[test]
-fn a_body_rides_on_a_swinging_plate() {
-    for plate in [Plate::Plane, Plate::MeshWall, Plate::Body] {
-        let (point, at) = (Vector3::new(0.3, -0.1, 0.0), Vector3::new(0.45, 0.0, 0.0));
-        let (stroke, frequency, start) = (1.0, 0.5, 0.1);
-        let drive = Drive::Rock {
-            axis: Vector3::z() * 2.0,
-            point,
-            stroke,
-            frequency,
-            start,
-            periods: 1,
-        };
-        let (mut world, body) = cube_on_a_plate(plate, at, drive);
-        for (time, angle) in [(start + 0.5 / frequency, stroke), (2.3, 0.0)] {
-            while world.time() < time {
-                world.step().unwrap();
-            }
-            let turned = Rotation::from_axis_angle(&Vector3::z_axis(), angle);
-            let expected = point + turned * (at - point);
-            let off = (world.position(body).unwrap() - expected).xy().norm();
-            assert!(off < 1e-3 * (at - point).norm(), "{plate:?}: off by {off}");
-            let turn = world.pose(body).unwrap().rotation.angle_to(&turned);
-            assert!(turn < 1e-3, "{plate:?}: off by {turn} rad");
-        }
-        let ledger = world.ledger();
-        let swing = 0.5 * world.mass(body).unwrap() * 0.28_f64.powi(2);
-        assert!(ledger.error().abs() < 1e-2 * swing, "{plate:?}: {ledger:?}");
-    }
-}
-
-/// A plate that starts to turn at once takes a cube along: it slips first, which the drive pays
-/// for as much again as for the cube's speed.
-#[test]
-fn a_turning_plate_drags_a_body_along() {
-    for plate in [Plate::Plane, Plate::MeshWall, Plate::Body] {
-        let at = Vector3::new(0.2, 0.0, 0.0);
-        let rate = 1.5;
-        let drive = Drive::Turn {
-            axis: Vector3::z(),
-            point: Vector3::zeros(),
-            rate,
-            start: 0.1,
-            end: 10.0,
-        };
-        let (mut world, body) = cube_on_a_plate(plate, at, drive);
-        while world.time() < 0.5 {
-            world.step().unwrap();
-        }
-        let x = world.position(body).unwrap();
-        let speed = world.velocity(body).unwrap().norm();
-        assert!(
-            (speed / (rate * x.xy().norm()) - 1.0).abs() < 5e-3,
-            "{plate:?}: {speed}"
-        );
-        let spin = world.angular_velocity(body).unwrap().z;
-        assert!((spin / rate - 1.0).abs() < 2e-2, "{plate:?}: {spin}");
-        // Slip takes v^2/2 mu g: the body lags by that much.
-        let lag = rate * 0.4 * 0.2 - 0.2 * x.y.atan2(x.x);
-        let expected = (rate * 0.2).powi(2) / (2.0 * 0.8 * G);
-        assert!(
-            (lag / expected - 1.0).abs() < 0.15,
-            "{plate:?}: {lag} m, {expected}"
-        );
-        let ledger = world.ledger();
-        let ratio = ledger.work_in / (2.0 * ledger.kinetic);
-        assert!((ratio - 1.0).abs() < 0.1, "{plate:?}: {ratio} {ledger:?}");
-        assert!(
-            ledger.error().abs() < 1e-2 * ledger.kinetic,
-            "{plate:?}: {ledger:?}"
-        );
-    }
-}
-
-/// A blade far from any body swings round and strikes one: no cache lets it pass.
-#[test]
-fn a_blade_strikes_what_was_far() {
-    let mut world = World::new(weightless(1e6, 0.0, 0.0)).unwrap();
-    let blade = meshes::block(
-        Vector3::new(-0.05, 0.0, -0.2),
-        Vector3::new(0.05, 0.6, 0.2),
-        1,
-    );
-    let drive = Drive::Turn {
-        axis: Vector3::z(),
-        point: Vector3::zeros(),
-        rate: 4.0,
-        start: 0.0,
-        end: 1.0,
-    };
-    world
-        .add_wall(MeshWall::solid("blade", &blade), drive)
-        .unwrap();
-    let shape = world.add_shape("P5", &common::solid("P5")).unwrap();
-    let at = Vector3::new(0.0, -0.4, 0.0);
-    let spec = BodySpec::at_rest(shape, DENSITY, pose(at, Rotation::identity()));
-    let body = world.add_body(spec).unwrap();
-    let mut struck = None;
-    let mut deepest = 0.0_f64;
-    while world.time() < 1.0 {
-        world.step().unwrap();
-        if let Some(c) = world.contacts().first() {
-            struck = struck.or(Some(world.time()));
-            deepest = deepest.max(c.penetration());
-        }
-    }
-    // Half a turn, less the half widths of blade and cube.
-    let early = (0.05 + common::half_edge()) / 0.4;
-    let expected = (std::f64::consts::PI - early) / 4.0;
-    let struck = struck.unwrap();
-    assert!((struck - expected).abs() < 0.02, "{struck} {expected}");
-    assert!(deepest < 0.3 * common::half_edge(), "{deepest}");
-    // Elastic: the cube leaves about twice as fast as the blade.
-    let ledger = world.ledger();
-    assert!(world.velocity(body).unwrap().norm() > 2.0);
-    assert!(ledger.error().abs() < 1e-2 * ledger.work_in, "{ledger:?}");
-}
-
-/// Bodies of both kinds in a turning drum: they are carried up on the side that rises, and the
-/// books close.
-#[test]
-fn a_drum_turns_its_filling_over() {
-    let mut p = parameters(1e6, 0.6, 0.5);
-    p.time_step.safety = 0.3;
-    let mut world = World::new(p).unwrap();
-    let drum = Drum {
-        radius: 0.2,
-        length: 0.25,
-        thickness: 0.05,
-        facets: 16,
-    };
-    let turn = Drive::Turn {
-        axis: Vector3::y(),
-        point: Vector3::zeros(),
-        rate: 3.0,
-        start: 0.1,
-        end: 10.0,
-    };
-    world
-        .add_wall(MeshWall::drum("drum", &drum).unwrap(), turn)
-        .unwrap();
-    let shapes = [
-        add_mesh(&mut world, "dolos", &meshes::dolos(0.025)),
-        world.add_shape("P5", &common::solid("P5")).unwrap(),
-    ];
-    for i in 0..6_u64 {
-        let cell = Vector3::new((i % 2) as f64, (i / 2 % 2) as f64, (i / 4) as f64);
-        let place = cell.add_scalar(-0.5) * 0.11 - Vector3::z() * 0.02;
-        let spec = BodySpec::at_rest(shapes[i as usize % 2], DENSITY, pose(place, turned(i)));
-        world.add_body(spec).unwrap();
-    }
-    let mut centre = 0.0;
-    let mut steps = 0.0;
-    while world.time() < 0.7 {
-        world.step().unwrap();
-        if world.time() > 0.4 {
-            centre += (0..6).map(|i| world.position(i).unwrap().x).sum::<f64>() / 6.0;
-            steps += 1.0;
-        }
-    }
-    // The lowest plates move towards -x with a turn about +y.
-    let mean = centre / steps;
-    assert!(mean < -0.02, "the filling is at {mean}");
-    for i in 0..6 {
-        let x = world.position(i).unwrap();
-        assert!(
-            x.x.hypot(x.z) < 0.2 && x.y.abs() < 0.125,
-            "{i} has left: {x:?}"
-        );
-    }
-    let ledger = world.ledger();
-    let error = ledger.error().abs() / ledger.dissipated();
-    assert!(error < 0.01, "{error:e} {ledger:?}");
 }
 
 /// A heap of both kinds with friction between planes and in front of a mesh wall.

@@ -6,10 +6,10 @@
     reason = "every test file uses its own part, and helpers of tests fail the test"
 )]
 
-use femdem_contact::{BodyId, ContactParameters, Wall};
+use femdem_contact::{BodyId, ContactParameters, Field, Wall};
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::{Translation3, Vector3};
-use femdem_mesh::{Polyhedron, Pose, Rotation};
+use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh};
 use femdem_solve::{BodySpec, Drive, World, WorldParameters};
 
 pub const DENSITY: f64 = 2560.0;
@@ -51,6 +51,18 @@ pub fn weightless(penalty: f64, friction: f64, damping_ratio: f64) -> WorldParam
 
 pub fn at(position: Vector3<f64>) -> Pose {
     Pose::from_parts(Translation3::from(position), Rotation::identity())
+}
+
+pub fn pose(position: Vector3<f64>, rotation: Rotation) -> Pose {
+    Pose::from_parts(Translation3::from(position), rotation)
+}
+
+/// Adds a meshed shape with the body field; its surface is the mesh's skin.
+pub fn add_mesh(world: &mut World, name: &str, mesh: &TetMesh) -> u32 {
+    let surface = mesh.surface().unwrap();
+    world
+        .add_mesh_shape(name, &surface, mesh, Field::Body)
+        .unwrap()
 }
 
 /// A number in [-1, 1] from an index: variety, not quality.
