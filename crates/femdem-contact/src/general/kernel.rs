@@ -22,7 +22,8 @@ pub enum Form {
     Sum,
     /// U = p int min(phi_A, phi_B) dV: springs in series, with one contact surface.
     Min,
-    /// U = E (int (h_A phi_A + h_B phi_B) dV)^1.5 / V.
+    /// U = E (int (h_A phi_A + h_B phi_B) dV)^1.5 / V, with the penalty as E. For single contacts
+    /// only: see [the module](crate::general#the-shaped-form).
     Shaped,
 }
 
