@@ -1,5 +1,7 @@
 //! Where the shaped energy is stiff: why no step bounded by the stiffness of faces is safe.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 mod common;
 #[path = "common/tets.rs"]
 mod tets;

@@ -1,5 +1,7 @@
 //! A corner that slides over a meshed body.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 mod common;
 #[path = "common/tets.rs"]
 mod tets;

@@ -1,5 +1,7 @@
 //! Caches, patches and hostile scales of the general kernel.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 mod common;
 #[path = "common/tets.rs"]
 mod tets;
