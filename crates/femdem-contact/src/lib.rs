@@ -39,7 +39,8 @@
 //!    bodies it costs many times what [`PairKernel`] does.
 //! 2. [`ContactBatch`]: many bodies and walls of either kind ([`BodyShape`], [`WallShape`]), each pair
 //!    by the kernel it needs. Finds the pairs, keeps caches and friction history, and turns one
-//!    [`Motion`] per body into sorted [`Contact`]s and a [`Load`] per body. Your code integrates; a load also bounds the stable step ([`Load::frequency2`], [`Load::rate`]).
+//!    [`Motion`] per body into sorted [`Contact`]s and a [`Load`] per body. Your code integrates; a
+//!    load also bounds the stable step ([`Load::frequency2`], [`Load::rate`]).
 //! 3. `World`, in femdem-solve: owns the bodies and steps them.
 //!
 //! # The law
