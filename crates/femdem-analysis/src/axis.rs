@@ -55,6 +55,12 @@ impl Axis {
         first.min(end)..end
     }
 
+    /// The cells whose centre lies in `low..=high`, and perhaps one more on either side: none is missed
+    /// by round-off.
+    pub(crate) fn near(&self, low: f64, high: f64) -> Range<usize> {
+        self.within(low - 0.5 * self.step, high + 0.5 * self.step)
+    }
+
     /// For each cell of axis `k` the bodies whose box holds its centre, ascending.
     pub(crate) fn sort_bodies(&self, k: usize, pack: &Pack) -> Vec<Vec<usize>> {
         let mut sorted = vec![Vec::new(); self.count];

@@ -88,6 +88,28 @@ impl Clipper {
         self.surface.vertices.is_empty()
     }
 
+    /// Box around what is left.
+    pub(crate) fn bounds(&self) -> Bounds {
+        Bounds::around(self.surface.vertices.iter().copied())
+    }
+
+    /// Calls `hit` with the triangles of what is left that meet `window`. They are fans of the loops:
+    /// signed integrals over them are right, though some may be turned over.
+    pub(crate) fn triangles_in(&self, window: &Bounds, mut hit: impl FnMut([Point3; 3])) {
+        let place = |v: u32| self.surface.vertices[v as usize];
+        for corners in self.surface.loops() {
+            let Some((&first, rest)) = corners.split_first() else {
+                continue;
+            };
+            for pair in rest.windows(2) {
+                let triangle = [place(first), place(pair[0]), place(pair[1])];
+                if Bounds::around(triangle).meets(window) {
+                    hit(triangle);
+                }
+            }
+        }
+    }
+
     /// Volume of what is left: signed tetrahedra from one of its vertices.
     pub(crate) fn volume(&self) -> f64 {
         let vertices = &self.surface.vertices;
@@ -240,7 +262,7 @@ impl Clipper {
     }
 
     fn clip_to_polygon(&mut self, centre: [f64; 2], radius: f64) {
-        let bounds = Bounds::around(self.surface.vertices.iter().copied());
+        let bounds = self.bounds();
         if self.is_empty() {
             return;
         }

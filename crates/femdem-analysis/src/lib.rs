@@ -1,4 +1,4 @@
-//! Statistics of packs of polyhedra: packing density and coordination number.
+//! Statistics of packs of polyhedra, convex or not: packing density and coordination number.
 //!
 //! Plain data in, plain tables out. The bodies may come from femdem, from a file or from another
 //! code; this crate knows neither how they were made nor how they are stored.
@@ -46,9 +46,9 @@
 //!
 //! # Accuracy
 //! Clipped volumes are exact to round-off (about 1e-13 of a body) for boxes; cylinders are clipped as
-//! prisms of 4096 sides and equal area ([`Region::clipping_error`]). Overlaps are subtracted pair by pair:
-//! volume shared by three bodies is subtracted once too often, and pairs of non-convex bodies are not
-//! subtracted but counted. Errors of the grid are stated with its result.
+//! prisms of 4096 sides and equal area ([`Region::clipping_error`]). Bodies may have any form; overlaps of
+//! non-convex bodies are as exact as all others. Overlaps are subtracted pair by pair: volume shared by
+//! three bodies is subtracted once too often. Errors of the grid are stated with its result.
 
 mod axis;
 mod bounds;
@@ -62,6 +62,7 @@ mod neighbours;
 mod ordered;
 mod overlap;
 mod pack;
+mod prisms;
 mod region;
 mod top;
 

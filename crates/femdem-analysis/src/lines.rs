@@ -1,6 +1,7 @@
 //! Where a line parallel to an axis runs inside a body.
 
 use femdem_mesh::{Point3, Vector3};
+use robust::{Coord, orient2d};
 
 /// Interval of the coordinate `axis` in which the line through `at` lies within all half-spaces
 /// `normal · x <= offset`; `None` when it misses them. `at[axis]` is not used.
@@ -28,7 +29,8 @@ pub(crate) fn convex_span(
 /// Coordinate `axis` where the line through `at` crosses a triangle, or `None`.
 ///
 /// A line through an edge or vertex is taken as shifted by an infinitesimal amount that is the same
-/// for all triangles, so a closed surface is crossed an even number of times.
+/// for all triangles, and sides are decided exactly, so a closed surface is crossed an even number of
+/// times.
 pub(crate) fn crossing(triangle: &[Point3; 3], axis: usize, at: &Point3) -> Option<f64> {
     let [u, v] = others(axis);
     let flat = |p: &Point3| [p[u], p[v]];
@@ -50,21 +52,15 @@ pub(crate) fn crossing(triangle: &[Point3; 3], axis: usize, at: &Point3) -> Opti
     Some(sum / total)
 }
 
-/// Twice the signed area of `(a, b, p)` and whether `p` lies left of `a -> b`.
+/// Twice the signed area of `(a, b, p)`, of exact sign (Shewchuk's predicate), and whether `p` lies left
+/// of `a -> b`.
 ///
-/// Worked out with the end points in lexicographic order, so that `b -> a` gives the exact negative;
-/// a `p` on the line counts as left of the ordered direction, which is what the shift
-/// `(-ε², ε)` of `p` makes of it for every edge.
+/// A `p` on the line counts as left of `a -> b` if `a` comes before `b` in lexicographic order and as
+/// right if it comes after, which is what the shift `(-ε², ε)` of `p` makes of it for every edge.
 fn side(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> (f64, bool) {
-    let area =
-        |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
-    if a <= b {
-        let w = area(a, b);
-        (w, w >= 0.0)
-    } else {
-        let w = area(b, a);
-        (-w, w < 0.0)
-    }
+    let [a_at, b_at, p_at] = [a, b, p].map(|[x, y]| Coord { x, y });
+    let area = orient2d(a_at, b_at, p_at);
+    (area, area > 0.0 || (area == 0.0 && a <= b))
 }
 
 fn others(axis: usize) -> [usize; 2] {
@@ -74,6 +70,7 @@ fn others(axis: usize) -> [usize; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use femdem_mesh::Pose;
     use femdem_mesh::catalogue::CatalogueShape;
 
     /// Lines through vertices, edges and face diagonals of a cube cross it twice or not at all, and a
@@ -112,6 +109,41 @@ mod tests {
                 }
             }
             assert_eq!(inside, 16);
+        }
+    }
+
+    /// Lines through corners that round-off has moved: signs that are not exact would disagree there.
+    #[test]
+    fn crossings_are_even_near_corners_of_turned_bodies() {
+        let shape = "A11"
+            .parse::<CatalogueShape>()
+            .unwrap()
+            .polyhedron(2.0)
+            .unwrap();
+        for turn in 0..40 {
+            let axis = Vector3::new(0.3, 0.1 * f64::from(turn), 0.7);
+            let pose = Pose::new(Vector3::new(3.1, -2.7, 0.4), axis);
+            let corners: Vec<Point3> = shape.vertices().iter().map(|v| pose * v).collect();
+            let triangles = shape.triangles();
+            let mut met = 0;
+            for (corner, step) in corners.iter().flat_map(|c| (0..25).map(move |k| (c, k))) {
+                // A few units in the last place to either side.
+                let at = corner.map(|x| x * (1.0 + f64::EPSILON * f64::from(step % 5 - 2)));
+                let at = Point3::new(
+                    at.x,
+                    at.y,
+                    corner.z * (1.0 + f64::EPSILON * f64::from(step / 5 - 2)),
+                );
+                for axis in 0..3 {
+                    let hits = triangles
+                        .iter()
+                        .filter(|t| crossing(&t.map(|v| corners[v as usize]), axis, &at).is_some())
+                        .count();
+                    assert!(hits % 2 == 0, "{hits} at {at}");
+                    met += hits;
+                }
+            }
+            assert!(met > 0);
         }
     }
 }

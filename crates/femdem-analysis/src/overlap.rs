@@ -9,6 +9,7 @@ use crate::error::AnalysisError;
 use crate::neighbours::neighbour_pairs;
 use crate::ordered::ordered_map;
 use crate::pack::{Pack, PosedBody};
+use crate::prisms::{self, Shadows};
 use crate::region::{Region, Relation};
 
 /// The overlap of one pair of bodies.
@@ -27,8 +28,6 @@ pub struct PairOverlap {
 pub struct PairOverlaps {
     /// The pairs that share volume, sorted by `(first, second)`.
     pub pairs: Vec<PairOverlap>,
-    /// Pairs left out because both bodies are non-convex and their boxes meet.
-    pub skipped: usize,
 }
 
 impl PairOverlaps {
@@ -38,11 +37,12 @@ impl PairOverlaps {
     }
 }
 
-/// Shared volume of every pair of bodies, exact to round-off.
+/// Shared volume of every pair of bodies, exact to round-off for bodies of any form.
 ///
-/// A body is cut by the face planes of the other, so at least one of the two must be convex; other
-/// pairs are counted in [`PairOverlaps::skipped`]. A volume as small as round-off makes of faces that
-/// merely touch (about 1e-16 of the body) is reported as it comes.
+/// Where one body is convex and has few faces, the other is cut by its face planes; all other
+/// pairs are measured by signed prisms between their triangles, which needs neither to be convex and no mesh
+/// of their inside. A volume as small as round-off makes of faces that merely touch (about 1e-16 of
+/// the body) is reported as it comes.
 ///
 /// ```
 /// use femdem_analysis::{Pack, PosedBody, pair_overlaps};
@@ -58,27 +58,37 @@ impl PairOverlaps {
 pub fn pair_overlaps(pack: &Pack) -> PairOverlaps {
     let members: Vec<usize> = (0..pack.len()).collect();
     let candidates = neighbour_pairs(pack, &members);
-    let MeasuredPairs { sharing, skipped } = measure_pairs(pack, &candidates, None);
     // The pack's constructor has checked that indices fit.
     let pair = |((i, j), volume)| PairOverlap {
         first: i as u32,
         second: j as u32,
         volume,
     };
+    let sharing = measure_pairs(pack, &candidates, None);
     PairOverlaps {
         pairs: sharing.into_iter().map(pair).collect(),
-        skipped: skipped.len(),
     }
 }
 
-/// Volume (m³) that two bodies share; `None` when both are non-convex.
+/// Volume (m³) that two bodies of any form share, exact to round-off.
+///
+/// ```
+/// use femdem_analysis::intersection_volume;
+/// use femdem_mesh::{Pose, shapes::{Dolos, Shape}};
+///
+/// let dolos = Shape::from(Dolos::default()).polyhedron(1.0)?;
+/// let (here, beside) = (Pose::identity(), Pose::translation(0.0, 0.0, 0.1));
+/// let shared = intersection_volume((&dolos, &here), (&dolos, &beside))?;
+/// assert!(shared > 0.0 && shared < dolos.mass_properties().volume);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`AnalysisError::Pose`] for a pose that is not finite or not a rotation.
 pub fn intersection_volume(
     first: (&Polyhedron, &Pose),
     second: (&Polyhedron, &Pose),
-) -> Result<Option<f64>, AnalysisError> {
+) -> Result<f64, AnalysisError> {
     let shapes = [first.0.clone(), second.0.clone()];
     let bodies = [
         PosedBody {
@@ -97,29 +107,17 @@ pub fn intersection_volume(
 /// Two bodies, by index.
 pub(crate) type Pair = (usize, usize);
 
-/// What [`measure_pairs`] finds.
-pub(crate) struct MeasuredPairs {
-    /// Pairs with a shared volume above zero, and that volume.
-    pub(crate) sharing: Vec<(Pair, f64)>,
-    /// Pairs that cannot be cut.
-    pub(crate) skipped: Vec<Pair>,
-}
-
-/// Shared volumes of `pairs` inside `region`.
-pub(crate) fn measure_pairs(pack: &Pack, pairs: &[Pair], region: Option<&Region>) -> MeasuredPairs {
+/// Those of `pairs` that share volume inside `region`, and how much.
+pub(crate) fn measure_pairs(
+    pack: &Pack,
+    pairs: &[Pair],
+    region: Option<&Region>,
+) -> Vec<(Pair, f64)> {
     let volumes = ordered_map(pairs.len(), Scratch::default, |scratch, k| {
         shared_volume(scratch, pack, pairs[k], region)
     });
-    let mut sharing = Vec::new();
-    let mut skipped = Vec::new();
-    for (&pair, volume) in pairs.iter().zip(volumes) {
-        match volume {
-            Some(volume) if volume > 0.0 => sharing.push((pair, volume)),
-            Some(_) => {}
-            None => skipped.push(pair),
-        }
-    }
-    MeasuredPairs { sharing, skipped }
+    let measured = pairs.iter().copied().zip(volumes);
+    measured.filter(|(_, volume)| *volume > 0.0).collect()
 }
 
 #[derive(Clone, Debug, Default)]
@@ -127,34 +125,42 @@ struct Scratch {
     clipper: Clipper,
     /// Planes that can cut: signed distance to the other body's centroid, and index.
     planes: Vec<(f64, usize)>,
+    shadows: [Shadows; 2],
 }
 
-/// Volume of `i ∩ j ∩ region`; `None` when both bodies are non-convex and their boxes meet there.
-fn shared_volume(
+/// Volume of `i ∩ j ∩ region`.
+fn shared_volume(scratch: &mut Scratch, pack: &Pack, (i, j): Pair, region: Option<&Region>) -> f64 {
+    if !pack.bounds(i).meets(pack.bounds(j)) {
+        return 0.0;
+    }
+    let common = pack.bounds(i).clamped_to(pack.bounds(j));
+    // The region where it cuts, none where it holds all of what is shared.
+    let region = match region.map(|r| (r, r.relation(&common))) {
+        Some((_, Relation::Outside)) => return 0.0,
+        Some((region, Relation::Crosses)) => Some(region),
+        Some((_, Relation::Inside)) | None => None,
+    };
+    if pack.by_planes(j) {
+        shared_by_planes(scratch, pack, i, j, region)
+    } else if pack.by_planes(i) {
+        shared_by_planes(scratch, pack, j, i, region)
+    } else {
+        shared_by_prisms(scratch, pack, (i, j), region)
+    }
+}
+
+/// `body` is cut by the half-spaces that make up `knife`.
+fn shared_by_planes(
     scratch: &mut Scratch,
     pack: &Pack,
-    (i, j): Pair,
+    body: usize,
+    knife: usize,
     region: Option<&Region>,
-) -> Option<f64> {
-    if !pack.bounds(i).meets(pack.bounds(j)) {
-        return Some(0.0);
-    }
-    let common = Bounds {
-        min: pack.bounds(i).min.sup(&pack.bounds(j).min),
-        max: pack.bounds(i).max.inf(&pack.bounds(j).max),
-    };
-    let relation = region.map_or(Relation::Inside, |r| r.relation(&common));
-    if relation == Relation::Outside {
-        return Some(0.0);
-    }
-    // `knife` gives the half-spaces, `body` is cut by them.
-    let (body, knife) = match (pack.shape(i).is_convex(), pack.shape(j).is_convex()) {
-        (_, true) => (i, j),
-        (true, false) => (j, i),
-        (false, false) => return None,
-    };
+) -> f64 {
     let to_knife = pack.pose(knife).inverse();
-    let Scratch { clipper, planes } = scratch;
+    let Scratch {
+        clipper, planes, ..
+    } = scratch;
     let centroid = to_knife * pack.centroid(body);
     let radius = pack.shape(body).bounding_radius();
     planes.clear();
@@ -171,19 +177,100 @@ fn shared_volume(
     // The plane that most nearly separates the two goes first: most pairs end there.
     planes.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     if planes.first().is_some_and(|(s, _)| *s >= radius) {
-        return Some(0.0);
+        return 0.0;
     }
     clipper.load(pack.shape(body), &(to_knife * pack.pose(body)));
     for &(_, k) in planes.iter() {
         let (normal, offset) = &pack.planes(knife)[k];
         clipper.clip(normal, *offset);
         if clipper.is_empty() {
-            return Some(0.0);
+            return 0.0;
         }
     }
-    if let (Relation::Crosses, Some(region)) = (relation, region) {
+    if let Some(region) = region {
         clipper.transform(pack.pose(knife));
         clipper.clip_to(region);
     }
-    Some(clipper.volume())
+    clipper.volume()
+}
+
+/// By signed prisms, for bodies that do not go by planes.
+fn shared_by_prisms(
+    scratch: &mut Scratch,
+    pack: &Pack,
+    (i, j): Pair,
+    region: Option<&Region>,
+) -> f64 {
+    let Scratch {
+        clipper, shadows, ..
+    } = scratch;
+    let mut reach = [*pack.bounds(i), *pack.bounds(j)];
+    if let Some(region) = region {
+        clipper.load(pack.shape(i), pack.pose(i));
+        clipper.clip_to(region);
+        if clipper.is_empty() {
+            return 0.0;
+        }
+        reach[0] = clipper.bounds();
+    }
+    let common = reach[0].clamped_to(&reach[1]);
+    let view = View::choose(&reach, &common);
+    let origin = common.middle_and_half().0;
+    for ((shadows, body), place) in shadows.iter_mut().zip([i, j]).zip(0..) {
+        let window = view.window(&common, place == view.lower);
+        shadows.clear();
+        if place == 0 && region.is_some() {
+            clipper.triangles_in(&window, |t| shadows.push(&t, view.axis, &origin));
+        } else {
+            pack.triangles_in(body, &window, |t| shadows.push(&t, view.axis, &origin));
+        }
+    }
+    let [first, second] = shadows;
+    if view.lower == 0 {
+        prisms::shared_volume(first, second)
+    } else {
+        prisms::shared_volume(second, first)
+    }
+}
+
+/// From where the prisms between two bodies are seen.
+#[derive(Clone, Copy, Debug)]
+struct View {
+    axis: usize,
+    /// Which of the two bodies gives the lower ends of the prisms.
+    lower: usize,
+}
+
+impl View {
+    /// The view in which the windows hold least, so that few triangles are in them.
+    fn choose(reach: &[Bounds; 2], common: &Bounds) -> Self {
+        let size = common.max - common.min;
+        let content = |view: &Self| {
+            let Self { axis, lower } = *view;
+            let below = common.max[axis] - reach[lower].min[axis];
+            let above = reach[1 - lower].max[axis] - common.min[axis];
+            (size[(axis + 1) % 3] * size[(axis + 2) % 3]).powi(2) * below * above
+        };
+        let mut best = Self { axis: 0, lower: 0 };
+        for axis in 0..3 {
+            for lower in 0..2 {
+                let view = Self { axis, lower };
+                if content(&view) < content(&best) {
+                    best = view;
+                }
+            }
+        }
+        best
+    }
+
+    /// Where triangles of the lower or the upper body have a part in the shared volume.
+    fn window(&self, common: &Bounds, lower: bool) -> Bounds {
+        let mut window = *common;
+        if lower {
+            window.min[self.axis] = f64::NEG_INFINITY;
+        } else {
+            window.max[self.axis] = f64::INFINITY;
+        }
+        window
+    }
 }

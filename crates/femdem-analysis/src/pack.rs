@@ -1,5 +1,6 @@
 //! The input: shapes and posed bodies, checked once.
 
+use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -21,10 +22,18 @@ pub struct PosedBody {
 struct ShapeData {
     /// Outward unit normal and offset of each face's plane, body frame.
     planes: Vec<(Vector3, f64)>,
-    /// Triangles of the surface; filled for non-convex shapes only.
+    /// Whether the shape goes by its planes: it is convex and they are few.
+    by_planes: bool,
+    /// Triangles of the surface, and a tree over them; filled for shapes that go by them only.
     triangles: Vec<[u32; 3]>,
+    tree: Bvh,
+    /// Largest coordinate of a vertex.
+    farthest: f64,
     diameter: f64,
 }
+
+/// Most faces for which cutting by all planes is faster than looking up triangles in a tree.
+const MOST_PLANES: usize = 64;
 
 /// A checked pack: shapes, the bodies that use them, and a box around each body.
 ///
@@ -173,26 +182,68 @@ impl<'a> Pack<'a> {
         })
     }
 
-    /// Surface triangles in the world frame; none for convex shapes, which go by their planes.
-    pub(crate) fn world_triangles(&self, body: usize) -> impl Iterator<Item = [Point3; 3]> {
-        let pose = self.pose(body);
-        let vertices = self.shape(body).vertices();
-        let triangles = self.data(body).triangles.iter();
-        triangles.map(move |t| t.map(|v| pose * vertices[v as usize]))
+    /// Whether a body is convex with few enough faces to be handled by its planes; all others go by
+    /// their triangles.
+    pub(crate) fn by_planes(&self, body: usize) -> bool {
+        self.data(body).by_planes
+    }
+
+    /// Calls `hit` with the surface triangles of a body (world frame) that meet `window`, in an order
+    /// that depends on the shape alone. For bodies that do not go by planes.
+    pub(crate) fn triangles_in(
+        &self,
+        body: usize,
+        window: &Bounds,
+        mut hit: impl FnMut([Point3; 3]),
+    ) {
+        let (pose, shape, data) = (self.pose(body), self.shape(body), self.data(body));
+        let (middle, half) = window.clamped_to(self.bounds(body)).middle_and_half();
+        // More than the round-off of coordinates in the world.
+        let slack = 64.0 * f64::EPSILON * (pose.translation.vector.amax() + data.farthest);
+        let half = half.add_scalar(slack);
+        let turn = pose.rotation.to_rotation_matrix();
+        let spread = turn.matrix().abs();
+        // Whether the box in the world around a box of the tree meets the window.
+        let enter = |local: &Aabb| {
+            let reach = spread * (local.high - local.low) * 0.5 + half;
+            let apart = pose * local.center() - middle;
+            (0..3).all(|k| apart[k].abs() <= reach[k])
+        };
+        let vertices = shape.vertices();
+        data.tree.visit(enter, |i| {
+            let triangle = data.triangles[i as usize].map(|v| pose * vertices[v as usize]);
+            if Bounds::around(triangle).meets(window) {
+                hit(triangle);
+            }
+        });
     }
 }
 
 impl ShapeData {
     fn new(shape: &Polyhedron) -> Self {
+        let by_planes = shape.is_convex() && shape.face_count() <= MOST_PLANES;
+        let triangles = if by_planes {
+            Vec::new()
+        } else {
+            shape.triangles()
+        };
+        let corners = |t: &[u32; 3]| t.map(|v| shape.vertices()[v as usize]);
+        let boxes: Vec<Aabb> = triangles
+            .iter()
+            .map(|t| Aabb::of_points(corners(t)))
+            .collect();
         Self {
             planes: (0..shape.face_count())
                 .map(|i| (shape.face_normal(i), shape.face_offset(i)))
                 .collect(),
-            triangles: if shape.is_convex() {
-                Vec::new()
-            } else {
-                shape.triangles()
-            },
+            by_planes,
+            triangles,
+            tree: Bvh::new(&boxes),
+            farthest: shape
+                .vertices()
+                .iter()
+                .map(|v| v.coords.amax())
+                .fold(0.0, f64::max),
             diameter: 2.0 * shape.bounding_radius(),
         }
     }

@@ -94,7 +94,7 @@ fn row_heights(
     for &body in bodies {
         let bounds = pack.bounds(body);
         let columns = x_axis.within(bounds.min.x, bounds.max.x);
-        if pack.shape(body).is_convex() {
+        if pack.by_planes(body) {
             planes.clear();
             planes.extend(pack.world_planes(body));
             for i in columns {
@@ -107,15 +107,15 @@ fn row_heights(
                 }
             }
         } else {
-            for triangle in pack.world_triangles(body) {
+            pack.triangles_in(body, &Bounds::slab(1, y, y), |triangle| {
                 let reach = Bounds::around(triangle);
                 for i in x_axis.within(reach.min.x, reach.max.x) {
-                    if let Some(z) = crossing(&triangle, 2, &Point3::new(x_axis.centre(i), y, 0.0))
-                    {
+                    let at = Point3::new(x_axis.centre(i), y, 0.0);
+                    if let Some(z) = crossing(&triangle, 2, &at) {
                         heights[i] = heights[i].max(z);
                     }
                 }
-            }
+            });
         }
     }
     heights

@@ -275,7 +275,7 @@ fn same_bits_for_any_number_of_threads() {
             .unwrap()
     };
     let reference = pool(1).install(measure);
-    assert!(reference.2.pairs.len() > 100 && reference.2.skipped > 10);
+    assert!(reference.2.pairs.len() > 100);
     for threads in [2, 3] {
         assert_eq!(
             pool(threads).install(measure),

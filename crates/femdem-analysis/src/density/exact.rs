@@ -7,7 +7,7 @@ use crate::clip::Clipper;
 use crate::error::AnalysisError;
 use crate::neighbours::neighbour_pairs;
 use crate::ordered::ordered_map;
-use crate::overlap::{MeasuredPairs, Pair, measure_pairs};
+use crate::overlap::{Pair, measure_pairs};
 use crate::pack::{Pack, PosedBody};
 use crate::region::{Region, Relation};
 
@@ -23,8 +23,6 @@ pub struct ExactDensity {
     /// Sum of the volumes shared by pairs inside the region (m³). Where three bodies share a point it
     /// is subtracted once too often; in a pack this is of the third order in the penetration.
     pub overlap_volume: f64,
-    /// Pairs of non-convex bodies whose boxes meet in the region and whose overlap is not subtracted.
-    pub overlaps_skipped: usize,
     /// Bodies whose box reaches into the region.
     pub bodies: usize,
     /// Bound on the density's error from clipping by a polygon instead of a circle; 0 for a box
@@ -34,7 +32,7 @@ pub struct ExactDensity {
 
 /// Packing density of `region`: every body clipped by it (divergence theorem) minus pair overlaps.
 ///
-/// Accurate to about 1e-13 for a box. Parts of the region without bodies count as void, also where
+/// Accurate to about 1e-13 for a box, whatever the form of the bodies. Parts of the region without bodies count as void, also where
 /// it reaches beyond the pack; a region that no body reaches has density 0.
 ///
 /// ```
@@ -86,11 +84,10 @@ pub fn volume_inside(
 /// The bodies and pairs that count in a region, with their summed volumes.
 pub(crate) struct Measured {
     members: Vec<usize>,
-    /// Pairs that share volume, and those whose overlap cannot be had.
+    /// Pairs that share volume.
     pairs: Vec<Pair>,
     body_volume: f64,
     overlap_volume: f64,
-    skipped: usize,
 }
 
 impl Measured {
@@ -119,17 +116,12 @@ impl Measured {
         let volumes = ordered_map(members.len(), Clipper::default, |clipper, k| {
             body_volume(clipper, pack, members[k], region)
         });
-        let MeasuredPairs { sharing, skipped } = measure_pairs(pack, pairs, Some(region));
+        let sharing = measure_pairs(pack, pairs, Some(region));
         Self {
             members,
             body_volume: volumes.iter().sum(),
             overlap_volume: sharing.iter().map(|(_, volume)| volume).sum(),
-            skipped: skipped.len(),
-            pairs: sharing
-                .into_iter()
-                .map(|(pair, _)| pair)
-                .chain(skipped)
-                .collect(),
+            pairs: sharing.into_iter().map(|(pair, _)| pair).collect(),
         }
     }
 
@@ -140,7 +132,6 @@ impl Measured {
             region_volume,
             body_volume: self.body_volume,
             overlap_volume: self.overlap_volume,
-            overlaps_skipped: self.skipped,
             bodies: self.members.len(),
             clipping_error: region.clipping_error(),
         }

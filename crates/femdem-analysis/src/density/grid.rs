@@ -132,7 +132,7 @@ struct Layer {
     /// Row after row along x: whether the centre lies in a body.
     solid: Vec<bool>,
     planes: Vec<(Vector3, f64)>,
-    /// Where rows cross a non-convex surface: row and x.
+    /// Where rows cross a surface of triangles: row and x.
     crossings: Vec<(usize, f64)>,
 }
 
@@ -150,8 +150,8 @@ impl LayerCounter<'_> {
         layer.solid.clear();
         layer.solid.resize(x_axis.count * y_axis.count, false);
         for &body in bodies {
-            if self.pack.shape(body).is_convex() {
-                self.fill_convex(layer, body, z);
+            if self.pack.by_planes(body) {
+                self.fill_by_planes(layer, body, z);
             } else {
                 self.fill_by_crossings(layer, body, z);
             }
@@ -182,7 +182,7 @@ impl LayerCounter<'_> {
         solid[start + cells.start..start + cells.end].fill(true);
     }
 
-    fn fill_convex(&self, layer: &mut Layer, body: usize, z: f64) {
+    fn fill_by_planes(&self, layer: &mut Layer, body: usize, z: f64) {
         let bounds = self.pack.bounds(body);
         layer.planes.clear();
         layer.planes.extend(self.pack.world_planes(body));
@@ -196,17 +196,16 @@ impl LayerCounter<'_> {
 
     fn fill_by_crossings(&self, layer: &mut Layer, body: usize, z: f64) {
         layer.crossings.clear();
-        for triangle in self.pack.world_triangles(body) {
+        let slab = Bounds::slab(2, z, z);
+        self.pack.triangles_in(body, &slab, |triangle| {
             let bounds = Bounds::around(triangle);
-            if bounds.min.z <= z && z <= bounds.max.z {
-                for row in self.axes[1].within(bounds.min.y, bounds.max.y) {
-                    let at = Point3::new(0.0, self.axes[1].centre(row), z);
-                    layer
-                        .crossings
-                        .extend(crossing(&triangle, 0, &at).map(|x| (row, x)));
-                }
+            // A triangle left out would leave its row with an odd number of crossings.
+            for row in self.axes[1].near(bounds.min.y, bounds.max.y) {
+                let at = Point3::new(0.0, self.axes[1].centre(row), z);
+                let x = crossing(&triangle, 0, &at);
+                layer.crossings.extend(x.map(|x| (row, x)));
             }
-        }
+        });
         layer
             .crossings
             .sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
