@@ -63,6 +63,7 @@ impl Cell {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Cells {
     pub list: Vec<Cell>,
+    pub boxes: Vec<Aabb>,
     pub tree: Bvh,
 }
 
@@ -89,6 +90,7 @@ impl Cells {
         let boxes: Vec<Aabb> = list.iter().map(Cell::aabb).collect();
         Self {
             tree: Bvh::new(&boxes),
+            boxes,
             list,
         }
     }

@@ -210,10 +210,16 @@ impl Piece {
 
     /// Volume and first moment, summed about the first vertex.
     pub fn moments(&mut self) -> Moments {
+        self.moments_and_faces(|_, _| {})
+    }
+
+    /// As [`moments`](Self::moments) and [`for_faces`](Self::for_faces), in one go.
+    pub fn moments_and_faces(&mut self, mut face: impl FnMut(u8, &[Vector3])) -> Moments {
         let origin = self.at[0];
         let mut six = 0.0;
         let mut first = Vector3::zeros();
-        self.for_faces(|_, polygon| {
+        self.for_faces(|label, polygon| {
+            face(label, polygon);
             let Some((x, rest)) = polygon.split_first() else {
                 return;
             };

@@ -71,15 +71,12 @@ pub(crate) fn integrate(
     law: &Law,
     piece: &mut Piece,
 ) -> Option<(Faces, Sums)> {
-    let whole = piece.moments();
+    let mut sums = Sums::default();
+    let (faces, whole) = add_skins(a, b, law, piece, &mut sums);
     if whole.volume.is_nan() || whole.volume <= 0.0 {
         return None;
     }
-    let mut sums = Sums {
-        volume: whole.volume,
-        ..Sums::default()
-    };
-    let faces = add_skins(a, b, law, piece, &mut sums);
+    sums.volume = whole.volume;
     match law.form {
         Form::Min => add_series(a, b, &whole, piece, &mut sums),
         Form::Sum | Form::Shaped => {
@@ -93,12 +90,18 @@ pub(crate) fn integrate(
     Some((faces, sums))
 }
 
-/// Adds the polygons of the piece that lie on a skin.
+/// Adds the polygons of the piece that lie on a skin; returns its faces and moments.
 ///
 /// Where a face of A's tetrahedron coincides with one of B's, the piece's face has the label of
 /// one of them by chance, and a flat piece behind it may have the other. Flat pieces are left out,
 /// and the polygons of the others count for both faces.
-fn add_skins(a: &Posed, b: &Posed, law: &Law, piece: &mut Piece, sums: &mut Sums) -> Faces {
+fn add_skins(
+    a: &Posed,
+    b: &Posed,
+    law: &Law,
+    piece: &mut Piece,
+    sums: &mut Sums,
+) -> (Faces, Moments) {
     let skins = a.skin | b.skin << 4;
     let least = FLAT * a.size().max(b.size());
     let plane = |label: u8| {
@@ -121,7 +124,7 @@ fn add_skins(a: &Posed, b: &Posed, law: &Law, piece: &mut Piece, sums: &mut Sums
         thick |= u8::from(deep) << label;
     }
     let mut faces = Faces::default();
-    piece.for_faces(|label, polygon| {
+    let whole = piece.moments_and_faces(|label, polygon| {
         faces.bits |= 1 << label;
         let twin = twins[usize::from(label)].filter(|&twin| {
             let (tet, k) = plane(twin);
@@ -140,7 +143,7 @@ fn add_skins(a: &Posed, b: &Posed, law: &Law, piece: &mut Piece, sums: &mut Sums
             add_skin(a, b, law, l, polygon, if both { 0.0 } else { 1.0 }, sums);
         }
     });
-    faces
+    (faces, whole)
 }
 
 /// Integral of a tetrahedron's field over a part with the given moments.

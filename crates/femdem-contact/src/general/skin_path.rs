@@ -91,11 +91,18 @@ impl SkinPath {
 /// The skin of one body, posed by `rotation` and `offset` in the field body's axes.
 fn side(field: &FieldMesh, skin: &FieldMesh, rotation: &Matrix3, offset: &Vector3) -> SideSums {
     let mut sums = SideSums::default();
+    let bounds = field.cells.tree.bounds();
     for (corners, _) in &skin.skin {
         let triangle = corners.map(|x| rotation * x + offset);
         let around = Aabb::of_points(triangle.map(Point3::from));
+        if !bounds.overlaps(&around) {
+            continue;
+        }
         let doubled = (triangle[1] - triangle[0]).cross(&(triangle[2] - triangle[0]));
         field.cells.tree.query(&around, |i| {
+            if !field.cells.boxes[i as usize].overlaps(&around) {
+                return;
+            }
             sums.candidates += 1;
             let cell = &field.cells.list[i as usize];
             if let Some(cut) = cut(cell, &triangle) {
