@@ -1,7 +1,11 @@
 //! Containers: a floor, a cone perhaps, and upright walls, open at the top.
 
+mod mesh;
+
+pub use mesh::MeshContainer;
+
 use crate::error::{PackError, check, check_positive};
-use femdem_contact::{Wall, WallPlane};
+use femdem_contact::{Wall, WallPlane, WallShape};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
@@ -36,6 +40,8 @@ pub enum Container {
         /// Angle between the cone's wall and the vertical, degrees.
         half_angle: f64,
     },
+    /// A solid of any form with a hollow.
+    Mesh(Box<MeshContainer>),
 }
 
 impl Container {
@@ -58,6 +64,9 @@ impl Container {
             Ok(())
         };
         match *self {
+            Self::Mesh(ref mesh) => {
+                check_side("container opening", "opening", 2.0 * mesh.opening())
+            }
             Self::Box { width, depth } => {
                 check_side("container width", "width", width)?;
                 check_side("container depth", "depth", depth)
@@ -86,13 +95,17 @@ impl Container {
     }
 
     /// The walls, in the order in which a pack adds them: "floor", then "x-", "x+", "y-", "y+"
-    /// or "mantle", and "cone".
+    /// or "mantle", and "cone", or a solid of its own name.
     ///
     /// # Errors
     /// [`PackError::Contact`] if a dimension cannot bound a wall.
-    pub fn walls(&self) -> Result<Vec<Wall>, PackError> {
+    pub fn walls(&self) -> Result<Vec<WallShape>, PackError> {
         let mut walls = vec![Wall::half_space("floor", Vector3::z(), 0.0)?];
         match *self {
+            Self::Mesh(ref mesh) => {
+                let floor = walls.into_iter().map(WallShape::from);
+                return Ok(floor.chain([mesh.wall()?.into()]).collect());
+            }
             Self::Box { width, depth } => {
                 for (name, normal, size) in [
                     ("x-", Vector3::x(), width),
@@ -115,13 +128,14 @@ impl Container {
                 walls.push(cone(outlet / 2.0, half_angle.to_radians())?);
             }
         }
-        Ok(walls)
+        Ok(walls.into_iter().map(WallShape::from).collect())
     }
 
     /// Height from which on the container is as wide as its upright walls, m: 0 but for a silo, where
-    /// it is the upper end of the cone.
+    /// it is the upper end of the cone, and for a solid of any form, where it is the rim.
     pub fn base(&self) -> f64 {
         match *self {
+            Self::Mesh(ref mesh) => mesh.height(),
             Self::Box { .. } | Self::Cylinder { .. } => 0.0,
             Self::Silo {
                 diameter,
@@ -131,7 +145,8 @@ impl Container {
         }
     }
 
-    /// Height to which a volume (m^3) fills the container, m.
+    /// Height to which a volume (m^3) fills the container, m; for a solid of any form as if it were as
+    /// wide as its opening all the way down.
     pub fn level(&self, volume: f64) -> f64 {
         let Self::Silo {
             diameter,
@@ -154,9 +169,10 @@ impl Container {
         }
     }
 
-    /// Area between the upright walls, m^2.
+    /// Area between the upright walls, or of the opening, m^2.
     pub fn floor_area(&self) -> f64 {
         match *self {
+            Self::Mesh(ref mesh) => PI * mesh.opening() * mesh.opening(),
             Self::Box { width, depth } => width * depth,
             Self::Cylinder { diameter } | Self::Silo { diameter, .. } => {
                 PI * diameter * diameter / 4.0
@@ -164,9 +180,10 @@ impl Container {
         }
     }
 
-    /// Length of the upright walls in plan, m.
+    /// Length of the upright walls in plan, or around the opening, m.
     pub fn perimeter(&self) -> f64 {
         match *self {
+            Self::Mesh(ref mesh) => TAU * mesh.opening(),
             Self::Box { width, depth } => 2.0 * (width + depth),
             Self::Cylinder { diameter } | Self::Silo { diameter, .. } => PI * diameter,
         }
@@ -177,12 +194,14 @@ impl Container {
         match *self {
             Self::Box { width, depth } => [width / 2.0, depth / 2.0],
             Self::Cylinder { diameter } | Self::Silo { diameter, .. } => [diameter / 2.0; 2],
+            Self::Mesh(ref mesh) => [mesh.opening(); 2],
         }
     }
 
     /// Whether a point lies inside the container, m.
     pub fn holds(&self, p: &Vector3) -> bool {
         let below = match *self {
+            Self::Mesh(ref mesh) => return mesh.holds(p),
             Self::Silo {
                 outlet, half_angle, ..
             } => {
@@ -194,7 +213,7 @@ impl Container {
         p.z >= 0.0 && below && self.contains(p.x, p.y, 0.0)
     }
 
-    /// Whether the point (x, y) lies inside the upright walls by at least `margin` (m).
+    /// Whether the point (x, y) lies inside the upright walls, or the opening, by at least `margin` (m).
     pub fn contains(&self, x: f64, y: f64, margin: f64) -> bool {
         match *self {
             Self::Box { width, depth } => {
@@ -203,6 +222,7 @@ impl Container {
             Self::Cylinder { diameter } | Self::Silo { diameter, .. } => {
                 x.hypot(y) <= diameter / 2.0 - margin
             }
+            Self::Mesh(ref mesh) => x.hypot(y) <= mesh.opening() - margin,
         }
     }
 
@@ -211,7 +231,7 @@ impl Container {
         let [a, b] = self.half_extent().map(|h| (h - margin).max(0.0));
         match self {
             Self::Box { .. } => 4.0 * a * b,
-            Self::Cylinder { .. } | Self::Silo { .. } => PI * a * a,
+            _ => PI * a * a,
         }
     }
 
@@ -221,7 +241,7 @@ impl Container {
         let [a, b] = self.half_extent().map(|h| (h - margin).max(0.0));
         match self {
             Self::Box { .. } => [a * (2.0 * u - 1.0), b * (2.0 * v - 1.0)],
-            Self::Cylinder { .. } | Self::Silo { .. } => {
+            _ => {
                 let (sin, cos) = (TAU * v).sin_cos();
                 let r = a * u.sqrt();
                 [r * cos, r * sin]

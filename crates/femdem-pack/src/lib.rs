@@ -62,7 +62,7 @@ mod random;
 mod report;
 mod spec;
 
-pub use container::Container;
+pub use container::{Container, MeshContainer};
 pub use error::PackError;
 pub use packing::{Packing, Progress, Stage};
 pub use penalty::{PackLoad, Penalty, automatic_penalty};

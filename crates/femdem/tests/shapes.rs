@@ -244,3 +244,63 @@ fn the_gallery_is_a_picture() {
     assert_eq!(code(&result), 0, "{result:?}");
     assert_eq!(fs::read(&path).unwrap()[..4], *b"\x89PNG");
 }
+
+/// A square funnel of plates 10 mm thick, 0.4 m wide above and 0.1 m below, 0.3 m high.
+fn funnel() -> String {
+    let mut text = String::new();
+    for (z, inner, outer) in [(0.0, 0.05, 0.06), (0.3, 0.2, 0.21)] {
+        for half in [inner, outer] {
+            for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                text += &format!("v {} {} {z}\n", half * x, half * y);
+            }
+        }
+    }
+    // Corners: 1-4 inner and 5-8 outer below, 9-12 inner and 13-16 outer above.
+    for k in 0..4 {
+        let n = (k + 1) % 4;
+        let [a, b] = [k + 1, n + 1];
+        text += &format!("f {a} {} {} {b}\n", a + 8, b + 8);
+        text += &format!("f {} {} {} {}\n", a + 4, b + 4, b + 12, a + 12);
+        text += &format!("f {a} {b} {} {}\n", b + 4, a + 4);
+        text += &format!("f {} {} {} {}\n", a + 8, a + 12, b + 12, b + 8);
+    }
+    text
+}
+
+#[test]
+fn a_container_comes_from_a_file() {
+    let folder = tempdir().unwrap();
+    let (walls, out) = (folder.path().join("funnel.obj"), folder.path().join("out"));
+    fs::write(&walls, funnel()).unwrap();
+    let result = run(femdem("pack")
+        .args([
+            "--shape",
+            "P3",
+            "--count",
+            "12",
+            "--protocol",
+            "pour",
+            "--walls",
+        ])
+        .arg(&walls)
+        .args(QUICK)
+        .arg("--out")
+        .arg(&out));
+    assert_eq!(code(&result), 0, "{result:?}");
+    let summary = summary(&out);
+    let container = &summary["container"];
+    assert_eq!(
+        (&summary["settled"], &container["kind"]),
+        (&true.into(), &"solid".into())
+    );
+    let opening = container["diameter"].as_f64().unwrap();
+    assert!((opening - 0.4).abs() < 1e-3, "{opening}");
+    assert_eq!(container["above_rim"], 0);
+    let rows = table(&out.join("contacts.csv"));
+    assert!(rows.iter().any(|row| row[1] == "funnel"));
+    for row in table(&out.join("bodies.csv")) {
+        let [x, y, z] = [2, 3, 4].map(|k| row[k].parse::<f64>().unwrap());
+        let wall = 0.05 + 0.5 * z;
+        assert!(x.abs() < wall && y.abs() < wall && z > 0.0, "{x} {y} {z}");
+    }
+}

@@ -155,6 +155,11 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "DEGREES", conflicts_with = "box")]
     cone: Option<f64>,
 
+    /// Surface file of the solid that makes the walls, such as a hopper: z up, open at the top; bodies
+    /// come in from above, and a floor at its lowest point closes it
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["box", "cylinder", "outlet", "cone"])]
+    walls: Option<PathBuf>,
+
     /// How bodies come into the container [default: sequential]
     #[arg(long, value_enum)]
     protocol: Option<ProtocolKind>,
@@ -303,6 +308,10 @@ impl PackArgs {
         }
         if self.outlet.is_some() || self.cone.is_some() {
             scene.container = ContainerKind::Silo;
+        }
+        if self.walls.is_some() {
+            scene.container = ContainerKind::Walls;
+            scene.walls.clone_from(&self.walls);
         }
         set(&mut scene.container, &self.container);
         set(&mut scene.outlet, &self.outlet);

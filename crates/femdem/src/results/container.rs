@@ -1,11 +1,14 @@
 //! A job's container, as analysis and pictures see it.
 
 use femdem_analysis::Region;
-use femdem_mesh::Point3;
+use femdem_mesh::{Point3, Polyhedron, Vector3};
 use femdem_pack::{Container, Packing};
 
 use crate::Drawing;
 use crate::picture::{circle, sides};
+
+/// Cosine of the smallest angle between faces of a solid whose edge is drawn.
+const SHARP: f64 = 0.9;
 
 /// Lines down the cone of a silo.
 const RIBS: usize = 8;
@@ -17,12 +20,13 @@ pub(super) fn top(packing: &Packing) -> f64 {
 }
 
 /// The part of the container between upright walls, up to the rim, or to one diameter above the
-/// highest body.
-pub(super) fn inside(packing: &Packing) -> Region {
+/// highest body; none for a solid of any form.
+pub(super) fn inside(packing: &Packing) -> Option<Region> {
     let spec = packing.spec();
     let z_min = spec.container.base();
     let filled = (top(packing) + spec.diameter()).max(z_min + spec.diameter());
-    match spec.container {
+    Some(match spec.container {
+        Container::Mesh(_) => return None,
         Container::Box { width, depth } => Region::Box {
             min: Point3::new(-width / 2.0, -depth / 2.0, 0.0),
             max: Point3::new(width / 2.0, depth / 2.0, filled),
@@ -33,7 +37,7 @@ pub(super) fn inside(packing: &Packing) -> Region {
             z_min,
             z_max: filled,
         },
-    }
+    })
 }
 
 /// What a picture shows of a container that is more than upright walls or has a rim.
@@ -41,6 +45,7 @@ pub(super) fn drawing(packing: &Packing) -> Option<Drawing> {
     let spec = packing.spec();
     let above = top(packing) + 0.6 * spec.diameter();
     match spec.container {
+        Container::Mesh(ref mesh) => Some(of_solid(mesh.surface())),
         Container::Silo {
             diameter, outlet, ..
         } => {
@@ -60,7 +65,39 @@ pub(super) fn drawing(packing: &Packing) -> Option<Drawing> {
         }
         Container::Box { .. } | Container::Cylinder { .. } => {
             let rim = spec.rim?;
-            Some(crate::picture::outline(&inside(packing), rim))
+            Some(crate::picture::outline(&inside(packing)?, rim))
         }
+    }
+}
+
+/// The sharp edges of a solid, on a floor as wide as itself.
+fn of_solid(solid: &Polyhedron) -> Drawing {
+    let mut sides: Vec<([u32; 2], Vector3)> = Vec::new();
+    for (k, face) in solid.faces().enumerate() {
+        let next = face.iter().cycle().skip(1);
+        let normal = solid.face_normal(k);
+        sides.extend(
+            face.iter()
+                .zip(next)
+                .map(|(a, b)| ([*a.min(b), *a.max(b)], normal)),
+        );
+    }
+    // A stable order: the two faces of an edge come one after the other.
+    sides.sort_by_key(|(edge, _)| *edge);
+    let is_sharp = |pair: &&[([u32; 2], Vector3)]| pair[0].1.dot(&pair[1].1) < SHARP;
+    let line = |pair: &[([u32; 2], Vector3)]| pair[0].0.map(|i| solid.vertices()[i as usize]);
+    let lines = sides.chunks_exact(2).filter(is_sharp).map(line).collect();
+    let reach = |k: usize| {
+        solid
+            .vertices()
+            .iter()
+            .map(|p| p[k].abs())
+            .fold(0.0, f64::max)
+    };
+    let (x, y) = (reach(0), reach(1));
+    let corners = [[-x, -y], [x, -y], [x, y], [-x, y]];
+    Drawing {
+        floor: corners.map(|[x, y]| Point3::new(x, y, 0.0)).to_vec(),
+        lines,
     }
 }

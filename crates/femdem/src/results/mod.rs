@@ -47,7 +47,7 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
             .map(|contact| row(world, contact))
             .collect(),
         drawing: container::drawing(packing),
-        container: Some(container::inside(packing)),
+        container: container::inside(packing),
     }
 }
 

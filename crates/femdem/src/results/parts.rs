@@ -27,13 +27,13 @@ pub struct ShapeSummary {
 /// What holds a pack \[m\]; what its kind does not have is `null`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContainerSummary {
-    /// "box", "cylinder" or "silo".
+    /// "box", "cylinder", "silo" or "solid".
     pub kind: String,
     /// Inner dimension along x, of a box.
     pub width: Option<f64>,
     /// Inner dimension along y, of a box.
     pub depth: Option<f64>,
-    /// Inner diameter, of a cylinder or silo.
+    /// Inner diameter, of a cylinder or silo; of the opening, of a solid.
     pub diameter: Option<f64>,
     /// Diameter of the closed outlet, of a silo.
     pub outlet: Option<f64>,
@@ -88,6 +88,13 @@ impl ContainerSummary {
             above_rim: rim.map(|rim| highest().filter(|(_, high)| high.z > rim).count()),
         };
         match packing.spec().container {
+            Container::Mesh(ref mesh) => {
+                "solid".clone_into(&mut summary.kind);
+                summary.diameter = Some(2.0 * mesh.opening());
+                summary.rim = Some(mesh.height());
+                let above = highest().filter(|(_, high)| high.z > mesh.height());
+                summary.above_rim = Some(above.count());
+            }
             Container::Box { width, depth } => {
                 "box".clone_into(&mut summary.kind);
                 (summary.width, summary.depth) = (Some(width), Some(depth));

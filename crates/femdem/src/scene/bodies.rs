@@ -112,16 +112,7 @@ fn form(text: &str, scene: &Scene) -> Result<Form, Error> {
             if is_shape || (path.extension().is_none() && !path.exists()) {
                 return Err(unknown.into());
             }
-            let options = if scene.repair {
-                Options::REPAIR
-            } else {
-                Options::default()
-            };
-            let (polyhedron, report) = io::read_file_with(path, &options)?;
-            let polyhedron = match scene.unit {
-                Unit::M => polyhedron,
-                unit => polyhedron.scaled(unit.metres())?,
-            };
+            let (polyhedron, report) = read(path, scene)?;
             Ok(Form::File {
                 path: path.to_path_buf(),
                 polyhedron: Box::new(polyhedron),
@@ -129,6 +120,21 @@ fn form(text: &str, scene: &Scene) -> Result<Form, Error> {
             })
         }
     }
+}
+
+/// Reads a surface file as the scene says, in m.
+pub(super) fn read(path: &Path, scene: &Scene) -> Result<(Polyhedron, Report), Error> {
+    let options = if scene.repair {
+        Options::REPAIR
+    } else {
+        Options::default()
+    };
+    let (polyhedron, report) = io::read_file_with(path, &options)?;
+    let polyhedron = match scene.unit {
+        Unit::M => polyhedron,
+        unit => polyhedron.scaled(unit.metres())?,
+    };
+    Ok((polyhedron, report))
 }
 
 /// The same shape with as many seeds, from its own on; none if it has no seed or one will do.
@@ -227,7 +233,7 @@ fn positive(name: &'static str, value: f64) -> Result<f64, Error> {
     })
 }
 
-fn file_stem(path: &Path) -> String {
+pub(super) fn file_stem(path: &Path) -> String {
     path.file_stem()
         .unwrap_or_default()
         .to_string_lossy()

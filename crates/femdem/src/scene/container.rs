@@ -2,15 +2,21 @@
 
 use std::f64::consts::FRAC_PI_4;
 
-use femdem_pack::{Container, PackSpec};
+use femdem_pack::{Container, MeshContainer, PackSpec};
 
+use super::bodies::{file_stem, read};
 use super::{ContainerKind, Footprint, Length, Scene};
+use crate::Error;
 
 /// Packing density that the automatic size of a container counts on.
 const EXPECTED_DENSITY: f64 = 0.6;
 
 /// The container for the bodies of `spec`.
-pub(super) fn container(scene: &Scene, spec: &PackSpec) -> Container {
+///
+/// # Errors
+/// [`Error::Option`] without a file for the walls, [`Error::Mesh`] or [`Error::Pack`] for one that
+/// cannot be used.
+pub(super) fn container(scene: &Scene, spec: &PackSpec) -> Result<Container, Error> {
     let diameter = spec.diameter();
     let pack = f64::from(spec.count) * spec.mean_volume() / diameter.powi(3) / EXPECTED_DENSITY;
     let round = || {
@@ -18,7 +24,16 @@ pub(super) fn container(scene: &Scene, spec: &PackSpec) -> Container {
         let width = scene.cylinder.unwrap_or(Length::Diameters(width));
         width.metres(diameter)
     };
-    match scene.container {
+    Ok(match scene.container {
+        ContainerKind::Walls => {
+            let path = scene.walls.as_ref().ok_or(Error::Option {
+                name: "container",
+                value: "walls".to_owned(),
+                allowed: "give the surface file of the walls with --walls",
+            })?;
+            let (surface, _) = read(path, scene)?;
+            Container::Mesh(Box::new(MeshContainer::new(file_stem(path), &surface)?))
+        }
         ContainerKind::Box => {
             let side = level_width(pack);
             let size = scene.r#box.unwrap_or(Footprint::diameters(side, side));
@@ -33,7 +48,7 @@ pub(super) fn container(scene: &Scene, spec: &PackSpec) -> Container {
             outlet: scene.outlet.metres(diameter),
             half_angle: scene.cone,
         },
-    }
+    })
 }
 
 /// Height of the container's rim \[m\], if it has one.

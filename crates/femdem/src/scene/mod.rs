@@ -62,6 +62,8 @@ pub enum ContainerKind {
     Cylinder,
     /// An upright cylinder above a cone with a closed outlet
     Silo,
+    /// A solid of any form with a hollow, from a surface file
+    Walls,
 }
 
 /// A packing job with the options of the program.
@@ -118,6 +120,8 @@ pub struct Scene {
     pub outlet: Length,
     /// Angle between the cone of a silo and the vertical \[degrees\].
     pub cone: f64,
+    /// Surface file of the solid that makes the walls.
+    pub walls: Option<PathBuf>,
     /// How bodies come into the container.
     pub protocol: ProtocolKind,
     /// Bodies in a batch (sequential) or layer (pour). `None`: by the floor's area.
@@ -162,6 +166,7 @@ impl Default for Scene {
             cylinder: None,
             outlet: Length::Diameters(3.0),
             cone: 30.0,
+            walls: None,
             protocol: ProtocolKind::Sequential,
             batch: None,
             rate: Pour::default().rate,
@@ -255,7 +260,7 @@ impl Scene {
             ..PackSpec::default()
         };
         let diameter = spec.diameter();
-        spec.container = container::container(self, &spec);
+        spec.container = container::container(self, &spec)?;
         spec.rim = container::rim(self, diameter);
         spec.protocol = self.protocol(diameter);
         spec.medium = Medium {
