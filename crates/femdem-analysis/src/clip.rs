@@ -3,7 +3,8 @@
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
 
 use crate::bounds::Bounds;
-use crate::region::{Polygon, Region};
+use crate::prisms::volume_in_cylinder;
+use crate::region::Region;
 
 /// A closed surface of polygons that planes cut down, with memory that is reused.
 ///
@@ -93,19 +94,16 @@ impl Clipper {
         Bounds::around(self.surface.vertices.iter().copied())
     }
 
-    /// Calls `hit` with the triangles of what is left that meet `window`. They are fans of the loops:
-    /// signed integrals over them are right, though some may be turned over.
-    pub(crate) fn triangles_in(&self, window: &Bounds, mut hit: impl FnMut([Point3; 3])) {
+    /// Calls `hit` with the triangles of what is left. They are fans of the loops: signed integrals
+    /// over them are right, though some may be turned over.
+    pub(crate) fn each_triangle(&self, mut hit: impl FnMut([Point3; 3])) {
         let place = |v: u32| self.surface.vertices[v as usize];
         for corners in self.surface.loops() {
             let Some((&first, rest)) = corners.split_first() else {
                 continue;
             };
             for pair in rest.windows(2) {
-                let triangle = [place(first), place(pair[0]), place(pair[1])];
-                if Bounds::around(triangle).meets(window) {
-                    hit(triangle);
-                }
+                hit([place(first), place(pair[0]), place(pair[1])]);
             }
         }
     }
@@ -242,8 +240,9 @@ impl Clipper {
         }
     }
 
-    /// Keeps the part inside `region`; a cylinder goes by the polygon of [`Region::clipping_error`].
-    pub(crate) fn clip_to(&mut self, region: &Region) {
+    /// Keeps the part inside the planes of `region`; a cylinder's round side is left to
+    /// [`volume_in`](Self::volume_in).
+    pub(crate) fn clip_to_planes(&mut self, region: &Region) {
         let (min, max) = region.corners();
         let axes: &[usize] = match region {
             Region::Box { .. } => &[0, 1, 2],
@@ -256,41 +255,23 @@ impl Clipper {
             normal[k] = -1.0;
             self.clip(&normal, -min[k]);
         }
-        if let Region::Cylinder { centre, radius, .. } = *region {
-            self.clip_to_polygon(centre, radius);
-        }
     }
 
-    fn clip_to_polygon(&mut self, centre: [f64; 2], radius: f64) {
-        let bounds = self.bounds();
-        if self.is_empty() {
-            return;
-        }
-        let middle = [0, 1].map(|k| 0.5 * (bounds.min[k] + bounds.max[k]) - centre[k]);
-        let reach = 0.5 * (bounds.max.x - bounds.min.x).hypot(bounds.max.y - bounds.min.y);
-        let polygon = Polygon::of(radius);
-        let distance = middle[0].hypot(middle[1]);
-        // Side k can cut only where distance * cos(angle to its normal) + reach > apothem.
-        let cosine = if distance > 0.0 {
-            (polygon.apothem - reach) / distance
-        } else {
-            -1.0
-        };
-        let half_width = cosine.clamp(-1.0, 1.0).acos() + polygon.step;
-        let heading = middle[1].atan2(middle[0]);
-        let first = ((heading - half_width) / polygon.step).floor();
-        let count = (2.0 * half_width / polygon.step)
-            .ceil()
-            .min(crate::region::CYLINDER_SIDES as f64) as usize;
-        for k in 0..=count {
-            let angle = (first + k as f64) * polygon.step;
-            let normal = Vector3::new(angle.cos(), angle.sin(), 0.0);
-            self.clip(
-                &normal,
-                polygon.apothem + normal.x * centre[0] + normal.y * centre[1],
-            );
-            if self.is_empty() {
-                return;
+    /// Volume of the part inside `region`, to whose planes the rest is clipped.
+    pub(crate) fn volume_in(&mut self, region: &Region) -> f64 {
+        self.clip_to_planes(region);
+        match *region {
+            Region::Box { .. } => self.volume(),
+            Region::Cylinder {
+                centre,
+                radius,
+                z_min,
+                ..
+            } => {
+                let origin = Point3::new(centre[0], centre[1], z_min);
+                let mut volume = 0.0;
+                self.each_triangle(|t| volume += volume_in_cylinder(&t, 2, &origin, radius));
+                volume
             }
         }
     }

@@ -45,9 +45,8 @@
 //!   of threads and without the feature.
 //!
 //! # Accuracy
-//! Clipped volumes are exact to round-off (about 1e-13 of a body) for boxes; cylinders are clipped as
-//! prisms of 4096 sides and equal area ([`Region::clipping_error`]). Bodies may have any form; overlaps of
-//! non-convex bodies are as exact as all others. Overlaps are subtracted pair by pair: volume shared by
+//! Clipped volumes are exact to round-off (about 1e-13 of a body), in boxes and in cylinders. Bodies may
+//! have any form; overlaps of non-convex bodies are as exact as all others. Overlaps are subtracted pair by pair: volume shared by
 //! three bodies is subtracted once too often. Errors of the grid are stated with its result.
 
 mod axis;
@@ -62,6 +61,7 @@ mod neighbours;
 mod ordered;
 mod overlap;
 mod pack;
+mod polygon;
 mod prisms;
 mod region;
 mod top;

@@ -1,6 +1,8 @@
 //! Volume that two bodies share.
 
-use femdem_mesh::{Polyhedron, Pose};
+use std::ops::Range;
+
+use femdem_mesh::{Point3, Polyhedron, Pose};
 use serde::{Deserialize, Serialize};
 
 use crate::bounds::Bounds;
@@ -189,7 +191,7 @@ fn shared_by_planes(
     }
     if let Some(region) = region {
         clipper.transform(pack.pose(knife));
-        clipper.clip_to(region);
+        return clipper.volume_in(region);
     }
     clipper.volume()
 }
@@ -207,29 +209,42 @@ fn shared_by_prisms(
     let mut reach = [*pack.bounds(i), *pack.bounds(j)];
     if let Some(region) = region {
         clipper.load(pack.shape(i), pack.pose(i));
-        clipper.clip_to(region);
+        clipper.clip_to_planes(region);
         if clipper.is_empty() {
             return 0.0;
         }
         reach[0] = clipper.bounds();
     }
     let common = reach[0].clamped_to(&reach[1]);
-    let view = View::choose(&reach, &common);
-    let origin = common.middle_and_half().0;
+    let mut origin = common.middle_and_half().0;
+    let (axes, radius) = match region {
+        // The round side is seen as a circle along z only.
+        Some(Region::Cylinder { centre, radius, .. }) => {
+            [origin.x, origin.y] = *centre;
+            (2..3, Some(*radius))
+        }
+        _ => (0..3, None),
+    };
+    let view = View::choose(axes, &reach, &common);
     for ((shadows, body), place) in shadows.iter_mut().zip([i, j]).zip(0..) {
         let window = view.window(&common, place == view.lower);
         shadows.clear();
+        let mut add = |t: [Point3; 3]| shadows.push(&t, view.axis, &origin);
         if place == 0 && region.is_some() {
-            clipper.triangles_in(&window, |t| shadows.push(&t, view.axis, &origin));
+            clipper.each_triangle(|t| {
+                if Bounds::around(t).meets(&window) {
+                    add(t);
+                }
+            });
         } else {
-            pack.triangles_in(body, &window, |t| shadows.push(&t, view.axis, &origin));
+            pack.triangles_in(body, &window, add);
         }
     }
     let [first, second] = shadows;
     if view.lower == 0 {
-        prisms::shared_volume(first, second)
+        prisms::shared_volume(first, second, radius)
     } else {
-        prisms::shared_volume(second, first)
+        prisms::shared_volume(second, first, radius)
     }
 }
 
@@ -242,8 +257,8 @@ struct View {
 }
 
 impl View {
-    /// The view in which the windows hold least, so that few triangles are in them.
-    fn choose(reach: &[Bounds; 2], common: &Bounds) -> Self {
+    /// The view along one of `axes` in which the windows hold least, so that few triangles are in them.
+    fn choose(axes: Range<usize>, reach: &[Bounds; 2], common: &Bounds) -> Self {
         let size = common.max - common.min;
         let content = |view: &Self| {
             let Self { axis, lower } = *view;
@@ -251,8 +266,11 @@ impl View {
             let above = reach[1 - lower].max[axis] - common.min[axis];
             (size[(axis + 1) % 3] * size[(axis + 2) % 3]).powi(2) * below * above
         };
-        let mut best = Self { axis: 0, lower: 0 };
-        for axis in 0..3 {
+        let mut best = Self {
+            axis: axes.start,
+            lower: 0,
+        };
+        for axis in axes {
             for lower in 0..2 {
                 let view = Self { axis, lower };
                 if content(&view) < content(&best) {

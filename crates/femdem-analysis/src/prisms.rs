@@ -15,8 +15,7 @@
 
 use femdem_mesh::{Point3, Vector3};
 
-/// Most corners of a triangle cut by three lines, and by one more.
-const CORNERS: usize = 7;
+use crate::polygon::Polygon;
 
 /// A triangle seen along an axis.
 #[derive(Clone, Copy, Debug)]
@@ -107,8 +106,9 @@ impl Shadows {
 }
 
 /// Volume shared by the body of which `lower` holds the triangles below the top of the other, and
-/// the body of which `upper` holds those above the bottom of the first. Same axis and origin.
-pub(crate) fn shared_volume(lower: &mut Shadows, upper: &mut Shadows) -> f64 {
+/// the body of which `upper` holds those above the bottom of the first. Same axis and origin. With a
+/// `radius` the part in the cylinder about the axis through the origin.
+pub(crate) fn shared_volume(lower: &mut Shadows, upper: &mut Shadows, radius: Option<f64>) -> f64 {
     upper.sort();
     lower.sort();
     let mut volume = 0.0;
@@ -122,7 +122,7 @@ pub(crate) fn shared_volume(lower: &mut Shadows, upper: &mut Shadows) -> f64 {
                 || i.high[1] <= j.low[1]
                 || j.reach[1] <= i.reach[0];
             if !apart {
-                volume -= i.sign * j.sign * between(i, j);
+                volume -= i.sign * j.sign * between(i, j, radius);
             }
         }
     }
@@ -130,82 +130,141 @@ pub(crate) fn shared_volume(lower: &mut Shadows, upper: &mut Shadows) -> f64 {
 }
 
 /// Volume over `lower` and under `upper`.
-fn between(lower: &Shadow, upper: &Shadow) -> f64 {
-    let mut common = Polygon::default();
-    for corner in lower.corners {
-        common.push([corner[0], corner[1], 0.0]);
-    }
+fn between(lower: &Shadow, upper: &Shadow, radius: Option<f64>) -> f64 {
+    let mut common = Polygon::triangle(&lower.corners);
     for k in 0..3 {
         let (a, b) = (upper.corners[k], upper.corners[(k + 1) % 3]);
-        let inside = |p: &[f64; 3]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
-        common = common.cut(inside);
+        common = common.cut(|p| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]));
     }
-    for point in common.points_mut() {
-        let at = [point[0], point[1]];
-        point[2] = upper.height(at) - lower.height(at);
-    }
+    let height = |p: [f64; 2]| upper.height(p) - lower.height(p);
     if lower.reach[1] > upper.reach[0] {
-        common = common.cut(|p| p[2]);
+        common = common.cut(|p| height(*p));
     }
-    common.volume()
+    match radius {
+        None => common.volume(height),
+        Some(radius) => common.volume_in_disc(radius, height),
+    }
 }
 
-/// A convex polygon in a plane with a value at each corner.
-#[derive(Clone, Copy, Debug, Default)]
-struct Polygon {
-    points: [[f64; 3]; CORNERS],
-    count: usize,
+/// What a triangle adds to the volume that its surface has in a cylinder of `radius` about the axis
+/// through `origin`: the signed prism between it and the plane of `origin`.
+pub(crate) fn volume_in_cylinder(
+    triangle: &[Point3; 3],
+    axis: usize,
+    origin: &Point3,
+    radius: f64,
+) -> f64 {
+    Shadow::new(triangle, axis, origin).map_or(0.0, |shadow| {
+        let part = Polygon::triangle(&shadow.corners);
+        shadow.sign * part.volume_in_disc(radius, |p| shadow.height(p))
+    })
 }
 
-impl Polygon {
-    fn push(&mut self, point: [f64; 3]) {
-        // Round-off can make a cut meet a polygon's border more than twice; no corner is worth more
-        // than round-off then.
-        if let Some(place) = self.points.get_mut(self.count) {
-            *place = point;
-            self.count += 1;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clip::Clipper;
+    use femdem_mesh::catalogue::CatalogueShape;
+    use femdem_mesh::{Polyhedron, Pose, Rotation};
+    use proptest::prelude::*;
+
+    fn solid(id: &str) -> Polyhedron {
+        id.parse::<CatalogueShape>()
+            .unwrap()
+            .polyhedron(2.0)
+            .unwrap()
+    }
+
+    /// Shared volume seen along every axis, either body below.
+    fn by_prisms(bodies: [(&Polyhedron, &Pose); 2]) -> Vec<f64> {
+        let mut found = Vec::new();
+        for axis in 0..3 {
+            let mut shadows = bodies.map(|(shape, pose)| {
+                let mut shadows = Shadows::default();
+                for t in shape.triangles() {
+                    let triangle = t.map(|v| pose * shape.vertices()[v as usize]);
+                    shadows.push(&triangle, axis, &Point3::new(0.3, -0.2, 0.1));
+                }
+                shadows
+            });
+            let [a, b] = &mut shadows;
+            found.extend([shared_volume(a, b, None), shared_volume(b, a, None)]);
+        }
+        found
+    }
+
+    fn by_planes([(body, at), (knife, there)]: [(&Polyhedron, &Pose); 2]) -> f64 {
+        let mut clipper = Clipper::default();
+        clipper.load(body, &(there.inverse() * at));
+        for i in 0..knife.face_count() {
+            clipper.clip(&knife.face_normal(i), knife.face_offset(i));
+        }
+        clipper.volume()
+    }
+
+    fn pose() -> impl Strategy<Value = Pose> {
+        let vector = |size: f64| prop::array::uniform3(-size..size).prop_map(Vector3::from);
+        (vector(0.8), vector(3.0)).prop_map(|(place, turn)| Pose::new(place, turn))
+    }
+
+    proptest! {
+        #[test]
+        fn prisms_agree_with_planes(a in pose(), b in pose()) {
+            for [first, second] in [["P1", "P5"], ["A10", "P4"], ["P2", "A12"]] {
+                let (first, second) = (solid(first), solid(second));
+                let bodies = [(&first, &a), (&second, &b)];
+                let expected = by_planes(bodies);
+                for found in by_prisms(bodies) {
+                    prop_assert!((found - expected).abs() < 1e-13, "{found} {expected}");
+                }
+            }
         }
     }
 
-    fn points(&self) -> &[[f64; 3]] {
-        &self.points[..self.count]
-    }
-
-    fn points_mut(&mut self) -> &mut [[f64; 3]] {
-        &mut self.points[..self.count]
-    }
-
-    /// The part where `inside` is not negative.
-    fn cut(&self, inside: impl Fn(&[f64; 3]) -> f64) -> Self {
-        let mut part = Self::default();
-        let Some(mut last) = self.points().last() else {
-            return part;
-        };
-        let mut before = inside(last);
-        for point in self.points() {
-            let now = inside(point);
-            if (before < 0.0) != (now < 0.0) {
-                let t = before / (before - now);
-                part.push([0, 1, 2].map(|k| last[k] + t * (point[k] - last[k])));
+    /// Faces along the axes, at the same heights, edges over edges: everything that can coincide does.
+    #[test]
+    fn bodies_in_step_with_the_axes() {
+        let shapes = [solid("P5"), solid("P4"), solid("A2")];
+        let steps = [0.0, 0.5, 1.0, 1.0 / 3_f64.sqrt()];
+        let quarter = Rotation::from_scaled_axis(Vector3::y() * std::f64::consts::FRAC_PI_2);
+        for (i, first) in shapes.iter().enumerate() {
+            for second in &shapes[i..] {
+                for (x, z) in steps.iter().flat_map(|x| steps.map(|z| (*x, z))) {
+                    let there = Pose::translation(x, 0.0, z)
+                        * Pose::from_parts(Default::default(), quarter);
+                    let bodies = [(first, &Pose::identity()), (second, &there)];
+                    let expected = by_planes(bodies);
+                    for found in by_prisms(bodies) {
+                        assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+                    }
+                }
             }
-            if now >= 0.0 {
-                part.push(*point);
-            }
-            (last, before) = (point, now);
         }
-        part
     }
 
-    /// Volume under the values.
-    fn volume(&self) -> f64 {
-        let Some((a, rest)) = self.points().split_first() else {
-            return 0.0;
-        };
-        let six_volumes = |pair: &[[f64; 3]]| {
-            let [b, c] = [pair[0], pair[1]];
-            let twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-            twice_area * (a[2] + b[2] + c[2])
-        };
-        rest.windows(2).map(six_volumes).sum::<f64>() / 6.0
+    /// The part of a clipped surface is a body as any other.
+    #[test]
+    fn a_clipped_surface_can_be_one_of_the_two() {
+        let (body, cube) = (solid("A10"), solid("P5"));
+        let mut clipper = Clipper::default();
+        clipper.load(&body, &Pose::identity());
+        clipper.clip(&Vector3::new(0.6, 0.0, 0.8), 0.2);
+        let mut rest = Shadows::default();
+        clipper.each_triangle(|t| rest.push(&t, 1, &Point3::origin()));
+        let there = Pose::translation(0.4, 0.3, 0.2);
+        let mut other = Shadows::default();
+        for t in cube.triangles() {
+            let triangle = t.map(|v| there * cube.vertices()[v as usize]);
+            other.push(&triangle, 1, &Point3::origin());
+        }
+        let found = shared_volume(&mut other, &mut rest, None);
+        clipper.transform(&there.inverse());
+        for i in 0..6 {
+            clipper.clip(&cube.face_normal(i), cube.face_offset(i));
+        }
+        assert!(
+            (found - clipper.volume()).abs() < 1e-14 && found > 0.1,
+            "{found}"
+        );
     }
 }

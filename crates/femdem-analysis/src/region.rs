@@ -8,9 +8,6 @@ use serde::{Deserialize, Serialize};
 use crate::bounds::Bounds;
 use crate::error::AnalysisError;
 
-/// Sides of the regular polygon that stands for a cylinder's circle when bodies are clipped.
-pub(crate) const CYLINDER_SIDES: usize = 4096;
-
 /// A region of space: where a density is measured, or the inside of a container.
 ///
 /// The fields are plain data; every function that takes a region checks it first.
@@ -158,18 +155,6 @@ impl Region {
         }
     }
 
-    /// Bound on the part of the region's volume that clipping misplaces.
-    ///
-    /// 0 for a box. A cylinder is clipped as a prism over a regular polygon of 4096 sides and equal
-    /// area, so its volume is right and only the boundary is off: by at most `α²/3` of the radius,
-    /// `α = π/4096`, with the wrongly placed volume `0.2566 α² = 1.5e-7` of the whole.
-    pub fn clipping_error(&self) -> f64 {
-        match self {
-            Self::Box { .. } => 0.0,
-            Self::Cylinder { .. } => 0.2566 * (PI / CYLINDER_SIDES as f64).powi(2),
-        }
-    }
-
     /// How `bounds` lies to the region. `Inside` and `Outside` are certain; `Crosses` may be neither.
     pub(crate) fn relation(&self, bounds: &Bounds) -> Relation {
         let (min, max) = self.corners();
@@ -195,8 +180,7 @@ impl Region {
                         .abs()
                         .max((bounds.max[k] - centre[k]).abs())
                 };
-                let polygon = Polygon::of(radius);
-                let in_circle = farthest(0).hypot(farthest(1)) <= polygon.apothem;
+                let in_circle = farthest(0).hypot(farthest(1)) <= radius;
                 if in_circle && z_min <= bounds.min.z && bounds.max.z <= z_max {
                     return Relation::Inside;
                 }
@@ -205,7 +189,7 @@ impl Region {
                         .max(centre[k] - bounds.max[k])
                         .max(0.0)
                 };
-                let off_circle = nearest(0).hypot(nearest(1)) > polygon.circumradius;
+                let off_circle = nearest(0).hypot(nearest(1)) > radius;
                 if off_circle || bounds.max.z < z_min || bounds.min.z > z_max {
                     return Relation::Outside;
                 }
@@ -262,29 +246,6 @@ impl Region {
                 };
                 (0..n).map(slice).collect()
             }
-        }
-    }
-}
-
-/// Regular polygon of [`CYLINDER_SIDES`] sides with the area of a circle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Polygon {
-    /// Distance of the sides from the centre.
-    pub(crate) apothem: f64,
-    /// Distance of the corners from the centre.
-    pub(crate) circumradius: f64,
-    /// Angle between the normals of neighbouring sides.
-    pub(crate) step: f64,
-}
-
-impl Polygon {
-    pub(crate) fn of(radius: f64) -> Self {
-        let step = 2.0 * PI / CYLINDER_SIDES as f64;
-        let circumradius = radius * (step / step.sin()).sqrt();
-        Self {
-            apothem: circumradius * (0.5 * step).cos(),
-            circumradius,
-            step,
         }
     }
 }

@@ -25,14 +25,11 @@ pub struct ExactDensity {
     pub overlap_volume: f64,
     /// Bodies whose box reaches into the region.
     pub bodies: usize,
-    /// Bound on the density's error from clipping by a polygon instead of a circle; 0 for a box
-    /// (see [`Region::clipping_error`]).
-    pub clipping_error: f64,
 }
 
 /// Packing density of `region`: every body clipped by it (divergence theorem) minus pair overlaps.
 ///
-/// Accurate to about 1e-13 for a box, whatever the form of the bodies. Parts of the region without bodies count as void, also where
+/// Accurate to about 1e-13, whatever the form of the bodies. Parts of the region without bodies count as void, also where
 /// it reaches beyond the pack; a region that no body reaches has density 0.
 ///
 /// ```
@@ -57,8 +54,8 @@ pub fn exact_density(pack: &Pack, region: &Region) -> Result<ExactDensity, Analy
     Ok(Measured::new(pack, region).density(region))
 }
 
-/// Volume (m³) of the part of a body inside `region`. Exact for non-convex bodies too; for a cylinder
-/// to within [`Region::clipping_error`].
+/// Volume (m³) of the part of a body inside `region`. Exact for non-convex bodies and for
+/// cylinders too.
 ///
 /// # Errors
 /// [`AnalysisError::Region`], [`AnalysisError::Pose`].
@@ -133,7 +130,6 @@ impl Measured {
             body_volume: self.body_volume,
             overlap_volume: self.overlap_volume,
             bodies: self.members.len(),
-            clipping_error: region.clipping_error(),
         }
     }
 }
@@ -144,8 +140,7 @@ fn body_volume(clipper: &mut Clipper, pack: &Pack, body: usize, region: &Region)
         Relation::Inside => pack.shape(body).mass_properties().volume,
         Relation::Crosses => {
             clipper.load(pack.shape(body), pack.pose(body));
-            clipper.clip_to(region);
-            clipper.volume()
+            clipper.volume_in(region)
         }
     }
 }
