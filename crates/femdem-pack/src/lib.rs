@@ -1,9 +1,9 @@
 //! Packs of polyhedra: containers, protocols, and a job that ends with a verified pack.
 //!
-//! **Use it** to make packs of rigid convex bodies under gravity: deposited in sequence as in the
-//! founding paper (Xiang, Latham and Farsi 2016), poured in layers, or released all at once, in a
-//! box or a cylinder, from random orientations, and brought to a rest that is checked. **Do not use
-//! it** to measure packs (femdem-analysis does), for bodies that deform or are not convex, for packs
+//! **Use it** to make packs of rigid bodies under gravity: deposited in sequence as in the founding
+//! paper (Xiang, Latham and Farsi 2016), poured in layers, or released all at once, in a box, a
+//! cylinder, a silo or a container of any form, from random orientations, and brought to a rest that is
+//! checked. **Do not use it** to measure packs (femdem-analysis does), for bodies that deform, for packs
 //! made by algorithms without mechanics, or where the bodies need not come to rest (build a
 //! [`femdem_solve::World`] and step it yourself).
 //!

@@ -38,6 +38,9 @@ const STRESS_RATIO: f64 = 0.5;
 /// of 2, 7.7 and 3 MPa gave 1.6e-4, 1.6e-4 and 1.75e-4.
 const PENALTY_SCALE: f64 = 1.7e-4;
 
+/// Inradius over d of truncated dodecahedra: the depth over which their field rises from 0 to 1.
+pub(crate) const CALIBRATED_DEPTH: f64 = 0.42;
+
 /// What a pack weighs on: the inputs of the penalty estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PackLoad {
@@ -78,7 +81,9 @@ impl PackLoad {
 /// (sum form), and F is of order sigma d^2, so p = c sigma/(delta/d)^3. The mean over all contacts
 /// of overlap volume over contact area follows the same law with c = 1.7e-4, calibrated on settled
 /// packs of truncated dodecahedra. Other shapes sink in less in trials, by up to a fifth (P3, A1,
-/// A13) or a quarter (P1, P4, P5); every report states what it came to.
+/// A13) or a quarter (P1, P4, P5); every report states what it came to. For bodies that are not convex,
+/// [`PackSpec::resolved_penalty`](crate::PackSpec::resolved_penalty) takes as much less as their fields
+/// rise over a smaller depth.
 pub fn automatic_penalty(load: &PackLoad, penetration_over_d: f64) -> f64 {
     PENALTY_SCALE * load.mean_stress() / penetration_over_d.powi(3)
 }

@@ -2,7 +2,7 @@
 
 use crate::container::Container;
 use crate::error::{PackError, check, check_positive};
-use crate::penalty::{EXPECTED_DENSITY, PackLoad, Penalty, automatic_penalty};
+use crate::penalty::{CALIBRATED_DEPTH, EXPECTED_DENSITY, PackLoad, Penalty, automatic_penalty};
 use crate::protocol::Protocol;
 use femdem_contact::{ContactParameters, Field};
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
@@ -76,6 +76,17 @@ impl PackShape {
             Some(mesh) => world.add_mesh_shape(&self.name, &self.polyhedron, mesh, Field::Body),
             None => world.add_shape(&self.name, &self.polyhedron),
         }
+    }
+
+    /// Depth over which the field of the body rises from 0 to 1, over that of the bodies that the
+    /// automatic penalty is calibrated on: contacts are as much stiffer as the depth is smaller. 1 for
+    /// convex bodies, whose shapes differ little.
+    fn field_depth(&self) -> f64 {
+        let Some(mesh) = &self.mesh else {
+            return 1.0;
+        };
+        let deepest = mesh.distance_to_skin().into_iter().fold(0.0, f64::max);
+        deepest / (CALIBRATED_DEPTH * self.diameter())
     }
 
     /// Circumscribed diameter: of the smallest sphere about the centroid that holds the body, m.
@@ -291,7 +302,10 @@ impl PackSpec {
         self.validate()?;
         Ok(match self.penalty {
             Penalty::Given { pressure } => pressure,
-            Penalty::Automatic { penetration } => automatic_penalty(&self.load(), penetration),
+            Penalty::Automatic { penetration } => {
+                let depth = self.mean(PackShape::field_depth);
+                automatic_penalty(&self.load(), penetration) * depth
+            }
         })
     }
 

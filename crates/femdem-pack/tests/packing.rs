@@ -3,6 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
+use femdem_mesh::shapes::Shape;
+use femdem_mesh::tet::MeshOptions;
 use femdem_mesh::{Polyhedron, Vector3};
 use femdem_pack::{
     Container, PackError, PackReport, PackShape, PackSpec, Packing, Penalty, Pour, Protocol,
@@ -126,6 +128,40 @@ fn mixtures_settle_in_a_cylinder() {
     assert_settled(&packing, &report);
     let shapes = (0..10).map(|b| packing.world().shape_of(b).unwrap());
     assert_ne!(shapes.sum::<u32>() % 10, 0, "one of the shapes is missing");
+}
+
+/// Bodies that are not convex: rings on each other settle, and the walls carry them.
+#[test]
+fn rings_settle() {
+    let ring: Shape = "hollow_cylinder:sides=8,aspect=0.5".parse().unwrap();
+    let ring = ring.polyhedron(0.8 * D).unwrap();
+    let options = MeshOptions::default();
+    let (shape, report) = PackShape::of_surface("ring", ring, &options).unwrap();
+    assert!(report.unwrap().tets > 10);
+    let without_mesh = PackShape {
+        mesh: None,
+        ..shape.clone()
+    };
+    let spec = PackSpec {
+        shapes: vec![shape],
+        penalty: Penalty::Automatic { penetration: 0.005 },
+        ..cubes(4)
+    };
+    let mut packing = Packing::new(spec.clone()).unwrap();
+    let report = packing.run().unwrap();
+    assert!(report.settled, "{report:?}");
+    assert!(report.penetration_mean_over_d < 0.01, "{report:?}");
+    assert_walls_carry_the_weight(&packing);
+    let refused = Packing::new(PackSpec {
+        shapes: vec![without_mesh],
+        ..spec
+    });
+    assert!(
+        refused
+            .unwrap_err()
+            .to_string()
+            .contains("ring is not convex")
+    );
 }
 
 #[test]

@@ -1,10 +1,10 @@
-//! The combined finite-discrete element method: bodies of any convex shape, from their geometry to
-//! the measured pack. One front door to five crates, and the `femdem` program.
+//! The combined finite-discrete element method: bodies of any shape, from their geometry to the
+//! measured pack. One front door to five crates, and the `femdem` program.
 //!
-//! **Use it** to pack rigid polyhedra under gravity with friction, to measure and draw packs, or to
+//! **Use it** to pack rigid bodies under gravity with friction, to measure and draw packs, or to
 //! take the parts that you need into a simulation of your own. **Do not use it** where bodies
-//! deform, break or are not convex, where a fluid matters, or for spheres, for which closed formulas
-//! and lighter codes exist.
+//! deform or break, where a fluid matters, or for spheres, for which closed formulas and lighter codes
+//! exist.
 //!
 //! ```
 //! use femdem::mesh::catalogue::{CatalogueShape, Solid};
@@ -43,7 +43,7 @@
 //! | your own integrator | contact forces | [`contact::ContactBatch`], [`contact::PairKernel`] |
 //! | poses, from anywhere | density, coordination | [`analysis`] |
 //! | poses, from anywhere | files and pictures | [`Snapshot`] with [`output`] and [`picture`] |
-//! | vertices, or an OBJ or STL file | a checked body with its mass properties | [`mesh`] |
+//! | vertices, or a surface file | a checked body with its mass properties, a mesh of it | [`mesh`] |
 //!
 //! A pack moves through these as data: [`pack::Packing`] → [`results::snapshot`] → [`Snapshot`] →
 //! [`output`], [`picture`], [`Summary`]. Nothing here holds global state, prints, or starts threads;

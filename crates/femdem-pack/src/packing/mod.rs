@@ -148,8 +148,8 @@ impl Packing {
     /// A job with an empty container.
     ///
     /// # Errors
-    /// What [`PackSpec::validate`] refuses; [`PackError::Solve`] for a shape that is not convex or
-    /// a parameter that the world refuses; [`PackError::LayerTooWide`] for a release lattice that
+    /// What [`PackSpec::validate`] refuses; [`PackError::Solve`] for a shape or a
+    /// parameter that the world refuses; [`PackError::LayerTooWide`] for a release lattice that
     /// does not fit.
     pub fn new(spec: PackSpec) -> Result<Self, PackError> {
         let penalty = spec.resolved_penalty()?;
