@@ -43,8 +43,8 @@ impl PairOverlaps {
 ///
 /// Where one body is convex and has few faces, the other is cut by its face planes; all other
 /// pairs are measured by signed prisms between their triangles, which needs neither to be convex and no mesh
-/// of their inside. A volume as small as round-off makes of faces that merely touch (about 1e-16 of
-/// the body) is reported as it comes.
+/// of their inside. Bodies apart share nothing, and are not listed; a volume as small as round-off makes
+/// of faces that merely touch (some 1e-16 of the body) is reported as it comes.
 ///
 /// ```
 /// use femdem_analysis::{Pack, PosedBody, pair_overlaps};

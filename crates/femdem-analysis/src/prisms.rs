@@ -17,6 +17,9 @@ use femdem_mesh::{Point3, Vector3};
 
 use crate::polygon::Polygon;
 
+/// Part of the summed sizes of all prisms below which a volume is round-off.
+const ROUND_OFF: f64 = 1e-14;
+
 /// A triangle seen along an axis.
 #[derive(Clone, Copy, Debug)]
 struct Shadow {
@@ -107,11 +110,12 @@ impl Shadows {
 
 /// Volume shared by the body of which `lower` holds the triangles below the top of the other, and
 /// the body of which `upper` holds those above the bottom of the first. Same axis and origin. With a
-/// `radius` the part in the cylinder about the axis through the origin.
+/// `radius` the part in the cylinder about the axis through the origin. Zero where round-off cannot be
+/// told from a volume.
 pub(crate) fn shared_volume(lower: &mut Shadows, upper: &mut Shadows, radius: Option<f64>) -> f64 {
     upper.sort();
     lower.sort();
-    let mut volume = 0.0;
+    let (mut volume, mut size) = (0.0, 0.0);
     for i in &lower.list {
         let from = i.low[0] - upper.widest;
         let first = upper.list.partition_point(|j| j.low[0] < from);
@@ -122,11 +126,17 @@ pub(crate) fn shared_volume(lower: &mut Shadows, upper: &mut Shadows, radius: Op
                 || i.high[1] <= j.low[1]
                 || j.reach[1] <= i.reach[0];
             if !apart {
-                volume -= i.sign * j.sign * between(i, j, radius);
+                let prism = between(i, j, radius);
+                volume -= i.sign * j.sign * prism;
+                size += prism.abs();
             }
         }
     }
-    volume
+    if volume > ROUND_OFF * size {
+        volume
+    } else {
+        0.0
+    }
 }
 
 /// Volume over `lower` and under `upper`.

@@ -93,6 +93,32 @@ fn pairs_count_once_above_the_threshold() {
     assert_eq!(coordination(4, &touches, &repeated).unwrap().bodies, 2);
 }
 
+/// Two interlocked hooks that pull on one another in several patches, listed patch by patch in any
+/// order and either way round, are one pair; so is a hook that lies on a wall in two places.
+#[test]
+fn patches_of_a_pair_count_once() {
+    let patches = [
+        touch(0, Partner::Body(1), 2.0),
+        touch(2, Partner::Body(1), 0.5),
+        touch(1, Partner::Body(0), 3.0),
+        touch(0, Partner::Wall(4), 0.1),
+        touch(0, Partner::Body(1), 0.0),
+        touch(0, Partner::Wall(4), 0.1),
+        touch(1, Partner::Body(2), 0.25),
+    ];
+    let result = coordination(3, &patches, &CoordinationOptions::default()).unwrap();
+    assert_eq!(result.histogram, [0, 1, 2]);
+    assert_eq!((result.wall_contacts, result.mean), (1, 5.0 / 3.0));
+    // The forces of a pair's patches are summed before the threshold: 0.5 + 0.25 passes, 0.2 does not.
+    let options = CoordinationOptions {
+        force_threshold: 0.6,
+        ..CoordinationOptions::default()
+    };
+    let result = coordination(3, &patches, &options).unwrap();
+    assert_eq!(result.histogram, [0, 2, 1]);
+    assert_eq!(result.wall_contacts, 0);
+}
+
 #[test]
 fn bad_touches_are_refused() {
     let refused =

@@ -128,7 +128,7 @@ fn rings_rods_and_links() {
     for _ in 0..20 {
         let pose = random.pose(2.0);
         let lift = pose * Pose::translation(0.0, 0.0, random.uniform(-0.2, 0.2));
-        assert!(shared(&ring, &pose, &thin, &lift).abs() < 1e-15);
+        assert_eq!(shared(&ring, &pose, &thin, &lift), 0.0);
         // Two concentric rings whose walls overlap: outer 1.0/0.6 and outer 0.8/0.4 share 0.6 to 0.8.
         let inner = made(
             HollowCylinder {
@@ -162,7 +162,7 @@ fn rings_rods_and_links() {
             },
             1.0,
         );
-        assert!(shared(&link, &pose, &link, &(pose * upright)).abs() < 1e-15);
+        assert_eq!(shared(&link, &pose, &link, &(pose * upright)), 0.0);
     }
 }
 

@@ -54,8 +54,7 @@ pub fn exact_density(pack: &Pack, region: &Region) -> Result<ExactDensity, Analy
     Ok(Measured::new(pack, region).density(region))
 }
 
-/// Volume (m³) of the part of a body inside `region`. Exact for non-convex bodies and for
-/// cylinders too.
+/// Volume (m³) of the part of a body inside `region`, exact to round-off for bodies of any form.
 ///
 /// # Errors
 /// [`AnalysisError::Region`], [`AnalysisError::Pose`].
