@@ -41,10 +41,10 @@ impl PairOverlaps {
 
 /// Shared volume of every pair of bodies, exact to round-off for bodies of any form.
 ///
-/// Where one body is convex and has few faces, the other is cut by its face planes; all other
-/// pairs are measured by signed prisms between their triangles, which needs neither to be convex and no mesh
-/// of their inside. Bodies apart share nothing, and are not listed; a volume as small as round-off makes
-/// of faces that merely touch (some 1e-16 of the body) is reported as it comes.
+/// Where one body is convex and has few faces, the other is cut by its face planes; all other pairs
+/// are measured by signed prisms between their triangles, which needs neither to be convex and no
+/// mesh of their inside. Bodies apart share nothing, and are not listed; a volume as small as
+/// round-off makes of faces that merely touch (some 1e-16 of the body) is reported as it comes.
 ///
 /// ```
 /// use femdem_analysis::{Pack, PosedBody, pair_overlaps};

@@ -208,6 +208,49 @@ fn dolosse_and_pellets_against_monte_carlo() {
     }
 }
 
+/// Faces within a hair of parallel to the axes: slopes of 1e3 to 1e17 of one triangle over another, and
+/// over the circle of a cylinder.
+#[test]
+fn nearly_upright_faces() {
+    let (whole, parts) = comb();
+    let mut random = Random(41);
+    for power in 3..18 {
+        for _ in 0..8 {
+            let tilt = Vector3::new(1.0, -0.7, 0.4) * 10_f64.powi(-power);
+            let quarter = random.uniform(0.0, 4.0).floor() * std::f64::consts::FRAC_PI_2;
+            let turn = |size: Vector3| {
+                Rotation::from_scaled_axis(size)
+                    * Rotation::from_scaled_axis(Vector3::z() * quarter)
+            };
+            let place = random.point(&Point3::from([-0.5; 3]), &Point3::from([0.5; 3]));
+            let p = Pose::from_parts(Translation3::from(place.coords), turn(tilt));
+            let q = Pose::from_parts(Translation3::identity(), turn(-tilt));
+            let sum: f64 = parts
+                .iter()
+                .flat_map(|a| parts.iter().map(move |b| (a, b)))
+                .map(|(a, b)| shared(a, &p, b, &q))
+                .sum();
+            let found = shared(&whole, &p, &whole, &q);
+            assert!(
+                sum > 0.1 && (found - sum).abs() < 1e-13,
+                "1e-{power}: {found} {sum}"
+            );
+            let drum = |z_min, z_max| Region::Cylinder {
+                centre: [1.2, 1.1],
+                radius: 1.3,
+                z_min,
+                z_max,
+            };
+            // Two drums on one another hold what the high one does, and the parts what the whole.
+            let inside =
+                |shape: &Polyhedron, low, high| volume_inside(shape, &p, &drum(low, high)).unwrap();
+            let both = inside(&whole, -0.9, 0.4) + inside(&whole, 0.4, 2.0);
+            let sum: f64 = parts.iter().map(|part| inside(part, -0.9, 2.0)).sum();
+            assert!((both - sum).abs() < 1e-13, "1e-{power}: {both} {sum}");
+        }
+    }
+}
+
 /// Far from the origin and at other scales the same share of the volume, to what coordinates resolve.
 #[test]
 fn far_tiny_and_huge() {

@@ -29,8 +29,8 @@ pub struct ExactDensity {
 
 /// Packing density of `region`: every body clipped by it (divergence theorem) minus pair overlaps.
 ///
-/// Accurate to about 1e-13, whatever the form of the bodies. Parts of the region without bodies count as void, also where
-/// it reaches beyond the pack; a region that no body reaches has density 0.
+/// Accurate to about 1e-13, whatever the form of the bodies. Parts of the region without bodies count as
+/// void, also where it reaches beyond the pack; a region that no body reaches has density 0.
 ///
 /// ```
 /// use femdem_analysis::{Pack, PosedBody, Region, exact_density};
