@@ -304,3 +304,23 @@ fn a_container_comes_from_a_file() {
         assert!(x.abs() < wall && y.abs() < wall && z > 0.0, "{x} {y} {z}");
     }
 }
+
+#[test]
+fn damaged_files_are_mended_only_when_asked() {
+    let folder = tempdir().unwrap();
+    let (obj, out) = (folder.path().join("twice.obj"), folder.path().join("out"));
+    fs::write(&obj, format!("{DENTED}f 1 4 3 2\n")).unwrap();
+    let pack = || {
+        let mut command = femdem("pack");
+        command.arg("--shape").arg(&obj);
+        command.args(["--unit", "mm", "--count", "1", "--cylinder", "2"]);
+        command.args(QUICK).arg("--out").arg(&out);
+        command
+    };
+    fails(&mut pack(), &["twice.obj", "facet 9", "repair"]);
+    assert!(!out.exists());
+    let result = run(pack().arg("--repair"));
+    assert_eq!(code(&result), 0, "{result:?}");
+    let said = stdout(&result);
+    assert!(said.contains("1 facets given twice dropped"), "{said}");
+}

@@ -21,7 +21,12 @@ impl fmt::Display for Summary {
         let mut line = |name: &str, text: String| writeln!(f, "  {name:<20} {text}");
         line("packing density", self.density_text())?;
         let z = &self.coordination;
-        line("coordination", format!("{:.2} (sd {:.2})", z.mean, z.sd))?;
+        let patches = z.patches_per_pair.filter(|patches| *patches > 1.0);
+        let patches = patches.map_or(String::new(), |n| format!("; {n:.2} patches for each pair"));
+        line(
+            "coordination",
+            format!("{:.2} (sd {:.2}){patches}", z.mean, z.sd),
+        )?;
         let p = &self.penetration;
         line(
             "penetration / d",
