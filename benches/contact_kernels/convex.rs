@@ -77,7 +77,7 @@ fn wall_kernels<'a>(
     ])
 }
 
-pub fn table(rounds: u32) -> Result<(), SetUpError> {
+pub fn table(turns: u32) -> Result<(), SetUpError> {
     let floor = floor()?;
     let kernel = CavityKernel::new(PENALTY)?;
     let (mut names, mut rows) = (vec!["shape"], Vec::new());
@@ -96,7 +96,7 @@ pub fn table(rounds: u32) -> Result<(), SetUpError> {
         kernels.extend(wall_kernels(&body, &resting, &floor)?);
         names.truncate(1);
         names.extend(kernels.iter().map(|k| k.name));
-        rows.push(row(id, &fastest(&mut kernels, rounds)));
+        rows.push(row(id, &fastest(&mut kernels, turns)));
     }
     print("ns per touching pair of a settled pack:", &names, &rows);
     Ok(())

@@ -25,7 +25,7 @@ fn ball(n: u32) -> Result<Polyhedron, SetUpError> {
     Ok(convex_hull(&(0..n).map(point).collect::<Vec<_>>())?)
 }
 
-pub fn table(rounds: u32) -> Result<(), SetUpError> {
+pub fn table(turns: u32) -> Result<(), SetUpError> {
     let kernel = PairKernel::new(PENALTY)?;
     let (mut names, mut rows) = (vec!["faces"], Vec::new());
     for points in [4, 6, 12, 22, 52, 127, 252, 502] {
@@ -40,7 +40,7 @@ pub fn table(rounds: u32) -> Result<(), SetUpError> {
         let mut kernels = convex_kernels(&body, &pairs)?;
         names.truncate(1);
         names.extend(kernels.iter().map(|k| k.name));
-        let times = fastest(&mut kernels, rounds / 5 + 1);
+        let times = fastest(&mut kernels, turns);
         rows.push(row(&surface.face_count().to_string(), &times));
     }
     print(

@@ -1,8 +1,8 @@
 //! Every contact kernel on the same touching pairs, and parry's contact query beside them, in one
 //! run: nanoseconds per pair, as tables.
 //!
-//! Kernels take turns, and each figure is the fastest of many short rounds over the pairs, so that
-//! other work on the machine matters little. No pair moves; `warm` carries the cache that the batch
+//! Kernels take turns of a few rounds over the pairs, and each figure is the fastest of all rounds, so
+//! that other work on the machine matters little. No pair moves; `warm` carries the cache that the batch
 //! carries, `cold` is the stateless call.
 
 mod convex;
@@ -13,8 +13,11 @@ mod pairs;
 use std::error::Error;
 use std::time::Instant;
 
-/// Rounds over the pairs of each kernel.
-const ROUNDS: u32 = 3000;
+/// Turns of each kernel.
+const TURNS: u32 = 200;
+
+/// Rounds over the pairs in a turn: the first finds the processor's caches full of other things.
+const ROUNDS: u32 = 5;
 
 /// One kernel: a name, and a round over all pairs.
 struct Kernel<'a> {
@@ -31,14 +34,16 @@ impl<'a> Kernel<'a> {
 }
 
 /// Fastest time per pair of each kernel, ns.
-fn fastest(kernels: &mut [Kernel], rounds: u32) -> Vec<f64> {
+fn fastest(kernels: &mut [Kernel], turns: u32) -> Vec<f64> {
     let mut best = vec![f64::INFINITY; kernels.len()];
-    for _ in 0..rounds {
+    for _ in 0..turns {
         for (kernel, best) in kernels.iter_mut().zip(&mut best) {
-            let start = Instant::now();
-            (kernel.round)();
-            let time = start.elapsed().as_nanos() as f64;
-            *best = best.min(time / kernel.pairs.max(1) as f64);
+            for _ in 0..ROUNDS {
+                let start = Instant::now();
+                (kernel.round)();
+                let time = start.elapsed().as_nanos() as f64;
+                *best = best.min(time / kernel.pairs.max(1) as f64);
+            }
         }
     }
     best
@@ -60,11 +65,11 @@ fn row(name: &str, times: &[f64]) -> Vec<String> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // `cargo test --benches` runs this too: then one round is enough.
+    // `cargo test --benches` runs this too: then one turn is enough.
     let is_bench = std::env::args().any(|argument| argument == "--bench");
-    let rounds = if is_bench { ROUNDS } else { 1 };
-    convex::table(rounds)?;
-    meshed::table(rounds)?;
-    faces::table(rounds)?;
+    let turns = if is_bench { TURNS } else { 1 };
+    convex::table(turns)?;
+    meshed::table(turns)?;
+    faces::table(turns)?;
     Ok(())
 }

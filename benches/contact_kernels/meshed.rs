@@ -28,7 +28,7 @@ fn pairs(mesh: &FieldMesh) -> Result<Vec<Pair>, SetUpError> {
     Ok(approached(touch, mesh.radius(), PAIRS))
 }
 
-pub fn table(rounds: u32) -> Result<(), SetUpError> {
+pub fn table(turns: u32) -> Result<(), SetUpError> {
     let (mut names, mut rows) = (Vec::new(), Vec::new());
     for name in ["tetrapod", "dolos", "hollow_cylinder", "P5", "A10"] {
         let mesh = match solid(name) {
@@ -39,7 +39,7 @@ pub fn table(rounds: u32) -> Result<(), SetUpError> {
         let [candidates, pieces] = counts(&mesh, &pairs)?;
         let mut kernels = general_kernels(&mesh, &pairs)?;
         names = kernels.iter().map(|k| k.name).collect();
-        let times = fastest(&mut kernels, rounds / 5 + 1);
+        let times = fastest(&mut kernels, turns);
         let mut cells = row(name, &times);
         cells.insert(1, mesh.tet_count().to_string());
         cells.insert(2, format!("{candidates:.1}"));
