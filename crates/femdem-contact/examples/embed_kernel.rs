@@ -257,15 +257,11 @@ impl Host {
         Ok(())
     }
 
-    /// A part of the stable step 2/omega of what touches now, and no more than `most`.
+    /// A twentieth of the largest stable step for what touches now, and no more than `most`.
     fn time_step(&self, most: f64) -> f64 {
         let loads = self.grains.iter().zip(self.batch.loads());
         loads
-            .map(|(grain, load)| {
-                let motion = grain.motion();
-                let omega2 = load.frequency2(motion.inverse_mass, motion.inverse_inertia_max);
-                0.1 / omega2.sqrt()
-            })
+            .map(|(grain, load)| 0.05 * load.largest_step(&grain.motion(), f64::INFINITY))
             .fold(most, f64::min)
     }
 

@@ -2,9 +2,10 @@
 
 use crate::damping::Damped;
 use crate::friction::Friction;
+use crate::generalized::{Generalized, largest_step};
 use crate::kernel::Overlap;
 use crate::motion::Motion;
-use femdem_mesh::{Matrix3, Vector3};
+use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// A body of the batch, by order of addition.
@@ -65,10 +66,22 @@ pub struct Contact {
     pub tangential_stiffness: f64,
     /// Polar second moment of the normal stiffness over the patch, N m.
     pub stiffness_second: f64,
-    /// Shares of A and B in the stability bound; see [`Load::frequency2`].
+    /// Shares of A and B in the stability bound; see [`Load::largest_step`].
     pub(crate) shares: [f64; 2],
-    /// Contribution to the viscous rate bound of A and B, 1/s.
-    pub(crate) rate: [f64; 2],
+    pub(crate) dashpots: Dashpots,
+}
+
+/// Viscosities of a patch.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Dashpots {
+    /// Along the elastic wrench, N s/m.
+    normal: f64,
+    /// In the contact plane, N s/m.
+    tangential: f64,
+    /// Turning about an axis in the contact plane, N m s.
+    rocking: f64,
+    /// Turning about the normal, N m s.
+    torsion: f64,
 }
 
 /// Puts the parts of one patch together.
@@ -80,11 +93,6 @@ pub(crate) fn assemble(
     motions: [&Motion; 2],
 ) -> Contact {
     let elastic_force = overlap.force_magnitude();
-    let bound = |k: f64, w: [f64; 2], i: usize| k * (w[i] + (w[0] * w[1]).sqrt());
-    let rate = [0, 1].map(|i| {
-        bound(damped.viscosity, damped.inverse_mass, i)
-            + bound(friction.viscosity, friction.inverse_mass, i)
-    });
     let w = friction.inverse_mass;
     let shares = [0, 1].map(|i| {
         if w[i] > 0.0 {
@@ -116,7 +124,12 @@ pub(crate) fn assemble(
         tangential_stiffness: friction.stiffness,
         stiffness_second: overlap.stiffness_second,
         shares,
-        rate,
+        dashpots: Dashpots {
+            normal: damped.viscosity,
+            tangential: friction.viscosity,
+            rocking: damped.rocking_viscosity,
+            torsion: friction.torsion_viscosity,
+        },
     }
 }
 
@@ -179,12 +192,10 @@ pub struct Load {
     pub normal_sum: f64,
     /// Number of bodies and walls in contact; the patches of a pair count once.
     pub contacts: u32,
-    /// Stiffness of the contacts against moving the body, weighted by its shares, N/m.
-    pub stiffness: Matrix3,
-    /// The same against turning it, N m.
-    pub turning_stiffness: Matrix3,
-    /// Bound of the viscous rates, 1/s.
-    pub rate: f64,
+    /// Stiffness of the contacts, weighted by the body's shares in them.
+    pub stiffness: Generalized,
+    /// Viscosity of their dashpots, weighted alike.
+    pub viscosity: Generalized,
 }
 
 impl Load {
@@ -215,7 +226,7 @@ impl Load {
         self.normal_sum += contact.normal_force;
         self.contacts += u32::from(contact.patch == 0);
         self.add_stiffness(contact, arm, contact.shares[side]);
-        self.rate += contact.rate[side];
+        self.add_viscosity(contact, arm, contact.shares[side]);
     }
 
     fn add_stiffness(&mut self, contact: &Contact, arm: &Vector3, share: f64) {
@@ -225,64 +236,35 @@ impl Load {
             contact.tangential_stiffness * share,
         );
         // Springs along and across the normal, at the contact point.
-        self.stiffness += n * (n * (kn - kt)).transpose();
-        let lever = arm.cross(n);
-        self.turning_stiffness +=
-            lever * (lever * (kn - kt)).transpose() - arm * (arm * kt).transpose();
-        // The foundation spread over the patch: rocking by half its polar second moment,
-        // torsion by the tangential share of all of it.
+        self.stiffness.add_along(n, &arm.cross(n), kn - kt);
+        self.stiffness.add_everywhere(arm, kt);
+        // The foundation spread over the patch: rocking by at most its polar second moment (all
+        // of it where the patch is long and narrow), torsion by the tangential share of it.
         let second = contact.stiffness_second * share;
-        let ratio = if contact.stiffness > 0.0 {
-            contact.tangential_stiffness / contact.stiffness
-        } else {
-            0.0
-        };
-        self.turning_stiffness += n * (n * (second * (ratio - 0.5))).transpose();
-        for k in 0..3 {
-            self.stiffness[(k, k)] += kt;
-            self.turning_stiffness[(k, k)] += kt * arm.norm_squared() + 0.5 * second;
-        }
+        let torsion = if kn > 0.0 { second * kt / kn } else { 0.0 };
+        self.stiffness.add_turning(n, torsion, second);
     }
 
-    /// Bound of the squared frequencies of a body, 1/s^2, with its inverse mass and largest
-    /// inverse moment of inertia.
+    fn add_viscosity(&mut self, contact: &Contact, arm: &Vector3, share: f64) {
+        let n = &contact.normal;
+        let dashpots = &contact.dashpots;
+        let tangential = dashpots.tangential * share;
+        if contact.elastic_force > 0.0 {
+            let lever = arm.cross(n) + contact.moment / contact.elastic_force;
+            self.viscosity.add_along(n, &lever, dashpots.normal * share);
+        }
+        self.viscosity.add_along(n, &arm.cross(n), -tangential);
+        self.viscosity.add_everywhere(arm, tangential);
+        self.viscosity
+            .add_turning(n, dashpots.torsion * share, dashpots.rocking * share);
+    }
+
+    /// The largest step for which the contacts of a body are stable, at most `most`, s.
     ///
-    /// The stiffness matrix of a pair, scaled by masses, is at most its own diagonal blocks
-    /// times 1 + sqrt(w_j/w_i) and 1 + sqrt(w_i/w_j), w the inverse masses at the contact:
-    /// the shares. Each body's block is at most the sum of its two diagonal blocks.
-    pub fn frequency2(&self, inverse_mass: f64, inverse_inertia: f64) -> f64 {
-        largest(&self.stiffness) * inverse_mass + largest(&self.turning_stiffness) * inverse_inertia
-    }
-}
-
-/// Upper bound of the largest eigenvalue of a symmetric matrix: the root of the largest row
-/// sum of its square.
-fn largest(m: &Matrix3) -> f64 {
-    let square = m * m;
-    let row = |i: usize| (0..3).map(|j| square[(i, j)].abs()).sum::<f64>();
-    row(0).max(row(1)).max(row(2)).sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_bound_lies_just_above_the_largest_eigenvalue() {
-        let mut x = 0.3_f64;
-        let mut next = || {
-            x = (x * 997.0 + 0.123).fract();
-            x - 0.5
-        };
-        for _ in 0..200 {
-            let a = Matrix3::from_fn(|_, _| next());
-            let m = a * a.transpose();
-            let exact = m.symmetric_eigenvalues().max();
-            let bound = largest(&m);
-            assert!(
-                bound >= exact * (1.0 - 1e-12) && bound < 1.4 * exact,
-                "{bound} {exact}"
-            );
-        }
+    /// The matrix of a pair is at most its own diagonal blocks times 1 + sqrt(w_j/w_i) and
+    /// 1 + sqrt(w_i/w_j), w the inverse masses at the contact: the shares. A step that each
+    /// body's block allows is therefore allowed by the whole.
+    pub fn largest_step(&self, motion: &Motion, most: f64) -> f64 {
+        largest_step(&self.stiffness, &self.viscosity, motion, most)
     }
 }

@@ -25,6 +25,8 @@ pub(crate) struct Damped {
     pub viscosity: f64,
     /// Rocking moment on B, N m.
     pub rocking: Vector3,
+    /// Its viscosity, N m s.
+    pub rocking_viscosity: f64,
 }
 
 /// Generalised inverse mass of one body for a unit force at the contact with its lever.
@@ -87,6 +89,7 @@ pub(crate) fn damp(
         inverse_mass,
         viscosity: 0.0,
         rocking: Vector3::zeros(),
+        rocking_viscosity: 0.0,
     };
     let (energy, along) = match whole {
         // The quotient has no value where the patches' forces cancel.
@@ -103,21 +106,33 @@ pub(crate) fn damp(
     let rate = 2.0 * zeta / (2.0 * energy * along).sqrt();
     damped.viscosity = rate * magnitude;
     damped.scale = (1.0 + rate * closing).max(0.0);
-    damped.rocking = rocking(overlap, a, b, zeta, magnitude * damped.scale);
+    let inverse_inertia = a.inverse_inertia_max + b.inverse_inertia_max;
+    if inverse_inertia > 0.0 {
+        // Half of the polar second moment belongs to either axis in the plane.
+        damped.rocking_viscosity =
+            2.0 * zeta * (0.5 * overlap.stiffness_second / inverse_inertia).sqrt();
+    }
+    damped.rocking = rocking(
+        overlap,
+        a,
+        b,
+        damped.rocking_viscosity,
+        magnitude * damped.scale,
+    );
     damped
 }
 
 /// Moment on B of the dashpots spread over the patch.
-fn rocking(overlap: &Overlap, a: &Motion, b: &Motion, zeta: f64, normal_force: f64) -> Vector3 {
-    let inverse_inertia = a.inverse_inertia_max + b.inverse_inertia_max;
-    if inverse_inertia <= 0.0 {
-        return Vector3::zeros();
-    }
+fn rocking(
+    overlap: &Overlap,
+    a: &Motion,
+    b: &Motion,
+    viscosity: f64,
+    normal_force: f64,
+) -> Vector3 {
     let n = &overlap.normal;
     let turn = b.angular_velocity - a.angular_velocity;
     let turn = turn - n * n.dot(&turn);
-    // Half of the polar second moment belongs to either axis in the plane.
-    let viscosity = 2.0 * zeta * (0.5 * overlap.stiffness_second / inverse_inertia).sqrt();
     let moment = -turn * viscosity;
     let most = normal_force * overlap.torsion_radius;
     let size = moment.norm();

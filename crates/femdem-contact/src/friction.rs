@@ -41,6 +41,8 @@ pub(crate) struct Friction {
     /// Springs and dashpots, for the step bound: N/m, N s/m.
     pub stiffness: f64,
     pub viscosity: f64,
+    /// N m s.
+    pub torsion_viscosity: f64,
     /// Largest inverse masses of A and B for a tangential force, 1/kg.
     pub inverse_mass: [f64; 2],
     /// Whether the patch slides.
@@ -263,6 +265,7 @@ impl FrictionState {
             energy: 0.5 * (k * stretch.norm_squared() + k_theta * torsion * torsion),
             stiffness: k,
             viscosity: eta,
+            torsion_viscosity: eta_theta,
             inverse_mass,
             slides,
         }

@@ -40,7 +40,7 @@
 //! 2. [`ContactBatch`]: many bodies and walls of either kind ([`BodyShape`], [`WallShape`]), each pair
 //!    by the kernel it needs. Finds the pairs, keeps caches and friction history, and turns one
 //!    [`Motion`] per body into sorted [`Contact`]s and a [`Load`] per body. Your code integrates; a
-//!    load also bounds the stable step ([`Load::frequency2`], [`Load::rate`]).
+//!    load also bounds the stable step ([`Load::largest_step`]).
 //! 3. `World`, in femdem-solve: owns the bodies and steps them.
 //!
 //! # The law
@@ -99,6 +99,7 @@ mod damping;
 mod error;
 mod friction;
 pub mod general;
+mod generalized;
 pub mod kernel;
 mod law;
 mod motion;
@@ -111,6 +112,7 @@ pub use batch::{BatchTotals, ContactBatch};
 pub use contact::{BodyId, Contact, Load, Partner, Wrench};
 pub use error::ContactError;
 pub use general::{Field, FieldMesh, Form, GeneralKernel, SolidWall};
+pub use generalized::{Generalized, stable_step};
 pub use kernel::{Overlap, PairKernel};
 pub use law::{ContactLaw, ContactParameters, restitution};
 pub use motion::Motion;

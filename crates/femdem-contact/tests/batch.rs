@@ -292,7 +292,11 @@ fn fingerprint(batch: &ContactBatch) -> Vec<u64> {
     for load in batch.loads().iter().chain(batch.wall_loads()) {
         all.extend(bits(&load.total.force));
         all.extend(bits(&load.total.torque));
-        all.extend([load.normal_sum.to_bits(), load.rate.to_bits()]);
+        all.push(load.normal_sum.to_bits());
+        for m in [&load.stiffness, &load.viscosity] {
+            let blocks = [m.translation, m.coupling, m.turning];
+            all.extend(blocks.iter().flatten().map(|x| x.to_bits()));
+        }
     }
     all
 }

@@ -2,7 +2,7 @@
 
 use crate::body::Body;
 use crate::parameters::TimeStepParameters;
-use femdem_contact::{BodyShape, ContactParameters, Load, Motion};
+use femdem_contact::{BodyShape, ContactParameters, Load, Motion, stable_step};
 use serde::{Deserialize, Serialize};
 
 /// Step sizes are the cap divided by powers of this.
@@ -39,16 +39,6 @@ impl Default for StepControl {
     }
 }
 
-/// Largest stable step of a damped oscillator whose viscous force lags by half a step:
-/// dt^2 omega^2/4 + dt gamma/2 <= 1.
-fn stable(frequency2: f64, rate: f64) -> f64 {
-    if frequency2 > 0.0 {
-        ((rate * rate + 4.0 * frequency2).sqrt() - rate) / frequency2
-    } else {
-        f64::INFINITY
-    }
-}
-
 impl StepControl {
     /// The step in use, s; 0 before the first.
     pub(crate) fn current(&self) -> f64 {
@@ -70,7 +60,7 @@ impl StepControl {
         let stiffness = shape.face_stiffness() * law.penalty;
         let frequency2 = 2.0 * stiffness / body.mass;
         let rate = 2.0 * law.damping_ratio * frequency2.sqrt();
-        self.cap = self.cap.min(stable(frequency2, rate));
+        self.cap = self.cap.min(stable_step(frequency2, rate));
         // A body launched fast may not cross a fraction of its own size in a step.
         let speed = body.velocity.norm();
         if speed > 0.0 {
@@ -86,12 +76,9 @@ impl StepControl {
     ) -> f64 {
         let limit = parameters.largest.unwrap_or(f64::INFINITY);
         let top = (parameters.safety * self.cap).min(limit);
-        self.bound = loads
-            .map(|(load, m)| {
-                let frequency2 = load.frequency2(m.inverse_mass, m.inverse_inertia_max);
-                stable(frequency2, load.rate)
-            })
-            .fold(f64::INFINITY, f64::min);
+        self.bound = loads.fold(f64::INFINITY, |most, (load, motion)| {
+            load.largest_step(motion, most)
+        });
         let allowed = on_level(top, parameters.safety * self.bound);
         if allowed <= self.current || self.current == 0.0 || self.current > top {
             self.current = allowed;
@@ -128,7 +115,7 @@ mod tests {
     #[test]
     fn the_bound_separates_decay_from_growth() {
         for (omega, gamma) in [(1.0_f64, 0.0), (1.0, 0.5), (3.0, 4.0)] {
-            let bound = stable(omega * omega, gamma);
+            let bound = stable_step(omega * omega, gamma);
             let grows = |dt: f64| {
                 let (mut x, mut v) = (1.0_f64, 0.0_f64);
                 let mut f = -omega * omega * x - gamma * v;
