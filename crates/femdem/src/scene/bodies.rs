@@ -239,3 +239,64 @@ pub(super) fn file_stem(path: &Path) -> String {
         .to_string_lossy()
         .into_owned()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn packed(scene: &Scene) -> Vec<PackShape> {
+        bodies(scene).unwrap().0
+    }
+
+    #[test]
+    fn shapes_of_one_name_are_told_apart() {
+        let shape = ["P5", "cube", "A10"].map(str::to_owned).to_vec();
+        let names: Vec<String> = packed(&Scene {
+            shape,
+            ..Scene::default()
+        })
+        .into_iter()
+        .map(|shape| shape.name)
+        .collect();
+        assert_eq!(names, ["P5", "P5-2", "A10"]);
+    }
+
+    #[test]
+    fn variants_divide_the_share_of_their_shape() {
+        let shapes = packed(&Scene {
+            shape: vec!["boulder:seed=7".to_owned(), "P5".to_owned()],
+            share: vec![3.0, 1.0],
+            variety: 3,
+            ..Scene::default()
+        });
+        let shares: Vec<f64> = shapes.iter().map(|shape| shape.share).collect();
+        assert_eq!(shares, [1.0, 1.0, 1.0, 1.0]);
+        let names: Vec<&str> = shapes.iter().map(|shape| shape.name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["boulder:seed=7", "boulder:seed=8", "boulder:seed=9", "P5"]
+        );
+        assert_ne!(shapes[0].polyhedron, shapes[1].polyhedron);
+    }
+
+    /// Diameter is that of the sphere around the body, size the shape's own measure, mass by density.
+    #[test]
+    fn bodies_have_the_size_asked_for() {
+        let cylinder = |change: fn(&mut Scene)| {
+            let mut scene = Scene {
+                shape: vec!["cylinder:aspect=2".to_owned()],
+                density: 2000.0,
+                ..Scene::default()
+            };
+            change(&mut scene);
+            packed(&scene).remove(0).polyhedron
+        };
+        let diameter = |body: &Polyhedron| 2.0 * body.bounding_radius();
+        assert!((diameter(&cylinder(|s| s.diameter = Some(0.3))) - 0.3).abs() < 1e-12);
+        let sized = diameter(&cylinder(|s| s.size = Some(0.1)));
+        assert!((sized - 0.1 * 5.0_f64.sqrt()).abs() < 1e-12);
+        let volume = cylinder(|s| s.mass = Some(8.0)).mass_properties().volume;
+        assert!((volume - 0.004).abs() < 1e-15);
+        assert!((diameter(&cylinder(|_| {})) - DEFAULT_DIAMETER).abs() < 1e-12);
+    }
+}
