@@ -12,7 +12,7 @@ const ALONG: usize = 25;
 const LENGTH: f64 = 45.0;
 const WIDTH: f64 = 16.0;
 
-/// Angle over which the stone is bent, rad: enough for no point to see all of its surface.
+/// Angle over which the stone is bent, rad.
 const BEND: f64 = 2.6;
 
 /// The triangles of a bent, rough stone.
