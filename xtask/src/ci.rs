@@ -37,7 +37,7 @@ const STEPS: [Step; 6] = [
     },
     Step {
         name: "tests",
-        arguments: "test --workspace --locked",
+        arguments: "test --workspace --all-features --locked",
         environment: &[],
     },
     Step {

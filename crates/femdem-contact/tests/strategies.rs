@@ -19,9 +19,9 @@ fn every_kernel_stands_random_pairs() {
     let (strategy, placements) = (pairs(bodies()), placements());
     let mut kernels = Kernels::new().unwrap();
     let mut touching = [0; KERNELS.len()];
-    for _ in 0..250 {
+    for _ in 0..100 {
         let drawn = strategy.new_tree(&mut runner).unwrap().current();
-        for _ in 0..10 {
+        for _ in 0..20 {
             let placement = placements.new_tree(&mut runner).unwrap().current();
             let pair = TestPair::new(&drawn.a, &drawn.b, &placement);
             let verdict = kernels.check(&pair).unwrap();
@@ -31,7 +31,7 @@ fn every_kernel_stands_random_pairs() {
             (0..KERNELS.len()).for_each(|k| touching[k] += u32::from(verdict.touching[k]));
         }
     }
-    assert!(touching.iter().all(|n| *n > 300), "{touching:?}");
+    assert!(touching.iter().all(|n| *n > 250), "{touching:?}");
 }
 
 proptest! {
