@@ -199,6 +199,24 @@ fn a_pack_made_with_drag_rests_without_it() {
     assert_eq!(packing.world().awake_count(), 5);
 }
 
+/// While the bodies settle there is drag at the end, of about the right size; otherwise none.
+#[test]
+fn the_last_relaxation_is_damped_and_the_verification_is_not() {
+    let mut packing = Packing::new(cubes(24)).unwrap();
+    let mut drags = [0.0_f64; 3];
+    while !packing.is_done() {
+        let stage = packing.advance(1).unwrap().stage;
+        let seen = &mut drags[stage.min(Stage::Verifying) as usize];
+        *seen = seen.max(packing.world().parameters().medium.drag);
+    }
+    let [depositing, settling, verifying] = drags.map(|a| a * (D / 9.81).sqrt());
+    assert!(depositing <= 0.0 && verifying <= 0.0, "{drags:?}");
+    // A few layers that sink in by a few hundredths of D each: 2 sqrt(D/sag).
+    assert!((4.0..40.0).contains(&settling), "{drags:?}");
+    let verification = packing.report().verification.unwrap();
+    assert!(verification.passed && verification.max_displacement_over_d < 0.005);
+}
+
 /// Where sleep is forbidden there is nobody to wake.
 #[test]
 fn a_pack_made_awake_needs_no_relaxation() {

@@ -41,8 +41,7 @@ impl Packing {
             return Ok(());
         }
         if matches!(self.job.spec.protocol, Protocol::Sequential(_)) && self.is_relaxation_due() {
-            self.begin_relaxation();
-            return Ok(());
+            return self.begin_relaxation();
         }
         self.update_top();
         if first >= self.job.spec.count {

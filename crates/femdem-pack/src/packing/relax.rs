@@ -6,11 +6,18 @@
 //! comes down within a few hundred steps. The numbers of bodies at which that is done follow a
 //! geometric series that ends with the last body, so that its cost per body does not depend on how
 //! many there are.
+//!
+//! What remains after that is the slowest oscillation of the whole column, which contacts damp
+//! little and the longer it lasts the higher the pack is. The last relaxation therefore goes on in a
+//! medium that damps it critically. The medium moves no body at rest, and the verification, without
+//! it, shows that they are.
 
-use super::surface::positions;
+use super::surface::{mean_top, positions};
 use super::{Packing, Stage};
+use crate::error::PackError;
 use crate::report::Relaxation;
 use femdem_mesh::Vector3;
+use femdem_solve::Medium;
 use serde::{Deserialize, Serialize};
 
 /// The pack grows by this factor between two relaxations.
@@ -56,9 +63,14 @@ impl Packing {
                 .is_some_and(|next| f64::from(self.placed()) >= next)
     }
 
-    /// Wakes all bodies and keeps them awake.
-    pub(super) fn begin_relaxation(&mut self) {
+    /// Wakes all bodies and keeps them awake; once all are in, in a medium.
+    pub(super) fn begin_relaxation(&mut self) -> Result<(), PackError> {
         self.world.set_sleeping(false);
+        if self.job.stage == Stage::Settling {
+            let medium = self.job.spec.medium;
+            let drag = medium.drag.max(self.critical_drag());
+            self.world.set_medium(Medium { drag, ..medium })?;
+        }
         self.job.relaxing = Some(Relaxing {
             began: self.world.time(),
             first_step: self.world.steps(),
@@ -66,6 +78,23 @@ impl Packing {
             from: positions(&self.world).map(|(_, p)| p).collect(),
         });
         self.wait_for_next_check();
+        Ok(())
+    }
+
+    /// Drag rate that damps the slowest oscillation of the column critically, 1/s: its squared
+    /// frequency is about g over the sag of the top under the weight of the column, and the sag
+    /// about the mean penetration times the number of layers.
+    fn critical_drag(&self) -> f64 {
+        let diameter = self.job.spec.diameter();
+        let contacts = self.world.contacts();
+        let sum: f64 = contacts.iter().map(|c| c.penetration()).sum();
+        let layers = (mean_top(&self.world, diameter) / diameter).max(1.0);
+        let sag = layers * sum / contacts.len().max(1) as f64;
+        if sag > 0.0 {
+            2.0 * (self.job.spec.gravity / sag).sqrt()
+        } else {
+            0.0
+        }
     }
 
     /// A check: ends the relaxation that is going on if the pack is calm, or if it has had its
@@ -77,10 +106,11 @@ impl Packing {
         let settling = &self.job.spec.settling;
         let limit = match self.job.stage {
             Stage::Depositing => CALM,
+            // Not the largest force: the medium would only delay single bodies that still turn over.
             _ => settling.residual,
         };
-        let longest = settling.longest_verification * self.job.spec.time_unit();
         let is_calm = self.world.residuals().mean_over_weight <= limit;
+        let longest = settling.longest_verification * self.job.spec.time_unit();
         let calm = if is_calm { relaxing.calm + 1 } else { 0 };
         if calm < CALM_CHECKS && self.world.time() - relaxing.began <= longest {
             self.job.relaxing = Some(Relaxing { calm, ..relaxing });

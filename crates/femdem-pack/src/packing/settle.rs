@@ -29,7 +29,7 @@ impl Packing {
             self.fall_time() + self.job.spec.settling.longest_settling * self.job.spec.time_unit();
         if quiet || self.world.awake_count() == 0 || self.stage_time() > longest {
             if self.job.spec.sleeping.enabled {
-                self.begin_relaxation();
+                self.begin_relaxation()?;
             } else {
                 self.begin_verification()?;
             }
