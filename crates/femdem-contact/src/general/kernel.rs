@@ -6,8 +6,8 @@ use super::cells::Cells;
 use super::mesh::FieldMesh;
 use super::patch::{Patch, connect};
 use super::piece::Piece;
-use super::pieces::{Law, Record, integrate, intersect};
-use super::posed::Posed;
+use super::pieces::{Law, Record, distance, integrate, intersect};
+use super::posed::PosedList;
 use super::sums::Sums;
 use super::wall::SolidWall;
 use crate::error::{ContactError, check};
@@ -31,8 +31,8 @@ pub enum Form {
 #[derive(Debug, Default)]
 pub struct GeneralScratch {
     patches: Vec<Patch>,
-    in_a: Vec<Posed>,
-    in_b: Vec<Posed>,
+    in_a: PosedList,
+    in_b: PosedList,
     piece: Piece,
     candidates: usize,
     pieces: Vec<Record>,
@@ -191,28 +191,45 @@ impl GeneralKernel {
         let Some(near) = cache.candidates(&placed, motion) else {
             return &scratch.patches;
         };
-        placed.pose(near, &mut scratch.in_a, &mut scratch.in_b);
         let law = pair.law();
-        scratch.candidates = near.pairs.len();
-        for &[i, j] in &near.pairs {
-            let (Some(a), Some(b)) = (scratch.in_a.get(i as usize), scratch.in_b.get(j as usize))
-            else {
-                continue;
-            };
-            if intersect(a, b, &mut scratch.piece)
-                && let Some((faces, sums)) = integrate(a, b, &law, &mut scratch.piece)
-            {
-                scratch.pieces.push(Record {
-                    pair: [near.in_a[i as usize], near.in_b[j as usize]],
-                    faces,
-                    sums,
-                });
+        let centre = near.centre;
+        scratch.in_a.reset(near.in_a.len());
+        scratch.in_b.reset(near.in_b.len());
+        let mut clear = f64::INFINITY;
+        for candidate in &mut near.pairs {
+            if motion >= candidate.clear {
+                let [i, j] = candidate.places;
+                let (Some(&tet_a), Some(&tet_b)) =
+                    (near.in_a.get(i as usize), near.in_b.get(j as usize))
+                else {
+                    continue;
+                };
+                let (Some(a), Some(b)) = (
+                    scratch.in_a.get(i, || placed.pose_a(tet_a, &centre)),
+                    scratch.in_b.get(j, || placed.pose_b(tet_b, &centre)),
+                ) else {
+                    continue;
+                };
+                scratch.candidates += 1;
+                match intersect(a, b, &mut scratch.piece) {
+                    None => candidate.clear = motion + distance(a, b),
+                    Some(flush) => {
+                        let sums = integrate(a, b, &law, flush, &mut scratch.piece);
+                        scratch.pieces.extend(sums.map(|(faces, sums)| Record {
+                            pair: [tet_a, tet_b],
+                            faces,
+                            sums,
+                        }));
+                    }
+                }
             }
+            clear = clear.min(candidate.clear);
         }
+        cache.set_clear(clear);
         scratch.gather(pair);
         if let Some(energy) = self.energy(pair, scratch) {
             for (key, sums) in &scratch.sums {
-                let overlap = assemble(sums, &energy, &near.centre, &frame_a.rotation, &between);
+                let overlap = assemble(sums, &energy, &centre, &frame_a.rotation, &between);
                 scratch
                     .patches
                     .extend(overlap.map(|overlap| Patch { overlap, key: *key }));

@@ -67,20 +67,49 @@ const STAR: [[usize; 3]; 4] = [[1, 3, 2], [0, 2, 3], [3, 1, 0], [2, 0, 1]];
 /// The edge before edge k of a vertex, clockwise.
 const BEFORE: [usize; 3] = [2, 0, 1];
 
+/// By half-edge of a tetrahedron, its opposite half-edge. Half-edge 4 v + 3 is not in use.
+const TETRAHEDRON: [u16; 16] = opposite_edges();
+
+/// By half-edge of a tetrahedron, the corner opposite the face to its left.
+const OPPOSITE: [u8; 16] = opposite_corners();
+
+const fn opposite_edges() -> [u16; 16] {
+    let mut twin = [0; 16];
+    let mut h = 0;
+    while h < 12 {
+        let (v, k) = (h / 3, h % 3);
+        let w = STAR[v][k];
+        let mut back = 0;
+        while STAR[w][back] != v {
+            back += 1;
+        }
+        twin[4 * v + k] = (4 * w + back) as u16;
+        h += 1;
+    }
+    twin
+}
+
+const fn opposite_corners() -> [u8; 16] {
+    let mut corner = [0; 16];
+    let mut h = 0;
+    while h < 12 {
+        let (v, k) = (h / 3, h % 3);
+        // Between the edges to star[k] and star[k + 1] lies the face opposite the third.
+        corner[4 * v + k] = STAR[v][BEFORE[k]] as u8;
+        h += 1;
+    }
+    corner
+}
+
 impl Piece {
     /// Makes this a tetrahedron of positive volume. The face opposite corner k gets the label
     /// `label` + k.
     pub fn load(&mut self, corners: &[Vector3; 4], label: u8) {
         self.count = 4;
         self.at[..4].copy_from_slice(corners);
-        for (v, star) in STAR.iter().enumerate() {
-            for k in 0..3 {
-                let w = star[k];
-                let back = (0..3).find(|&j| STAR[w][j] == v).unwrap_or(0);
-                self.twin[4 * v + k] = (4 * w + back) as u16;
-                // Between the edges to star[k] and star[k + 1] lies the face opposite the third.
-                self.label[4 * v + k] = label + star[BEFORE[k]] as u8;
-            }
+        self.twin[..16].copy_from_slice(&TETRAHEDRON);
+        for (l, corner) in self.label.iter_mut().zip(OPPOSITE) {
+            *l = label + corner;
         }
     }
 

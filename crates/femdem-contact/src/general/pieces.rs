@@ -44,14 +44,14 @@ pub(crate) struct Law {
     pub lengths: [f64; 2],
 }
 
-/// Cuts the tetrahedra's common part into `piece`; false if there is none.
-pub(crate) fn intersect(a: &Posed, b: &Posed, piece: &mut Piece) -> bool {
-    if !a.is_near(b, 0.0) {
-        return false;
+/// Cuts the tetrahedra's common part into `piece`; `None` if there is none, otherwise whether faces
+/// of both may coincide.
+pub(crate) fn intersect(a: &Posed, b: &Posed, piece: &mut Piece) -> Option<bool> {
+    if !a.is_near(b) {
+        return None;
     }
-    let (Some(of_a), Some(of_b)) = (a.faces_across(b, 0.0), b.faces_across(a, 0.0)) else {
-        return false;
-    };
+    let (of_a, of_b) = (a.faces_across(b)?, b.faces_across(a)?);
+    let flush = of_a.flush != 0 && of_b.flush != 0;
     // The smaller one is cut, so that round-off goes with the smaller one's size.
     let (small, large, faces, labels) = if a.size() < b.size() {
         (a, b, of_b, LABEL)
@@ -60,19 +60,32 @@ pub(crate) fn intersect(a: &Posed, b: &Posed, piece: &mut Piece) -> bool {
     };
     piece.load(&small.corners, labels[0]);
     (0..4)
-        .filter(|k| faces >> k & 1 == 1)
+        .filter(|k| faces.cut >> k & 1 == 1)
         .all(|k| piece.cut(labels[1] + k as u8, |x| large.depth(k, x)) != Cut::Empty)
+        .then_some(flush)
 }
 
-/// The sums of the piece in the buffer, and its faces; `None` if it has no volume.
+/// A lower bound of the distance of two tetrahedra without a common part, m.
+pub(crate) fn distance(a: &Posed, b: &Posed) -> f64 {
+    let gap = a.gap(b, f64::INFINITY);
+    if gap > 0.0 {
+        gap
+    } else {
+        a.edge_gap(b).max(0.0)
+    }
+}
+
+/// The sums of the piece in the buffer, and its faces; `None` if it has no volume. `flush`: faces
+/// of both tetrahedra may coincide.
 pub(crate) fn integrate(
     a: &Posed,
     b: &Posed,
     law: &Law,
+    flush: bool,
     piece: &mut Piece,
 ) -> Option<(Faces, Sums)> {
     let mut sums = Sums::default();
-    let (faces, whole) = add_skins(a, b, law, piece, &mut sums);
+    let (faces, whole) = add_skins(a, b, law, flush, piece, &mut sums);
     if whole.volume.is_nan() || whole.volume <= 0.0 {
         return None;
     }
@@ -99,6 +112,7 @@ fn add_skins(
     a: &Posed,
     b: &Posed,
     law: &Law,
+    flush: bool,
     piece: &mut Piece,
     sums: &mut Sums,
 ) -> (Faces, Moments) {
@@ -108,15 +122,7 @@ fn add_skins(
         let tet = if label < LABEL[1] { a } else { b };
         (tet, usize::from(label % 4))
     };
-    let mut twins = [None; 8];
-    for k in 0..4 {
-        for l in 0..4 {
-            if a.normals[k].dot(&b.normals[l]) > SAME_NORMAL {
-                twins[k] = Some(4 + l as u8);
-                twins[4 + l] = Some(k as u8);
-            }
-        }
-    }
+    let twins = if flush { twins(a, b) } else { [None; 8] };
     let mut thick = 0_u8;
     for label in (0..8).filter(|l| skins >> l & 1 == 1) {
         let (tet, k) = plane(label);
@@ -144,6 +150,20 @@ fn add_skins(
         }
     });
     (faces, whole)
+}
+
+/// By label, the face of the other tetrahedron that looks the same way.
+fn twins(a: &Posed, b: &Posed) -> [Option<u8>; 8] {
+    let mut twins = [None; 8];
+    for k in 0..4 {
+        for l in 0..4 {
+            if a.normals[k].dot(&b.normals[l]) > SAME_NORMAL {
+                twins[k] = Some(4 + l as u8);
+                twins[4 + l] = Some(k as u8);
+            }
+        }
+    }
+    twins
 }
 
 /// Integral of a tetrahedron's field over a part with the given moments.

@@ -19,6 +19,18 @@ pub(crate) struct Posed {
     pub skin: u8,
 }
 
+/// Faces by their planes, as bits.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Across {
+    /// Those that have a corner of the other tetrahedron outside.
+    pub cut: u8,
+    /// Those that the other reaches up to: only they can coincide with one of its faces.
+    pub flush: u8,
+}
+
+/// Planes are looked at for coinciding if they come this near, over the tetrahedra's size.
+const CLOSE: f64 = 1e-5;
+
 impl Posed {
     /// x -> rotation x + offset.
     pub fn new(cell: &Cell, rotation: &Matrix3, offset: &Vector3) -> Self {
@@ -67,37 +79,170 @@ impl Posed {
         self.offsets[k] - self.normals[k].dot(x)
     }
 
-    /// Whether the boxes come within `margin` of each other.
+    /// Whether the boxes overlap.
     #[inline]
-    pub fn is_near(&self, other: &Self, margin: f64) -> bool {
-        (0..3)
-            .all(|k| self.low[k] <= other.high[k] + margin && other.low[k] <= self.high[k] + margin)
+    pub fn is_near(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 
-    /// Bits of the faces that have a corner of `other` outside; `None` if one of them has all of
-    /// them farther outside than `margin`.
+    /// How the faces' planes lie to `other`; `None` if it is outside one of them.
     #[inline]
-    pub fn faces_across(&self, other: &Self, margin: f64) -> Option<u8> {
-        let mut across = 0;
+    pub fn faces_across(&self, other: &Self) -> Option<Across> {
+        let mut across = Across::default();
+        let close = CLOSE * self.size().max(other.size());
         for k in 0..4 {
-            let mut least = f64::INFINITY;
-            let mut most = f64::NEG_INFINITY;
-            for x in &other.corners {
-                let depth = self.depth(k, x);
-                least = if depth < least { depth } else { least };
-                most = if depth > most { depth } else { most };
-            }
-            if most <= -margin {
+            let [least, most] = self.depths(k, other);
+            if most <= 0.0 {
                 return None;
             }
-            across |= u8::from(least < 0.0) << k;
+            across.cut |= u8::from(least < 0.0) << k;
+            across.flush |= u8::from(least.abs() <= close) << k;
         }
         Some(across)
+    }
+
+    /// Least and largest depth of the other's corners under face k, m.
+    #[inline]
+    fn depths(&self, k: usize, other: &Self) -> [f64; 2] {
+        let mut least = f64::INFINITY;
+        let mut most = f64::NEG_INFINITY;
+        for x in &other.corners {
+            let depth = self.depth(k, x);
+            least = if depth < least { depth } else { least };
+            most = if depth > most { depth } else { most };
+        }
+        [least, most]
+    }
+
+    /// A lower bound of the distance by the planes of the faces, m; not above 0 if they do not
+    /// separate the two. The search ends at the first plane that gives more than `enough`.
+    pub fn gap(&self, other: &Self, enough: f64) -> f64 {
+        let mut gap = f64::NEG_INFINITY;
+        for k in 0..4 {
+            for [_, most] in [self.depths(k, other), other.depths(k, self)] {
+                gap = if -most > gap { -most } else { gap };
+                if gap > enough {
+                    return gap;
+                }
+            }
+        }
+        gap
+    }
+
+    /// As [`gap`](Self::gap), by planes along an edge of each, m.
+    pub fn edge_gap(&self, other: &Self) -> f64 {
+        let mut gap = f64::NEG_INFINITY;
+        for [i, j] in EDGES {
+            let e = self.corners[j] - self.corners[i];
+            for [k, l] in EDGES {
+                let axis = e.cross(&(other.corners[l] - other.corners[k]));
+                let square = axis.norm_squared();
+                if square > 0.0 {
+                    let (a, b) = (extent(&self.corners, &axis), extent(&other.corners, &axis));
+                    let apart = (a[0] - b[1]).max(b[0] - a[1]);
+                    if apart > 0.0 {
+                        gap = gap.max(apart / square.sqrt());
+                    }
+                }
+            }
+        }
+        gap
     }
 
     /// Largest extent of the box, m.
     #[inline]
     pub fn size(&self) -> f64 {
         (self.high - self.low).max()
+    }
+}
+
+/// The edges of a tetrahedron.
+const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+
+/// Least and largest n.x of four corners.
+#[inline]
+fn extent(corners: &[Vector3; 4], n: &Vector3) -> [f64; 2] {
+    let [a, b, c, d] = corners.map(|x| n.dot(&x));
+    [a.min(b).min(c.min(d)), a.max(b).max(c.max(d))]
+}
+
+/// Tetrahedra of one body that are posed when they are first asked for.
+#[derive(Debug, Default)]
+pub(crate) struct PosedList {
+    /// By place: where in the list it is, or [`NONE`].
+    at: Vec<u32>,
+    list: Vec<Posed>,
+}
+
+impl PosedList {
+    /// Forgets all and makes room for `count` places.
+    pub fn reset(&mut self, count: usize) {
+        self.list.clear();
+        self.at.clear();
+        self.at.resize(count, NONE);
+    }
+
+    /// The tetrahedron of a place, posed if it is asked for the first time; `None` if there is
+    /// no such place or tetrahedron.
+    #[inline]
+    pub fn get(&mut self, place: u32, pose: impl FnOnce() -> Option<Posed>) -> Option<&Posed> {
+        let at = self.at.get_mut(place as usize)?;
+        if *at == NONE {
+            let posed = pose()?;
+            *at = self.list.len() as u32;
+            self.list.push(posed);
+        }
+        self.list.get(*at as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tet(corners: [[f64; 3]; 4]) -> Posed {
+        let cell = Cell::new(corners.map(Vector3::from), [0.0, 0.0, 0.0, 1.0], [NONE; 4]);
+        Posed::shifted(&cell, &Vector3::zeros())
+    }
+
+    /// Two wedges, edge across edge: only the plane along both edges separates them, and the
+    /// distance is that of the edges.
+    #[test]
+    fn crossed_edges_have_their_distance() {
+        let below = tet([
+            [-1.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, -1.0, -0.5],
+            [0.0, 1.0, -0.5],
+        ]);
+        let above = tet([
+            [0.0, -1.0, 0.01],
+            [0.0, 1.0, 0.01],
+            [-1.0, 0.0, 0.51],
+            [1.0, 0.0, 0.51],
+        ]);
+        assert!(below.gap(&above, f64::INFINITY) <= 0.0);
+        assert!((below.edge_gap(&above) - 0.01).abs() < 1e-15);
+        assert!((above.edge_gap(&below) - 0.01).abs() < 1e-15);
+        assert_eq!(below.edge_gap(&below), f64::NEG_INFINITY);
+    }
+
+    /// A corner over a face: the plane of the face tells the distance.
+    #[test]
+    fn a_corner_over_a_face_has_its_distance() {
+        let below = tet([
+            [0.0, 0.0, -1.0],
+            [2.0, -2.0, 0.0],
+            [0.0, 2.0, 0.0],
+            [-2.0, -2.0, 0.0],
+        ]);
+        let above = tet([
+            [0.0, 0.0, 0.02],
+            [1.0, 0.0, 1.0],
+            [0.0, 1.0, 1.0],
+            [-1.0, -1.0, 1.0],
+        ]);
+        assert!((below.gap(&above, f64::INFINITY) - 0.02).abs() < 1e-15);
+        assert!((above.gap(&below, f64::INFINITY) - 0.02).abs() < 1e-15);
     }
 }
