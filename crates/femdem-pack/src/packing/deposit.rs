@@ -19,7 +19,7 @@ impl Packing {
         if self.world.time() >= self.job.next_check {
             self.guard()?;
             if self.job.relaxing.is_some() {
-                self.check_relaxation();
+                self.check_relaxation()?;
             }
             self.wait_for_next_check();
         }

@@ -8,9 +8,9 @@
 //! many there are.
 //!
 //! What remains after that is the slowest oscillation of the whole column, which contacts damp
-//! little and the longer it lasts the higher the pack is. The last relaxation therefore goes on in a
-//! medium that damps it critically. The medium moves no body at rest, and the verification, without
-//! it, shows that they are.
+//! little and the longer it lasts the higher the pack is. The last relaxation therefore begins in a
+//! medium that damps it critically, and ends without it. The medium moves no body at rest, and the
+//! verification shows that they are.
 
 use super::surface::{mean_top, positions};
 use super::{Packing, Stage};
@@ -98,23 +98,34 @@ impl Packing {
     }
 
     /// A check: ends the relaxation that is going on if the pack is calm, or if it has had its
-    /// time.
-    pub(super) fn check_relaxation(&mut self) {
+    /// time; the last one first loses its medium.
+    pub(super) fn check_relaxation(&mut self) -> Result<(), PackError> {
         let Some(relaxing) = self.job.relaxing.take() else {
-            return;
+            return Ok(());
         };
         let settling = &self.job.spec.settling;
-        let limit = match self.job.stage {
-            Stage::Depositing => CALM,
-            // Not the largest force: the medium would only delay single bodies that still turn over.
-            _ => settling.residual,
+        let found = self.world.residuals();
+        let is_damped = self.world.parameters().medium != Medium::default();
+        let is_calm = match self.job.stage {
+            Stage::Depositing => found.mean_over_weight <= CALM,
+            // Not the largest force: the medium would only delay single bodies that turn over.
+            _ if is_damped => found.mean_over_weight <= settling.residual,
+            _ => found.max_over_load <= settling.aim,
         };
-        let is_calm = self.world.residuals().mean_over_weight <= limit;
         let longest = settling.longest_verification * self.job.spec.time_unit();
         let calm = if is_calm { relaxing.calm + 1 } else { 0 };
-        if calm < CALM_CHECKS && self.world.time() - relaxing.began <= longest {
+        let in_time = self.world.time() - relaxing.began <= longest;
+        if calm < CALM_CHECKS && in_time {
             self.job.relaxing = Some(Relaxing { calm, ..relaxing });
-            return;
+            return Ok(());
+        }
+        if is_damped && in_time && self.job.stage == Stage::Settling {
+            self.world.set_medium(Medium::default())?;
+            self.job.relaxing = Some(Relaxing {
+                calm: 0,
+                ..relaxing
+            });
+            return Ok(());
         }
         let (mean, max) = self.displacements(&relaxing.from);
         self.job.relaxation = Some(Relaxation {
@@ -124,6 +135,7 @@ impl Packing {
             max_displacement_over_d: max,
         });
         self.world.set_sleeping(true);
+        Ok(())
     }
 
     /// Mean and largest distance of the centroids from where they were, over d.

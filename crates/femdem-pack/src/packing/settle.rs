@@ -16,7 +16,7 @@ impl Packing {
         if self.job.relaxing.is_some() {
             if self.world.time() >= self.job.next_check {
                 self.guard()?;
-                self.check_relaxation();
+                self.check_relaxation()?;
                 self.wait_for_next_check();
             }
             return match self.job.relaxing {
