@@ -90,13 +90,14 @@ impl Output {
              arrangements {}. Numbers count as negative from 1e-9 of what a deep overlap gives. Kernels \
              with a cache are asked three times for each pair.\n\n\
              Where faces of both bodies lie in one plane to the last digit, the kernels may count a \
-             contact that has no thickness differently: there the energies differ by up to {} p r^3, r \
-             being the radius of the smaller body. This is no figure to be reached; it is what is left \
-             to mend.",
+             contact that has no thickness differently: there the energies of {} pairs of \
+             convex bodies differ by more than 1e-9 p r^3, r being the radius of the smaller body, and by \
+             up to {} p r^3. This is no figure to be reached; it is what is left to mend.",
             short(self.number("smallest radius")),
             short(self.number("largest radius")),
             short(self.number("farther than 1e4 m")),
             arrangements.join(", "),
+            short(self.number("unequal energies, coinciding planes")),
             short(self.number("energy difference, coinciding planes")),
         )
     }

@@ -30,6 +30,9 @@ const PLACEMENTS: u64 = 32;
 /// Faults that are told in full.
 const TOLD: usize = 5;
 
+/// Energies that differ by more than this over p r^3 are told of.
+const UNEQUAL: f64 = 1e-9;
+
 /// What one thread, or all of them, found.
 #[derive(Default)]
 struct Tally {
@@ -44,6 +47,8 @@ struct Tally {
     arrangements: [u64; Arrangement::ALL.len()],
     /// Largest differences of energies: planes in general position, planes that may coincide.
     energy_difference: [f64; 2],
+    /// Pairs whose energies differ by more than [`UNEQUAL`], likewise.
+    unequal: [u64; 2],
     told: Vec<String>,
 }
 
@@ -72,6 +77,13 @@ impl Tally {
         let kind = usize::from(planes_may_coincide(pair.arrangement));
         let largest = &mut self.energy_difference[kind];
         *largest = largest.max(verdict.energy_difference);
+        if verdict.energy_difference > UNEQUAL {
+            self.unequal[kind] += 1;
+            if kind == 0 {
+                let difference = verdict.energy_difference;
+                self.tell(format!("energies differ by {difference:e}: {pair:?}"));
+            }
+        }
         for (kernel, text) in verdict.faults {
             self.faults[kernel] += 1;
             self.tell(format!("{}: {text}: {pair:?}", KERNELS[kernel]));
@@ -105,6 +117,8 @@ impl Tally {
         {
             *x = x.max(y);
         }
+        let unequal = self.unequal.iter_mut().zip(other.unequal);
+        unequal.for_each(|(x, y)| *x += y);
         self.pairs += other.pairs;
         self.panics += other.panics;
         self.far += other.far;
@@ -123,6 +137,9 @@ impl Tally {
         println!("farther than 1e4 m\t{}", self.far);
         println!("smallest radius\t{:e}", self.smallest);
         println!("largest radius\t{:e}", self.largest);
+        let [general, coinciding] = self.unequal;
+        println!("unequal energies\t{general}");
+        println!("unequal energies, coinciding planes\t{coinciding}");
         let [general, coinciding] = self.energy_difference;
         println!("energy difference\t{general:e}");
         println!("energy difference, coinciding planes\t{coinciding:e}");
