@@ -67,6 +67,7 @@ impl Case {
                 Self::Boulders,
                 Self::Dolosse,
                 Self::Scan,
+                Self::FuzzPairs,
                 Self::Cost,
             ],
             single => vec![single],
