@@ -143,8 +143,9 @@ fn scaled(mesh: &TetMesh, size: f64) -> TetMesh {
 
 /// Pairs of any sizes from 1e-9 to 1e6 m, far from the origin, at any distance from each other:
 /// no panic, finite results, opposite wrenches.
-fn hostile(pairs: usize, seed: u64) {
-    let mut stream = Stream(seed);
+#[test]
+fn hostile_scales_give_finite_contacts() {
+    let (pairs, mut stream) = (3000, Stream(43));
     let fields = [Field::Body, Field::Classic];
     let shapes = [tets::cube(1), tets::l_block(), tets::dolos()];
     let mut bodies: Vec<FieldMesh> = Vec::new();
@@ -218,16 +219,4 @@ fn hostile(pairs: usize, seed: u64) {
         }
     }
     assert!(touching > pairs / 10, "{touching}");
-}
-
-#[test]
-fn hostile_scales_give_finite_contacts() {
-    hostile(3000, 43);
-}
-
-/// A million pairs; takes minutes in a release build.
-#[test]
-#[ignore = "minutes"]
-fn a_million_hostile_pairs_give_finite_contacts() {
-    hostile(1_000_000, 47);
 }

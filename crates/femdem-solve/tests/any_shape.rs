@@ -80,9 +80,9 @@ fn elastic_box_keeps_its_energy() {
     assert!(trend.abs() < 5e-5, "energy trend {trend:e}");
 }
 
-/// Twenty of each for a whole second: some minutes.
+/// Twenty of each for a whole second.
 #[test]
-#[ignore = "takes minutes; run in release"]
+#[ignore = "a minute: cargo test --release -p femdem-solve --test any_shape -- --ignored"]
 fn elastic_box_keeps_its_energy_for_a_second() {
     let (worst, trend, seen) = elastic_box(40, 1.0);
     assert!(

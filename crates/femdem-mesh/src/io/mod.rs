@@ -21,7 +21,7 @@ pub use crate::repair::{FacetList, Options, Orient, Report};
 use crate::repair::{LOOSE_WELD, close};
 use crate::{MeshError, Point3, Polyhedron, Pose};
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, Write};
 use std::path::Path;
 
 /// Largest file that is read \[bytes\].
@@ -178,6 +178,23 @@ fn posed_vertices(body: &Polyhedron, pose: &Pose) -> Result<Vec<Point3>, MeshErr
             })
         }
     }
+}
+
+/// Writes a line for each vertex, then for each face the number of its vertices and their indices:
+/// the body of OFF and of ASCII PLY.
+fn write_lists(body: &Polyhedron, mut writer: impl Write) -> Result<(), MeshError> {
+    for p in body.vertices() {
+        writeln!(writer, "{} {} {}", p.x, p.y, p.z)?;
+    }
+    for face in body.faces() {
+        write!(writer, "{}", face.len())?;
+        for v in face {
+            write!(writer, " {v}")?;
+        }
+        writeln!(writer)?;
+    }
+    writer.flush()?;
+    Ok(())
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@
 //! passed over, comments start with `#`. Vertices of equal coordinates are welded.
 
 use super::text::{Lines, count, number, point, problem, shortened, words};
-use super::{Facets, Format, MAX_FILE_BYTES, Options, posed_vertices, read_limited};
-use crate::{MeshError, Polyhedron, Pose};
+use super::{Facets, Format, MAX_FILE_BYTES, Options, read_limited, write_lists};
+use crate::{MeshError, Polyhedron};
 use std::io::{Read, Write};
 
 /// Reads a body.
@@ -134,18 +134,7 @@ fn face(content: &[u8], line: usize) -> Result<Vec<u32>, MeshError> {
 pub fn write(body: &Polyhedron, mut writer: impl Write) -> Result<(), MeshError> {
     let (vertices, faces) = (body.vertices().len(), body.face_count());
     writeln!(writer, "OFF\n{vertices} {faces} {}", body.edges().len())?;
-    for p in posed_vertices(body, &Pose::identity())? {
-        writeln!(writer, "{} {} {}", p.x, p.y, p.z)?;
-    }
-    for face in body.faces() {
-        write!(writer, "{}", face.len())?;
-        for v in face {
-            write!(writer, " {v}")?;
-        }
-        writeln!(writer)?;
-    }
-    writer.flush()?;
-    Ok(())
+    write_lists(body, writer)
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@
 mod header;
 mod values;
 
-use super::{Facets, Format, MAX_FILE_BYTES, Options, posed_vertices, read_limited};
-use crate::{MeshError, Point3, Polyhedron, Pose};
+use super::{Facets, Format, MAX_FILE_BYTES, Options, read_limited, write_lists};
+use crate::{MeshError, Point3, Polyhedron};
 use header::{Element, Header, Kind, Property};
 use std::io::{Read, Write};
 use values::Values;
@@ -172,18 +172,7 @@ pub fn write(body: &Polyhedron, mut writer: impl Write) -> Result<(), MeshError>
     }
     writeln!(writer, "element face {faces}")?;
     writeln!(writer, "property list uint uint vertex_indices\nend_header")?;
-    for p in posed_vertices(body, &Pose::identity())? {
-        writeln!(writer, "{} {} {}", p.x, p.y, p.z)?;
-    }
-    for face in body.faces() {
-        write!(writer, "{}", face.len())?;
-        for v in face {
-            write!(writer, " {v}")?;
-        }
-        writeln!(writer)?;
-    }
-    writer.flush()?;
-    Ok(())
+    write_lists(body, writer)
 }
 
 #[cfg(test)]
