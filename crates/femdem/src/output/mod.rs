@@ -6,11 +6,13 @@
 //! | `pack.vtu` | [`vtu`] | ParaView: the bodies as polyhedra |
 //! | `contacts.vtp` | [`vtp`] | ParaView: the contacts as points with forces |
 //! | `pack.stl`, `shape-<name>.obj` | [`surface`] | CFD meshing; one body alone |
+//! | `*.pvd` | [`write_pvd`] | ParaView: files of a time series with their times |
 //!
 //! Every function takes a [`Snapshot`](crate::Snapshot) and a writer, so that a host can write
 //! anywhere; [`write_file`] makes a file of what such a function writes.
 
 pub mod csv;
+mod pvd;
 pub mod surface;
 mod vtk;
 pub mod vtp;
@@ -19,6 +21,8 @@ pub mod vtu;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
+
+pub use pvd::write_pvd;
 
 use crate::Error;
 
