@@ -35,6 +35,7 @@
 //! - [`packing_density`]; its parts [`exact_density`] and [`grid_density`].
 //! - [`pair_overlaps`]: how far bodies run into each other. [`volume_inside`] and
 //!   [`intersection_volume`] are the kernels, for one body and for one pair.
+//! - [`Table`]: every result as CSV; JSON through serde. [`BlockBootstrap`]: errors of means.
 //! - [`coordination`] from [`Touch`]es; [`contact_counts`] body by body.
 //!
 //! # Units
@@ -55,6 +56,7 @@
 //! for truncated dodecahedra, 0.1 s for dolosse, 0.5 s for surfaces of 1,280 triangles, 2 s for 5,120.
 
 mod axis;
+mod bootstrap;
 mod bounds;
 mod clip;
 mod coordination;
@@ -69,8 +71,10 @@ mod pack;
 mod polygon;
 mod prisms;
 mod region;
+mod table;
 mod top;
 
+pub use bootstrap::BlockBootstrap;
 pub use coordination::{
     ContactCount, Coordination, CoordinationOptions, Partner, Touch, contact_counts, coordination,
 };
@@ -83,4 +87,5 @@ pub use error::AnalysisError;
 pub use overlap::{PairOverlap, PairOverlaps, intersection_volume, pair_overlaps};
 pub use pack::{Pack, PosedBody};
 pub use region::Region;
+pub use table::{Cell, Table};
 pub use top::{TopPlane, top_plane};

@@ -1,6 +1,5 @@
 //! Packing density: exactly, by the paper's grid, and with its standard error.
 
-mod bootstrap;
 mod exact;
 mod grid;
 
@@ -9,6 +8,7 @@ use serde::{Deserialize, Serialize};
 pub use exact::{ExactDensity, exact_density, volume_inside};
 pub use grid::{GridDensity, grid_density};
 
+use crate::bootstrap::BlockBootstrap;
 use crate::error::AnalysisError;
 use crate::pack::Pack;
 use crate::region::Region;
@@ -41,27 +41,23 @@ impl Default for DensityOptions {
 
 impl DensityOptions {
     fn validate(&self) -> Result<(), AnalysisError> {
-        for (name, value) in [
-            ("grid_spacing_over_d", self.grid_spacing_over_d),
-            ("block_over_d", self.block_over_d),
-        ] {
-            if !value.is_finite() || value <= 0.0 {
-                return Err(AnalysisError::Option {
-                    name,
-                    value,
-                    allowed: "above zero and finite",
-                });
-            }
-        }
-        if self.resamples < 2 {
-            let value = f64::from(self.resamples);
+        let spacing = self.grid_spacing_over_d;
+        if !spacing.is_finite() || spacing <= 0.0 {
             return Err(AnalysisError::Option {
-                name: "resamples",
-                value,
-                allowed: "2 or more",
+                name: "grid_spacing_over_d",
+                value: spacing,
+                allowed: "above zero and finite",
             });
         }
-        Ok(())
+        self.bootstrap().validate()
+    }
+
+    fn bootstrap(&self) -> BlockBootstrap {
+        BlockBootstrap {
+            block_over_d: self.block_over_d,
+            resamples: self.resamples,
+            seed: self.seed,
+        }
     }
 }
 
@@ -125,7 +121,7 @@ pub fn packing_density(
         grid: grid.density,
         grid_spacing: grid.spacing,
         grid_error: grid.error,
-        standard_error: bootstrap::standard_error(&densities, options.resamples, options.seed),
+        standard_error: options.bootstrap().mean_error(&densities),
         blocks: blocks.len(),
         core: *region,
         parts,
