@@ -25,6 +25,17 @@ pub enum SolveError {
         /// The allowed range in words.
         allowed: &'static str,
     },
+    /// A material is known by name only and no law of that name was given.
+    #[error(
+        "no law was given for the material '{name}' (given: {given}); pass it to \
+         AnyMaterial::bind after reading a checkpoint or a scene that names it"
+    )]
+    UnboundMaterial {
+        /// The name that was looked for.
+        name: String,
+        /// The names of the laws given.
+        given: String,
+    },
     /// An index refers to something that was never added.
     #[error("there is no {what} {index}: {count} were added")]
     NoSuch {

@@ -40,6 +40,7 @@
 //!   tetrahedra that fill it; [`World::add_wall`] takes planes and meshes.
 //! - [`Drive`]: prescribed motion of a wall or a body: shaken, tapped, drawn along a line, turned
 //!   about an axis.
+//! - [`material`]: laws of deformable matter behind one trait, and how to add one.
 //! - [`Ledger`]: where every joule came from and went.
 //! - [`checkpoint`]: files that survive crashes; [`World::to_bytes`] and [`World::state_hash`].
 //!
@@ -91,6 +92,7 @@ pub mod checkpoint;
 mod drive;
 mod error;
 mod ledger;
+pub mod material;
 mod parameters;
 mod rotation;
 mod world;

@@ -1,0 +1,122 @@
+//! One type for all laws, for models and files.
+
+use super::{CustomMaterial, Deformation, Material, NeoHookean, Response, Tangent};
+use crate::error::SolveError;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Any law of this crate, or one from outside. In files: `{ neo_hookean = { young = 1e9, poisson =
+/// 0.3 } }` and the like; values are checked when read.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum AnyMaterial {
+    /// Neo-Hookean solid.
+    NeoHookean(NeoHookean),
+    /// A law from outside this crate.
+    Custom(CustomMaterial),
+}
+
+impl AnyMaterial {
+    /// A law from outside this crate.
+    #[must_use]
+    pub fn custom(law: Arc<dyn Material>) -> Self {
+        Self::Custom(CustomMaterial::new(law))
+    }
+
+    /// Gives a custom law that is known by its name alone (after a file was read) the law of that name
+    /// among `laws`. Laws of this crate are left as they are.
+    ///
+    /// # Errors
+    /// [`SolveError::UnboundMaterial`] if a name is not among `laws`.
+    pub fn bind(&mut self, laws: &[Arc<dyn Material>]) -> Result<(), SolveError> {
+        match self {
+            Self::Custom(custom) if custom.law().is_none() => {
+                let law = laws.iter().find(|law| law.name() == custom.name());
+                let law = law.ok_or_else(|| SolveError::UnboundMaterial {
+                    name: custom.name().to_owned(),
+                    given: names(laws),
+                })?;
+                *custom = CustomMaterial::new(Arc::clone(law));
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The name of a custom law that has yet to be bound.
+    #[must_use]
+    pub fn unbound(&self) -> Option<&str> {
+        match self {
+            Self::Custom(custom) if custom.law().is_none() => Some(custom.name()),
+            _ => None,
+        }
+    }
+
+    /// The law; `None` for a custom law that has yet to be bound.
+    #[inline]
+    fn law(&self) -> Option<&dyn Material> {
+        match self {
+            Self::NeoHookean(law) => Some(law),
+            Self::Custom(custom) => custom.law(),
+        }
+    }
+}
+
+impl Material for AnyMaterial {
+    fn name(&self) -> &str {
+        match self {
+            Self::Custom(custom) => custom.name(),
+            _ => self.law().map_or("", Material::name),
+        }
+    }
+
+    fn history_len(&self) -> usize {
+        self.law().map_or(0, Material::history_len)
+    }
+
+    #[inline]
+    fn respond(&self, d: &Deformation, old: &[f64], new: &mut [f64]) -> Option<Response> {
+        match self {
+            // Direct, so that the default law can be inlined into an element loop.
+            Self::NeoHookean(law) => law.respond(d, old, new),
+            _ => self.law()?.respond(d, old, new),
+        }
+    }
+
+    fn tangent(&self, d: &Deformation, old: &[f64]) -> Option<Tangent> {
+        self.law()?.tangent(d, old)
+    }
+
+    fn wave_modulus(&self) -> f64 {
+        self.law().map_or(f64::NAN, Material::wave_modulus)
+    }
+
+    fn stiffness_bound(&self, d: &Deformation, old: &[f64]) -> f64 {
+        self.law()
+            .map_or(f64::NAN, |law| law.stiffness_bound(d, old))
+    }
+
+    fn viscosity(&self) -> f64 {
+        self.law().map_or(f64::NAN, Material::viscosity)
+    }
+
+    fn viscosity_bound(&self, d: &Deformation) -> f64 {
+        self.law().map_or(f64::NAN, |law| law.viscosity_bound(d))
+    }
+}
+
+impl From<NeoHookean> for AnyMaterial {
+    fn from(law: NeoHookean) -> Self {
+        Self::NeoHookean(law)
+    }
+}
+
+fn names(laws: &[Arc<dyn Material>]) -> String {
+    let names: Vec<_> = laws.iter().map(|law| law.name()).collect();
+    if names.is_empty() {
+        "none".to_owned()
+    } else {
+        names.join(", ")
+    }
+}

@@ -1,0 +1,107 @@
+//! The compressible neo-Hookean solid.
+
+use super::moduli::ElasticRecord;
+use super::{Deformation, Material, Moduli, Response, Tangent};
+use crate::error::SolveError;
+use femdem_mesh::Matrix3;
+use serde::{Deserialize, Serialize};
+
+/// W = mu/2 (I1 - 3) - mu ln J + lambda/2 ln^2 J, so P = mu (F - F^-T) + lambda ln J F^-T and
+/// tau = mu (b - I) + lambda ln J I (Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element
+/// Analysis, 2nd ed., eqs. 6.27-6.29).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "ElasticRecord", into = "ElasticRecord")]
+pub struct NeoHookean {
+    moduli: Moduli,
+}
+
+impl NeoHookean {
+    /// The solid with Young's modulus `young` in Pa and Poisson's ratio `poisson` at small strain.
+    ///
+    /// # Errors
+    /// [`SolveError::Parameter`] unless young > 0 and -1 < poisson < 0.5.
+    pub fn new(young: f64, poisson: f64) -> Result<Self, SolveError> {
+        Ok(Self {
+            moduli: Moduli::new(young, poisson)?,
+        })
+    }
+
+    /// The moduli at small strain.
+    #[inline]
+    #[must_use]
+    pub fn moduli(&self) -> &Moduli {
+        &self.moduli
+    }
+}
+
+impl Material for NeoHookean {
+    fn name(&self) -> &str {
+        "neo-Hookean"
+    }
+
+    #[inline]
+    fn respond(&self, d: &Deformation, _old: &[f64], _new: &mut [f64]) -> Option<Response> {
+        let Moduli { lambda, shear, .. } = self.moduli;
+        let f = &d.gradient;
+        let j = d.volume_ratio()?;
+        let log_j = j.ln();
+        let energy =
+            0.5 * shear * (f.norm_squared() - 3.0) + (0.5 * lambda * log_j - shear) * log_j;
+        let inverse_t = cofactor(f) / j;
+        Response::elastic(energy, f * shear + inverse_t * (lambda * log_j - shear))
+    }
+
+    fn tangent(&self, d: &Deformation, _old: &[f64]) -> Option<Tangent> {
+        let Moduli { lambda, shear, .. } = self.moduli;
+        let j = d.volume_ratio()?;
+        let g = cofactor(&d.gradient) / j; // F^-T
+        let pressure_like = shear - lambda * j.ln();
+        let mut tangent = Tangent::identity() * shear;
+        for (row, (i, jj)) in entries().enumerate() {
+            for (column, (k, l)) in entries().enumerate() {
+                tangent[(row, column)] +=
+                    lambda * g[(i, jj)] * g[(k, l)] + pressure_like * g[(k, jj)] * g[(i, l)];
+            }
+        }
+        tangent.iter().all(|t| t.is_finite()).then_some(tangent)
+    }
+
+    fn wave_modulus(&self) -> f64 {
+        self.moduli.wave()
+    }
+
+    /// mu + (max(lambda, 0) + |mu - lambda ln J|) / s^2 with the smallest stretch s: the three terms of
+    /// the tangent, each at its largest.
+    fn stiffness_bound(&self, d: &Deformation, _old: &[f64]) -> f64 {
+        let Moduli { lambda, shear, .. } = self.moduli;
+        let s = d.smallest_stretch();
+        let log_j = d.gradient.determinant().ln();
+        shear + (lambda.max(0.0) + (shear - lambda * log_j).abs()) / (s * s)
+    }
+}
+
+impl From<NeoHookean> for ElasticRecord {
+    fn from(law: NeoHookean) -> Self {
+        law.moduli.into()
+    }
+}
+
+impl TryFrom<ElasticRecord> for NeoHookean {
+    type Error = SolveError;
+
+    fn try_from(record: ElasticRecord) -> Result<Self, SolveError> {
+        Self::new(record.young, record.poisson)
+    }
+}
+
+/// det(F) F^-T.
+#[inline]
+fn cofactor(f: &Matrix3) -> Matrix3 {
+    let [a, b, c] = [f.column(0), f.column(1), f.column(2)];
+    Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
+}
+
+/// The pairs (i, J) in the order of a [`Tangent`]'s rows.
+fn entries() -> impl Iterator<Item = (usize, usize)> {
+    (0..9).map(|n| (n / 3, n % 3))
+}

@@ -1,0 +1,62 @@
+//! Eigenvalues and eigenvectors of symmetric 3 x 3 matrices.
+
+use femdem_mesh::Matrix3;
+
+/// S = sum_A values[A] n_A (x) n_A with n_A the columns of `vectors`, orthonormal to round-off.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Spectral {
+    /// Eigenvalues, in no order.
+    pub values: [f64; 3],
+    /// Eigenvectors as columns, in the order of the values.
+    #[expect(dead_code, reason = "read by the laws in logarithmic strain")]
+    pub vectors: Matrix3,
+}
+
+impl Spectral {
+    /// Cyclic Jacobi rotations (Golub and Van Loan, Matrix Computations, 4th ed., section 8.5): as
+    /// accurate for equal eigenvalues as for distinct ones. The upper triangle is read. A matrix that
+    /// is not finite gives values that are not finite.
+    pub fn of(symmetric: &Matrix3) -> Self {
+        // Convergence is quadratic: five sweeps reach round-off, the rest is for safety.
+        const SWEEPS: usize = 12;
+        let mut s = *symmetric;
+        let mut vectors = Matrix3::identity();
+        for _ in 0..SWEEPS {
+            let off = s.m12 * s.m12 + s.m13 * s.m13 + s.m23 * s.m23;
+            let diagonal = s.m11 * s.m11 + s.m22 * s.m22 + s.m33 * s.m33;
+            // Squares: off-diagonal entries below 1e-18 of the norm change no bit of a result.
+            if off <= 1e-36 * diagonal {
+                break;
+            }
+            for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+                rotate(&mut s, &mut vectors, p, q);
+            }
+        }
+        let values = [s.m11, s.m22, s.m33];
+        Self { values, vectors }
+    }
+}
+
+/// The rotation in the plane (p, q) that makes s_pq zero.
+fn rotate(s: &mut Matrix3, vectors: &mut Matrix3, p: usize, q: usize) {
+    if s[(p, q)] == 0.0 {
+        return;
+    }
+    let cot2 = (s[(q, q)] - s[(p, p)]) / (2.0 * s[(p, q)]);
+    // The smaller root of t^2 + 2 t cot2 = 1; an overflow to infinity gives t = 0.
+    let tangent = 1.0_f64.copysign(cot2) / (cot2.abs() + (cot2 * cot2 + 1.0).sqrt());
+    let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
+    let sine = tangent * cosine;
+    let r = 3 - p - q;
+    let (pq, rp, rq) = (s[(p, q)], s[(p.min(r), p.max(r))], s[(q.min(r), q.max(r))]);
+    s[(p, p)] -= tangent * pq;
+    s[(q, q)] += tangent * pq;
+    s[(p, q)] = 0.0;
+    s[(p.min(r), p.max(r))] = cosine * rp - sine * rq;
+    s[(q.min(r), q.max(r))] = sine * rp + cosine * rq;
+    for i in 0..3 {
+        let (vp, vq) = (vectors[(i, p)], vectors[(i, q)]);
+        vectors[(i, p)] = cosine * vp - sine * vq;
+        vectors[(i, q)] = sine * vp + cosine * vq;
+    }
+}
