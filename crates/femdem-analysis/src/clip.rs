@@ -2,6 +2,7 @@
 
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
 
+use crate::ball::volume_in_ball;
 use crate::bounds::Bounds;
 use crate::prisms::volume_in_cylinder;
 use crate::region::Region;
@@ -240,13 +241,14 @@ impl Clipper {
         }
     }
 
-    /// Keeps the part inside the planes of `region`; a cylinder's round side is left to
+    /// Keeps the part inside the planes of `region`; what is round is left to
     /// [`volume_in`](Self::volume_in).
     pub(crate) fn clip_to_planes(&mut self, region: &Region) {
         let (min, max) = region.corners();
         let axes: &[usize] = match region {
             Region::Box { .. } => &[0, 1, 2],
             Region::Cylinder { .. } => &[2],
+            Region::Sphere { .. } => &[],
         };
         for &k in axes {
             let mut normal = Vector3::zeros();
@@ -271,6 +273,11 @@ impl Clipper {
                 let origin = Point3::new(centre[0], centre[1], z_min);
                 let mut volume = 0.0;
                 self.each_triangle(|t| volume += volume_in_cylinder(&t, 2, &origin, radius));
+                volume
+            }
+            Region::Sphere { centre, radius } => {
+                let mut volume = 0.0;
+                self.each_triangle(|t| volume += volume_in_ball(&t, &centre, radius));
                 volume
             }
         }

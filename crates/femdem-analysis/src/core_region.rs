@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::AnalysisError;
 use crate::pack::Pack;
-use crate::region::Region;
+use crate::region::{NOT_UPRIGHT, Region};
 use crate::top::{TopPlane, top_plane};
 
 /// How [`choose_core`] insets.
@@ -89,7 +89,8 @@ pub struct CoreRegion {
 /// ```
 ///
 /// # Errors
-/// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`] for the container, [`AnalysisError::Option`],
+/// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`] for the container, [`AnalysisError::RegionKind`]
+/// for a sphere (take [`Region::inset`]), [`AnalysisError::Option`],
 /// [`AnalysisError::NoPackInContainer`], [`AnalysisError::GridTooFine`] for the columns.
 pub fn choose_core(
     pack: &Pack,
@@ -98,6 +99,9 @@ pub fn choose_core(
 ) -> Result<CoreRegion, AnalysisError> {
     options.validate()?;
     container.validate()?;
+    if matches!(container, Region::Sphere { .. }) {
+        return Err(NOT_UPRIGHT);
+    }
     let diameter = pack.mean_diameter()?;
     let top = top_plane(pack, container, options.column_spacing_over_d * diameter)?;
     let (min, max) = container.corners();
@@ -133,6 +137,7 @@ pub fn choose_core(
             z_min,
             z_max,
         },
+        Region::Sphere { .. } => return Err(NOT_UPRIGHT),
     };
     region.validate()?;
     Ok(CoreRegion {

@@ -41,6 +41,14 @@ pub enum AnalysisError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// A kind of region for which there is no such analysis.
+    #[error("{what} cannot be had in such a region; give {instead}")]
+    RegionKind {
+        /// What was asked for.
+        what: &'static str,
+        /// The regions it can be had in.
+        instead: &'static str,
+    },
     /// An option outside its range.
     #[error("option {name} = {value} is not allowed; it must be {allowed}")]
     Option {

@@ -31,7 +31,7 @@
 //!
 //! # What is where
 //! - [`Pack`], [`PosedBody`]: the input. [`Region`]: where to measure.
-//! - [`choose_core`], [`top_plane`]: the core region away from walls, floor and top.
+//! - [`choose_core`], [`top_plane`], [`Region::inset`]: the core region away from walls, floor and top.
 //! - [`packing_density`]; its parts [`exact_density`] and [`grid_density`].
 //! - [`pair_overlaps`]: how far bodies run into each other. [`volume_inside`] and
 //!   [`intersection_volume`] are the kernels, for one body and for one pair.
@@ -56,6 +56,7 @@
 //! for truncated dodecahedra, 0.1 s for dolosse, 0.5 s for surfaces of 1,280 triangles, 2 s for 5,120.
 
 mod axis;
+mod ball;
 mod bootstrap;
 mod bounds;
 mod clip;

@@ -131,6 +131,9 @@ struct Scratch {
 }
 
 /// Volume of `i ∩ j ∩ region`.
+///
+/// A sphere is met by its tangent plane when neither body goes by planes: the error is of the order of the
+/// extent of what is shared over the radius, in the part of it that the sphere cuts.
 fn shared_volume(scratch: &mut Scratch, pack: &Pack, (i, j): Pair, region: Option<&Region>) -> f64 {
     if !pack.bounds(i).meets(pack.bounds(j)) {
         return 0.0;
@@ -210,6 +213,12 @@ fn shared_by_prisms(
     if let Some(region) = region {
         clipper.load(pack.shape(i), pack.pose(i));
         clipper.clip_to_planes(region);
+        if let Region::Sphere { centre, radius } = region {
+            let middle = reach[0].clamped_to(&reach[1]).middle_and_half().0;
+            if let Some(outward) = (middle - centre).try_normalize(0.0) {
+                clipper.clip(&outward, outward.dot(&centre.coords) + radius);
+            }
+        }
         if clipper.is_empty() {
             return 0.0;
         }

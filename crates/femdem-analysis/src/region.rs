@@ -1,4 +1,4 @@
-//! Regions of space to measure in: boxes and upright cylinders.
+//! Regions of space to measure in: boxes, upright cylinders, spheres.
 
 use std::f64::consts::PI;
 
@@ -32,7 +32,20 @@ pub enum Region {
         /// Height of the upper end (m).
         z_max: f64,
     },
+    /// Ball.
+    Sphere {
+        /// Centre (m).
+        centre: Point3,
+        /// Radius (m).
+        radius: f64,
+    },
 }
+
+/// What is said of a sphere where only upright walls will do.
+pub(crate) const NOT_UPRIGHT: AnalysisError = AnalysisError::RegionKind {
+    what: "a floor with upright walls",
+    instead: "a box or a cylinder",
+};
 
 /// How a body's box lies to a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +102,15 @@ impl Region {
                 ],
                 vec![("radius", radius), ("z_max - z_min", z_max - z_min)],
             ),
+            Self::Sphere { centre, radius } => (
+                vec![
+                    ("centre.x", centre.x),
+                    ("centre.y", centre.y),
+                    ("centre.z", centre.z),
+                    ("radius", radius),
+                ],
+                vec![("radius", radius)],
+            ),
         };
         for (name, value) in numbers {
             if !value.is_finite() {
@@ -120,6 +142,7 @@ impl Region {
                 z_max,
                 ..
             } => PI * radius * radius * (z_max - z_min),
+            Self::Sphere { radius, .. } => 4.0 / 3.0 * PI * radius.powi(3),
         }
     }
 
@@ -136,7 +159,90 @@ impl Region {
                 let [x, y] = [point.x - centre[0], point.y - centre[1]];
                 x * x + y * y <= radius * radius && z_min <= point.z && point.z <= z_max
             }
+            Self::Sphere { centre, radius } => (point - centre).norm_squared() <= radius * radius,
         }
+    }
+
+    /// Whether the upright line through `x` and `y` (m) has a point in common with the region.
+    pub(crate) fn stands_over(&self, x: f64, y: f64) -> bool {
+        let height = match *self {
+            Self::Box { min, .. } => min.z,
+            Self::Cylinder { z_min, .. } => z_min,
+            Self::Sphere { centre, .. } => centre.z,
+        };
+        self.contains(&Point3::new(x, y, height))
+    }
+
+    /// The region less everything within `distance` (m) of its boundary: the core by inset.
+    /// A negative distance makes it larger.
+    ///
+    /// ```
+    /// use femdem_analysis::Region;
+    ///
+    /// let drum = Region::Cylinder { centre: [0.0; 2], radius: 2.0, z_min: 0.0, z_max: 5.0 };
+    /// let core = Region::Cylinder { centre: [0.0; 2], radius: 1.5, z_min: 0.5, z_max: 4.5 };
+    /// assert_eq!(drum.inset(0.5)?, core);
+    /// assert!(drum.inset(2.0).is_err());
+    /// # Ok::<(), femdem_analysis::AnalysisError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`AnalysisError::Region`] when nothing is left.
+    pub fn inset(&self, distance: f64) -> Result<Self, AnalysisError> {
+        let rest = match *self {
+            Self::Box { min, max } => Self::Box {
+                min: min.map(|x| x + distance),
+                max: max.map(|x| x - distance),
+            },
+            Self::Cylinder {
+                centre,
+                radius,
+                z_min,
+                z_max,
+            } => Self::Cylinder {
+                centre,
+                radius: radius - distance,
+                z_min: z_min + distance,
+                z_max: z_max - distance,
+            },
+            Self::Sphere { centre, radius } => Self::Sphere {
+                centre,
+                radius: radius - distance,
+            },
+        };
+        rest.validate()?;
+        Ok(rest)
+    }
+
+    /// The part of a box or a cylinder between two heights (m), over its whole width.
+    ///
+    /// ```
+    /// use femdem_analysis::Region;
+    ///
+    /// let drum = Region::Cylinder { centre: [0.0; 2], radius: 2.0, z_min: 0.0, z_max: 5.0 };
+    /// assert_eq!(drum.slab(1.0, 2.0)?.volume(), std::f64::consts::PI * 4.0);
+    /// # Ok::<(), femdem_analysis::AnalysisError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`AnalysisError::Region`] when nothing lies between the heights, [`AnalysisError::RegionKind`] for a
+    /// sphere.
+    pub fn slab(&self, low: f64, high: f64) -> Result<Self, AnalysisError> {
+        let mut slab = *self;
+        match &mut slab {
+            Self::Box { min, max } => {
+                // Written so that NaN stays.
+                min.z = if low < min.z { min.z } else { low };
+                max.z = if high > max.z { max.z } else { high };
+            }
+            Self::Cylinder { z_min, z_max, .. } => {
+                *z_min = if low < *z_min { *z_min } else { low };
+                *z_max = if high > *z_max { *z_max } else { high };
+            }
+            Self::Sphere { .. } => return Err(NOT_UPRIGHT),
+        }
+        slab.validate()?;
+        Ok(slab)
     }
 
     /// Lower and upper corner (m) of the smallest axis-aligned box around the region.
@@ -152,6 +258,9 @@ impl Region {
                 Point3::new(centre[0] - radius, centre[1] - radius, z_min),
                 Point3::new(centre[0] + radius, centre[1] + radius, z_max),
             ),
+            Self::Sphere { centre, radius } => {
+                (centre.map(|x| x - radius), centre.map(|x| x + radius))
+            }
         }
     }
 
@@ -195,11 +304,22 @@ impl Region {
                 }
                 Relation::Crosses
             }
+            Self::Sphere { centre, radius } => {
+                let (middle, half) = bounds.middle_and_half();
+                let apart = (middle - centre).abs();
+                if (apart + half).norm() <= radius {
+                    Relation::Inside
+                } else if (apart - half).map(|x| x.max(0.0)).norm() > radius {
+                    Relation::Outside
+                } else {
+                    Relation::Crosses
+                }
+            }
         }
     }
 
     /// Equal parts for the block bootstrap, of side `side` or more: `floor(extent / side)` along each
-    /// axis of a box (at least 1, at most 8), slices along z of a cylinder (at most 64).
+    /// axis of a box (at least 1, at most 8), slices along z of a cylinder (at most 64), one for a sphere.
     pub(crate) fn blocks(&self, side: f64) -> Vec<Self> {
         // Round-off in an extent that is a whole number of sides must not cost a block.
         let parts =
@@ -246,6 +366,7 @@ impl Region {
                 };
                 (0..n).map(slice).collect()
             }
+            Self::Sphere { .. } => vec![*self],
         }
     }
 }

@@ -55,9 +55,8 @@ pub fn top_plane(pack: &Pack, container: &Region, spacing: f64) -> Result<TopPla
     let bodies = y_axis.sort_bodies(1, pack);
     let rows = ordered_map(y_axis.count, Vec::new, |planes, j| {
         let heights = row_heights(pack, planes, &x_axis, y_axis.centre(j), &bodies[j]);
-        let on_floor = (0..x_axis.count).filter(|&i| {
-            container.contains(&Point3::new(x_axis.centre(i), y_axis.centre(j), min.z))
-        });
+        let on_floor = (0..x_axis.count)
+            .filter(|&i| container.stands_over(x_axis.centre(i), y_axis.centre(j)));
         on_floor.map(|i| heights[i]).collect::<Vec<f64>>()
     });
     let all: Vec<f64> = rows.into_iter().flatten().collect();

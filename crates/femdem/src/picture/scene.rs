@@ -147,6 +147,11 @@ pub(super) fn outline(container: &Region, top: f64, azimuth: f64) -> Drawing {
             circle(Point3::new(x, y, z_min), radius, azimuth),
             vec![0, CIRCLE_SIDES / 2],
         ),
+        // Its circle on the ground; there are no posts.
+        Region::Sphere { centre, radius } => {
+            let lowest = Point3::new(centre.x, centre.y, centre.z - radius);
+            (circle(lowest, radius, azimuth), Vec::new())
+        }
     };
     let rim: Vec<Point3> = floor.iter().map(|p| Point3::new(p.x, p.y, top)).collect();
     let posts = posts.into_iter().map(|i| [floor[i], rim[i]]);
