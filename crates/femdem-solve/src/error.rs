@@ -46,6 +46,51 @@ pub enum SolveError {
         /// How many exist.
         count: usize,
     },
+    /// A list has not the length that it must have.
+    #[error("{given} {what} were given where {wanted} are wanted")]
+    WrongLength {
+        /// What is listed.
+        what: &'static str,
+        /// The length given.
+        given: usize,
+        /// The length wanted.
+        wanted: usize,
+    },
+    /// The static solvers did not reach equilibrium.
+    #[error(
+        "{method} stopped after {iterations} iterations at a residual of {residual:.3e} of the \
+         force scale, above the {tolerance:.1e} asked for: {advice}"
+    )]
+    NotConverged {
+        /// The solver.
+        method: &'static str,
+        /// Iterations or steps done.
+        iterations: usize,
+        /// Residual over force scale at the end.
+        residual: f64,
+        /// Residual over force scale asked for.
+        tolerance: f64,
+        /// What to do.
+        advice: String,
+    },
+    /// A sparse matrix could not be factorised for want of memory or of index range.
+    #[error(
+        "a matrix of {unknowns} unknowns could not be factorised: {why}; use conjugate gradients"
+    )]
+    Factorisation {
+        /// Rows of the matrix.
+        unknowns: usize,
+        /// The reason.
+        why: String,
+    },
+    /// Something was left out of this build.
+    #[error("{what} is not in this build: build femdem-solve with the feature `{feature}`")]
+    FeatureMissing {
+        /// What was asked for.
+        what: &'static str,
+        /// The cargo feature that has it.
+        feature: &'static str,
+    },
     /// The simulation has left physical bounds.
     #[error(
         "the simulation blew up at step {step} (t = {time:.6} s) with body {body} at \

@@ -42,6 +42,7 @@
 //!   about an axis.
 //! - [`material`]: laws of deformable matter behind one trait, and how to add one.
 //! - [`Ledger`]: where every joule came from and went.
+//! - [`statics`]: equilibrium by relaxation or by Newton's method.
 //! - [`checkpoint`]: files that survive crashes; [`World::to_bytes`] and [`World::state_hash`].
 //!
 //! # How a step goes
@@ -61,6 +62,8 @@
 //!
 //! - `parallel` (default): contacts are evaluated on the caller's rayon pool. The state is the same
 //!   bits with any number of threads, without the feature, and through a checkpoint.
+//! - `implicit`: sparse Cholesky factorisation ([`statics::Linear::Cholesky`]), for which the crate faer
+//!   and what it needs are built.
 //!
 //! # Accuracy
 //!
@@ -95,6 +98,7 @@ mod ledger;
 pub mod material;
 mod parameters;
 mod rotation;
+pub mod statics;
 mod world;
 
 pub use body::{BodySpec, Shape, ShapeId};

@@ -57,6 +57,7 @@
 //! - `parallel` (default): contacts and analysis use the caller's rayon pool. Results are the same
 //!   bits at any number of threads and without the feature. (Pictures use the pool always, and are
 //!   the same too.)
+//! - `implicit`: sparse Cholesky factorisation in the static solvers of [`solve::statics`].
 //!
 //! # Accuracy
 //! Contact is by penalty: bodies overlap by a stated amount ([`Summary::penetration`]), and

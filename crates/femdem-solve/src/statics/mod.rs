@@ -1,0 +1,153 @@
+//! Static equilibrium: relaxation and Newton's method on anything that has forces and a tangent.
+//!
+//! A [`StaticProblem`] is a vector of unknowns x (positions of free nodes, m) with a force on each of
+//! them. Two ways lead to a state where all forces vanish:
+//!
+//! - [`relax`]: explicit motion with kinetic damping. Needs forces only, stands any nonlinearity
+//!   (contact, friction, large strain), and costs many cheap steps.
+//! - [`newton`]: needs the tangent; a few expensive iterations, quadratic convergence. Its linear
+//!   systems are solved by conjugate gradients without a matrix ([`Linear::Cg`]) or, with the feature
+//!   `implicit`, by a sparse Cholesky factorisation ([`Linear::Cholesky`]).
+//!
+//! Both run on one thread in a fixed order, so that results are the same bits everywhere, and both
+//! stop with [`SolveError::NotConverged`] rather than return a state that is not at
+//! rest.
+//!
+//! ```
+//! use femdem_solve::SolveError;
+//! use femdem_solve::statics::{NewtonOptions, StaticProblem, newton};
+//!
+//! /// A weight of 1 N on a spring whose force is k (u + 100 u^3), k = 10 N/m.
+//! struct Spring;
+//! impl StaticProblem for Spring {
+//!     fn len(&self) -> usize { 1 }
+//!     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<f64, SolveError> {
+//!         r[0] = 1.0 - 10.0 * (x[0] + 100.0 * x[0].powi(3));
+//!         Ok(10.0 * (x[0].powi(2) / 2.0 + 25.0 * x[0].powi(4)) - x[0])
+//!     }
+//!     fn masses(&self) -> &[f64] { &[1.0] }
+//!     fn stable_step(&mut self, x: &[f64]) -> Result<f64, SolveError> {
+//!         Ok(2.0 / (10.0 * (1.0 + 300.0 * x[0].powi(2))).sqrt())
+//!     }
+//!     fn force_scale(&self) -> f64 { 1.0 }
+//!     fn tangent_apply(&mut self, x: &[f64], dx: &[f64], out: &mut [f64]) -> Result<(), SolveError> {
+//!         out[0] = 10.0 * (1.0 + 300.0 * x[0].powi(2)) * dx[0];
+//!         Ok(())
+//!     }
+//!     fn tangent(&mut self, x: &[f64], entry: &mut dyn FnMut(u32, u32, f64)) -> Result<(), SolveError> {
+//!         entry(0, 0, 10.0 * (1.0 + 300.0 * x[0].powi(2)));
+//!         Ok(())
+//!     }
+//! }
+//!
+//! let mut x = [0.0];
+//! let report = newton(&mut Spring, &mut x, &NewtonOptions::default())?;
+//! assert!((x[0] + 100.0 * x[0].powi(3) - 0.1).abs() < 1e-10 && report.iterations < 8);
+//! # Ok::<(), SolveError>(())
+//! ```
+
+mod cg;
+#[cfg(feature = "implicit")]
+mod cholesky;
+mod line_search;
+mod linear;
+mod newton;
+mod relax;
+#[cfg(feature = "implicit")]
+mod sparse;
+#[cfg(test)]
+mod testing;
+mod vector;
+
+pub use linear::Linear;
+pub use newton::{Newton, NewtonOptions, NewtonReport, newton};
+pub use relax::{RelaxMasses, RelaxOptions, RelaxReport, relax};
+
+use crate::SolveError;
+
+/// Unknowns and the forces on them; three for each free node of a body, or whatever else is at rest
+/// when its forces vanish.
+///
+/// # Errors
+/// Every method may refuse a state in which the forces are not defined, such as one with an inverted
+/// element. The solvers then take a smaller step; they pass the error on only if that does not help.
+pub trait StaticProblem {
+    /// Number of unknowns.
+    fn len(&self) -> usize;
+
+    /// Whether nothing is unknown.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Writes the force on each unknown into `r`, N, and returns the potential energy, J: r = -dE/dx.
+    ///
+    /// # Errors
+    /// See the trait.
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<f64, SolveError>;
+
+    /// Whether [`residual`](Self::residual) is minus the gradient of the energy it returns. Where it
+    /// is not (pressure that follows a surface, friction), the line search judges by forces alone.
+    fn has_energy(&self) -> bool {
+        true
+    }
+
+    /// Mass of each unknown, kg, for relaxation; positive. They need not be those of the body.
+    fn masses(&self) -> &[f64];
+
+    /// The largest stable time step at `x`, s: 2 / omega for the largest frequency omega.
+    ///
+    /// # Errors
+    /// See the trait.
+    fn stable_step(&mut self, x: &[f64]) -> Result<f64, SolveError>;
+
+    /// What the Euclidean norm of the residual is compared with, N: such as the norm of loads and
+    /// reactions at the point of the last call of [`residual`](Self::residual).
+    fn force_scale(&self) -> f64;
+
+    /// Writes K dx into `out`, where K = -dr/dx at `x`, N/m.
+    ///
+    /// # Errors
+    /// See the trait.
+    fn tangent_apply(&mut self, x: &[f64], dx: &[f64], out: &mut [f64]) -> Result<(), SolveError>;
+
+    /// Calls `entry(row, column, value)` for the entries of K at `x`, both triangles; what comes more
+    /// than once is summed. The same places in the same order every time let solvers reuse their work.
+    ///
+    /// # Errors
+    /// See the trait.
+    fn tangent(
+        &mut self,
+        x: &[f64],
+        entry: &mut dyn FnMut(u32, u32, f64),
+    ) -> Result<(), SolveError>;
+}
+
+/// The norm of `r` over the force scale; zero for no force at all.
+fn relative(r: &[f64], scale: f64) -> f64 {
+    let norm = vector::norm(r);
+    if norm == 0.0 {
+        0.0
+    } else {
+        norm / scale.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Returns an error unless `x` has a finite number for every unknown.
+fn check_start<P: StaticProblem + ?Sized>(problem: &P, x: &[f64]) -> Result<(), SolveError> {
+    if x.len() != problem.len() {
+        return Err(SolveError::WrongLength {
+            what: "values of the unknowns",
+            given: x.len(),
+            wanted: problem.len(),
+        });
+    }
+    match x.iter().find(|v| !v.is_finite()) {
+        Some(&value) => Err(SolveError::Parameter {
+            name: "an unknown at the start",
+            value,
+            allowed: "a finite number",
+        }),
+        None => Ok(()),
+    }
+}
