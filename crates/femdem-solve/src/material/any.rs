@@ -1,6 +1,9 @@
 //! One type for all laws, for models and files.
 
-use super::{CustomMaterial, Deformation, Material, NeoHookean, Response, Tangent};
+use super::{
+    CustomMaterial, Deformation, DruckerPrager, Hencky, J2, Material, MooneyRivlin, NeoHookean,
+    Response, Tangent, Viscous,
+};
 use crate::error::SolveError;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -13,6 +16,16 @@ use std::sync::Arc;
 pub enum AnyMaterial {
     /// Neo-Hookean solid.
     NeoHookean(NeoHookean),
+    /// Hencky solid.
+    Hencky(Hencky),
+    /// Mooney-Rivlin solid.
+    MooneyRivlin(MooneyRivlin),
+    /// Any law with Kelvin-Voigt viscosity.
+    Viscous(Viscous),
+    /// J2 plasticity.
+    J2(J2),
+    /// Drucker-Prager plasticity.
+    DruckerPrager(DruckerPrager),
     /// A law from outside this crate.
     Custom(CustomMaterial),
 }
@@ -40,6 +53,7 @@ impl AnyMaterial {
                 *custom = CustomMaterial::new(Arc::clone(law));
                 Ok(())
             }
+            Self::Viscous(viscous) => viscous.law_mut().bind(laws),
             _ => Ok(()),
         }
     }
@@ -49,6 +63,7 @@ impl AnyMaterial {
     pub fn unbound(&self) -> Option<&str> {
         match self {
             Self::Custom(custom) if custom.law().is_none() => Some(custom.name()),
+            Self::Viscous(viscous) => viscous.law().unbound(),
             _ => None,
         }
     }
@@ -58,6 +73,11 @@ impl AnyMaterial {
     fn law(&self) -> Option<&dyn Material> {
         match self {
             Self::NeoHookean(law) => Some(law),
+            Self::Hencky(law) => Some(law),
+            Self::MooneyRivlin(law) => Some(law),
+            Self::Viscous(law) => Some(law),
+            Self::J2(law) => Some(law),
+            Self::DruckerPrager(law) => Some(law),
             Self::Custom(custom) => custom.law(),
         }
     }
@@ -109,6 +129,36 @@ impl Material for AnyMaterial {
 impl From<NeoHookean> for AnyMaterial {
     fn from(law: NeoHookean) -> Self {
         Self::NeoHookean(law)
+    }
+}
+
+impl From<Hencky> for AnyMaterial {
+    fn from(law: Hencky) -> Self {
+        Self::Hencky(law)
+    }
+}
+
+impl From<MooneyRivlin> for AnyMaterial {
+    fn from(law: MooneyRivlin) -> Self {
+        Self::MooneyRivlin(law)
+    }
+}
+
+impl From<Viscous> for AnyMaterial {
+    fn from(law: Viscous) -> Self {
+        Self::Viscous(law)
+    }
+}
+
+impl From<J2> for AnyMaterial {
+    fn from(law: J2) -> Self {
+        Self::J2(law)
+    }
+}
+
+impl From<DruckerPrager> for AnyMaterial {
+    fn from(law: DruckerPrager) -> Self {
+        Self::DruckerPrager(law)
     }
 }
 

@@ -8,6 +8,11 @@
 //! | law | for | history |
 //! |---|---|---|
 //! | [`NeoHookean`] | the default: soft and stiff solids at any strain | none |
+//! | [`Hencky`] | stiff solids; the base of the plastic laws | none |
+//! | [`MooneyRivlin`] | rubber | none |
+//! | [`Viscous`] | any of these with Kelvin-Voigt viscosity | that of the law |
+//! | [`J2`] | metals: von Mises yield, linear and Voce hardening | 7 numbers |
+//! | [`DruckerPrager`] | soil, concrete, rock: strength that grows with pressure | 7 numbers |
 //! | [`CustomMaterial`] | a law of yours | as it says |
 //!
 //! # A law of your own
@@ -63,14 +68,26 @@
 
 mod any;
 mod custom;
+mod drucker_prager;
+mod hencky;
+mod j2;
+mod log_strain;
 mod moduli;
+mod mooney_rivlin;
 mod neo_hookean;
+mod principal;
 mod spectral;
+mod viscous;
 
 pub use any::AnyMaterial;
 pub use custom::CustomMaterial;
+pub use drucker_prager::DruckerPrager;
+pub use hencky::Hencky;
+pub use j2::{J2, Voce};
 pub use moduli::Moduli;
+pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hookean::NeoHookean;
+pub use viscous::Viscous;
 
 use femdem_mesh::Matrix3;
 use std::fmt::Debug;

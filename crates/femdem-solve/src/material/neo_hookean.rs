@@ -44,9 +44,9 @@ impl Material for NeoHookean {
         let Moduli { lambda, shear, .. } = self.moduli;
         let f = &d.gradient;
         let j = d.volume_ratio()?;
-        let log_j = j.ln();
-        let energy =
-            0.5 * shear * (f.norm_squared() - 3.0) + (0.5 * lambda * log_j - shear) * log_j;
+        let strain = Strain::of(f);
+        let log_j = strain.log_volume(j);
+        let energy = shear * (strain.trace - log_j) + 0.5 * lambda * log_j * log_j;
         let inverse_t = cofactor(f) / j;
         Response::elastic(energy, f * shear + inverse_t * (lambda * log_j - shear))
     }
@@ -91,6 +91,39 @@ impl TryFrom<ElasticRecord> for NeoHookean {
 
     fn try_from(record: ElasticRecord) -> Result<Self, SolveError> {
         Self::new(record.young, record.poisson)
+    }
+}
+
+/// Trace of E = (F^T F - I)/2, and J^2 - 1 from its invariants. From F's own invariants the energy of a
+/// strain eps would be the difference of numbers near 1, with a relative error of 1e-16/eps^2; so it
+/// is 1e-16/eps.
+struct Strain {
+    trace: f64,
+    squared_volume_change: f64,
+}
+
+impl Strain {
+    #[inline]
+    fn of(f: &Matrix3) -> Self {
+        let [a, b, c] = [f.column(0), f.column(1), f.column(2)];
+        let [x, y, z] = [a.dot(&a), b.dot(&b), c.dot(&c)].map(|square| square - 1.0);
+        let (yz, xz, xy) = (b.dot(&c), a.dot(&c), a.dot(&b));
+        let minors = x * y + y * z + z * x - (yz * yz + xz * xz + xy * xy);
+        let determinant = x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz);
+        Self {
+            trace: 0.5 * (x + y + z),
+            squared_volume_change: x + y + z + minors + determinant,
+        }
+    }
+
+    /// ln J.
+    #[inline]
+    fn log_volume(&self, j: f64) -> f64 {
+        if self.squared_volume_change.abs() < 0.5 {
+            0.5 * self.squared_volume_change.ln_1p()
+        } else {
+            j.ln()
+        }
     }
 }
 

@@ -8,7 +8,6 @@ pub(crate) struct Spectral {
     /// Eigenvalues, in no order.
     pub values: [f64; 3],
     /// Eigenvectors as columns, in the order of the values.
-    #[expect(dead_code, reason = "read by the laws in logarithmic strain")]
     pub vectors: Matrix3,
 }
 
