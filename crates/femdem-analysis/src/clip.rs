@@ -78,6 +78,18 @@ impl Clipper {
         }
     }
 
+    /// Leaves nothing.
+    pub(crate) fn clear(&mut self) {
+        self.surface.clear();
+    }
+
+    /// Starts anew from what is left in another.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.surface.vertices.clone_from(&other.surface.vertices);
+        self.surface.corners.clone_from(&other.surface.corners);
+        self.surface.ends.clone_from(&other.surface.ends);
+    }
+
     /// Moves what is left.
     pub(crate) fn transform(&mut self, pose: &Pose) {
         for vertex in &mut self.surface.vertices {

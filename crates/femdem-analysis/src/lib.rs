@@ -33,6 +33,7 @@
 //! - [`Pack`], [`PosedBody`]: the input. [`Region`]: where to measure.
 //! - [`choose_core`], [`top_plane`], [`Region::inset`]: the core region away from walls, floor and top.
 //! - [`packing_density`]; its parts [`exact_density`] and [`grid_density`].
+//! - [`height_profile`], [`wall_profile`]: packing density and layers against height and wall distance.
 //! - [`pair_overlaps`]: how far bodies run into each other. [`volume_inside`] and
 //!   [`intersection_volume`] are the kernels, for one body and for one pair.
 //! - [`Table`]: every result as CSV; JSON through serde. [`BlockBootstrap`]: errors of means.
@@ -71,6 +72,7 @@ mod overlap;
 mod pack;
 mod polygon;
 mod prisms;
+mod profile;
 mod region;
 mod table;
 mod top;
@@ -87,6 +89,9 @@ pub use density::{
 pub use error::AnalysisError;
 pub use overlap::{PairOverlap, PairOverlaps, intersection_volume, pair_overlaps};
 pub use pack::{Pack, PosedBody};
+pub use profile::{
+    DensityProfile, ProfileBin, ProfileCoordinate, ProfileOptions, height_profile, wall_profile,
+};
 pub use region::Region;
 pub use table::{Cell, Table};
 pub use top::{TopPlane, top_plane};

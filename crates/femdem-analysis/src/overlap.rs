@@ -123,7 +123,7 @@ pub(crate) fn measure_pairs(
 }
 
 #[derive(Clone, Debug, Default)]
-struct Scratch {
+pub(crate) struct Scratch {
     clipper: Clipper,
     /// Planes that can cut: signed distance to the other body's centroid, and index.
     planes: Vec<(f64, usize)>,
@@ -134,7 +134,12 @@ struct Scratch {
 ///
 /// A sphere is met by its tangent plane when neither body goes by planes: the error is of the order of the
 /// extent of what is shared over the radius, in the part of it that the sphere cuts.
-fn shared_volume(scratch: &mut Scratch, pack: &Pack, (i, j): Pair, region: Option<&Region>) -> f64 {
+pub(crate) fn shared_volume(
+    scratch: &mut Scratch,
+    pack: &Pack,
+    (i, j): Pair,
+    region: Option<&Region>,
+) -> f64 {
     if !pack.bounds(i).meets(pack.bounds(j)) {
         return 0.0;
     }
@@ -154,6 +159,18 @@ fn shared_volume(scratch: &mut Scratch, pack: &Pack, (i, j): Pair, region: Optio
     }
 }
 
+/// The surface in the world of what two bodies share, when one of them goes by planes; it may be empty.
+pub(crate) fn load_shared<'a>(
+    scratch: &'a mut Scratch,
+    pack: &Pack,
+    (i, j): Pair,
+) -> Option<&'a Clipper> {
+    let knife = [j, i].into_iter().find(|&body| pack.by_planes(body))?;
+    cut_by_planes(scratch, pack, i + j - knife, knife);
+    scratch.clipper.transform(pack.pose(knife));
+    Some(&scratch.clipper)
+}
+
 /// `body` is cut by the half-spaces that make up `knife`.
 fn shared_by_planes(
     scratch: &mut Scratch,
@@ -162,6 +179,17 @@ fn shared_by_planes(
     knife: usize,
     region: Option<&Region>,
 ) -> f64 {
+    cut_by_planes(scratch, pack, body, knife);
+    let clipper = &mut scratch.clipper;
+    if let Some(region) = region {
+        clipper.transform(pack.pose(knife));
+        return clipper.volume_in(region);
+    }
+    clipper.volume()
+}
+
+/// Leaves what `body` shares with `knife` in the scratch's clipper, in the frame of `knife`.
+fn cut_by_planes(scratch: &mut Scratch, pack: &Pack, body: usize, knife: usize) {
     let to_knife = pack.pose(knife).inverse();
     let Scratch {
         clipper, planes, ..
@@ -182,21 +210,17 @@ fn shared_by_planes(
     // The plane that most nearly separates the two goes first: most pairs end there.
     planes.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     if planes.first().is_some_and(|(s, _)| *s >= radius) {
-        return 0.0;
+        clipper.clear();
+        return;
     }
     clipper.load(pack.shape(body), &(to_knife * pack.pose(body)));
     for &(_, k) in planes.iter() {
         let (normal, offset) = &pack.planes(knife)[k];
         clipper.clip(normal, *offset);
         if clipper.is_empty() {
-            return 0.0;
+            return;
         }
     }
-    if let Some(region) = region {
-        clipper.transform(pack.pose(knife));
-        return clipper.volume_in(region);
-    }
-    clipper.volume()
 }
 
 /// By signed prisms, for bodies that do not go by planes.

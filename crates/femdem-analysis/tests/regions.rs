@@ -1,7 +1,5 @@
 //! Densities in spheres, and regions cut from regions.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
-
 mod common;
 
 use common::{Random, at, cube, solid, turned_lattice};
