@@ -94,7 +94,7 @@ use std::fmt::Debug;
 
 /// dP/dF, Pa: entry (3 i + J, 3 k + L) is dP_iJ / dF_kL. For plasticity it is the derivative of the
 /// stress at the end of the step at fixed history (algorithmic); it need not be symmetric.
-pub type Tangent = nalgebra::SMatrix<f64, 9, 9>;
+pub type Tangent = femdem_mesh::nalgebra::SMatrix<f64, 9, 9>;
 
 /// What a material point feels.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -106,11 +106,13 @@ impl Frame {
 }
 
 /// n (x) m as the nine rows of a [`Tangent`].
-struct Dyad(nalgebra::SVector<f64, 9>);
+struct Dyad(femdem_mesh::nalgebra::SVector<f64, 9>);
 
 impl Dyad {
     fn new(n: &Vector3, m: &Vector3) -> Self {
-        Self(nalgebra::SVector::from_fn(|row, _| n[row / 3] * m[row % 3]))
+        Self(femdem_mesh::nalgebra::SVector::from_fn(|row, _| {
+            n[row / 3] * m[row % 3]
+        }))
     }
 }
 

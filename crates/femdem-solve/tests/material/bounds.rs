@@ -58,7 +58,9 @@ fn the_bound_is_above_the_acoustic_tensor() {
                     g + vector() * vector().transpose()
                 });
                 let g = g / g.singular_values().sum();
-                let flat = nalgebra::SVector::<f64, 9>::from_fn(|row, _| g[(row / 3, row % 3)]);
+                let flat = femdem_mesh::nalgebra::SVector::<f64, 9>::from_fn(|row, _| {
+                    g[(row / 3, row % 3)]
+                });
                 assert!((tangent * flat).dot(&flat) <= bound * (1.0 + 1e-12));
             }
         }

@@ -1,11 +1,11 @@
 //! Laws and random states for the tests.
 
+use femdem_mesh::nalgebra::{Rotation3, Unit};
 use femdem_mesh::{Matrix3, Vector3};
 use femdem_solve::material::{
     AnyMaterial, Deformation, DruckerPrager, Hencky, J2, Material, MooneyRivlin, NeoHookean,
     Response, Viscous, Voce,
 };
-use nalgebra::{Rotation3, Unit};
 use rand_free::Random;
 
 pub const YOUNG: f64 = 2e9;
