@@ -59,3 +59,54 @@ fn rotate(s: &mut Matrix3, vectors: &mut Matrix3, p: usize, q: usize) {
         vectors[(i, q)] = sine * vp + cosine * vq;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use femdem_mesh::Vector3;
+    use proptest::prelude::*;
+
+    /// A symmetric matrix with spectra from well apart to equal, at scales from 1e-6 to 1e6.
+    fn symmetric() -> impl Strategy<Value = Matrix3> {
+        let gap = prop_oneof![Just(0.0), (-15.0..0.0_f64).prop_map(|e| 10_f64.powf(e))];
+        let values = (0.1..2.0_f64, gap.clone(), gap, -6.0..6.0_f64);
+        (values, prop::array::uniform3(-1.0..1.0_f64), -3.0..3.0_f64).prop_map(
+            |((base, first, second, scale), axis, angle)| {
+                let values = Vector3::new(base, base + first, base - 0.5 * second);
+                let q =
+                    femdem_mesh::nalgebra::Rotation3::new(Vector3::from(axis).normalize() * angle);
+                q * Matrix3::from_diagonal(&(values * 10_f64.powf(scale))) * q.transpose()
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn the_spectrum_gives_the_matrix_back(s in symmetric()) {
+            let Spectral { values, vectors } = Spectral::of(&s);
+            let back = vectors * Matrix3::from_diagonal(&values.into()) * vectors.transpose();
+            prop_assert!((back - s).norm() < 4e-15 * s.norm());
+            prop_assert!((vectors.tr_mul(&vectors) - Matrix3::identity()).norm() < 4e-15);
+        }
+    }
+
+    /// (x - 1)(x - 2)(x - 4) as the characteristic polynomial of a matrix with rational entries:
+    /// Q diag(1, 2, 4) Q^T with Q = I - 2 v v^T/9, v = (1, 2, 2).
+    #[test]
+    fn known_eigenvalues() {
+        let v = Vector3::new(1.0, 2.0, 2.0);
+        let q = Matrix3::identity() - v * v.transpose() * (2.0 / 9.0);
+        let s = q * Matrix3::from_diagonal(&Vector3::new(1.0, 2.0, 4.0)) * q.transpose();
+        let mut values = Spectral::of(&s).values;
+        values.sort_by(f64::total_cmp);
+        for (value, expected) in values.iter().zip([1.0, 2.0, 4.0]) {
+            assert!((value - expected).abs() < 1e-14);
+        }
+        assert!(
+            Spectral::of(&(s * f64::NAN))
+                .values
+                .iter()
+                .any(|v| v.is_nan())
+        );
+    }
+}

@@ -8,5 +8,7 @@
 
 mod bounds;
 mod derivatives;
+mod files;
 mod invariance;
+mod plasticity;
 mod states;
