@@ -46,6 +46,20 @@ impl Axis {
         self.low + (i as f64 + 0.5) * self.step
     }
 
+    /// Where cell `i` begins, and the one before it ends.
+    pub(crate) fn edge(&self, i: usize) -> f64 {
+        self.low + i as f64 * self.step
+    }
+
+    /// The cells that have a part in `low..=high`, but for round-off.
+    pub(crate) fn meeting(&self, low: f64, high: f64) -> Range<usize> {
+        // Conversion to usize saturates: what lies before the first cell becomes 0.
+        let first = ((low - self.low) / self.step).floor() as usize;
+        let end = ((high - self.low) / self.step).ceil() as usize;
+        let end = end.min(self.count);
+        first.min(end)..end
+    }
+
     /// The cells whose centre lies in `low..=high`.
     pub(crate) fn within(&self, low: f64, high: f64) -> Range<usize> {
         // Conversion to usize saturates: what lies before the first cell becomes 0.

@@ -78,6 +78,27 @@ impl Clipper {
         }
     }
 
+    /// Starts anew from a box.
+    pub(crate) fn load_box(&mut self, bounds: &Bounds) {
+        self.surface.clear();
+        let corners = [&bounds.min, &bounds.max];
+        for i in 0..8_usize {
+            let [x, y, z] = [i & 1, (i >> 1) & 1, i >> 2].map(|side| corners[side]);
+            self.surface.vertices.push(Point3::new(x.x, y.y, z.z));
+        }
+        for face in [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ] {
+            self.surface.corners.extend_from_slice(&face);
+            self.surface.close_loop();
+        }
+    }
+
     /// Leaves nothing.
     pub(crate) fn clear(&mut self) {
         self.surface.clear();

@@ -34,6 +34,7 @@
 //! - [`choose_core`], [`top_plane`], [`Region::inset`]: the core region away from walls, floor and top.
 //! - [`packing_density`]; its parts [`exact_density`] and [`grid_density`].
 //! - [`height_profile`], [`wall_profile`]: packing density and layers against height and wall distance.
+//! - [`density_map`]: local packing density on a grid.
 //! - [`pair_overlaps`]: how far bodies run into each other. [`volume_inside`] and
 //!   [`intersection_volume`] are the kernels, for one body and for one pair.
 //! - [`Table`]: every result as CSV; JSON through serde. [`BlockBootstrap`]: errors of means.
@@ -66,6 +67,7 @@ mod core_region;
 mod density;
 mod error;
 mod lines;
+mod map;
 mod neighbours;
 mod ordered;
 mod overlap;
@@ -87,6 +89,7 @@ pub use density::{
     packing_density, volume_inside,
 };
 pub use error::AnalysisError;
+pub use map::{DensityMap, DensityMapOptions, density_map};
 pub use overlap::{PairOverlap, PairOverlaps, intersection_volume, pair_overlaps};
 pub use pack::{Pack, PosedBody};
 pub use profile::{
