@@ -42,17 +42,20 @@ mod interior;
 mod lattice;
 mod lp;
 mod mesher;
+mod quadratic;
 mod quality;
 mod refine;
 mod snap;
+mod structured;
 mod stuffing;
 mod topology;
 mod winding;
 
 use crate::polyhedron::check_coordinates;
-use crate::{MassProperties, MeshError, Point3, Polyhedron};
+use crate::{MassProperties, MeshError, Point3, Polyhedron, Vector3};
 use distance::Triangles;
 pub use mesher::{MeshOptions, MeshReport, Method, mesh};
+pub use quadratic::{MID_EDGES, QuadraticMesh};
 pub use quality::Quality;
 use serde::{Deserialize, Serialize};
 
@@ -152,6 +155,35 @@ impl TetMesh {
     /// If there is no such point: the error names faces that no point sees together.
     pub fn star_fan(polyhedron: &Polyhedron) -> Result<Self, MeshError> {
         fan::about_kernel(polyhedron)
+    }
+
+    /// A block from the origin to `size` \[m\], cut into `cells` along x, y and z, each of six
+    /// tetrahedra. With one or two cells along an axis some tetrahedra have no point inside the
+    /// body; [`TetMesh::with_interior_points`] mends that where it matters.
+    ///
+    /// # Errors
+    ///
+    /// If a length is not positive or a number of cells zero, or there would be more points or
+    /// tetrahedra than 32-bit indices can name.
+    pub fn block(cells: [u32; 3], size: &Vector3) -> Result<Self, MeshError> {
+        structured::block(cells, size)
+    }
+
+    /// The eighth of a hollow sphere about the origin that lies in x, y, z >= 0, between two radii
+    /// \[m\]: `around` cells along each curved edge, `through` layers. The three plane faces are
+    /// planes exactly; points of the spheres lie on them.
+    ///
+    /// # Errors
+    ///
+    /// If 0 < `inner` < `outer` does not hold, a number of cells is zero, or there would be more
+    /// points or tetrahedra than 32-bit indices can name.
+    pub fn shell_octant(
+        inner: f64,
+        outer: f64,
+        around: u32,
+        through: u32,
+    ) -> Result<Self, MeshError> {
+        structured::shell_octant(inner, outer, around, through)
     }
 
     /// The points \[m\].

@@ -19,13 +19,7 @@ const EDGES_AT: [[usize; 3]; 4] = [[0, 1, 2], [0, 3, 4], [1, 3, 5], [2, 4, 5]];
 /// diagonal of the octahedron between them that gives the best shapes (S. Zhang, Houston J. Math.
 /// 21 (1995) 541-556: the shortest diagonal keeps shapes bounded).
 pub(super) fn refined(mesh: &TetMesh) -> Result<TetMesh, MeshError> {
-    let mut edges: Vec<[u32; 2]> = mesh
-        .tets
-        .iter()
-        .flat_map(|tet| EDGES.map(|[i, j]| sorted(tet[i], tet[j])))
-        .collect();
-    edges.sort_unstable();
-    edges.dedup();
+    let edges = mesh.edges();
     let count = mesh.points.len() + edges.len();
     if u32::try_from(count).is_err() || mesh.tets.len() > u32::MAX as usize / 8 {
         return Err(MeshError::TooMany {
