@@ -1,5 +1,6 @@
 //! What can go wrong when a world is built, stepped, saved or read.
 
+use crate::element::ElementFailure;
 use femdem_contact::ContactError;
 use femdem_mesh::MeshError;
 use std::path::PathBuf;
@@ -15,6 +16,9 @@ pub enum SolveError {
     /// A shape's surface cannot be used.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// A deformable body has no forces.
+    #[error(transparent)]
+    Element(#[from] ElementFailure),
     /// A parameter is out of its range.
     #[error("{name} = {value} is not allowed: it must be {allowed}")]
     Parameter {

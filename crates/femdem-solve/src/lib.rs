@@ -92,7 +92,9 @@
 
 mod body;
 pub mod checkpoint;
+pub mod deformable;
 mod drive;
+pub mod element;
 mod error;
 mod ledger;
 pub mod material;

@@ -1,0 +1,224 @@
+//! How a model is made.
+
+use super::nodal::NodalAverages;
+use super::{DeformableModel, MaterialRegion};
+use crate::element::{Element, T4, T10, Table, lumped};
+use crate::error::{SolveError, check};
+use crate::material::Material;
+use femdem_mesh::tet::QuadraticMesh;
+use femdem_mesh::{Matrix3, TetMesh, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// What a model is made from, and is stored as.
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "DeformableModel", deny_unknown_fields)]
+pub(super) struct Parts {
+    mesh: TetMesh,
+    element: Element,
+    regions: Vec<MaterialRegion>,
+    region_of: Vec<u32>,
+    mass_factors: Vec<f64>,
+}
+
+impl TryFrom<Parts> for DeformableModel {
+    type Error = SolveError;
+
+    fn try_from(parts: Parts) -> Result<Self, SolveError> {
+        parts.check()?.build()
+    }
+}
+
+impl From<DeformableModel> for Parts {
+    fn from(model: DeformableModel) -> Self {
+        Self {
+            mesh: model.mesh,
+            element: model.element,
+            regions: model.regions,
+            region_of: model.region_of,
+            mass_factors: model.mass_factors,
+        }
+    }
+}
+
+impl Parts {
+    pub fn new(
+        mesh: &TetMesh,
+        element: Element,
+        regions: Vec<MaterialRegion>,
+        region_of: Option<Vec<u32>>,
+    ) -> Result<Self, SolveError> {
+        let count = mesh.tets().len();
+        if region_of.is_none() {
+            check(
+                "number of regions",
+                regions.len() as f64,
+                regions.len() == 1,
+                "1 if the region of every tetrahedron is not given",
+            )?;
+        }
+        let parts = Self {
+            mesh: mesh.clone(),
+            element,
+            regions,
+            region_of: region_of.unwrap_or_else(|| vec![0; count]),
+            mass_factors: Vec::new(),
+        };
+        parts.check()
+    }
+
+    fn check(self) -> Result<Self, SolveError> {
+        for region in &self.regions {
+            check(
+                "density",
+                region.density,
+                region.density > 0.0,
+                "positive and finite, in kg/m^3",
+            )?;
+        }
+        let count = self.mesh.tets().len();
+        check(
+            "length of region_of_tet",
+            self.region_of.len() as f64,
+            self.region_of.len() == count,
+            "the number of tetrahedra",
+        )?;
+        let regions = self.regions.len();
+        if let Some(&index) = self.region_of.iter().find(|&&r| r as usize >= regions) {
+            return Err(SolveError::NoSuch {
+                what: "region",
+                index: index as usize,
+                count: regions,
+            });
+        }
+        let factors = &self.mass_factors;
+        check(
+            "number of mass factors",
+            factors.len() as f64,
+            factors.is_empty() || factors.len() == count,
+            "none or the number of tetrahedra",
+        )?;
+        for &factor in factors {
+            check("mass factor", factor, factor >= 1.0, "1 or more")?;
+        }
+        Ok(self)
+    }
+
+    /// The model of checked parts.
+    pub fn build(self) -> Result<DeformableModel, SolveError> {
+        let (nodes, mid_edges, connectivity) = numbered(&self.mesh, self.element)?;
+        let corners = |tet: &[u32; 4]| tet.map(|i| nodes[i as usize]);
+        let mut inverses = Vec::with_capacity(self.mesh.tets().len());
+        let mut volumes = Vec::with_capacity(self.mesh.tets().len());
+        for tet in self.mesh.tets() {
+            let [a, b, c, d] = corners(tet);
+            let edges = Matrix3::from_columns(&[b - a, c - a, d - a]);
+            // A checked mesh has no flat tetrahedron.
+            inverses.push(edges.try_inverse().unwrap_or_else(Matrix3::zeros));
+            volumes.push(edges.determinant() / 6.0);
+        }
+        let averages = (self.element == Element::T4NodalPressure)
+            .then(|| NodalAverages::new(self.mesh.tets(), &self.region_of, &volumes));
+        let mut model = DeformableModel {
+            history_stride: history_stride(&self.regions),
+            mesh: self.mesh,
+            element: self.element,
+            regions: self.regions,
+            region_of: self.region_of,
+            masses: vec![0.0; nodes.len()],
+            nodes,
+            mid_edges,
+            connectivity,
+            inverses,
+            volumes,
+            mass_factors: self.mass_factors,
+            couplings: Vec::new(),
+            averages,
+        };
+        model.lump();
+        Ok(model)
+    }
+}
+
+/// Nodes, ends of the edges with nodes, and the nodes of the elements.
+type Numbered = (Vec<Vector3>, Vec<[u32; 2]>, Vec<u32>);
+
+fn numbered(mesh: &TetMesh, element: Element) -> Result<Numbered, SolveError> {
+    if element.is_quadratic() {
+        let quadratic = QuadraticMesh::new(mesh)?;
+        let nodes = quadratic.nodes().iter().map(|p| p.coords).collect();
+        let connectivity = quadratic.elements().as_flattened().to_vec();
+        return Ok((nodes, quadratic.mid_edges().to_vec(), connectivity));
+    }
+    let nodes = mesh.points().iter().map(|p| p.coords).collect();
+    Ok((nodes, Vec::new(), mesh.tets().as_flattened().to_vec()))
+}
+
+pub(super) fn history_stride(regions: &[MaterialRegion]) -> usize {
+    let lengths = regions.iter().map(|r| r.material.history_len());
+    lengths.max().unwrap_or(0)
+}
+
+impl DeformableModel {
+    /// Density of an element, added mass included, kg/m^3.
+    pub(super) fn density(&self, element: usize) -> f64 {
+        let factor = self.mass_factors.get(element).copied().unwrap_or(1.0);
+        self.regions[self.region_of[element] as usize].density * factor
+    }
+
+    /// Masses, and what the frequencies depend on beside the materials.
+    pub(super) fn lump(&mut self) {
+        let shares = lumped(self.element);
+        self.masses.fill(0.0);
+        self.couplings.clear();
+        let per_element = self.connectivity.chunks_exact(self.element.node_count());
+        for (e, nodes) in per_element.enumerate() {
+            let density = self.density(e);
+            let mass = density * self.volumes[e];
+            for (&node, share) in nodes.iter().zip(shares) {
+                self.masses[node as usize] += mass * share;
+            }
+            let inverse = &self.inverses[e];
+            let unit = if self.element.is_quadratic() {
+                coupling(&T10, inverse, shares)
+            } else {
+                coupling(&T4, inverse, shares)
+            };
+            self.couplings.push(unit / density);
+        }
+    }
+}
+
+/// A number t, 1/m^2, such that sum_q w_q |G_q|^2 <= t sum_a (m_a/rho) |u_a|^2 for the gradients G_q
+/// of every nodal field u, in the nuclear norm |G| = min (sum |u_i| |B_i|) over G = sum u_i (x) B_i.
+///
+/// A law of stiffness bound c has G : dP/dF : G <= c |G|^2, so omega^2 <= c t/rho (sums over elements
+/// never have a higher frequency than their worst element: B. M. Irons and G. Treharne, 1972). The
+/// nuclear norm is the largest R : G over rotations R, hence with the masses taken into the
+/// gradients b_qa = grad N_a sqrt(w_q/m_a) the sum is at most the largest eigenvalue of the matrix
+/// over points of max_R R : sum_a b_qa (x) b_ra, the nuclear norm of that sum. For one point it is
+/// 4 sum_a 1/h_a^2, with the heights h_a.
+fn coupling<const N: usize, const Q: usize>(
+    table: &Table<N, Q>,
+    inverse: &Matrix3,
+    shares: &[f64],
+) -> f64 {
+    let gradients: [[Vector3; N]; Q] = std::array::from_fn(|q| table.shape_gradients(q, inverse));
+    let mut largest = 0.0_f64;
+    // Row sums bound the largest eigenvalue of a matrix of non-negative entries, and the points
+    // are so symmetric that they hardly differ.
+    for g in &gradients {
+        let row = gradients.iter().map(|h| {
+            let sum = (0..N).fold(Matrix3::zeros(), |sum, a| {
+                sum + g[a] * h[a].transpose() / shares[a]
+            });
+            nuclear_norm(&sum) / Q as f64
+        });
+        largest = largest.max(row.sum());
+    }
+    largest
+}
+
+/// Sum of the singular values.
+fn nuclear_norm(m: &Matrix3) -> f64 {
+    m.singular_values().sum()
+}

@@ -1,0 +1,207 @@
+//! Bodies that deform: a mesh of solid elements with materials, lumped masses and internal forces.
+//!
+//! **Use it** for bodies at finite strain, integrated explicitly or brought to rest by a static
+//! solver: [`DeformableModel`] holds what does not change and answers with forces, stresses, tangents
+//! and a bound of its highest frequency for any positions of its nodes. **Do not use it** for shells,
+//! beams or cracks.
+//!
+//! ```
+//! use femdem_mesh::{TetMesh, Vector3};
+//! use femdem_solve::deformable::{DeformableModel, MaterialRegion, Workspace};
+//! use femdem_solve::element::Element;
+//! use femdem_solve::material::NeoHookean;
+//!
+//! let mesh = TetMesh::block([4, 1, 1], &Vector3::new(0.4, 0.1, 0.1))?;
+//! let rubber = MaterialRegion { material: NeoHookean::new(1e6, 0.3)?.into(), density: 1000.0 };
+//! let model = DeformableModel::new(&mesh, Element::T10, vec![rubber], None)?;
+//!
+//! // Stretched by 10 %: the energy is about E e^2 V / 2 and more, as the sides are held.
+//! let x: Vec<Vector3> = model.nodes().iter().map(|x| Vector3::new(1.1 * x.x, x.y, x.z)).collect();
+//! let v = vec![Vector3::zeros(); x.len()];
+//! let mut forces = v.clone();
+//! let state = model.internal_forces(&x, &v, &[], &mut [], &mut forces, &mut Workspace::default())?;
+//! assert!(state.energy > 20.0 && state.energy < 30.0);
+//! # Ok::<(), femdem_solve::SolveError>(())
+//! ```
+//!
+//! # Accuracy
+//!
+//! Forces are minus the exact gradient of the energy, F-bar and averaged pressures included; rigid
+//! motion gives forces of rounding size (1e-12 of E times an area) wherever the body is.
+
+mod bound;
+mod build;
+mod forces;
+mod nodal;
+mod stress;
+mod tangent;
+
+pub use bound::FrequencyBound;
+pub use forces::{InternalState, Workspace};
+pub use stress::ElementStress;
+
+use crate::element::Element;
+use crate::error::SolveError;
+use crate::material::{AnyMaterial, Material};
+use femdem_mesh::{Matrix3, TetMesh, Vector3};
+use nodal::NodalAverages;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// A material and its density.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MaterialRegion {
+    /// The law.
+    pub material: AnyMaterial,
+    /// Density in the reference state, kg/m^3.
+    pub density: f64,
+}
+
+/// What does not change of a deformable body: reference nodes, elements, materials, lumped masses.
+/// Large; share it by `Arc` among bodies of the same shape and material.
+///
+/// Arrays over nodes (`x`, `v`, forces) have the length of [`DeformableModel::nodes`], histories that
+/// of [`DeformableModel::history_len`]; others are refused.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "build::Parts", into = "build::Parts")]
+pub struct DeformableModel {
+    mesh: TetMesh,
+    element: Element,
+    regions: Vec<MaterialRegion>,
+    region_of: Vec<u32>,
+    nodes: Vec<Vector3>,
+    mid_edges: Vec<[u32; 2]>,
+    /// Nodes of the elements, one after the other.
+    connectivity: Vec<u32>,
+    /// Per element the gradients of the barycentric coordinates of corners 1 to 3, as rows, 1/m.
+    inverses: Vec<Matrix3>,
+    /// m^3.
+    volumes: Vec<f64>,
+    masses: Vec<f64>,
+    /// Per element its mass over that of its material; empty for 1.
+    mass_factors: Vec<f64>,
+    /// Per element t, m/kg, such that omega^2 <= c t for a material of stiffness bound c.
+    couplings: Vec<f64>,
+    /// Numbers of history per integration point.
+    history_stride: usize,
+    /// For averaged nodal pressures.
+    averages: Option<NodalAverages>,
+}
+
+impl DeformableModel {
+    /// The model of a mesh with one material per region. `region_of_tet` names the region of every
+    /// tetrahedron; without it there must be one region.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError`] if there is no region, a density is not positive, a custom law is not bound,
+    /// or `region_of_tet` has another length than the mesh or names a region that is not there.
+    pub fn new(
+        mesh: &TetMesh,
+        element: Element,
+        regions: Vec<MaterialRegion>,
+        region_of_tet: Option<Vec<u32>>,
+    ) -> Result<Self, SolveError> {
+        if let Some(name) = regions.iter().find_map(|r| r.material.unbound()) {
+            return Err(SolveError::UnboundMaterial {
+                name: name.to_owned(),
+                given: "none".to_owned(),
+            });
+        }
+        build::Parts::new(mesh, element, regions, region_of_tet)?.build()
+    }
+
+    /// The kind of the elements.
+    #[must_use]
+    pub fn element(&self) -> Element {
+        self.element
+    }
+
+    /// The mesh of the corners, in the reference state.
+    #[must_use]
+    pub fn mesh(&self) -> &TetMesh {
+        &self.mesh
+    }
+
+    /// Reference positions of the nodes, m: the mesh's points, then the middles of its edges where
+    /// the element has nodes there.
+    #[must_use]
+    pub fn nodes(&self) -> &[Vector3] {
+        &self.nodes
+    }
+
+    /// The ends of the edge that node `points + k` is the middle of; empty for linear elements.
+    #[must_use]
+    pub fn mid_edges(&self) -> &[[u32; 2]] {
+        &self.mid_edges
+    }
+
+    /// The nodes of the elements, in the order of the mesh's tetrahedra.
+    pub fn elements(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        self.connectivity.chunks_exact(self.element.node_count())
+    }
+
+    /// Lumped masses of the nodes, kg, added mass included.
+    #[must_use]
+    pub fn masses(&self) -> &[f64] {
+        &self.masses
+    }
+
+    /// Mass that scaling has added, kg.
+    #[must_use]
+    pub fn added_mass(&self) -> f64 {
+        let added = |(e, factor): (usize, &f64)| {
+            (factor - 1.0) * self.volumes[e] * self.regions[self.region_of[e] as usize].density
+        };
+        self.mass_factors.iter().enumerate().map(added).sum()
+    }
+
+    /// The materials.
+    #[must_use]
+    pub fn regions(&self) -> &[MaterialRegion] {
+        &self.regions
+    }
+
+    /// The region of every element.
+    #[must_use]
+    pub fn region_of_tet(&self) -> &[u32] {
+        &self.region_of
+    }
+
+    /// Volume of every element in the reference state, m^3.
+    #[must_use]
+    pub fn volumes(&self) -> &[f64] {
+        &self.volumes
+    }
+
+    /// How many numbers of history a body of this model carries; all zero is the virgin state.
+    #[must_use]
+    pub fn history_len(&self) -> usize {
+        self.volumes.len() * self.element.point_count() * self.history_stride
+    }
+
+    /// Gives custom laws that are known by name alone (after a file was read) their law among `laws`.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::UnboundMaterial`] if one is not among them.
+    pub fn bind(&mut self, laws: &[Arc<dyn crate::material::Material>]) -> Result<(), SolveError> {
+        for region in &mut self.regions {
+            region.material.bind(laws)?;
+        }
+        self.history_stride = build::history_stride(&self.regions);
+        Ok(())
+    }
+
+    /// The law of an element.
+    fn material(&self, element: usize) -> &AnyMaterial {
+        &self.regions[self.region_of[element] as usize].material
+    }
+
+    /// The history of point `q` of an element.
+    fn history_at(&self, element: usize, q: usize) -> std::ops::Range<usize> {
+        let point = element * self.element.point_count() + q;
+        let start = point * self.history_stride;
+        start..start + self.material(element).history_len()
+    }
+}

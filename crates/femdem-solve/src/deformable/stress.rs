@@ -1,0 +1,132 @@
+//! Stresses inside a body.
+
+use super::forces::State;
+use super::{DeformableModel, Workspace};
+use crate::element::{Element, ElementFailure, T4, T10, Table};
+use femdem_mesh::Matrix3;
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// The state of stress of an element: the mean over its points, weighted by their current volumes, so
+/// that sums of stress times current volume balance the nodal forces exactly: sum V sigma =
+/// -sum f (x) x over elements and nodes. With F-bar and averaged pressures it has the averaged
+/// pressure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ElementStress {
+    /// Cauchy stress, Pa; tension is positive.
+    pub cauchy: Matrix3,
+    /// Volume over that in the reference state.
+    pub volume_ratio: f64,
+}
+
+impl ElementStress {
+    /// Mean pressure, -tr sigma / 3, Pa; compression is positive.
+    #[must_use]
+    pub fn pressure(&self) -> f64 {
+        -self.cauchy.trace() / 3.0
+    }
+
+    /// Von Mises stress, sqrt(3/2 s : s) with the deviator s, Pa.
+    #[must_use]
+    pub fn von_mises(&self) -> f64 {
+        let deviator = self.cauchy + Matrix3::identity() * self.pressure();
+        (1.5 * deviator.norm_squared()).sqrt()
+    }
+
+    /// Principal stresses, Pa, the largest (most tensile) first.
+    #[must_use]
+    pub fn principal(&self) -> [f64; 3] {
+        let symmetric = 0.5 * (self.cauchy + self.cauchy.transpose());
+        let mut values: [f64; 3] = symmetric.symmetric_eigenvalues().into();
+        values.sort_by(|a, b| b.total_cmp(a));
+        values
+    }
+}
+
+impl DeformableModel {
+    /// Stress of every element at positions `x` (m) with the history `old` that belongs to them; at
+    /// rest, without viscous stresses.
+    ///
+    /// # Errors
+    ///
+    /// [`ElementFailure`] as from [`DeformableModel::internal_forces`].
+    pub fn stresses(
+        &self,
+        x: &[Vector3],
+        old: &[f64],
+    ) -> Result<Vec<ElementStress>, ElementFailure> {
+        self.check_lengths(x, old)?;
+        let state = State { x, v: &[], old };
+        match self.element {
+            Element::T4 => self.own_stresses(&T4, false, state),
+            Element::T10 => self.own_stresses(&T10, false, state),
+            Element::T10Fbar => self.own_stresses(&T10, true, state),
+            Element::T4NodalPressure => self.averaged_stresses(state),
+        }
+    }
+
+    fn own_stresses<const N: usize, const Q: usize>(
+        &self,
+        table: &Table<N, Q>,
+        bar: bool,
+        state: State,
+    ) -> Result<Vec<ElementStress>, ElementFailure> {
+        let mut next = vec![0.0; self.history_stride];
+        let (elements, _) = self.connectivity.as_chunks::<N>();
+        let of_element = |(e, nodes): (usize, &[u32; N])| {
+            let points = self.points(table, e, nodes, state);
+            let bars = if bar {
+                Some(self.bars(e, &points)?)
+            } else {
+                None
+            };
+            let mut stresses = [Matrix3::zeros(); Q];
+            for (q, stress) in stresses.iter_mut().enumerate() {
+                let felt = bars
+                    .as_ref()
+                    .map_or(points[q], |bars| bars.felt(q, &points));
+                let history = self.history_at(e, q);
+                let next = &mut next[..history.len()];
+                *stress = self.respond(e, &felt, &state.old[history], next)?.piola;
+            }
+            if let Some(bars) = &bars {
+                stresses = bars.stresses(&stresses);
+            }
+            let kirchhoff = |q: usize| stresses[q] * points[q].gradient.transpose();
+            let ratio: f64 = points.iter().map(|p| p.gradient.determinant()).sum();
+            Ok(ElementStress {
+                cauchy: (0..Q).fold(Matrix3::zeros(), |sum, q| sum + kirchhoff(q)) / ratio,
+                volume_ratio: ratio / Q as f64,
+            })
+        };
+        elements.iter().enumerate().map(of_element).collect()
+    }
+
+    fn averaged_stresses(&self, state: State) -> Result<Vec<ElementStress>, ElementFailure> {
+        let Some(averages) = &self.averages else {
+            return Ok(Vec::new());
+        };
+        let mut work = Workspace::default();
+        let mut next = vec![0.0; self.history_stride];
+        let bars = self.nodal_bars(averages, state, &mut work)?;
+        let mut piolas = Vec::with_capacity(bars.len());
+        for (e, (bar, _)) in bars.iter().enumerate() {
+            let felt = crate::material::Deformation::at_rest(bar.gradient());
+            let history = self.history_at(e, 0);
+            let next = &mut next[..history.len()];
+            piolas.push(self.respond(e, &felt, &state.old[history], next)?.piola);
+        }
+        let values: Vec<f64> = bars
+            .iter()
+            .zip(&piolas)
+            .map(|((bar, _), piola)| bar.trace(piola) / (3.0 * bar.mean))
+            .collect();
+        let pressures = averages.smoothed(&self.volumes, &values);
+        let of_element = |(e, (bar, _)): (usize, &(crate::element::Bar, f64))| ElementStress {
+            cauchy: bar.stress(&piolas[e], pressures[e]) * work.gradients[e].transpose()
+                / work.ratios[e],
+            volume_ratio: work.ratios[e],
+        };
+        Ok(bars.iter().enumerate().map(of_element).collect())
+    }
+}

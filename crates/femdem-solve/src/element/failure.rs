@@ -1,0 +1,65 @@
+//! Why a body has no forces.
+
+use thiserror::Error;
+
+/// An element that has no stress, or arrays that do not fit the model.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ElementFailure {
+    /// An element is turned inside out, or a node is nowhere.
+    #[error(
+        "element {element} has a volume ratio of {volume_ratio:e} at one of its points: it must be \
+         positive and finite; take a smaller step, stiffer or lighter contacts, or a finer mesh"
+    )]
+    Inverted {
+        /// Index of the element, that is, of its tetrahedron.
+        element: usize,
+        /// J = det F there.
+        volume_ratio: f64,
+    },
+    /// The law has no stress for the deformation of an element.
+    #[error(
+        "the law \"{material}\" has no stress in element {element}, whose volume ratio is \
+         {volume_ratio:e}: the deformation is out of the law's range (or a law of yours is not bound)"
+    )]
+    NoStress {
+        /// Index of the element.
+        element: usize,
+        /// J = det F there.
+        volume_ratio: f64,
+        /// The law's name.
+        material: String,
+    },
+    /// An array has another length than the model needs.
+    #[error("{what} has {found} entries: the model needs {expected}")]
+    Length {
+        /// The array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length needed.
+        expected: usize,
+    },
+}
+
+impl ElementFailure {
+    /// The element concerned, if it is one.
+    #[must_use]
+    pub fn element(&self) -> Option<usize> {
+        match self {
+            Self::Inverted { element, .. } | Self::NoStress { element, .. } => Some(*element),
+            Self::Length { .. } => None,
+        }
+    }
+
+    /// The volume ratio J = det F of the element concerned.
+    #[must_use]
+    pub fn volume_ratio(&self) -> Option<f64> {
+        match self {
+            Self::Inverted { volume_ratio, .. } | Self::NoStress { volume_ratio, .. } => {
+                Some(*volume_ratio)
+            }
+            Self::Length { .. } => None,
+        }
+    }
+}
