@@ -77,10 +77,10 @@ impl DeformableModel {
                 None
             };
             let (mut stiffness, mut viscosity) = (0.0_f64, 0.0_f64);
-            for q in 0..Q {
+            for (q, point) in points.iter().enumerate() {
                 let old = &state.old[self.history_at(e, q)];
                 let (own, viscous) = match &bars {
-                    None => self.stiffness(e, &points[q], old)?,
+                    None => self.stiffness(e, point, old)?,
                     Some(bars) => {
                         let largest = bars.points.iter().map(|b| b.ratio).fold(0.0, f64::max);
                         self.bar_stiffness(e, &bars.points[q], largest / bars.mean, old)?

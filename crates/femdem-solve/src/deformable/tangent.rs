@@ -5,6 +5,7 @@ use super::nodal::NodalAverages;
 use super::{DeformableModel, Workspace};
 use crate::element::{Bar, BarChange, Element, ElementFailure, T4, T10, Table};
 use crate::material::{Deformation, Material, Tangent};
+use femdem_mesh::nalgebra::SVector;
 use femdem_mesh::{Matrix3, Vector3};
 
 /// A point of the linearised body.
@@ -20,7 +21,7 @@ impl LinearPoint {
     /// dP for dF of what the law feels.
     fn stress_change(&self, change: &Matrix3) -> Matrix3 {
         // Rows of a tangent are those of the transposed column order of a matrix.
-        let flat = nalgebra::SVector::<f64, 9>::from_column_slice(change.transpose().as_slice());
+        let flat = SVector::<f64, 9>::from_column_slice(change.transpose().as_slice());
         Matrix3::from_row_slice((self.law * flat).as_slice())
     }
 }
