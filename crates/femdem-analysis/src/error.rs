@@ -109,4 +109,30 @@ pub enum AnalysisError {
         /// The force (N).
         force: f64,
     },
+    /// A body of a force network with a number out of its range.
+    #[error("body {index}: its {name} is not allowed; it must be {allowed}")]
+    Body {
+        /// Index of the body.
+        index: usize,
+        /// Name of the quantity.
+        name: &'static str,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A contact of a force network with a number out of its range.
+    #[error("contact {index}: its {name} is not allowed; it must be {allowed}")]
+    Contact {
+        /// Index of the contact.
+        index: usize,
+        /// Name of the quantity.
+        name: &'static str,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// An analysis that compares forces with weights met a body without one.
+    #[error("body {body} has no weight; give the mass or the density of the bodies, and gravity")]
+    NoWeight {
+        /// Index of the first body without a weight.
+        body: usize,
+    },
 }

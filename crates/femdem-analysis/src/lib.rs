@@ -59,16 +59,22 @@
 
 mod axis;
 mod ball;
+mod blocks;
 mod bootstrap;
 mod bounds;
+mod chains;
+mod class;
 mod clip;
 mod coordination;
 mod core_region;
 mod density;
 mod error;
+mod fabric;
+mod forces;
 mod lines;
 mod map;
 mod neighbours;
+mod network;
 mod ordered;
 mod overlap;
 mod pack;
@@ -76,10 +82,20 @@ mod polygon;
 mod prisms;
 mod profile;
 mod region;
+mod stress;
+mod structure;
 mod table;
+mod tensor;
 mod top;
 
+pub use blocks::Estimate;
 pub use bootstrap::BlockBootstrap;
+pub use chains::{
+    Chain, ChainLink, ChainNetwork, ChainOptions, ChainSegment, StressRule, ThresholdCurve,
+    ThresholdOptions, ThresholdPoint, WeightRule, chains_by_stress, chains_by_weight,
+    threshold_curve,
+};
+pub use class::{ContactClass, Patch};
 pub use coordination::{
     ContactCount, Coordination, CoordinationOptions, Partner, Touch, contact_counts, coordination,
 };
@@ -89,12 +105,23 @@ pub use density::{
     packing_density, volume_inside,
 };
 pub use error::AnalysisError;
+pub use fabric::{ContactFabric, Fabric, contact_fabric};
+pub use forces::{
+    ForceBin, ForceDistribution, ForceDistributionOptions, ForceMaxima, TailFit, TailLaw,
+    TailOptions, WallForce, WallForces, fit_tail, force_distribution, force_maxima, wall_forces,
+};
 pub use map::{DensityMap, DensityMapOptions, density_map};
+pub use network::{ForceBody, ForceContact, ForceNetwork, PairForce};
 pub use overlap::{PairOverlap, PairOverlaps, intersection_volume, pair_overlaps};
 pub use pack::{Pack, PosedBody};
 pub use profile::{
     DensityProfile, ProfileBin, ProfileCoordinate, ProfileOptions, height_profile, wall_profile,
 };
 pub use region::Region;
+pub use stress::{
+    BalanceCut, BodyStress, BodyStresses, RegionStress, Stress, StressProfile, StressSlab,
+    VerticalBalance, body_stresses, region_stress, stress_profile, vertical_balance,
+};
+pub use structure::{ClassCount, ContactClasses, Rattlers, SupportRule, contact_classes, rattlers};
 pub use table::{Cell, Table};
 pub use top::{TopPlane, top_plane};

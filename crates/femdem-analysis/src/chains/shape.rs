@@ -1,0 +1,267 @@
+//! Length, straightness and loops of force chains.
+
+use std::collections::VecDeque;
+
+use femdem_mesh::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::network::ChainLink;
+use crate::network::ForceNetwork;
+use crate::network::graph::Graph;
+
+/// One force chain: a connected part of the network.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Chain {
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Number of links.
+    pub links: usize,
+    /// Independent loops: links − bodies + 1.
+    pub cycles: usize,
+    /// Length of its backbone (m): of the shortest ways, counted in links, between any two of its bodies,
+    /// one with the most links; the sum of the distances between successive centres.
+    pub length: f64,
+    /// Links of the backbone.
+    pub length_links: usize,
+    /// Distance between the ends of the backbone (m).
+    pub end_to_end: f64,
+    /// End-to-end distance over length: 1 is straight.
+    pub straightness: f64,
+    /// Height from the lowest to the highest centre (m).
+    pub height: f64,
+    /// Largest force of a link (N).
+    pub largest_force: f64,
+    /// Mean of the centres (m).
+    pub centre: Point3,
+}
+
+/// An unbranched part of a chain: from a body that has one link, or three and more, to the next such body
+/// along bodies with two; or a loop of bodies with two.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ChainSegment {
+    /// Number of its chain.
+    pub chain: u32,
+    /// Number of links.
+    pub links: usize,
+    /// Sum of the distances between successive centres (m).
+    pub length: f64,
+    /// Distance between the ends (m); 0 for a loop.
+    pub end_to_end: f64,
+    /// End-to-end distance over length: 1 is straight, 0 a loop.
+    pub straightness: f64,
+    /// The bodies at its ends.
+    pub ends: [u32; 2],
+    /// Angles between successive links (rad): 0 is straight on.
+    pub turns: Vec<f64>,
+    /// Mean of the centres of its bodies (m).
+    pub centre: Point3,
+}
+
+/// Above so many bodies the backbone is sought from every start in a sample of this many, evenly spread,
+/// and from the farthest body of each.
+const EVERY_START: usize = 1500;
+
+/// Measures one connected part.
+pub(super) fn chain(
+    network: &ForceNetwork,
+    graph: &Graph,
+    part: &[u32],
+    links: &[ChainLink],
+) -> Chain {
+    let centres = || part.iter().map(|body| network.centre(*body));
+    let number: usize = part.iter().map(|body| graph.degree(*body)).sum::<usize>() / 2;
+    let backbone = backbone(graph, part);
+    let (length, end_to_end, straightness) = measures(network, &backbone);
+    let lowest = centres().map(|c| c.z).fold(f64::INFINITY, f64::min);
+    let highest = centres().map(|c| c.z).fold(f64::NEG_INFINITY, f64::max);
+    let forces = part
+        .iter()
+        .flat_map(|body| graph.neighbours(*body))
+        .map(|(_, link)| links[*link as usize].force);
+    Chain {
+        bodies: part.len(),
+        links: number,
+        cycles: (number + 1).saturating_sub(part.len()),
+        length,
+        length_links: backbone.len().saturating_sub(1),
+        end_to_end,
+        straightness,
+        height: highest - lowest,
+        largest_force: forces.fold(0.0, f64::max),
+        centre: mean_point(centres()),
+    }
+}
+
+fn mean_point(points: impl Iterator<Item = Point3>) -> Point3 {
+    let (sum, count) = points.fold((Vector3::zeros(), 0.0), |(sum, n), p| {
+        (sum + p.coords, n + 1.0)
+    });
+    Point3::from(sum / f64::max(count, 1.0))
+}
+
+/// Length, distance of the ends, and their ratio, of a way through bodies.
+fn measures(network: &ForceNetwork, way: &[u32]) -> (f64, f64, f64) {
+    let between = |a: u32, b: u32| (network.centre(b) - network.centre(a)).norm();
+    let length: f64 = way.windows(2).map(|w| between(w[0], w[1])).sum();
+    let ends = match way {
+        [first, .., last] => between(*first, *last),
+        _ => 0.0,
+    };
+    let straightness = if length > 0.0 { ends / length } else { 0.0 };
+    (length, ends, straightness)
+}
+
+/// The shortest way between the two bodies that are farthest apart, counted in links; of equals the
+/// one with the lowest start, then the lowest end.
+fn backbone(graph: &Graph, part: &[u32]) -> Vec<u32> {
+    let mut search = Search::new(part);
+    let mut best: Option<(usize, u32)> = None;
+    let mut consider = |search: &mut Search, start: u32| {
+        let (end, steps) = search.farthest(graph, start);
+        if best.is_none_or(|(most, from)| steps > most || (steps == most && start < from)) {
+            best = Some((steps, start));
+        }
+        end
+    };
+    let stride = part.len().div_ceil(EVERY_START);
+    for start in part.iter().step_by(stride) {
+        let end = consider(&mut search, *start);
+        if stride > 1 {
+            consider(&mut search, end);
+        }
+    }
+    let Some((_, start)) = best else {
+        return Vec::new();
+    };
+    let (end, _) = search.farthest(graph, start);
+    search.way_to(end)
+}
+
+/// Breadth-first search within one part, with memory that is reused.
+struct Search<'a> {
+    part: &'a [u32],
+    /// Distance in links and body before, by place in the part; the search that wrote them.
+    found: Vec<(usize, u32, u32)>,
+    round: u32,
+    queue: VecDeque<u32>,
+}
+
+impl<'a> Search<'a> {
+    fn new(part: &'a [u32]) -> Self {
+        Self {
+            part,
+            found: vec![(0, 0, 0); part.len()],
+            round: 0,
+            queue: VecDeque::new(),
+        }
+    }
+
+    /// Place of a body in its part.
+    fn place(&self, body: u32) -> usize {
+        self.part.partition_point(|other| *other < body)
+    }
+
+    /// The body farthest from `start` in links, the lowest of equals, and how far it is.
+    fn farthest(&mut self, graph: &Graph, start: u32) -> (u32, usize) {
+        self.round += 1;
+        self.queue.clear();
+        self.queue.push_back(start);
+        let at = self.place(start);
+        self.found[at] = (0, start, self.round);
+        let mut best = (start, 0);
+        while let Some(body) = self.queue.pop_front() {
+            let (steps, _, _) = self.found[self.place(body)];
+            if steps > best.1 || (steps == best.1 && body < best.0) {
+                best = (body, steps);
+            }
+            for &(next, _) in graph.neighbours(body) {
+                let at = self.place(next);
+                if self.found[at].2 != self.round {
+                    self.found[at] = (steps + 1, body, self.round);
+                    self.queue.push_back(next);
+                }
+            }
+        }
+        best
+    }
+
+    /// The way of the last search to `end`, from its start.
+    fn way_to(&self, end: u32) -> Vec<u32> {
+        let mut way = vec![end];
+        let mut at = end;
+        loop {
+            let (steps, before, _) = self.found[self.place(at)];
+            if steps == 0 {
+                break;
+            }
+            at = before;
+            way.push(at);
+        }
+        way.reverse();
+        way
+    }
+}
+
+/// Cuts the chains at the bodies that do not have two links.
+pub(super) fn segments(
+    network: &ForceNetwork,
+    graph: &Graph,
+    parts: &[Vec<u32>],
+    links: &[ChainLink],
+) -> Vec<ChainSegment> {
+    let mut used = vec![false; links.len()];
+    let mut segments = Vec::new();
+    for (part, chain) in parts.iter().zip(0_u32..) {
+        // Ends and branches first; what is left then are loops of bodies with two links.
+        let ends = part.iter().filter(|body| graph.degree(**body) != 2);
+        for &start in ends.chain(part) {
+            for &(next, link) in graph.neighbours(start) {
+                if !std::mem::replace(&mut used[link as usize], true) {
+                    let way = follow(graph, start, next, &mut used);
+                    segments.push(segment(network, chain, &way));
+                }
+            }
+        }
+    }
+    segments
+}
+
+/// Goes on from `start` over `next` along bodies with two links.
+fn follow(graph: &Graph, start: u32, next: u32, used: &mut [bool]) -> Vec<u32> {
+    let mut way = vec![start, next];
+    let mut at = next;
+    while at != start && graph.degree(at) == 2 {
+        let onward = graph
+            .neighbours(at)
+            .iter()
+            .find(|(_, link)| !used[*link as usize]);
+        let Some(&(to, link)) = onward else {
+            break;
+        };
+        used[link as usize] = true;
+        way.push(to);
+        at = to;
+    }
+    way
+}
+
+fn segment(network: &ForceNetwork, chain: u32, way: &[u32]) -> ChainSegment {
+    let (length, end_to_end, straightness) = measures(network, way);
+    let steps: Vec<Vector3> = way
+        .windows(2)
+        .map(|w| network.centre(w[1]) - network.centre(w[0]))
+        .collect();
+    ChainSegment {
+        chain,
+        links: way.len().saturating_sub(1),
+        length,
+        end_to_end,
+        straightness,
+        ends: match way {
+            [first, .., last] => [*first, *last],
+            _ => [0; 2],
+        },
+        turns: steps.windows(2).map(|s| s[0].angle(&s[1])).collect(),
+        centre: mean_point(way.iter().map(|body| network.centre(*body))),
+    }
+}

@@ -1,0 +1,314 @@
+//! The input of all that concerns forces: bodies and contacts as plain data, checked once.
+
+pub(crate) mod graph;
+mod pairs;
+
+use femdem_mesh::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::class::ContactClass;
+use crate::coordination::Partner;
+use crate::error::AnalysisError;
+use crate::pack::Pack;
+
+pub use pairs::PairForce;
+
+/// A body as a carrier of forces.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ForceBody {
+    /// Centre of mass (m).
+    pub centre: Point3,
+    /// Volume (m³), above zero.
+    pub volume: f64,
+    /// Circumscribed diameter (m), above zero.
+    pub diameter: f64,
+    /// Weight (N), along −z; 0 where it is not known or there is no gravity.
+    pub weight: f64,
+}
+
+impl ForceBody {
+    /// The bodies of a pack, of one specific weight ρ g (N/m³); 0 where it is not known.
+    #[must_use]
+    pub fn of_pack(pack: &Pack, specific_weight: f64) -> Vec<Self> {
+        let body = |i: usize| {
+            let volume = pack.shape(i).mass_properties().volume;
+            Self {
+                centre: pack.centroid(i),
+                volume,
+                diameter: 2.0 * pack.shape(i).bounding_radius(),
+                weight: volume * specific_weight,
+            }
+        };
+        (0..pack.len()).map(body).collect()
+    }
+}
+
+/// A contact: one connected patch in which a body meets another or a wall.
+///
+/// The force on `second` is `normal * normal_force + tangential`; on `first` its opposite.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ForceContact {
+    /// Index of the body.
+    pub first: u32,
+    /// What it touches.
+    pub second: Partner,
+    /// Where the force acts (m): the centre of pressure.
+    pub point: Point3,
+    /// Unit normal, from `first` towards `second`.
+    pub normal: Vector3,
+    /// Normal force (N), positive when it pushes the two apart.
+    pub normal_force: f64,
+    /// Friction force on `second` (N).
+    pub tangential: Vector3,
+    /// Moment on `second` about `point` (N m), such as torsion; zero where it is not known.
+    pub moment: Vector3,
+    /// How the surfaces meet, where it is known.
+    pub class: Option<ContactClass>,
+}
+
+impl ForceContact {
+    /// Force on `second` (N).
+    #[must_use]
+    pub fn force(&self) -> Vector3 {
+        self.normal * self.normal_force + self.tangential
+    }
+}
+
+/// Bodies and the contacts between them: the checked input of everything about forces.
+///
+/// ```
+/// use femdem_analysis::{ForceBody, ForceContact, ForceNetwork, Partner};
+/// use femdem_mesh::{Point3, Vector3};
+///
+/// // Two cubes of 1 m and 10 N, one upon the other, on a floor.
+/// let cube = |z| ForceBody { centre: Point3::new(0.0, 0.0, z), volume: 1.0, diameter: 3_f64.sqrt(), weight: 10.0 };
+/// let contact = |second, z, up: f64, normal_force| ForceContact {
+///     first: 0,
+///     second,
+///     point: Point3::new(0.0, 0.0, z),
+///     normal: Vector3::new(0.0, 0.0, up),
+///     normal_force,
+///     tangential: Vector3::zeros(),
+///     moment: Vector3::zeros(),
+///     class: None,
+/// };
+/// let bodies = [cube(0.5), cube(1.5)];
+/// let contacts = [contact(Partner::Body(1), 1.0, 1.0, 10.0), contact(Partner::Wall(0), 0.0, -1.0, 20.0)];
+/// let network = ForceNetwork::new(&bodies, &contacts, 0.0)?;
+/// assert_eq!(network.pairs().len(), 2);
+/// assert_eq!(network.pairs()[1].normal_force, 20.0);
+/// # Ok::<(), femdem_analysis::AnalysisError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ForceNetwork<'a> {
+    bodies: &'a [ForceBody],
+    contacts: &'a [ForceContact],
+    pairs: Vec<PairForce>,
+    force_threshold: f64,
+}
+
+impl<'a> ForceNetwork<'a> {
+    /// Checks bodies and contacts, and sums the contacts of each pair. A pair whose summed normal force is
+    /// not above `force_threshold` (N) does not count as touching; stress and balance use all contacts.
+    ///
+    /// # Errors
+    /// [`AnalysisError::EmptyPack`], [`AnalysisError::TooManyBodies`], [`AnalysisError::BodyIndex`],
+    /// [`AnalysisError::SelfTouch`], [`AnalysisError::Option`] for a threshold that is not finite, and
+    /// [`AnalysisError::Body`] or [`AnalysisError::Contact`] naming a quantity out of its range.
+    pub fn new(
+        bodies: &'a [ForceBody],
+        contacts: &'a [ForceContact],
+        force_threshold: f64,
+    ) -> Result<Self, AnalysisError> {
+        if bodies.is_empty() {
+            return Err(AnalysisError::EmptyPack);
+        }
+        if u32::try_from(bodies.len()).is_err() {
+            return Err(AnalysisError::TooManyBodies {
+                bodies: bodies.len(),
+            });
+        }
+        if !force_threshold.is_finite() {
+            return Err(AnalysisError::Option {
+                name: "force_threshold",
+                value: force_threshold,
+                allowed: "finite (N)",
+            });
+        }
+        for (index, body) in bodies.iter().enumerate() {
+            body.check(index)?;
+        }
+        for (index, contact) in contacts.iter().enumerate() {
+            contact.check(index, bodies.len())?;
+        }
+        let mut pairs = pairs::of_contacts(contacts);
+        pairs.retain(|pair| pair.normal_force > force_threshold);
+        Ok(Self {
+            bodies,
+            contacts,
+            pairs,
+            force_threshold,
+        })
+    }
+
+    /// The bodies.
+    #[must_use]
+    pub fn bodies(&self) -> &'a [ForceBody] {
+        self.bodies
+    }
+
+    /// The contacts, as given.
+    #[must_use]
+    pub fn contacts(&self) -> &'a [ForceContact] {
+        self.contacts
+    }
+
+    /// The touching pairs, sorted; pairs of bodies have the lower index first.
+    #[must_use]
+    pub fn pairs(&self) -> &[PairForce] {
+        &self.pairs
+    }
+
+    /// Force above which a pair counts (N).
+    #[must_use]
+    pub fn force_threshold(&self) -> f64 {
+        self.force_threshold
+    }
+
+    /// Mean circumscribed diameter (m).
+    #[must_use]
+    pub fn mean_diameter(&self) -> f64 {
+        self.bodies.iter().map(|b| b.diameter).sum::<f64>() / self.bodies.len() as f64
+    }
+
+    /// Mean normal force of the touching pairs of bodies (N), walls left out; `None` without any.
+    #[must_use]
+    pub fn mean_force(&self) -> Option<f64> {
+        let forces = self.body_pairs().map(|(_, _, pair)| pair.normal_force);
+        let (sum, count) = forces.fold((0.0, 0_u32), |(sum, n), f| (sum + f, n + 1));
+        (count > 0).then(|| sum / f64::from(count))
+    }
+
+    /// The touching pairs of bodies.
+    pub(crate) fn body_pairs(&self) -> impl Iterator<Item = (u32, u32, &PairForce)> {
+        self.pairs.iter().filter_map(|pair| match pair.second {
+            Partner::Body(second) => Some((pair.first, second, pair)),
+            Partner::Wall(_) => None,
+        })
+    }
+
+    /// For each contact the bodies that it acts on, with the force and moment on them.
+    pub(crate) fn loads(&self) -> impl Iterator<Item = Load<'a>> {
+        self.contacts.iter().flat_map(|contact| {
+            let second = match contact.second {
+                Partner::Body(second) => Some((second, 1.0)),
+                Partner::Wall(_) => None,
+            };
+            [Some((contact.first, -1.0)), second]
+                .into_iter()
+                .flatten()
+                .map(move |(body, sign)| Load {
+                    body,
+                    force: contact.force() * sign,
+                    moment: contact.moment * sign,
+                    contact,
+                })
+        })
+    }
+
+    /// Centre of a body; the constructor has checked all indices.
+    pub(crate) fn centre(&self, body: u32) -> Point3 {
+        self.bodies[body as usize].centre
+    }
+
+    /// That every body has a weight.
+    pub(crate) fn need_weights(&self) -> Result<(), AnalysisError> {
+        match self.bodies.iter().position(|b| b.weight <= 0.0) {
+            Some(body) => Err(AnalysisError::NoWeight { body }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What a contact does to one of its bodies.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Load<'a> {
+    pub(crate) body: u32,
+    /// Force on the body (N).
+    pub(crate) force: Vector3,
+    /// Moment on the body about the contact point (N m).
+    pub(crate) moment: Vector3,
+    pub(crate) contact: &'a ForceContact,
+}
+
+impl ForceBody {
+    fn check(&self, index: usize) -> Result<(), AnalysisError> {
+        let refuse = |name, allowed| {
+            Err(AnalysisError::Body {
+                index,
+                name,
+                allowed,
+            })
+        };
+        if self.centre.iter().any(|x| !x.is_finite()) {
+            return refuse("centre", "finite (m)");
+        }
+        if !self.volume.is_finite() || self.volume <= 0.0 {
+            return refuse("volume", "above zero and finite (m³)");
+        }
+        if !self.diameter.is_finite() || self.diameter <= 0.0 {
+            return refuse("diameter", "above zero and finite (m)");
+        }
+        if !self.weight.is_finite() || self.weight < 0.0 {
+            return refuse("weight", "zero or more and finite (N)");
+        }
+        Ok(())
+    }
+}
+
+impl ForceContact {
+    fn check(&self, index: usize, bodies: usize) -> Result<(), AnalysisError> {
+        let refuse = |name, allowed| {
+            Err(AnalysisError::Contact {
+                index,
+                name,
+                allowed,
+            })
+        };
+        let known = |body: u32| {
+            let inside = (body as usize) < bodies;
+            inside.then_some(()).ok_or(AnalysisError::BodyIndex {
+                what: "contact",
+                index,
+                body,
+                bodies,
+            })
+        };
+        known(self.first)?;
+        if let Partner::Body(second) = self.second {
+            known(second)?;
+            if second == self.first {
+                return Err(AnalysisError::SelfTouch {
+                    index,
+                    body: second,
+                });
+            }
+        }
+        if self.point.iter().any(|x| !x.is_finite()) {
+            return refuse("point", "finite (m)");
+        }
+        // Written so that NaN fails it too.
+        let unit = (self.normal.norm() - 1.0).abs() <= 1e-6;
+        if !unit {
+            return refuse("normal", "of unit length to 1e-6");
+        }
+        let forces = self.tangential.iter().chain([&self.normal_force]);
+        if forces.into_iter().any(|x| !x.is_finite()) {
+            return refuse("force", "finite (N)");
+        }
+        if self.moment.iter().any(|x| !x.is_finite()) {
+            return refuse("moment", "finite (N m)");
+        }
+        Ok(())
+    }
+}
