@@ -83,6 +83,5 @@ pub use femdem_solve as solve;
 pub use error::Error;
 pub use results::{Summary, Usage};
 pub use scene::Scene;
-pub use snapshot::{
-    Body, BodyLoad, ContactClass, ContactRow, Drawing, NamedShape, Partner, Patch, Snapshot,
-};
+pub use femdem_analysis::{ContactClass, Patch};
+pub use snapshot::{Body, BodyLoad, ContactRow, Drawing, NamedShape, Partner, Snapshot};

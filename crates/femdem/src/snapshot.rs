@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use femdem_analysis::{Region, Touch, contact_counts};
+use femdem_analysis::{ContactClass, Region, Touch, contact_counts};
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
 
 use crate::Error;
@@ -47,86 +47,6 @@ impl fmt::Display for Partner {
             Self::Wall(name) => f.write_str(name),
         }
     }
-}
-
-/// How two surfaces meet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum ContactClass {
-    /// A face on a face (or on a wall).
-    FaceFace,
-    /// An edge on a face, or two edges along each other.
-    EdgeFace,
-    /// A vertex on anything, or two edges across each other.
-    Point,
-}
-
-impl ContactClass {
-    /// Class of a patch, by two numbers that do not depend on how deep the bodies overlap.
-    ///
-    /// **Face or not**: q = A/(δ d) with the mean penetration δ = V/A. Two planes that meet at an
-    /// angle θ along a length l overlap in a wedge with q = 2 (l/d)/tan θ; for l = d/2 the limit
-    /// q = 8 is θ = 7°. An edge of a cube on a face has q = 2, blunt edges up to about 6.
-    ///
-    /// **Edge or point**: the exponent n of the force law F ~ δⁿ, 2 for an edge on a face, 3 for a
-    /// vertex on a face or an edge across an edge. As U = F δ/(n + 1) and K = n F/δ,
-    /// K U/F² = n/(n + 1). The limit is n = 2.5. Without a force it is a point.
-    #[must_use]
-    pub fn of_patch(patch: &Patch) -> Self {
-        const FACE: f64 = 8.0;
-        const EDGE: f64 = 2.5 / 3.5;
-        let Patch {
-            area,
-            volume,
-            energy,
-            force,
-            stiffness,
-            diameter,
-        } = *patch;
-        if area * area >= FACE * volume * diameter && volume > 0.0 {
-            Self::FaceFace
-        } else if stiffness * energy <= EDGE * force * force && force > 0.0 {
-            Self::EdgeFace
-        } else {
-            Self::Point
-        }
-    }
-
-    /// "face-face", "edge-face" or "point".
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::FaceFace => "face-face",
-            Self::EdgeFace => "edge-face",
-            Self::Point => "point",
-        }
-    }
-
-    /// 2 for a face, 1 for an edge, 0 for a point: the dimension of the patch.
-    #[must_use]
-    pub const fn dimension(self) -> u8 {
-        match self {
-            Self::FaceFace => 2,
-            Self::EdgeFace => 1,
-            Self::Point => 0,
-        }
-    }
-}
-
-/// What the class of a contact is found from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Patch {
-    /// Contact area A \[m²\].
-    pub area: f64,
-    /// Overlap volume V \[m³\].
-    pub volume: f64,
-    /// Contact energy U \[J\].
-    pub energy: f64,
-    /// Elastic normal force F \[N\].
-    pub force: f64,
-    /// Normal stiffness K \[N/m\].
-    pub stiffness: f64,
-    /// Mean circumscribed diameter d of the bodies \[m\].
-    pub diameter: f64,
 }
 
 /// A contact: one connected patch.
