@@ -65,6 +65,7 @@
 //! time integration lost ([`Summary::energy`]). CSV holds all digits; VTU and VTP double precision,
 //! STL single. The class of a contact is a rule with limits ([`ContactClass::of_patch`]).
 
+pub mod analysis;
 mod error;
 pub mod output;
 pub mod picture;
@@ -74,14 +75,13 @@ mod snapshot;
 #[cfg(test)]
 mod testing;
 
-pub use femdem_analysis as analysis;
 pub use femdem_contact as contact;
 pub use femdem_mesh as mesh;
 pub use femdem_pack as pack;
 pub use femdem_solve as solve;
 
 pub use error::Error;
+pub use femdem_analysis::{ContactClass, Patch};
 pub use results::{Summary, Usage};
 pub use scene::Scene;
-pub use femdem_analysis::{ContactClass, Patch};
-pub use snapshot::{Body, BodyLoad, ContactRow, Drawing, NamedShape, Partner, Snapshot};
+pub use snapshot::{Body, BodyLoad, ContactRow, Drawing, Gaps, NamedShape, Partner, Snapshot};

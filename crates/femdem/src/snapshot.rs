@@ -64,6 +64,8 @@ pub struct ContactRow {
     pub normal_force: f64,
     /// Friction force on `partner` \[N\].
     pub friction: Vector3,
+    /// Moment on `partner` about the centre of pressure \[N m\], torsion and damping of rocking included.
+    pub moment: Vector3,
     /// Contact area \[m²\].
     pub area: f64,
     /// Overlap volume \[m³\].
@@ -87,6 +89,24 @@ pub struct Snapshot {
     pub container: Option<Region>,
     /// What pictures show of the container instead, where a region does not tell all.
     pub drawing: Option<Drawing>,
+    /// Masses of the bodies \[kg\], one each; empty where they are not known.
+    pub masses: Vec<f64>,
+    /// Gravity along −z \[m/s²\]; 0 where there is none or it is not known.
+    pub gravity: f64,
+    /// What the source of the snapshot did not tell.
+    pub gaps: Gaps,
+}
+
+/// What the source of a snapshot did not tell: the fields hold stand-ins that no result may rest on. All
+/// `false` for a snapshot of a simulation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Gaps {
+    /// There is no list of contacts.
+    pub contacts: bool,
+    /// The contacts have no friction vectors; they are zero.
+    pub friction: bool,
+    /// The contacts have no classes; they are points.
+    pub classes: bool,
 }
 
 /// What a picture shows of a container.
@@ -147,7 +167,7 @@ impl Snapshot {
                     });
                 }
             }
-            let vectors = [row.point.coords, row.normal, row.friction];
+            let vectors = [row.point.coords, row.normal, row.friction, row.moment];
             let scalars = [row.normal_force, row.area, row.volume];
             if vectors
                 .iter()

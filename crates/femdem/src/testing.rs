@@ -24,6 +24,7 @@ pub(crate) fn two_cubes() -> Snapshot {
         normal: Vector3::z() * up,
         normal_force,
         friction: Vector3::x() * friction,
+        moment: Vector3::zeros(),
         area: 1.0,
         volume: 0.001,
         class: ContactClass::FaceFace,
@@ -43,6 +44,6 @@ pub(crate) fn two_cubes() -> Snapshot {
             min: Point3::new(-1.0, -1.0, 0.0),
             max: Point3::new(1.5, 1.0, 3.0),
         }),
-        drawing: None,
+        ..Snapshot::default()
     }
 }

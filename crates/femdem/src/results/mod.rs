@@ -8,7 +8,7 @@ mod summary;
 use std::path::Path;
 
 use femdem_contact::Contact;
-use femdem_mesh::Point3;
+use femdem_mesh::{Point3, Vector3};
 use femdem_pack::Packing;
 use femdem_solve::World;
 
@@ -20,7 +20,7 @@ pub use summary::{
 
 use crate::output::{csv, surface, vtp, vtu, write_file};
 use crate::picture::{PictureOptions, draw};
-use crate::{Body, ContactClass, ContactRow, Error, NamedShape, Partner, Patch, Snapshot};
+use crate::{Body, ContactClass, ContactRow, Error, Gaps, NamedShape, Partner, Patch, Snapshot};
 
 /// The pack of a job at this moment, as plain data.
 #[must_use]
@@ -48,6 +48,9 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
             .collect(),
         drawing: container::drawing(packing),
         container: container::inside(packing),
+        masses: (0..).map_while(|id| world.mass(id)).collect(),
+        gravity: packing.spec().gravity,
+        gaps: Gaps::default(),
     }
 }
 
@@ -70,6 +73,7 @@ fn row(world: &World, contact: &Contact) -> ContactRow {
         normal: contact.normal * sign,
         normal_force: contact.normal_force,
         friction: contact.friction * sign,
+        moment: moment(contact) * sign,
         area: contact.area,
         volume: contact.volume,
         class: ContactClass::of_patch(&Patch {
@@ -82,6 +86,17 @@ fn row(world: &World, contact: &Contact) -> ContactRow {
         }),
         patch: contact.patch,
     }
+}
+
+/// Moment on side B about the contact point \[N m\]: the elastic one, which damping scales with the normal
+/// force, that of the dashpots against rocking, and torsion.
+fn moment(contact: &Contact) -> Vector3 {
+    let scale = if contact.elastic_force > 0.0 {
+        contact.normal_force / contact.elastic_force
+    } else {
+        0.0
+    };
+    contact.moment * scale + contact.rocking + contact.normal * contact.torsion
 }
 
 /// Mean circumscribed diameter of the bodies of a contact \[m\].

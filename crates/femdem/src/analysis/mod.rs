@@ -1,0 +1,30 @@
+//! Everything that `femdem analyse` finds, and the crate that finds it.
+//!
+//! [`Tables::compute`] measures a [`Snapshot`](crate::Snapshot), from a simulation or from elsewhere, in every way that its
+//! data allow, and says what they do not allow. The parts are those of [`femdem_analysis`], re-exported
+//! here, which take plain data.
+//!
+//! ```
+//! use femdem::analysis::{TableOptions, Tables};
+//! use femdem::mesh::{Pose, catalogue::CatalogueShape};
+//! use femdem::{Body, NamedShape, Snapshot};
+//!
+//! let polyhedron = "P5".parse::<CatalogueShape>()?.polyhedron(0.1)?;
+//! let body = |z| Body { shape: 0, pose: Pose::translation(0.0, 0.0, z), sequence: 0, sleeping: false };
+//! let snapshot = Snapshot {
+//!     shapes: vec![NamedShape { name: "cube".to_owned(), polyhedron }],
+//!     bodies: vec![body(0.03), body(0.1)],
+//!     ..Snapshot::default()
+//! };
+//! let tables = Tables::compute(&snapshot, &TableOptions::default())?;
+//! // Without masses no force can be compared with a weight, and the tables say so.
+//! assert!(tables.force_maxima.is_none());
+//! assert!(tables.missing.iter().any(|m| m.table == "force_maxima" && m.reason.contains("mass")));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod network;
+mod tables;
+
+pub use femdem_analysis::*;
+pub use tables::{Missing, TableOptions, Tables};
