@@ -17,6 +17,9 @@ use std::f64::consts::{FRAC_PI_2, SQRT_2};
 /// does not close again without stress. Unless the dilatancy angle equals the friction angle the tangent is
 /// not symmetric.
 ///
+/// Without associated flow the work dissipated in a step, stress at its end times plastic strain, is of
+/// first order in the step.
+///
 /// History: C_p^-1 - I (xx, yy, zz, yz, xz, xy) and the equivalent plastic strain, the sum of
 /// sqrt(2/3) |dev of the plastic strain increment|; seven numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

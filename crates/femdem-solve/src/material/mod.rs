@@ -60,6 +60,20 @@
 //! assert!(rubber.respond(&inverted, &[], &mut []).is_none(), "no stress inside out");
 //! ```
 //!
+//! # Accuracy
+//!
+//! - Tangents and stresses agree with fourth-order differences to 3e-10 of their size (what the
+//!   differences can show), on every branch of the plastic laws, and are exact to round-off for equal
+//!   and nearly equal stretches. A rotation gives less than 1e-14 E of stress (3e-14 E at a Poisson's
+//!   ratio of 0.49: round-off times the bulk modulus).
+//! - Return maps are exact for steps of any size when the strain keeps its direction, and of first
+//!   order in the step otherwise (backward Euler): over a loop of 4 to 8 % strain in 4,000 steps the work
+//!   is stored or dissipated to 2e-6 for associated flow, to 1e-3 for flow with less dilatancy.
+//! - The energies of [`NeoHookean`], [`Hencky`] and the plastic laws keep nine digits at a strain of
+//!   1e-6, so that a line search can follow stiff bodies; that of [`MooneyRivlin`] keeps about four.
+//! - Cost of a stress: 30 ns neo-Hookean, 60 ns Mooney-Rivlin, 400 to 500 ns in logarithmic strain, which
+//!   needs an eigenvalue problem (tangents 0.2 to 1 us), on one core of 2020s hardware.
+//!
 //! # Conventions
 //!
 //! F = dx/dX, J = det F, P the first Piola stress (work conjugate to F), tau = P F^T = J sigma the
@@ -167,11 +181,10 @@ impl Response {
     #[inline]
     #[must_use]
     pub fn finite(self) -> Option<Self> {
-        // One sum: a NaN or an infinity anywhere makes it NaN or infinite.
-        let sum = self.energy.abs() + self.piola.iter().map(|p| p.abs()).sum::<f64>();
-        (sum + self.viscous_power.abs() + self.plastic_work.abs())
-            .is_finite()
-            .then_some(self)
+        // Without early exits, so that the nine tests run side by side.
+        let piola = self.piola.iter().fold(true, |ok, p| ok & p.is_finite());
+        let rest = self.energy + self.viscous_power + self.plastic_work;
+        (piola & rest.is_finite()).then_some(self)
     }
 }
 
@@ -203,9 +216,10 @@ pub trait Material: Debug + Send + Sync {
     /// of the largest eigenvalue of the acoustic tensor over all reference directions N, for the
     /// elastic tangent and the algorithmic one.
     ///
-    /// The laws here hold more: G : dP/dF : G <= c (sum_a |u_a|^2) (sum_b |B_b|^2) for every
-    /// G = sum_a u_a (x) B_a, which makes omega^2 <= c sum_a |B_a|^2 V/m_a-like bounds of elements
-    /// safe where the tangent is not positive too. NaN or infinite where there is no stress.
+    /// The laws here promise more, whether the tangent is positive or not:
+    /// G : dP/dF : G <= c (sum_a |u_a|^2) (sum_a |B_a|^2) for every G = sum_a u_a (x) B_a. A linear
+    /// tetrahedron of density rho and reference heights h_a, with a quarter of its mass at each node,
+    /// then has omega^2 <= 4 c/rho sum_a 1/h_a^2. NaN or infinite where there is no stress.
     fn stiffness_bound(&self, d: &Deformation, old: &[f64]) -> f64;
 
     /// The largest viscous modulus (stress per strain rate) at the undeformed state, Pa s.

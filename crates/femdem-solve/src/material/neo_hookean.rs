@@ -43,18 +43,23 @@ impl Material for NeoHookean {
     fn respond(&self, d: &Deformation, _old: &[f64], _new: &mut [f64]) -> Option<Response> {
         let Moduli { lambda, shear, .. } = self.moduli;
         let f = &d.gradient;
-        let j = d.volume_ratio()?;
+        let (cofactor, j) = cofactor(f);
+        if j.is_nan() || j <= 0.0 {
+            return None;
+        }
         let strain = Strain::of(f);
         let log_j = strain.log_volume(j);
         let energy = shear * (strain.trace - log_j) + 0.5 * lambda * log_j * log_j;
-        let inverse_t = cofactor(f) / j;
-        Response::elastic(energy, f * shear + inverse_t * (lambda * log_j - shear))
+        Response::elastic(
+            energy,
+            f * shear + cofactor * ((lambda * log_j - shear) / j),
+        )
     }
 
     fn tangent(&self, d: &Deformation, _old: &[f64]) -> Option<Tangent> {
         let Moduli { lambda, shear, .. } = self.moduli;
         let j = d.volume_ratio()?;
-        let g = cofactor(&d.gradient) / j; // F^-T
+        let g = cofactor(&d.gradient).0 / j; // F^-T
         let pressure_like = shear - lambda * j.ln();
         let mut tangent = Tangent::identity() * shear;
         for (row, (i, jj)) in entries().enumerate() {
@@ -127,11 +132,14 @@ impl Strain {
     }
 }
 
-/// det(F) F^-T.
+/// J F^-T and J = det F.
 #[inline]
-fn cofactor(f: &Matrix3) -> Matrix3 {
+fn cofactor(f: &Matrix3) -> (Matrix3, f64) {
     let [a, b, c] = [f.column(0), f.column(1), f.column(2)];
-    Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
+    let first = b.cross(&c);
+    let determinant = a.dot(&first);
+    let cofactor = Matrix3::from_columns(&[first, c.cross(&a), a.cross(&b)]);
+    (cofactor, determinant)
 }
 
 /// The pairs (i, J) in the order of a [`Tangent`]'s rows.
