@@ -7,6 +7,7 @@ use crate::kernel::Overlap;
 use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
+use std::ops::AddAssign;
 
 /// A body of the batch, by order of addition.
 pub type BodyId = u32;
@@ -179,6 +180,26 @@ impl Wrench {
     }
 }
 
+impl AddAssign<&Self> for Wrench {
+    fn add_assign(&mut self, other: &Self) {
+        self.force += other.force;
+        self.torque += other.torque;
+    }
+}
+
+/// The loads of two sets of contacts together.
+impl AddAssign<&Self> for Load {
+    fn add_assign(&mut self, other: &Self) {
+        self.total += &other.total;
+        self.damping += &other.damping;
+        self.friction += &other.friction;
+        self.normal_sum += other.normal_sum;
+        self.contacts += other.contacts;
+        self.stiffness += &other.stiffness;
+        self.viscosity += &other.viscosity;
+    }
+}
+
 /// Everything the contacts do to one body.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Load {
@@ -257,6 +278,15 @@ impl Load {
         self.viscosity.add_everywhere(arm, tangential);
         self.viscosity
             .add_turning(n, dashpots.torsion * share, dashpots.rocking * share);
+    }
+
+    /// Adds what a body that deforms does to this one: elastic, damping and friction wrenches.
+    pub(crate) fn add_wrenches(&mut self, elastic: &Wrench, damping: &Wrench, friction: &Wrench) {
+        for part in [elastic, damping, friction] {
+            self.total += part;
+        }
+        self.damping += damping;
+        self.friction += friction;
     }
 
     /// The largest step for which the contacts of a body are stable, at most `most`, s.

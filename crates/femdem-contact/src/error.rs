@@ -75,6 +75,42 @@ pub enum ContactError {
         /// Its position, m.
         position: [f64; 3],
     },
+    /// A slice of nodal values does not match the nodes of its body.
+    #[error(
+        "{given} nodal values were given for the {expected} nodes of deformable body {body}: pass \
+         one position, velocity and inverse mass per node"
+    )]
+    NodeCount {
+        /// The deformable body.
+        body: usize,
+        /// Values given.
+        given: usize,
+        /// Nodes of the body.
+        expected: usize,
+    },
+    /// A node's position or velocity is not finite, or its inverse mass is negative or not finite.
+    #[error(
+        "the state of node {node} of deformable body {body} is not usable (positions and \
+         velocities must be finite, inverse masses finite and at least 0): if the integration has \
+         blown up, reduce the time step"
+    )]
+    NodeState {
+        /// The deformable body.
+        body: usize,
+        /// The node.
+        node: usize,
+    },
+    /// A tetrahedron in contact has been turned inside out.
+    #[error(
+        "tetrahedron {tet} of the contact mesh of deformable body {body} has no positive volume \
+         any more: reduce the time step, or take a stiffer material or a finer mesh"
+    )]
+    InvertedTet {
+        /// The deformable body.
+        body: usize,
+        /// The tetrahedron of its contact mesh.
+        tet: usize,
+    },
     /// A mesh cannot be prepared for the general kernel.
     #[error("the mesh cannot be prepared: {why}")]
     Mesh {

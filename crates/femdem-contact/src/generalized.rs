@@ -3,6 +3,7 @@
 use crate::motion::Motion;
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
+use std::ops::AddAssign;
 
 /// A positive semi-definite symmetric matrix over the translation and the turning of a body:
 /// what springs (N/m, N, N m) or dashpots (the same times s) oppose to a motion of it, world axes.
@@ -14,6 +15,14 @@ pub struct Generalized {
     pub coupling: Matrix3,
     /// Torque by turning.
     pub turning: Matrix3,
+}
+
+impl AddAssign<&Self> for Generalized {
+    fn add_assign(&mut self, other: &Self) {
+        self.translation += other.translation;
+        self.coupling += other.coupling;
+        self.turning += other.turning;
+    }
 }
 
 impl Generalized {

@@ -96,6 +96,7 @@ mod batch;
 mod broadphase;
 mod contact;
 mod damping;
+pub mod deform;
 mod error;
 mod friction;
 pub mod general;

@@ -201,7 +201,7 @@ fn place(list: &[u32], i: u32) -> usize {
 }
 
 /// Tells whether a box in A's axes and one in B's come within a margin, by the axes of both.
-struct BoxTest {
+pub(crate) struct BoxTest {
     rotation: Matrix3,
     inverse: Matrix3,
     /// Absolute values of the two.
@@ -212,7 +212,7 @@ struct BoxTest {
 }
 
 impl BoxTest {
-    fn new(rotation: &Matrix3, offset: &Vector3, margin: f64) -> Self {
+    pub fn new(rotation: &Matrix3, offset: &Vector3, margin: f64) -> Self {
         let inverse = rotation.transpose();
         Self {
             rotation: *rotation,
@@ -225,7 +225,7 @@ impl BoxTest {
     }
 
     #[inline]
-    fn meet(&self, a: &Aabb, b: &Aabb) -> bool {
+    pub fn meet(&self, a: &Aabb, b: &Aabb) -> bool {
         let (half_a, half_b) = ((a.high - a.low) * 0.5, (b.high - b.low) * 0.5);
         let between = self.rotation * b.center().coords + self.offset - a.center().coords;
         let reach = half_a + self.spread * half_b;
@@ -239,7 +239,7 @@ impl BoxTest {
 }
 
 /// Largest gap between a box and a turned box along the first one's axes, m.
-fn gap_along_axes(a: &Aabb, b: &Aabb, rotation: &Matrix3, offset: &Vector3) -> f64 {
+pub(crate) fn gap_along_axes(a: &Aabb, b: &Aabb, rotation: &Matrix3, offset: &Vector3) -> f64 {
     let half = rotation.abs() * ((b.high - b.low) * 0.5);
     let centre = rotation * b.center().coords + offset;
     (0..3)

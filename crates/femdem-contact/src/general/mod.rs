@@ -74,16 +74,16 @@
 //! The sum form has none of this, and stays the default.
 
 mod assemble;
-mod cache;
-mod cells;
+pub(crate) mod cache;
+pub(crate) mod cells;
 mod kernel;
 mod mesh;
 mod patch;
-mod piece;
-mod pieces;
-mod posed;
+pub(crate) mod piece;
+pub(crate) mod pieces;
+pub(crate) mod posed;
 mod skin_path;
-mod sums;
+pub(crate) mod sums;
 mod wall;
 
 pub use cache::GeneralCache;

@@ -10,7 +10,7 @@ use femdem_mesh::Vector3;
 const LABEL: [u8; 2] = [0, 4];
 
 /// Fields whose gradients differ by less than this part have no contact surface.
-const SAME_FIELD: f64 = 1e-6;
+pub(crate) const SAME_FIELD: f64 = 1e-6;
 
 /// Planes whose normals have a larger cosine may coincide.
 const SAME_NORMAL: f64 = 1.0 - 1e-12;
@@ -19,7 +19,7 @@ const SAME_NORMAL: f64 = 1.0 - 1e-12;
 const FLAT: f64 = 1e-12;
 
 /// Fields that differ by less than this on a piece are equal there.
-const SAME_VALUE: f64 = 1e-10;
+pub(crate) const SAME_VALUE: f64 = 1e-10;
 
 /// Which faces of its tetrahedra bound a piece.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -104,10 +104,6 @@ pub(crate) fn integrate(
 }
 
 /// Adds the polygons of the piece that lie on a skin; returns its faces and moments.
-///
-/// Where a face of A's tetrahedron coincides with one of B's, the piece's face has the label of
-/// one of them by chance, and a flat piece behind it may have the other. Flat pieces are left out,
-/// and the polygons of the others count for both faces.
 fn add_skins(
     a: &Posed,
     b: &Posed,
@@ -115,6 +111,23 @@ fn add_skins(
     flush: bool,
     piece: &mut Piece,
     sums: &mut Sums,
+) -> (Faces, Moments) {
+    for_skins([a, b], flush, piece, |label, polygon, counts| {
+        add_skin(a, b, law, label, polygon, counts, sums);
+    })
+}
+
+/// Calls `skin` with the label, the corners and the weight of every polygon of the piece that lies
+/// on a skin; returns the piece's faces and moments.
+///
+/// Where a face of A's tetrahedron coincides with one of B's, the piece's face has the label of
+/// one of them by chance, and a flat piece behind it may have the other. Flat pieces are left out,
+/// and the polygons of the others count for both faces.
+pub(crate) fn for_skins(
+    [a, b]: [&Posed; 2],
+    flush: bool,
+    piece: &mut Piece,
+    mut skin: impl FnMut(u8, &[Vector3], f64),
 ) -> (Faces, Moments) {
     let skins = a.skin | b.skin << 4;
     let least = FLAT * a.size().max(b.size());
@@ -146,7 +159,7 @@ fn add_skins(
         // Moved either way, one of two skins that coincide takes all of the area: on average, none.
         let both = of_skins.clone().count() == 2;
         for l in of_skins {
-            add_skin(a, b, law, l, polygon, if both { 0.0 } else { 1.0 }, sums);
+            skin(l, polygon, if both { 0.0 } else { 1.0 });
         }
     });
     (faces, whole)
@@ -167,7 +180,7 @@ fn twins(a: &Posed, b: &Posed) -> [Option<u8>; 8] {
 }
 
 /// Integral of a tetrahedron's field over a part with the given moments.
-fn integral(tet: &Posed, part: &Moments) -> f64 {
+pub(crate) fn integral(tet: &Posed, part: &Moments) -> f64 {
     tet.level * part.volume + tet.gradient.dot(&part.first)
 }
 

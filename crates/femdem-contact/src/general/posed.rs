@@ -167,14 +167,23 @@ fn extent(corners: &[Vector3; 4], n: &Vector3) -> [f64; 2] {
 }
 
 /// Tetrahedra of one body that are posed when they are first asked for.
-#[derive(Debug, Default)]
-pub(crate) struct PosedList {
+#[derive(Debug)]
+pub(crate) struct PosedList<T = Posed> {
     /// By place: where in the list it is, or [`NONE`].
     at: Vec<u32>,
-    list: Vec<Posed>,
+    list: Vec<T>,
 }
 
-impl PosedList {
+impl<T> Default for PosedList<T> {
+    fn default() -> Self {
+        Self {
+            at: Vec::new(),
+            list: Vec::new(),
+        }
+    }
+}
+
+impl<T> PosedList<T> {
     /// Forgets all and makes room for `count` places.
     pub fn reset(&mut self, count: usize) {
         self.list.clear();
@@ -182,10 +191,15 @@ impl PosedList {
         self.at.resize(count, NONE);
     }
 
+    /// The tetrahedron of a place, if it has been asked for.
+    pub fn known(&self, place: u32) -> Option<&T> {
+        self.list.get(*self.at.get(place as usize)? as usize)
+    }
+
     /// The tetrahedron of a place, posed if it is asked for the first time; `None` if there is
     /// no such place or tetrahedron.
     #[inline]
-    pub fn get(&mut self, place: u32, pose: impl FnOnce() -> Option<Posed>) -> Option<&Posed> {
+    pub fn get(&mut self, place: u32, pose: impl FnOnce() -> Option<T>) -> Option<&T> {
         let at = self.at.get_mut(place as usize)?;
         if *at == NONE {
             let posed = pose()?;

@@ -1,0 +1,176 @@
+//! What the batch keeps of every deformable body.
+
+use super::evaluate::Context;
+use crate::deform::current::Operand;
+use crate::deform::record::NodalState;
+use crate::deform::respond::NodeLoad;
+use crate::deform::shape::{DeformableShape, Modulus};
+use crate::error::ContactError;
+use femdem_mesh::Vector3;
+use femdem_mesh::bvh::{Aabb, Bvh};
+use serde::{Deserialize, Serialize};
+
+/// A deformable body of the batch.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct SoftBody {
+    pub shape: u32,
+    pub modulus: Modulus,
+    /// Running bound of the distance that any node has travelled, m.
+    pub travelled: f64,
+    /// Where the nodes were at the last update, m.
+    before: Vec<Vector3>,
+    /// Mean place of the nodes, m.
+    pub centre: Vector3,
+    /// The tree over the tetrahedra, as it was when it was last wanted.
+    #[serde(skip)]
+    pub tree: Option<Box<(Bvh, Vec<Aabb>)>>,
+    #[serde(skip)]
+    pub forces: Vec<Vector3>,
+    #[serde(skip)]
+    pub stiffness: Vec<f64>,
+    #[serde(skip)]
+    pub rates: Vec<f64>,
+}
+
+impl SoftBody {
+    pub fn new(index: u32, shape: &DeformableShape, modulus: Modulus) -> Self {
+        let mut body = Self {
+            shape: index,
+            modulus,
+            travelled: 0.0,
+            before: Vec::new(),
+            centre: Vector3::zeros(),
+            tree: None,
+            forces: Vec::new(),
+            stiffness: Vec::new(),
+            rates: Vec::new(),
+        };
+        body.restore(shape);
+        body
+    }
+
+    /// Makes what is not stored.
+    pub fn restore(&mut self, shape: &DeformableShape) {
+        let count = shape.node_count();
+        self.tree = Some(Box::new((shape.tree().clone(), Vec::new())));
+        self.forces = vec![Vector3::zeros(); count];
+        self.stiffness = vec![0.0; count];
+        self.rates = vec![0.0; count];
+    }
+
+    pub fn clear(&mut self) {
+        self.forces.fill(Vector3::zeros());
+        self.stiffness.fill(0.0);
+        self.rates.fill(0.0);
+    }
+
+    /// Adds what a pair does to the nodes.
+    pub fn add(&mut self, nodes: &[NodeLoad]) {
+        for load in nodes {
+            let at = load.node as usize;
+            if let (Some(f), Some(k), Some(rate)) = (
+                self.forces.get_mut(at),
+                self.stiffness.get_mut(at),
+                self.rates.get_mut(at),
+            ) {
+                *f += load.force;
+                *k += load.stiffness;
+                *rate += load.rate;
+            }
+        }
+    }
+
+    /// Takes over where the nodes are now.
+    fn advance(&mut self, body: usize, state: &NodalState) -> Result<(), ContactError> {
+        let NodalState {
+            positions,
+            velocities,
+            inverse_masses,
+        } = state;
+        let expected = self.forces.len();
+        for given in [positions.len(), velocities.len(), inverse_masses.len()] {
+            if given != expected {
+                return Err(ContactError::NodeCount {
+                    body,
+                    given,
+                    expected,
+                });
+            }
+        }
+        // Anything that is not finite makes this NaN, and a negative mass below 0.
+        let mut probe = 0.0;
+        let mut least = 0.0_f64;
+        let mut sum = Vector3::zeros();
+        for ((x, v), w) in positions.iter().zip(*velocities).zip(*inverse_masses) {
+            probe += (x.sum() + v.sum() + w) * 0.0;
+            least = least.min(*w);
+            sum += x;
+        }
+        let fine = probe == 0.0 && least >= 0.0;
+        if !fine {
+            let usable = |((x, v), w): ((&Vector3, &Vector3), &f64)| {
+                let finite = |v: &Vector3| v.iter().all(|x| x.is_finite());
+                finite(x) && finite(v) && w.is_finite() && *w >= 0.0
+            };
+            let nodes = positions.iter().zip(*velocities).zip(*inverse_masses);
+            if let Some(node) = nodes.map(usable).position(|fine| !fine) {
+                return Err(ContactError::NodeState { body, node });
+            }
+        }
+        self.centre = sum / positions.len().max(1) as f64;
+        if self.before.len() == positions.len() {
+            let step = |(x, y): (&Vector3, &Vector3)| (x - y).norm_squared();
+            let pairs = positions.iter().zip(&self.before);
+            self.travelled += pairs.map(step).fold(0.0, f64::max).sqrt();
+        }
+        self.before.clear();
+        self.before.extend_from_slice(positions);
+        Ok(())
+    }
+
+    /// The box and the largest distance from the centre of the nodes, m.
+    pub fn extent(&self) -> (Aabb, f64) {
+        let points = self.before.iter().map(|x| (*x).into());
+        let square = |x: &Vector3| (x - self.centre).norm_squared();
+        let radius = self.before.iter().map(square).fold(0.0, f64::max).sqrt();
+        (Aabb::of_points(points), radius)
+    }
+
+    fn refit(&mut self, operand: &Operand) {
+        if let Some(tree) = &mut self.tree {
+            let (tree, boxes) = tree.as_mut();
+            operand.boxes(boxes);
+            tree.refit(boxes);
+        }
+    }
+}
+
+/// Takes over where all nodes are now.
+pub(crate) fn advance(bodies: &mut [SoftBody], states: &[NodalState]) -> Result<(), ContactError> {
+    for (i, (body, state)) in bodies.iter_mut().zip(states).enumerate() {
+        body.advance(i, state)?;
+    }
+    Ok(())
+}
+
+/// Brings the trees of the bodies marked up to date.
+pub(crate) fn refit(bodies: &mut [SoftBody], stale: &[bool], context: &Context) {
+    let renew = |(i, body): (usize, &mut SoftBody)| {
+        if stale.get(i) == Some(&true)
+            && let Some(operand) = context.soft(i as u32, body)
+        {
+            body.refit(&operand);
+        }
+    };
+    #[cfg(feature = "parallel")]
+    if rayon::current_num_threads() > 1 {
+        use rayon::prelude::*;
+        bodies
+            .par_iter_mut()
+            .enumerate()
+            .with_min_len(4)
+            .for_each(renew);
+        return;
+    }
+    bodies.iter_mut().enumerate().for_each(renew);
+}

@@ -1,0 +1,206 @@
+//! Narrow phase of the batch: one outcome per pair, in its own slot.
+
+use super::RigidShape;
+use super::body::SoftBody;
+use super::pairs::{PairList, SoftPair};
+use crate::deform::current::Operand;
+use crate::deform::kernel::{DeformableKernel, DeformableScratch, run as run_kernel};
+use crate::deform::near::{Sides, Tree};
+use crate::deform::record::{DeformablePartner, NodalState};
+use crate::deform::respond::{Mover, Pair};
+use crate::deform::shape::{DeformableShape, Modulus};
+use crate::error::ContactError;
+use crate::general::SolidWall;
+use crate::law::ContactParameters;
+use crate::motion::Motion;
+use crate::walls::WallShape;
+use std::sync::Arc;
+
+/// Radius of the part of a wall that is looked at, over the largest distance of a body's nodes from
+/// their middle in the reference state: a body may stretch that far.
+const STRETCH: f64 = 1.5;
+
+/// What every pair of one update shares.
+pub(crate) struct Context<'a> {
+    pub parameters: &'a ContactParameters,
+    pub kernel: &'a DeformableKernel,
+    pub shapes: &'a [Arc<DeformableShape>],
+    pub rigid_shapes: &'a [RigidShape],
+    pub rigid_kinds: &'a [u32],
+    pub wall_shapes: &'a [WallShape],
+    pub states: &'a [NodalState<'a>],
+    pub rigid: &'a [Motion],
+    pub walls: &'a [Motion],
+}
+
+impl Context<'_> {
+    /// Body `i`, as the kernel takes it.
+    pub fn soft(&self, i: u32, body: &SoftBody) -> Option<Operand<'_>> {
+        let shape = self.shapes.get(body.shape as usize)?;
+        let state = self.states.get(i as usize)?;
+        Some(Operand::Deformable(shape, state.positions))
+    }
+
+    fn motion_of_a(&self, a: DeformablePartner) -> Option<&Motion> {
+        match a {
+            DeformablePartner::Deformable(_) => None,
+            DeformablePartner::Rigid(i) => self.rigid.get(i as usize),
+            DeformablePartner::Wall(w) => self.walls.get(w as usize),
+        }
+    }
+
+    /// Running bound of how far A and B have travelled, m.
+    pub fn motion(&self, pair: &SoftPair, bodies: &[SoftBody]) -> f64 {
+        let of = |i: u32| bodies.get(i as usize).map_or(0.0, |b| b.travelled);
+        let of_a = match pair.a {
+            DeformablePartner::Deformable(i) => of(i),
+            a => self.motion_of_a(a).map_or(0.0, |m| m.travelled),
+        };
+        of_a + of(pair.b)
+    }
+
+    /// The solid of the wall of a pair, and whether it is another one than before. `None` if no
+    /// part of the wall is near.
+    pub fn wall<'p>(
+        &'p self,
+        pair_local: &'p mut crate::walls::LocalSolid,
+        w: u32,
+        body: &SoftBody,
+    ) -> (Option<&'p SolidWall>, bool) {
+        let (Some(shape), Some(motion)) =
+            (self.wall_shapes.get(w as usize), self.walls.get(w as usize))
+        else {
+            return (None, false);
+        };
+        match shape {
+            WallShape::Mesh(wall) => (Some(wall.solid_wall()), false),
+            WallShape::Planes(wall) => {
+                let from = body.centre - motion.frame.position;
+                let x = motion.frame.rotation.tr_mul(&from);
+                let radius = self
+                    .shapes
+                    .get(body.shape as usize)
+                    .map_or(0.0, |s| s.radius());
+                pair_local.near(wall, &x, STRETCH * radius)
+            }
+        }
+    }
+
+    /// Evaluates one pair in place.
+    fn evaluate(&self, pair: &mut SoftPair, bodies: &[SoftBody], scratch: &mut DeformableScratch) {
+        pair.failure = None;
+        pair.counts = [0; 2];
+        let motion = self.motion(pair, bodies);
+        if pair.candidates.is_clear(motion) || self.touch(pair, bodies, motion, scratch).is_none() {
+            pair.outcome.clear();
+        }
+    }
+
+    /// The contact of a pair; `None` if there is none.
+    fn touch(
+        &self,
+        pair: &mut SoftPair,
+        bodies: &[SoftBody],
+        motion: f64,
+        scratch: &mut DeformableScratch,
+    ) -> Option<()> {
+        let body = bodies.get(pair.b as usize)?;
+        let of_b = self.soft(pair.b, body)?;
+        let tree_b = tree(body)?;
+        let moduli_b = body.modulus;
+        let rigid = Modulus::Penalty(self.parameters.penalty);
+        let (of_a, tree_a, modulus, mover) = match pair.a {
+            DeformablePartner::Deformable(i) => {
+                let body = bodies.get(i as usize)?;
+                let state = self.states.get(i as usize)?;
+                let operand = self.soft(i, body)?;
+                (operand, tree(body)?, body.modulus, Mover::Nodes(*state))
+            }
+            DeformablePartner::Rigid(i) => {
+                let motion = self.rigid.get(i as usize)?;
+                let kind = *self.rigid_kinds.get(i as usize)?;
+                let mesh = &self.rigid_shapes.get(kind as usize)?.mesh;
+                let operand = Operand::Rigid(mesh, &motion.frame);
+                (operand, mesh.cells.tree(), rigid, Mover::Rigid(motion))
+            }
+            DeformablePartner::Wall(w) => {
+                let motion = self.walls.get(w as usize)?;
+                let solid = self.wall(&mut pair.local, w, body).0?;
+                let operand = Operand::Wall(solid, &motion.frame);
+                (operand, solid.cells.tree(), rigid, Mover::Rigid(motion))
+            }
+        };
+        let sides = Sides {
+            operands: [of_a, of_b],
+            trees: [tree_a, tree_b],
+        };
+        let law = self.kernel.law(&sides, [modulus, moduli_b]);
+        let touches = match run_kernel(&sides, &law, &mut pair.candidates, motion, scratch) {
+            Ok(touches) => touches,
+            Err((side, inverted)) => {
+                let body = match pair.a {
+                    DeformablePartner::Deformable(i) if side == 0 => i,
+                    _ => pair.b,
+                };
+                pair.failure = Some((body, inverted.tet));
+                return None;
+            }
+        };
+        pair.counts = scratch.counts().map(|n| n as u32);
+        if !touches {
+            return None;
+        }
+        let of_pair = Pair {
+            ids: (pair.a, pair.b),
+            sides: sides.operands,
+            movers: [mover, Mover::Nodes(*self.states.get(pair.b as usize)?)],
+            near: pair.candidates.near()?,
+            law: self.parameters,
+        };
+        pair.outcome.take(&of_pair, scratch);
+        Some(())
+    }
+}
+
+fn tree(body: &SoftBody) -> Option<Tree<'_>> {
+    let (tree, boxes) = body.tree.as_deref()?;
+    Some(Tree { tree, boxes })
+}
+
+/// Evaluates all pairs. Each is written in its own slot, so neither the order nor the number of
+/// threads changes a bit.
+pub(crate) fn run(
+    context: &Context,
+    bodies: &[SoftBody],
+    pairs: &mut PairList,
+) -> Result<(), ContactError> {
+    evaluate_all(context, bodies, pairs.list_mut());
+    match pairs.list().iter().find_map(|p| p.failure) {
+        Some((body, tet)) => Err(ContactError::InvertedTet {
+            body: body as usize,
+            tet: tet as usize,
+        }),
+        None => Ok(()),
+    }
+}
+
+fn evaluate_all(context: &Context, bodies: &[SoftBody], list: &mut [SoftPair]) {
+    #[cfg(feature = "parallel")]
+    if rayon::current_num_threads() > 1 && list.len() >= SERIAL_BELOW {
+        use rayon::prelude::*;
+        list.par_iter_mut()
+            .with_min_len(4)
+            .for_each_init(DeformableScratch::default, |scratch, pair| {
+                context.evaluate(pair, bodies, scratch)
+            });
+        return;
+    }
+    let mut scratch = DeformableScratch::default();
+    for pair in list {
+        context.evaluate(pair, bodies, &mut scratch);
+    }
+}
+
+/// Fewer pairs than this are evaluated on the calling thread.
+#[cfg(feature = "parallel")]
+const SERIAL_BELOW: usize = 8;

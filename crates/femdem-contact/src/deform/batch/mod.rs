@@ -1,0 +1,325 @@
+//! Layer 2: many deformable bodies with the rigid bodies and walls around them.
+
+mod body;
+mod evaluate;
+mod pairs;
+
+use super::kernel::DeformableKernel;
+use super::record::{DeformableContact, DeformableTotals, NodalState};
+use super::shape::{DeformableShape, Modulus};
+use super::sums::Gradient;
+use crate::contact::{BodyId, Load};
+use crate::error::ContactError;
+use crate::general::{FieldMesh, Form};
+use crate::law::{ContactLaw, ContactParameters};
+use crate::motion::Motion;
+use crate::shape::BodyShape;
+use crate::walls::WallShape;
+use body::SoftBody;
+use evaluate::Context;
+use pairs::PairList;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Contact of deformable bodies with each other, with rigid bodies and with walls, with friction
+/// history. Contacts among rigid bodies and walls belong to a
+/// [`ContactBatch`](crate::ContactBatch).
+///
+/// Bodies are added once and then updated with one [`NodalState`] or [`Motion`] each.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct DeformableBatch {
+    law: ContactLaw,
+    kernel: DeformableKernel,
+    #[serde(skip)]
+    shapes: Vec<Arc<DeformableShape>>,
+    #[serde(skip)]
+    rigid_shapes: Vec<RigidShape>,
+    bodies: Vec<SoftBody>,
+    rigid: Vec<u32>,
+    walls: Vec<WallShape>,
+    pairs: PairList,
+    rigid_loads: Vec<Load>,
+    wall_loads: Vec<Load>,
+    totals: DeformableTotals,
+}
+
+/// A rigid shape and its tetrahedra.
+#[derive(Debug, Clone)]
+pub(crate) struct RigidShape {
+    pub shape: BodyShape,
+    pub mesh: Arc<FieldMesh>,
+}
+
+impl RigidShape {
+    fn new(shape: BodyShape) -> Result<Self, ContactError> {
+        let mesh = match &shape {
+            BodyShape::Convex(convex) => Arc::new(convex.fan()?),
+            BodyShape::Mesh(mesh) => Arc::clone(mesh),
+        };
+        Ok(Self { shape, mesh })
+    }
+}
+
+impl DeformableBatch {
+    /// An empty batch with one contact law, whose penalty is that of the rigid bodies.
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] for [`Form::Shaped`].
+    pub fn new(law: ContactLaw, form: Form) -> Result<Self, ContactError> {
+        Ok(Self {
+            law,
+            kernel: DeformableKernel::new(form, Gradient::Exact)?,
+            shapes: Vec::new(),
+            rigid_shapes: Vec::new(),
+            bodies: Vec::new(),
+            rigid: Vec::new(),
+            walls: Vec::new(),
+            pairs: PairList::default(),
+            rigid_loads: Vec::new(),
+            wall_loads: Vec::new(),
+            totals: DeformableTotals::default(),
+        })
+    }
+
+    /// The law's parameters.
+    pub fn parameters(&self) -> &ContactParameters {
+        self.law.parameters()
+    }
+
+    /// Replaces the law; contacts keep their history.
+    pub fn set_law(&mut self, law: ContactLaw) {
+        self.law = law;
+    }
+
+    /// Chooses the nodal forces: [`Gradient::Exact`] unless for comparison.
+    pub fn set_gradient(&mut self, gradient: Gradient) {
+        self.kernel = self.kernel.with_gradient(gradient);
+    }
+
+    /// Adds the shape of deformable bodies and returns its index.
+    pub fn add_shape(&mut self, shape: impl Into<Arc<DeformableShape>>) -> u32 {
+        self.shapes.push(shape.into());
+        self.shapes.len() as u32 - 1
+    }
+
+    /// Adds a deformable body and returns its index.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if the shape was never added, [`ContactError::Parameter`] if the
+    /// modulus is not positive and finite.
+    pub fn add_body(&mut self, shape: u32, modulus: Modulus) -> Result<u32, ContactError> {
+        modulus.check()?;
+        let Some(kind) = self.shapes.get(shape as usize) else {
+            return Err(no_shape(shape, self.shapes.len()));
+        };
+        self.bodies.push(SoftBody::new(shape, kind, modulus));
+        self.pairs.forget_search();
+        Ok(self.bodies.len() as u32 - 1)
+    }
+
+    /// Adds a rigid shape and returns its index.
+    ///
+    /// # Errors
+    /// [`ContactError::Mesh`] if a convex body is too flat for tetrahedra.
+    pub fn add_rigid_shape(&mut self, shape: impl Into<BodyShape>) -> Result<u32, ContactError> {
+        self.rigid_shapes.push(RigidShape::new(shape.into())?);
+        Ok(self.rigid_shapes.len() as u32 - 1)
+    }
+
+    /// Adds a rigid body and returns its index.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if the shape was never added.
+    pub fn add_rigid(&mut self, shape: u32) -> Result<BodyId, ContactError> {
+        if shape as usize >= self.rigid_shapes.len() {
+            return Err(no_shape(shape, self.rigid_shapes.len()));
+        }
+        self.rigid.push(shape);
+        self.rigid_loads.push(Load::default());
+        self.pairs.forget_search();
+        Ok(self.rigid.len() as BodyId - 1)
+    }
+
+    /// Adds a wall, of planes or a mesh, and returns its index.
+    pub fn add_wall(&mut self, wall: impl Into<WallShape>) -> u32 {
+        self.walls.push(wall.into());
+        self.wall_loads.push(Load::default());
+        self.pairs.forget_search();
+        self.walls.len() as u32 - 1
+    }
+
+    /// Gives a batch that was read from a file its shapes back, in the order of addition.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if a body refers to a shape that is not there, and the errors of
+    /// [`add_rigid_shape`](Self::add_rigid_shape).
+    pub fn restore_shapes(
+        &mut self,
+        shapes: Vec<Arc<DeformableShape>>,
+        rigid: Vec<BodyShape>,
+    ) -> Result<(), ContactError> {
+        let most = |list: &mut dyn Iterator<Item = u32>| list.max().map_or(0, |i| i as usize + 1);
+        for (needed, count) in [
+            (most(&mut self.bodies.iter().map(|b| b.shape)), shapes.len()),
+            (most(&mut self.rigid.iter().copied()), rigid.len()),
+        ] {
+            if needed > count {
+                return Err(no_shape(needed as u32 - 1, count));
+            }
+        }
+        for body in &mut self.bodies {
+            body.restore(&shapes[body.shape as usize]);
+        }
+        self.shapes = shapes;
+        self.rigid_shapes = rigid
+            .into_iter()
+            .map(RigidShape::new)
+            .collect::<Result<_, _>>()?;
+        Ok(())
+    }
+
+    /// The shapes of deformable bodies, by index.
+    pub fn shapes(&self) -> &[Arc<DeformableShape>] {
+        &self.shapes
+    }
+
+    /// Number of deformable bodies.
+    pub fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Whether there are no deformable bodies.
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// Finds and evaluates all contacts of the deformable bodies.
+    ///
+    /// The slices hold one state per added body, rigid body and wall.
+    ///
+    /// # Errors
+    /// [`ContactError::StateCount`] or [`ContactError::NodeCount`] if a slice has the wrong
+    /// length, [`ContactError::NodeState`] or [`ContactError::NotFinite`] if a state is not usable,
+    /// [`ContactError::InvertedTet`] if a tetrahedron in a contact is inside out. After an error
+    /// the histories are those of no single step.
+    pub fn update(
+        &mut self,
+        bodies: &[NodalState],
+        rigid: &[Motion],
+        walls: &[Motion],
+    ) -> Result<(), ContactError> {
+        for (given, expected) in [
+            (bodies.len(), self.bodies.len()),
+            (rigid.len(), self.rigid.len()),
+            (walls.len(), self.walls.len()),
+        ] {
+            if given != expected {
+                return Err(ContactError::StateCount { given, expected });
+            }
+        }
+        if let Some(body) = rigid.iter().position(|m| !m.is_finite()) {
+            return Err(ContactError::NotFinite {
+                body,
+                position: rigid[body].frame.position.into(),
+            });
+        }
+        body::advance(&mut self.bodies, bodies)?;
+        let context = Context {
+            parameters: self.law.parameters(),
+            kernel: &self.kernel,
+            shapes: &self.shapes,
+            rigid_shapes: &self.rigid_shapes,
+            rigid_kinds: &self.rigid,
+            wall_shapes: &self.walls,
+            states: bodies,
+            rigid,
+            walls,
+        };
+        self.pairs.search(&context, &self.bodies);
+        let stale = self.pairs.stale_trees(&context, &self.bodies);
+        body::refit(&mut self.bodies, &stale, &context);
+        evaluate::run(&context, &self.bodies, &mut self.pairs)?;
+        self.gather();
+        Ok(())
+    }
+
+    /// Sums the forces in the order of the pairs.
+    fn gather(&mut self) {
+        for body in &mut self.bodies {
+            body.clear();
+        }
+        self.rigid_loads.fill(Load::default());
+        self.wall_loads.fill(Load::default());
+        self.totals = DeformableTotals::default();
+        for pair in self.pairs.list() {
+            self.totals += &pair.totals();
+            let [of_a, of_b] = &pair.outcome.nodes;
+            if let Some(body) = self.bodies.get_mut(pair.b as usize) {
+                body.add(of_b);
+            }
+            use super::record::DeformablePartner as Side;
+            let load = match pair.a {
+                Side::Deformable(i) => {
+                    if let Some(body) = self.bodies.get_mut(i as usize) {
+                        body.add(of_a);
+                    }
+                    None
+                }
+                Side::Rigid(i) => self.rigid_loads.get_mut(i as usize),
+                Side::Wall(w) => self.wall_loads.get_mut(w as usize),
+            };
+            if let (Some(total), Some(load)) = (load, &pair.outcome.load) {
+                *total += load.as_ref();
+            }
+        }
+    }
+
+    /// Contact forces on the nodes of a body, N: elastic, damping and friction. Empty if there is
+    /// no such body.
+    pub fn forces(&self, body: u32) -> &[femdem_mesh::Vector3] {
+        self.bodies.get(body as usize).map_or(&[], |b| &b.forces)
+    }
+
+    /// Contact stiffness k of the nodes of a body, N/m: a node of mass m adds 2 k/m to the squared
+    /// frequency that bounds the step.
+    pub fn stiffness(&self, body: u32) -> &[f64] {
+        self.bodies.get(body as usize).map_or(&[], |b| &b.stiffness)
+    }
+
+    /// Damping rate of the nodes of a body by contact, 1/s: the rate of
+    /// [`stable_step`](crate::stable_step).
+    pub fn rates(&self, body: u32) -> &[f64] {
+        self.bodies.get(body as usize).map_or(&[], |b| &b.rates)
+    }
+
+    /// Loads on the rigid bodies from the deformable ones.
+    pub fn rigid_loads(&self) -> &[Load] {
+        &self.rigid_loads
+    }
+
+    /// Loads on the walls from the deformable bodies, about the walls' origins.
+    pub fn wall_loads(&self) -> &[Load] {
+        &self.wall_loads
+    }
+
+    /// The contacts, sorted by pair.
+    pub fn contacts(&self) -> impl Iterator<Item = &DeformableContact> {
+        self.pairs
+            .list()
+            .iter()
+            .filter_map(|p| p.outcome.contact.as_ref())
+    }
+
+    /// Sums of the last update.
+    pub fn totals(&self) -> &DeformableTotals {
+        &self.totals
+    }
+}
+
+fn no_shape(index: u32, count: usize) -> ContactError {
+    ContactError::NoSuch {
+        what: "shape",
+        index: index as usize,
+        count,
+    }
+}

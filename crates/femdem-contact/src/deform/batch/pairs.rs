@@ -1,0 +1,191 @@
+//! Candidate pairs of bodies, and what is kept of each.
+
+use super::body::SoftBody;
+use super::evaluate::Context;
+use crate::deform::near::Candidates;
+use crate::deform::record::{DeformablePartner, DeformableTotals};
+use crate::deform::respond::Outcome;
+use crate::walls::LocalSolid;
+use femdem_mesh::bvh::{Aabb, Bvh};
+use femdem_mesh::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// How far a body may move before pairs are looked for again, over its radius.
+const HALF_SKIN: f64 = 0.05;
+
+/// A body or wall A, and a deformable body B.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct SoftPair {
+    pub a: DeformablePartner,
+    pub b: u32,
+    pub candidates: Candidates,
+    /// The part of a wall of planes that is near.
+    pub local: LocalSolid,
+    pub outcome: Outcome,
+    /// What went wrong in the last evaluation: the side and its tetrahedron.
+    pub failure: Option<(u32, u32)>,
+    pub counts: [u32; 2],
+}
+
+impl SoftPair {
+    fn new((a, b): (DeformablePartner, u32)) -> Self {
+        Self {
+            a,
+            b,
+            candidates: Candidates::default(),
+            local: LocalSolid::default(),
+            outcome: Outcome::default(),
+            failure: None,
+            counts: [0; 2],
+        }
+    }
+
+    fn key(&self) -> (DeformablePartner, u32) {
+        (self.a, self.b)
+    }
+
+    pub fn totals(&self) -> DeformableTotals {
+        DeformableTotals {
+            pairs: 1,
+            candidates: self.counts[0] as usize,
+            pieces: self.counts[1] as usize,
+            ..self.outcome.totals
+        }
+    }
+}
+
+/// Pairs that are near, sorted.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct PairList {
+    list: Vec<SoftPair>,
+    /// Travel of the deformable bodies, the rigid ones and the walls at which pairs must be looked
+    /// for again, m; empty if they never were.
+    expires: [Vec<f64>; 3],
+}
+
+impl PairList {
+    pub fn list(&self) -> &[SoftPair] {
+        &self.list
+    }
+
+    pub fn list_mut(&mut self) -> &mut [SoftPair] {
+        &mut self.list
+    }
+
+    /// Something was added: look at the next update.
+    pub fn forget_search(&mut self) {
+        self.expires = Default::default();
+    }
+
+    /// Finds the pairs anew if a body has moved too far since they were found.
+    pub fn search(&mut self, context: &Context, bodies: &[SoftBody]) {
+        let travelled = [
+            bodies.iter().map(|b| b.travelled).collect::<Vec<_>>(),
+            context.rigid.iter().map(|m| m.travelled).collect(),
+            context.walls.iter().map(|m| m.travelled).collect(),
+        ];
+        let holds = |(now, until): (&Vec<f64>, &Vec<f64>)| {
+            now.len() == until.len() && now.iter().zip(until).all(|(now, until)| now < until)
+        };
+        if travelled.iter().zip(&self.expires).all(holds) {
+            return;
+        }
+        let extents: Vec<(Aabb, f64)> = bodies.iter().map(SoftBody::extent).collect();
+        let mut boxes: Vec<Aabb> = Vec::with_capacity(bodies.len() + context.rigid.len());
+        let mut skins = [Vec::with_capacity(bodies.len()), Vec::new(), Vec::new()];
+        for (bounds, radius) in &extents {
+            boxes.push(bounds.grown(HALF_SKIN * radius));
+            skins[0].push(HALF_SKIN * radius);
+        }
+        for (motion, &kind) in context.rigid.iter().zip(context.rigid_kinds) {
+            let shape = &context.rigid_shapes[kind as usize].shape;
+            let skin = HALF_SKIN * shape.radius();
+            let (low, high) = shape.bounds(&motion.frame.rotation);
+            let at = |x: Vector3| Point3::from(x + motion.frame.position);
+            let bounds = Aabb {
+                low: at(low),
+                high: at(high),
+            };
+            boxes.push(bounds.grown(skin));
+            skins[1].push(skin);
+        }
+        let wall_skin = skins[0].iter().copied().fold(0.0, f64::max);
+        skins[2] = vec![wall_skin; context.walls.len()];
+        let mut keys = body_pairs(&boxes, bodies.len());
+        for (b, (body, (_, radius))) in bodies.iter().zip(&extents).enumerate() {
+            let reach = radius * (1.0 + HALF_SKIN) + wall_skin;
+            for (w, (motion, wall)) in context.walls.iter().zip(context.wall_shapes).enumerate() {
+                let from = body.centre - motion.frame.position;
+                if wall.clearance(&motion.frame.rotation.tr_mul(&from)) < reach {
+                    keys.push((DeformablePartner::Wall(w as u32), b as u32));
+                }
+            }
+        }
+        keys.sort_unstable();
+        self.keep(keys);
+        for (k, skins) in skins.iter().enumerate() {
+            let until = travelled[k].iter().zip(skins).map(|(now, skin)| now + skin);
+            self.expires[k] = until.collect();
+        }
+    }
+
+    /// Makes the list that of `keys`, which are sorted; pairs that go on keep what they have.
+    fn keep(&mut self, keys: Vec<(DeformablePartner, u32)>) {
+        let mut old = std::mem::take(&mut self.list).into_iter().peekable();
+        self.list.reserve(keys.len());
+        for key in keys {
+            while old.next_if(|p| p.key() < key).is_some() {}
+            let kept = old.next_if(|p| p.key() == key);
+            self.list.push(kept.unwrap_or_else(|| SoftPair::new(key)));
+        }
+    }
+
+    /// Which deformable bodies need their trees now, because a pair must look for candidates anew.
+    pub fn stale_trees(&mut self, context: &Context, bodies: &[SoftBody]) -> Vec<bool> {
+        let mut stale = vec![false; bodies.len()];
+        for pair in &mut self.list {
+            if let (DeformablePartner::Wall(w), Some(body)) = (pair.a, bodies.get(pair.b as usize))
+            {
+                let (solid, fresh) = context.wall(&mut pair.local, w, body);
+                let is_near = solid.is_some();
+                if fresh {
+                    pair.candidates = Candidates::default();
+                }
+                if !is_near {
+                    continue;
+                }
+            }
+            if pair.candidates.is_expired(context.motion(pair, bodies)) {
+                let of_a = match pair.a {
+                    DeformablePartner::Deformable(i) => Some(i),
+                    _ => None,
+                };
+                for i in of_a.into_iter().chain([pair.b]) {
+                    if let Some(flag) = stale.get_mut(i as usize) {
+                        *flag = true;
+                    }
+                }
+            }
+        }
+        stale
+    }
+}
+
+/// Pairs with a deformable body, which come first in `boxes`.
+fn body_pairs(boxes: &[Aabb], soft: usize) -> Vec<(DeformablePartner, u32)> {
+    let tree = Bvh::new(boxes);
+    let mut keys = Vec::new();
+    for (b, own) in boxes[..soft].iter().enumerate() {
+        tree.query(own, |i| {
+            let i = i as usize;
+            if boxes[i].overlaps(own) {
+                if i < b {
+                    keys.push((DeformablePartner::Deformable(i as u32), b as u32));
+                } else if i >= soft {
+                    keys.push((DeformablePartner::Rigid((i - soft) as u32), b as u32));
+                }
+            }
+        });
+    }
+    keys
+}

@@ -1,0 +1,187 @@
+//! Friction of one triangle of the skin: a spring between points of both bodies.
+//!
+//! The spring is stretched between a point of A and a point of B, given in a tetrahedron's
+//! barycentric coordinates or in a rigid body's axes, so that a common rigid motion leaves it
+//! unchanged. The points move to where the pressure is when the triangle slides, and so walk from
+//! tetrahedron to tetrahedron.
+
+use super::current::{Current, Operand};
+use crate::law::ContactParameters;
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// The points are placed anew once the pressure has moved by this many lengths of the triangle.
+const RECENTRE: f64 = 0.5;
+
+/// A point of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Anchor {
+    /// In a tetrahedron, by barycentric coordinates (it may lie outside).
+    Tet(u32, [f64; 4]),
+    /// In the axes of a rigid body, m.
+    Point(Vector3),
+}
+
+/// The spring of one triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Bristle {
+    pub triangle: u32,
+    pub anchors: [Anchor; 2],
+    /// N/m.
+    pub stiffness: f64,
+    /// Across which it is stretched.
+    pub normal: Vector3,
+}
+
+/// What presses on a triangle, and how the bodies move there. Points are about the pair's origin.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touch<'a> {
+    pub point: Vector3,
+    pub normal: Vector3,
+    /// Normal force with damping, N.
+    pub force: f64,
+    /// Tangential stiffness, N/m.
+    pub stiffness: f64,
+    /// Velocity of B less that of A, m/s.
+    pub slip: Vector3,
+    /// Of both, 1/kg.
+    pub inverse_mass: f64,
+    /// The tetrahedra around, by number and as they are.
+    pub hosts: [(u32, &'a Current); 2],
+    /// Their places on the lists.
+    pub places: [u32; 2],
+    pub origin: Vector3,
+}
+
+/// Friction of one triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct TriangleFriction {
+    /// Force on B, N.
+    pub force: Vector3,
+    /// In the spring, J.
+    pub energy: f64,
+    /// N s/m.
+    pub viscosity: f64,
+    pub slides: bool,
+}
+
+impl Operand<'_> {
+    /// Where a point of the body is about an origin, m.
+    fn anchored(&self, anchor: &Anchor, origin: &Vector3) -> Option<Vector3> {
+        match (self, anchor) {
+            (Self::Deformable(shape, x), Anchor::Tet(tet, weights)) => {
+                let corners = shape.corners(*tet, x)?;
+                let term = |(x, w): (&Vector3, &f64)| (x - origin) * *w;
+                Some(corners.iter().zip(weights).map(term).sum())
+            }
+            (Self::Rigid(_, frame) | Self::Wall(_, frame), Anchor::Point(x)) => {
+                Some(frame.position - origin + frame.rotation * x)
+            }
+            _ => None,
+        }
+    }
+
+    /// The point of the body that is at `x` about an origin.
+    fn anchor(&self, (tet, current): (u32, &Current), x: &Vector3, origin: &Vector3) -> Anchor {
+        match self {
+            Self::Deformable(..) => Anchor::Tet(tet, current.weights(x)),
+            Self::Rigid(_, frame) | Self::Wall(_, frame) => {
+                Anchor::Point(frame.rotation.tr_mul(&(x + origin - frame.position)))
+            }
+        }
+    }
+}
+
+fn across(x: &Vector3, normal: &Vector3) -> Vector3 {
+    x - normal * normal.dot(x)
+}
+
+impl Bristle {
+    /// A spring that has just formed, with a given stretch.
+    pub fn new(sides: &[Operand; 2], triangle: u32, touch: &Touch, stretch: &Vector3) -> Self {
+        let mut bristle = Self {
+            triangle,
+            anchors: [Anchor::Point(Vector3::zeros()); 2],
+            stiffness: 0.0,
+            normal: touch.normal,
+        };
+        bristle.place(sides, touch, &across(stretch, &touch.normal));
+        bristle
+    }
+
+    /// Way from the point of A to that of B, m; zero if there are no such points.
+    pub fn stretch(&self, sides: &[Operand; 2], origin: &Vector3) -> Vector3 {
+        let [a, b] = [0, 1].map(|i| sides[i].anchored(&self.anchors[i], origin));
+        match (a, b) {
+            (Some(a), Some(b)) => b - a,
+            _ => Vector3::zeros(),
+        }
+    }
+
+    /// Energy of the spring as it stands, J.
+    pub fn energy(&self, sides: &[Operand; 2], origin: &Vector3) -> f64 {
+        let stretch = across(&self.stretch(sides, origin), &self.normal);
+        0.5 * self.stiffness * stretch.norm_squared()
+    }
+
+    /// Puts the points around the centre of pressure so that the stretch is `stretch`.
+    fn place(&mut self, sides: &[Operand; 2], touch: &Touch, stretch: &Vector3) {
+        let half = stretch * 0.5;
+        let ends = [touch.point - half, touch.point + half];
+        self.anchors = [0, 1].map(|i| sides[i].anchor(touch.hosts[i], &ends[i], &touch.origin));
+    }
+
+    /// Advances the spring and returns its friction. `size` is the triangle's, m.
+    pub fn update(
+        &mut self,
+        law: &ContactParameters,
+        sides: &[Operand; 2],
+        touch: &Touch,
+        size: f64,
+    ) -> TriangleFriction {
+        let normal = &touch.normal;
+        let k = touch.stiffness;
+        let mut stretch = across(&self.stretch(sides, &touch.origin), normal);
+        let slip = across(&touch.slip, normal);
+        let mut moved = false;
+        // A stiffer spring keeps its force, a softer one its stretch: neither makes energy.
+        if k > self.stiffness && self.stiffness > 0.0 {
+            stretch *= self.stiffness / k;
+            moved = true;
+        }
+        let eta = if touch.inverse_mass > 0.0 {
+            2.0 * law.tangential_damping * (k / touch.inverse_mass).sqrt()
+        } else {
+            0.0
+        };
+        let mut force = -stretch * k - slip * eta;
+        let most = law.friction * touch.force;
+        let size_of_force = force.norm();
+        let slides = size_of_force > most;
+        if slides {
+            force *= most / size_of_force;
+            // The spring carries what the dashpot leaves of the bound; it never pushes along the
+            // slip.
+            let spring = force + slip * eta;
+            stretch = if spring.dot(&force) > 0.0 && k > 0.0 {
+                -spring / k
+            } else {
+                Vector3::zeros()
+            };
+            moved = true;
+        }
+        let place = sides[1].anchored(&self.anchors[1], &touch.origin);
+        let far = |x: Vector3| (x - touch.point).norm_squared() > (RECENTRE * size).powi(2);
+        if moved || place.is_none_or(far) {
+            self.place(sides, touch, &stretch);
+        }
+        self.stiffness = k;
+        self.normal = *normal;
+        TriangleFriction {
+            force,
+            energy: 0.5 * k * stretch.norm_squared(),
+            viscosity: eta,
+            slides,
+        }
+    }
+}

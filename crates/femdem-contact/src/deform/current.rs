@@ -1,0 +1,164 @@
+//! Tetrahedra as they are now, with shape functions, about the middle of a contact.
+
+use super::shape::DeformableShape;
+use crate::error::ContactError;
+use crate::general::posed::Posed;
+use crate::general::{FieldMesh, SolidWall};
+use crate::shape::Frame;
+use femdem_mesh::Vector3;
+use femdem_mesh::tet::FACES;
+
+/// One side of a pair as the kernel takes it.
+#[derive(Debug, Clone, Copy)]
+pub enum Operand<'a> {
+    /// A body that deforms, and where its nodes are, m.
+    Deformable(&'a DeformableShape, &'a [Vector3]),
+    /// A rigid body, as tetrahedra with a field.
+    Rigid(&'a FieldMesh, &'a Frame),
+    /// A wall.
+    Wall(&'a SolidWall, &'a Frame),
+}
+
+/// A tetrahedron posed about the origin of a pair.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Current {
+    /// Its field is in Pa: the pressure at which it counts is in it.
+    pub posed: Posed,
+    /// Shape functions of the corners, `levels[k]` + `slopes[k]`.x; 0 for rigid tetrahedra.
+    pub levels: [f64; 4],
+    pub slopes: [Vector3; 4],
+}
+
+/// What can be wrong with a tetrahedron.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Inverted {
+    pub tet: u32,
+}
+
+impl Current {
+    /// A tetrahedron of `corners` with the given field; `None` if its volume is not positive.
+    pub fn deformed(
+        corners: [Vector3; 4],
+        values: &[f64; 4],
+        pressure: f64,
+        skin: u8,
+    ) -> Option<Self> {
+        let [a, b, c, d] = &corners;
+        let six_volumes = (b - a).cross(&(c - a)).dot(&(d - a));
+        if six_volumes.is_nan() || six_volumes <= 0.0 {
+            return None;
+        }
+        let areas = FACES.map(|f| {
+            let [x, y, z] = f.map(|i| &corners[i]);
+            (y - x).cross(&(z - x))
+        });
+        let slopes = areas.map(|s| s * (-1.0 / six_volumes));
+        let normals = areas.map(|s| s * (1.0 / s.norm()));
+        // The slopes add up to zero, so that only differences of values count.
+        let gradient = (slopes[1] * (values[1] - values[0])
+            + slopes[2] * (values[2] - values[0])
+            + slopes[3] * (values[3] - values[0]))
+            * pressure;
+        Some(Self {
+            levels: [
+                -slopes[0].dot(b),
+                -slopes[1].dot(c),
+                -slopes[2].dot(d),
+                -slopes[3].dot(a),
+            ],
+            slopes,
+            posed: Posed {
+                offsets: [
+                    normals[0].dot(b),
+                    normals[1].dot(c),
+                    normals[2].dot(d),
+                    normals[3].dot(a),
+                ],
+                level: values[0] * pressure - gradient.dot(a),
+                low: a.inf(b).inf(&c.inf(d)),
+                high: a.sup(b).sup(&c.sup(d)),
+                corners,
+                normals,
+                gradient,
+                skin,
+            },
+        })
+    }
+
+    fn rigid(mut posed: Posed, pressure: f64) -> Self {
+        posed.gradient *= pressure;
+        posed.level *= pressure;
+        Self {
+            posed,
+            levels: [0.0; 4],
+            slopes: [Vector3::zeros(); 4],
+        }
+    }
+
+    /// The shape functions at a point.
+    #[inline]
+    pub fn weights(&self, x: &Vector3) -> [f64; 4] {
+        [0, 1, 2, 3].map(|k| self.levels[k] + self.slopes[k].dot(x))
+    }
+}
+
+impl Operand<'_> {
+    /// Tetrahedron `i` about `origin`, its field in units of `pressure`; `None` if there is none,
+    /// an error if it is turned inside out.
+    #[inline]
+    pub(crate) fn current(
+        &self,
+        i: u32,
+        pressure: f64,
+        origin: &Vector3,
+    ) -> Result<Option<Current>, Inverted> {
+        match self {
+            Self::Deformable(shape, x) => {
+                let (Some(corners), Some(tet)) =
+                    (shape.corners(i, x), shape.tets().get(i as usize))
+                else {
+                    return Ok(None);
+                };
+                let corners = corners.map(|x| x - origin);
+                match Current::deformed(corners, &tet.values, pressure, tet.skin) {
+                    Some(tet) => Ok(Some(tet)),
+                    None => Err(Inverted { tet: i }),
+                }
+            }
+            Self::Rigid(FieldMesh { cells, .. }, frame)
+            | Self::Wall(SolidWall { cells }, frame) => {
+                let cell = cells.list.get(i as usize);
+                let offset = frame.position - origin;
+                let posed = cell.map(|cell| Posed::new(cell, &frame.rotation, &offset));
+                Ok(posed.map(|posed| Current::rigid(posed, pressure)))
+            }
+        }
+    }
+
+    /// Length of the field, m; 0 for walls.
+    pub(crate) fn length(&self) -> f64 {
+        match self {
+            Self::Deformable(shape, _) => shape.inradius(),
+            Self::Rigid(mesh, _) => mesh.inradius(),
+            Self::Wall(..) => 0.0,
+        }
+    }
+
+    /// Checks that there is a finite place for every node.
+    pub(crate) fn check(&self, body: usize) -> Result<(), ContactError> {
+        let Self::Deformable(shape, x) = self else {
+            return Ok(());
+        };
+        if x.len() != shape.node_count() {
+            return Err(ContactError::NodeCount {
+                body,
+                given: x.len(),
+                expected: shape.node_count(),
+            });
+        }
+        match x.iter().position(|x| !x.iter().all(|x| x.is_finite())) {
+            Some(node) => Err(ContactError::NodeState { body, node }),
+            None => Ok(()),
+        }
+    }
+}

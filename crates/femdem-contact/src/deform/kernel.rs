@@ -1,0 +1,335 @@
+//! The pair kernel of bodies that deform.
+
+use super::current::{Current, Inverted, Operand};
+use super::near::{Candidates, Failure, Near, Sides, Tree};
+use super::shape::Modulus;
+use super::sums::{Gradient, PairLaw, PairSums, Place, Triangles};
+use crate::contact::Wrench;
+use crate::error::ContactError;
+use crate::general::Form;
+use crate::general::piece::Piece;
+use crate::general::pieces::{distance, intersect};
+use crate::general::posed::PosedList;
+use femdem_mesh::Vector3;
+use femdem_mesh::bvh::{Aabb, Bvh};
+use serde::{Deserialize, Serialize};
+
+/// Buffers that the kernel reuses from call to call.
+#[derive(Debug, Default)]
+pub struct DeformableScratch {
+    pub(crate) tets: [PosedList<Current>; 2],
+    piece: Piece,
+    pub(crate) sums: PairSums,
+    candidates: usize,
+}
+
+impl DeformableScratch {
+    /// Pairs of tetrahedra that the last evaluation looked at, and how many of them overlap.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.candidates, self.sums.pieces]
+    }
+}
+
+/// What a contact does to a node.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct NodeForce {
+    /// The node.
+    pub node: u32,
+    /// Force on it, N.
+    pub force: Vector3,
+    /// Contact stiffness that it feels, N/m: the sum of the stiffness per area times the shape
+    /// function over the skin in contact.
+    pub stiffness: f64,
+}
+
+/// The contact of a pair.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DeformableOverlap {
+    /// Contact energy U, J.
+    pub energy: f64,
+    /// Overlap volume, m^3.
+    pub volume: f64,
+    /// Area of the contact, m^2.
+    pub area: f64,
+    /// Elastic force on A and on B with torques about the world's origin.
+    pub wrenches: [Wrench; 2],
+    /// Centre of pressure, m.
+    pub centre: Vector3,
+    /// Normal stiffness, N/m.
+    pub stiffness: f64,
+    /// Forces on the nodes of A and of B, by ascending node; none for a rigid side.
+    pub nodes: [Vec<NodeForce>; 2],
+}
+
+/// The penalty law of bodies that deform.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DeformableKernel {
+    form: Form,
+    gradient: Gradient,
+}
+
+impl DeformableKernel {
+    /// A kernel with the given form of the energy.
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] for [`Form::Shaped`], which is for single rigid contacts only.
+    pub fn new(form: Form, gradient: Gradient) -> Result<Self, ContactError> {
+        if form == Form::Shaped {
+            return Err(ContactError::Parameter {
+                name: "form",
+                value: 2.0,
+                allowed: "Form::Sum or Form::Min for bodies that deform",
+            });
+        }
+        Ok(Self { form, gradient })
+    }
+
+    /// The same with other nodal forces.
+    pub fn with_gradient(self, gradient: Gradient) -> Self {
+        Self { gradient, ..self }
+    }
+
+    /// The form of the energy.
+    pub fn form(&self) -> Form {
+        self.form
+    }
+
+    /// The contact of A with B, a body that deforms; `None` if they are apart. The moduli say how
+    /// stiff the fields are (that of a wall does not count).
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if B does not deform, [`ContactError::NodeCount`] or
+    /// [`ContactError::NodeState`] for positions that do not fit or are not finite, and
+    /// [`ContactError::InvertedTet`] if a tetrahedron in the contact is inside out. As body,
+    /// these name side 0 (A) or 1 (B).
+    pub fn evaluate(
+        &self,
+        a: (Operand, Modulus),
+        b: (Operand, Modulus),
+        scratch: &mut DeformableScratch,
+    ) -> Result<Option<DeformableOverlap>, ContactError> {
+        if !matches!(b.0, Operand::Deformable(..)) {
+            return Err(ContactError::NoSuch {
+                what: "deformable side",
+                index: 1,
+                count: 0,
+            });
+        }
+        a.0.check(0)?;
+        b.0.check(1)?;
+        a.1.check()?;
+        b.1.check()?;
+        let own = [OwnTree::new(&a.0), OwnTree::new(&b.0)];
+        let sides = Sides {
+            operands: [a.0, b.0],
+            trees: [own[0].tree(&a.0), own[1].tree(&b.0)],
+        };
+        let law = self.law(&sides, [a.1, b.1]);
+        let mut candidates = Candidates::default();
+        let failed = |(side, Inverted { tet }): Failure| ContactError::InvertedTet {
+            body: side,
+            tet: tet as usize,
+        };
+        let touches = run(&sides, &law, &mut candidates, 0.0, scratch).map_err(failed)?;
+        Ok(match candidates.near() {
+            Some(near) if touches => Some(scratch.overlap(near)),
+            _ => None,
+        })
+    }
+
+    /// The law between two sides.
+    pub(crate) fn law(&self, sides: &Sides, moduli: [Modulus; 2]) -> PairLaw {
+        let lengths = sides.operands.map(|o| o.length());
+        let of_body = moduli[1].penalty(lengths[1]);
+        match sides.operands[0] {
+            // Against a wall, which has no field, the lower field is the body's.
+            Operand::Wall(..) => PairLaw {
+                form: Form::Sum,
+                gradient: self.gradient,
+                pressures: match self.form {
+                    Form::Min => [0.0, of_body],
+                    _ => [0.0, 2.0 * of_body],
+                },
+            },
+            _ => PairLaw {
+                form: self.form,
+                gradient: self.gradient,
+                pressures: Modulus::combine(moduli, lengths),
+            },
+        }
+    }
+}
+
+/// A tree over the tetrahedra of a body that deforms.
+struct OwnTree(Option<(Bvh, Vec<Aabb>)>);
+
+impl OwnTree {
+    fn new(operand: &Operand) -> Self {
+        let Operand::Deformable(shape, _) = operand else {
+            return Self(None);
+        };
+        let mut boxes = Vec::with_capacity(shape.tet_count());
+        operand.boxes(&mut boxes);
+        let mut tree = shape.tree().clone();
+        tree.refit(&boxes);
+        Self(Some((tree, boxes)))
+    }
+
+    fn tree<'a>(&'a self, operand: &Operand<'a>) -> Tree<'a> {
+        match (&self.0, operand) {
+            (Some((tree, boxes)), _) => Tree { tree, boxes },
+            (None, Operand::Rigid(mesh, _)) => mesh.cells.tree(),
+            (None, Operand::Wall(wall, _)) => wall.cells.tree(),
+            (None, Operand::Deformable(shape, _)) => Tree {
+                tree: shape.tree(),
+                boxes: &[],
+            },
+        }
+    }
+}
+
+impl crate::general::cells::Cells {
+    /// The tree of a rigid side, in its own axes.
+    pub(crate) fn tree(&self) -> Tree<'_> {
+        Tree {
+            tree: &self.tree,
+            boxes: &self.boxes,
+        }
+    }
+}
+
+/// Sums up the pair in the scratch; whether there is an overlap. `motion` is the running bound of
+/// the distance that any point of A or B has travelled (the sum of both), m.
+pub(crate) fn run(
+    sides: &Sides,
+    law: &PairLaw,
+    candidates: &mut Candidates,
+    motion: f64,
+    scratch: &mut DeformableScratch,
+) -> Result<bool, Failure> {
+    scratch.candidates = 0;
+    scratch.sums.reset([0, 0]);
+    if candidates.is_clear(motion) {
+        return Ok(false);
+    }
+    let Some(near) = candidates.renewed(sides, motion)? else {
+        return Ok(false);
+    };
+    let Near {
+        origin,
+        sides: members,
+        pairs,
+    } = near;
+    scratch
+        .sums
+        .reset([members[0].nodes.len(), members[1].nodes.len()]);
+    scratch.tets[0].reset(members[0].tets.len());
+    scratch.tets[1].reset(members[1].tets.len());
+    let [list_a, list_b] = &mut scratch.tets;
+    let mut clear = f64::INFINITY;
+    let mut failure = None;
+    for candidate in pairs {
+        if motion >= candidate.clear {
+            let [i, j] = candidate.places;
+            let mut pose = |side: usize, at: u32| {
+                let tet = *members[side].tets.get(at as usize)?;
+                let posed = sides.operands[side].current(tet, law.pressures[side], origin);
+                posed.unwrap_or_else(|inverted| {
+                    failure.get_or_insert((side, inverted));
+                    None
+                })
+            };
+            let (Some(a), Some(b)) = (list_a.get(i, || pose(0, i)), list_b.get(j, || pose(1, j)))
+            else {
+                continue;
+            };
+            scratch.candidates += 1;
+            match intersect(&a.posed, &b.posed, &mut scratch.piece) {
+                None => candidate.clear = motion + distance(&a.posed, &b.posed),
+                Some(flush) => {
+                    let places = [(a, i, 0), (b, j, 1)].map(|(tet, place, side)| Place {
+                        tet,
+                        place,
+                        nodes: members[side].corners.get(place as usize),
+                    });
+                    let triangles = sides.operands[1].triangles(members[1].tets[j as usize]);
+                    scratch
+                        .sums
+                        .add(law, places, &triangles, flush, &mut scratch.piece);
+                }
+            }
+        }
+        clear = clear.min(candidate.clear);
+    }
+    if let Some(failure) = failure {
+        return Err(failure);
+    }
+    for (side, members) in members.iter().enumerate() {
+        scratch.sums.fold(side, &members.slaves);
+    }
+    candidates.set_clear(clear);
+    Ok(scratch.sums.volume > 0.0)
+}
+
+impl Operand<'_> {
+    /// Triangles of the skin at a tetrahedron of a body that deforms.
+    fn triangles(&self, tet: u32) -> Triangles {
+        let none = Triangles {
+            faces: [0; 4],
+            nearest: 0,
+        };
+        match self {
+            Self::Deformable(shape, _) => {
+                shape.tets().get(tet as usize).map_or(none, |t| Triangles {
+                    faces: t.triangles,
+                    nearest: t.nearest,
+                })
+            }
+            _ => none,
+        }
+    }
+}
+
+impl DeformableScratch {
+    /// The pair's contact from the sums.
+    fn overlap(&self, near: &Near) -> DeformableOverlap {
+        let sums = &self.sums;
+        let wrench = |[force, torque]: [Vector3; 2]| Wrench {
+            force,
+            torque: torque + near.origin.cross(&force),
+        };
+        let pressure: f64 = sums.loads.iter().map(|l| l.pressure).sum();
+        let moment: Vector3 = sums.loads.iter().map(|l| l.moment).sum();
+        let force = sums.wrench[1][0];
+        DeformableOverlap {
+            energy: sums.energy,
+            volume: sums.volume,
+            area: 0.5 * sums.area.dot(&force) / force.norm().max(f64::MIN_POSITIVE),
+            wrenches: sums.wrench.map(wrench),
+            centre: near.origin + moment / pressure.max(f64::MIN_POSITIVE),
+            stiffness: sums.loads.iter().map(|l| l.stiffness).sum(),
+            nodes: [0, 1].map(|side| self.nodes(near, side)),
+        }
+    }
+
+    /// Forces on the nodes of the finite elements.
+    fn nodes(&self, near: &Near, side: usize) -> Vec<NodeForce> {
+        let slave = |at: u32| {
+            let slaves = &near.sides[side].slaves;
+            slaves.binary_search_by_key(&at, |s| s.0).is_ok()
+        };
+        let nodes = near.sides[side].nodes.iter().enumerate();
+        let loads = self.sums.forces[side]
+            .iter()
+            .zip(&self.sums.stiffness[side]);
+        nodes
+            .zip(loads)
+            .filter(|((at, _), _)| !slave(*at as u32))
+            .map(|((_, &node), (&force, &stiffness))| NodeForce {
+                node,
+                force,
+                stiffness,
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,296 @@
+//! Which tetrahedra of a pair can meet, and for how long that is known.
+
+use super::current::{Current, Inverted, Operand};
+use crate::general::cache::{BoxTest, gap_along_axes};
+use crate::general::cells::NONE;
+use femdem_mesh::bvh::{Aabb, Bvh};
+use femdem_mesh::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Candidate lists are made to last for this many evaluations at the present speed.
+const LASTS: f64 = 128.0;
+
+/// Least and largest margin of the lists over the field's length. What a list costs is finding it:
+/// candidates that cannot touch yet are passed over by their own budget.
+const MARGIN: [f64; 2] = [4e-3, 4e-2];
+
+/// Where nothing is within the margin, it is widened by this factor, up to this part of the field's
+/// length, so that pairs that pass close by are left alone for longer.
+const WIDENING: f64 = 4.0;
+const WIDEST: f64 = 0.25;
+
+/// What is remembered of a pair: that it is apart, or which tetrahedra can meet.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Candidates {
+    /// The list holds while the motion is below this, m.
+    until: f64,
+    /// Nothing touches while the motion is below this, m.
+    clear: f64,
+    /// Motion at the last evaluation, m.
+    last: f64,
+    /// `None`: the bodies are apart.
+    near: Option<Box<Near>>,
+}
+
+/// Tetrahedra that can meet.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Near {
+    /// Origin of the integrals: the middle of what could overlap when the list was made, m.
+    pub origin: Vector3,
+    pub sides: [Members; 2],
+    /// In ascending order of their places.
+    pub pairs: Vec<Candidate>,
+}
+
+/// The tetrahedra of one side that appear in pairs, ascending, and their nodes.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Members {
+    pub tets: Vec<u32>,
+    /// Contact nodes, ascending, the masters of slaves among them; none for rigid bodies.
+    pub nodes: Vec<u32>,
+    /// By tetrahedron, the places of its nodes.
+    pub corners: Vec<[u32; 4]>,
+    /// Places of slaves and of their masters.
+    pub slaves: Vec<(u32, [u32; 4])>,
+}
+
+/// Two tetrahedra that can come to touch.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Candidate {
+    /// Places among the members.
+    pub places: [u32; 2],
+    /// The two are apart while the motion is below this, m.
+    pub clear: f64,
+}
+
+/// A tree over the tetrahedra of one side, in world axes for bodies that deform, in those of its
+/// frame for rigid ones.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tree<'a> {
+    pub tree: &'a Bvh,
+    pub boxes: &'a [Aabb],
+}
+
+/// The two sides of a pair with their trees. B deforms.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sides<'a> {
+    pub operands: [Operand<'a>; 2],
+    pub trees: [Tree<'a>; 2],
+}
+
+/// A side and a tetrahedron of it that is inside out.
+pub(crate) type Failure = (usize, Inverted);
+
+impl Candidates {
+    /// Whether `motion` still lies within what is known without a look at the pair.
+    pub fn is_clear(&self, motion: f64) -> bool {
+        motion < self.clear
+    }
+
+    /// Whether the trees are needed to go on.
+    pub fn is_expired(&self, motion: f64) -> bool {
+        motion >= self.until
+    }
+
+    /// The candidates, found anew if they have expired.
+    pub fn renewed(&mut self, sides: &Sides, motion: f64) -> Result<Option<&mut Near>, Failure> {
+        if self.is_expired(motion) {
+            let [a, b] = sides.operands.map(|o| o.length());
+            let scale = if a > 0.0 { a.min(b) } else { b };
+            let [least, largest] = MARGIN.map(|m| m * scale);
+            let mut margin = (LASTS * (motion - self.last)).clamp(least, largest);
+            let gap = sides.gap();
+            self.near = None;
+            if gap > margin {
+                margin = gap;
+            } else {
+                self.near = sides.find(margin, motion)?;
+                while self.near.is_none() && margin < WIDEST * scale {
+                    let wider = margin * WIDENING;
+                    self.near = sides.find(wider, motion)?;
+                    margin = wider;
+                }
+            }
+            self.until = motion + margin;
+            self.clear = self.until;
+        }
+        self.last = motion;
+        Ok(self.near.as_deref_mut())
+    }
+
+    /// The list as it stands.
+    pub fn near(&self) -> Option<&Near> {
+        self.near.as_deref()
+    }
+
+    /// Notes until when no candidate touches; to be called after a look at all of them.
+    pub fn set_clear(&mut self, motion: f64) {
+        self.clear = motion.min(self.until);
+    }
+}
+
+impl Sides<'_> {
+    /// A's boxes against B's: in the axes of A, if A is rigid.
+    fn box_test(&self, margin: f64) -> Option<BoxTest> {
+        match self.operands[0] {
+            Operand::Deformable(..) => None,
+            Operand::Rigid(_, frame) | Operand::Wall(_, frame) => {
+                let inverse = frame.rotation.transpose();
+                Some(BoxTest::new(&inverse, &-(inverse * frame.position), margin))
+            }
+        }
+    }
+
+    /// A lower bound of the distance, by the boxes around both, m.
+    fn gap(&self) -> f64 {
+        let [a, b] = self.trees.map(|t| t.tree.bounds());
+        match self.operands[0] {
+            Operand::Deformable(..) => (0..3)
+                .map(|k| (a.low[k] - b.high[k]).max(b.low[k] - a.high[k]))
+                .fold(f64::NEG_INFINITY, f64::max),
+            Operand::Rigid(_, frame) | Operand::Wall(_, frame) => {
+                let inverse = frame.rotation.transpose();
+                let in_a = gap_along_axes(&a, &b, &inverse, &-(inverse * frame.position));
+                in_a.max(gap_along_axes(&b, &a, &frame.rotation, &frame.position))
+            }
+        }
+    }
+
+    /// Pairs of tetrahedra that are, or within `margin` may come to be, in touch.
+    fn find(&self, margin: f64, motion: f64) -> Result<Option<Box<Near>>, Failure> {
+        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        let test = self.box_test(margin);
+        let meet = |a: &Aabb, b: &Aabb| match &test {
+            Some(test) => test.meet(a, b),
+            None => {
+                (0..3).all(|k| a.low[k] - margin <= b.high[k] && b.low[k] - margin <= a.high[k])
+            }
+        };
+        let [a, b] = &self.trees;
+        a.tree.visit_pairs(b.tree, meet, |i, j| {
+            if let (Some(x), Some(y)) = (a.boxes.get(i as usize), b.boxes.get(j as usize))
+                && meet(x, y)
+            {
+                pairs.push([i, j]);
+            }
+        });
+        let Some(origin) = self.middle(&pairs) else {
+            return Ok(None);
+        };
+        let tets = [0, 1].map(|side| members(&pairs, side));
+        let mut posed: [Vec<Current>; 2] = Default::default();
+        for side in 0..2 {
+            for &i in &tets[side] {
+                let tet = self.operands[side].current(i, 1.0, &origin);
+                posed[side].extend(tet.map_err(|inverted| (side, inverted))?);
+            }
+        }
+        let mut region = (f64::INFINITY, Aabb::EMPTY);
+        let mut gaps = Vec::new();
+        pairs.retain(|[i, j]| {
+            let at = [place(&tets[0], *i), place(&tets[1], *j)];
+            let (Some(a), Some(b)) = (posed[0].get(at[0]), posed[1].get(at[1])) else {
+                return false;
+            };
+            let (a, b) = (&a.posed, &b.posed);
+            let gap = a.gap(b, margin).max(0.0);
+            if gap > margin {
+                return false;
+            }
+            let common = Aabb {
+                low: a.low.sup(&b.low).into(),
+                high: a.high.inf(&b.high).into(),
+            };
+            if gap < region.0 {
+                region = (gap, common);
+            } else if gap == region.0 {
+                region.1 = region.1.union(&common);
+            }
+            gaps.push(([*i, *j], gap));
+            true
+        });
+        if gaps.is_empty() {
+            return Ok(None);
+        }
+        gaps.sort_unstable_by_key(|(pair, _)| *pair);
+        let sides = [0, 1].map(|side| self.operands[side].members(members(&pairs, side)));
+        let candidate = |&([i, j], gap): &([u32; 2], f64)| Candidate {
+            places: [
+                place(&sides[0].tets, i) as u32,
+                place(&sides[1].tets, j) as u32,
+            ],
+            clear: motion + gap,
+        };
+        Ok(Some(Box::new(Near {
+            origin: origin + region.1.center().coords,
+            pairs: gaps.iter().map(candidate).collect(),
+            sides,
+        })))
+    }
+
+    /// Roughly where the tetrahedra of the pairs are.
+    fn middle(&self, pairs: &[[u32; 2]]) -> Option<Vector3> {
+        let box_of = |pair: &[u32; 2]| self.trees[1].boxes.get(pair[1] as usize);
+        let first = box_of(pairs.first()?)?;
+        let all = pairs
+            .iter()
+            .filter_map(box_of)
+            .fold(*first, |x, y| x.union(y));
+        Some(all.center().coords)
+    }
+}
+
+impl Operand<'_> {
+    /// Tetrahedra (ascending) with their nodes.
+    fn members(&self, tets: Vec<u32>) -> Members {
+        let Self::Deformable(shape, _) = self else {
+            return Members {
+                tets,
+                ..Members::default()
+            };
+        };
+        let nodes_of = |i: &u32| shape.tets().get(*i as usize).map_or([NONE; 4], |t| t.nodes);
+        let mut nodes: Vec<u32> = tets.iter().flat_map(nodes_of).collect();
+        let masters: Vec<u32> = nodes
+            .iter()
+            .filter_map(|&i| shape.masters(i))
+            .flatten()
+            .copied()
+            .collect();
+        nodes.extend(masters);
+        nodes.sort_unstable();
+        nodes.dedup();
+        let at = |i: u32| place(&nodes, i) as u32;
+        let slave = |i: &u32| Some((at(*i), shape.masters(*i)?.map(at)));
+        Members {
+            corners: tets.iter().map(|i| nodes_of(i).map(at)).collect(),
+            slaves: nodes.iter().filter_map(slave).collect(),
+            tets,
+            nodes,
+        }
+    }
+
+    /// Boxes around the tetrahedra of a body that deforms, m.
+    pub(crate) fn boxes(&self, boxes: &mut Vec<Aabb>) {
+        boxes.clear();
+        if let Self::Deformable(shape, x) = self {
+            let corners = |i: u32| shape.corners(i, x);
+            let of = |c: Option<[Vector3; 4]>| {
+                c.map_or(Aabb::EMPTY, |c| Aabb::of_points(c.map(Point3::from)))
+            };
+            boxes.extend((0..shape.tet_count() as u32).map(|i| of(corners(i))));
+        }
+    }
+}
+
+/// The tetrahedra of one side of the pairs, ascending.
+fn members(pairs: &[[u32; 2]], side: usize) -> Vec<u32> {
+    let mut list: Vec<u32> = pairs.iter().map(|p| p[side]).collect();
+    list.sort_unstable();
+    list.dedup();
+    list
+}
+
+fn place(list: &[u32], i: u32) -> usize {
+    list.binary_search(&i).unwrap_or(0)
+}

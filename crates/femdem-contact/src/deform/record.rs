@@ -1,0 +1,109 @@
+//! What the batch of deformable bodies reports.
+
+use crate::contact::BodyId;
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Side A of a contact with a body that deforms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum DeformablePartner {
+    /// Another one, of lower index.
+    Deformable(u32),
+    /// A rigid body.
+    Rigid(BodyId),
+    /// A wall, by order of addition.
+    Wall(u32),
+}
+
+/// The contact of a pair: A, and a body B that deforms. Vectors are in world axes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DeformableContact {
+    /// Side A.
+    pub a: DeformablePartner,
+    /// Side B, a deformable body.
+    pub b: u32,
+    /// Centre of pressure, m.
+    pub point: Vector3,
+    /// Direction of the elastic force on B: from A to B.
+    pub normal: Vector3,
+    /// Elastic force, N.
+    pub elastic_force: f64,
+    /// Normal force on B along `normal`, damping included, N.
+    pub normal_force: f64,
+    /// Friction force on B, N.
+    pub friction: Vector3,
+    /// Whether every part of the contact slides.
+    pub slides: bool,
+    /// Contact area, m^2.
+    pub area: f64,
+    /// Overlap volume, m^3.
+    pub volume: f64,
+    /// Contact energy U, J.
+    pub energy: f64,
+    /// Energy in the friction springs, J.
+    pub spring_energy: f64,
+    /// Normal stiffness, N/m.
+    pub stiffness: f64,
+}
+
+impl DeformableContact {
+    /// Total force on B, N.
+    pub fn force_on_b(&self) -> Vector3 {
+        self.normal * self.normal_force + self.friction
+    }
+
+    /// Penetration estimate, m: overlap volume over contact area.
+    pub fn penetration(&self) -> f64 {
+        if self.area > 0.0 {
+            self.volume / self.area
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Sums over the contacts of bodies that deform, at the last update.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct DeformableTotals {
+    /// Contact energy, J.
+    pub energy: f64,
+    /// Energy in the friction springs, J.
+    pub spring_energy: f64,
+    /// Power of the damping forces at the velocities given, W; negative where they dissipate.
+    pub damping_power: f64,
+    /// Power of the friction forces at the velocities given, W. What it takes and does not store
+    /// as spring energy is dissipated.
+    pub friction_power: f64,
+    /// Pairs of bodies on the list.
+    pub pairs: usize,
+    /// Touching ones among them.
+    pub touching: usize,
+    /// Pairs of tetrahedra looked at.
+    pub candidates: usize,
+    /// Overlapping ones among them.
+    pub pieces: usize,
+}
+
+impl std::ops::AddAssign<&Self> for DeformableTotals {
+    fn add_assign(&mut self, other: &Self) {
+        self.energy += other.energy;
+        self.spring_energy += other.spring_energy;
+        self.damping_power += other.damping_power;
+        self.friction_power += other.friction_power;
+        self.pairs += other.pairs;
+        self.touching += other.touching;
+        self.candidates += other.candidates;
+        self.pieces += other.pieces;
+    }
+}
+
+/// Where the nodes of a deformable body are, how they move, and how heavy they are.
+#[derive(Debug, Clone, Copy)]
+pub struct NodalState<'a> {
+    /// Positions, m.
+    pub positions: &'a [Vector3],
+    /// Velocities, m/s.
+    pub velocities: &'a [Vector3],
+    /// Inverse masses, 1/kg; 0 for nodes that forces do not move.
+    pub inverse_masses: &'a [f64],
+}

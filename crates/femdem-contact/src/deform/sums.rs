@@ -1,0 +1,368 @@
+//! What the pieces of a pair add up to: nodal forces, wrenches, and loads by triangle.
+
+use super::current::Current;
+use crate::general::piece::{Cut, Moments, Piece, SURFACE};
+use crate::general::pieces::{SAME_FIELD, SAME_VALUE, for_skins, integral};
+use crate::general::{Form, posed::Posed};
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Which nodal forces are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+pub enum Gradient {
+    /// Minus the gradient of the contact energy on every node.
+    #[default]
+    Exact,
+    /// Without the part that comes from the volume changes of the body's own tetrahedra, as
+    /// classic codes have it: no gradient of an energy. For comparison.
+    Classic,
+}
+
+/// The law of one pair.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PairLaw {
+    pub form: Form,
+    pub gradient: Gradient,
+    /// Pressures of the fields of A and B, Pa.
+    pub pressures: [f64; 2],
+}
+
+/// Load on one triangle of B's skin and on what lies in front of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TriangleLoad {
+    pub triangle: u32,
+    /// Integral of the traction on B, N.
+    pub force: Vector3,
+    /// Integrals of p phi and x p phi, N and N m.
+    pub pressure: f64,
+    pub moment: Vector3,
+    /// Integral of the stiffness per area, N/m.
+    pub stiffness: f64,
+    /// Tetrahedra of A and B (places on the lists) between which the largest part acts, and this
+    /// part, N.
+    pub hosts: [u32; 2],
+    share: f64,
+}
+
+/// Sums over one pair. Points are about the pair's origin.
+#[derive(Debug, Default)]
+pub(crate) struct PairSums {
+    /// By side and node on the list.
+    pub forces: [Vec<Vector3>; 2],
+    pub stiffness: [Vec<f64>; 2],
+    pub viscosity: [Vec<f64>; 2],
+    pub loads: Vec<TriangleLoad>,
+    pub energy: f64,
+    pub volume: f64,
+    /// Force and torque on A and on B.
+    pub wrench: [[Vector3; 2]; 2],
+    /// Vector area of A's skin in B less that of B's in A.
+    pub area: Vector3,
+    /// Centre and normal direction times stiffness of the polygons, for rigid bodies.
+    pub springs: Vec<Spring>,
+    pub pieces: usize,
+}
+
+/// The stiffness of one polygon, N/m.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Spring {
+    pub point: Vector3,
+    pub normal: Vector3,
+    pub stiffness: f64,
+}
+
+/// A tetrahedron of a side: where it is on the list, its nodes on the list, whether it deforms.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place<'a> {
+    pub tet: &'a Current,
+    pub place: u32,
+    pub nodes: Option<&'a [u32; 4]>,
+}
+
+/// Triangles of B's skin: by face of a tetrahedron, and the nearest one.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Triangles {
+    pub faces: [u32; 4],
+    pub nearest: u32,
+}
+
+/// Integrals over a plane polygon.
+struct PolygonSums {
+    area: f64,
+    first: Vector3,
+    pressure: f64,
+    moment: Vector3,
+}
+
+impl PairSums {
+    pub fn reset(&mut self, nodes: [usize; 2]) {
+        for (k, count) in nodes.into_iter().enumerate() {
+            self.forces[k].clear();
+            self.forces[k].resize(count, Vector3::zeros());
+            self.stiffness[k].clear();
+            self.stiffness[k].resize(count, 0.0);
+            self.viscosity[k].clear();
+            self.viscosity[k].resize(count, 0.0);
+        }
+        self.loads.clear();
+        self.springs.clear();
+        self.energy = 0.0;
+        self.volume = 0.0;
+        self.wrench = [[Vector3::zeros(); 2]; 2];
+        self.area = Vector3::zeros();
+        self.pieces = 0;
+    }
+
+    /// Adds the piece in the buffer, the common part of `sides`.
+    pub fn add(
+        &mut self,
+        law: &PairLaw,
+        sides: [Place; 2],
+        triangles: &Triangles,
+        flush: bool,
+        piece: &mut Piece,
+    ) {
+        let [a, b] = sides.map(|s| &s.tet.posed);
+        let presses = law.form != Form::Min;
+        let (_, whole) = for_skins([a, b], flush, piece, |label, polygon, counts| {
+            let (k, own) = (usize::from(label % 4), label < 4);
+            let (skin, field, sign) = if own { (a, b, 1.0) } else { (b, a, -1.0) };
+            let normal = skin.normals[k];
+            if presses {
+                let weight = normal.dot(&field.gradient).max(0.0);
+                let triangle = if own {
+                    triangles.nearest
+                } else {
+                    triangles.faces[k]
+                };
+                let sums = PolygonSums::new(polygon, &normal, field);
+                self.area += normal * (sign * counts * sums.area);
+                self.add_polygon(sides, triangle, &(normal * sign), weight, &sums);
+            } else if counts > 0.0 {
+                self.area += normal * (sign * area(polygon, &normal));
+            }
+        });
+        if whole.volume.is_nan() || whole.volume <= 0.0 {
+            return;
+        }
+        self.pieces += 1;
+        self.volume += whole.volume;
+        if presses {
+            self.energy += integral(a, &whole) + integral(b, &whole);
+            let gradient = a.gradient - b.gradient;
+            self.add_side(0, &sides[0], &whole, &gradient, integral(b, &whole), law);
+            self.add_side(1, &sides[1], &whole, &-gradient, integral(a, &whole), law);
+        } else {
+            self.add_series(sides, triangles.nearest, &whole, piece);
+        }
+    }
+
+    /// Forces on one side: density `gradient` in the part with the given moments, and the other
+    /// side's field integrated over it.
+    fn add_side(
+        &mut self,
+        side: usize,
+        place: &Place,
+        part: &Moments,
+        gradient: &Vector3,
+        other: f64,
+        law: &PairLaw,
+    ) {
+        let total = gradient * part.volume;
+        self.wrench[side][0] += total;
+        self.wrench[side][1] += part.first.cross(gradient);
+        let Some(nodes) = place.nodes else {
+            return;
+        };
+        let swelling = match law.gradient {
+            Gradient::Exact => other,
+            Gradient::Classic => 0.0,
+        };
+        for (k, &node) in nodes.iter().enumerate() {
+            let (level, slope) = (place.tet.levels[k], &place.tet.slopes[k]);
+            let weight = level * part.volume + slope.dot(&part.first);
+            if let Some(force) = self.forces[side].get_mut(node as usize) {
+                *force += gradient * weight - slope * swelling;
+            }
+        }
+    }
+
+    /// U = int min(phi_A, phi_B): the part where A's field is the smaller one, and the rest.
+    fn add_series(&mut self, sides: [Place; 2], nearest: u32, whole: &Moments, piece: &mut Piece) {
+        let [a, b] = sides.map(|s| &s.tet.posed);
+        let slope = b.gradient - a.gradient;
+        let level = b.level - a.level;
+        let above = |x: &Vector3| level + slope.dot(x);
+        let scale = a.gradient.norm().max(b.gradient.norm());
+        let least = SAME_VALUE * scale * a.size().max(b.size());
+        let equal = piece.vertices().iter().all(|x| above(x).abs() < least);
+        let cut = if equal {
+            Cut::Whole
+        } else {
+            piece.cut(SURFACE, above)
+        };
+        let in_a = match cut {
+            // Moved either way, one of the fields becomes the lower one: on average, each has half.
+            Cut::Whole if equal => Moments {
+                volume: 0.5 * whole.volume,
+                first: whole.first * 0.5,
+            },
+            Cut::Whole => *whole,
+            Cut::Part => piece.moments(),
+            Cut::Empty => Moments::default(),
+        };
+        let in_b = Moments {
+            volume: whole.volume - in_a.volume,
+            first: whole.first - in_a.first,
+        };
+        self.energy += integral(a, &in_a) + integral(b, &in_b);
+        let plain = PairLaw {
+            form: Form::Min,
+            gradient: Gradient::Classic,
+            pressures: [0.0; 2],
+        };
+        self.add_side(0, &sides[0], &in_a, &a.gradient, 0.0, &plain);
+        self.add_side(1, &sides[1], &in_b, &b.gradient, 0.0, &plain);
+        let steepness = slope.norm();
+        if cut != Cut::Part || steepness <= SAME_FIELD * scale {
+            return;
+        }
+        // The part that was kept lies on B's side: its face looks back to A.
+        let normal = -slope / steepness;
+        let weight = (-a.gradient.dot(&b.gradient)).max(0.0) / steepness;
+        piece.for_faces(|label, polygon| {
+            if label == SURFACE {
+                let sums = PolygonSums::new(polygon, &normal, a);
+                self.add_polygon(sides, nearest, &normal, weight, &sums);
+            }
+        });
+    }
+
+    /// Adds a polygon that carries pressure along `normal` (on B) to a triangle, and its stiffness
+    /// to the nodes of both sides.
+    fn add_polygon(
+        &mut self,
+        sides: [Place; 2],
+        triangle: u32,
+        normal: &Vector3,
+        weight: f64,
+        sums: &PolygonSums,
+    ) {
+        let carries = sums.area > 0.0 && (sums.pressure > 0.0 || weight > 0.0);
+        if !carries {
+            return;
+        }
+        let stiffness = weight * sums.area;
+        let centre = sums.first / sums.area;
+        let load = self.load(triangle);
+        load.force += normal * sums.pressure;
+        load.pressure += sums.pressure;
+        load.moment += sums.moment;
+        load.stiffness += stiffness;
+        if sums.pressure > load.share {
+            load.hosts = sides.map(|s| s.place);
+            load.share = sums.pressure;
+        }
+        let mut rigid = false;
+        for (side, place) in sides.iter().enumerate() {
+            let Some(nodes) = place.nodes else {
+                rigid = true;
+                continue;
+            };
+            for (&node, weight) in nodes.iter().zip(place.tet.weights(&centre)) {
+                if let Some(total) = self.stiffness[side].get_mut(node as usize) {
+                    *total += stiffness * weight.max(0.0);
+                }
+            }
+        }
+        if rigid && stiffness > 0.0 {
+            self.springs.push(Spring {
+                point: centre,
+                normal: *normal,
+                stiffness,
+            });
+        }
+    }
+
+    /// Hands what slaves bear to their masters.
+    pub fn fold(&mut self, side: usize, slaves: &[(u32, [u32; 4])]) {
+        for (slave, masters) in slaves {
+            hand_over(&mut self.forces[side], *slave, masters, Vector3::zeros());
+            hand_over(&mut self.stiffness[side], *slave, masters, 0.0);
+            hand_over(&mut self.viscosity[side], *slave, masters, 0.0);
+        }
+    }
+
+    /// The load on a triangle, in the order of triangles.
+    fn load(&mut self, triangle: u32) -> &mut TriangleLoad {
+        let place = match self.loads.binary_search_by_key(&triangle, |l| l.triangle) {
+            Ok(place) => place,
+            Err(place) => {
+                let load = TriangleLoad {
+                    triangle,
+                    force: Vector3::zeros(),
+                    pressure: 0.0,
+                    moment: Vector3::zeros(),
+                    stiffness: 0.0,
+                    hosts: [u32::MAX; 2],
+                    share: 0.0,
+                };
+                self.loads.insert(place, load);
+                place
+            }
+        };
+        &mut self.loads[place]
+    }
+}
+
+impl PolygonSums {
+    /// Integrals of 1, x, p and x p over a plane convex polygon with the field p, exactly.
+    fn new(polygon: &[Vector3], normal: &Vector3, field: &Posed) -> Self {
+        let mut sums = Self {
+            area: 0.0,
+            first: Vector3::zeros(),
+            pressure: 0.0,
+            moment: Vector3::zeros(),
+        };
+        let Some((x, rest)) = polygon.split_first() else {
+            return sums;
+        };
+        let value = |x: &Vector3| field.level + field.gradient.dot(x);
+        let fx = value(x);
+        for edge in rest.windows(2) {
+            let (y, z) = (&edge[0], &edge[1]);
+            let (fy, fz) = (value(y), value(z));
+            let area = 0.5 * normal.dot(&(y - x).cross(&(z - x)));
+            let (sum, total) = (x + y + z, fx + fy + fz);
+            sums.area += area;
+            sums.first += sum * (area / 3.0);
+            sums.pressure += area / 3.0 * total;
+            sums.moment += (sum * total + x * fx + y * fy + z * fz) * (area / 12.0);
+        }
+        sums
+    }
+}
+
+fn area(polygon: &[Vector3], normal: &Vector3) -> f64 {
+    let Some((x, rest)) = polygon.split_first() else {
+        return 0.0;
+    };
+    let triangle = |e: &[Vector3]| 0.5 * normal.dot(&(e[0] - x).cross(&(e[1] - x)));
+    rest.windows(2).map(triangle).sum()
+}
+
+/// A quarter of what the slave has goes to each of its masters; `nothing` is left.
+fn hand_over<T>(list: &mut [T], slave: u32, masters: &[u32; 4], nothing: T)
+where
+    T: Copy + std::ops::Mul<f64, Output = T> + std::ops::AddAssign,
+{
+    let Some(own) = list.get_mut(slave as usize) else {
+        return;
+    };
+    let share = std::mem::replace(own, nothing) * 0.25;
+    for &master in masters {
+        if let Some(value) = list.get_mut(master as usize) {
+            *value += share;
+        }
+    }
+}

@@ -1,0 +1,295 @@
+//! The batch of deformable bodies: what it finds, that it balances, and that its bits are the same
+//! for any number of threads.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+mod common;
+#[path = "common/soft.rs"]
+mod soft;
+#[path = "common/tets.rs"]
+mod tets;
+
+use common::Stream;
+use femdem_contact::deform::{DeformableBatch, DeformablePartner, Modulus, NodalState};
+use femdem_contact::{
+    BodyShape, ContactError, ContactLaw, ContactParameters, Field, Form, Frame, MeshWall, Motion,
+    Wall,
+};
+use femdem_mesh::nalgebra::{Matrix3, Vector3};
+use soft::Soft;
+use tets::{body, cube, dolos};
+
+/// Bodies that deform, rigid ones and walls, with what they do.
+#[derive(Clone)]
+struct Scene {
+    batch: DeformableBatch,
+    bodies: Vec<Soft>,
+    velocities: Vec<Vec<Vector3<f64>>>,
+    masses: Vec<Vec<f64>>,
+    rigid: Vec<Motion>,
+    walls: Vec<Motion>,
+}
+
+fn law(change: impl Fn(&mut ContactParameters)) -> ContactLaw {
+    let mut parameters = ContactParameters {
+        penalty: 1e5,
+        ..ContactParameters::default()
+    };
+    change(&mut parameters);
+    ContactLaw::new(parameters).unwrap()
+}
+
+fn moving(frame: Frame, velocity: Vector3<f64>, turn: Vector3<f64>) -> Motion {
+    Motion {
+        velocity,
+        angular_velocity: turn,
+        inverse_mass: 0.01,
+        inverse_inertia: Matrix3::from_diagonal_element(0.05),
+        inverse_inertia_max: 0.05,
+        ..Motion::fixed(frame)
+    }
+}
+
+impl Scene {
+    fn new(law: ContactLaw, form: Form) -> Self {
+        Self {
+            batch: DeformableBatch::new(law, form).unwrap(),
+            bodies: Vec::new(),
+            velocities: Vec::new(),
+            masses: Vec::new(),
+            rigid: Vec::new(),
+            walls: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, soft: Soft, modulus: Modulus) {
+        let shape = self.batch.add_shape(soft.shape.clone());
+        self.batch.add_body(shape, modulus).unwrap();
+        self.velocities.push(vec![Vector3::zeros(); soft.x.len()]);
+        self.masses.push(vec![0.5; soft.x.len()]);
+        self.bodies.push(soft);
+    }
+
+    fn update(&mut self) -> Result<(), ContactError> {
+        let states: Vec<NodalState> = (0..self.bodies.len())
+            .map(|i| NodalState {
+                positions: &self.bodies[i].x,
+                velocities: &self.velocities[i],
+                inverse_masses: &self.masses[i],
+            })
+            .collect();
+        self.batch.update(&states, &self.rigid, &self.walls)
+    }
+
+    /// Moves everything by its velocity.
+    fn drift(&mut self, dt: f64) {
+        for (soft, v) in self.bodies.iter_mut().zip(&self.velocities) {
+            for (x, v) in soft.x.iter_mut().zip(v) {
+                *x += v * dt;
+            }
+        }
+        for motion in self.rigid.iter_mut().chain(&mut self.walls) {
+            let turn = motion.angular_velocity * dt;
+            motion.frame = common::turned(&motion.frame, &turn, 1.0);
+            motion.frame.position += motion.velocity * dt;
+            motion.travelled += motion.velocity.norm() * dt + 2.0 * turn.norm();
+        }
+    }
+
+    /// Cubes, dolosse, a rigid dolos, a floor and a wall of tetrahedra in one heap.
+    fn heap(form: Form, stream: &mut Stream) -> Self {
+        let mut scene = Self::new(law(|_| ()), form);
+        let mut frame = Frame::identity();
+        for (k, mesh) in [cube(2), dolos(), cube(2), cube(1), dolos()]
+            .iter()
+            .enumerate()
+        {
+            frame.position = Vector3::new(0.7 * (k % 3) as f64, 0.8 * (k / 3) as f64, 0.48);
+            frame.rotation = stream.rotation();
+            let soft = if k == 3 {
+                Soft::quadratic(mesh)
+            } else {
+                Soft::linear(mesh)
+            };
+            let modulus = if k % 2 == 0 {
+                Modulus::Penalty(1e5)
+            } else {
+                Modulus::Foundation(5e5)
+            };
+            scene.add(soft.posed(&frame).shaken(stream, 0.01), modulus);
+        }
+        for v in scene.velocities.iter_mut().flatten() {
+            *v = stream.vector() * 0.3;
+        }
+        let shape = BodyShape::from(body(&dolos(), Field::Body));
+        scene.batch.add_rigid_shape(shape).unwrap();
+        scene.batch.add_rigid(0).unwrap();
+        frame.position = Vector3::new(0.7, 0.4, 1.1);
+        let rigid = moving(frame, -Vector3::z() * 0.5, Vector3::new(0.3, 0.4, 0.0));
+        scene.rigid.push(rigid);
+        let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+        scene.batch.add_wall(floor);
+        scene.batch.add_wall(MeshWall::solid("block", &cube(1)));
+        scene.walls.push(Motion::fixed(Frame::identity()));
+        frame.position = Vector3::new(-1.2, -0.3, 0.1);
+        frame.rotation = Matrix3::identity();
+        scene
+            .walls
+            .push(moving(frame, Vector3::x() * 0.1, Vector3::zeros()));
+        scene
+    }
+
+    fn forces(&self) -> Vec<Vector3<f64>> {
+        let all = 0..self.bodies.len() as u32;
+        all.flat_map(|i| self.batch.forces(i).to_vec()).collect()
+    }
+}
+
+/// Lists and trees kept from step to step find what fresh ones find, and all forces together, with
+/// friction and damping, balance.
+#[test]
+fn kept_lists_find_what_fresh_ones_find() {
+    let mut stream = Stream(3);
+    for form in [Form::Sum, Form::Min] {
+        let mut kept = Scene::heap(form, &mut stream);
+        let start = kept.clone();
+        let mut seen = [false; 3];
+        for step in 0..60 {
+            kept.update().unwrap();
+            // Friction remembers: compare what has no history.
+            let mut fresh = kept.clone();
+            fresh.batch = start.batch.clone();
+            let mut without = kept.clone();
+            let none = law(|p| p.friction = 0.0);
+            fresh.batch.set_law(none);
+            without.batch.set_law(none);
+            fresh.update().unwrap();
+            without.update().unwrap();
+            let size = fresh.forces().iter().map(Vector3::norm).fold(0.0, f64::max);
+            for (x, y) in without.forces().iter().zip(fresh.forces()) {
+                assert!(
+                    (x - y).norm() < 1e-9 * size,
+                    "{form:?} step {step}: {x} {y}"
+                );
+            }
+            assert!(kept.batch.totals().pieces > 0);
+            let mut total = [Vector3::zeros(); 2];
+            for (i, soft) in kept.bodies.iter().enumerate() {
+                for (x, f) in soft.x.iter().zip(kept.batch.forces(i as u32)) {
+                    total[0] += f;
+                    total[1] += x.cross(f);
+                }
+            }
+            let loads = kept.batch.rigid_loads().iter().zip(&kept.rigid);
+            let walls = kept.batch.wall_loads().iter().zip(&kept.walls);
+            for (load, motion) in loads.chain(walls) {
+                total[0] += load.total.force;
+                total[1] += load.total.torque + motion.frame.position.cross(&load.total.force);
+            }
+            assert!(total[0].norm() < 1e-12 * size, "{form:?}: {}", total[0]);
+            assert!(total[1].norm() < 1e-11 * size, "{form:?}: {}", total[1]);
+            for contact in kept.batch.contacts() {
+                match contact.a {
+                    DeformablePartner::Deformable(_) => seen[0] = true,
+                    DeformablePartner::Rigid(_) => seen[1] = true,
+                    DeformablePartner::Wall(_) => seen[2] = true,
+                }
+            }
+            kept.drift(2e-3);
+        }
+        assert_eq!(seen, [true; 3]);
+    }
+}
+
+#[test]
+fn bits_do_not_depend_on_the_number_of_threads() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let mut scene = Scene::heap(Form::Sum, &mut Stream(4));
+            let mut trace = Vec::new();
+            for _ in 0..40 {
+                scene.update().unwrap();
+                for i in 0..scene.bodies.len() {
+                    let pairs = scene.velocities[i].iter_mut();
+                    for (v, f) in pairs.zip(scene.batch.forces(i as u32)) {
+                        *v += f * (0.5 * 1e-4);
+                    }
+                }
+                trace.extend(scene.forces());
+                trace.push(scene.batch.rigid_loads()[0].total.torque);
+                scene.drift(1e-3);
+            }
+            trace
+        })
+    };
+    let one = run(1);
+    assert!(one.iter().any(|f| f.norm() > 0.0));
+    for threads in [2, 4] {
+        assert!(run(threads) == one, "{threads} threads");
+    }
+}
+
+#[test]
+fn unusable_states_are_named() {
+    let mut stream = Stream(5);
+    let good = Scene::heap(Form::Sum, &mut stream);
+    let why = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = good.clone();
+        scene.update().unwrap();
+        change(&mut scene);
+        scene.update().unwrap_err()
+    };
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let node = ContactError::NodeState { body: 1, node: 2 };
+        assert_eq!(why(&|s| s.bodies[1].x[2].y = bad), node);
+        assert_eq!(why(&|s| s.velocities[1][2].y = bad), node);
+        assert_eq!(why(&|s| s.masses[1][2] = bad), node);
+        assert!(matches!(
+            why(&|s| s.rigid[0].frame.position.x = bad),
+            ContactError::NotFinite { body: 0, .. }
+        ));
+    }
+    assert_eq!(
+        why(&|s| s.masses[1][2] = -1.0),
+        ContactError::NodeState { body: 1, node: 2 }
+    );
+    assert!(matches!(
+        why(&|s| {
+            s.velocities[0].pop();
+        }),
+        ContactError::NodeCount {
+            body: 0,
+            given: 26,
+            expected: 27
+        }
+    ));
+    assert!(matches!(
+        why(&|s| {
+            s.rigid.clear();
+        }),
+        ContactError::StateCount {
+            given: 0,
+            expected: 1
+        }
+    ));
+    assert!(matches!(
+        why(&|s| {
+            for x in &mut s.bodies[2].x {
+                x.z = 0.9 - x.z;
+            }
+        }),
+        ContactError::InvertedTet { body: 2, .. }
+    ));
+    let mut empty = Scene::new(law(|_| ()), Form::Sum);
+    empty.update().unwrap();
+    assert!(empty.batch.add_body(0, Modulus::Penalty(1.0)).is_err());
+    assert!(empty.batch.add_rigid(0).is_err());
+    assert!(empty.batch.forces(3).is_empty() && empty.batch.rates(3).is_empty());
+    assert!(DeformableBatch::new(law(|_| ()), Form::Shaped).is_err());
+    let mut scene = good.clone();
+    for bad in [0.0, f64::NAN, -1.0] {
+        assert!(scene.batch.add_body(0, Modulus::Foundation(bad)).is_err());
+    }
+    assert!(scene.batch.restore_shapes(Vec::new(), Vec::new()).is_err());
+}
