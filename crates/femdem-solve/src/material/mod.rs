@@ -71,7 +71,7 @@
 //!   is stored or dissipated to 2e-6 for associated flow, to 1e-3 for flow with less dilatancy.
 //! - The energies of [`NeoHookean`], [`Hencky`] and the plastic laws keep nine digits at a strain of
 //!   1e-6, so that a line search can follow stiff bodies; that of [`MooneyRivlin`] keeps about four.
-//! - Cost of a stress: 30 ns neo-Hookean, 60 ns Mooney-Rivlin, 400 to 500 ns in logarithmic strain, which
+//! - Cost of a stress: 30 ns neo-Hookean, 60 ns Mooney-Rivlin, 350 to 450 ns in logarithmic strain, which
 //!   needs an eigenvalue problem (tangents 0.2 to 1 us), on one core of 2020s hardware.
 //!
 //! # Conventions

@@ -75,13 +75,19 @@ impl Material for NeoHookean {
         self.moduli.wave()
     }
 
-    /// mu + (max(lambda, 0) + |mu - lambda ln J|) / s^2 with the smallest stretch s: the three terms of
-    /// the tangent, each at its largest.
+    /// With H = F^-1 G and q = mu - lambda ln J the tangent is mu |G|^2 + lambda (tr H)^2 + q tr(H H), and
+    /// |H| <= |G|/s with the smallest stretch s. Where q < 0 (much swollen bodies) tr(H H) is (tr H)^2 less
+    /// twice the second invariant of H, which is at most a third of the square of its nuclear norm.
     fn stiffness_bound(&self, d: &Deformation, _old: &[f64]) -> f64 {
         let Moduli { lambda, shear, .. } = self.moduli;
         let s = d.smallest_stretch();
-        let log_j = d.gradient.determinant().ln();
-        shear + (lambda.max(0.0) + (shear - lambda * log_j).abs()) / (s * s)
+        let q = shear - lambda * d.gradient.determinant().ln();
+        let volumetric = if q < 0.0 {
+            (lambda + q).max(0.0) - q / 1.5
+        } else {
+            lambda.max(0.0) + q
+        };
+        shear + volumetric / (s * s)
     }
 }
 

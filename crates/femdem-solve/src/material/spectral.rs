@@ -41,10 +41,12 @@ fn rotate(s: &mut Matrix3, vectors: &mut Matrix3, p: usize, q: usize) {
     if s[(p, q)] == 0.0 {
         return;
     }
-    let cot2 = (s[(q, q)] - s[(p, p)]) / (2.0 * s[(p, q)]);
-    // The smaller root of t^2 + 2 t cot2 = 1; an overflow to infinity gives t = 0.
-    let tangent = 1.0_f64.copysign(cot2) / (cot2.abs() + (cot2 * cot2 + 1.0).sqrt());
-    let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
+    // t = tan(angle), |t| <= 1, the smaller root of t^2 + t (s_qq - s_pp)/s_pq = 1.
+    let (gap, twice) = (s[(q, q)] - s[(p, p)], 2.0 * s[(p, q)]);
+    let size = (gap * gap + twice * twice).sqrt();
+    let sum = gap.abs() + size;
+    let tangent = twice.copysign(twice * gap) / sum;
+    let cosine = (0.5 * sum / size).sqrt();
     let sine = tangent * cosine;
     let r = 3 - p - q;
     let (pq, rp, rq) = (s[(p, q)], s[(p.min(r), p.max(r))], s[(q.min(r), q.max(r))]);
