@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 #![allow(clippy::unwrap_used, reason = "only tests use this file")]
 
+pub mod forces;
+
 use femdem_analysis::PosedBody;
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::{Quaternion, Translation3};
