@@ -114,6 +114,30 @@ pub enum SolveError {
         /// The likely cause and what to do.
         cause: String,
     },
+    /// A deformable body has no forces after a step.
+    #[error("body {body} failed at step {step} (t = {time:e} s): {failure}")]
+    BodyFailed {
+        /// The body; 0 if it is stepped on its own.
+        body: usize,
+        /// Step number.
+        step: u64,
+        /// Simulated time, s.
+        time: f64,
+        /// The element and what became of it.
+        failure: ElementFailure,
+    },
+    /// A selection has nothing in it.
+    #[error("nothing is selected by {selection}: check its place, size and unit (m)")]
+    NothingSelected {
+        /// The selection.
+        selection: String,
+    },
+    /// A named set of nodes is not there.
+    #[error("no set of nodes is called \"{name}\": name it first")]
+    NoSuchSet {
+        /// The name.
+        name: String,
+    },
     /// A file could not be read or written.
     #[error("{action} {path}: {source}", path = path.display())]
     Io {

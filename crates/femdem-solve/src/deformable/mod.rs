@@ -29,15 +29,26 @@
 //! Forces are minus the exact gradient of the energy, F-bar and averaged pressures included; rigid
 //! motion gives forces of rounding size (1e-12 of E times an area) wherever the body is.
 
+mod body;
 mod bound;
+mod boundary;
 mod build;
 mod forces;
+mod ledger;
+mod loads;
 mod nodal;
+mod scaling;
+mod selection;
 mod stress;
 mod tangent;
 
+pub use body::{DeformableBody, DeformableState};
 pub use bound::FrequencyBound;
+pub use boundary::Boundary;
 pub use forces::{InternalState, Workspace};
+pub use ledger::BodyLedger;
+pub use loads::Curve;
+pub use selection::{NodeSets, Selection};
 pub use stress::ElementStress;
 
 use crate::element::Element;

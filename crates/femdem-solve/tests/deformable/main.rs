@@ -2,8 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
+mod boundary;
 mod bounds;
 mod derivatives;
+mod motion;
 mod patch;
 mod refusals;
 

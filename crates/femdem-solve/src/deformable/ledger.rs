@@ -1,0 +1,54 @@
+//! The energy of one deformable body.
+
+use serde::{Deserialize, Serialize};
+
+/// Energies of a body that is stepped on its own, J. What is in motion, stored and dissipated equals
+/// what was there and was put in, up to the integration error.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct BodyLedger {
+    /// Kinetic and elastic energy at the start.
+    pub initial: f64,
+    /// Kinetic energy now.
+    pub kinetic: f64,
+    /// Stored in the materials now.
+    pub elastic: f64,
+    /// Dissipated by viscosity.
+    pub viscous: f64,
+    /// Dissipated by plastic flow.
+    pub plastic: f64,
+    /// Work of pressure, traction and gravity.
+    pub external_work: f64,
+    /// Work of the supports that move nodes.
+    pub support_work: f64,
+}
+
+impl BodyLedger {
+    /// What the books miss, J: energy now and dissipated less energy at the start and put in.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        self.kinetic + self.elastic + self.viscous + self.plastic
+            - self.initial
+            - self.external_work
+            - self.support_work
+    }
+
+    /// The error over the largest of the entries; 0 if all are zero.
+    #[must_use]
+    pub fn error_relative(&self) -> f64 {
+        let entries = [
+            self.initial,
+            self.kinetic,
+            self.elastic,
+            self.viscous,
+            self.plastic,
+            self.external_work,
+            self.support_work,
+        ];
+        let largest = entries.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
+        if largest > 0.0 {
+            self.error() / largest
+        } else {
+            0.0
+        }
+    }
+}
