@@ -35,6 +35,7 @@
 //! - [`packing_density`]; its parts [`exact_density`] and [`grid_density`].
 //! - [`height_profile`], [`wall_profile`]: packing density and layers against height and wall distance.
 //! - [`density_map`]: local packing density on a grid.
+//! - [`set_voronoi`]: the space and the density of every body.
 //! - [`pair_overlaps`]: how far bodies run into each other. [`volume_inside`] and
 //!   [`intersection_volume`] are the kernels, for one body and for one pair.
 //! - [`Table`]: every result as CSV; JSON through serde. [`BlockBootstrap`]: errors of means.
@@ -87,6 +88,8 @@ mod structure;
 mod table;
 mod tensor;
 mod top;
+mod triangle;
+mod voronoi;
 
 pub use blocks::Estimate;
 pub use bootstrap::BlockBootstrap;
@@ -125,3 +128,4 @@ pub use stress::{
 pub use structure::{ClassCount, ContactClasses, Rattlers, SupportRule, contact_classes, rattlers};
 pub use table::{Cell, Table};
 pub use top::{TopPlane, top_plane};
+pub use voronoi::{SetVoronoi, SetVoronoiOptions, VoronoiCell, set_voronoi};

@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::bounds::Bounds;
 use crate::error::AnalysisError;
+use crate::lines::crossing;
 use crate::region::Region;
+use crate::triangle::closest_point;
 
 /// A body: which shape it has and where it lies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -186,6 +188,47 @@ impl<'a> Pack<'a> {
     /// their triangles.
     pub(crate) fn by_planes(&self, body: usize) -> bool {
         self.data(body).by_planes
+    }
+
+    /// The same for a shape.
+    pub(crate) fn shape_by_planes(&self, shape: usize) -> bool {
+        self.data[shape].by_planes
+    }
+
+    /// The point of a body's surface nearest to `point`, by its triangles; for bodies that do not go by planes.
+    pub(crate) fn nearest_on_surface(&self, body: usize, point: &Point3) -> Point3 {
+        let (pose, shape, data) = (self.pose(body), self.shape(body), self.data(body));
+        let local = pose.inverse_transform_point(point);
+        let closest = |i: u32| {
+            let triangle = data.triangles[i as usize].map(|v| shape.vertices()[v as usize]);
+            closest_point(&triangle, &local)
+        };
+        let square = |i| (closest(i) - local).norm_squared();
+        // A shape has triangles, so there is a nearest.
+        let nearest = data.tree.nearest(&local, square);
+        pose * nearest.map_or(local, |(i, _)| closest(i))
+    }
+
+    /// Whether a body holds `point`, by the crossings of a line; for bodies that do not go by planes.
+    pub(crate) fn holds(&self, body: usize, point: &Point3) -> bool {
+        if !self.bounds(body).holds(&Bounds {
+            min: *point,
+            max: *point,
+        }) {
+            return false;
+        }
+        let mut beyond = *point;
+        beyond.x = f64::INFINITY;
+        let ray = Bounds {
+            min: *point,
+            max: beyond,
+        };
+        let mut inside = false;
+        self.triangles_in(body, &ray, |triangle| {
+            let x = crossing(&triangle, 0, point);
+            inside ^= x.is_some_and(|x| x > point.x);
+        });
+        inside
     }
 
     /// Calls `hit` with the surface triangles of a body (world frame) that meet `window`, in an order

@@ -74,6 +74,15 @@ fn tables_of_eleven_thousand_bodies() {
     );
     let map = density_map(&pack, &container, &DensityMapOptions::default()).unwrap();
     lap("density map", format!("{} cells", map.densities.len()));
+    let cells = set_voronoi(&pack, &container, &SetVoronoiOptions::default()).unwrap();
+    lap(
+        "Set-Voronoi",
+        format!(
+            "mean {:.4} +- {:.4}",
+            cells.mean.unwrap(),
+            cells.mean_error.unwrap()
+        ),
+    );
     println!(
         "{:7.3} s  in all; {} threads; {}",
         start.elapsed().as_secs_f64(),

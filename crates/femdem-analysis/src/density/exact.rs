@@ -133,6 +133,19 @@ impl Measured {
     }
 }
 
+/// Solid volume of every body inside `region` (m³), less half of what it shares with each other body there.
+pub(crate) fn solid_of_bodies(pack: &Pack, region: &Region) -> Vec<f64> {
+    let mut solids = ordered_map(pack.len(), Clipper::default, |clipper, body| {
+        body_volume(clipper, pack, body, region)
+    });
+    let members: Vec<usize> = (0..pack.len()).filter(|&i| solids[i] > 0.0).collect();
+    for ((i, j), volume) in measure_pairs(pack, &neighbour_pairs(pack, &members), Some(region)) {
+        solids[i] -= 0.5 * volume;
+        solids[j] -= 0.5 * volume;
+    }
+    solids
+}
+
 fn body_volume(clipper: &mut Clipper, pack: &Pack, body: usize, region: &Region) -> f64 {
     match region.relation(pack.bounds(body)) {
         Relation::Outside => 0.0,
