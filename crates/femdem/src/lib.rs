@@ -66,20 +66,25 @@
 //! STL single. The class of a contact is a rule with limits ([`ContactClass::of_patch`]).
 
 pub mod analysis;
+mod colouring;
 mod error;
 pub mod output;
 pub mod picture;
+pub mod plot;
+pub mod report;
 pub mod results;
 pub mod scene;
 mod snapshot;
 #[cfg(test)]
 mod testing;
+mod ticks;
 
 pub use femdem_contact as contact;
 pub use femdem_mesh as mesh;
 pub use femdem_pack as pack;
 pub use femdem_solve as solve;
 
+pub use colouring::{BodyValues, Colouring, Spacing};
 pub use error::Error;
 pub use femdem_analysis::{ContactClass, Patch};
 pub use results::{Summary, Usage};

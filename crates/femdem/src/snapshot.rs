@@ -241,7 +241,7 @@ impl Snapshot {
 
 impl ContactRow {
     /// The bodies that take part: one or two.
-    fn bodies(&self) -> impl Iterator<Item = u32> + use<> {
+    pub(crate) fn bodies(&self) -> impl Iterator<Item = u32> + use<> {
         let other = match self.partner {
             Partner::Body(other) => Some(other),
             Partner::Wall(_) => None,

@@ -4,7 +4,7 @@ use femdem_analysis::Region;
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::{Point3, Pose, Vector3};
 
-use crate::{Body, ContactClass, ContactRow, NamedShape, Partner, Snapshot};
+use crate::{Body, BodyValues, Colouring, ContactClass, ContactRow, NamedShape, Partner, Snapshot};
 
 /// Two cubes of side 1 m, one on the other, on a floor.
 pub(crate) fn two_cubes() -> Snapshot {
@@ -46,4 +46,9 @@ pub(crate) fn two_cubes() -> Snapshot {
         }),
         ..Snapshot::default()
     }
+}
+
+/// The values of the usual picture.
+pub(crate) fn by_sequence(snapshot: &Snapshot) -> BodyValues {
+    Colouring::Sequence.values(snapshot, None).unwrap().unwrap()
 }

@@ -2,13 +2,14 @@
 
 use femdem_analysis::{
     BlockBootstrap, BodyStresses, ChainNetwork, ChainOptions, ContactClasses, ContactFabric,
-    Coordination, CoordinationOptions, CoreOptions, CoreRegion, DensityOptions, ForceDistribution,
-    ForceDistributionOptions, ForceMaxima, ForceNetwork, Pack, PackingDensity, PosedBody, Rattlers,
-    Region, RegionStress, StressProfile, StressRule, SupportRule, ThresholdCurve, ThresholdOptions,
-    VerticalBalance, WallForces, WeightRule, body_stresses, chains_by_stress, chains_by_weight,
-    choose_core, contact_classes, contact_fabric, coordination, force_distribution, force_maxima,
+    Coordination, CoordinationOptions, CoreOptions, CoreRegion, DensityOptions, DensityProfile,
+    ForceDistribution, ForceDistributionOptions, ForceMaxima, ForceNetwork, Pack, PackingDensity,
+    PosedBody, ProfileOptions, Rattlers, Region, RegionStress, StressProfile, StressRule,
+    SupportRule, ThresholdCurve, ThresholdOptions, VerticalBalance, WallForces, WeightRule,
+    body_stresses, chains_by_stress, chains_by_weight, choose_core, contact_classes,
+    contact_fabric, coordination, force_distribution, force_maxima, height_profile,
     packing_density, rattlers, region_stress, stress_profile, threshold_curve, vertical_balance,
-    wall_forces,
+    wall_forces, wall_profile,
 };
 use femdem_mesh::Polyhedron;
 use serde::{Deserialize, Serialize};
@@ -19,6 +20,15 @@ use crate::{Error, Snapshot};
 /// Version of the keys of `analysis.json`.
 const SCHEMA: u32 = 1;
 
+/// Tables that need a core.
+const CORE_TABLES: [&str; 5] = [
+    "core",
+    "density",
+    "wall_profile",
+    "core_coordination",
+    "core_stress",
+];
+
 /// How [`Tables::compute`] measures. The defaults are those of the parts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -27,6 +37,8 @@ pub struct TableOptions {
     pub force_threshold: f64,
     /// How the density of the core is measured.
     pub density: DensityOptions,
+    /// The bins of the density profiles.
+    pub profiles: ProfileOptions,
     /// P(f) and its tail.
     pub forces: ForceDistributionOptions,
     /// What a rattler is.
@@ -74,6 +86,10 @@ pub struct Tables {
     pub core: Option<CoreRegion>,
     /// Packing density of the core.
     pub density: Option<PackingDensity>,
+    /// Packing density over the height of the container, up to the highest body.
+    pub height_profile: Option<DensityProfile>,
+    /// Packing density over the distance from the side walls, of the core's range of heights.
+    pub wall_profile: Option<DensityProfile>,
     /// Coordination number over all bodies.
     pub coordination: Option<Coordination>,
     /// Coordination number over the bodies with their centre in the core.
@@ -152,6 +168,8 @@ impl Tables {
             walls,
             core: None,
             density: None,
+            height_profile: None,
+            wall_profile: None,
             coordination: None,
             core_coordination: None,
             classes: None,
@@ -182,27 +200,38 @@ impl Tables {
         use femdem_analysis::AnalysisError::{NoPackInContainer, Region as BadRegion};
         let Some(container) = &snapshot.container else {
             let reason = "the container is not known, hence no core; give its inside";
-            self.miss(
-                &["core", "density", "core_coordination", "core_stress"],
-                reason,
-            );
+            self.miss(&CORE_TABLES, reason);
+            self.miss(&["height_profile"], reason);
             return Ok(());
         };
+        self.add_height_profile(container, pack)?;
         match choose_core(pack, container, &CoreOptions::default()) {
             Ok(core) => self.core = Some(core),
             Err(NoPackInContainer { .. } | BadRegion { .. }) => {
                 let reason = "the pack is too low or too narrow to have a core";
-                self.miss(
-                    &["core", "density", "core_coordination", "core_stress"],
-                    reason,
-                );
+                self.miss(&CORE_TABLES, reason);
                 return Ok(());
             }
             Err(other) => return Err(other.into()),
         }
         if let Some(region) = self.core_region() {
             self.density = Some(packing_density(pack, &region, &self.options.density)?);
+            let (low, high) = region.corners();
+            let core_heights = container.slab(low.z, high.z)?;
+            self.wall_profile = Some(wall_profile(pack, &core_heights, &self.options.profiles)?);
         }
+        Ok(())
+    }
+
+    fn add_height_profile(&mut self, container: &Region, pack: &Pack) -> Result<(), Error> {
+        if matches!(container, Region::Sphere { .. }) {
+            self.miss(
+                &["height_profile"],
+                "a sphere has no upright walls; give a box or a cylinder",
+            );
+            return Ok(());
+        }
+        self.height_profile = Some(height_profile(pack, container, &self.options.profiles)?);
         Ok(())
     }
 

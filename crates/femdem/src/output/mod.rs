@@ -52,6 +52,13 @@ pub fn write_file(
     })
 }
 
+/// Bytes as base64 with padding.
+pub(crate) fn base64(bytes: &[u8]) -> String {
+    let mut text = String::new();
+    vtk::encode(bytes, &mut text);
+    text
+}
+
 fn write_whole(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,

@@ -71,7 +71,7 @@ impl Document {
 }
 
 /// Base64 with padding (RFC 4648).
-fn encode(bytes: &[u8], out: &mut String) {
+pub(super) fn encode(bytes: &[u8], out: &mut String) {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     out.reserve(bytes.len().div_ceil(3) * 4);
     for group in bytes.chunks(3) {

@@ -64,6 +64,24 @@ impl Image {
         Ok(())
     }
 
+    /// Writes the picture as SVG: the same pixels in a frame that text programs can place and scale.
+    ///
+    /// # Errors
+    ///
+    /// If writing fails.
+    pub fn write_svg(&self, mut writer: impl Write) -> std::io::Result<()> {
+        let mut png = Vec::new();
+        self.write_png(&mut png)?;
+        let (width, height) = (self.width, self.height);
+        writeln!(
+            writer,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
+             width=\"{width}\" height=\"{height}\">\n<image width=\"{width}\" \
+             height=\"{height}\" href=\"data:image/png;base64,{}\"/>\n</svg>",
+            crate::output::base64(&png)
+        )
+    }
+
     /// Copies another picture into this one; what reaches over the edge is lost.
     pub(super) fn paste(&mut self, tile: &Self, [left, top]: [usize; 2]) {
         for y in 0..tile.height {

@@ -6,7 +6,7 @@ use super::canvas::Image;
 use super::colour::Srgb;
 use super::scene::Mesh;
 use super::{PictureOptions, bounding_corners, eye, font, paint};
-use crate::{Body, Error, NamedShape, Snapshot};
+use crate::{Body, BodyValues, Error, NamedShape, Snapshot, Spacing};
 
 const INK: Srgb = Srgb([0x33, 0x33, 0x33]);
 const PAPER: Srgb = Srgb([0xff; 3]);
@@ -86,7 +86,14 @@ fn portrait(exhibit: &Exhibit, options: &PictureOptions) -> Image {
         }],
         ..Snapshot::default()
     };
-    let mesh = Mesh::of_bodies(&snapshot).coloured(exhibit.colour);
+    let colour = BodyValues {
+        title: String::new(),
+        note: String::new(),
+        values: vec![exhibit.colour],
+        range: [0.0, 1.0],
+        spacing: Spacing::Linear,
+    };
+    let mesh = Mesh::of_bodies(&snapshot, &colour);
     let extent = bounding_corners(&mesh.points);
     let view = eye(&extent, options, 0.0);
     let diameter = 2.0 * exhibit.polyhedron.bounding_radius();

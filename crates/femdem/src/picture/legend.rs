@@ -3,11 +3,13 @@
 use super::canvas::Image;
 use super::colour::{Srgb, viridis};
 use super::font;
+use crate::BodyValues;
+use crate::results::short;
 
 const INK: Srgb = Srgb([0x33, 0x33, 0x33]);
 
-/// Draws a bar from 0 to `last` in the strip of `width` pixels at the right edge.
-pub(super) fn draw(image: &mut Image, width: f64, last: u32, title: &str) {
+/// Draws the bar of the values' scale in the strip of `width` pixels at the right edge.
+pub(super) fn draw(image: &mut Image, width: f64, values: &BodyValues) {
     let text = (0.012 * image.height() as f64).max(5.0);
     let (top, bottom) = (0.2 * image.height() as f64, 0.8 * image.height() as f64);
     let left = image.width() as f64 - width;
@@ -27,16 +29,17 @@ pub(super) fn draw(image: &mut Image, width: f64, last: u32, title: &str) {
     ];
     let frame: Vec<_> = frame.windows(2).map(|pair| [pair[0], pair[1]]).collect();
     image.stroke(&frame, line, INK, |_, _| 1.0);
-    for tick in ticks(last) {
-        let y = bottom - (bottom - top) * f64::from(tick) / f64::from(last.max(1));
+    for tick in values.ticks() {
+        let y = bottom - (bottom - top) * values.place(tick).unwrap_or(0.0);
         image.stroke(
             &[[[right, y], [right + 0.5 * text, y]]],
             line,
             INK,
             |_, _| 1.0,
         );
-        image.write(&tick.to_string(), [right + text, y + 0.5 * text], text, INK);
+        image.write(&short(tick), [right + text, y + 0.5 * text], text, INK);
     }
+    let title = folded(&values.title, 12);
     let widest = title
         .lines()
         .map(|row| font::width(row, text))
@@ -49,20 +52,19 @@ pub(super) fn draw(image: &mut Image, width: f64, last: u32, title: &str) {
     }
 }
 
-/// Round numbers from 0 to `last`, about six, then `last` itself.
-fn ticks(last: u32) -> Vec<u32> {
-    let steps = (0..9).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_u32.pow(power)));
-    let step = steps
-        .into_iter()
-        .find(|step| last / step <= 6)
-        .unwrap_or(u32::MAX);
-    let mut ticks: Vec<u32> = (0..=last / step).map(|k| k * step).collect();
-    // The last number stands at the end of the bar, and takes the place of one too near to it.
-    ticks.retain(|tick| *tick == 0 || last - tick >= step.div_ceil(2));
-    if last > 0 {
-        ticks.push(last);
+/// A title in lines of about `most` letters, broken between words.
+fn folded(title: &str, most: usize) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    for word in title.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.len() + word.len() < most => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
     }
-    ticks
+    lines.join("\n")
 }
 
 #[cfg(test)]
@@ -70,12 +72,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ticks_are_round_and_end_with_the_last() {
-        assert_eq!(ticks(0), [0]);
-        assert_eq!(ticks(1), [0, 1]);
-        assert_eq!(ticks(499), [0, 100, 200, 300, 400, 499]);
-        assert_eq!(ticks(520), [0, 100, 200, 300, 400, 520]);
-        assert_eq!(ticks(10_999), [0, 2000, 4000, 6000, 8000, 10_999]);
-        assert_eq!(ticks(u32::MAX).last(), Some(&u32::MAX));
+    fn titles_are_broken_between_words() {
+        assert_eq!(
+            folded("sequence of placement", 12),
+            "sequence of\nplacement"
+        );
+        assert_eq!(folded("tilt", 12), "tilt");
     }
 }

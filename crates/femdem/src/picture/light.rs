@@ -122,11 +122,11 @@ mod tests {
     use super::super::scene::Mesh;
     use super::super::view::Frame;
     use super::*;
-    use crate::testing::two_cubes;
+    use crate::testing::{by_sequence, two_cubes};
 
     #[test]
     fn a_stack_shades_the_floor_behind_it_and_not_its_own_top() {
-        let mut mesh = Mesh::of_bodies(&two_cubes());
+        let mut mesh = Mesh::of_bodies(&two_cubes(), &by_sequence(&two_cubes()));
         let floor = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]];
         mesh.add_floor(&floor.map(|[x, y]| Point3::new(x, y, 0.0)));
         let frame = Frame {
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn the_foot_of_a_wall_is_dimmer_than_open_ground() {
-        let mut mesh = Mesh::of_bodies(&two_cubes());
+        let mut mesh = Mesh::of_bodies(&two_cubes(), &by_sequence(&two_cubes()));
         let floor = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]];
         mesh.add_floor(&floor.map(|[x, y]| Point3::new(x, y, 0.0)));
         let frame = Frame {

@@ -35,7 +35,7 @@ use femdem_mesh::Point3;
 pub use canvas::Image;
 pub use gallery::{Exhibit, gallery};
 
-use crate::{Drawing, Error, Snapshot};
+use crate::{BodyValues, Colouring, Drawing, Error, Snapshot};
 use colour::Srgb;
 use light::{Gaps, Lamp};
 use raster::DepthBuffer;
@@ -104,7 +104,7 @@ impl PictureOptions {
     }
 }
 
-/// Draws a pack, with its container if it has one and a colour bar for the sequence.
+/// Draws a pack, coloured by sequence, with its container if it has one and a colour bar.
 ///
 /// Works on the caller's rayon pool; the picture is the same for any number of threads.
 ///
@@ -112,9 +112,25 @@ impl PictureOptions {
 ///
 /// [`Error::Option`], [`Error::NothingToDraw`] without bodies, and as [`Snapshot::check`].
 pub fn draw(snapshot: &Snapshot, options: &PictureOptions) -> Result<Image, Error> {
+    match Colouring::Sequence.values(snapshot, None)? {
+        Some(values) => draw_by(snapshot, &values, options),
+        None => Err(Error::NothingToDraw),
+    }
+}
+
+/// Draws a pack, coloured by `values`, with its container if it has one and a colour bar.
+///
+/// # Errors
+///
+/// As [`draw`].
+pub fn draw_by(
+    snapshot: &Snapshot,
+    values: &BodyValues,
+    options: &PictureOptions,
+) -> Result<Image, Error> {
     options.check()?;
     snapshot.check()?;
-    let mut mesh = Mesh::of_bodies(snapshot);
+    let mut mesh = Mesh::of_bodies(snapshot, values);
     if mesh.triangles.is_empty() {
         return Err(Error::NothingToDraw);
     }
@@ -143,13 +159,7 @@ pub fn draw(snapshot: &Snapshot, options: &PictureOptions) -> Result<Image, Erro
     if let Some(outline) = &outline {
         draw_outline(&mut image, outline, &view, &seen);
     }
-    let last = scene::last_sequence(snapshot);
-    legend::draw(
-        &mut image,
-        LEGEND * options.width as f64,
-        last,
-        "sequence of\nplacement",
-    );
+    legend::draw(&mut image, LEGEND * options.width as f64, values);
     Ok(image)
 }
 

@@ -4,10 +4,13 @@ use femdem_analysis::Region;
 use femdem_mesh::{Point3, Vector3};
 
 use super::colour::{Light, Srgb, viridis};
-use crate::{Drawing, Snapshot};
+use crate::{BodyValues, Drawing, Snapshot};
 
 /// Corners of a polygon that stands for a circle.
 const CIRCLE_SIDES: usize = 96;
+
+/// Bodies without a value.
+const UNKNOWN: Srgb = Srgb([0x96; 3]);
 
 const FLOOR: Srgb = Srgb([0xef, 0xee, 0xea]);
 
@@ -34,9 +37,8 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    /// The bodies, coloured by sequence.
-    pub fn of_bodies(snapshot: &Snapshot) -> Self {
-        let last = last_sequence(snapshot);
+    /// The bodies, coloured by `values`.
+    pub fn of_bodies(snapshot: &Snapshot, values: &BodyValues) -> Self {
         let surfaces: Vec<Vec<[u32; 3]>> = snapshot
             .shapes
             .iter()
@@ -45,7 +47,8 @@ impl Mesh {
         let mut mesh = Self::default();
         for (id, body) in (0..).zip(&snapshot.bodies) {
             let polyhedron = &snapshot.shape_of(body).polyhedron;
-            let colour = viridis(f64::from(body.sequence) / f64::from(last.max(1))).to_light();
+            let value = values.values.get(id as usize).copied().unwrap_or(f64::NAN);
+            let colour = values.place(value).map_or(UNKNOWN, viridis).to_light();
             let first = mesh.points.len() as u32;
             mesh.points
                 .extend(polyhedron.vertices().iter().map(|v| body.pose * v));
@@ -68,15 +71,6 @@ impl Mesh {
         mesh
     }
 
-    /// The same with all facets of the colour `value`, 0 to 1.
-    pub fn coloured(mut self, value: f64) -> Self {
-        let colour = viridis(value).to_light();
-        for facet in &mut self.facets {
-            facet.colour = colour;
-        }
-        self
-    }
-
     /// Adds a floor.
     pub fn add_floor(&mut self, outline: &[Point3]) {
         let first = self.points.len() as u32;
@@ -94,16 +88,6 @@ impl Mesh {
             });
         }
     }
-}
-
-/// The largest sequence number.
-pub(super) fn last_sequence(snapshot: &Snapshot) -> u32 {
-    snapshot
-        .bodies
-        .iter()
-        .map(|body| body.sequence)
-        .max()
-        .unwrap_or(0)
 }
 
 /// Corners of a horizontal circle about the z axis of `centre`, counter-clockwise from above; the first
@@ -164,12 +148,12 @@ pub(super) fn outline(container: &Region, top: f64, azimuth: f64) -> Drawing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::two_cubes;
+    use crate::testing::{by_sequence, two_cubes};
 
     #[test]
     fn a_cube_is_6_facets_of_2_triangles_with_normals_outward() {
         let snapshot = two_cubes();
-        let mesh = Mesh::of_bodies(&snapshot);
+        let mesh = Mesh::of_bodies(&snapshot, &by_sequence(&snapshot));
         assert_eq!(
             (mesh.points.len(), mesh.facets.len(), mesh.triangles.len()),
             (16, 12, 24)

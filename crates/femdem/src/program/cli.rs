@@ -6,6 +6,9 @@ use clap::{Args, Parser, Subcommand};
 use femdem::Scene;
 use femdem::scene::{ContainerKind, Footprint, Length, ProtocolKind, Unit};
 
+use super::picture::PictureArgs;
+use super::report::ReportArgs;
+
 /// Pack bodies of any shape under gravity, with friction, and measure the pack
 #[derive(Debug, Parser)]
 #[command(name = "femdem", version, propagate_version = true, after_help = EXAMPLES)]
@@ -25,6 +28,8 @@ Examples:
   femdem pack --count 2000 --print-scene > big.toml && femdem pack big.toml
   femdem resume out/a10                            go on after Ctrl-C or a crash
   femdem analyse out/a10                           measure again, without simulating
+  femdem report out/a10                            a page for the browser
+  femdem picture out/a10 --view front --colour force --out a10.png
   femdem shapes                                    what --shape knows
 
 d is the circumscribed diameter of a body. Units are SI.";
@@ -50,6 +55,10 @@ pub(crate) enum Command {
     Resume(ResumeArgs),
     /// Measure and draw the pack in a folder's checkpoint again, without simulating
     Analyse(AnalyseArgs),
+    /// Write report.html, a page that shows the pack in a folder's checkpoint in any browser
+    Report(ReportArgs),
+    /// Draw the pack in a folder's checkpoint from any side, coloured by any quantity
+    Picture(PictureArgs),
     /// List the shapes that --shape knows, with their parameters, or draw them
     Shapes(ShapesArgs),
 }
@@ -189,6 +198,10 @@ pub(crate) struct PackArgs {
     /// Write into --out even if it holds files; those of the same names are replaced
     #[arg(long)]
     pub force: bool,
+
+    /// Write report.html too, as `femdem report` does
+    #[arg(long)]
+    pub report: bool,
 
     /// Write the scene of these options to the terminal, and stop
     #[arg(long)]

@@ -47,6 +47,7 @@ pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
             folder: scene.out.clone(),
             quiet: args.run.quiet,
             every,
+            page: args.report,
         };
         run.to_end(packing, Usage::default(), threads)
     })
@@ -65,6 +66,7 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
             folder: args.folder.clone(),
             quiet,
             every,
+            page: false,
         };
         run.to_end(saved.packing, saved.usage, threads)
     })
@@ -80,7 +82,7 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<Outcome> {
 }
 
 /// Runs `work` on a thread pool of its own, and tells it how many threads that has.
-fn in_pool<T: Send>(
+pub(crate) fn in_pool<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce(usize) -> Result<T> + Send,
 ) -> Result<T> {
@@ -117,6 +119,8 @@ struct Run {
     folder: PathBuf,
     quiet: bool,
     every: Duration,
+    /// Whether the report page is written too.
+    page: bool,
 }
 
 impl Run {
@@ -143,6 +147,9 @@ impl Run {
             return Ok(Outcome::Interrupted);
         }
         let summary = results::write(&self.folder, &packing, &usage)?;
+        if self.page {
+            super::report::write(&self.folder, &self.folder, &packing, &usage)?;
+        }
         report(&summary, &packing, &self.folder, self.quiet)?;
         Ok(Outcome::Finished)
     }

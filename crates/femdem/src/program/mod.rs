@@ -4,7 +4,9 @@ pub(crate) mod cli;
 mod folder;
 pub(crate) mod job;
 mod meter;
+pub(crate) mod picture;
 mod progress;
+pub(crate) mod report;
 pub(crate) mod shapes;
 
 use std::io::Write;

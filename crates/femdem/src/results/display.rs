@@ -68,7 +68,7 @@ impl fmt::Display for Summary {
 }
 
 /// A number to four digits, without trailing zeros; with an exponent if it is small or large.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     let scientific = format!("{value:.3e}");
     match scientific.parse::<f64>() {
         Ok(rounded) if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) => {

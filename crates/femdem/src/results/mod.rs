@@ -12,6 +12,7 @@ use femdem_mesh::{Point3, Vector3};
 use femdem_pack::Packing;
 use femdem_solve::World;
 
+pub(crate) use display::short;
 pub use parts::{ContainerSummary, ShapeSummary};
 pub use summary::{
     ContactLawSummary, CoordinationSummary, Core, DensitySummary, EnergySummary,

@@ -14,6 +14,7 @@
 //! ```
 
 mod bodies;
+mod command;
 mod container;
 mod footprint;
 mod length;

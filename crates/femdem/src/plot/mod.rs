@@ -1,0 +1,157 @@
+//! Plots of the tables of a pack, as SVG: for the report, and as files for papers.
+//!
+//! Every plot has a title, units at its axes, and a caption that says what it means. Colours come from a
+//! style sheet, so that the same SVG follows the light or dark scheme of a page.
+//!
+//! A small writer of its own, because plots here need a style sheet, words for readers of a screen, and
+//! text that stays text; plotters draws with fixed colours and places text by guessed widths.
+
+mod axis;
+mod chart;
+mod forces;
+mod profiles;
+mod structure;
+
+use std::io::{self, Write};
+
+use crate::analysis::Tables;
+use chart::{Chart, HEIGHT, WIDTH};
+
+/// Style of the plots; colours are custom properties with fallbacks.
+pub(crate) const STYLE: &str = include_str!("plot.css");
+
+/// A finished plot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plot {
+    /// Short name for files, such as "coordination".
+    pub name: &'static str,
+    /// Title.
+    pub title: String,
+    /// What the plot shows and means, in a few sentences.
+    pub caption: String,
+    width: f64,
+    height: f64,
+    content: String,
+}
+
+impl Plot {
+    fn of(name: &'static str, title: &str, caption: String, chart: Chart) -> Self {
+        let title = title.to_owned();
+        Self {
+            name,
+            title,
+            caption,
+            width: WIDTH,
+            height: HEIGHT,
+            content: chart.finish(),
+        }
+    }
+
+    /// The SVG element for a page that holds the style of the plots.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        self.element("")
+    }
+
+    fn element(&self, inside: &str) -> String {
+        let Self {
+            name,
+            width,
+            height,
+            ..
+        } = self;
+        let [title, caption] = [&self.title, &self.caption].map(|text| escape(text));
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" viewBox=\"0 0 {width} {height}\" \
+             role=\"img\" aria-labelledby=\"{name}-title {name}-words\">\n\
+             <title id=\"{name}-title\">{title}</title><desc id=\"{name}-words\">{caption}</desc>\n\
+             {inside}{}</svg>",
+            self.content
+        )
+    }
+
+    /// Writes the plot as a file of its own.
+    ///
+    /// # Errors
+    ///
+    /// If writing fails.
+    pub fn write_svg(&self, mut writer: impl Write) -> io::Result<()> {
+        let paper = "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
+        let inside = format!("<style>\n{STYLE}</style>\n{paper}");
+        writeln!(
+            writer,
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{}",
+            self.element(&inside)
+        )
+    }
+}
+
+/// The plots that the tables allow, in the order of the report.
+#[must_use]
+pub fn plots(tables: &Tables) -> Vec<Plot> {
+    let mut plots = Vec::new();
+    plots.extend(profiles::height(tables));
+    plots.extend(profiles::wall(tables));
+    plots.extend(structure::coordination(tables));
+    plots.extend(structure::classes(tables));
+    plots.extend(forces::distribution(tables));
+    plots.extend(forces::thresholds(tables));
+    plots.extend(forces::chains(tables));
+    plots.extend(forces::stress(tables));
+    plots
+}
+
+/// Text within SVG and HTML, in elements and in quoted attributes.
+pub(crate) fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            other => out.push(other),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::TableOptions;
+    use crate::testing::two_cubes;
+
+    fn two() -> Vec<Plot> {
+        plots(&Tables::compute(&two_cubes(), &TableOptions::default()).unwrap())
+    }
+
+    #[test]
+    fn two_cubes_have_a_histogram_of_coordination_that_is_well_formed() {
+        let plots = two();
+        let plot = plots
+            .iter()
+            .find(|plot| plot.name == "coordination")
+            .unwrap();
+        let svg = plot.svg();
+        assert!(svg.contains("1 partners: 1 bodies") && svg.contains("2 partners: 1 bodies"));
+        for name in ["svg", "text", "g", "rect", "desc"] {
+            let opened = svg.matches(&format!("<{name} ")).count()
+                + svg.matches(&format!("<{name}>")).count();
+            assert_eq!(opened, svg.matches(&format!("</{name}>")).count(), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_file_holds_its_style_and_white_paper() {
+        let mut bytes = Vec::new();
+        two()[0].write_svg(&mut bytes).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        assert!(text.starts_with("<?xml") && text.contains("<style>") && text.contains("#ffffff"));
+    }
+
+    #[test]
+    fn text_cannot_leave_its_element() {
+        assert_eq!(escape("<b a=\"1\">&"), "&lt;b a=&quot;1&quot;&gt;&amp;");
+    }
+}

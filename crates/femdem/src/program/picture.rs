@@ -1,0 +1,131 @@
+//! `femdem picture`: a picture of a pack, for papers.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::{Args, ValueEnum};
+use femdem::picture::{PictureOptions, draw_by};
+use femdem::{Colouring, output, results};
+
+use super::job::{Outcome, in_pool};
+use super::{folder, say};
+
+/// Where the eye stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Standpoint {
+    /// In front, level
+    Front,
+    /// At the right, level
+    Side,
+    /// Above
+    Top,
+    /// In front to the right, a little above
+    Iso,
+}
+
+impl Standpoint {
+    /// Azimuth and elevation in degrees.
+    fn angles(self) -> [f64; 2] {
+        let usual = PictureOptions::default();
+        match self {
+            Self::Front => [0.0, 0.0],
+            Self::Side => [90.0, 0.0],
+            Self::Top => [0.0, 90.0],
+            Self::Iso => [usual.azimuth, usual.elevation],
+        }
+    }
+}
+
+/// Options of `femdem picture`.
+#[derive(Debug, Args)]
+pub(crate) struct PictureArgs {
+    /// Folder of the run, which holds pack.ckpt
+    pub folder: PathBuf,
+
+    /// Where the eye stands
+    #[arg(long, value_enum, default_value = "iso")]
+    pub view: Standpoint,
+
+    /// Degrees that the eye goes round to the right of the front, instead of --view
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    pub azimuth: Option<f64>,
+
+    /// Degrees that the eye looks down, instead of --view
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    pub elevation: Option<f64>,
+
+    /// What the bodies are coloured by
+    #[arg(long, value_enum, alias = "color", default_value = "sequence")]
+    pub colour: Colouring,
+
+    /// Width and height in pixels, 16 to 8192 each
+    #[arg(long, value_name = "WxH", default_value = "1200x1200", value_parser = size)]
+    pub size: [usize; 2],
+
+    /// The picture: a .png file, or an .svg file that holds the same pixels
+    #[arg(long, value_name = "FILE", default_value = "picture.png")]
+    pub out: PathBuf,
+
+    /// Threads, 1 or more [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+
+    /// Nothing on the terminal; errors are still shown
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// "1200x800" as two numbers.
+fn size(text: &str) -> Result<[usize; 2], String> {
+    let both = text
+        .split_once('x')
+        .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    both.ok_or_else(|| "give a width and a height in pixels, such as 1200x800".to_owned())
+}
+
+pub(crate) fn run(args: &PictureArgs) -> Result<Outcome> {
+    let vector = is_svg(&args.out)?;
+    in_pool(args.threads.map(usize::from), |_| {
+        let saved = folder::load(&args.folder)?;
+        let snapshot = results::snapshot(&saved.packing);
+        let values = args.colour.values(&snapshot, None)?.with_context(|| {
+            format!(
+                "the pack does not hold what the colour {} needs: choose another with --colour",
+                args.colour.name()
+            )
+        })?;
+        let [azimuth, elevation] = args.view.angles();
+        let [width, height] = args.size;
+        let options = PictureOptions {
+            width,
+            height,
+            azimuth: args.azimuth.unwrap_or(azimuth),
+            elevation: args.elevation.unwrap_or(elevation),
+        };
+        let image = draw_by(&snapshot, &values, &options)?;
+        output::write_file(&args.out, |w| {
+            if vector {
+                image.write_svg(w)
+            } else {
+                image.write_png(w)
+            }
+        })?;
+        if !args.quiet {
+            say(&format!("wrote {}", args.out.display()));
+        }
+        Ok(Outcome::Finished)
+    })
+}
+
+/// Whether a file is SVG by its ending; PNG otherwise, and nothing else.
+fn is_svg(path: &Path) -> Result<bool> {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("svg") => Ok(true),
+        Some("png") => Ok(false),
+        _ => bail!(
+            "{} is neither .png nor .svg: give another file with --out",
+            path.display()
+        ),
+    }
+}

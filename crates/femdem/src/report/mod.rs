@@ -1,0 +1,163 @@
+//! One page that shows a pack: `report.html`.
+//!
+//! The page holds everything that it needs and opens offline in any browser: a 3-D view of the pack
+//! drawn with WebGL 2 (rotate, zoom, cut by a plane, colour, force chains, the numbers of a body), plots
+//! as SVG, and tables of parameters and results. Without WebGL it says so and keeps the rest.
+//!
+//! ```
+//! use femdem::mesh::{Pose, catalogue::Solid, catalogue::CatalogueShape};
+//! use femdem::report::Report;
+//! use femdem::{Body, NamedShape, Snapshot};
+//!
+//! let polyhedron = CatalogueShape::from(Solid::A10).polyhedron(0.1)?;
+//! let body = Body { shape: 0, pose: Pose::identity(), sequence: 0, sleeping: false };
+//! let shapes = vec![NamedShape { name: "A10".to_owned(), polyhedron }];
+//! let snapshot = Snapshot { shapes, bodies: vec![body], ..Snapshot::default() };
+//! let page = Report::new(&snapshot).html()?;
+//! assert!(page.starts_with("<!DOCTYPE html>"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod block;
+mod facts;
+mod mesh;
+mod page;
+mod view;
+
+use femdem_mesh::catalogue::CatalogueShape;
+
+use crate::analysis::Tables;
+use crate::plot::{Plot, escape, plots};
+use crate::{BodyValues, Colouring, Error, Scene, Snapshot, Summary};
+
+/// What goes into a report. Only the snapshot is needed; what is not given is left out.
+#[derive(Clone, Debug)]
+pub struct Report<'a> {
+    snapshot: &'a Snapshot,
+    summary: Option<&'a Summary>,
+    scene: Option<&'a Scene>,
+    tables: Option<&'a Tables>,
+}
+
+impl<'a> Report<'a> {
+    /// A report of a pack from anywhere.
+    #[must_use]
+    pub fn new(snapshot: &'a Snapshot) -> Self {
+        Self {
+            snapshot,
+            summary: None,
+            scene: None,
+            tables: None,
+        }
+    }
+
+    /// Adds the results of the run that made the pack.
+    #[must_use]
+    pub fn with_summary(mut self, summary: &'a Summary) -> Self {
+        self.summary = Some(summary);
+        self
+    }
+
+    /// Adds the options of the run that made the pack, and the command with them.
+    #[must_use]
+    pub fn with_scene(mut self, scene: &'a Scene) -> Self {
+        self.scene = Some(scene);
+        self
+    }
+
+    /// Adds what was measured: the plots.
+    #[must_use]
+    pub fn with_tables(mut self, tables: &'a Tables) -> Self {
+        self.tables = Some(tables);
+        self
+    }
+
+    /// The page.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NothingToDraw`] without bodies, and as [`Snapshot::check`].
+    pub fn html(&self) -> Result<String, Error> {
+        self.snapshot.check()?;
+        if self.snapshot.bodies.is_empty() {
+            return Err(Error::NothingToDraw);
+        }
+        let (index, numbers) = view::of(self.snapshot, &self.fields()?);
+        // No "<" may end the element that holds the index.
+        let index = index.to_string().replace('<', "\\u003c");
+        let figures = self.summary.map(facts::figures).unwrap_or_default();
+        let mut tables = Vec::new();
+        tables.extend(self.scene.map(facts::parameters));
+        tables.extend(self.summary.map(facts::run));
+        tables.push(facts::versions(self.summary));
+        let command = self.scene.map(Scene::command);
+        Ok(page::fill(&[
+            ("title", &escape(&self.title())),
+            ("lead", &escape(&self.lead())),
+            ("figures", &facts::figures_html(&figures)),
+            ("plots", &plots_html(&self.plots())),
+            ("facts", &facts::facts_html(&tables, command.as_deref())),
+            (
+                "footer",
+                "Units are SI: m, kg, s, N, Pa. d is the circumscribed diameter of a body.",
+            ),
+            ("index", &index),
+            ("numbers", &numbers),
+        ]))
+    }
+
+    /// The plots, for files.
+    #[must_use]
+    pub fn plots(&self) -> Vec<Plot> {
+        self.tables.map(plots).unwrap_or_default()
+    }
+
+    fn fields(&self) -> Result<Vec<(&'static str, BodyValues)>, Error> {
+        let mut fields = Vec::new();
+        for colouring in Colouring::ALL {
+            if let Some(values) = colouring.values(self.snapshot, None)? {
+                fields.push((colouring.name(), values));
+            }
+        }
+        Ok(fields)
+    }
+
+    /// Such as "500 bodies: truncated dodecahedron (A10)".
+    fn title(&self) -> String {
+        let (count, name) = (self.snapshot.bodies.len(), self.snapshot.shape_name());
+        match name.parse::<CatalogueShape>() {
+            Ok(shape) => format!("{count} bodies: {} ({name})", shape.solid.name()),
+            Err(_) => format!("{count} bodies: {name}"),
+        }
+    }
+
+    fn lead(&self) -> String {
+        let Some(summary) = self.summary else {
+            return format!("{} contacts.", self.snapshot.contacts.len());
+        };
+        format!(
+            "d = {:.4} m, density {} kg/m³, friction {}, seed {}; {} contacts.",
+            summary.diameter,
+            summary.density,
+            summary.friction,
+            summary.seed,
+            self.snapshot.contacts.len()
+        )
+    }
+}
+
+fn plots_html(plots: &[Plot]) -> String {
+    if plots.is_empty() {
+        return String::new();
+    }
+    let figure = |plot: &Plot| {
+        format!(
+            "<figure class=\"card\"><h3>{}</h3>\n{}\n<figcaption>{}</figcaption></figure>\n",
+            escape(&plot.title),
+            plot.svg(),
+            escape(&plot.caption)
+        )
+    };
+    let figures: String = plots.iter().map(figure).collect();
+    format!("<h2>Measured</h2>\n<div class=\"plots\">\n{figures}</div>")
+}

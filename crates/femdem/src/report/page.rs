@@ -1,0 +1,100 @@
+//! The page: a template with its style, script and shaders put in.
+
+use std::fmt::Write as _;
+
+use crate::plot;
+
+const TEMPLATE: &str = include_str!("page/page.html");
+const STYLE: &str = include_str!("page/style.css");
+
+/// Parts of the script in the order in which they need each other.
+const SCRIPT: [&str; 11] = [
+    include_str!("page/linear.js"),
+    include_str!("page/data.js"),
+    include_str!("page/colours.js"),
+    include_str!("page/camera.js"),
+    include_str!("page/gpu.js"),
+    include_str!("page/bodies.js"),
+    include_str!("page/overlay.js"),
+    include_str!("page/view.js"),
+    include_str!("page/gestures.js"),
+    include_str!("page/details.js"),
+    include_str!("page/panel.js"),
+];
+const START: &str = include_str!("page/main.js");
+
+const SHADERS: [(&str, &str); 10] = [
+    ("bodies-vert", include_str!("page/bodies.vert.glsl")),
+    ("bodies-frag", include_str!("page/bodies.frag.glsl")),
+    ("plain-vert", include_str!("page/plain.vert.glsl")),
+    ("plain-frag", include_str!("page/plain.frag.glsl")),
+    ("floor-frag", include_str!("page/floor.frag.glsl")),
+    ("screen-vert", include_str!("page/screen.vert.glsl")),
+    ("present-frag", include_str!("page/present.frag.glsl")),
+    ("shade-frag", include_str!("page/shade.frag.glsl")),
+    ("tubes-vert", include_str!("page/tubes.vert.glsl")),
+    ("tubes-frag", include_str!("page/tubes.frag.glsl")),
+];
+
+/// The page with these parts in their places; each part is a name and HTML.
+pub(super) fn fill(parts: &[(&str, &str)]) -> String {
+    let script = SCRIPT.join("\n") + "\n" + START;
+    let mut shaders = String::new();
+    for (name, text) in SHADERS {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            shaders,
+            "<script type=\"text/x-shader\" id=\"shader-{name}\">\n{text}</script>"
+        );
+    }
+    let fixed = [
+        ("style", STYLE),
+        ("plot-style", plot::STYLE),
+        ("script", script.as_str()),
+        ("shaders", shaders.as_str()),
+        ("version", env!("CARGO_PKG_VERSION")),
+    ];
+    let value = |name: &str| {
+        let mut all = fixed.iter().chain(parts);
+        all.find(|part| part.0 == name).map_or("", |part| part.1)
+    };
+    let mut page = String::new();
+    let mut rest = TEMPLATE;
+    while let Some((before, after)) = rest.split_once("{{") {
+        let (name, behind) = after.split_once("}}").unwrap_or((after, ""));
+        page.push_str(before);
+        page.push_str(value(name));
+        rest = behind;
+    }
+    page + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_place_of_the_template_is_filled() {
+        let page = fill(&[("title", "T"), ("footer", "{{no place}}")]);
+        assert!(
+            page.contains("<title>T</title>") && page.contains("<footer>{{no place}}</footer>")
+        );
+        assert_eq!(page.matches("{{").count(), 1);
+        assert_eq!(
+            page.matches("</script>").count(),
+            page.matches("<script").count()
+        );
+    }
+
+    /// Names that the script asks for exist in the page.
+    #[test]
+    fn script_and_template_agree_on_names() {
+        let page = fill(&[]);
+        for (start, id) in [("getElementById(\"", "id=\""), ("this.on(\"", "id=\"")] {
+            for found in page.split(start).skip(1) {
+                let name = found.split('"').next().unwrap();
+                assert!(page.contains(&format!("{id}{name}\"")), "{name}");
+            }
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! A scene as the command that makes it.
+
+use super::Scene;
+
+impl Scene {
+    /// The call of `femdem pack` that makes this scene: every option that differs from its default.
+    ///
+    /// ```
+    /// let scene = femdem::Scene { count: 50, seed: 7, ..femdem::Scene::default() };
+    /// assert_eq!(scene.command(), "femdem pack --count 50 --seed 7");
+    /// ```
+    #[must_use]
+    pub fn command(&self) -> String {
+        let table = |scene: &Self| toml::Table::try_from(scene).unwrap_or_default();
+        let usual = table(&Self::default());
+        let mut words = vec!["femdem pack".to_owned()];
+        for (key, value) in table(self) {
+            if usual.get(&key) != Some(&value) {
+                words.extend(option(&key, &value));
+            }
+        }
+        words.join(" ")
+    }
+}
+
+/// An option with its value; a list is an option for each of its values, a switch has none.
+fn option(key: &str, value: &toml::Value) -> Vec<String> {
+    match value {
+        toml::Value::Array(list) => list.iter().flat_map(|value| option(key, value)).collect(),
+        toml::Value::Boolean(true) => vec![format!("--{key}")],
+        toml::Value::Boolean(false) => Vec::new(),
+        toml::Value::String(text) => vec![format!("--{key} {}", quoted(text))],
+        other => vec![format!("--{key} {other}")],
+    }
+}
+
+/// A word for the shell, in quotes where it needs them.
+fn quoted(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=+,@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    #[test]
+    fn lists_switches_and_odd_names_have_their_forms() {
+        let scene = Scene {
+            shape: vec!["A10".to_owned(), "my stone's.stl".to_owned()],
+            share: vec![1.0, 2.5],
+            repair: true,
+            r#box: Some(crate::scene::Footprint::diameters(4.0, 5.5)),
+            out: PathBuf::from("out/x"),
+            ..Scene::default()
+        };
+        let command = scene.command();
+        for part in [
+            "--shape A10 --shape 'my stone'\\''s.stl'",
+            "--share 1.0 --share 2.5",
+            "--repair",
+            "--box 4x5.5",
+            "--out out/x",
+        ] {
+            assert!(command.contains(part), "{part}: {command}");
+        }
+        assert!(!command.contains("--friction"), "{command}");
+    }
+}
