@@ -13,6 +13,10 @@ use serde::{Deserialize, Serialize};
 /// The points are placed anew once the pressure has moved by this many lengths of the triangle.
 const RECENTRE: f64 = 0.5;
 
+/// A spring keeps its stiffness until there is less than this part of it left, so that a contact
+/// that is shaken does not lose its force little by little.
+const HOLDS: f64 = 0.5;
+
 /// A point of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Anchor {
@@ -60,7 +64,8 @@ pub(crate) struct TriangleFriction {
     pub force: Vector3,
     /// In the spring, J.
     pub energy: f64,
-    /// N s/m.
+    /// Of the spring, N/m, and of its dashpot, N s/m.
+    pub stiffness: f64,
     pub viscosity: f64,
     pub slides: bool,
 }
@@ -140,7 +145,7 @@ impl Bristle {
         size: f64,
     ) -> TriangleFriction {
         let normal = &touch.normal;
-        let k = touch.stiffness;
+        let mut k = touch.stiffness;
         let mut stretch = across(&self.stretch(sides, &touch.origin), normal);
         let slip = across(&touch.slip, normal);
         let mut moved = false;
@@ -148,6 +153,8 @@ impl Bristle {
         if k > self.stiffness && self.stiffness > 0.0 {
             stretch *= self.stiffness / k;
             moved = true;
+        } else if k >= HOLDS * self.stiffness {
+            k = k.max(self.stiffness);
         }
         let eta = if touch.inverse_mass > 0.0 {
             2.0 * law.tangential_damping * (k / touch.inverse_mass).sqrt()
@@ -160,6 +167,7 @@ impl Bristle {
         let slides = size_of_force > most;
         if slides {
             force *= most / size_of_force;
+            k = touch.stiffness;
             // The spring carries what the dashpot leaves of the bound; it never pushes along the
             // slip.
             let spring = force + slip * eta;
@@ -180,6 +188,7 @@ impl Bristle {
         TriangleFriction {
             force,
             energy: 0.5 * k * stretch.norm_squared(),
+            stiffness: k,
             viscosity: eta,
             slides,
         }

@@ -44,6 +44,8 @@ pub struct DeformableContact {
     pub spring_energy: f64,
     /// Normal stiffness, N/m.
     pub stiffness: f64,
+    /// Stiffness of all friction springs, N/m.
+    pub tangential_stiffness: f64,
 }
 
 impl DeformableContact {

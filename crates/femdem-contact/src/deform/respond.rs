@@ -195,9 +195,14 @@ impl Outcome {
             return rubbing;
         }
         let loads = std::mem::take(&mut scratch.sums.loads);
+        let bearing = Bearing::new(&loads);
         let touches: Vec<(u32, Touch)> = loads
             .iter()
-            .filter_map(|load| Some((load.triangle, pair.touch(load, scratch, scale)?)))
+            .filter(|load| bearing.holds(load))
+            .filter_map(|load| {
+                let touch = pair.touch(load, scratch, scale * bearing.share)?;
+                Some((load.triangle, touch))
+            })
             .collect();
         let mut bristles = pair.inherit(&old, &touches);
         let mut marks: Vec<Mark> = Vec::with_capacity(touches.len());
@@ -207,6 +212,7 @@ impl Outcome {
             let friction = bristle.update(pair.law, &pair.sides, touch, size);
             contact.friction += friction.force;
             contact.spring_energy += friction.energy;
+            contact.tangential_stiffness += friction.stiffness;
             rubbing.power += friction.force.dot(&touch.slip);
             slides &= friction.slides;
             marks.push(Mark {
@@ -214,7 +220,7 @@ impl Outcome {
                 weights: touch.hosts.map(|h| h.1.weights(&touch.point)),
                 point: touch.point,
                 force: friction.force,
-                stiffness: touch.stiffness,
+                stiffness: friction.stiffness,
                 viscosity: friction.viscosity,
             });
         }
@@ -232,6 +238,40 @@ impl Outcome {
         }
         rubbing.marks = marks;
         rubbing
+    }
+}
+
+/// Triangles with less than this part of the mean stiffness for their force bear no friction.
+const SOFT: f64 = 1e-6;
+
+/// Which triangles bear friction, and how much more of it for those that do not. (Where the skin
+/// bends away, the field may not change along the normal: there is pressure without stiffness.)
+struct Bearing {
+    /// Least stiffness over force, 1/m.
+    least: f64,
+    /// Force of all triangles over that of those which bear friction.
+    share: f64,
+}
+
+impl Bearing {
+    fn new(loads: &[TriangleLoad]) -> Self {
+        let force: f64 = loads.iter().map(|l| l.force.norm()).sum();
+        let stiffness: f64 = loads.iter().map(|l| l.stiffness).sum();
+        let mut bearing = Self {
+            least: SOFT * stiffness / force,
+            share: 1.0,
+        };
+        let borne = loads.iter().filter(|l| bearing.holds(l));
+        let borne: f64 = borne.map(|l| l.force.norm()).sum();
+        if borne > 0.0 {
+            bearing.share = force / borne;
+        }
+        bearing
+    }
+
+    fn holds(&self, load: &TriangleLoad) -> bool {
+        let force = load.force.norm();
+        force > 0.0 && load.pressure > 0.0 && load.stiffness > self.least * force
     }
 }
 
@@ -325,10 +365,11 @@ impl<'a> Pair<'a> {
             energy: sums.energy,
             spring_energy: 0.0,
             stiffness,
+            tangential_stiffness: 0.0,
         }
     }
 
-    /// What presses on a triangle; `None` if nothing does.
+    /// What presses on a triangle.
     fn touch<'s>(
         &self,
         load: &TriangleLoad,
@@ -336,10 +377,6 @@ impl<'a> Pair<'a> {
         scale: f64,
     ) -> Option<Touch<'s>> {
         let force = load.force.norm();
-        let presses = force > 0.0 && load.pressure > 0.0 && load.stiffness > 0.0;
-        if !presses {
-            return None;
-        }
         let host = |side: usize| {
             let place = load.hosts[side];
             let tet = *self.near.sides[side].tets.get(place as usize)?;

@@ -1,0 +1,364 @@
+//! Friction and damping of bodies that deform, under prescribed motion.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+mod common;
+#[path = "common/soft.rs"]
+mod soft;
+#[path = "common/tets.rs"]
+mod tets;
+
+use common::Stream;
+use femdem_contact::deform::{DeformableBatch, DeformableContact, Modulus, NodalState};
+use femdem_contact::{
+    BodyShape, ContactLaw, ContactParameters, Field, Form, Frame, Motion, Wall, restitution,
+};
+use femdem_mesh::nalgebra::{UnitQuaternion, Vector3};
+use soft::Soft;
+use tets::{block, body, cube, cubes};
+
+const MU: f64 = 0.5;
+const DEPTH: f64 = 1e-3;
+
+fn law() -> ContactParameters {
+    ContactParameters {
+        penalty: 1e6,
+        friction: MU,
+        damping_ratio: 0.0,
+        tangential_damping: 0.0,
+        ..ContactParameters::default()
+    }
+}
+
+/// What the upper body stands on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Ground {
+    Floor,
+    Rigid,
+    Soft,
+}
+
+const GROUNDS: [Ground; 3] = [Ground::Floor, Ground::Rigid, Ground::Soft];
+
+/// A body that deforms on some ground whose top is the plane z = 0.
+#[derive(Clone)]
+struct Rig {
+    batch: DeformableBatch,
+    ground: Option<Soft>,
+    rigid: Vec<Motion>,
+    walls: Vec<Motion>,
+    upper: Soft,
+    masses: Vec<f64>,
+    velocity: Vec<Vector3<f64>>,
+}
+
+impl Rig {
+    /// A cube of side 1, `DEPTH` deep in the ground.
+    fn new(law: ContactParameters, ground: Ground) -> Self {
+        let mut at = Frame::identity();
+        at.position.z = 0.5 - DEPTH;
+        let upper = Soft::linear(&cube(2)).posed(&at);
+        Self::of(law, ground, &cubes(&block([4, 4, 2], |_| true), 0.5), upper)
+    }
+
+    /// Bodies on a slab of the given mesh.
+    fn of(
+        law: ContactParameters,
+        ground: Ground,
+        slab: &femdem_mesh::TetMesh,
+        upper: Soft,
+    ) -> Self {
+        let law = ContactLaw::new(law).unwrap();
+        let mut batch = DeformableBatch::new(law, Form::Sum).unwrap();
+        let mut rig = Self {
+            ground: None,
+            rigid: Vec::new(),
+            walls: Vec::new(),
+            masses: vec![1.0; upper.x.len()],
+            velocity: vec![Vector3::zeros(); upper.x.len()],
+            upper,
+            batch: batch.clone(),
+        };
+        let mut below = Frame::identity();
+        match ground {
+            Ground::Floor => {
+                batch.add_wall(Wall::half_space("floor", Vector3::z(), 0.0).unwrap());
+                rig.walls.push(Motion::fixed(below));
+            }
+            Ground::Rigid => {
+                let mesh = body(slab, Field::Body);
+                below.position.z = -0.5 * height(slab);
+                batch.add_rigid_shape(BodyShape::from(mesh)).unwrap();
+                batch.add_rigid(0).unwrap();
+                rig.rigid.push(Motion::fixed(below));
+            }
+            Ground::Soft => {
+                below.position.z = -0.5 * height(slab);
+                let soft = Soft::linear(slab).posed(&below);
+                let shape = batch.add_shape(soft.shape.clone());
+                batch.add_body(shape, Modulus::Penalty(1e6)).unwrap();
+                rig.ground = Some(soft);
+            }
+        }
+        let shape = batch.add_shape(rig.upper.shape.clone());
+        batch.add_body(shape, Modulus::Penalty(1e6)).unwrap();
+        rig.batch = batch;
+        rig
+    }
+
+    /// The one contact after an update.
+    fn update(&mut self) -> DeformableContact {
+        let zeros = |soft: &Soft| {
+            (
+                vec![Vector3::zeros(); soft.x.len()],
+                vec![0.0; soft.x.len()],
+            )
+        };
+        let still = self.ground.as_ref().map(zeros);
+        let mut states = Vec::new();
+        if let (Some(soft), Some((v, w))) = (&self.ground, &still) {
+            states.push(NodalState {
+                positions: &soft.x,
+                velocities: v,
+                inverse_masses: w,
+            });
+        }
+        states.push(NodalState {
+            positions: &self.upper.x,
+            velocities: &self.velocity,
+            inverse_masses: &self.masses,
+        });
+        self.batch
+            .update(&states, &self.rigid, &self.walls)
+            .unwrap();
+        let contacts: Vec<_> = self.batch.contacts().collect();
+        assert_eq!(contacts.len(), 1);
+        *contacts[0]
+    }
+
+    fn shift(&mut self, by: Vector3<f64>) {
+        self.upper.x.iter_mut().for_each(|x| *x += by);
+    }
+
+    /// Puts everything but walls where a rigid motion takes it from `start`.
+    fn carry(&mut self, start: &Self, turn: &UnitQuaternion<f64>, by: &Vector3<f64>) {
+        let soft = |to: &mut Soft, from: &Soft| {
+            for (x, from) in to.x.iter_mut().zip(&from.x) {
+                *x = turn * from + by;
+            }
+        };
+        soft(&mut self.upper, &start.upper);
+        if let (Some(to), Some(from)) = (&mut self.ground, &start.ground) {
+            soft(to, from);
+        }
+        for (motion, from) in self.rigid.iter_mut().zip(&start.rigid) {
+            let before = motion.frame.position;
+            motion.frame.rotation = turn.to_rotation_matrix().into_inner() * from.frame.rotation;
+            motion.frame.position = turn * from.frame.position + by;
+            motion.travelled += 0.1 + (motion.frame.position - before).norm();
+        }
+    }
+}
+
+fn height(mesh: &femdem_mesh::TetMesh) -> f64 {
+    mesh.points().iter().map(|p| p.z).fold(0.0, f64::max)
+}
+
+/// A sheared pair carried along rigidly keeps its friction force, turned with it.
+#[test]
+fn a_common_motion_keeps_the_force() {
+    for ground in [Ground::Rigid, Ground::Soft] {
+        let mut rig = Rig::new(law(), ground);
+        rig.update();
+        rig.shift(Vector3::new(2e-4, 1e-4, 0.0));
+        let start = rig.update();
+        let all = rig.batch.forces(rig.batch.len() as u32 - 1).to_vec();
+        assert!(start.friction.norm() > 0.1 * start.normal_force && !start.slides);
+        let (begin, mut total) = (rig.clone(), UnitQuaternion::identity());
+        for i in 0..2000 {
+            let s = f64::from(i);
+            total = UnitQuaternion::from_scaled_axis(Vector3::new(1e-3, -2e-3, 1.5e-3) * s);
+            let by = Vector3::new((3e-3 * s).sin(), 0.0, (2e-3 * s).cos());
+            rig.carry(&begin, &total, &by);
+            rig.update();
+        }
+        let end = *rig.batch.contacts().next().unwrap();
+        let error = (end.friction - total * start.friction).norm() / start.friction.norm();
+        assert!(error < 1e-10, "{ground:?}: {error:e}");
+        let now = rig.batch.forces(rig.batch.len() as u32 - 1);
+        for (x, y) in all.iter().zip(now) {
+            assert!((total * x - y).norm() < 1e-10 * start.normal_force);
+        }
+    }
+}
+
+/// Work of friction along a closed path of the upper body, by the trapezoidal rule, and the largest
+/// friction force.
+fn work(rig: &mut Rig, path: impl Fn(f64) -> Vector3<f64>, steps: u32) -> (f64, f64) {
+    let (mut work, mut largest) = (0.0, 0.0_f64);
+    let mut before = (path(0.0), rig.update().friction);
+    for i in 1..=steps {
+        let at = path(f64::from(i) / f64::from(steps));
+        rig.shift(at - before.0);
+        let contact = rig.update();
+        let friction = contact.friction;
+        work += 0.5 * (friction + before.1).dot(&(at - before.0));
+        largest = largest.max(friction.norm());
+        before = (at, friction);
+    }
+    (work, largest)
+}
+
+#[test]
+fn a_closed_loop_of_stick_does_no_work() {
+    for ground in GROUNDS {
+        let mut rig = Rig::new(law(), ground);
+        rig.update();
+        let turn = std::f64::consts::TAU;
+        let circle = |s: f64| Vector3::new((turn * s).cos() - 1.0, (turn * s).sin(), 0.0) * 2e-5;
+        let (work, largest) = work(&mut rig, circle, 200);
+        let spring = rig.batch.contacts().next().unwrap().spring_energy;
+        assert!(largest > 0.0 && !rig.batch.contacts().next().unwrap().slides);
+        // On a mesh the stiffness at the rim changes a little from place to place, which costs.
+        let lost = -work / (largest * 2e-5);
+        let most = if ground == Ground::Floor { 1e-12 } else { 5e-5 };
+        assert!(lost > -1e-12 && lost < most, "{ground:?}: {lost:e}");
+        assert!(spring < most * largest * 2e-5, "{ground:?}: {spring:e}");
+    }
+}
+
+/// Slip to and fro by A dissipates 4 mu F (A - mu F/k_t) in a cycle.
+#[test]
+fn cyclic_slip_dissipates_what_coulomb_says() {
+    for ground in GROUNDS {
+        let mut rig = Rig::new(law(), ground);
+        let contact = rig.update();
+        let normal = contact.normal_force;
+        let tangential = contact.tangential_stiffness;
+        let amplitude = 4.0 * MU * normal / tangential;
+        let triangle = |s: f64| {
+            let x = match s {
+                s if s < 0.25 => 4.0 * s,
+                s if s < 0.75 => 2.0 - 4.0 * s,
+                s => 4.0 * s - 4.0,
+            };
+            Vector3::new(0.6, 0.8, 0.0) * (amplitude * x)
+        };
+        work(&mut rig, triangle, 4000);
+        let (work, largest) = work(&mut rig, triangle, 4000);
+        let want = 4.0 * MU * normal * (amplitude - MU * normal / tangential);
+        assert!(
+            (-work / want - 1.0).abs() < 2e-3,
+            "{ground:?}: {work} {want}"
+        );
+        assert!((largest / (MU * normal) - 1.0).abs() < 1e-3, "{ground:?}");
+    }
+}
+
+/// A block slides over a slab of many elements, and a slab over a block: the friction force stays
+/// what it is but for the triangles that come and go at the rim.
+#[test]
+fn sliding_over_many_elements_is_steady() {
+    let slab = cubes(&block([14, 4, 2], |_| true), 0.25);
+    let small = cubes(&block([2, 2, 2], |_| true), 0.3);
+    for ground in GROUNDS {
+        for fine_above in [false, true] {
+            let (below, above) = if fine_above {
+                (&small, &slab)
+            } else {
+                (&slab, &small)
+            };
+            let mut at = Frame::identity();
+            at.position = Vector3::new(-0.8, 0.03, 0.5 * height(above) - DEPTH);
+            let mut rig = Rig::of(law(), ground, below, Soft::linear(above).posed(&at));
+            let step = Vector3::x() * 4e-3;
+            rig.velocity.fill(step);
+            let mut ratios = Vec::new();
+            for i in 0..400 {
+                rig.shift(step);
+                let contact = rig.update();
+                if i > 20 {
+                    assert!(contact.friction.x < 0.0);
+                    ratios.push(contact.friction.norm() / (MU * contact.normal_force));
+                    let aside = contact.friction.y.abs() / contact.friction.norm();
+                    assert!(aside < 2e-2, "{ground:?} {fine_above}: {aside}");
+                }
+            }
+            let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = ratios.iter().copied().fold(0.0, f64::max);
+            assert!(least > 0.97 && most < 1.002, "{ground:?}: {least} {most}");
+        }
+    }
+}
+
+/// A block that falls on its face with masses in proportion to the nodes' forces moves as one: it
+/// comes back with the restitution of its damping ratio.
+#[test]
+fn impacts_have_the_restitution_of_their_damping_ratio() {
+    for ground in GROUNDS {
+        for zeta in [0.1, 0.3, 0.6] {
+            let parameters = ContactParameters {
+                damping_ratio: zeta,
+                friction: 0.0,
+                ..law()
+            };
+            let mut rig = Rig::new(parameters, ground);
+            rig.update();
+            let top = rig.batch.len() as u32 - 1;
+            let share: Vec<f64> = rig.batch.forces(top).iter().map(|f| f.z).collect();
+            let total: f64 = share.iter().sum();
+            for (w, f) in rig.masses.iter_mut().zip(&share) {
+                *w = if *f > 1e-2 * total { total / f } else { 0.0 };
+            }
+            let mass: f64 = rig
+                .masses
+                .iter()
+                .filter(|w| **w > 0.0)
+                .map(|w| 1.0 / w)
+                .sum();
+            rig.shift(Vector3::z() * DEPTH);
+            let (mut speed, mut height, dt) = (-0.1, 0.0, 5e-6);
+            for _ in 0..200_000 {
+                height += speed * dt;
+                rig.shift(Vector3::z() * (speed * dt));
+                if height > 0.0 {
+                    break;
+                }
+                rig.velocity.fill(Vector3::z() * speed);
+                rig.update();
+                let force: f64 = rig.batch.forces(top).iter().map(|f| f.z).sum();
+                speed += force / mass * dt;
+            }
+            let e = speed / 0.1;
+            let want = restitution(zeta);
+            assert!(
+                (e / want - 1.0).abs() < 0.02,
+                "{ground:?} {zeta}: {e} {want}"
+            );
+        }
+    }
+}
+
+/// Vertical shaking with the weight on an incline's share of shear below the bound: the block does
+/// not creep.
+#[test]
+fn shaken_stick_does_not_creep() {
+    let mut stream = Stream(2);
+    for ground in GROUNDS {
+        let mut rig = Rig::new(law(), ground);
+        rig.update();
+        rig.shift(Vector3::x() * 1.5e-4);
+        let start = rig.update();
+        assert!(!start.slides);
+        for _ in 0..200 {
+            let lift = 0.2 * DEPTH * stream.unit();
+            let offset = stream.vector().component_mul(&Vector3::new(1.0, 1.0, 0.0)) * 1e-5;
+            rig.shift(Vector3::z() * lift + offset);
+            rig.update();
+            rig.shift(-Vector3::z() * lift - offset);
+        }
+        let end = rig.update();
+        let kept = end.friction.norm() / start.friction.norm();
+        assert!(kept > 0.99, "{ground:?}: {kept}");
+    }
+}
