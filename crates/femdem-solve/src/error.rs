@@ -166,6 +166,21 @@ pub enum SolveError {
     },
 }
 
+impl SolveError {
+    /// Names the body, the step and the time (s) of a failed element.
+    pub(crate) fn in_body(self, body: usize, step: u64, time: f64) -> Self {
+        match self {
+            Self::Element(failure) => Self::BodyFailed {
+                body,
+                step,
+                time,
+                failure,
+            },
+            other => other,
+        }
+    }
+}
+
 /// Returns an error unless `value` is finite and `ok`.
 pub(crate) fn check(
     name: &'static str,

@@ -13,6 +13,10 @@ pub(crate) struct Flows {
     pub friction_work: f64,
     /// Work of drag and local damping (negative: taken out).
     pub medium_work: f64,
+    /// Work of viscous stresses inside bodies (negative: taken out).
+    pub viscous_work: f64,
+    /// Work of plastic flow inside bodies (negative: taken out).
+    pub plastic_work: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
 }
@@ -23,7 +27,8 @@ pub(crate) struct Flows {
 pub struct Ledger {
     /// Kinetic and potential energy of all bodies when they were added.
     pub initial: f64,
-    /// Work done on the bodies by driven walls and bodies.
+    /// Work done on the bodies by driven walls and bodies, and by what is prescribed at deformable
+    /// ones.
     pub work_in: f64,
     /// Kinetic energy now.
     pub kinetic: f64,
@@ -31,6 +36,8 @@ pub struct Ledger {
     pub potential: f64,
     /// Elastic contact energy now.
     pub elastic: f64,
+    /// Elastic energy inside deformable bodies now.
+    pub strain: f64,
     /// Energy in the friction springs now.
     pub friction_springs: f64,
     /// Dissipated by sliding, and by the dashpots beside the friction springs.
@@ -39,6 +46,10 @@ pub struct Ledger {
     pub dissipated_damping: f64,
     /// Dissipated by the medium: drag and local damping.
     pub dissipated_medium: f64,
+    /// Dissipated by the viscosity of materials.
+    pub dissipated_viscous: f64,
+    /// Dissipated by plastic flow.
+    pub dissipated_plastic: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
 }
@@ -46,12 +57,17 @@ pub struct Ledger {
 impl Ledger {
     /// Kinetic, potential, elastic and spring energy now, J.
     pub fn final_energy(&self) -> f64 {
-        self.kinetic + self.potential + self.elastic + self.friction_springs
+        self.kinetic + self.potential + self.elastic + self.strain + self.friction_springs
     }
 
     /// All that was dissipated, J.
     pub fn dissipated(&self) -> f64 {
-        self.dissipated_friction + self.dissipated_damping + self.dissipated_medium + self.frozen
+        self.dissipated_friction
+            + self.dissipated_damping
+            + self.dissipated_medium
+            + self.dissipated_viscous
+            + self.dissipated_plastic
+            + self.frozen
     }
 
     /// What the books miss, J: energy now plus dissipated minus energy put in.
@@ -62,7 +78,7 @@ impl Ledger {
     /// The error over the energy that was turned over: the larger of what was dissipated and
     /// what is in motion or stored now.
     pub fn error_relative(&self) -> f64 {
-        let stored = self.kinetic + self.elastic + self.friction_springs;
+        let stored = self.kinetic + self.elastic + self.strain + self.friction_springs;
         let turnover = self.dissipated().abs().max(stored.abs());
         if turnover > 0.0 {
             self.error() / turnover

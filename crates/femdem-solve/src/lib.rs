@@ -108,4 +108,7 @@ pub use drive::Drive;
 pub use error::SolveError;
 pub use ledger::Ledger;
 pub use parameters::{Medium, SleepParameters, TimeStepParameters, WorldParameters};
-pub use world::{Counters, Residuals, Stability, World};
+pub use world::{
+    ContactStiffness, Counters, Deformable, DeformableId, DeformableSpec, ModelId, Residuals,
+    Stability, World,
+};

@@ -33,8 +33,10 @@ pub(crate) struct Pair<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct NodeLoad {
     pub node: u32,
-    /// N.
+    /// N, and the parts of it by damping and by friction.
     pub force: Vector3,
+    pub damping: Vector3,
+    pub friction: Vector3,
     /// N/m, and 1/s.
     pub stiffness: f64,
     pub rate: f64,
@@ -75,8 +77,12 @@ impl Outcome {
 
     /// Takes over the sums in the scratch, which are used up.
     pub fn take(&mut self, pair: &Pair, scratch: &mut DeformableScratch) {
+        for (side, members) in pair.near.sides.iter().enumerate() {
+            scratch.sums.fold(side, &members.slaves);
+        }
         let dashpot = pair.dashpot(scratch);
         let elastic = scratch.sums.wrench;
+        scratch.sums.keep_elastic();
         for side in &mut scratch.sums.forces {
             side.iter_mut().for_each(|f| *f *= dashpot.scale);
         }
@@ -103,7 +109,7 @@ impl Outcome {
             0.5
         };
         for side in 0..2 {
-            self.list_nodes(pair, scratch, side, share, dashpot.rate);
+            self.list_nodes(pair, scratch, side, share, &dashpot);
         }
         self.load = pair.rigid_load(scratch, &elastic[0], &dashpot, &friction);
     }
@@ -114,7 +120,7 @@ impl Outcome {
         scratch: &DeformableScratch,
         side: usize,
         share: f64,
-        rate: f64,
+        dashpot: &Dashpot,
     ) {
         let list = &mut self.nodes[side];
         list.clear();
@@ -131,11 +137,14 @@ impl Outcome {
             if force == Vector3::zeros() && stiffness == 0.0 {
                 continue;
             }
+            let elastic = sums.elastic[side][at];
             list.push(NodeLoad {
                 node,
                 force,
+                damping: elastic * (dashpot.scale - 1.0),
+                friction: force - elastic * dashpot.scale,
                 stiffness: stiffness * share,
-                rate: rate + 2.0 * share * viscosity * weight,
+                rate: dashpot.rate + 2.0 * share * viscosity * weight,
             });
         }
     }

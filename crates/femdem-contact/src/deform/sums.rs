@@ -49,6 +49,8 @@ pub(crate) struct TriangleLoad {
 pub(crate) struct PairSums {
     /// By side and node on the list.
     pub forces: [Vec<Vector3>; 2],
+    /// The elastic part of `forces`, once it is kept.
+    pub elastic: [Vec<Vector3>; 2],
     pub stiffness: [Vec<f64>; 2],
     pub viscosity: [Vec<f64>; 2],
     pub loads: Vec<TriangleLoad>,
@@ -281,6 +283,13 @@ impl PairSums {
                 normal: *normal,
                 stiffness,
             });
+        }
+    }
+
+    /// Keeps the forces as the elastic ones.
+    pub fn keep_elastic(&mut self) {
+        for (kept, forces) in self.elastic.iter_mut().zip(&self.forces) {
+            kept.clone_from(forces);
         }
     }
 

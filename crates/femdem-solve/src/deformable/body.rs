@@ -99,14 +99,8 @@ impl DeformableBody {
         time: f64,
     ) -> Result<Self, SolveError> {
         check("time", time, true, "finite, in s")?;
+        boundary.check(&model)?;
         let count = model.nodes().len();
-        if let Some(node) = boundary.largest_node().filter(|&n| n as usize >= count) {
-            return Err(SolveError::NoSuch {
-                what: "node",
-                index: node as usize,
-                count,
-            });
-        }
         let mut body = Self {
             internal: vec![Vector3::zeros(); count],
             external: vec![Vector3::zeros(); count],
@@ -236,7 +230,8 @@ impl DeformableBody {
         self.time = end;
         self.steps += 1;
         let viscous_before = self.now.viscous_power;
-        self.evaluate().map_err(|error| self.failed(error))?;
+        self.evaluate()
+            .map_err(|error| error.in_body(0, self.steps, self.time))?;
         std::mem::swap(&mut self.state.history, &mut self.next_history);
         let second = self.half_work(half);
         work.0 += second.0;
@@ -291,18 +286,6 @@ impl DeformableBody {
         self.external.fill(Vector3::zeros());
         self.boundary
             .add_forces(&self.model, self.time, &self.state.x, &mut self.external)
-    }
-
-    fn failed(&self, error: SolveError) -> SolveError {
-        match error {
-            SolveError::Element(failure) => SolveError::BodyFailed {
-                body: 0,
-                step: self.steps,
-                time: self.time,
-                failure,
-            },
-            other => other,
-        }
     }
 
     fn kinetic_energy(&self) -> f64 {

@@ -5,9 +5,10 @@ use super::{DeformableModel, Workspace};
 use crate::element::{Bar, Element, ElementFailure, T4, T10, Table};
 use crate::material::{Deformation, Material};
 use femdem_mesh::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// What limits the time step of a body without contacts.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct FrequencyBound {
     /// Not less than omega^2 of any motion of the body, rad^2/s^2.
     pub frequency2: f64,

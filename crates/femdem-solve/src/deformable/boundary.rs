@@ -220,6 +220,30 @@ impl Boundary {
         Ok(count)
     }
 
+    /// The same with the places that motions count from moved by a pose. Directions stay: components
+    /// are those of the world.
+    #[must_use]
+    pub fn posed(&self, pose: &Pose) -> Self {
+        let mut posed = self.clone();
+        for hold in &mut posed.holds {
+            hold.place = pose.rotation * hold.place + pose.translation.vector;
+        }
+        posed
+    }
+
+    /// Refuses conditions on nodes that a model has not.
+    pub(crate) fn check(&self, model: &DeformableModel) -> Result<(), SolveError> {
+        let count = model.nodes().len();
+        match self.largest_node() {
+            Some(node) if node as usize >= count => Err(SolveError::NoSuch {
+                what: "node",
+                index: node as usize,
+                count,
+            }),
+            _ => Ok(()),
+        }
+    }
+
     /// The node and component (0 to 2) of everything that is held or driven, ascending.
     pub fn held(&self) -> impl Iterator<Item = (u32, usize)> {
         let each = self.holds.iter();

@@ -5,10 +5,11 @@ use super::nodal::NodalAverages;
 use crate::element::{Bar, Element, ElementFailure, T4, T10, Table};
 use crate::material::{Deformation, Material, Response};
 use femdem_mesh::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 use std::ops::{AddAssign, Range};
 
 /// Energies of a body in one state.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct InternalState {
     /// Stored in the material, J.
     pub energy: f64,

@@ -176,7 +176,7 @@ impl World {
         self.awake.retain(|i| list.binary_search(i).is_err());
     }
 
-    fn wake(&mut self, list: &[u32]) {
+    pub(super) fn wake(&mut self, list: &[u32]) {
         if list.is_empty() {
             return;
         }

@@ -32,6 +32,7 @@ impl World {
             loaded: false,
             initial_energy: 0.0,
             flows: Flows::default(),
+            deformables: None,
             counters: Counters::default(),
         })
     }
@@ -64,6 +65,9 @@ impl World {
         let law = parameters.validate()?;
         self.parameters = parameters;
         self.batch.set_law(law);
+        if let Some(deformables) = &mut self.deformables {
+            deformables.batch.set_law(law);
+        }
         self.loaded = false;
         self.step_control.forget();
         self.shapes_to_step_control()?;
@@ -104,6 +108,9 @@ impl World {
     fn insert_shape(&mut self, shape: Shape) -> Result<ShapeId, SolveError> {
         let contact = shape.contact()?;
         self.shapes.push(shape);
+        if let Some(deformables) = &mut self.deformables {
+            deformables.batch.add_rigid_shape(contact.clone())?;
+        }
         Ok(self.batch.add_shape(contact))
     }
 
@@ -147,6 +154,9 @@ impl World {
             self.initial_energy += energy;
         }
         let id = self.batch.add_body(spec.shape)?;
+        if let Some(deformables) = &mut self.deformables {
+            deformables.batch.add_rigid(spec.shape)?;
+        }
         self.motions.push(body.motion());
         self.bodies.push(body);
         self.awake.push(id);
@@ -169,6 +179,10 @@ impl World {
         self.wall_drives.push((drive, base));
         self.wall_motions.push(Motion::fixed(Frame::identity()));
         self.loaded = false;
+        let wall = wall.into();
+        if let Some(deformables) = &mut self.deformables {
+            deformables.batch.add_wall(wall.clone());
+        }
         Ok(self.batch.add_wall(wall))
     }
 
@@ -221,6 +235,9 @@ impl World {
             .iter()
             .map(Shape::contact)
             .collect::<Result<Vec<_>, _>>()?;
+        if let Some(deformables) = &mut self.deformables {
+            deformables.restore(&shapes)?;
+        }
         self.batch.restore_shapes(shapes)?;
         Ok(())
     }
@@ -231,6 +248,10 @@ impl World {
             let contact = &self.batch.shapes()[body.shape as usize];
             self.step_control
                 .see(contact, body, &self.parameters.contact);
+        }
+        let deformables = self.deformables.as_deref();
+        for body in deformables.map_or(&[][..], |d| &d.bodies) {
+            self.step_control.see_elements(body.bound.critical_step());
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 mod active;
 mod build;
+mod deformables;
 mod hash;
 mod query;
 mod stability;
@@ -12,11 +13,13 @@ use crate::body::{Body, Shape};
 use crate::drive::Drive;
 use crate::ledger::Flows;
 use crate::parameters::WorldParameters;
+use deformables::Deformables;
 use femdem_contact::{ContactBatch, Motion};
 use femdem_mesh::Pose;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
+pub use deformables::{ContactStiffness, Deformable, DeformableId, DeformableSpec, ModelId};
 pub use query::Residuals;
 pub use stability::Stability;
 
@@ -45,6 +48,8 @@ pub struct World {
     loaded: bool,
     initial_energy: f64,
     flows: Flows,
+    /// What deforms; absent from a world of rigid bodies.
+    deformables: Option<Box<Deformables>>,
     #[serde(skip)]
     counters: Counters,
 }

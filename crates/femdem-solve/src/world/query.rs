@@ -1,6 +1,6 @@
 //! Reading a world.
 
-use super::{Counters, World};
+use super::{Counters, Deformable, World};
 use crate::body::{Body, Shape, ShapeId};
 use crate::ledger::Ledger;
 use crate::parameters::WorldParameters;
@@ -130,7 +130,8 @@ impl World {
 
     /// Kinetic energy of all bodies, J.
     pub fn kinetic_energy(&self) -> f64 {
-        self.free_bodies().map(|(_, b)| b.kinetic_energy()).sum()
+        let rigid = self.free_bodies().map(|(_, b)| b.kinetic_energy());
+        rigid.sum::<f64>() + self.deformables().map(|d| d.kinetic_energy()).sum::<f64>()
     }
 
     fn free_bodies(&self) -> impl Iterator<Item = (usize, &Body)> {
@@ -142,16 +143,17 @@ impl World {
 
     /// Linear momentum of all bodies, kg m/s.
     pub fn linear_momentum(&self) -> Vector3 {
-        self.free_bodies().map(|(_, b)| b.velocity * b.mass).sum()
+        let rigid = self.free_bodies().map(|(_, b)| b.velocity * b.mass);
+        rigid.sum::<Vector3>() + self.deformables().map(|d| d.momentum()).sum::<Vector3>()
     }
 
     /// Angular momentum of all bodies about a point, kg m^2/s.
     pub fn angular_momentum(&self, about: &Vector3) -> Vector3 {
-        self.free_bodies()
-            .map(|(_, b)| {
-                b.orientation * b.momentum + (b.position - about).cross(&(b.velocity * b.mass))
-            })
-            .sum()
+        let rigid = self.free_bodies().map(|(_, b)| {
+            b.orientation * b.momentum + (b.position - about).cross(&(b.velocity * b.mass))
+        });
+        let deformable = self.deformables().map(|d| d.angular_momentum(about));
+        rigid.sum::<Vector3>() + deformable.sum::<Vector3>()
     }
 
     /// All contacts on record, sorted by pair and patch: a contact for each patch.
@@ -169,10 +171,21 @@ impl World {
         self.batch.walls()
     }
 
+    /// The load of a body from all its contacts on record, those with deformable bodies included.
+    pub(super) fn load_of(&self, id: BodyId) -> Load {
+        let mut load = self.batch.load_of(id);
+        if let Some(deformables) = &self.deformables
+            && let Some(other) = deformables.batch.rigid_loads().get(id as usize)
+        {
+            load += other;
+        }
+        load
+    }
+
     /// Net force of a body over the larger of its weight and its mean contact force.
     pub fn body_residual(&self, id: BodyId) -> Option<f64> {
         let body = self.body(id)?;
-        let load = self.batch.load_of(id);
+        let load = self.load_of(id);
         let weight = body.mass * self.parameters.gravity.norm();
         Some(self.net_force(id as usize, &load).norm() / weight.max(mean_force(&load)))
     }
@@ -189,7 +202,7 @@ impl World {
         let g = self.parameters.gravity.norm();
         let mut count = 0.0;
         for (i, body) in self.free_bodies() {
-            let load = self.batch.load_of(i as u32);
+            let load = self.load_of(i as u32);
             let net = self.net_force(i, &load).norm();
             let weight = body.mass * g;
             let over_load = net / weight.max(mean_force(&load));
@@ -213,8 +226,11 @@ impl World {
     /// The energy ledger at this moment.
     pub fn ledger(&self) -> Ledger {
         let contacts = self.batch.contacts();
-        let friction_springs = contacts.iter().map(|c| c.spring_energy).sum();
+        let soft = self.deformable_totals();
+        let friction_springs = contacts.iter().map(|c| c.spring_energy).sum::<f64>()
+            + soft.map_or(0.0, |t| t.spring_energy);
         let g = self.parameters.gravity;
+        let deformable = |f: &dyn Fn(Deformable) -> f64| self.deformables().map(f).sum::<f64>();
         Ledger {
             initial: self.initial_energy,
             work_in: self.flows.work_in,
@@ -222,12 +238,17 @@ impl World {
             potential: self
                 .free_bodies()
                 .map(|(_, b)| -b.mass * g.dot(&b.position))
-                .sum(),
-            elastic: contacts.iter().map(|c| c.energy).sum(),
+                .sum::<f64>()
+                + deformable(&|d| d.potential(&g)),
+            elastic: contacts.iter().map(|c| c.energy).sum::<f64>()
+                + soft.map_or(0.0, |t| t.energy),
+            strain: deformable(&|d| d.internal().energy),
             friction_springs,
             dissipated_friction: -self.flows.friction_work - friction_springs,
             dissipated_damping: -self.flows.damping_work,
             dissipated_medium: -self.flows.medium_work,
+            dissipated_viscous: -self.flows.viscous_work,
+            dissipated_plastic: -self.flows.plastic_work,
             frozen: self.flows.frozen,
         }
     }

@@ -1,6 +1,7 @@
 //! One step: kick, drift, contacts, kick.
 
 use super::World;
+use super::deformables::{all_loads, all_wall_loads};
 use crate::body::Body;
 use crate::drive::Drive;
 use crate::error::SolveError;
@@ -33,23 +34,26 @@ impl World {
         self.steps += 1;
         self.evaluate(dt)?;
         self.kick(0.5 * dt);
+        self.hold_deformables();
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
         Ok(())
     }
 
     fn choose_step(&mut self) -> f64 {
-        let loads = self.batch.loads();
+        let most = self.deformable_bound();
+        let loads = all_loads(&self.batch, self.deformables.as_deref());
         let awake = self
             .awake
             .iter()
             .map(|&i| (&loads[i as usize], &self.motions[i as usize]));
-        self.step_control.choose(awake, &self.parameters.time_step)
+        self.step_control
+            .choose(awake, most, &self.parameters.time_step)
     }
 
     /// Adds the impulse of half a step to all awake bodies and books the work.
     fn kick(&mut self, h: f64) {
-        let loads = self.batch.loads();
+        let loads = all_loads(&self.batch, self.deformables.as_deref());
         let mut flows = Flows::default();
         for &i in &self.awake {
             let (body, load) = (&mut self.bodies[i as usize], &loads[i as usize]);
@@ -60,7 +64,8 @@ impl World {
                 kick_body(body, load, &self.parameters, h, &mut flows);
             }
         }
-        for (load, (drive, base)) in self.batch.wall_loads().iter().zip(&self.wall_drives) {
+        let wall_loads = all_wall_loads(&self.batch, self.deformables.as_deref());
+        for (load, (drive, base)) in wall_loads.iter().zip(&self.wall_drives) {
             if *drive != Drive::Fixed {
                 let driven = drive.at(self.time);
                 let v = driven.velocity_at(&driven.place(base).translation.vector);
@@ -71,6 +76,7 @@ impl World {
         self.flows.damping_work += flows.damping_work;
         self.flows.friction_work += flows.friction_work;
         self.flows.medium_work += flows.medium_work;
+        self.kick_deformables(h);
     }
 
     fn drift(&mut self, dt: f64) -> Result<(), SolveError> {
@@ -111,7 +117,7 @@ impl World {
             }
         }
         self.drift_walls(dt);
-        Ok(())
+        self.drift_deformables(dt)
     }
 
     /// Moves the driven walls from the present time by `dt`.
@@ -161,9 +167,10 @@ impl World {
         self.counters.pair_evaluations += totals.candidates as u64;
         self.counters.touching_evaluations += totals.touching as u64;
         match result {
-            Err(ContactError::NotFinite { body, .. }) => Err(self.blow_up(body)),
-            other => Ok(other?),
+            Err(ContactError::NotFinite { body, .. }) => return Err(self.blow_up(body)),
+            other => other?,
         }
+        self.evaluate_deformables(dt)
     }
 
     fn blow_up(&self, i: usize) -> SolveError {
@@ -245,7 +252,7 @@ fn kick_body(
 }
 
 /// Cundall's local damping of a force, component by component.
-fn resist(force: &Vector3, velocity: &Vector3, fraction: f64) -> Vector3 {
+pub(super) fn resist(force: &Vector3, velocity: &Vector3, fraction: f64) -> Vector3 {
     force.zip_map(velocity, |f, v| {
         if v == 0.0 {
             f
@@ -256,7 +263,7 @@ fn resist(force: &Vector3, velocity: &Vector3, fraction: f64) -> Vector3 {
 }
 
 /// exp(-a h) and (1 - exp(-a h))/a.
-fn relaxation(rate: f64, h: f64) -> (f64, f64) {
+pub(super) fn relaxation(rate: f64, h: f64) -> (f64, f64) {
     if rate == 0.0 {
         (1.0, h)
     } else {

@@ -68,17 +68,21 @@ impl StepControl {
         }
     }
 
-    /// Chooses the step from the loads of the awake bodies.
+    /// Lowers the cap for a deformable body: the bound of its elements, s.
+    pub(crate) fn see_elements(&mut self, bound: f64) {
+        self.cap = self.cap.min(bound);
+    }
+
+    /// Chooses the step from the loads of the awake bodies; `most` is the bound of all else, s.
     pub(crate) fn choose<'a>(
         &mut self,
         loads: impl Iterator<Item = (&'a Load, &'a Motion)>,
+        most: f64,
         parameters: &TimeStepParameters,
     ) -> f64 {
         let limit = parameters.largest.unwrap_or(f64::INFINITY);
         let top = (parameters.safety * self.cap).min(limit);
-        self.bound = loads.fold(f64::INFINITY, |most, (load, motion)| {
-            load.largest_step(motion, most)
-        });
+        self.bound = loads.fold(most, |most, (load, motion)| load.largest_step(motion, most));
         let allowed = on_level(top, parameters.safety * self.bound);
         if allowed <= self.current || self.current == 0.0 || self.current > top {
             self.current = allowed;

@@ -27,6 +27,10 @@ pub(crate) struct SoftBody {
     #[serde(skip)]
     pub forces: Vec<Vector3>,
     #[serde(skip)]
+    pub damping: Vec<Vector3>,
+    #[serde(skip)]
+    pub friction: Vec<Vector3>,
+    #[serde(skip)]
     pub stiffness: Vec<f64>,
     #[serde(skip)]
     pub rates: Vec<f64>,
@@ -42,6 +46,8 @@ impl SoftBody {
             centre: Vector3::zeros(),
             tree: None,
             forces: Vec::new(),
+            damping: Vec::new(),
+            friction: Vec::new(),
             stiffness: Vec::new(),
             rates: Vec::new(),
         };
@@ -54,12 +60,16 @@ impl SoftBody {
         let count = shape.node_count();
         self.tree = Some(Box::new((shape.tree().clone(), Vec::new())));
         self.forces = vec![Vector3::zeros(); count];
+        self.damping = self.forces.clone();
+        self.friction = self.forces.clone();
         self.stiffness = vec![0.0; count];
         self.rates = vec![0.0; count];
     }
 
     pub fn clear(&mut self) {
-        self.forces.fill(Vector3::zeros());
+        for part in [&mut self.forces, &mut self.damping, &mut self.friction] {
+            part.fill(Vector3::zeros());
+        }
         self.stiffness.fill(0.0);
         self.rates.fill(0.0);
     }
@@ -68,14 +78,13 @@ impl SoftBody {
     pub fn add(&mut self, nodes: &[NodeLoad]) {
         for load in nodes {
             let at = load.node as usize;
-            if let (Some(f), Some(k), Some(rate)) = (
-                self.forces.get_mut(at),
-                self.stiffness.get_mut(at),
-                self.rates.get_mut(at),
-            ) {
-                *f += load.force;
-                *k += load.stiffness;
-                *rate += load.rate;
+            // All have the length of the nodes.
+            if at < self.forces.len() {
+                self.forces[at] += load.force;
+                self.damping[at] += load.damping;
+                self.friction[at] += load.friction;
+                self.stiffness[at] += load.stiffness;
+                self.rates[at] += load.rate;
             }
         }
     }

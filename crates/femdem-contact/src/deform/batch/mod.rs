@@ -17,6 +17,7 @@ use crate::shape::BodyShape;
 use crate::walls::WallShape;
 use body::SoftBody;
 use evaluate::Context;
+use femdem_mesh::Vector3;
 use pairs::PairList;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -276,8 +277,18 @@ impl DeformableBatch {
 
     /// Contact forces on the nodes of a body, N: elastic, damping and friction. Empty if there is
     /// no such body.
-    pub fn forces(&self, body: u32) -> &[femdem_mesh::Vector3] {
+    pub fn forces(&self, body: u32) -> &[Vector3] {
         self.bodies.get(body as usize).map_or(&[], |b| &b.forces)
+    }
+
+    /// The part of [`forces`](Self::forces) by damping, N.
+    pub fn damping_forces(&self, body: u32) -> &[Vector3] {
+        self.bodies.get(body as usize).map_or(&[], |b| &b.damping)
+    }
+
+    /// The part of [`forces`](Self::forces) by friction, N.
+    pub fn friction_forces(&self, body: u32) -> &[Vector3] {
+        self.bodies.get(body as usize).map_or(&[], |b| &b.friction)
     }
 
     /// Contact stiffness k of the nodes of a body, N/m: a node of mass m adds 2 k/m to the squared

@@ -1,0 +1,209 @@
+//! Adding models and deformable bodies to a world.
+
+use super::{ContactStiffness, DeformableId, DeformableSpec, Deformables, Model, ModelId, State};
+use crate::body::Body;
+use crate::deformable::{Boundary, DeformableModel};
+use crate::error::{SolveError, check};
+use crate::material::{Deformation, Material};
+use crate::world::World;
+use femdem_contact::deform::DeformableBatch;
+use femdem_contact::{BodyShape, ContactBatch, ContactLaw, Form};
+use femdem_mesh::nalgebra::Matrix6;
+use femdem_mesh::{Matrix3, Vector3};
+use std::sync::Arc;
+
+impl World {
+    /// Adds a model of deformable bodies, with the stiffness of their contacts, and returns its
+    /// index. Rigid bodies, deformable ones and walls then share one step and one ledger.
+    ///
+    /// # Errors
+    /// [`SolveError::Contact`] if the mesh carries no contact field, [`SolveError::Parameter`] for a
+    /// stiffness that is not positive.
+    pub fn add_model(
+        &mut self,
+        name: &str,
+        model: DeformableModel,
+        stiffness: ContactStiffness,
+    ) -> Result<ModelId, SolveError> {
+        if let ContactStiffness::Penalty(x) | ContactStiffness::Ratio(x) = stiffness {
+            check("contact stiffness", x, x > 0.0, "positive and finite")?;
+        }
+        let young = stiffest(&model);
+        check(
+            "Young's modulus of the stiffest material",
+            young,
+            young > 0.0,
+            "positive and finite",
+        )?;
+        let model = Model {
+            name: name.to_owned(),
+            model,
+            stiffness,
+            young,
+        };
+        let shape = model.shape()?;
+        let deformables = self.deformables_mut()?;
+        deformables.batch.add_shape(shape);
+        deformables.models.push(model);
+        Ok(deformables.models.len() as u32 - 1)
+    }
+
+    /// Adds a deformable body and returns its index.
+    ///
+    /// # Errors
+    /// [`SolveError::NoSuch`] for an unknown model, [`SolveError::Parameter`] for a pose or velocity
+    /// that is not finite, [`SolveError::BodyFailed`] if an element has no stress.
+    pub fn add_deformable(&mut self, spec: DeformableSpec) -> Result<DeformableId, SolveError> {
+        let gravity = self.parameters.gravity;
+        let penalty = self.parameters.contact.penalty;
+        let (time, step) = (self.time, self.steps);
+        let deformables = self.deformables_mut()?;
+        let count = deformables.models.len();
+        let Some(model) = deformables.models.get(spec.model as usize) else {
+            return Err(SolveError::NoSuch {
+                what: "model",
+                index: spec.model as usize,
+                count,
+            });
+        };
+        let mut state = State::new(&spec, &model.model)?;
+        let body = deformables.bodies.len();
+        state.bound = model
+            .model
+            .stable_frequency2(&state.positions, &state.history)
+            .map_err(|failure| SolveError::from(failure).in_body(body, step, time))?;
+        let masses = model.model.masses();
+        let energy = state.kinetic_energy(masses) + state.potential(masses, &gravity);
+        let bound = state.bound.critical_step();
+        let modulus = model.modulus(&deformables.batch.shapes()[spec.model as usize], penalty);
+        let id = deformables.batch.add_body(spec.model, modulus)?;
+        deformables.bodies.push(state);
+        self.initial_energy += energy;
+        self.step_control.see_elements(bound);
+        self.loaded = false;
+        Ok(id)
+    }
+
+    /// The deformable part, which knows all that is rigid.
+    fn deformables_mut(&mut self) -> Result<&mut Deformables, SolveError> {
+        let law = ContactLaw::new(self.parameters.contact)?;
+        if self.deformables.is_none() {
+            let new = Deformables::new(law, &self.batch, &self.bodies)?;
+            self.deformables = Some(Box::new(new));
+        }
+        // Just made, if it was not there.
+        self.deformables.as_deref_mut().ok_or(SolveError::NoSuch {
+            what: "deformable part",
+            index: 0,
+            count: 0,
+        })
+    }
+}
+
+impl State {
+    fn new(spec: &DeformableSpec, model: &DeformableModel) -> Result<Self, SolveError> {
+        for (name, v) in [
+            ("pose.translation", spec.pose.translation.vector),
+            ("velocity", spec.velocity),
+            ("angular_velocity", spec.angular_velocity),
+        ] {
+            check(name, v.norm(), true, "finite in every component")?;
+        }
+        let unit = spec.pose.rotation.norm();
+        let is_unit = (unit - 1.0).abs() < 1e-6;
+        check("pose.rotation", unit, is_unit, "a unit quaternion")?;
+        let place = |x: &Vector3| spec.pose.rotation * x + spec.pose.translation.vector;
+        let positions: Vec<Vector3> = model.nodes().iter().map(place).collect();
+        let centre = centroid(&positions, model.masses());
+        let velocity = |x: &Vector3| spec.velocity + spec.angular_velocity.cross(&(x - centre));
+        let velocities: Vec<Vector3> = positions.iter().map(velocity).collect();
+        let boundary = spec.boundary.posed(&spec.pose);
+        boundary.check(model)?;
+        let held = |(a, i): (u32, usize)| {
+            0.5 * model.masses()[a as usize] * velocities[a as usize][i].powi(2)
+        };
+        Ok(Self {
+            model: spec.model,
+            held_energy: boundary.held().map(held).sum(),
+            velocities,
+            inverse_masses: inverse_masses(model.masses(), &boundary),
+            history: vec![0.0; model.history_len()],
+            strain_forces: vec![Vector3::zeros(); positions.len()],
+            loads: vec![Vector3::zeros(); positions.len()],
+            positions,
+            boundary,
+            internal: Default::default(),
+            bound: Default::default(),
+        })
+    }
+}
+
+/// 1/m of the nodes, 0 for those that are prescribed in all directions.
+pub(super) fn inverse_masses(masses: &[f64], boundary: &Boundary) -> Vec<f64> {
+    let mut held = vec![0_u8; masses.len()];
+    for (node, _) in boundary.held() {
+        held[node as usize] += 1;
+    }
+    let inverse = |(m, held): (&f64, u8)| if held == 3 { 0.0 } else { 1.0 / m };
+    masses.iter().zip(held).map(inverse).collect()
+}
+
+/// Centre of mass, m.
+pub(super) fn centroid(positions: &[Vector3], masses: &[f64]) -> Vector3 {
+    let sum: Vector3 = positions.iter().zip(masses).map(|(x, m)| x * *m).sum();
+    sum / masses.iter().sum::<f64>()
+}
+
+/// Young's modulus of the stiffest material at no strain, Pa; NaN if a law has no tangent there.
+fn stiffest(model: &DeformableModel) -> f64 {
+    let regions = model.regions().iter();
+    regions.map(|r| young(&r.material)).fold(0.0, f64::max)
+}
+
+/// Young's modulus at no strain, from the tangent: the inverse of the compliance along x.
+fn young(material: &dyn Material) -> f64 {
+    const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
+    let rest = Deformation::at_rest(Matrix3::identity());
+    let old = vec![0.0; material.history_len()];
+    let Some(tangent) = material.tangent(&rest, &old) else {
+        return f64::NAN;
+    };
+    let stiffness = Matrix6::from_fn(|r, c| {
+        let ((i, j), (k, l)) = (PAIRS[r], PAIRS[c]);
+        tangent[(3 * i + j, 3 * k + l)]
+    });
+    stiffness
+        .try_inverse()
+        .map_or(f64::NAN, |compliance| 1.0 / compliance[(0, 0)])
+}
+
+impl Deformables {
+    /// Nothing that deforms yet, beside the rigid things of a world.
+    fn new(law: ContactLaw, rigid: &ContactBatch, bodies: &[Body]) -> Result<Self, SolveError> {
+        let mut batch = DeformableBatch::new(law, Form::Sum)?;
+        for shape in rigid.shapes() {
+            batch.add_rigid_shape(shape.clone())?;
+        }
+        for body in bodies {
+            batch.add_rigid(body.shape)?;
+        }
+        for wall in rigid.walls() {
+            batch.add_wall(wall.clone());
+        }
+        Ok(Self {
+            models: Vec::new(),
+            bodies: Vec::new(),
+            batch,
+            loads: Vec::new(),
+            wall_loads: Vec::new(),
+            scratch: Vec::new(),
+        })
+    }
+
+    /// Rebuilds what is not stored.
+    pub(in crate::world) fn restore(&mut self, rigid: &[BodyShape]) -> Result<(), SolveError> {
+        let shapes = self.models.iter().map(|m| m.shape().map(Arc::new));
+        let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
+        Ok(self.batch.restore_shapes(shapes, rigid.to_vec())?)
+    }
+}

@@ -1,0 +1,217 @@
+//! Reading the deformable bodies of a world.
+
+use super::add::{centroid, inverse_masses};
+use super::{DeformableId, Model, ModelId, State};
+use crate::deformable::{Boundary, DeformableModel, ElementStress, InternalState};
+use crate::element::ElementFailure;
+use crate::error::SolveError;
+use crate::material::Material;
+use crate::world::World;
+use femdem_contact::deform::{DeformableContact, DeformableTotals};
+use femdem_mesh::Vector3;
+use std::sync::Arc;
+
+/// A deformable body of a world, to read.
+#[derive(Debug, Clone, Copy)]
+pub struct Deformable<'a> {
+    model: &'a Model,
+    state: &'a State,
+    contact: &'a [Vector3],
+}
+
+impl<'a> Deformable<'a> {
+    /// Name of its model.
+    #[must_use]
+    pub fn name(&self) -> &'a str {
+        &self.model.name
+    }
+
+    /// Index of its model.
+    #[must_use]
+    pub fn model_id(&self) -> ModelId {
+        self.state.model
+    }
+
+    /// Its model.
+    #[must_use]
+    pub fn model(&self) -> &'a DeformableModel {
+        &self.model.model
+    }
+
+    /// Positions of the nodes, m.
+    #[must_use]
+    pub fn positions(&self) -> &'a [Vector3] {
+        &self.state.positions
+    }
+
+    /// Velocities of the nodes, m/s.
+    #[must_use]
+    pub fn velocities(&self) -> &'a [Vector3] {
+        &self.state.velocities
+    }
+
+    /// History of the materials.
+    #[must_use]
+    pub fn history(&self) -> &'a [f64] {
+        &self.state.history
+    }
+
+    /// What is prescribed.
+    #[must_use]
+    pub fn boundary(&self) -> &'a Boundary {
+        &self.state.boundary
+    }
+
+    /// Forces of the contacts on the nodes, N.
+    #[must_use]
+    pub fn contact_forces(&self) -> &'a [Vector3] {
+        self.contact
+    }
+
+    /// Forces of the elements on the nodes, N.
+    #[must_use]
+    pub fn internal_forces(&self) -> &'a [Vector3] {
+        &self.state.strain_forces
+    }
+
+    /// Loads of the boundary on the nodes, N.
+    #[must_use]
+    pub fn loads(&self) -> &'a [Vector3] {
+        &self.state.loads
+    }
+
+    /// Energies of the elements.
+    #[must_use]
+    pub fn internal(&self) -> &'a InternalState {
+        &self.state.internal
+    }
+
+    /// Centre of mass, m.
+    #[must_use]
+    pub fn centroid(&self) -> Vector3 {
+        centroid(&self.state.positions, self.model().masses())
+    }
+
+    /// Linear momentum, kg m/s.
+    #[must_use]
+    pub fn momentum(&self) -> Vector3 {
+        let nodes = self.state.velocities.iter().zip(self.model().masses());
+        nodes.map(|(v, m)| v * *m).sum()
+    }
+
+    /// Angular momentum about a point, kg m^2/s.
+    #[must_use]
+    pub fn angular_momentum(&self, about: &Vector3) -> Vector3 {
+        let nodes = self.positions().iter().zip(self.velocities());
+        let nodes = nodes.zip(self.model().masses());
+        nodes.map(|((x, v), m)| (x - about).cross(v) * *m).sum()
+    }
+
+    /// Kinetic energy, J.
+    #[must_use]
+    pub fn kinetic_energy(&self) -> f64 {
+        self.state.kinetic_energy(self.model().masses())
+    }
+
+    /// Potential energy in gravity (m/s^2) relative to the origin, J.
+    #[must_use]
+    pub fn potential(&self, gravity: &Vector3) -> f64 {
+        self.state.potential(self.model().masses(), gravity)
+    }
+
+    /// Cauchy stress and volume ratio of every element.
+    ///
+    /// # Errors
+    /// [`ElementFailure`] if an element has no stress.
+    pub fn stresses(&self) -> Result<Vec<ElementStress>, ElementFailure> {
+        self.model()
+            .stresses(&self.state.positions, &self.state.history)
+    }
+}
+
+impl State {
+    /// J.
+    pub fn kinetic_energy(&self, masses: &[f64]) -> f64 {
+        let nodes = self.velocities.iter().zip(masses);
+        nodes.map(|(v, m)| 0.5 * m * v.norm_squared()).sum()
+    }
+
+    /// Potential energy in gravity relative to the origin, J.
+    pub fn potential(&self, masses: &[f64], gravity: &Vector3) -> f64 {
+        let nodes = self.positions.iter().zip(masses);
+        nodes.map(|(x, m)| -m * gravity.dot(x)).sum()
+    }
+}
+
+impl World {
+    /// Number of deformable bodies.
+    #[must_use]
+    pub fn deformable_count(&self) -> usize {
+        self.deformables.as_ref().map_or(0, |d| d.bodies.len())
+    }
+
+    /// A deformable body; `None` for an unknown index.
+    #[must_use]
+    pub fn deformable(&self, id: DeformableId) -> Option<Deformable<'_>> {
+        let deformables = self.deformables.as_deref()?;
+        let state = deformables.bodies.get(id as usize)?;
+        Some(Deformable {
+            model: deformables.models.get(state.model as usize)?,
+            state,
+            contact: deformables.batch.forces(id),
+        })
+    }
+
+    /// All deformable bodies, by index.
+    pub fn deformables(&self) -> impl Iterator<Item = Deformable<'_>> {
+        (0..self.deformable_count() as u32).filter_map(|i| self.deformable(i))
+    }
+
+    /// Contacts of deformable bodies, sorted by pair.
+    pub fn deformable_contacts(&self) -> impl Iterator<Item = &DeformableContact> {
+        self.deformables.iter().flat_map(|d| d.batch.contacts())
+    }
+
+    /// Sums over the contacts of deformable bodies.
+    #[must_use]
+    pub fn deformable_totals(&self) -> Option<&DeformableTotals> {
+        self.deformables.as_ref().map(|d| d.batch.totals())
+    }
+
+    /// Replaces what is prescribed at a deformable body. Motions count from the places that the
+    /// boundary was given (see [`Boundary::drive_from`]).
+    ///
+    /// # Errors
+    /// [`SolveError::NoSuch`] for an unknown body, or a node that its model has not.
+    pub fn set_boundary(&mut self, id: DeformableId, boundary: Boundary) -> Result<(), SolveError> {
+        let count = self.deformable_count();
+        let (models, bodies) = match self.deformables.as_deref_mut() {
+            Some(deformables) => (&deformables.models[..], &mut deformables.bodies[..]),
+            None => (&[][..], &mut [][..]),
+        };
+        let Some(state) = bodies.get_mut(id as usize) else {
+            return Err(SolveError::NoSuch {
+                what: "deformable body",
+                index: id as usize,
+                count,
+            });
+        };
+        let model = &models[state.model as usize].model;
+        boundary.check(model)?;
+        state.inverse_masses = inverse_masses(model.masses(), &boundary);
+        state.boundary = boundary;
+        self.loaded = false;
+        Ok(())
+    }
+
+    /// Gives custom materials that were read by name their laws again.
+    ///
+    /// # Errors
+    /// [`SolveError::UnboundMaterial`] if a law is missing.
+    pub fn bind_materials(&mut self, laws: &[Arc<dyn Material>]) -> Result<(), SolveError> {
+        for model in self.deformables.iter_mut().flat_map(|d| &mut d.models) {
+            model.model.bind(laws)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,331 @@
+//! Kick, drift and forces of the deformable bodies.
+
+use super::{Deformables, RENEW, Scratch, State};
+use crate::deformable::DeformableModel;
+use crate::error::SolveError;
+use crate::ledger::Flows;
+use crate::parameters::{Medium, WorldParameters};
+use crate::world::World;
+use crate::world::step::{relaxation, resist};
+use femdem_contact::deform::{DeformableBatch, NodalState};
+use femdem_contact::{ContactBatch, ContactError, Load, Motion, stable_step};
+use femdem_mesh::Vector3;
+
+/// Loads of the rigid bodies by all contacts.
+pub(in crate::world) fn all_loads<'a>(
+    batch: &'a ContactBatch,
+    deformables: Option<&'a Deformables>,
+) -> &'a [Load] {
+    deformables.map_or(batch.loads(), |d| &d.loads)
+}
+
+/// Loads of the walls by all contacts.
+pub(in crate::world) fn all_wall_loads<'a>(
+    batch: &'a ContactBatch,
+    deformables: Option<&'a Deformables>,
+) -> &'a [Load] {
+    deformables.map_or(batch.wall_loads(), |d| &d.wall_loads)
+}
+
+/// Forces of the contacts on the nodes of a body, N.
+struct Contact<'a> {
+    forces: &'a [Vector3],
+    damping: &'a [Vector3],
+    friction: &'a [Vector3],
+}
+
+impl<'a> Contact<'a> {
+    fn of(batch: &'a DeformableBatch, body: u32) -> Self {
+        Self {
+            forces: batch.forces(body),
+            damping: batch.damping_forces(body),
+            friction: batch.friction_forces(body),
+        }
+    }
+}
+
+impl World {
+    /// The largest step that is stable for the deformable bodies with their contacts, s; infinite
+    /// without any.
+    pub(in crate::world) fn deformable_bound(&self) -> f64 {
+        let Some(deformables) = self.deformables.as_deref() else {
+            return f64::INFINITY;
+        };
+        let bodies = deformables.bodies.iter().enumerate();
+        bodies
+            .map(|(i, body)| {
+                // The frequencies of elements and contacts add at most.
+                let stiffness = deformables.batch.stiffness(i as u32);
+                let rates = deformables.batch.rates(i as u32);
+                let contact = stiffness
+                    .iter()
+                    .zip(&body.inverse_masses)
+                    .map(|(k, w)| 2.0 * k * w)
+                    .fold(0.0, f64::max);
+                let rate = rates.iter().copied().fold(0.0, f64::max);
+                stable_step(
+                    body.bound.frequency2 + contact,
+                    body.bound.viscous_rate + rate,
+                )
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Adds the impulse of half a step to all nodes and books the work.
+    pub(in crate::world) fn kick_deformables(&mut self, h: f64) {
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return;
+        };
+        let Deformables {
+            models,
+            bodies,
+            batch,
+            ..
+        } = deformables;
+        let WorldParameters {
+            gravity, medium, ..
+        } = &self.parameters;
+        for (i, body) in bodies.iter_mut().enumerate() {
+            let masses = models[body.model as usize].model.masses();
+            let contact = Contact::of(batch, i as u32);
+            let flows = body.kick(&contact, masses, gravity, medium, h);
+            self.flows.damping_work += flows.damping_work;
+            self.flows.friction_work += flows.friction_work;
+            self.flows.work_in += flows.work_in;
+            self.flows.medium_work += flows.medium_work;
+        }
+    }
+
+    /// Gives held and driven nodes their velocities of the step's end and books what that takes.
+    pub(in crate::world) fn hold_deformables(&mut self) {
+        let time = self.time;
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return;
+        };
+        let Deformables { models, bodies, .. } = deformables;
+        for body in bodies {
+            let masses = models[body.model as usize].model.masses();
+            self.flows.work_in += body.hold(time, masses);
+        }
+    }
+
+    pub(in crate::world) fn drift_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
+        let end = self.time + dt;
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return Ok(());
+        };
+        for body in &mut deformables.bodies {
+            body.drift(dt, end);
+        }
+        Ok(())
+    }
+
+    /// Forces of the elements and the contacts at the present positions. `dt` is the time since the
+    /// last call.
+    pub(in crate::world) fn evaluate_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
+        let renew = self.steps.is_multiple_of(RENEW) || !self.loaded;
+        let time = self.time;
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return Ok(());
+        };
+        deformables
+            .strain(time, renew)
+            .map_err(|(body, error)| error.in_body(body, self.steps, time))?;
+        deformables.touch(&self.motions, &self.wall_motions)?;
+        deformables.sum_loads(&self.batch);
+        for body in &deformables.bodies {
+            self.flows.viscous_work -= body.internal.viscous_power * dt;
+            self.flows.plastic_work -= body.internal.plastic_work;
+        }
+        self.wake_touched();
+        Ok(())
+    }
+
+    /// Keeps bodies awake that a deformable one touches: it is never frozen itself.
+    fn wake_touched(&mut self) {
+        let Some(deformables) = self.deformables.as_deref() else {
+            return;
+        };
+        let loads = deformables.batch.rigid_loads().iter().zip(0..);
+        let touched: Vec<u32> = loads
+            .filter_map(|(load, i)| (load.contacts > 0).then_some(i))
+            .collect();
+        for &i in &touched {
+            self.bodies[i as usize].quiet_steps = 0;
+        }
+        let asleep: Vec<u32> = touched
+            .into_iter()
+            .filter(|&i| !self.batch.is_awake(i))
+            .collect();
+        self.wake(&asleep);
+    }
+}
+
+impl Deformables {
+    /// Forces of the elements of all bodies; the first failure otherwise.
+    fn strain(&mut self, time: f64, renew: bool) -> Result<(), (usize, SolveError)> {
+        let models = &self.models;
+        self.scratch
+            .resize_with(self.bodies.len(), Scratch::default);
+        let each = |(body, scratch): (&mut State, &mut Scratch)| {
+            let model = &models[body.model as usize].model;
+            body.strain(model, scratch, time, renew)
+        };
+        let results: Vec<_> = map_all(&mut self.bodies, &mut self.scratch, each);
+        let mut each = results.into_iter().enumerate();
+        each.try_for_each(|(i, result)| result.map_err(|error| (i, error)))
+    }
+
+    /// Forces of the contacts.
+    fn touch(&mut self, rigid: &[Motion], walls: &[Motion]) -> Result<(), ContactError> {
+        let states: Vec<NodalState> = self
+            .bodies
+            .iter()
+            .map(|body| NodalState {
+                positions: &body.positions,
+                velocities: &body.velocities,
+                inverse_masses: &body.inverse_masses,
+            })
+            .collect();
+        self.batch.update(&states, rigid, walls)
+    }
+
+    /// Adds the loads of both batches.
+    fn sum_loads(&mut self, batch: &ContactBatch) {
+        let sum = |into: &mut Vec<Load>, of: &[Load], and: &[Load]| {
+            into.clear();
+            into.extend_from_slice(of);
+            for (load, other) in into.iter_mut().zip(and) {
+                *load += other;
+            }
+        };
+        sum(&mut self.loads, batch.loads(), self.batch.rigid_loads());
+        let walls = batch.wall_loads();
+        sum(&mut self.wall_loads, walls, self.batch.wall_loads());
+    }
+}
+
+/// Applies `each` to all bodies with their buffers; results in the order of the bodies.
+#[cfg(feature = "parallel")]
+fn map_all<R: Send>(
+    bodies: &mut [State],
+    scratch: &mut [Scratch],
+    each: impl Fn((&mut State, &mut Scratch)) -> R + Sync + Send,
+) -> Vec<R> {
+    use rayon::prelude::*;
+    bodies.par_iter_mut().zip(scratch).map(each).collect()
+}
+
+/// Applies `each` to all bodies with their buffers; results in the order of the bodies.
+#[cfg(not(feature = "parallel"))]
+fn map_all<R>(
+    bodies: &mut [State],
+    scratch: &mut [Scratch],
+    each: impl Fn((&mut State, &mut Scratch)) -> R,
+) -> Vec<R> {
+    bodies.iter_mut().zip(scratch).map(each).collect()
+}
+
+impl State {
+    /// Forces of the elements and of the boundary; the history advances.
+    fn strain(
+        &mut self,
+        model: &DeformableModel,
+        scratch: &mut Scratch,
+        time: f64,
+        renew: bool,
+    ) -> Result<(), SolveError> {
+        scratch.history.resize(self.history.len(), 0.0);
+        self.internal = model.internal_forces(
+            &self.positions,
+            &self.velocities,
+            &self.history,
+            &mut scratch.history,
+            &mut self.strain_forces,
+            &mut scratch.work,
+        )?;
+        std::mem::swap(&mut self.history, &mut scratch.history);
+        self.loads.fill(Vector3::zeros());
+        self.boundary
+            .add_forces(model, time, &self.positions, &mut self.loads)?;
+        if renew {
+            self.bound = model.stable_frequency2(&self.positions, &self.history)?;
+        }
+        Ok(())
+    }
+
+    /// Half a kick. Works are the forces times the mean of the velocities before and after.
+    fn kick(
+        &mut self,
+        contact: &Contact,
+        masses: &[f64],
+        gravity: &Vector3,
+        medium: &Medium,
+        h: f64,
+    ) -> Flows {
+        let mut flows = Flows::default();
+        let held: Vec<(usize, usize, f64)> = self
+            .boundary
+            .held()
+            .map(|(node, i)| (node as usize, i, self.velocities[node as usize][i]))
+            .collect();
+        let (decay, reach) = relaxation(medium.drag, h);
+        for (a, v) in self.velocities.iter_mut().enumerate() {
+            let before = *v;
+            let m = masses[a];
+            let force = self.strain_forces[a] + self.loads[a] + contact.forces[a] + gravity * m;
+            if *medium == Medium::default() {
+                *v += force * (h / m);
+            } else {
+                let resisted = resist(&force, &before, medium.local_damping);
+                *v = before * decay + resisted * (reach / m);
+                let gained = 0.5 * m * (v.norm_squared() - before.norm_squared());
+                flows.medium_work += gained - force.dot(&(before + *v)) * (0.5 * h);
+            }
+            let way = (before + *v) * (0.5 * h);
+            flows.work_in += self.loads[a].dot(&way);
+            flows.damping_work += contact.damping[a].dot(&way);
+            flows.friction_work += contact.friction[a].dot(&way);
+        }
+        for (a, i, before) in held {
+            let (m, v) = (masses[a], self.velocities[a][i]);
+            let force =
+                self.strain_forces[a][i] + self.loads[a][i] + contact.forces[a][i] + gravity[i] * m;
+            // What the support takes up, and what the node's own load did less than was booked.
+            flows.work_in -= force * before * h + self.loads[a][i] * 0.5 * (v - before) * h;
+            self.velocities[a][i] = before;
+        }
+        flows
+    }
+
+    /// Moves the nodes; those that are prescribed go where they have to be at time `end`.
+    fn drift(&mut self, dt: f64, end: f64) {
+        let Self {
+            boundary,
+            positions,
+            velocities,
+            ..
+        } = self;
+        boundary.for_held(end, |a, i, place, _| {
+            velocities[a][i] = (place - positions[a][i]) / dt;
+        });
+        for (x, v) in positions.iter_mut().zip(velocities.iter()) {
+            *x += v * dt;
+        }
+        boundary.for_held(end, |a, i, place, _| positions[a][i] = place);
+    }
+
+    /// Velocities of prescribed nodes at time `time`; returns the kinetic energy that they gained
+    /// since the last call, J.
+    fn hold(&mut self, time: f64, masses: &[f64]) -> f64 {
+        let mut energy = 0.0;
+        let velocities = &mut self.velocities;
+        self.boundary.for_held(time, |a, i, _, velocity| {
+            velocities[a][i] = velocity;
+            energy += 0.5 * masses[a] * velocity * velocity;
+        });
+        let gained = energy - self.held_energy;
+        self.held_energy = energy;
+        gained
+    }
+}
