@@ -63,7 +63,8 @@ impl Blocks {
         Ok(blocks)
     }
 
-    fn cut(bounds: &Bounds, diameter: f64, bootstrap: BlockBootstrap) -> Self {
+    /// Over a box.
+    pub(crate) fn cut(bounds: &Bounds, diameter: f64, bootstrap: BlockBootstrap) -> Self {
         let side = bootstrap.block_over_d * diameter;
         let extent = bounds.max - bounds.min;
         // Conversion to usize saturates, and makes 0 of NaN.

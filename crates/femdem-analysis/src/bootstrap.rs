@@ -1,9 +1,7 @@
 //! Standard errors of means and ratios by resampling blocks.
 
-use femdem_mesh::Point3;
 use serde::{Deserialize, Serialize};
 
-use crate::bounds::Bounds;
 use crate::error::AnalysisError;
 
 /// How a block bootstrap draws: the error of a mean over a pack, whose neighbouring parts are alike.
@@ -69,40 +67,6 @@ impl BlockBootstrap {
                 .fold([0.0; 2], |sum, b| [sum[0] + b[0], sum[1] + b[1]]);
             sums[0] / sums[1]
         })
-    }
-}
-
-/// Blocks of a box to sort points into: at most 8 along each axis, of side `side` or more.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Blocks {
-    bounds: Bounds,
-    counts: [usize; 3],
-}
-
-impl Blocks {
-    pub(crate) fn new(bounds: &Bounds, side: f64) -> Self {
-        // Round-off in an extent that is a whole number of sides must not cost a block.
-        let along = |k: usize| ((bounds.max[k] - bounds.min[k]) / side + 1e-9).floor();
-        Self {
-            bounds: *bounds,
-            counts: [0, 1, 2].map(|k| along(k).clamp(1.0, 8.0) as usize),
-        }
-    }
-
-    /// Number of blocks.
-    pub(crate) fn len(&self) -> usize {
-        self.counts.iter().product()
-    }
-
-    /// The block that holds a point; the nearest along each axis for one outside.
-    pub(crate) fn of(&self, point: &Point3) -> usize {
-        let at = [0, 1, 2].map(|k| {
-            let Bounds { min, max } = &self.bounds;
-            let share = (point[k] - min[k]) / (max[k] - min[k]) * self.counts[k] as f64;
-            // Conversion to usize saturates, also what is not a number.
-            (share as usize).min(self.counts[k] - 1)
-        });
-        (at[2] * self.counts[1] + at[1]) * self.counts[0] + at[0]
     }
 }
 

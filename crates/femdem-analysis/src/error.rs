@@ -49,6 +49,17 @@ pub enum AnalysisError {
         /// The regions it can be had in.
         instead: &'static str,
     },
+    /// A set of directions without any.
+    #[error("there is no direction to analyse; select bodies, and faces that they have")]
+    NoDirections,
+    /// A direction that is not finite or has no length.
+    #[error("direction {index} is {vector:?}; it must be finite and not zero")]
+    Direction {
+        /// Its index.
+        index: usize,
+        /// The direction as given.
+        vector: [f64; 3],
+    },
     /// An option outside its range.
     #[error("option {name} = {value} is not allowed; it must be {allowed}")]
     Option {

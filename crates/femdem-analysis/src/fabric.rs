@@ -82,7 +82,7 @@ pub fn contact_fabric(network: &ForceNetwork) -> ContactFabric {
 
 impl Fabric {
     /// Of unit vectors with weights of zero or more; their sign does not matter.
-    fn of(directions: impl Iterator<Item = (Vector3, f64)>) -> Self {
+    pub(crate) fn of(directions: impl Iterator<Item = (Vector3, f64)>) -> Self {
         let mut sum = Matrix3::zeros();
         let mut weights = (0.0, 0.0);
         let mut count = 0;

@@ -36,6 +36,7 @@
 //! - [`height_profile`], [`wall_profile`]: packing density and layers against height and wall distance.
 //! - [`density_map`]: local packing density on a grid.
 //! - [`set_voronoi`]: the space and the density of every body.
+//! - [`body_directions`], [`stereonet`], [`orientation_order`]: how bodies are turned.
 //! - [`pair_overlaps`]: how far bodies run into each other. [`volume_inside`] and
 //!   [`intersection_volume`] are the kernels, for one body and for one pair.
 //! - [`Table`]: every result as CSV; JSON through serde. [`BlockBootstrap`]: errors of means.
@@ -77,6 +78,7 @@ mod map;
 mod neighbours;
 mod network;
 mod ordered;
+mod orientation;
 mod overlap;
 mod pack;
 mod polygon;
@@ -115,6 +117,10 @@ pub use forces::{
 };
 pub use map::{DensityMap, DensityMapOptions, density_map};
 pub use network::{ForceBody, ForceContact, ForceNetwork, PairForce};
+pub use orientation::{
+    BodyAxes, BodyDirection, NetNode, OrderParameter, OrientationOptions, OrientationOrder,
+    Stereonet, StereonetOptions, body_directions, orientation_order, schmidt, stereonet,
+};
 pub use overlap::{PairOverlap, PairOverlaps, intersection_volume, pair_overlaps};
 pub use pack::{Pack, PosedBody};
 pub use profile::{

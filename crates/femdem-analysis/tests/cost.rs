@@ -79,8 +79,8 @@ fn tables_of_eleven_thousand_bodies() {
         "Set-Voronoi",
         format!(
             "mean {:.4} +- {:.4}",
-            cells.mean.unwrap(),
-            cells.mean_error.unwrap()
+            cells.mean.mean,
+            cells.mean.standard_error.unwrap()
         ),
     );
     println!(

@@ -120,8 +120,8 @@ fn density_of_lattices() {
             ..SetVoronoiOptions::default()
         };
         let found = set_voronoi(&pack, &region, &with).unwrap();
-        assert!(found.bodies >= 9, "{found:?}");
-        let density = found.density.unwrap();
+        assert!(found.mean.count >= 9, "{found:?}");
+        let density = found.density.mean;
         assert!(
             (density / expected - 1.0).abs() < tolerance,
             "{density}, not {expected}"
@@ -227,7 +227,11 @@ fn far_bodies_and_empty_space() {
     let found = set_voronoi(&pack, &region, &options(0.5)).unwrap();
     assert!((found.cells[0].volume - 27.0).abs() < 1e-9);
     assert_eq!(
-        (found.cells[0].solid, found.bodies, found.mean),
+        (
+            found.cells[0].solid,
+            found.mean.count,
+            found.mean.standard_error
+        ),
         (0.0, 0, None)
     );
     for leaf in [0.0, f64::NAN, 1e-5] {
