@@ -110,5 +110,5 @@ pub use ledger::Ledger;
 pub use parameters::{Medium, SleepParameters, TimeStepParameters, WorldParameters};
 pub use world::{
     ContactStiffness, Counters, Deformable, DeformableId, DeformableSpec, ModelId, Residuals,
-    Stability, World,
+    Stability, World, WorldRelaxation, WorldRelaxed,
 };

@@ -61,7 +61,7 @@ impl World {
         self.replace(parameters)
     }
 
-    fn replace(&mut self, parameters: WorldParameters) -> Result<(), SolveError> {
+    pub(super) fn replace(&mut self, parameters: WorldParameters) -> Result<(), SolveError> {
         let law = parameters.validate()?;
         self.parameters = parameters;
         self.batch.set_law(law);

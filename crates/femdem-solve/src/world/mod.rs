@@ -5,6 +5,7 @@ mod build;
 mod deformables;
 mod hash;
 mod query;
+mod relax;
 mod stability;
 mod step;
 mod time_step;
@@ -21,6 +22,7 @@ use std::time::Duration;
 
 pub use deformables::{ContactStiffness, Deformable, DeformableId, DeformableSpec, ModelId};
 pub use query::Residuals;
+pub use relax::{WorldRelaxation, WorldRelaxed};
 pub use stability::Stability;
 
 /// Rigid bodies between walls, stepped explicitly.

@@ -134,7 +134,7 @@ impl World {
         rigid.sum::<f64>() + self.deformables().map(|d| d.kinetic_energy()).sum::<f64>()
     }
 
-    fn free_bodies(&self) -> impl Iterator<Item = (usize, &Body)> {
+    pub(super) fn free_bodies(&self) -> impl Iterator<Item = (usize, &Body)> {
         self.bodies
             .iter()
             .enumerate()

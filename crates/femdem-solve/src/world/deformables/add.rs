@@ -149,7 +149,7 @@ pub(super) fn inverse_masses(masses: &[f64], boundary: &Boundary) -> Vec<f64> {
 }
 
 /// Centre of mass, m.
-pub(super) fn centroid(positions: &[Vector3], masses: &[f64]) -> Vector3 {
+pub(in crate::world) fn centroid(positions: &[Vector3], masses: &[f64]) -> Vector3 {
     let sum: Vector3 = positions.iter().zip(masses).map(|(x, m)| x * *m).sum();
     sum / masses.iter().sum::<f64>()
 }

@@ -11,6 +11,7 @@ use femdem_contact::deform::{DeformableBatch, DeformableShape, Modulus};
 use femdem_mesh::{Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
+pub(super) use add::centroid;
 pub use query::Deformable;
 pub(super) use step::{all_loads, all_wall_loads};
 

@@ -177,7 +177,11 @@ impl Deformables {
     }
 
     /// Forces of the contacts.
-    fn touch(&mut self, rigid: &[Motion], walls: &[Motion]) -> Result<(), ContactError> {
+    pub(in crate::world) fn touch(
+        &mut self,
+        rigid: &[Motion],
+        walls: &[Motion],
+    ) -> Result<(), ContactError> {
         let states: Vec<NodalState> = self
             .bodies
             .iter()

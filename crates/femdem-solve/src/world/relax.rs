@@ -1,0 +1,441 @@
+//! Bringing a world to rest: dynamic relaxation with kinetic damping, first of the bodies as a whole,
+//! then of their elements.
+//!
+//! Bodies stiff in themselves and soft in their contacts have two scales of time: an element rings
+//! thousands of times while the body swings once on its contacts. So bodies are first moved as
+//! a whole, with a step that the contacts allow, and then with all their nodes, which by then hardly
+//! changes the contacts.
+
+use super::deformables::{Deformables, State, centroid};
+use super::{Deformable, World};
+use crate::error::{SolveError, check};
+use femdem_contact::stable_step;
+use femdem_mesh::{Matrix3, Rotation, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Kinetic damping is stable to half the critical step (physics of a leapfrog that is stopped and
+/// started again at peaks of its energy).
+const SAFETY: f64 = 0.5;
+
+/// Of the tolerance, what bodies as a whole are relaxed to: their elements then have room.
+const MARGIN: f64 = 0.3;
+
+/// The residual is looked at every so many steps.
+const LOOK: u64 = 20;
+
+/// After so many looks at elements bodies are moved as wholes again, if that is what is left.
+const ROUNDS: u64 = 10;
+
+/// How a world is brought to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WorldRelaxation {
+    /// Largest force left on a node or on a body as a whole, over the mean contact force.
+    pub tolerance: f64,
+    /// Most steps, those of bodies as a whole and those of elements counted alike.
+    pub steps: u64,
+}
+
+impl Default for WorldRelaxation {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-4,
+            steps: 200_000,
+        }
+    }
+}
+
+/// How a world came to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct WorldRelaxed {
+    /// Largest force left on a node or a body over the mean contact force.
+    pub residual: f64,
+    /// The part of bodies as a whole.
+    pub body_residual: f64,
+    /// Mean normal force of the contacts, N.
+    pub mean_contact_force: f64,
+    /// Steps of bodies as a whole, and of elements.
+    pub steps: [u64; 2],
+    /// How often all motion was stopped.
+    pub stops: u64,
+}
+
+/// A body moved as a whole.
+#[derive(Debug, Clone, Copy)]
+struct Whole {
+    mass: f64,
+    inverse_inertia: Matrix3,
+    velocity: Vector3,
+    turning: Vector3,
+}
+
+impl World {
+    /// Brings the world to rest under its walls, its gravity and what is prescribed. Friction is as
+    /// in motion: springs that slide at their limit. Frozen bodies wake. The time goes on, and
+    /// the ledger counts the kinetic energy removed as frozen; what the friction of bodies moved as
+    /// a whole takes out is not on its books.
+    ///
+    /// # Errors
+    /// [`SolveError::NotConverged`] if the steps do not suffice, and the errors of
+    /// [`World::step`].
+    pub fn relax(&mut self, options: &WorldRelaxation) -> Result<WorldRelaxed, SolveError> {
+        check(
+            "tolerance",
+            options.tolerance,
+            options.tolerance > 0.0,
+            "positive and finite",
+        )?;
+        let kept = self.parameters;
+        let mut elastic = kept;
+        elastic.time_step.safety = kept.time_step.safety.min(SAFETY);
+        elastic.contact.damping_ratio = 0.0;
+        elastic.contact.tangential_damping = 0.0;
+        elastic.sleeping.enabled = false;
+        self.wake_all();
+        self.replace(elastic)?;
+        let result = self.relax_in_turns(options);
+        self.halt();
+        self.replace(kept)?;
+        result
+    }
+
+    fn relax_in_turns(&mut self, options: &WorldRelaxation) -> Result<WorldRelaxed, SolveError> {
+        let mut report = WorldRelaxed::default();
+        self.evaluate(0.0)?;
+        self.loaded = true;
+        loop {
+            self.relax_wholes(options, &mut report)?;
+            self.relax_elements(options, &mut report)?;
+            self.measure(&mut report);
+            if report.residual <= options.tolerance {
+                return Ok(report);
+            }
+            if report.steps.iter().sum::<u64>() >= options.steps {
+                return Err(SolveError::NotConverged {
+                    method: "relaxation of the world",
+                    iterations: options.steps as usize,
+                    residual: report.residual,
+                    tolerance: options.tolerance,
+                    advice: "allow more steps, or loosen the tolerance".to_owned(),
+                });
+            }
+        }
+    }
+
+    /// Residuals now.
+    fn measure(&self, report: &mut WorldRelaxed) {
+        let rigid = self.batch.contacts().into_iter().map(|c| c.normal_force);
+        let forces: Vec<f64> = rigid
+            .chain(self.deformable_contacts().map(|c| c.normal_force))
+            .collect();
+        let weight = self.lightest_weight();
+        report.mean_contact_force = if forces.is_empty() {
+            weight
+        } else {
+            forces.iter().sum::<f64>() / forces.len() as f64
+        };
+        let (mut body, mut node) = (0.0_f64, 0.0_f64);
+        for i in 0..self.bodies.len() {
+            if self.bodies[i].driven.is_none() {
+                body = body.max(self.net_force(i, &self.load_of(i as u32)).norm());
+            }
+        }
+        for (i, net) in self.nodal_net_forces().iter().enumerate() {
+            node = net.iter().map(Vector3::norm).fold(node, f64::max);
+            if !self.is_held(i) {
+                body = body.max(net.iter().sum::<Vector3>().norm());
+            }
+        }
+        report.body_residual = body / report.mean_contact_force;
+        report.residual = report.body_residual.max(node / report.mean_contact_force);
+    }
+}
+
+impl World {
+    /// Moves the deformable bodies as wholes until their net forces are small.
+    fn relax_wholes(
+        &mut self,
+        options: &WorldRelaxation,
+        report: &mut WorldRelaxed,
+    ) -> Result<(), SolveError> {
+        let held: Vec<bool> = (0..self.deformable_count())
+            .map(|i| self.is_held(i))
+            .collect();
+        let mut wholes: Vec<Whole> = match self.deformables.as_deref() {
+            Some(d) => d.bodies.iter().map(|b| d.whole(b)).collect(),
+            None => return Ok(()),
+        };
+        if held.iter().all(|&h| h) {
+            return Ok(());
+        }
+        let (mut dt, mut before) = (0.0, 0.0);
+        for step in 0.. {
+            if step % LOOK == 0 {
+                self.measure(report);
+                let spent = report.steps.iter().sum::<u64>() >= options.steps;
+                if report.body_residual <= MARGIN * options.tolerance || spent {
+                    break;
+                }
+                dt = SAFETY * self.whole_bound(&wholes, &held);
+            }
+            let energy = self.move_wholes(&mut wholes, &held, dt)?;
+            report.steps[0] += 1;
+            if energy < before {
+                for whole in &mut wholes {
+                    whole.velocity = Vector3::zeros();
+                    whole.turning = Vector3::zeros();
+                }
+                report.stops += 1;
+                before = 0.0;
+            } else {
+                before = energy;
+            }
+        }
+        self.halt();
+        self.evaluate(0.0)
+    }
+
+    /// The largest stable step of bodies moved as wholes, s.
+    fn whole_bound(&self, wholes: &[Whole], held: &[bool]) -> f64 {
+        let Some(deformables) = self.deformables.as_deref() else {
+            return f64::INFINITY;
+        };
+        let bodies = deformables.bodies.iter().zip(wholes).enumerate();
+        let bound = bodies
+            .filter(|(i, _)| !held[*i])
+            .map(|(i, (body, whole))| {
+                let centre = deformables.centre(body);
+                let easiest = whole.inverse_inertia.symmetric_eigenvalues().max();
+                let stiffness = deformables.batch.stiffness(i as u32);
+                let springs = stiffness.iter().zip(&body.positions);
+                // A spring on a node opposes the body's translation and turning.
+                let squares = springs.map(|(k, x)| {
+                    2.0 * k * (1.0 / whole.mass + (x - centre).norm_squared() * easiest)
+                });
+                stable_step(squares.sum(), 0.0)
+            })
+            .fold(f64::INFINITY, f64::min);
+        if bound.is_finite() {
+            bound
+        } else {
+            // Nothing touches: all fall.
+            self.step_control.current()
+        }
+    }
+
+    /// One step of the bodies as wholes; returns their kinetic energy, J.
+    fn move_wholes(
+        &mut self,
+        wholes: &mut [Whole],
+        held: &[bool],
+        dt: f64,
+    ) -> Result<f64, SolveError> {
+        let gravity = self.parameters.gravity;
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return Ok(0.0);
+        };
+        let mut energy = 0.0;
+        for (i, whole) in wholes.iter_mut().enumerate() {
+            if held[i] {
+                continue;
+            }
+            let [force, torque] = deformables.net_wrench(i, &gravity);
+            whole.velocity += force * (dt / whole.mass);
+            whole.turning += whole.inverse_inertia * torque * dt;
+            energy += deformables.carry(i, whole, dt);
+        }
+        deformables.touch(&self.motions, &self.wall_motions)?;
+        Ok(energy)
+    }
+
+    /// Steps of all nodes, with each body stopped at the peaks of its kinetic energy.
+    fn relax_elements(
+        &mut self,
+        options: &WorldRelaxation,
+        report: &mut WorldRelaxed,
+    ) -> Result<(), SolveError> {
+        let mut before = vec![0.0; self.deformable_count()];
+        let mut rigid = 0.0;
+        for round in 1.. {
+            for _ in 0..LOOK {
+                self.step()?;
+                report.steps[1] += 1;
+                report.stops += self.stop_at_peaks(&mut before, &mut rigid);
+            }
+            self.measure(report);
+            let spent = report.steps.iter().sum::<u64>() >= options.steps;
+            let drifts = report.body_residual > options.tolerance && round > ROUNDS;
+            if report.residual <= options.tolerance || spent || drifts {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Stops the bodies whose kinetic energy has begun to fall, and tells how many.
+    fn stop_at_peaks(&mut self, before: &mut [f64], rigid: &mut f64) -> u64 {
+        let mut stops = 0;
+        let Self {
+            deformables, flows, ..
+        } = self;
+        if let Some(deformables) = deformables {
+            let Deformables { models, bodies, .. } = deformables.as_mut();
+            for (body, before) in bodies.iter_mut().zip(before) {
+                let energy = body.kinetic_energy(models[body.model as usize].model.masses());
+                if energy < *before {
+                    flows.frozen += energy - body.held_energy;
+                    body.halt();
+                    *before = 0.0;
+                    stops += 1;
+                } else {
+                    *before = energy;
+                }
+            }
+        }
+        let energy = self.free_bodies().map(|(_, b)| b.kinetic_energy()).sum();
+        if energy < *rigid {
+            self.halt_rigid();
+            *rigid = 0.0;
+            stops += 1;
+        } else {
+            *rigid = energy;
+        }
+        stops
+    }
+
+    /// Stops all that is free.
+    fn halt(&mut self) {
+        if let Some(deformables) = &mut self.deformables {
+            let Deformables { models, bodies, .. } = deformables.as_mut();
+            for body in bodies {
+                let masses = models[body.model as usize].model.masses();
+                self.flows.frozen += body.kinetic_energy(masses) - body.held_energy;
+                body.halt();
+            }
+        }
+        self.halt_rigid();
+    }
+
+    fn halt_rigid(&mut self) {
+        for (body, motion) in self.bodies.iter_mut().zip(&mut self.motions) {
+            if body.driven.is_none() {
+                self.flows.frozen += body.kinetic_energy();
+                body.velocity = Vector3::zeros();
+                body.momentum = Vector3::zeros();
+                *motion = body.motion();
+            }
+        }
+    }
+
+    /// Whether anything of a deformable body is prescribed.
+    fn is_held(&self, i: usize) -> bool {
+        let body = self.deformables.as_deref().and_then(|d| d.bodies.get(i));
+        body.is_some_and(|b| b.boundary.held().next().is_some())
+    }
+
+    /// Net forces on the nodes of each deformable body, N; zero where they are prescribed.
+    fn nodal_net_forces(&self) -> Vec<Vec<Vector3>> {
+        let gravity = self.parameters.gravity;
+        let net = |d: Deformable| {
+            let masses = d.model().masses();
+            let mut net: Vec<Vector3> = (0..masses.len())
+                .map(|a| {
+                    d.internal_forces()[a]
+                        + d.loads()[a]
+                        + d.contact_forces()[a]
+                        + gravity * masses[a]
+                })
+                .collect();
+            for (node, i) in d.boundary().held() {
+                net[node as usize][i] = 0.0;
+            }
+            net
+        };
+        self.deformables().map(net).collect()
+    }
+
+    /// Weight of the lightest body, N, or 1 N: what forces are compared with where nothing touches.
+    fn lightest_weight(&self) -> f64 {
+        let g = self.parameters.gravity.norm();
+        let deformable = self.deformables().map(|d| d.model().masses().iter().sum());
+        let rigid = self.bodies.iter().map(|b| b.mass);
+        let mass: f64 = deformable.chain(rigid).fold(f64::INFINITY, f64::min);
+        let weight = mass * g;
+        if weight > 0.0 && weight.is_finite() {
+            weight
+        } else {
+            1.0
+        }
+    }
+}
+
+impl Deformables {
+    fn masses(&self, body: &State) -> &[f64] {
+        self.models[body.model as usize].model.masses()
+    }
+
+    fn centre(&self, body: &State) -> Vector3 {
+        centroid(&body.positions, self.masses(body))
+    }
+
+    /// A body at rest as a whole.
+    fn whole(&self, body: &State) -> Whole {
+        let (masses, centre) = (self.masses(body), self.centre(body));
+        let mut inertia = Matrix3::zeros();
+        for (x, m) in body.positions.iter().zip(masses) {
+            let r = x - centre;
+            inertia += (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * *m;
+        }
+        Whole {
+            mass: masses.iter().sum(),
+            inverse_inertia: inertia.try_inverse().unwrap_or_else(Matrix3::zeros),
+            velocity: Vector3::zeros(),
+            turning: Vector3::zeros(),
+        }
+    }
+
+    /// Force and torque about the centre of mass of contacts, loads and gravity on a body.
+    fn net_wrench(&self, i: usize, gravity: &Vector3) -> [Vector3; 2] {
+        let body = &self.bodies[i];
+        let (masses, centre) = (self.masses(body), self.centre(body));
+        let contact = self.batch.forces(i as u32);
+        let mut wrench = [Vector3::zeros(); 2];
+        for (a, x) in body.positions.iter().enumerate() {
+            let force = contact[a] + body.loads[a] + gravity * masses[a];
+            wrench[0] += force;
+            wrench[1] += (x - centre).cross(&force);
+        }
+        wrench
+    }
+
+    /// Carries the nodes of a body along with it as a whole; returns its kinetic energy, J.
+    fn carry(&mut self, i: usize, whole: &Whole, dt: f64) -> f64 {
+        let centre = self.centre(&self.bodies[i]);
+        let Self { models, bodies, .. } = self;
+        let body = &mut bodies[i];
+        let masses = models[body.model as usize].model.masses();
+        let turn = Rotation::from_scaled_axis(whole.turning * dt);
+        let to = centre + whole.velocity * dt;
+        let nodes = body.positions.iter_mut().zip(&mut body.velocities);
+        for (x, v) in nodes {
+            let arm = turn * (*x - centre);
+            *x = to + arm;
+            *v = whole.velocity + whole.turning.cross(&arm);
+        }
+        body.kinetic_energy(masses)
+    }
+}
+
+impl State {
+    /// Stops the nodes that are not prescribed.
+    fn halt(&mut self) {
+        let held: Vec<(u32, usize)> = self.boundary.held().collect();
+        let kept: Vec<f64> = held
+            .iter()
+            .map(|&(a, i)| self.velocities[a as usize][i])
+            .collect();
+        self.velocities.fill(Vector3::zeros());
+        for (&(a, i), v) in held.iter().zip(kept) {
+            self.velocities[a as usize][i] = v;
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Worlds brought to rest by dynamic relaxation.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+use femdem_contact::Wall;
+use femdem_mesh::{Pose, TetMesh, Vector3};
+use femdem_solve::deformable::{DeformableModel, MaterialRegion};
+use femdem_solve::element::Element;
+use femdem_solve::material::NeoHookean;
+use femdem_solve::{
+    ContactStiffness, DeformableSpec, Drive, World, WorldParameters, WorldRelaxation,
+};
+
+const SIDE: f64 = 0.1;
+const DENSITY: f64 = 2000.0;
+
+/// Cubes one on another, each a little above the one below.
+fn stack(count: u32, young: f64, stiffness: ContactStiffness) -> World {
+    let mut world = World::new(WorldParameters::default()).unwrap();
+    let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+    world.add_wall(floor, Drive::Fixed).unwrap();
+    let mesh = TetMesh::block([2, 2, 2], &Vector3::repeat(SIDE)).unwrap();
+    let region = MaterialRegion {
+        material: NeoHookean::new(young, 0.0).unwrap().into(),
+        density: DENSITY,
+    };
+    let model = DeformableModel::new(&mesh, Element::T4, vec![region], None).unwrap();
+    let model = world.add_model("cube", model, stiffness).unwrap();
+    for k in 0..count {
+        let z = f64::from(k) * (SIDE - 1e-6) - 1e-6;
+        // A little to the side, so that nothing is flush.
+        let pose = Pose::translation(1e-3 * f64::from(k % 2), 0.0, z);
+        world
+            .add_deformable(DeformableSpec::at_rest(model, pose))
+            .unwrap();
+    }
+    world
+}
+
+/// Each contact carries the weight above it, and the middle of each cube the mean stress that goes
+/// with it, for cubes as soft as their contacts and for cubes of stone.
+#[test]
+fn a_stack_carries_its_weight() {
+    for (young, stiffness) in [
+        (1e6, ContactStiffness::default()),
+        (6e10, ContactStiffness::Penalty(2e6)),
+    ] {
+        let mut world = stack(4, young, stiffness);
+        let report = world.relax(&WorldRelaxation::default()).unwrap();
+        assert!(report.residual <= 1e-4, "{report:?}");
+        let weight = DENSITY * SIDE.powi(3) * 9.81;
+        for contact in world.deformable_contacts() {
+            let above = weight * f64::from(4 - contact.b);
+            let force = contact.force_on_b().z;
+            assert!((force / above - 1.0).abs() < 1e-3, "{contact:?} {above}");
+        }
+        for (k, body) in world.deformables().enumerate() {
+            let stresses = body.stresses().unwrap();
+            let volumes = body.model().volumes();
+            let mean = stresses
+                .iter()
+                .zip(volumes)
+                .map(|(s, v)| s.cauchy[(2, 2)] * v);
+            let mean = mean.sum::<f64>() / SIDE.powi(3);
+            let expected = -weight * (3.5 - k as f64) / SIDE.powi(2);
+            assert!(
+                (mean / expected - 1.0).abs() < 0.01,
+                "{k} {mean} {expected}"
+            );
+        }
+    }
+}
