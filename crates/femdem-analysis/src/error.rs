@@ -49,6 +49,16 @@ pub enum AnalysisError {
         /// The regions it can be had in.
         instead: &'static str,
     },
+    /// Fewer bodies in a region than an analysis needs.
+    #[error(
+        "the region holds the centroids of {bodies} bodies, but at least {least} are needed; enlarge it"
+    )]
+    TooFewBodies {
+        /// Number of bodies there.
+        bodies: usize,
+        /// The least number.
+        least: usize,
+    },
     /// A set of directions without any.
     #[error("there is no direction to analyse; select bodies, and faces that they have")]
     NoDirections,

@@ -37,6 +37,7 @@
 //! - [`density_map`]: local packing density on a grid.
 //! - [`set_voronoi`]: the space and the density of every body.
 //! - [`body_directions`], [`stereonet`], [`orientation_order`]: how bodies are turned.
+//! - [`radial_distribution`]: where neighbours are.
 //! - [`pair_overlaps`]: how far bodies run into each other. [`volume_inside`] and
 //!   [`intersection_volume`] are the kernels, for one body and for one pair.
 //! - [`Table`]: every result as CSV; JSON through serde. [`BlockBootstrap`]: errors of means.
@@ -84,6 +85,7 @@ mod pack;
 mod polygon;
 mod prisms;
 mod profile;
+mod radial;
 mod region;
 mod stress;
 mod structure;
@@ -126,6 +128,7 @@ pub use pack::{Pack, PosedBody};
 pub use profile::{
     DensityProfile, ProfileBin, ProfileCoordinate, ProfileOptions, height_profile, wall_profile,
 };
+pub use radial::{RadialBin, RadialDistribution, RadialOptions, radial_distribution};
 pub use region::Region;
 pub use stress::{
     BalanceCut, BodyStress, BodyStresses, RegionStress, Stress, StressProfile, StressSlab,

@@ -83,6 +83,25 @@ fn tables_of_eleven_thousand_bodies() {
             cells.mean.standard_error.unwrap()
         ),
     );
+    let axes = BodyAxes::FaceNormals { sides: Some(10) };
+    let directions = body_directions(&pack, &axes, None).unwrap();
+    let vectors: Vec<[f64; 3]> = directions.iter().map(|d| d.direction).collect();
+    let net = stereonet(&vectors, &StereonetOptions::default()).unwrap();
+    lap(
+        "stereonet",
+        format!("{} directions, {} nodes", net.directions, net.nodes.len()),
+    );
+    let triad = BodyAxes::Fixed(vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    let order = orientation_order(&pack, &triad, None, &OrientationOptions::default()).unwrap();
+    lap(
+        "order",
+        format!(
+            "cubatic {:.4}, random {:.4}",
+            order.cubatic.value, order.cubatic.random_mean
+        ),
+    );
+    let radial = radial_distribution(&pack, &core, &RadialOptions::default()).unwrap();
+    lap("radial distribution", format!("{} bins", radial.bins.len()));
     println!(
         "{:7.3} s  in all; {} threads; {}",
         start.elapsed().as_secs_f64(),
