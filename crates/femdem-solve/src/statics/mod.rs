@@ -46,13 +46,16 @@
 //! # Ok::<(), SolveError>(())
 //! ```
 
+mod body;
 mod cg;
 #[cfg(feature = "implicit")]
 mod cholesky;
 mod line_search;
 mod linear;
+mod loading;
 mod newton;
 mod relax;
+mod solve;
 #[cfg(feature = "implicit")]
 mod sparse;
 #[cfg(test)]
@@ -60,8 +63,10 @@ mod testing;
 mod vector;
 
 pub use linear::Linear;
+pub use loading::Loading;
 pub use newton::{Newton, NewtonOptions, NewtonReport, newton};
 pub use relax::{RelaxMasses, RelaxOptions, RelaxReport, relax};
+pub use solve::{Method, StaticOptions, StaticReport, StaticSolution, StepReport, solve_static};
 
 use crate::SolveError;
 
@@ -105,6 +110,11 @@ pub trait StaticProblem {
     /// reactions at the point of the last call of [`residual`](Self::residual).
     fn force_scale(&self) -> f64;
 
+    /// Norm of a residual, N, that the rounding of `x` alone explains; less is as good as zero.
+    fn noise(&self) -> f64 {
+        0.0
+    }
+
     /// Writes K dx into `out`, where K = -dr/dx at `x`, N/m.
     ///
     /// # Errors
@@ -123,14 +133,15 @@ pub trait StaticProblem {
     ) -> Result<(), SolveError>;
 }
 
-/// The norm of `r` over the force scale; zero for no force at all.
-fn relative(r: &[f64], scale: f64) -> f64 {
+/// The norm of `r` over the force scale, and whether that is at most `tolerance`, or round-off.
+fn judge<P: StaticProblem + ?Sized>(problem: &P, r: &[f64], tolerance: f64) -> (f64, bool) {
     let norm = vector::norm(r);
-    if norm == 0.0 {
+    let relative = if norm == 0.0 {
         0.0
     } else {
-        norm / scale.max(f64::MIN_POSITIVE)
-    }
+        norm / problem.force_scale().max(f64::MIN_POSITIVE)
+    };
+    (relative, relative <= tolerance || norm <= problem.noise())
 }
 
 /// Returns an error unless `x` has a finite number for every unknown.

@@ -3,7 +3,7 @@
 use super::cg::CgLimits;
 use super::line_search::{Point, Search, search};
 use super::linear::{Linear, Solver};
-use super::{StaticProblem, check_start, relative};
+use super::{StaticProblem, check_start, judge};
 use crate::SolveError;
 use crate::error::check;
 use serde::{Deserialize, Serialize};
@@ -121,6 +121,25 @@ impl Newton {
         end.map(|()| report)
     }
 
+    /// The direction of the first iteration for the force `r` at `x`, solved tightly.
+    ///
+    /// # Errors
+    /// Of the problem's tangent.
+    pub(super) fn predict<P: StaticProblem + ?Sized>(
+        &mut self,
+        problem: &mut P,
+        x: &[f64],
+        r: &[f64],
+    ) -> Result<Vec<f64>, SolveError> {
+        let limits = CgLimits {
+            tolerance: 1e-3,
+            ..self.limits(&[], x.len())
+        };
+        let mut d = vec![0.0; x.len()];
+        self.solver.direction(problem, x, r, limits, &mut d)?;
+        Ok(d)
+    }
+
     fn iterate<P: StaticProblem + ?Sized>(
         &mut self,
         problem: &mut P,
@@ -130,10 +149,10 @@ impl Newton {
         let mut trial = Point::default();
         let mut d = vec![0.0; at.x.len()];
         loop {
-            let residual = relative(&at.r, problem.force_scale());
+            let (residual, is_rest) = judge(problem, &at.r, self.options.tolerance);
             report.residuals.push(residual);
             report.energy = at.energy;
-            if residual <= self.options.tolerance {
+            if is_rest {
                 return Ok(());
             }
             if report.iterations >= self.options.max_iterations {

@@ -5,7 +5,7 @@
 //! to move again (Cundall 1976; Barnes, Comput. Struct. 30, 685 (1988)). What remains is at rest.
 
 use super::line_search::Point;
-use super::{StaticProblem, check_start, relative, vector};
+use super::{StaticProblem, check_start, judge, vector};
 use crate::SolveError;
 use crate::error::check;
 use serde::{Deserialize, Serialize};
@@ -146,8 +146,9 @@ impl Motion {
         let mut slower = 1.0;
         let mut is_rest = true;
         loop {
-            report.residual = relative(&self.at.r, problem.force_scale());
-            if report.residual <= options.tolerance {
+            let (residual, is_done) = judge(problem, &self.at.r, options.tolerance);
+            report.residual = residual;
+            if is_done {
                 return Ok(());
             }
             if report.steps >= options.max_steps {

@@ -1,0 +1,234 @@
+//! A deformable body, with supports and loads, as a static problem.
+
+use super::StaticProblem;
+use crate::SolveError;
+use crate::deformable::{DeformableModel, Workspace};
+use crate::material::{AnyMaterial, Material};
+use femdem_mesh::Vector3;
+
+/// A body under the loads and with the supports of one moment. Its unknowns are the coordinates of all
+/// nodes; those that are held have no residual and do not move.
+pub(super) struct BodyProblem<'a> {
+    model: &'a DeformableModel,
+    supports: Supports,
+    /// Forces on the nodes, N.
+    loads: Vec<Vector3>,
+    old: Vec<f64>,
+    new: Vec<f64>,
+    masses: Vec<f64>,
+    has_energy: bool,
+    /// Norm of the diagonal of the tangent, N/m.
+    stiffness: f64,
+    // Results of the last evaluation.
+    internal: Vec<Vector3>,
+    scale: f64,
+    noise: f64,
+    // Scratch space.
+    positions: Vec<Vector3>,
+    at_rest: Vec<Vector3>,
+    change: Vec<Vector3>,
+    work: Workspace,
+}
+
+/// Which coordinates are held.
+type Supports = Vec<[bool; 3]>;
+
+impl<'a> BodyProblem<'a> {
+    /// # Errors
+    /// If an element has no tangent in the reference state.
+    pub(super) fn new(model: &'a DeformableModel, supports: Supports) -> Result<Self, SolveError> {
+        let nodes = model.nodes().len();
+        let zero = vec![Vector3::zeros(); nodes];
+        let history = vec![0.0; model.history_len()];
+        let mut problem = Self {
+            model,
+            supports,
+            loads: zero.clone(),
+            new: history.clone(),
+            masses: model.masses().iter().flat_map(|&m| [m; 3]).collect(),
+            has_energy: model.regions().iter().all(|r| has_potential(&r.material)),
+            stiffness: 0.0,
+            internal: zero.clone(),
+            scale: 0.0,
+            noise: 0.0,
+            positions: model.nodes().to_vec(),
+            change: zero.clone(),
+            at_rest: zero,
+            old: history,
+            work: Workspace::default(),
+        };
+        let mut diagonal = vec![0.0; 3 * nodes];
+        let x = flat(model.nodes());
+        problem.tangent(&x, &mut |i, j, value| {
+            if i == j {
+                diagonal[i as usize] += value;
+            }
+        })?;
+        problem.stiffness = super::vector::norm(&diagonal);
+        Ok(problem)
+    }
+
+    /// Replaces the loads.
+    pub(super) fn set_loads(&mut self, loads: Vec<Vector3>) {
+        self.loads = loads;
+    }
+
+    /// Takes the history at `x` for the start of the next step.
+    ///
+    /// # Errors
+    /// If an element has no stress at `x`.
+    pub(super) fn commit(&mut self, x: &[f64]) -> Result<(), SolveError> {
+        let mut r = vec![0.0; x.len()];
+        self.residual(x, &mut r)?;
+        std::mem::swap(&mut self.old, &mut self.new);
+        Ok(())
+    }
+
+    /// The history at the start of the step.
+    pub(super) fn history(&self) -> &[f64] {
+        &self.old
+    }
+
+    /// Forces of the supports on the body at the last evaluation, N.
+    pub(super) fn reactions(&self) -> Vec<Vector3> {
+        let parts = self.internal.iter().zip(&self.loads).zip(&self.supports);
+        parts
+            .map(|((f, load), held)| only(held, -(f + load)))
+            .collect()
+    }
+
+    /// K dx at `x` on coordinates that are free, for a motion of those that are held.
+    ///
+    /// # Errors
+    /// Of the tangent.
+    pub(super) fn pull_of(&mut self, x: &[f64], dx: &[f64]) -> Result<Vec<f64>, SolveError> {
+        unflatten(x, &mut self.positions);
+        unflatten(dx, &mut self.change);
+        let mut out = vec![Vector3::zeros(); self.supports.len()];
+        self.model
+            .tangent_apply(&self.positions, &self.old, &self.change, &mut out)?;
+        for (out, held) in out.iter_mut().zip(&self.supports) {
+            *out -= only(held, *out);
+        }
+        Ok(flat(&out))
+    }
+}
+
+impl StaticProblem for BodyProblem<'_> {
+    fn len(&self) -> usize {
+        3 * self.supports.len()
+    }
+
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<f64, SolveError> {
+        unflatten(x, &mut self.positions);
+        let state = self.model.internal_forces(
+            &self.positions,
+            &self.at_rest,
+            &self.old,
+            &mut self.new,
+            &mut self.internal,
+            &mut self.work,
+        )?;
+        let (mut energy, mut squares, mut farthest) = (state.energy + state.plastic_work, 0.0, 0.0);
+        let nodes = self.positions.iter().zip(self.model.nodes());
+        let forces = self.internal.iter().zip(&self.loads).zip(&self.supports);
+        for (((x, reference), ((f, load), held)), r) in
+            nodes.zip(forces).zip(r.as_chunks_mut::<3>().0)
+        {
+            let total = f + load;
+            let reaction = only(held, total);
+            energy -= load.dot(&(x - reference));
+            squares += load.norm_squared() + reaction.norm_squared();
+            farthest = x.amax().max(farthest);
+            *r = (total - reaction).into();
+        }
+        self.scale = squares.sqrt();
+        self.noise = f64::EPSILON * farthest * self.stiffness;
+        Ok(energy)
+    }
+
+    fn has_energy(&self) -> bool {
+        self.has_energy
+    }
+
+    fn masses(&self) -> &[f64] {
+        &self.masses
+    }
+
+    fn stable_step(&mut self, x: &[f64]) -> Result<f64, SolveError> {
+        unflatten(x, &mut self.positions);
+        let bound = self.model.stable_frequency2(&self.positions, &self.old)?;
+        Ok(2.0 / bound.frequency2.sqrt())
+    }
+
+    fn force_scale(&self) -> f64 {
+        self.scale
+    }
+
+    fn noise(&self) -> f64 {
+        self.noise
+    }
+
+    fn tangent_apply(&mut self, x: &[f64], dx: &[f64], out: &mut [f64]) -> Result<(), SolveError> {
+        let pull = self.pull_of(x, dx)?;
+        out.copy_from_slice(&pull);
+        Ok(())
+    }
+
+    fn tangent(
+        &mut self,
+        x: &[f64],
+        entry: &mut dyn FnMut(u32, u32, f64),
+    ) -> Result<(), SolveError> {
+        unflatten(x, &mut self.positions);
+        let supports = &self.supports;
+        let is_free = |node: u32, axis: usize| !supports[node as usize][axis];
+        self.model
+            .for_element_tangents(&self.positions, &self.old, |nodes, matrix| {
+                let mut values = matrix.iter();
+                for &a in nodes {
+                    for i in 0..3 {
+                        for &b in nodes {
+                            for (j, value) in (0..3).zip(&mut values) {
+                                if is_free(a, i) && is_free(b, j) {
+                                    entry(3 * a + i as u32, 3 * b + j as u32, *value);
+                                }
+                            }
+                        }
+                    }
+                }
+            })?;
+        // Held coordinates stay where they are.
+        for (node, held) in (0..).zip(supports) {
+            for axis in (0..3).filter(|&axis| held[axis]) {
+                entry(3 * node + axis as u32, 3 * node + axis as u32, 1.0);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The components of `force` along held axes.
+pub(super) fn only(held: &[bool; 3], force: Vector3) -> Vector3 {
+    Vector3::from_fn(|axis, _| if held[axis] { force[axis] } else { 0.0 })
+}
+
+/// Whether stored energy and plastic work together are a potential of the stress over a step.
+fn has_potential(material: &AnyMaterial) -> bool {
+    match material {
+        AnyMaterial::J2(_) => true,
+        other => other.history_len() == 0,
+    }
+}
+
+/// Three numbers for each vector.
+pub(super) fn flat(vectors: &[Vector3]) -> Vec<f64> {
+    vectors.iter().flat_map(|v| [v.x, v.y, v.z]).collect()
+}
+
+/// The reverse of [`flat`].
+pub(super) fn unflatten(numbers: &[f64], vectors: &mut [Vector3]) {
+    for (v, n) in vectors.iter_mut().zip(numbers.as_chunks::<3>().0) {
+        *v = Vector3::from(*n);
+    }
+}
