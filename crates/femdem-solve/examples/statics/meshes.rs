@@ -40,9 +40,19 @@ pub fn quarter_cylinder(
         for ring in 0..rings {
             for k in 0..=ring {
                 let (inner, outer) = (first(ring) + k, first(ring + 1) + k);
-                prism(&mut tets, [inner, outer, outer + 1], layer * per_layer, per_layer);
+                prism(
+                    &mut tets,
+                    [inner, outer, outer + 1],
+                    layer * per_layer,
+                    per_layer,
+                );
                 if k < ring {
-                    prism(&mut tets, [inner, inner + 1, outer + 1], layer * per_layer, per_layer);
+                    prism(
+                        &mut tets,
+                        [inner, inner + 1, outer + 1],
+                        layer * per_layer,
+                        per_layer,
+                    );
                 }
             }
         }

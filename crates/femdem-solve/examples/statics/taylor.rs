@@ -35,7 +35,11 @@ pub struct Outcome {
 ///
 /// # Errors
 /// If an element is inverted.
-pub fn run(element: Element, rings: u32, layers: u32) -> Result<Outcome, Box<dyn std::error::Error>> {
+pub fn run(
+    element: Element,
+    rings: u32,
+    layers: u32,
+) -> Result<Outcome, Box<dyn std::error::Error>> {
     let mesh = quarter_cylinder(RADIUS, LENGTH, rings, layers)?;
     let copper = MaterialRegion {
         material: J2::new(117e9, 0.35, 400e6, 100e6)?.into(),
@@ -80,7 +84,10 @@ impl<'a> Bar<'a> {
         Self {
             model,
             x: nodes.to_vec(),
-            v: free.iter().map(|f| Vector3::new(0.0, 0.0, -SPEED * f.z)).collect(),
+            v: free
+                .iter()
+                .map(|f| Vector3::new(0.0, 0.0, -SPEED * f.z))
+                .collect(),
             forces: vec![Vector3::zeros(); nodes.len()],
             old: vec![0.0; model.history_len()],
             new: vec![0.0; model.history_len()],
@@ -94,7 +101,10 @@ impl<'a> Bar<'a> {
     }
 
     fn stable_step(&self) -> Result<f64, SolveError> {
-        Ok(self.model.stable_frequency2(&self.x, &self.old)?.critical_step())
+        Ok(self
+            .model
+            .stable_frequency2(&self.x, &self.old)?
+            .critical_step())
     }
 
     /// Kick, drift, forces, kick.
@@ -104,7 +114,12 @@ impl<'a> Bar<'a> {
             *x += dt * v;
         }
         let state = self.model.internal_forces(
-            &self.x, &self.v, &self.old, &mut self.new, &mut self.forces, &mut self.work,
+            &self.x,
+            &self.v,
+            &self.old,
+            &mut self.new,
+            &mut self.forces,
+            &mut self.work,
         )?;
         std::mem::swap(&mut self.old, &mut self.new);
         self.stored = state.energy;
@@ -124,10 +139,20 @@ impl<'a> Bar<'a> {
     fn outcome(&self) -> Outcome {
         let reference = self.model.nodes();
         let on_wall = self.x.iter().zip(reference).filter(|(_, r)| r.z == 0.0);
-        let kinetic: f64 = self.v.iter().zip(self.model.masses()).map(|(v, m)| 0.5 * m * v.norm_squared()).sum();
+        let kinetic: f64 = self
+            .v
+            .iter()
+            .zip(self.model.masses())
+            .map(|(v, m)| 0.5 * m * v.norm_squared())
+            .sum();
         let start: f64 = 0.5 * SPEED * SPEED * self.model.masses().iter().sum::<f64>();
         // Nodes on the wall have no velocity from the start.
-        let lost: f64 = self.free.iter().zip(self.model.masses()).map(|(f, m)| 0.5 * m * SPEED * SPEED * (1.0 - f.z)).sum();
+        let lost: f64 = self
+            .free
+            .iter()
+            .zip(self.model.masses())
+            .map(|(f, m)| 0.5 * m * SPEED * SPEED * (1.0 - f.z))
+            .sum();
         Outcome {
             elements: self.model.volumes().len(),
             steps: self.steps,

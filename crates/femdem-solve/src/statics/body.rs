@@ -1,6 +1,6 @@
 //! A deformable body, with supports and loads, as a static problem.
 
-use super::StaticProblem;
+use super::{Noise, StaticProblem};
 use crate::SolveError;
 use crate::deformable::{DeformableModel, Workspace};
 use crate::material::{AnyMaterial, Material};
@@ -17,12 +17,13 @@ pub(super) struct BodyProblem<'a> {
     new: Vec<f64>,
     masses: Vec<f64>,
     has_energy: bool,
-    /// Norm of the diagonal of the tangent, N/m.
+    /// Norm and sum of the diagonal of the tangent, N/m.
     stiffness: f64,
+    trace: f64,
     // Results of the last evaluation.
     internal: Vec<Vector3>,
     scale: f64,
-    noise: f64,
+    noise: Noise,
     // Scratch space.
     positions: Vec<Vector3>,
     at_rest: Vec<Vector3>,
@@ -32,6 +33,9 @@ pub(super) struct BodyProblem<'a> {
 
 /// Which coordinates are held.
 type Supports = Vec<[bool; 3]>;
+
+/// Forces round in more places than the coordinates of their node.
+const ROUNDINGS: f64 = 4.0;
 
 impl<'a> BodyProblem<'a> {
     /// # Errors
@@ -48,9 +52,10 @@ impl<'a> BodyProblem<'a> {
             masses: model.masses().iter().flat_map(|&m| [m; 3]).collect(),
             has_energy: model.regions().iter().all(|r| has_potential(&r.material)),
             stiffness: 0.0,
+            trace: 0.0,
             internal: zero.clone(),
             scale: 0.0,
-            noise: 0.0,
+            noise: Noise::default(),
             positions: model.nodes().to_vec(),
             change: zero.clone(),
             at_rest: zero,
@@ -65,6 +70,7 @@ impl<'a> BodyProblem<'a> {
             }
         })?;
         problem.stiffness = super::vector::norm(&diagonal);
+        problem.trace = diagonal.iter().sum();
         Ok(problem)
     }
 
@@ -143,7 +149,13 @@ impl StaticProblem for BodyProblem<'_> {
             *r = (total - reaction).into();
         }
         self.scale = squares.sqrt();
-        self.noise = f64::EPSILON * farthest * self.stiffness;
+        // A coordinate is off by up to eps |x|, so a force by that times its stiffness, and the energy
+        // by no more than |E'| |dx| <= sqrt(2 E) sqrt(dx . K dx).
+        let rounding = f64::EPSILON * farthest;
+        self.noise = Noise {
+            force: ROUNDINGS * rounding * self.stiffness,
+            energy: ROUNDINGS * rounding * (2.0 * state.energy.abs() * self.trace).sqrt(),
+        };
         Ok(energy)
     }
 
@@ -165,7 +177,7 @@ impl StaticProblem for BodyProblem<'_> {
         self.scale
     }
 
-    fn noise(&self) -> f64 {
+    fn noise(&self) -> Noise {
         self.noise
     }
 

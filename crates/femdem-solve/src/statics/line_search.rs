@@ -9,8 +9,8 @@ use crate::SolveError;
 
 /// Share of the slope at the start that the mean slope must keep.
 const DECREASE: f64 = 1e-4;
-/// Rise of the energy that counts as round-off, relative to its size.
-const ROUND_OFF: f64 = 1e-12;
+/// Rise of the energy that counts as round-off, relative to its size, if the problem knows no better.
+const ROUND_OFF: f64 = 1e-13;
 /// Without an energy, the slope must fall to this part of its value at the start.
 const SLOPE: f64 = 0.9;
 /// A step that has to be cut is cut to between these parts.
@@ -99,15 +99,17 @@ fn is_enough<P: StaticProblem + ?Sized>(
     slope: f64,
     now: f64,
 ) -> bool {
+    let (before, after) = (vector::norm(&from.r), vector::norm(&trial.r));
     if !problem.has_energy() {
-        return now.abs() <= SLOPE * slope
-            || vector::norm(&trial.r) <= (1.0 - DECREASE) * vector::norm(&from.r);
+        return now.abs() <= SLOPE * slope || after <= (1.0 - DECREASE) * before;
     }
     let fall = from.energy - trial.energy;
-    let noise = ROUND_OFF * from.energy.abs().max(trial.energy.abs());
-    let is_noise = fall.abs() <= noise;
-    fall >= DECREASE * step * slope && !is_noise
-        || fall >= -noise && now >= -(1.0 - 2.0 * DECREASE) * slope
+    let size = from.energy.abs().max(trial.energy.abs());
+    let noise = problem.noise();
+    if fall.abs() > noise.energy.max(ROUND_OFF * size) {
+        return fall >= DECREASE * step * slope;
+    }
+    now >= -(1.0 - 2.0 * DECREASE) * slope || after <= before.max(noise.force)
 }
 
 #[cfg(test)]

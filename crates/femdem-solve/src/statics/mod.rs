@@ -110,9 +110,10 @@ pub trait StaticProblem {
     /// reactions at the point of the last call of [`residual`](Self::residual).
     fn force_scale(&self) -> f64;
 
-    /// Norm of a residual, N, that the rounding of `x` alone explains; less is as good as zero.
-    fn noise(&self) -> f64 {
-        0.0
+    /// What the rounding of `x` alone does at the point of the last call of
+    /// [`residual`](Self::residual). Less is as good as nothing.
+    fn noise(&self) -> Noise {
+        Noise::default()
     }
 
     /// Writes K dx into `out`, where K = -dr/dx at `x`, N/m.
@@ -133,6 +134,15 @@ pub trait StaticProblem {
     ) -> Result<(), SolveError>;
 }
 
+/// What rounding does to forces and energy.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Noise {
+    /// Norm of a residual, N.
+    pub force: f64,
+    /// Difference of two energies, J.
+    pub energy: f64,
+}
+
 /// The norm of `r` over the force scale, and whether that is at most `tolerance`, or round-off.
 fn judge<P: StaticProblem + ?Sized>(problem: &P, r: &[f64], tolerance: f64) -> (f64, bool) {
     let norm = vector::norm(r);
@@ -141,7 +151,10 @@ fn judge<P: StaticProblem + ?Sized>(problem: &P, r: &[f64], tolerance: f64) -> (
     } else {
         norm / problem.force_scale().max(f64::MIN_POSITIVE)
     };
-    (relative, relative <= tolerance || norm <= problem.noise())
+    (
+        relative,
+        relative <= tolerance || norm <= problem.noise().force,
+    )
 }
 
 /// Returns an error unless `x` has a finite number for every unknown.

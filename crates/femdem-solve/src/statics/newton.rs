@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 const MOST_CUTS: usize = 30;
 /// Largest relative error of a linear solution by conjugate gradients; smaller near the end
 /// (Eisenstat and Walker, SIAM J. Sci. Comput. 17, 16 (1996), choice 2).
-const LOOSEST: f64 = 0.1;
+const LOOSEST: f64 = 1e-3;
 
 /// Residual over force scale below which a standstill is put down to round-off.
 const NEAR: f64 = 1e-6;

@@ -157,7 +157,11 @@ impl March<'_> {
         let (mut done, mut step) = (0.0, longest);
         while done < 1.0 {
             // The last step ends at 1 exactly, and no sliver is left before it.
-            let next = if done + 1.001 * step >= 1.0 { 1.0 } else { done + step };
+            let next = if done + 1.001 * step >= 1.0 {
+                1.0
+            } else {
+                done + step
+            };
             match self.advance(done, next) {
                 Ok(report) => {
                     self.report.steps.push((next, report));

@@ -1,0 +1,57 @@
+//! A cantilever of 10 x 1 x 1 with a shear force at its end.
+
+use crate::loads::{hold, traction};
+use femdem_mesh::{TetMesh, Vector3};
+use femdem_solve::deformable::{DeformableModel, MaterialRegion};
+use femdem_solve::element::Element;
+use femdem_solve::material::NeoHookean;
+use femdem_solve::statics::{Loading, StaticOptions, StaticSolution, solve_static};
+
+const LENGTH: f64 = 10.0;
+const YOUNG: f64 = 1e6;
+const POISSON: f64 = 0.3;
+/// Small enough for the linear theory: a deflection of 1e-4 of the length.
+const FORCE: f64 = 0.25;
+
+/// Mean deflection of the end over that of Timoshenko's beam, and the solution.
+///
+/// # Errors
+/// If the model or the solution fails.
+pub fn run(
+    element: Element,
+    cells: [u32; 3],
+    options: &StaticOptions,
+) -> Result<(f64, StaticSolution), Box<dyn std::error::Error>> {
+    let mesh = TetMesh::block(cells, &Vector3::new(LENGTH, 1.0, 1.0))?;
+    let solid = MaterialRegion {
+        material: NeoHookean::new(YOUNG, POISSON)?.into(),
+        density: 1000.0,
+    };
+    let model = DeformableModel::new(&mesh, element, vec![solid], None)?;
+    let mut loading = Loading::free(&model);
+    for axis in 0..3 {
+        hold(&mut loading, &model, axis, |x| x.x == 0.0);
+    }
+    traction(
+        &mut loading,
+        &model,
+        |p| p.x == LENGTH,
+        |_| Vector3::new(0.0, 0.0, -FORCE),
+    );
+    let solution = solve_static(&model, &loading, options)?;
+    let ends = model.nodes().iter().zip(&solution.positions);
+    let falls: Vec<f64> = ends
+        .filter(|(reference, _)| reference.x == LENGTH)
+        .map(|(reference, x)| reference.z - x.z)
+        .collect();
+    let mean = falls.iter().sum::<f64>() / falls.len() as f64;
+    Ok((mean / timoshenko(), solution))
+}
+
+/// F L^3 / (3 E I) + F L / (k G A) with k = 10 (1 + nu) / (12 + 11 nu) (Cowper, J. Appl. Mech. 33,
+/// 335 (1966)).
+fn timoshenko() -> f64 {
+    let k = 10.0 * (1.0 + POISSON) / (12.0 + 11.0 * POISSON);
+    let shear = YOUNG / (2.0 * (1.0 + POISSON));
+    FORCE * LENGTH.powi(3) / (3.0 * YOUNG / 12.0) + FORCE * LENGTH / (k * shear)
+}

@@ -1,0 +1,43 @@
+//! Static equilibrium of deformable bodies against closed forms and published values.
+
+#[path = "../../examples/statics/cantilever.rs"]
+mod cantilever;
+#[path = "../../examples/statics/cook.rs"]
+mod cook;
+#[path = "../../examples/statics/loads.rs"]
+mod loads;
+#[path = "../../examples/statics/meshes.rs"]
+mod meshes;
+#[path = "../../examples/statics/sphere.rs"]
+mod sphere;
+
+mod bars;
+mod benchmarks;
+mod refusals;
+
+use femdem_solve::statics::{Linear, Method, NewtonOptions, StaticOptions};
+
+/// The linear solvers of this build.
+fn solvers() -> Vec<Linear> {
+    let mut all = vec![Linear::Cg];
+    if cfg!(feature = "implicit") {
+        all.push(Linear::Cholesky);
+    }
+    all
+}
+
+/// The fastest solver of this build, to a tolerance.
+fn newton(tolerance: f64) -> StaticOptions {
+    with(solvers().pop().unwrap_or_default(), tolerance)
+}
+
+fn with(linear: Linear, tolerance: f64) -> StaticOptions {
+    StaticOptions {
+        method: Method::Newton(NewtonOptions {
+            linear,
+            tolerance,
+            ..NewtonOptions::default()
+        }),
+        ..StaticOptions::default()
+    }
+}
