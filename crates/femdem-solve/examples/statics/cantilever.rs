@@ -1,11 +1,11 @@
 //! A cantilever of 10 x 1 x 1 with a shear force at its end.
 
-use crate::loads::{hold, traction};
+use crate::planes::plane;
 use femdem_mesh::{TetMesh, Vector3};
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
+use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion};
 use femdem_solve::element::Element;
 use femdem_solve::material::NeoHookean;
-use femdem_solve::statics::{Loading, StaticOptions, StaticSolution, solve_static};
+use femdem_solve::statics::{StaticOptions, StaticSolution, solve_static};
 
 const LENGTH: f64 = 10.0;
 const YOUNG: f64 = 1e6;
@@ -28,18 +28,16 @@ pub fn run(
         density: 1000.0,
     };
     let model = DeformableModel::new(&mesh, element, vec![solid], None)?;
-    let mut loading = Loading::free(&model);
-    for axis in 0..3 {
-        hold(&mut loading, &model, axis, |x| x.x == 0.0);
-    }
-    traction(
-        &mut loading,
+    let mut boundary = Boundary::default();
+    boundary.fix(&model, &plane(0, 0.0), [true; 3])?;
+    boundary.pull(
         &model,
-        |p| p.x == LENGTH,
-        |_| Vector3::new(0.0, 0.0, -FORCE),
-    );
-    let solution = solve_static(&model, &loading, options)?;
-    let ends = model.nodes().iter().zip(&solution.positions);
+        &plane(0, LENGTH),
+        Vector3::new(0.0, 0.0, -FORCE),
+        1.0,
+    )?;
+    let solution = solve_static(&model, &boundary, options)?;
+    let ends = model.nodes().iter().zip(&solution.state.x);
     let falls: Vec<f64> = ends
         .filter(|(reference, _)| reference.x == LENGTH)
         .map(|(reference, x)| reference.z - x.z)

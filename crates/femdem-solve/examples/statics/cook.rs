@@ -1,12 +1,11 @@
 //! Cook's membrane: a tapered panel, clamped on the left and sheared on the right, in plane strain.
 
-use crate::loads::{hold, traction};
-use crate::meshes;
-use femdem_mesh::Vector3;
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
+use crate::planes::plane;
+use femdem_mesh::{MeshError, Point3, TetMesh, Vector3};
+use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion};
 use femdem_solve::element::Element;
 use femdem_solve::material::NeoHookean;
-use femdem_solve::statics::{Loading, StaticOptions, StaticSolution, solve_static};
+use femdem_solve::statics::{StaticOptions, StaticSolution, solve_static};
 
 const YOUNG: f64 = 70.0;
 const SHEAR: f64 = 6.25;
@@ -24,29 +23,39 @@ pub fn run(
     cells: [u32; 3],
     options: &StaticOptions,
 ) -> Result<(f64, StaticSolution), Box<dyn std::error::Error>> {
-    let mesh = meshes::cook(cells, THICKNESS)?;
+    let mesh = mesh(cells)?;
     let solid = MaterialRegion {
         material: NeoHookean::new(YOUNG, poisson)?.into(),
         density: 1000.0,
     };
     let model = DeformableModel::new(&mesh, element, vec![solid], None)?;
-    let mut loading = Loading::free(&model);
-    hold(&mut loading, &model, 0, |x| x.x == 0.0);
-    hold(&mut loading, &model, 1, |x| x.x == 0.0);
-    hold(&mut loading, &model, 2, |x| x.z == 0.0 || x.z == THICKNESS);
-    traction(
-        &mut loading,
-        &model,
-        |p| p.x == 48.0,
-        |_| Vector3::new(0.0, SHEAR * PART, 0.0),
-    );
-    let solution = solve_static(&model, &loading, options)?;
+    let mut boundary = Boundary::default();
+    boundary.fix(&model, &plane(0, 0.0), [true, true, false])?;
+    for z in [0.0, THICKNESS] {
+        boundary.fix(&model, &plane(2, z), [false, false, true])?;
+    }
+    let shear = Vector3::new(0.0, SHEAR * PART, 0.0);
+    boundary.pull(&model, &plane(0, 48.0), shear, 1.0)?;
+    let solution = solve_static(&model, &boundary, options)?;
     let corner = Vector3::new(48.0, 60.0, 0.0);
-    let nodes = model.nodes().iter().zip(&solution.positions);
+    let nodes = model.nodes().iter().zip(&solution.state.x);
     let nearest = nodes.min_by(|(a, _), (b, _)| {
         let distance = |x: &Vector3| (x - corner).norm_squared();
         distance(a).total_cmp(&distance(b))
     });
     let (reference, x) = nearest.ok_or("the mesh has no nodes")?;
     Ok(((x.y - reference.y) / PART, solution))
+}
+
+/// The trapezium (0, 0), (48, 44), (48, 60), (0, 44): `cells` along its length, height and thickness.
+fn mesh(cells: [u32; 3]) -> Result<TetMesh, MeshError> {
+    let unit = TetMesh::block(cells, &Vector3::new(1.0, 1.0, 1.0))?;
+    let map = |p: &Point3| {
+        let y = 44.0 * p.x + p.y * (44.0 - 28.0 * p.x);
+        Point3::new(48.0 * p.x, y, THICKNESS * p.z)
+    };
+    TetMesh::new(
+        unit.points().iter().map(map).collect(),
+        unit.tets().to_vec(),
+    )
 }

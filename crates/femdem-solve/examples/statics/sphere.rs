@@ -1,11 +1,11 @@
 //! A thick hollow sphere, a = 1 and b = 2, under a pressure inside.
 
-use crate::loads::{hold, traction};
-use femdem_mesh::TetMesh;
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
+use crate::planes::plane;
+use femdem_mesh::{TetMesh, Vector3};
+use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_solve::element::Element;
 use femdem_solve::material::NeoHookean;
-use femdem_solve::statics::{Loading, StaticOptions, StaticSolution, solve_static};
+use femdem_solve::statics::{StaticOptions, StaticSolution, solve_static};
 
 const INNER: f64 = 1.0;
 const OUTER: f64 = 2.0;
@@ -31,21 +31,19 @@ pub fn run(
         density: 1000.0,
     };
     let model = DeformableModel::new(&mesh, element, vec![solid], None)?;
-    let mut loading = Loading::free(&model);
+    let mut boundary = Boundary::default();
     for axis in 0..3 {
-        hold(&mut loading, &model, axis, |x| x[axis] == 0.0);
+        boundary.fix(&model, &plane(axis, 0.0), [0, 1, 2].map(|k| k == axis))?;
     }
-    let is_inner = |r: f64| (r - INNER).abs() < 1e-9;
-    traction(
-        &mut loading,
-        &model,
-        |p| is_inner(p.coords.norm()),
-        |normal| -PRESSURE * normal,
-    );
-    let solution = solve_static(&model, &loading, options)?;
-    let nodes = model.nodes().iter().zip(&solution.positions);
+    let inside = Selection::Sphere {
+        centre: Vector3::zeros(),
+        radius: INNER * (1.0 + 1e-9),
+    };
+    boundary.press(&model, &inside, PRESSURE)?;
+    let solution = solve_static(&model, &boundary, options)?;
+    let nodes = model.nodes().iter().zip(&solution.state.x);
     let moves: Vec<f64> = nodes
-        .filter(|(reference, _)| is_inner(reference.norm()))
+        .filter(|(reference, _)| (reference.norm() - INNER).abs() < 1e-9)
         .map(|(reference, x)| (x - reference).dot(&reference.normalize()))
         .collect();
     let mean = moves.iter().sum::<f64>() / moves.len() as f64;

@@ -250,8 +250,14 @@ impl Boundary {
         each.map(|hold| (hold.node, usize::from(hold.component)))
     }
 
+    /// Whether a pressure, which turns with its faces, is among the loads.
+    pub(crate) fn has_pressure(&self) -> bool {
+        let mut kinds = self.loads.iter().map(|load| load.kind);
+        kinds.any(|kind| kind == LoadKind::Pressure)
+    }
+
     /// Largest node that anything is done to.
-    pub(super) fn largest_node(&self) -> Option<u32> {
+    fn largest_node(&self) -> Option<u32> {
         let held = self.holds.last().map(|hold| hold.node);
         let loaded = self
             .loads

@@ -94,7 +94,7 @@ impl DeformableModel {
         }
     }
 
-    pub(super) fn check_lengths(&self, x: &[Vector3], old: &[f64]) -> Result<(), ElementFailure> {
+    pub(crate) fn check_lengths(&self, x: &[Vector3], old: &[f64]) -> Result<(), ElementFailure> {
         check_length("x", x.len(), self.nodes.len())?;
         check_length("old", old.len(), self.history_len())
     }

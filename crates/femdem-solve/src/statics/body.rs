@@ -2,7 +2,7 @@
 
 use super::{Noise, StaticProblem};
 use crate::SolveError;
-use crate::deformable::{DeformableModel, Workspace};
+use crate::deformable::{Boundary, DeformableModel, DeformableState, MaterialRegion, Workspace};
 use crate::material::{AnyMaterial, Material};
 use femdem_mesh::Vector3;
 
@@ -10,9 +10,11 @@ use femdem_mesh::Vector3;
 /// nodes; those that are held have no residual and do not move.
 pub(super) struct BodyProblem<'a> {
     model: &'a DeformableModel,
-    supports: Supports,
-    /// Forces on the nodes, N.
-    loads: Vec<Vector3>,
+    boundary: &'a Boundary,
+    /// Time at which the loads are taken, s, and the part of them that acts.
+    time: f64,
+    part: f64,
+    held: Vec<[bool; 3]>,
     old: Vec<f64>,
     new: Vec<f64>,
     masses: Vec<f64>,
@@ -22,61 +24,88 @@ pub(super) struct BodyProblem<'a> {
     trace: f64,
     // Results of the last evaluation.
     internal: Vec<Vector3>,
+    loads: Vec<Vector3>,
     scale: f64,
     noise: Noise,
     // Scratch space.
     positions: Vec<Vector3>,
     at_rest: Vec<Vector3>,
     change: Vec<Vector3>,
+    image: Vec<Vector3>,
     work: Workspace,
 }
-
-/// Which coordinates are held.
-type Supports = Vec<[bool; 3]>;
 
 /// Forces round in more places than the coordinates of their node.
 const ROUNDINGS: f64 = 4.0;
 
 impl<'a> BodyProblem<'a> {
     /// # Errors
-    /// If an element has no tangent in the reference state.
-    pub(super) fn new(model: &'a DeformableModel, supports: Supports) -> Result<Self, SolveError> {
+    /// If the arrays do not fit the model, or an element has no tangent at the start.
+    pub(super) fn new(
+        model: &'a DeformableModel,
+        boundary: &'a Boundary,
+        start: &DeformableState,
+    ) -> Result<Self, SolveError> {
+        boundary.check(model)?;
+        model.check_lengths(&start.x, &start.history)?;
         let nodes = model.nodes().len();
+        let mut held = vec![[false; 3]; nodes];
+        for (node, axis) in boundary.held() {
+            held[node as usize][axis] = true;
+        }
         let zero = vec![Vector3::zeros(); nodes];
-        let history = vec![0.0; model.history_len()];
+        let is_potential = |r: &MaterialRegion| has_potential(&r.material);
         let mut problem = Self {
             model,
-            supports,
-            loads: zero.clone(),
-            new: history.clone(),
+            boundary,
+            time: 0.0,
+            part: 0.0,
+            held,
+            old: start.history.clone(),
+            new: start.history.clone(),
             masses: model.masses().iter().flat_map(|&m| [m; 3]).collect(),
-            has_energy: model.regions().iter().all(|r| has_potential(&r.material)),
+            has_energy: !boundary.has_pressure() && model.regions().iter().all(is_potential),
             stiffness: 0.0,
             trace: 0.0,
             internal: zero.clone(),
+            loads: zero.clone(),
             scale: 0.0,
             noise: Noise::default(),
-            positions: model.nodes().to_vec(),
+            positions: start.x.clone(),
             change: zero.clone(),
+            image: zero.clone(),
             at_rest: zero,
-            old: history,
             work: Workspace::default(),
         };
-        let mut diagonal = vec![0.0; 3 * nodes];
-        let x = flat(model.nodes());
-        problem.tangent(&x, &mut |i, j, value| {
+        problem.measure_stiffness(&flat(&start.x))?;
+        Ok(problem)
+    }
+
+    fn measure_stiffness(&mut self, x: &[f64]) -> Result<(), SolveError> {
+        let mut diagonal = vec![0.0; x.len()];
+        self.tangent(x, &mut |i, j, value| {
             if i == j {
                 diagonal[i as usize] += value;
             }
         })?;
-        problem.stiffness = super::vector::norm(&diagonal);
-        problem.trace = diagonal.iter().sum();
-        Ok(problem)
+        self.stiffness = super::vector::norm(&diagonal);
+        self.trace = diagonal.iter().sum();
+        Ok(())
     }
 
-    /// Replaces the loads.
-    pub(super) fn set_loads(&mut self, loads: Vec<Vector3>) {
-        self.loads = loads;
+    /// Lets a part of the loads of a moment act.
+    pub(super) fn set_loads(&mut self, time: f64, part: f64) {
+        (self.time, self.part) = (time, part);
+    }
+
+    /// The way from `x` to where held coordinates are at a time; zero for the others.
+    pub(super) fn motion_to(&self, time: f64, x: &[f64]) -> Vec<f64> {
+        let mut motion = vec![0.0; x.len()];
+        self.boundary.for_held(time, |node, axis, place, _| {
+            let at = 3 * node + axis;
+            motion[at] = place - x[at];
+        });
+        motion
     }
 
     /// Takes the history at `x` for the start of the next step.
@@ -91,38 +120,43 @@ impl<'a> BodyProblem<'a> {
     }
 
     /// The history at the start of the step.
-    pub(super) fn history(&self) -> &[f64] {
-        &self.old
+    pub(super) fn into_history(self) -> Vec<f64> {
+        self.old
     }
 
     /// Forces of the supports on the body at the last evaluation, N.
     pub(super) fn reactions(&self) -> Vec<Vector3> {
-        let parts = self.internal.iter().zip(&self.loads).zip(&self.supports);
+        let parts = self.internal.iter().zip(&self.loads).zip(&self.held);
         parts
             .map(|((f, load), held)| only(held, -(f + load)))
             .collect()
     }
 
-    /// K dx at `x` on coordinates that are free, for a motion of those that are held.
+    /// K dx at `x` on coordinates that are free, also for a motion of those that are held.
     ///
     /// # Errors
     /// Of the tangent.
-    pub(super) fn pull_of(&mut self, x: &[f64], dx: &[f64]) -> Result<Vec<f64>, SolveError> {
+    pub(super) fn pull_of(
+        &mut self,
+        x: &[f64],
+        dx: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), SolveError> {
         unflatten(x, &mut self.positions);
         unflatten(dx, &mut self.change);
-        let mut out = vec![Vector3::zeros(); self.supports.len()];
         self.model
-            .tangent_apply(&self.positions, &self.old, &self.change, &mut out)?;
-        for (out, held) in out.iter_mut().zip(&self.supports) {
-            *out -= only(held, *out);
+            .tangent_apply(&self.positions, &self.old, &self.change, &mut self.image)?;
+        let images = self.image.iter().zip(&self.held);
+        for (out, (image, held)) in out.as_chunks_mut::<3>().0.iter_mut().zip(images) {
+            *out = (image - only(held, *image)).into();
         }
-        Ok(flat(&out))
+        Ok(())
     }
 }
 
 impl StaticProblem for BodyProblem<'_> {
     fn len(&self) -> usize {
-        3 * self.supports.len()
+        3 * self.held.len()
     }
 
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<f64, SolveError> {
@@ -135,13 +169,17 @@ impl StaticProblem for BodyProblem<'_> {
             &mut self.internal,
             &mut self.work,
         )?;
+        self.loads.fill(Vector3::zeros());
+        self.boundary
+            .add_forces(self.model, self.time, &self.positions, &mut self.loads)?;
         let (mut energy, mut squares, mut farthest) = (state.energy + state.plastic_work, 0.0, 0.0);
         let nodes = self.positions.iter().zip(self.model.nodes());
-        let forces = self.internal.iter().zip(&self.loads).zip(&self.supports);
+        let forces = self.internal.iter().zip(&mut self.loads).zip(&self.held);
         for (((x, reference), ((f, load), held)), r) in
             nodes.zip(forces).zip(r.as_chunks_mut::<3>().0)
         {
-            let total = f + load;
+            *load *= self.part;
+            let total = f + *load;
             let reaction = only(held, total);
             energy -= load.dot(&(x - reference));
             squares += load.norm_squared() + reaction.norm_squared();
@@ -182,9 +220,7 @@ impl StaticProblem for BodyProblem<'_> {
     }
 
     fn tangent_apply(&mut self, x: &[f64], dx: &[f64], out: &mut [f64]) -> Result<(), SolveError> {
-        let pull = self.pull_of(x, dx)?;
-        out.copy_from_slice(&pull);
-        Ok(())
+        self.pull_of(x, dx, out)
     }
 
     fn tangent(
@@ -193,8 +229,8 @@ impl StaticProblem for BodyProblem<'_> {
         entry: &mut dyn FnMut(u32, u32, f64),
     ) -> Result<(), SolveError> {
         unflatten(x, &mut self.positions);
-        let supports = &self.supports;
-        let is_free = |node: u32, axis: usize| !supports[node as usize][axis];
+        let held = &self.held;
+        let is_free = |node: u32, axis: usize| !held[node as usize][axis];
         self.model
             .for_element_tangents(&self.positions, &self.old, |nodes, matrix| {
                 let mut values = matrix.iter();
@@ -211,7 +247,7 @@ impl StaticProblem for BodyProblem<'_> {
                 }
             })?;
         // Held coordinates stay where they are.
-        for (node, held) in (0..).zip(supports) {
+        for (node, held) in (0..).zip(held) {
             for axis in (0..3).filter(|&axis| held[axis]) {
                 entry(3 * node + axis as u32, 3 * node + axis as u32, 1.0);
             }
@@ -221,7 +257,7 @@ impl StaticProblem for BodyProblem<'_> {
 }
 
 /// The components of `force` along held axes.
-pub(super) fn only(held: &[bool; 3], force: Vector3) -> Vector3 {
+fn only(held: &[bool; 3], force: Vector3) -> Vector3 {
     Vector3::from_fn(|axis, _| if held[axis] { force[axis] } else { 0.0 })
 }
 

@@ -52,9 +52,10 @@ mod cg;
 mod cholesky;
 mod line_search;
 mod linear;
-mod loading;
 mod newton;
+mod options;
 mod relax;
+mod report;
 mod solve;
 #[cfg(feature = "implicit")]
 mod sparse;
@@ -63,10 +64,11 @@ mod testing;
 mod vector;
 
 pub use linear::Linear;
-pub use loading::Loading;
 pub use newton::{Newton, NewtonOptions, NewtonReport, newton};
+pub use options::{LoadPath, Method, StaticOptions};
 pub use relax::{RelaxMasses, RelaxOptions, RelaxReport, relax};
-pub use solve::{Method, StaticOptions, StaticReport, StaticSolution, StepReport, solve_static};
+pub use report::{StaticReport, StaticSolution, StepReport};
+pub use solve::{solve_static, solve_static_from};
 
 use crate::SolveError;
 
@@ -143,18 +145,19 @@ pub struct Noise {
     pub energy: f64,
 }
 
+/// Where rounding is worse than this, relative to the force scale, there is no equilibrium to be found.
+const WORST_ROUNDING: f64 = 1e-3;
+
 /// The norm of `r` over the force scale, and whether that is at most `tolerance`, or round-off.
 fn judge<P: StaticProblem + ?Sized>(problem: &P, r: &[f64], tolerance: f64) -> (f64, bool) {
-    let norm = vector::norm(r);
+    let (norm, scale) = (vector::norm(r), problem.force_scale());
     let relative = if norm == 0.0 {
         0.0
     } else {
-        norm / problem.force_scale().max(f64::MIN_POSITIVE)
+        norm / scale.max(f64::MIN_POSITIVE)
     };
-    (
-        relative,
-        relative <= tolerance || norm <= problem.noise().force,
-    )
+    let rounding = problem.noise().force.min(WORST_ROUNDING * scale);
+    (relative, relative <= tolerance || norm <= rounding)
 }
 
 /// Returns an error unless `x` has a finite number for every unknown.

@@ -1,109 +1,16 @@
 //! Bodies brought to rest under loads that grow from zero.
 
 use super::body::{BodyProblem, flat, unflatten};
-use super::loading::Loading;
-use super::{Newton, NewtonOptions, NewtonReport, RelaxOptions, RelaxReport, StaticProblem, relax};
+use super::{LoadPath, Method, Newton, RelaxOptions, StaticOptions, StaticProblem, relax, vector};
+use super::{StaticReport, StaticSolution, StepReport};
 use crate::SolveError;
-use crate::deformable::DeformableModel;
-use crate::error::check;
-use femdem_mesh::Vector3;
-use serde::{Deserialize, Serialize};
-
-/// How equilibrium is found.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// Newton's method: for most bodies.
-    Newton(NewtonOptions),
-    /// Relaxation: for bodies that buckle, or laws whose tangent is not symmetric.
-    Relax(RelaxOptions),
-}
-
-impl Default for Method {
-    fn default() -> Self {
-        Self::Newton(NewtonOptions::default())
-    }
-}
-
-/// Options of [`solve_static`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct StaticOptions {
-    /// How each equilibrium is found.
-    pub method: Method,
-    /// Equal steps in which loads and prescribed motions are applied. A step that fails is halved;
-    /// after one that went well the next is longer again. Plasticity wants many.
-    pub steps: usize,
-    /// Halvings of the step before giving up.
-    pub max_halvings: usize,
-}
-
-impl Default for StaticOptions {
-    fn default() -> Self {
-        Self {
-            method: Method::default(),
-            steps: 1,
-            max_halvings: 10,
-        }
-    }
-}
-
-/// How a load step was solved.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StepReport {
-    /// By Newton's method.
-    Newton(NewtonReport),
-    /// By relaxation.
-    Relax(RelaxReport),
-}
-
-impl StepReport {
-    /// Residual over force scale at the end.
-    #[must_use]
-    pub fn residual(&self) -> f64 {
-        match self {
-            Self::Newton(report) => report.residual(),
-            Self::Relax(report) => report.residual,
-        }
-    }
-}
-
-/// What [`solve_static`] did.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct StaticReport {
-    /// Load steps that went well: the part of the load at their end, and how they were solved.
-    pub steps: Vec<(f64, StepReport)>,
-    /// Load steps that failed and were halved.
-    pub failed: usize,
-}
-
-impl StaticReport {
-    /// Residual over force scale at the end.
-    #[must_use]
-    pub fn residual(&self) -> f64 {
-        self.steps.last().map_or(0.0, |(_, step)| step.residual())
-    }
-}
-
-/// A body at rest.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StaticSolution {
-    /// Positions of the model's nodes, m.
-    pub positions: Vec<Vector3>,
-    /// History of the integration points.
-    pub history: Vec<f64>,
-    /// Forces of the supports on the nodes, N; zero for nodes that are free.
-    pub reactions: Vec<Vector3>,
-    /// What was done.
-    pub report: StaticReport,
-}
+use crate::deformable::{Boundary, DeformableModel, DeformableState};
 
 /// A body on its way through the load steps.
 struct March<'a> {
     problem: BodyProblem<'a>,
-    loading: &'a Loading,
-    method: Solver,
+    options: &'a StaticOptions,
+    solver: Solver,
     x: Vec<f64>,
     report: StaticReport,
 }
@@ -113,48 +20,88 @@ enum Solver {
     Relax(RelaxOptions),
 }
 
-/// The equilibrium of a body, from its reference state, under loads and prescribed motions that grow
-/// together from zero to what `loading` says.
+/// The equilibrium of a body, from its reference state, under the loads and with the supports of a
+/// moment, [`StaticOptions::time`].
 ///
-/// Free rigid motion is not removed: supports must hold the body (relaxation alone stands a free body
-/// under balanced loads).
+/// Supports must hold the body: free rigid motion is not removed (relaxation alone stands a free body
+/// under balanced loads). The tangent leaves out that pressure turns with its faces, so Newton's method
+/// converges more slowly under pressures that are not small beside the moduli.
+///
+/// ```
+/// use femdem_mesh::{TetMesh, Vector3};
+/// use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
+/// use femdem_solve::element::Element;
+/// use femdem_solve::material::NeoHookean;
+/// use femdem_solve::statics::{StaticOptions, solve_static};
+///
+/// // A beam of 10 x 1 x 1 m bends under its own weight: w L^4 / (8 E I) and some shear.
+/// let mesh = TetMesh::block([10, 2, 2], &Vector3::new(10.0, 1.0, 1.0))?;
+/// let solid = MaterialRegion { material: NeoHookean::new(1e9, 0.3)?.into(), density: 1000.0 };
+/// let model = DeformableModel::new(&mesh, Element::T10, vec![solid], None)?;
+/// let mut boundary = Boundary::new(Vector3::new(0.0, 0.0, -9.81))?;
+/// let wall = Selection::Plane { normal: Vector3::x(), offset: 0.0, tolerance: 1e-9 };
+/// boundary.fix(&model, &wall, [true; 3])?;
+///
+/// let solution = solve_static(&model, &boundary, &StaticOptions::default())?;
+/// let sag = -solution.state.x.iter().map(|x| x.z).fold(0.0, f64::min);
+/// let theory = 9810.0 * 10.0_f64.powi(4) / (8.0 * 1e9 / 12.0);
+/// assert!((sag / theory - 1.0).abs() < 0.05, "{sag} {theory}");
+/// let weight: f64 = solution.reactions.iter().map(|f| f.z).sum();
+/// assert!((weight / 98100.0 - 1.0).abs() < 1e-6);
+/// # Ok::<(), femdem_solve::SolveError>(())
+/// ```
 ///
 /// # Errors
 /// [`SolveError::NotConverged`] or the body's [`SolveError::Element`] for the step that failed however
-/// small it was made; [`SolveError::Parameter`] for options out of range; an error of the loading.
+/// small it was made; [`SolveError::Parameter`] for options out of range; [`SolveError::NoSuch`] for a
+/// boundary of another model.
 pub fn solve_static(
     model: &DeformableModel,
-    loading: &Loading,
+    boundary: &Boundary,
     options: &StaticOptions,
 ) -> Result<StaticSolution, SolveError> {
-    let steps = options.steps as f64;
-    check("steps", steps, steps >= 1.0, "at least 1")?;
-    let method = match &options.method {
+    solve_static_from(model, boundary, &DeformableState::reference(model), options)
+}
+
+/// As [`solve_static`], from a state of one's own. Loads still grow from zero, unless the path is
+/// [`LoadPath::InTime`].
+///
+/// # Errors
+/// As [`solve_static`], and if the state does not fit the model or has no stress.
+pub fn solve_static_from(
+    model: &DeformableModel,
+    boundary: &Boundary,
+    start: &DeformableState,
+    options: &StaticOptions,
+) -> Result<StaticSolution, SolveError> {
+    options.check()?;
+    let solver = match &options.method {
         Method::Newton(newton) => Solver::Newton(Newton::new(newton.clone())?),
         Method::Relax(relax) => Solver::Relax(relax.clone()),
     };
-    loading.check(model)?;
     let mut march = March {
-        problem: BodyProblem::new(model, loading.held.clone())?,
-        loading,
-        method,
-        x: flat(model.nodes()),
+        problem: BodyProblem::new(model, boundary, start)?,
+        options,
+        solver,
+        x: flat(&start.x),
         report: StaticReport::default(),
     };
-    march.run(1.0 / steps, options.max_halvings)?;
-    let mut positions = model.nodes().to_vec();
-    unflatten(&march.x, &mut positions);
+    march.run()?;
+    let mut state = DeformableState::reference(model);
+    unflatten(&march.x, &mut state.x);
+    let reactions = march.problem.reactions();
+    state.history = march.problem.into_history();
     Ok(StaticSolution {
-        positions,
-        history: march.problem.history().to_vec(),
-        reactions: march.problem.reactions(),
+        state,
+        reactions,
         report: march.report,
     })
 }
 
 impl March<'_> {
-    fn run(&mut self, longest: f64, max_halvings: usize) -> Result<(), SolveError> {
-        let (mut done, mut step) = (0.0, longest);
+    fn run(&mut self) -> Result<(), SolveError> {
+        let longest = 1.0 / self.options.steps as f64;
+        let (mut done, mut step, mut halvings) = (0.0, longest, 0);
         while done < 1.0 {
             // The last step ends at 1 exactly, and no sliver is left before it.
             let next = if done + 1.001 * step >= 1.0 {
@@ -162,32 +109,39 @@ impl March<'_> {
             } else {
                 done + step
             };
-            match self.advance(done, next) {
+            match self.advance(next) {
                 Ok(report) => {
                     self.report.steps.push((next, report));
                     done = next;
-                    step = (1.5 * step).min(longest);
+                    if halvings > 0 {
+                        (step, halvings) = (2.0 * step, halvings - 1);
+                    }
                 }
                 Err(error) => {
                     self.report.failed += 1;
-                    step *= 0.5;
-                    if step < longest * 0.5_f64.powi(max_halvings.min(60) as i32) {
+                    if halvings >= self.options.max_halvings {
                         return Err(error);
                     }
+                    (step, halvings) = (0.5 * step, halvings + 1);
                 }
             }
         }
         Ok(())
     }
 
-    fn advance(&mut self, from: f64, to: f64) -> Result<StepReport, SolveError> {
-        self.problem.set_loads(self.loading.forces_at(to));
+    /// Goes on to a part of the whole way.
+    fn advance(&mut self, part: f64) -> Result<StepReport, SolveError> {
+        let (end, now) = (self.options.time, self.options.time * part);
+        match self.options.path {
+            LoadPath::Proportional => self.problem.set_loads(end, part),
+            LoadPath::InTime => self.problem.set_loads(now, 1.0),
+        }
         let mut x = self.x.clone();
-        let motion = flat(&self.loading.motion_of(to - from));
+        let motion = self.problem.motion_to(now, &x);
         if motion.iter().any(|&m| m != 0.0) {
             self.predict(&mut x, &motion)?;
         }
-        let report = match &mut self.method {
+        let report = match &mut self.solver {
             Solver::Newton(newton) => StepReport::Newton(newton.solve(&mut self.problem, &mut x)?),
             Solver::Relax(options) => StepReport::Relax(relax(&mut self.problem, &mut x, options)?),
         };
@@ -199,15 +153,16 @@ impl March<'_> {
     /// Moves held coordinates, and with Newton's method the others as the tangent says, so that the
     /// whole body follows and not its outermost elements alone.
     fn predict(&mut self, x: &mut [f64], motion: &[f64]) -> Result<(), SolveError> {
-        if let Solver::Newton(newton) = &mut self.method {
+        if let Solver::Newton(newton) = &mut self.solver {
             let mut force = vec![0.0; x.len()];
             self.problem.residual(x, &mut force)?;
-            let pull = self.problem.pull_of(x, motion)?;
-            super::vector::add_scaled(&mut force, -1.0, &pull);
+            let mut pull = vec![0.0; x.len()];
+            self.problem.pull_of(x, motion, &mut pull)?;
+            vector::add_scaled(&mut force, -1.0, &pull);
             let follow = newton.predict(&mut self.problem, x, &force)?;
-            super::vector::add_scaled(x, 1.0, &follow);
+            vector::add_scaled(x, 1.0, &follow);
         }
-        super::vector::add_scaled(x, 1.0, motion);
+        vector::add_scaled(x, 1.0, motion);
         Ok(())
     }
 }

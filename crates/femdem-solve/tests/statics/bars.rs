@@ -1,13 +1,13 @@
 //! Bars in tension and compression.
 
-use crate::loads::hold;
+use crate::planes::plane;
 use crate::{newton, solvers, with};
 use femdem_mesh::{TetMesh, Vector3};
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
+use femdem_solve::Drive;
+use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion};
 use femdem_solve::element::Element;
 use femdem_solve::material::{AnyMaterial, J2, NeoHookean};
-use femdem_solve::statics::{Loading, StaticOptions, StaticSolution, StepReport, solve_static};
-use std::f64::consts::PI;
+use femdem_solve::statics::{StaticOptions, StaticSolution, StepReport, solve_static};
 
 const LENGTH: f64 = 4.0;
 
@@ -20,17 +20,33 @@ fn bar(element: Element, material: AnyMaterial) -> DeformableModel {
     DeformableModel::new(&mesh, element, vec![region], None).unwrap()
 }
 
+/// Symmetry about the planes through the origin.
+fn symmetric(model: &DeformableModel) -> Boundary {
+    let mut boundary = Boundary::default();
+    for axis in 0..3 {
+        let components = [0, 1, 2].map(|k| k == axis);
+        boundary.fix(model, &plane(axis, 0.0), components).unwrap();
+    }
+    boundary
+}
+
+/// A motion that is complete at 1 s.
+fn shift(by: Vector3) -> Drive {
+    Drive::Linear {
+        velocity: by,
+        start: 0.0,
+        end: 1.0,
+    }
+}
+
 /// Pulls the end at x = 4 while planes of symmetry keep the state uniform.
 fn pull(model: &DeformableModel, by: f64, options: &StaticOptions) -> StaticSolution {
-    let mut loading = Loading::free(model);
-    for axis in 0..3 {
-        hold(&mut loading, model, axis, |x| x[axis] == 0.0);
-    }
-    hold(&mut loading, model, 0, |x| x.x == LENGTH);
-    for (motion, x) in loading.motion.iter_mut().zip(model.nodes()) {
-        motion.x = if x.x == LENGTH { by } else { 0.0 };
-    }
-    solve_static(model, &loading, options).unwrap()
+    let mut boundary = symmetric(model);
+    let drive = shift(Vector3::new(by, 0.0, 0.0));
+    boundary
+        .drive(model, &plane(0, LENGTH), [true, false, false], drive)
+        .unwrap();
+    solve_static(model, &boundary, options).unwrap()
 }
 
 /// Force on the end at x = 4.
@@ -78,14 +94,13 @@ fn newton_takes_four_iterations_to_round_off() {
     let model = bar(Element::T10, NeoHookean::new(1e6, 0.3).unwrap().into());
     for linear in solvers() {
         // Clamped ends, so that the state is not uniform.
-        let mut loading = Loading::free(&model);
-        for axis in 0..3 {
-            hold(&mut loading, &model, axis, |x| x.x == 0.0 || x.x == LENGTH);
-        }
-        for (motion, x) in loading.motion.iter_mut().zip(model.nodes()) {
-            motion.z = if x.x == LENGTH { 0.2 } else { 0.0 };
-        }
-        let solution = solve_static(&model, &loading, &with(linear, 1e-13)).unwrap();
+        let mut boundary = Boundary::default();
+        boundary.fix(&model, &plane(0, 0.0), [true; 3]).unwrap();
+        let drive = shift(Vector3::new(0.0, 0.0, 0.2));
+        boundary
+            .drive(&model, &plane(0, LENGTH), [true; 3], drive)
+            .unwrap();
+        let solution = solve_static(&model, &boundary, &with(linear, 1e-13)).unwrap();
         let (_, StepReport::Newton(report)) = &solution.report.steps[0] else {
             panic!("not Newton");
         };
@@ -121,7 +136,13 @@ fn a_bar_of_metal_hardens_along_its_curve() {
         let exact = (yield_stress + hardening * alpha) / 1.05;
         let ratio = force(&model, &solution) / exact;
         assert!((ratio - 1.0).abs() < 1e-7, "{element:?} {ratio}");
-        assert!(solution.history.iter().any(|h| (h - alpha).abs() < 1e-9));
+        assert!(
+            solution
+                .state
+                .history
+                .iter()
+                .any(|h| (h - alpha).abs() < 1e-9)
+        );
     }
 }
 
@@ -137,28 +158,25 @@ fn a_slender_column_buckles_sideways() {
         density: 1000.0,
     };
     let model = DeformableModel::new(&mesh, Element::T10, vec![region], None).unwrap();
-    let mut loading = Loading::free(&model);
-    for axis in 0..3 {
-        hold(&mut loading, &model, axis, |x| x.x == 0.0);
-    }
-    hold(&mut loading, &model, 0, |x| x.x == length);
-    let nodes = loading.motion.iter_mut().zip(&mut loading.forces);
-    for ((motion, force), x) in nodes.zip(model.nodes()) {
-        if x.x == length {
-            motion.x = -0.03 * length;
-            force.z = 1e-3;
-        }
-    }
+    let mut boundary = Boundary::default();
+    boundary.fix(&model, &plane(0, 0.0), [true; 3]).unwrap();
+    let drive = shift(Vector3::new(-0.03 * length, 0.0, 0.0));
+    boundary
+        .drive(&model, &plane(0, length), [true, false, false], drive)
+        .unwrap();
+    boundary
+        .pull(&model, &plane(0, length), Vector3::z(), 0.01)
+        .unwrap();
     let options = StaticOptions {
         steps: 4,
         ..newton(1e-7)
     };
-    let solution = solve_static(&model, &loading, &options).unwrap();
-    let moves = solution.positions.iter().zip(model.nodes());
+    let solution = solve_static(&model, &boundary, &options).unwrap();
+    let moves = solution.state.x.iter().zip(model.nodes());
     let sway = moves.map(|(x, r)| x.z - r.z).fold(0.0, f64::max);
     assert!(sway > 0.1 * length, "{sway}");
     // Euler, one end clamped and the other guided: pi^2 E I / L^2. Straight, 3 % take 30 kN.
-    let euler = PI.powi(2) * young / 12.0 / length.powi(2);
+    let euler = std::f64::consts::PI.powi(2) * young / 12.0 / length.powi(2);
     let ends = model.nodes().iter().zip(&solution.reactions);
     let ends = ends.filter(|(x, _)| x.x == length);
     let axial = -ends.map(|(_, f)| f.x).sum::<f64>();

@@ -1,18 +1,22 @@
 //! Static equilibrium of deformable bodies against closed forms and published values.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 #[path = "../../examples/statics/cantilever.rs"]
 mod cantilever;
+#[cfg(feature = "implicit")]
 #[path = "../../examples/statics/cook.rs"]
 mod cook;
-#[path = "../../examples/statics/loads.rs"]
-mod loads;
-#[path = "../../examples/statics/meshes.rs"]
-mod meshes;
+#[path = "../../examples/statics/planes.rs"]
+mod planes;
+#[cfg(feature = "implicit")]
 #[path = "../../examples/statics/sphere.rs"]
 mod sphere;
 
 mod bars;
-mod benchmarks;
+mod cantilevers;
+#[cfg(feature = "implicit")]
+mod nearly_incompressible;
 mod refusals;
 
 use femdem_solve::statics::{Linear, Method, NewtonOptions, StaticOptions};

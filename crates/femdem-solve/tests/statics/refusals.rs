@@ -1,13 +1,13 @@
 //! What cannot be solved is said by name.
 
-use crate::loads::hold;
+use crate::planes::plane;
 use crate::{solvers, with};
 use femdem_mesh::{TetMesh, Vector3};
-use femdem_solve::SolveError;
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
+use femdem_solve::deformable::{Boundary, DeformableModel, DeformableState, MaterialRegion};
 use femdem_solve::element::Element;
 use femdem_solve::material::NeoHookean;
-use femdem_solve::statics::{Loading, Method, RelaxOptions, StaticOptions, solve_static};
+use femdem_solve::statics::{Method, RelaxOptions, StaticOptions, solve_static, solve_static_from};
+use femdem_solve::{Drive, SolveError};
 
 fn cube() -> DeformableModel {
     let mesh = TetMesh::block([2, 2, 2], &Vector3::new(1.0, 1.0, 1.0)).unwrap();
@@ -21,10 +21,12 @@ fn cube() -> DeformableModel {
 #[test]
 fn a_body_that_nothing_holds_is_told_from_one_at_rest() {
     let model = cube();
-    let mut loading = Loading::free(&model);
-    loading.forces[0].z = -1.0;
+    let mut boundary = Boundary::default();
+    boundary
+        .pull(&model, &plane(2, 1.0), Vector3::z(), 1.0)
+        .unwrap();
     for linear in solvers() {
-        let error = solve_static(&model, &loading, &with(linear, 1e-6)).unwrap_err();
+        let error = solve_static(&model, &boundary, &with(linear, 1e-6)).unwrap_err();
         assert!(matches!(error, SolveError::NotConverged { .. }), "{error}");
     }
 }
@@ -33,21 +35,24 @@ fn a_body_that_nothing_holds_is_told_from_one_at_rest() {
 fn a_body_under_no_load_stays() {
     let model = cube();
     for linear in solvers() {
-        let solution = solve_static(&model, &Loading::free(&model), &with(linear, 1e-6)).unwrap();
-        assert_eq!(solution.positions, model.nodes());
+        let solution = solve_static(&model, &Boundary::default(), &with(linear, 1e-6)).unwrap();
+        assert_eq!(solution.state.x, model.nodes());
     }
 }
 
 #[test]
 fn crushing_a_body_to_nothing_stops_with_an_error() {
     let model = cube();
-    let mut loading = Loading::free(&model);
-    for axis in 0..3 {
-        hold(&mut loading, &model, axis, |x| x.x == 0.0 || x.x == 1.0);
-    }
-    for (motion, x) in loading.motion.iter_mut().zip(model.nodes()) {
-        motion.x = if x.x == 1.0 { -1.5 } else { 0.0 };
-    }
+    let mut boundary = Boundary::default();
+    boundary.fix(&model, &plane(0, 0.0), [true; 3]).unwrap();
+    let drive = Drive::Linear {
+        velocity: Vector3::new(-1.5, 0.0, 0.0),
+        start: 0.0,
+        end: 1.0,
+    };
+    boundary
+        .drive(&model, &plane(0, 1.0), [true; 3], drive)
+        .unwrap();
     let mut all: Vec<StaticOptions> = solvers().into_iter().map(|l| with(l, 1e-6)).collect();
     all.push(StaticOptions {
         method: Method::Relax(RelaxOptions {
@@ -57,7 +62,7 @@ fn crushing_a_body_to_nothing_stops_with_an_error() {
         ..StaticOptions::default()
     });
     for options in all {
-        let error = solve_static(&model, &loading, &options).unwrap_err();
+        let error = solve_static(&model, &boundary, &options).unwrap_err();
         let is_named = matches!(
             error,
             SolveError::NotConverged { .. } | SolveError::Element(_)
@@ -67,22 +72,30 @@ fn crushing_a_body_to_nothing_stops_with_an_error() {
 }
 
 #[test]
-fn loads_of_another_body_and_bad_numbers_are_refused() {
-    let model = cube();
-    let options = StaticOptions::default();
-    let mut short = Loading::free(&model);
-    short.forces.pop();
-    let error = solve_static(&model, &short, &options).unwrap_err();
-    assert!(matches!(error, SolveError::WrongLength { .. }), "{error}");
+fn boundaries_and_states_of_another_body_and_bad_options_are_refused() {
+    let (model, usual) = (cube(), StaticOptions::default());
+    let mesh = TetMesh::block([3, 3, 3], &Vector3::new(1.0, 1.0, 1.0)).unwrap();
+    let larger = DeformableModel::new(&mesh, Element::T4, model.regions().to_vec(), None).unwrap();
+    let mut boundary = Boundary::default();
+    boundary.fix(&larger, &plane(2, 1.0), [true; 3]).unwrap();
+    let error = solve_static(&model, &boundary, &usual).unwrap_err();
+    assert!(matches!(error, SolveError::NoSuch { .. }), "{error}");
 
-    let mut bad = Loading::free(&model);
-    bad.forces[3].y = f64::NAN;
-    let error = solve_static(&model, &bad, &options).unwrap_err();
-    assert!(error.to_string().contains("force of a node"), "{error}");
+    let start = DeformableState::reference(&larger);
+    let error = solve_static_from(&model, &Boundary::default(), &start, &usual).unwrap_err();
+    assert!(matches!(error, SolveError::Element(_)), "{error}");
 
-    let none = StaticOptions {
-        steps: 0,
-        ..options
-    };
-    assert!(solve_static(&model, &Loading::free(&model), &none).is_err());
+    for bad in [
+        StaticOptions {
+            steps: 0,
+            ..usual.clone()
+        },
+        StaticOptions {
+            time: f64::NAN,
+            ..usual.clone()
+        },
+    ] {
+        let error = solve_static(&model, &Boundary::default(), &bad).unwrap_err();
+        assert!(matches!(error, SolveError::Parameter { .. }), "{error}");
+    }
 }

@@ -1,19 +1,7 @@
-//! Structured meshes of the benchmark bodies.
+//! A quarter of a cylinder, of prisms.
 
-use femdem_mesh::{MeshError, Point3, TetMesh, Vector3};
+use femdem_mesh::{MeshError, Point3, TetMesh};
 use std::f64::consts::FRAC_PI_2;
-
-/// Cook's membrane: the trapezium (0, 0), (48, 44), (48, 60), (0, 44) of a thickness, m: `cells` along
-/// its length, its height and its thickness.
-pub fn cook(cells: [u32; 3], thickness: f64) -> Result<TetMesh, MeshError> {
-    let unit = TetMesh::block(cells, &Vector3::new(1.0, 1.0, 1.0))?;
-    let map = |p: &Point3| {
-        let y = 44.0 * p.x + p.y * (44.0 - 28.0 * p.x);
-        Point3::new(48.0 * p.x, y, thickness * p.z)
-    };
-    let points = unit.points().iter().map(map).collect();
-    TetMesh::new(points, unit.tets().to_vec())
-}
 
 /// The quarter x, y >= 0 of a cylinder on the plane z = 0: `rings` of triangles about the axis, and
 /// `layers` of prisms, each of three tetrahedra.

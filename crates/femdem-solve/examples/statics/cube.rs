@@ -1,0 +1,36 @@
+//! A clamped rubber cube that is stretched and sheared: how Newton's method converges, and what its
+//! linear solvers cost.
+
+use crate::planes::plane;
+use femdem_mesh::{TetMesh, Vector3};
+use femdem_solve::Drive;
+use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion};
+use femdem_solve::element::Element;
+use femdem_solve::material::NeoHookean;
+use femdem_solve::statics::{StaticOptions, StaticSolution, solve_static};
+
+/// A unit cube of `cells`^3 cells at nu = 0.3; one face is moved by 10 % outwards and sideways.
+///
+/// # Errors
+/// If the model or the solution fails.
+pub fn run(
+    element: Element,
+    cells: u32,
+    options: &StaticOptions,
+) -> Result<StaticSolution, Box<dyn std::error::Error>> {
+    let mesh = TetMesh::block([cells; 3], &Vector3::new(1.0, 1.0, 1.0))?;
+    let rubber = MaterialRegion {
+        material: NeoHookean::new(1e6, 0.3)?.into(),
+        density: 1000.0,
+    };
+    let model = DeformableModel::new(&mesh, element, vec![rubber], None)?;
+    let mut boundary = Boundary::default();
+    boundary.fix(&model, &plane(0, 0.0), [true; 3])?;
+    let drive = Drive::Linear {
+        velocity: Vector3::new(0.1, 0.0, 0.1),
+        start: 0.0,
+        end: 1.0,
+    };
+    boundary.drive(&model, &plane(0, 1.0), [true; 3], drive)?;
+    Ok(solve_static(&model, &boundary, options)?)
+}

@@ -1,0 +1,55 @@
+//! What the solution of a body returns.
+
+use super::{NewtonReport, RelaxReport};
+use crate::deformable::DeformableState;
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// How a load step was solved.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepReport {
+    /// By Newton's method.
+    Newton(NewtonReport),
+    /// By relaxation.
+    Relax(RelaxReport),
+}
+
+impl StepReport {
+    /// Residual over force scale at the end.
+    #[must_use]
+    pub fn residual(&self) -> f64 {
+        match self {
+            Self::Newton(report) => report.residual(),
+            Self::Relax(report) => report.residual,
+        }
+    }
+}
+
+/// What [`solve_static`](super::solve_static) did.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct StaticReport {
+    /// Load steps that went well: the part of the load at their end, and how they were solved.
+    pub steps: Vec<(f64, StepReport)>,
+    /// Load steps that failed and were halved.
+    pub failed: usize,
+}
+
+impl StaticReport {
+    /// Residual over force scale at the end.
+    #[must_use]
+    pub fn residual(&self) -> f64 {
+        self.steps.last().map_or(0.0, |(_, step)| step.residual())
+    }
+}
+
+/// A body at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StaticSolution {
+    /// Positions and history; velocities are zero.
+    pub state: DeformableState,
+    /// Forces of the supports on the nodes, N; zero for nodes that are free.
+    pub reactions: Vec<Vector3>,
+    /// What was done.
+    pub report: StaticReport,
+}
