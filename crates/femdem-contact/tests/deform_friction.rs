@@ -9,7 +9,9 @@ mod soft;
 mod tets;
 
 use common::Stream;
-use femdem_contact::deform::{DeformableBatch, DeformableContact, Modulus, NodalState};
+use femdem_contact::deform::{
+    DeformableBatch, DeformableContact, DeformablePartner, Modulus, NodalState,
+};
 use femdem_contact::{
     BodyShape, ContactLaw, ContactParameters, Field, Form, Frame, Motion, Wall, restitution,
 };
@@ -360,5 +362,36 @@ fn shaken_stick_does_not_creep() {
         let end = rig.update();
         let kept = end.friction.norm() / start.friction.norm();
         assert!(kept > 0.99, "{ground:?}: {kept}");
+    }
+}
+
+/// A contact taken over from elsewhere begins with the force and the torsion that it had.
+#[test]
+fn contacts_begin_with_the_friction_they_are_given() {
+    for ground in GROUNDS {
+        let mut rig = Rig::new(law(), ground);
+        let load = rig.clone().update().normal_force;
+        let a = match ground {
+            Ground::Floor => DeformablePartner::Wall(0),
+            Ground::Rigid => DeformablePartner::Rigid(0),
+            Ground::Soft => DeformablePartner::Deformable(0),
+        };
+        let b = rig.batch.len() as u32 - 1;
+        let force = Vector3::new(0.2, -0.1, 0.0) * load;
+        let torsion = 0.03 * load;
+        rig.batch.begin_friction(a, b, force, torsion);
+        for _ in 0..2 {
+            let contact = rig.update();
+            assert!(
+                (contact.friction - force).norm() < 1e-9 * load,
+                "{ground:?}"
+            );
+        }
+        let nodes = rig.upper.x.iter().zip(rig.batch.friction_forces(b));
+        let moment: Vector3<f64> = nodes.map(|(x, f)| (x - contact.point).cross(f)).sum();
+        assert!(
+            (moment.z - torsion).abs() < 1e-3 * torsion,
+            "{ground:?} {moment}"
+        );
     }
 }

@@ -27,6 +27,17 @@ pub(crate) struct Pair<'a> {
     pub movers: [Mover<'a>; 2],
     pub near: &'a Near,
     pub law: &'a ContactParameters,
+    /// Friction to begin with.
+    pub begins: Option<FrictionStart>,
+}
+
+/// Friction that the springs of a pair begin with.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct FrictionStart {
+    /// On B, N.
+    pub force: Vector3,
+    /// On B about the normal, N m.
+    pub torsion: f64,
 }
 
 /// What a contact does to a node.
@@ -213,7 +224,10 @@ impl Outcome {
                 Some((load.triangle, touch))
             })
             .collect();
-        let mut bristles = pair.inherit(&old, &touches);
+        let mut bristles = match &pair.begins {
+            Some(start) if old.is_empty() => pair.begin(start, &touches),
+            _ => pair.inherit(&old, &touches),
+        };
         let mut marks: Vec<Mark> = Vec::with_capacity(touches.len());
         let mut slides = !touches.is_empty();
         for ((_, touch), bristle) in touches.iter().zip(&mut bristles) {
@@ -434,6 +448,32 @@ impl<'a> Pair<'a> {
             }
             _ => (Vector3::zeros(), 0.0),
         }
+    }
+
+    /// Springs that bear a given friction, in proportion to what presses on their triangles.
+    fn begin(&self, start: &FrictionStart, touches: &[(u32, Touch)]) -> Vec<Bristle> {
+        let pressing: f64 = touches.iter().map(|(_, t)| t.force).sum();
+        let centre: Vector3 = touches.iter().map(|(_, t)| t.point * t.force).sum();
+        let centre = centre / pressing;
+        let normal: Vector3 = touches.iter().map(|(_, t)| t.normal * t.force).sum();
+        let arm = |t: &Touch| normal.cross(&(t.point - centre)) / pressing;
+        let second: f64 = touches
+            .iter()
+            .map(|(_, t)| t.force * arm(t).norm_squared())
+            .sum();
+        let turn = if second > 0.0 {
+            start.torsion / second
+        } else {
+            0.0
+        };
+        touches
+            .iter()
+            .map(|(triangle, touch)| {
+                let force = (start.force / pressing + arm(touch) * turn) * touch.force;
+                let stretch = -force / touch.stiffness;
+                Bristle::new(&self.sides, *triangle, touch, &stretch)
+            })
+            .collect()
     }
 
     /// The springs of the triangles in contact now, from those of the last step. A triangle newly

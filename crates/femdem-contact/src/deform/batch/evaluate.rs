@@ -156,6 +156,7 @@ impl Context<'_> {
             movers: [mover, Mover::Nodes(*self.states.get(pair.b as usize)?)],
             near: pair.candidates.near()?,
             law: self.parameters,
+            begins: pair.begins.take(),
         };
         pair.outcome.take(&of_pair, scratch);
         Some(())

@@ -5,7 +5,8 @@ mod evaluate;
 mod pairs;
 
 use super::kernel::DeformableKernel;
-use super::record::{DeformableContact, DeformableTotals, NodalState};
+use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
+use super::respond::FrictionStart;
 use super::shape::{DeformableShape, Modulus};
 use super::sums::Gradient;
 use crate::contact::{BodyId, Load};
@@ -20,6 +21,7 @@ use evaluate::Context;
 use femdem_mesh::Vector3;
 use pairs::PairList;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Contact of deformable bodies with each other, with rigid bodies and with walls, with friction
@@ -39,6 +41,8 @@ pub struct DeformableBatch {
     rigid: Vec<u32>,
     walls: Vec<WallShape>,
     pairs: PairList,
+    /// Friction that pairs begin with, until they are found.
+    starts: BTreeMap<(DeformablePartner, u32), FrictionStart>,
     rigid_loads: Vec<Load>,
     wall_loads: Vec<Load>,
     totals: DeformableTotals,
@@ -76,6 +80,7 @@ impl DeformableBatch {
             rigid: Vec::new(),
             walls: Vec::new(),
             pairs: PairList::default(),
+            starts: BTreeMap::new(),
             rigid_loads: Vec::new(),
             wall_loads: Vec::new(),
             totals: DeformableTotals::default(),
@@ -237,11 +242,26 @@ impl DeformableBatch {
             walls,
         };
         self.pairs.search(&context, &self.bodies);
+        if !self.starts.is_empty() {
+            for pair in self.pairs.list_mut() {
+                pair.begins = self.starts.remove(&pair.key());
+            }
+            self.starts.clear();
+        }
         let stale = self.pairs.stale_trees(&context, &self.bodies);
         body::refit(&mut self.bodies, &stale, &context);
         evaluate::run(&context, &self.bodies, &mut self.pairs)?;
         self.gather();
         Ok(())
+    }
+
+    /// Lets a pair begin with the friction of a contact that was followed by other means, such as
+    /// that of rigid bodies: a force on B (N) and a moment on B about the normal (N m), spread over
+    /// the triangles in contact in proportion to what presses on them. It counts at the next
+    /// update, if the pair touches then and has no friction yet.
+    pub fn begin_friction(&mut self, a: DeformablePartner, b: u32, force: Vector3, torsion: f64) {
+        let start = FrictionStart { force, torsion };
+        self.starts.insert((a, b), start);
     }
 
     /// Sums the forces in the order of the pairs.
@@ -258,7 +278,7 @@ impl DeformableBatch {
             if let Some(body) = self.bodies.get_mut(pair.b as usize) {
                 body.add(of_b);
             }
-            use super::record::DeformablePartner as Side;
+            use DeformablePartner as Side;
             let load = match pair.a {
                 Side::Deformable(i) => {
                     if let Some(body) = self.bodies.get_mut(i as usize) {

@@ -4,7 +4,7 @@ use super::body::SoftBody;
 use super::evaluate::Context;
 use crate::deform::near::Candidates;
 use crate::deform::record::{DeformablePartner, DeformableTotals};
-use crate::deform::respond::Outcome;
+use crate::deform::respond::{FrictionStart, Outcome};
 use crate::walls::LocalSolid;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
@@ -25,6 +25,8 @@ pub(crate) struct SoftPair {
     /// What went wrong in the last evaluation: the side and its tetrahedron.
     pub failure: Option<(u32, u32)>,
     pub counts: [u32; 2],
+    /// Friction that its springs begin with.
+    pub begins: Option<FrictionStart>,
 }
 
 impl SoftPair {
@@ -37,10 +39,11 @@ impl SoftPair {
             outcome: Outcome::default(),
             failure: None,
             counts: [0; 2],
+            begins: None,
         }
     }
 
-    fn key(&self) -> (DeformablePartner, u32) {
+    pub fn key(&self) -> (DeformablePartner, u32) {
         (self.a, self.b)
     }
 

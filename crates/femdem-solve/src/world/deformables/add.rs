@@ -6,7 +6,7 @@ use crate::deformable::{Boundary, DeformableModel};
 use crate::error::{SolveError, check};
 use crate::material::{Deformation, Material};
 use crate::world::World;
-use femdem_contact::deform::DeformableBatch;
+use femdem_contact::deform::{DeformableBatch, DeformablePartner};
 use femdem_contact::{BodyShape, ContactBatch, ContactLaw, Form};
 use femdem_mesh::nalgebra::Matrix6;
 use femdem_mesh::{Matrix3, Vector3};
@@ -82,6 +82,25 @@ impl World {
         self.step_control.see_elements(bound);
         self.loaded = false;
         Ok(id)
+    }
+
+    /// Lets the contact of a deformable body B begin with a friction force on B (N) and a moment about
+    /// the normal (N m), such as those of the rigid bodies that it takes the place of: see
+    /// [`DeformableBatch::begin_friction`].
+    ///
+    /// # Errors
+    /// As [`World::add_model`].
+    pub fn begin_friction(
+        &mut self,
+        a: DeformablePartner,
+        b: DeformableId,
+        force: Vector3,
+        torsion: f64,
+    ) -> Result<(), SolveError> {
+        self.deformables_mut()?
+            .batch
+            .begin_friction(a, b, force, torsion);
+        Ok(())
     }
 
     /// The deformable part, which knows all that is rigid.
