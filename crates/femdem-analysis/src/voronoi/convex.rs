@@ -9,8 +9,7 @@ use femdem_mesh::{Point3, Polyhedron, Vector3};
 #[derive(Clone, Debug)]
 pub(super) struct ConvexField {
     faces: Vec<Face>,
-    /// In-plane outward normals of the faces' sides, and their offsets.
-    sides: Vec<(Vector3, f64)>,
+    sides: Vec<Side>,
     edges: Vec<Edge>,
 }
 
@@ -21,52 +20,104 @@ struct Face {
     sides: Range<usize>,
 }
 
+/// An edge as a side of one of its faces.
+#[derive(Clone, Debug)]
+struct Side {
+    line: Line,
+    /// In-plane outward normal of the side and its offset.
+    outward: Vector3,
+    offset: f64,
+    /// In-plane outward normal of the same edge in the face beyond it.
+    beyond: Vector3,
+}
+
 #[derive(Clone, Debug)]
 struct Edge {
+    line: Line,
+    faces: [usize; 2],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Line {
     start: Point3,
     along: Vector3,
     /// `1 / along²`.
     scale: f64,
-    faces: [usize; 2],
+}
+
+impl Line {
+    fn new(start: Point3, end: Point3) -> Self {
+        let along = end - start;
+        Self {
+            start,
+            along,
+            scale: 1.0 / along.norm_squared(),
+        }
+    }
+
+    /// Where the foot of a point is, 0 at the start and 1 at the end.
+    fn foot(&self, point: &Point3) -> f64 {
+        (point - self.start).dot(&self.along) * self.scale
+    }
+
+    /// From the place `t` of the line to a point.
+    fn apart(&self, t: f64, point: &Point3) -> Vector3 {
+        point - self.start - t * self.along
+    }
 }
 
 impl ConvexField {
     pub(super) fn new(shape: &Polyhedron) -> Self {
         let place = |v: u32| shape.vertices()[v as usize];
-        let mut sides = Vec::new();
-        let mut faces_at: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
-        let faces = (0..shape.face_count()).map(|k| {
-            let normal = shape.face_normal(k);
-            let start = sides.len();
+        let ends = |k: usize| {
             let corners = shape.face(k);
-            for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                let outward = (place(b) - place(a)).cross(&normal);
-                sides.push((outward, outward.dot(&place(a).coords)));
+            corners
+                .iter()
+                .copied()
+                .zip(corners.iter().copied().cycle().skip(1))
+        };
+        let mut faces_at: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
+        for k in 0..shape.face_count() {
+            for (a, b) in ends(k) {
                 faces_at.entry([a.min(b), a.max(b)]).or_default().push(k);
             }
-            Face {
+        }
+        let mut sides = Vec::new();
+        let mut faces = Vec::new();
+        for k in 0..shape.face_count() {
+            let normal = shape.face_normal(k);
+            let start = sides.len();
+            for (a, b) in ends(k) {
+                let line = Line::new(place(a), place(b));
+                let outward = line.along.cross(&normal);
+                let around = faces_at.get(&[a.min(b), a.max(b)]);
+                let other = around.and_then(|faces| faces.iter().find(|f| **f != k));
+                sides.push(Side {
+                    line,
+                    outward,
+                    offset: outward.dot(&line.start.coords),
+                    beyond: -line
+                        .along
+                        .cross(&shape.face_normal(other.copied().unwrap_or(k))),
+                });
+            }
+            faces.push(Face {
                 normal,
                 offset: shape.face_offset(k),
                 sides: start..sides.len(),
-            }
-        });
-        let faces = faces.collect();
+            });
+        }
         let edge = |(ends, faces): (&[u32; 2], &Vec<usize>)| {
-            let [start, end] = ends.map(place);
-            let along = end - start;
             let first = faces.first().copied()?;
             Some(Edge {
-                start,
-                along,
-                scale: 1.0 / along.norm_squared(),
+                line: Line::new(place(ends[0]), place(ends[1])),
                 faces: [first, faces.get(1).copied().unwrap_or(first)],
             })
         };
-        let edges = faces_at.iter().filter_map(edge).collect();
         Self {
+            edges: faces_at.iter().filter_map(edge).collect(),
             faces,
             sides,
-            edges,
         }
     }
 
@@ -99,17 +150,29 @@ impl ConvexField {
             return Some((height, face.normal));
         }
         let foot = point - height * face.normal;
-        let mut sides = self.sides[face.sides.clone()].iter();
-        if sides.all(|(outward, offset)| outward.dot(&foot.coords) <= *offset) {
+        let mut over_face = true;
+        for side in &self.sides[face.sides.clone()] {
+            if side.outward.dot(&foot.coords) <= side.offset {
+                continue;
+            }
+            over_face = false;
+            let t = side.line.foot(point);
+            let apart = side.line.apart(t, point);
+            // Inside the edge, and no way down on either face: of a convex body that is the nearest point.
+            if t > 0.0 && t < 1.0 && apart.dot(&side.beyond) >= 0.0 {
+                let distance = apart.norm();
+                return (distance <= limit).then(|| (distance, apart / distance));
+            }
+        }
+        if over_face {
             return Some((height, face.normal));
         }
         let mut nearest = Vector3::repeat(f64::INFINITY);
         let mut square = f64::INFINITY;
         let sees = |edge: &&Edge| edge.faces.iter().any(|&f| memory[f] > 0.0);
         for edge in self.edges.iter().filter(sees) {
-            let from_start = point - edge.start;
-            let t = (from_start.dot(&edge.along) * edge.scale).clamp(0.0, 1.0);
-            let apart = from_start - t * edge.along;
+            let t = edge.line.foot(point).clamp(0.0, 1.0);
+            let apart = edge.line.apart(t, point);
             let found = apart.norm_squared();
             if found < square {
                 (nearest, square) = (apart, found);

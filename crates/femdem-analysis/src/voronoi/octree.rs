@@ -146,7 +146,12 @@ impl Octree<'_> {
             self.give(memory, cube, far.body, volume * (1.0 - share));
             return;
         }
+        let mut left = self.volume_in_region(memory, cube, relation);
         for (k, owner) in kept.iter().enumerate() {
+            if k + 1 == kept.len() {
+                self.give(memory, cube, owner.body, left);
+                continue;
+            }
             memory.clipper.load_box(cube);
             for other in kept.iter().take(k).chain(kept.iter().skip(k + 1)) {
                 let slope = owner.gradient - other.gradient;
@@ -159,6 +164,7 @@ impl Octree<'_> {
                 Relation::Inside => memory.clipper.volume(),
                 _ => memory.clipper.volume_in(self.region),
             };
+            left -= volume;
             self.give(memory, cube, owner.body, volume);
         }
     }
