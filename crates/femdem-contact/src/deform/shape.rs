@@ -2,6 +2,7 @@
 
 use crate::error::{ContactError, check};
 use crate::general::cells::NONE;
+use crate::general::{Field, gauge};
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};
@@ -49,7 +50,7 @@ impl DeformableShape {
     /// # Errors
     /// [`ContactError::Mesh`] if a tetrahedron is too flat to be split.
     pub fn new(mesh: &TetMesh) -> Result<Self, ContactError> {
-        Self::build(mesh)
+        Self::build(mesh, Field::Body)
     }
 
     /// The contact mesh of quadratic tetrahedra (T10) with straight edges in the reference state:
@@ -60,15 +61,48 @@ impl DeformableShape {
     /// [`ContactError::Mesh`] if `mid_edges` are not the edges of the mesh, or if a part is too
     /// flat.
     pub fn quadratic(mesh: &TetMesh, mid_edges: &[[u32; 2]]) -> Result<Self, ContactError> {
-        Self::build(&halved(mesh, mid_edges)?)
+        Self::build(&halved(mesh, mid_edges)?, Field::Body)
     }
 
-    fn build(mesh: &TetMesh) -> Result<Self, ContactError> {
+    /// The contact mesh of linear tetrahedra, or of quadratic ones if there are `mid_edges`, with the
+    /// field that the same body has as a rigid one: contacts then begin with the forces that they
+    /// had there.
+    ///
+    /// # Errors
+    /// As [`quadratic`](Self::quadratic), [`ContactError::NotConvex`] for [`Field::Gauge`] of a body
+    /// that is not convex, and [`ContactError::Mesh`] for [`Field::Classic`], which is no field of a
+    /// body.
+    pub fn with_field(
+        mesh: &TetMesh,
+        mid_edges: &[[u32; 2]],
+        field: Field,
+    ) -> Result<Self, ContactError> {
+        if mid_edges.is_empty() {
+            Self::build(mesh, field)
+        } else {
+            Self::build(&halved(mesh, mid_edges)?, field)
+        }
+    }
+
+    fn build(mesh: &TetMesh, field: Field) -> Result<Self, ContactError> {
         let node_count = mesh.points().len();
         let (split, slaves) = with_centroids(mesh)?;
-        let distance = split.distance_to_skin();
-        let inradius = distance.iter().copied().fold(0.0, f64::max);
-        let value = |i: u32| (distance[i as usize] / inradius).min(1.0);
+        let (values, inradius) = match field {
+            Field::Body => {
+                let distance = split.distance_to_skin();
+                let h0 = distance.iter().copied().fold(0.0, f64::max);
+                (distance.iter().map(|d| (d / h0).min(1.0)).collect(), h0)
+            }
+            Field::Gauge => gauge(&split)?,
+            Field::Classic => {
+                return Err(ContactError::Mesh {
+                    why: "the classic field belongs to tetrahedra, not to a body: take the body \
+                          field or the gauge"
+                        .to_owned(),
+                });
+            }
+        };
+        let value = |i: u32| values[i as usize];
         let point = |i: u32| split.points()[i as usize];
         let surface: Vec<[Point3; 3]> = split.skin().iter().map(|t| t.map(point)).collect();
         let boxes: Vec<Aabb> = surface.iter().map(|t| Aabb::of_points(*t)).collect();

@@ -67,10 +67,7 @@ impl FieldMesh {
             mesh.with_interior_points()
         };
         let (values, inradius) = match field {
-            Field::Gauge => {
-                let surface = surface.filter(Polyhedron::is_convex);
-                gauge(&mesh, &surface.ok_or(ContactError::NotConvex)?)?
-            }
+            Field::Gauge => gauge(&mesh)?,
             Field::Body | Field::Classic => {
                 let distance = mesh.distance_to_skin();
                 let h0 = largest(&distance);
@@ -207,9 +204,10 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, f64::max)
 }
 
-/// Values of 1 - gauge at the nodes, and the inradius.
-fn gauge(mesh: &TetMesh, surface: &Polyhedron) -> Result<(Vec<f64>, f64), ContactError> {
-    let shape = ConvexShape::new(surface)?;
+/// Values of 1 - gauge at the nodes of a convex body, and the inradius.
+pub(crate) fn gauge(mesh: &TetMesh) -> Result<(Vec<f64>, f64), ContactError> {
+    let surface = mesh.surface().ok().filter(Polyhedron::is_convex);
+    let shape = ConvexShape::new(&surface.ok_or(ContactError::NotConvex)?)?;
     let value = |(i, p): (usize, &Point3)| {
         if mesh.is_skin_point(i) {
             0.0

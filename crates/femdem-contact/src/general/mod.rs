@@ -88,6 +88,7 @@ mod wall;
 
 pub use cache::GeneralCache;
 pub use kernel::{Form, GeneralKernel, GeneralScratch};
+pub(crate) use mesh::gauge;
 pub use mesh::{Field, FieldMesh};
 pub use patch::Patch;
 pub use skin_path::{SkinPath, SkinWrench};

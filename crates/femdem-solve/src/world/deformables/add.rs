@@ -7,7 +7,7 @@ use crate::error::{SolveError, check};
 use crate::material::{Deformation, Material};
 use crate::world::World;
 use femdem_contact::deform::{DeformableBatch, DeformablePartner};
-use femdem_contact::{BodyShape, ContactBatch, ContactLaw, Form};
+use femdem_contact::{BodyShape, ContactBatch, ContactLaw, Field, Form};
 use femdem_mesh::nalgebra::Matrix6;
 use femdem_mesh::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -25,6 +25,21 @@ impl World {
         model: DeformableModel,
         stiffness: ContactStiffness,
     ) -> Result<ModelId, SolveError> {
+        self.add_model_with_field(name, model, stiffness, Field::Body)
+    }
+
+    /// As [`World::add_model`] with a field of choice: with the field and the penalty of a rigid body
+    /// contacts have the forces that they have there.
+    ///
+    /// # Errors
+    /// As [`World::add_model`].
+    pub fn add_model_with_field(
+        &mut self,
+        name: &str,
+        model: DeformableModel,
+        stiffness: ContactStiffness,
+        field: Field,
+    ) -> Result<ModelId, SolveError> {
         if let ContactStiffness::Penalty(x) | ContactStiffness::Ratio(x) = stiffness {
             check("contact stiffness", x, x > 0.0, "positive and finite")?;
         }
@@ -39,6 +54,7 @@ impl World {
             name: name.to_owned(),
             model,
             stiffness,
+            field,
             young,
         };
         let shape = model.shape()?;

@@ -6,7 +6,7 @@ mod step;
 
 use crate::deformable::{Boundary, DeformableModel, FrequencyBound, InternalState, Workspace};
 use crate::error::SolveError;
-use femdem_contact::Load;
+use femdem_contact::{Field, Load};
 use femdem_contact::deform::{DeformableBatch, DeformableShape, Modulus};
 use femdem_mesh::{Pose, Vector3};
 use serde::{Deserialize, Serialize};
@@ -78,19 +78,15 @@ pub(crate) struct Model {
     pub name: String,
     pub model: DeformableModel,
     pub stiffness: ContactStiffness,
+    pub field: Field,
     /// Young's modulus of the stiffest material, Pa.
     pub young: f64,
 }
 
 impl Model {
     fn shape(&self) -> Result<DeformableShape, SolveError> {
-        let mesh = self.model.mesh();
-        let edges = self.model.mid_edges();
-        Ok(if edges.is_empty() {
-            DeformableShape::new(mesh)?
-        } else {
-            DeformableShape::quadratic(mesh, edges)?
-        })
+        let (mesh, edges) = (self.model.mesh(), self.model.mid_edges());
+        Ok(DeformableShape::with_field(mesh, edges, self.field)?)
     }
 
     fn modulus(&self, shape: &DeformableShape, penalty: f64) -> Modulus {
