@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::AnalysisError;
+use crate::table::{Cell, Table};
 
 /// What a body touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -199,6 +200,17 @@ pub fn coordination(
         bodies: selected.len(),
         force_threshold: options.force_threshold,
     })
+}
+
+impl Table for Coordination {
+    fn columns(&self) -> &'static [&'static str] {
+        &["partners", "bodies"]
+    }
+
+    fn rows(&self) -> Box<dyn Iterator<Item = Vec<Cell>> + '_> {
+        let rows = (0_u32..).zip(&self.histogram);
+        Box::new(rows.map(|(partners, bodies)| vec![partners.into(), (*bodies).into()]))
+    }
 }
 
 fn select(counts: &[ContactCount], among: &[u32]) -> Result<Vec<ContactCount>, AnalysisError> {

@@ -43,10 +43,18 @@ pub enum Error {
         /// How many bodies there are.
         bodies: usize,
     },
-    /// A pose or a force is NaN or infinite.
+    /// Some bodies have masses, but not all.
+    #[error("{masses} masses for {bodies} bodies; give one for each, or none")]
+    Masses {
+        /// How many masses there are.
+        masses: usize,
+        /// How many bodies there are.
+        bodies: usize,
+    },
+    /// A pose, a mass or a force is NaN or infinite.
     #[error("{what} {index} holds a number that is not finite")]
     NotFinite {
-        /// "body" or "contact".
+        /// "body", "the mass of body" or "contact".
         what: &'static str,
         /// Which one.
         index: usize,
@@ -70,6 +78,16 @@ pub enum Error {
         /// The file.
         path: PathBuf,
         /// Where and what.
+        message: String,
+    },
+    /// A table from elsewhere has a fault.
+    #[error("{}, line {line}: {message}", path.display())]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong.
         message: String,
     },
     /// A shape or a surface file was refused.

@@ -41,7 +41,7 @@
 //! | shapes and a container | a pack at rest | [`pack::Packing`] |
 //! | bodies and walls of your own | their motion | [`solve::World`] |
 //! | your own integrator | contact forces | [`contact::ContactBatch`], [`contact::PairKernel`] |
-//! | poses, from anywhere | density, coordination | [`analysis`] |
+//! | poses and contacts, from anywhere | density, forces, chains, stress | [`analysis`], [`input`] |
 //! | poses, from anywhere | files and pictures | [`Snapshot`] with [`output`] and [`picture`] |
 //! | vertices, or a surface file | a checked body with its mass properties, a mesh of it | [`mesh`] |
 //!
@@ -68,6 +68,7 @@
 pub mod analysis;
 mod colouring;
 mod error;
+pub mod input;
 pub mod output;
 pub mod picture;
 pub mod plot;

@@ -132,7 +132,8 @@ impl Snapshot {
     ///
     /// # Errors
     ///
-    /// [`Error::ShapeIndex`], [`Error::BodyIndex`] or [`Error::NotFinite`], naming the first fault.
+    /// [`Error::ShapeIndex`], [`Error::BodyIndex`], [`Error::Masses`] or [`Error::NotFinite`], naming the
+    /// first fault.
     pub fn check(&self) -> Result<(), Error> {
         for (body, row) in self.bodies.iter().enumerate() {
             if row.shape as usize >= self.shapes.len() {
@@ -155,6 +156,16 @@ impl Snapshot {
                     index: body,
                 });
             }
+        }
+        if !self.masses.is_empty() && self.masses.len() != self.bodies.len() {
+            let (masses, bodies) = (self.masses.len(), self.bodies.len());
+            return Err(Error::Masses { masses, bodies });
+        }
+        if let Some(index) = self.masses.iter().position(|mass| !mass.is_finite()) {
+            return Err(Error::NotFinite {
+                what: "the mass of body",
+                index,
+            });
         }
         for (contact, row) in self.contacts.iter().enumerate() {
             for body in row.bodies() {

@@ -23,8 +23,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bodies;
+mod contacts;
+mod display;
+mod files;
+mod geometry;
 mod network;
+mod options;
 mod tables;
 
 pub use femdem_analysis::*;
-pub use tables::{Missing, TableOptions, Tables};
+
+pub use bodies::BodyTable;
+pub use files::{FOLDER, JSON};
+pub use options::TableOptions;
+pub use tables::{Missing, SCHEMA, Tables};

@@ -5,16 +5,16 @@ use std::io::{self, Write};
 use crate::{Partner, Snapshot};
 
 /// Header of `bodies.csv`.
-pub const BODY_COLUMNS: &str = "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping";
+pub const BODY_COLUMNS: &str = "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping,mass";
 
 /// Header of `contacts.csv`.
 pub const CONTACT_COLUMNS: &str =
-    "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class,patch";
+    "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class,patch,volume,tx,ty,tz,mx,my,mz";
 
 /// Writes the bodies, one a line.
 ///
 /// `x, y, z` \[m\] and the unit quaternion `qw, qx, qy, qz` are the pose: they take a point of
-/// `shape-<name>.obj` to the world. `sleeping` is 0 or 1.
+/// `shape-<name>.obj` to the world. `sleeping` is 0 or 1; `mass` is in kg, empty where it is not known.
 ///
 /// # Errors
 ///
@@ -28,7 +28,7 @@ pub fn write_bodies(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<(
         let (t, q) = (&body.pose.translation, &body.pose.rotation);
         writeln!(
             writer,
-            "{id},{shape},{},{},{},{},{},{},{},{},{}",
+            "{id},{shape},{},{},{},{},{},{},{},{},{},{}",
             t.x,
             t.y,
             t.z,
@@ -38,6 +38,10 @@ pub fn write_bodies(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<(
             q.k,
             body.sequence,
             u8::from(body.sleeping),
+            snapshot
+                .masses
+                .get(id)
+                .map_or(String::new(), f64::to_string),
         )?;
     }
     Ok(())
@@ -49,7 +53,9 @@ pub fn write_bodies(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<(
 /// `i` is a body, `j` a body or the name of a wall. `x, y, z` \[m\] is the centre of pressure,
 /// `nx, ny, nz` the unit normal from `i` to `j`; the forces \[N\] are magnitudes, the normal one
 /// positive when it pushes the two apart; `area` is in m²; `class` is face-face, edge-face or point
-/// (see [`ContactClass`](crate::ContactClass)); `patch` numbers the patches of a pair, from 0.
+/// (see [`ContactClass`](crate::ContactClass)); `patch` numbers the patches of a pair, from 0; `volume` is that
+/// of the overlap in m³; `tx, ty, tz` \[N\] is the friction force on `j`, and `mx, my, mz` \[N m\] the moment on
+/// it about the centre of pressure.
 ///
 /// # Errors
 ///
@@ -65,7 +71,7 @@ pub fn write_contacts(snapshot: &Snapshot, mut writer: impl Write) -> io::Result
         let (p, n) = (&row.point, &row.normal);
         writeln!(
             writer,
-            "{},{partner},{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{partner},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
             row.body,
             p.x,
             p.y,
@@ -78,6 +84,13 @@ pub fn write_contacts(snapshot: &Snapshot, mut writer: impl Write) -> io::Result
             row.area,
             row.class.name(),
             row.patch,
+            row.volume,
+            row.friction.x,
+            row.friction.y,
+            row.friction.z,
+            row.moment.x,
+            row.moment.y,
+            row.moment.z,
         )?;
     }
     Ok(())
@@ -120,7 +133,7 @@ mod tests {
             rows[2][4].parse::<f64>().unwrap(),
             two_cubes().bodies[1].pose.translation.z
         );
-        assert_eq!(rows[2][9..], ["1", "1"]);
+        assert_eq!(rows[2][9..], ["1", "1", ""]);
     }
 
     #[test]
@@ -131,7 +144,8 @@ mod tests {
         assert_eq!(rows[1][..2], ["0", "1"]);
         assert_eq!(rows[2][..2], ["0", "floor"]);
         assert_eq!(rows[2][9].parse::<f64>().unwrap(), 5.0);
-        assert_eq!(rows[1][11..], ["face-face", "0"]);
+        assert_eq!(rows[1][11..14], ["face-face", "0", "0.001"]);
+        assert_eq!(rows[2][14..], ["5", "0", "0", "0", "0", "0"]);
     }
 
     #[test]

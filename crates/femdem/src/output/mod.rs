@@ -5,6 +5,7 @@
 //! | `bodies.csv`, `contacts.csv` | [`csv`] | spreadsheets and scripts |
 //! | `pack.vtu` | [`vtu`] | ParaView: the bodies as polyhedra |
 //! | `contacts.vtp` | [`vtp`] | ParaView: the contacts as points with forces |
+//! | `analysis/density-map.vti` | [`vti`] | ParaView: local packing density |
 //! | `pack.stl`, `shape-<name>.obj` | [`surface`] | CFD meshing; one body alone |
 //! | `*.pvd` | [`write_pvd`] | ParaView: files of a time series with their times |
 //!
@@ -14,6 +15,7 @@
 pub mod csv;
 mod pvd;
 pub mod surface;
+pub mod vti;
 mod vtk;
 pub mod vtp;
 pub mod vtu;

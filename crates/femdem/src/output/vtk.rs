@@ -1,4 +1,4 @@
-//! The XML frame that VTU and VTP share: arrays in one appended block, base64.
+//! The XML frame that VTU, VTP and VTI share: arrays in one appended block, base64.
 //!
 //! VTK XML, version 1.0: an appended array is a 64-bit count of bytes followed by the bytes, little
 //! endian; each is encoded by itself, and `offset` counts characters from the underscore.
@@ -9,18 +9,26 @@ use std::io::{self, Write};
 /// The document under construction: the XML before the data, and the data.
 pub(super) struct Document {
     kind: &'static str,
+    attributes: String,
     xml: String,
     data: String,
 }
 
 impl Document {
-    /// A document of VTK type "UnstructuredGrid" or "PolyData".
+    /// A document of VTK type "UnstructuredGrid", "PolyData" or "ImageData".
     pub fn new(kind: &'static str) -> Self {
         Self {
             kind,
+            attributes: String::new(),
             xml: String::new(),
             data: String::new(),
         }
+    }
+
+    /// Attributes of the element that has the type's name, each with a space before it.
+    pub fn with_attributes(mut self, attributes: String) -> Self {
+        self.attributes = attributes;
+        self
     }
 
     /// A line of XML.
@@ -57,11 +65,11 @@ impl Document {
     }
 
     pub fn finish(self, mut writer: impl Write) -> io::Result<()> {
-        let kind = self.kind;
+        let (kind, attributes) = (self.kind, &self.attributes);
         write!(
             writer,
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"{kind}\" version=\"1.0\" \
-             byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<{kind}>\n{}</{kind}>\n\
+             byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<{kind}{attributes}>\n{}</{kind}>\n\
              <AppendedData encoding=\"base64\">\n_",
             self.xml
         )?;

@@ -1,0 +1,130 @@
+//! The tables in a few lines for people.
+
+use std::fmt;
+
+use super::Tables;
+
+impl fmt::Display for Tables {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut line = |name: &str, text: Option<String>| match text {
+            Some(text) => writeln!(f, "  {name:<20} {text}"),
+            None => Ok(()),
+        };
+        line("density", self.density_text())?;
+        line("coordination", self.coordination_text())?;
+        line("contact classes", self.classes_text())?;
+        line("rattlers", self.rattlers_text())?;
+        line("forces", self.forces_text())?;
+        line("force chains", self.chains_text())?;
+        line("stress of the core", self.stress_text())?;
+        line("vertical balance", self.balance_text())?;
+        line("fabric", self.fabric_text())?;
+        // Tables that lack for one reason come in one line.
+        let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
+        for missing in &self.missing {
+            match reasons
+                .iter_mut()
+                .find(|(reason, _)| *reason == missing.reason)
+            {
+                Some((_, tables)) => tables.push(&missing.table),
+                None => reasons.push((&missing.reason, vec![&missing.table])),
+            }
+        }
+        for (reason, tables) in reasons {
+            writeln!(f, "  not computed: {}: {reason}", tables.join(", "))?;
+        }
+        Ok(())
+    }
+}
+
+impl Tables {
+    fn density_text(&self) -> Option<String> {
+        let density = self.density.as_ref()?;
+        let error = density
+            .standard_error
+            .map_or(String::new(), |e| format!(" +- {e:.4}"));
+        Some(format!(
+            "{:.4}{error} exact, {:.4} by grid, of the core",
+            density.exact, density.grid
+        ))
+    }
+
+    fn coordination_text(&self) -> Option<String> {
+        let all = self.coordination.as_ref()?;
+        let core = self.core_coordination.as_ref();
+        let core = core.map_or(String::new(), |c| format!("; {:.2} in the core", c.mean));
+        Some(format!(
+            "{:.2}, {:.2} without walls{core}",
+            all.mean, all.mean_without_walls
+        ))
+    }
+
+    fn classes_text(&self) -> Option<String> {
+        let [face, edge, point, _] = self.classes.as_ref()?.bodies.map(|c| 100.0 * c.share);
+        Some(format!(
+            "{face:.0} % face-face, {edge:.0} % edge-face, {point:.0} % point"
+        ))
+    }
+
+    fn rattlers_text(&self) -> Option<String> {
+        let found = self.rattlers.as_ref()?;
+        Some(format!(
+            "{:.1} % of the bodies; constraints over freedoms {:.2} with friction, {:.2} without",
+            100.0 * found.share,
+            found.stiffness_ratio_frictional,
+            found.stiffness_ratio_frictionless
+        ))
+    }
+
+    fn forces_text(&self) -> Option<String> {
+        let found = self.force_distribution.as_ref()?;
+        let tail = found.tail.map_or(String::new(), |tail| {
+            let [low, high] = tail.interval;
+            format!(
+                "; tail exp(-{:.2} f), {low:.2} to {high:.2}, above f = {:.2}",
+                tail.exponent, tail.start
+            )
+        });
+        Some(format!(
+            "mean {:.3e} N, largest {:.1} times the mean{tail}",
+            found.mean_force.mean, found.largest
+        ))
+    }
+
+    fn chains_text(&self) -> Option<String> {
+        let text = |name: &str, network: &femdem_analysis::ChainNetwork| {
+            format!(
+                "{name}: {} with {:.0} % of the bodies, {:.0} % of the force, {} loops",
+                network.chains.len(),
+                100.0 * network.share_of_bodies,
+                100.0 * network.share_of_force,
+                network.cycles
+            )
+        };
+        let weight = self.chains_by_weight.as_ref().map(|n| text("by weight", n));
+        let stress = self.chains_by_stress.as_ref().map(|n| text("by stress", n));
+        let parts: Vec<String> = weight.into_iter().chain(stress).collect();
+        (!parts.is_empty()).then(|| parts.join("; "))
+    }
+
+    fn stress_text(&self) -> Option<String> {
+        let stress = &self.core_stress.as_ref()?.stress;
+        Some(format!(
+            "pressure {:.3e} Pa, deviator {:.3e} Pa",
+            stress.pressure, stress.deviator
+        ))
+    }
+
+    fn balance_text(&self) -> Option<String> {
+        let worst = self.vertical_balance.as_ref()?.worst;
+        Some(format!("holds to {worst:.1e} of the weight above"))
+    }
+
+    fn fabric_text(&self) -> Option<String> {
+        let normals = &self.fabric.as_ref()?.normals;
+        Some(format!(
+            "anisotropy of the normals {:.3}, {:.3} by chance",
+            normals.anisotropy, normals.anisotropy_noise
+        ))
+    }
+}

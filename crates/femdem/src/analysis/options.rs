@@ -1,0 +1,40 @@
+//! How a pack is measured.
+
+use femdem_analysis::{
+    BlockBootstrap, ChainOptions, CoreOptions, DensityMapOptions, DensityOptions,
+    ForceDistributionOptions, ProfileOptions, StressRule, SupportRule, ThresholdOptions,
+    WeightRule,
+};
+use serde::{Deserialize, Serialize};
+
+/// How [`Tables::compute`](super::Tables::compute) measures. The defaults are those of the parts.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TableOptions {
+    /// Normal force above which a pair touches \[N\].
+    pub force_threshold: f64,
+    /// How the core is chosen.
+    #[serde(skip)]
+    pub core: CoreOptions,
+    /// How the density of the core is measured.
+    #[serde(skip)]
+    pub density: DensityOptions,
+    /// Density profiles over height and wall distance.
+    pub profiles: ProfileOptions,
+    /// The map of local density.
+    pub map: DensityMapOptions,
+    /// P(f) and its tail.
+    pub forces: ForceDistributionOptions,
+    /// What a rattler is.
+    pub support: SupportRule,
+    /// The founding paper's rule for force chains.
+    pub weight_rule: WeightRule,
+    /// The rule of Peters et al. (2005).
+    pub stress_rule: StressRule,
+    /// What the rules share.
+    pub chains: ChainOptions,
+    /// Thresholds of the curve of components and cycles.
+    pub thresholds: ThresholdOptions,
+    /// Errors of the other means.
+    pub bootstrap: BlockBootstrap,
+}

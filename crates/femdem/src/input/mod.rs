@@ -1,0 +1,84 @@
+//! Packs from elsewhere: `bodies.csv`, the shapes as surface files, and `contacts.csv` if there is one.
+//!
+//! | file | columns that must be there | columns that may be |
+//! |---|---|---|
+//! | `bodies.csv` | `shape`, `x`, `y`, `z`, `qw`, `qx`, `qy`, `qz` | `id`, `mass`, `sequence`, `sleeping` |
+//! | `contacts.csv` | `i`, `j`, `x`, `y`, `z`, `nx`, `ny`, `nz`, `normal_force` | `tx`, `ty`, `tz`, `mx`, `my`, `mz`, `tangential_force`, `area`, `volume`, `class`, `patch` |
+//!
+//! The columns mean what [`output::csv`](crate::output::csv) writes, in SI units and in any order; others are
+//! ignored. The shape `NAME` is read from `shape-NAME.obj`, `NAME.obj`, or `NAME` itself if it is the name
+//! of a surface file (OBJ, STL, OFF, PLY). What the files do not tell is left open in the
+//! [`gaps`](Snapshot::gaps) of the snapshot.
+
+mod bodies;
+mod contacts;
+mod csv;
+
+use std::path::Path;
+
+use femdem_analysis::Region;
+
+use crate::{Error, Snapshot};
+
+/// Name of the table of bodies.
+pub const BODIES: &str = "bodies.csv";
+
+/// Name of the table of contacts.
+pub const CONTACTS: &str = "contacts.csv";
+
+/// What the files of a pack do not tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InputOptions {
+    /// Density of the bodies \[kg/m³\], where they have no column `mass`.
+    pub density: Option<f64>,
+    /// Gravity along −z \[m/s²\]; 0 for none.
+    pub gravity: f64,
+    /// Inside of the container.
+    pub container: Option<Region>,
+}
+
+/// Reads the pack in a folder.
+///
+/// # Errors
+///
+/// [`Error::Read`], [`Error::Table`] with file and line, [`Error::Mesh`] for a shape that is no body,
+/// [`Error::Option`], and [`Error::Analysis`] for a container without a volume.
+pub fn read_folder(folder: impl AsRef<Path>, options: &InputOptions) -> Result<Snapshot, Error> {
+    let folder = folder.as_ref();
+    options.check()?;
+    let mut pack = bodies::read(folder, options.density)?;
+    pack.snapshot.container = options.container;
+    pack.snapshot.gravity = options.gravity;
+    let path = folder.join(CONTACTS);
+    if path.is_file() {
+        contacts::read(&path, &mut pack)?;
+    } else {
+        pack.snapshot.gaps.contacts = true;
+    }
+    pack.snapshot.check()?;
+    Ok(pack.snapshot)
+}
+
+impl InputOptions {
+    fn check(&self) -> Result<(), Error> {
+        let refuse = |name, value: f64, allowed| {
+            Err(Error::Option {
+                name,
+                value: value.to_string(),
+                allowed,
+            })
+        };
+        if let Some(density) = self.density
+            && !(density.is_finite() && density > 0.0)
+        {
+            return refuse("density", density, "above zero and finite (kg/m³)");
+        }
+        if !self.gravity.is_finite() || self.gravity < 0.0 {
+            return refuse("gravity", self.gravity, "zero or more and finite (m/s²)");
+        }
+        if let Some(container) = &self.container {
+            container.validate()?;
+        }
+        Ok(())
+    }
+}
