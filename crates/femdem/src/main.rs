@@ -7,13 +7,13 @@ use std::process::ExitCode;
 use clap::Parser;
 use program::cli::{Cli, Command};
 use program::job::{self, Outcome};
-use program::{complain, picture, report, shapes};
+use program::{analyse, complain, picture, report, shapes};
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Pack(args) => job::pack(&args),
         Command::Resume(args) => job::resume(&args),
-        Command::Analyse(args) => job::analyse(&args),
+        Command::Analyse(args) => analyse::run(&args),
         Command::Picture(args) => picture::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Shapes(args) => shapes::run(&args).map(|()| Outcome::Finished),

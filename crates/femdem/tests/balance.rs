@@ -3,9 +3,10 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
+use femdem::analysis::{TableOptions, Tables};
 use femdem::mesh::Vector3;
 use femdem::pack::Packing;
-use femdem::{Partner, Scene, Snapshot, results};
+use femdem::{ContactRow, Partner, Scene, Snapshot, results};
 
 fn settled() -> (Packing, Snapshot) {
     let scene = "shape = \"A10\"\ncount = 8\nbox = \"2.2x2.2\"\npenetration = 0.02\n";
@@ -79,4 +80,52 @@ fn normals_point_from_the_body_to_its_partner() {
             }
         }
     }
+}
+
+/// Forces through cuts carry the weight above to 1e-3, and with the moments of the patches the stress of
+/// every body is nearly symmetric: statics of the whole record.
+#[test]
+fn cuts_carry_the_weight_and_stresses_are_symmetric() {
+    let (packing, snapshot) = settled();
+    let tables = Tables::compute(&snapshot, &TableOptions::default()).unwrap();
+    let balance = tables.vertical_balance.unwrap();
+    assert!(balance.worst < 1e-3, "{}", balance.worst);
+    assert_eq!(balance.cuts.len(), 20);
+    let weight = 8.0 * packing.world().mass(0).unwrap() * packing.spec().gravity;
+    // Some of the eight lie lowest; all others are above the first cut.
+    let above = balance.cuts[0].weight_above / (weight / 8.0);
+    assert!(
+        (above - above.round()).abs() < 1e-9 && (3.0..7.5).contains(&above),
+        "{above}"
+    );
+    let floor = snapshot
+        .contacts
+        .iter()
+        .filter_map(|row| match &row.partner {
+            Partner::Wall(name) if name == "floor" => Some(row.normal_force),
+            _ => None,
+        });
+    let floor: f64 = floor.sum();
+    let number = tables.walls.iter().position(|w| w == "floor").unwrap();
+    let on_floor = tables.wall_forces.unwrap().walls;
+    let found = on_floor.iter().find(|w| w.wall as usize == number).unwrap();
+    assert!((found.force[2] + floor).abs() < 1e-9 * floor);
+    let without_moments = Snapshot {
+        contacts: snapshot
+            .contacts
+            .iter()
+            .map(|row| ContactRow {
+                moment: Vector3::zeros(),
+                ..row.clone()
+            })
+            .collect(),
+        ..snapshot.clone()
+    };
+    let asymmetry = |snapshot: &Snapshot| {
+        let tables = Tables::compute(snapshot, &TableOptions::default()).unwrap();
+        let bodies = tables.body_stresses.unwrap().bodies;
+        bodies.iter().map(|b| b.stress.asymmetry()).sum::<f64>() / bodies.len() as f64
+    };
+    let [with, without] = [asymmetry(&snapshot), asymmetry(&without_moments)];
+    assert!(with < 2e-3 && without > 3.0 * with, "{with} {without}");
 }

@@ -30,7 +30,7 @@ pub struct BalanceCut {
 pub struct VerticalBalance {
     /// The cuts, in the order asked for.
     pub cuts: Vec<BalanceCut>,
-    /// Largest magnitude of the residuals, cuts without weight above left out.
+    /// Largest magnitude of the residuals of the cuts that have at least a tenth of the weight above them.
     pub worst: f64,
 }
 
@@ -106,7 +106,7 @@ pub fn vertical_balance(
     for (k, &i) in order.iter().enumerate() {
         let scale = if weights[k] > 0.0 { weights[k] } else { total };
         let residual = (carried[k] + walls[k] - weights[k]) / scale;
-        if weights[k] > 0.0 {
+        if weights[k] >= 0.1 * total {
             worst = worst.max(residual.abs());
         }
         cuts[i] = Some(BalanceCut {

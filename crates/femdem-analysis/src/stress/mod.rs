@@ -37,12 +37,14 @@ pub struct Stress {
 
 impl Stress {
     pub(crate) fn of(tensor: &Matrix3) -> Self {
+        // Adding zero makes 0 of -0.
+        let tensor = tensor.add_scalar(0.0);
         let symmetric = (tensor + tensor.transpose()) * 0.5;
         let pressure = symmetric.trace() / 3.0;
         let deviator = symmetric - Matrix3::identity() * pressure;
         let (principal, directions) = tensor::principal(&symmetric);
         Self {
-            tensor: tensor::rows(tensor),
+            tensor: tensor::rows(&tensor),
             pressure,
             deviator: (1.5 * deviator.norm_squared()).sqrt(),
             principal,

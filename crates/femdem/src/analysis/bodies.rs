@@ -11,6 +11,8 @@ pub struct BodyTable<'a> {
     tables: &'a Tables,
     counts: Vec<ContactCount>,
     rattler: Vec<bool>,
+    /// Density of the Set-Voronoi cell.
+    density: Vec<Option<f64>>,
     /// Number of the chain by weight and by stress.
     chains: [Vec<Option<u32>>; 2],
 }
@@ -30,6 +32,12 @@ impl<'a> BodyTable<'a> {
                 *entry = true;
             }
         }
+        let mut density = vec![None; count];
+        for cell in tables.set_voronoi.iter().flat_map(|v| &v.cells) {
+            if let Some(entry) = density.get_mut(cell.body as usize) {
+                *entry = Some(cell.density);
+            }
+        }
         let chains = [&tables.chains_by_weight, &tables.chains_by_stress].map(|network| {
             let mut chain_of = vec![None; count];
             for link in network.iter().flat_map(|n| &n.links) {
@@ -45,6 +53,7 @@ impl<'a> BodyTable<'a> {
             tables,
             counts: contact_counts(count, &snapshot.touches(), threshold)?,
             rattler,
+            density,
             chains,
         })
     }
@@ -62,6 +71,7 @@ impl<'a> BodyTable<'a> {
             count.map(|c| c.bodies).into(),
             count.map(|c| c.walls).into(),
             rattler.map(|_| u32::from(self.rattler[body])).into(),
+            self.density[body].into(),
             largest.and_then(|m| m.bodies.get(body).copied()).into(),
             self.chains[0][body].into(),
             self.chains[1][body].into(),
@@ -87,6 +97,7 @@ impl Table for BodyTable<'_> {
             "touching_bodies",
             "touching_walls",
             "rattler",
+            "local_density",
             "largest_force_over_weight",
             "chain_by_weight",
             "chain_by_stress",

@@ -1,9 +1,10 @@
 //! Tables that need contacts: those of who touches whom, of forces, and of forces against weights.
 
 use femdem_analysis::{
-    CoordinationOptions, ForceNetwork, Pack, body_stresses, chains_by_stress, chains_by_weight,
-    contact_classes, contact_fabric, coordination, force_distribution, force_maxima, rattlers,
-    region_stress, stress_profile, threshold_curve, vertical_balance, wall_forces,
+    CoordinationOptions, ForceNetwork, Pack, Region, body_stresses, chains_by_stress,
+    chains_by_weight, contact_classes, contact_fabric, coordination, force_distribution,
+    force_maxima, rattlers, region_stress, stress_profile, threshold_curve, vertical_balance,
+    wall_forces,
 };
 
 use super::Tables;
@@ -134,8 +135,9 @@ impl Tables {
             let bootstrap = self.options.bootstrap;
             self.core_stress = Some(region_stress(network, &core.region, bootstrap)?);
         }
-        let Some(container) = snapshot.container else {
-            let reason = "the container is not known; give its inside";
+        let upright = |c: &Region| !matches!(c, Region::Sphere { .. });
+        let Some(container) = snapshot.container.filter(upright) else {
+            let reason = "the container is not known or is a sphere; give a box or a cylinder";
             self.miss(&["stress_profile"], reason);
             return Ok(());
         };

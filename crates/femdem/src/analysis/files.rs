@@ -35,11 +35,12 @@ impl Tables {
         let segments = [&self.chains_by_weight, &self.chains_by_stress]
             .map(|chains| chains.as_ref().map(|c| (c.segment_table(), c.link_table())));
         let [by_weight, by_stress] = &segments;
-        let all: [(&str, Option<&dyn Table>); 21] = [
+        let all: [(&str, Option<&dyn Table>); 22] = [
             ("bodies.csv", Some(&bodies)),
             ("height-profile.csv", table(&self.height_profile)),
             ("wall-profile.csv", table(&self.wall_profile)),
             ("density-map.csv", table(&self.density_map)),
+            ("set-voronoi.csv", table(&self.set_voronoi)),
             ("coordination.csv", table(&self.coordination)),
             ("core-coordination.csv", table(&self.core_coordination)),
             ("contact-classes.csv", table(&self.classes)),

@@ -2,7 +2,8 @@
 
 use femdem_analysis::AnalysisError::{NoPackInContainer, Region as BadRegion};
 use femdem_analysis::{
-    Pack, Region, choose_core, density_map, height_profile, packing_density, wall_profile,
+    CoreRegion, Pack, Region, SetVoronoiOptions, choose_core, density_map, height_profile,
+    packing_density, set_voronoi, wall_profile,
 };
 
 use super::Tables;
@@ -12,9 +13,10 @@ use crate::{Error, Snapshot};
 const CONTAINER_TABLES: [&str; 2] = ["height_profile", "density_map"];
 
 /// Tables of the core.
-const CORE_TABLES: [&str; 5] = [
+const CORE_TABLES: [&str; 6] = [
     "core",
     "density",
+    "set_voronoi",
     "wall_profile",
     "core_coordination",
     "core_stress",
@@ -28,33 +30,39 @@ impl Tables {
             self.miss(&CORE_TABLES, reason);
             return Ok(());
         };
-        self.height_profile = Some(height_profile(pack, container, &self.options.profiles)?);
         self.density_map = Some(density_map(pack, container, &self.options.map)?);
+        if matches!(container, Region::Sphere { .. }) {
+            let reason = "a sphere has no upright walls; give a box or a cylinder";
+            self.miss(&["height_profile"], reason);
+            self.miss(&CORE_TABLES, reason);
+            return Ok(());
+        }
+        self.height_profile = Some(height_profile(pack, container, &self.options.profiles)?);
         match choose_core(pack, container, &self.options.core) {
-            Ok(core) => {
-                self.density = Some(packing_density(pack, &core.region, &self.options.density)?);
-                self.add_wall_profile(pack, container, &core.region)?;
-                self.core = Some(core);
-            }
+            Ok(core) => self.add_core(pack, container, core),
             Err(NoPackInContainer { .. } | BadRegion { .. }) => {
                 let reason = "the pack is too low or too narrow to have a core";
                 self.miss(&CORE_TABLES, reason);
+                Ok(())
             }
-            Err(other) => return Err(other.into()),
+            Err(other) => Err(other.into()),
         }
-        Ok(())
     }
 
-    /// Between the heights of the core, so that neither floor nor top weighs in.
-    fn add_wall_profile(
-        &mut self,
-        pack: &Pack,
-        container: &Region,
-        core: &Region,
-    ) -> Result<(), Error> {
-        let (low, high) = core.corners();
+    fn add_core(&mut self, pack: &Pack, container: &Region, core: CoreRegion) -> Result<(), Error> {
+        self.density = Some(packing_density(pack, &core.region, &self.options.density)?);
+        // Between the heights of the core, so that neither floor nor top weighs in.
+        let (low, high) = core.region.corners();
         let middle = container.slab(low.z, high.z)?;
         self.wall_profile = Some(wall_profile(pack, &middle, &self.options.profiles)?);
+        // Above the mean top there is air that belongs to no body.
+        let filled = container.slab(f64::NEG_INFINITY, core.top.mean)?;
+        let options = SetVoronoiOptions {
+            core: Some(core.region),
+            ..self.options.voronoi
+        };
+        self.set_voronoi = Some(set_voronoi(pack, &filled, &options)?);
+        self.core = Some(core);
         Ok(())
     }
 }

@@ -2,8 +2,8 @@
 
 use femdem_analysis::{
     BlockBootstrap, ChainOptions, CoreOptions, DensityMapOptions, DensityOptions,
-    ForceDistributionOptions, ProfileOptions, StressRule, SupportRule, ThresholdOptions,
-    WeightRule,
+    ForceDistributionOptions, ProfileOptions, SetVoronoiOptions, StressRule, SupportRule,
+    ThresholdOptions, WeightRule,
 };
 use serde::{Deserialize, Serialize};
 
@@ -14,15 +14,15 @@ pub struct TableOptions {
     /// Normal force above which a pair touches \[N\].
     pub force_threshold: f64,
     /// How the core is chosen.
-    #[serde(skip)]
     pub core: CoreOptions,
     /// How the density of the core is measured.
-    #[serde(skip)]
     pub density: DensityOptions,
     /// Density profiles over height and wall distance.
     pub profiles: ProfileOptions,
     /// The map of local density.
     pub map: DensityMapOptions,
+    /// Set-Voronoi cells; their core is that of the pack.
+    pub voronoi: SetVoronoiOptions,
     /// P(f) and its tail.
     pub forces: ForceDistributionOptions,
     /// What a rattler is.

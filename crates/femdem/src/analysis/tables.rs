@@ -3,10 +3,11 @@
 use femdem_analysis::{
     BodyStresses, ChainNetwork, ContactClasses, ContactFabric, Coordination, CoreRegion,
     DensityMap, DensityProfile, ForceDistribution, ForceMaxima, ForceNetwork, Pack, PackingDensity,
-    PosedBody, Rattlers, RegionStress, StressProfile, ThresholdCurve, VerticalBalance, WallForces,
+    PosedBody, Rattlers, RegionStress, SetVoronoi, StressProfile, ThresholdCurve, VerticalBalance,
+    WallForces,
 };
 use femdem_mesh::Polyhedron;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::network::Data;
 use super::options::TableOptions;
@@ -56,6 +57,9 @@ pub struct Tables {
     /// Local packing density in the container; in CSV and VTI only.
     #[serde(skip)]
     pub density_map: Option<DensityMap>,
+    /// Set-Voronoi cells between the floor and the mean top; the cells themselves in CSV only.
+    #[serde(serialize_with = "without_cells")]
+    pub set_voronoi: Option<SetVoronoi>,
     /// Coordination number over all bodies.
     pub coordination: Option<Coordination>,
     /// Coordination number over the bodies with their centre in the core.
@@ -137,6 +141,7 @@ impl Tables {
             height_profile: None,
             wall_profile: None,
             density_map: None,
+            set_voronoi: None,
             coordination: None,
             core_coordination: None,
             classes: None,
@@ -162,4 +167,12 @@ impl Tables {
             reason: reason.to_owned(),
         }));
     }
+}
+
+fn without_cells<S: Serializer>(found: &Option<SetVoronoi>, to: S) -> Result<S::Ok, S::Error> {
+    let short = found.as_ref().map(|found| SetVoronoi {
+        cells: Vec::new(),
+        ..found.clone()
+    });
+    short.serialize(to)
 }

@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand};
 use femdem::Scene;
 use femdem::scene::{ContainerKind, Footprint, Length, ProtocolKind, Unit};
 
+use super::analyse::AnalyseArgs;
 use super::picture::PictureArgs;
 use super::report::ReportArgs;
 
@@ -27,7 +28,7 @@ Examples:
   femdem pack --shape cube --shape dolos:waist=0.36 --share 3 --share 1 --out out/mixed
   femdem pack --count 2000 --print-scene > big.toml && femdem pack big.toml
   femdem resume out/a10                            go on after Ctrl-C or a crash
-  femdem analyse out/a10                           measure again, without simulating
+  femdem analyse out/a10                           forces, chains, stress, profiles: all tables
   femdem report out/a10                            a page for the browser
   femdem picture out/a10 --view front --colour force --out a10.png
   femdem shapes                                    what --shape knows
@@ -53,7 +54,8 @@ pub(crate) enum Command {
     Pack(Box<PackArgs>),
     /// Continue a run from the checkpoint in its folder
     Resume(ResumeArgs),
-    /// Measure and draw the pack in a folder's checkpoint again, without simulating
+    /// Measure a pack in every way, without simulating: of a run, or from tables and shapes
+    #[command(after_help = super::analyse::HELP)]
     Analyse(AnalyseArgs),
     /// Write report.html, a page that shows the pack in a folder's checkpoint in any browser
     Report(ReportArgs),
@@ -234,20 +236,6 @@ pub(crate) struct ResumeArgs {
 
     #[command(flatten)]
     pub run: RunArgs,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct AnalyseArgs {
-    /// Folder of the run, which holds pack.ckpt
-    pub folder: PathBuf,
-
-    /// Threads, 1 or more [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-
-    /// No summary on the terminal; errors are still shown
-    #[arg(long, short)]
-    pub quiet: bool,
 }
 
 #[derive(Debug, Args)]

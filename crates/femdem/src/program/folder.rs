@@ -54,6 +54,10 @@ pub(crate) fn save(folder: &Path, packing: &Packing, usage: &Usage) -> Result<()
         .context("the checkpoint was not written; an earlier one is kept")
 }
 
+pub(crate) fn has_checkpoint(folder: &Path) -> bool {
+    checkpoint_path(folder).is_file()
+}
+
 pub(crate) fn load(folder: &Path) -> Result<Saved> {
     let path = checkpoint_path(folder);
     if !path.is_file() {

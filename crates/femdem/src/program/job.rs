@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 use femdem::pack::{PackError, Packing};
 use femdem::{Scene, Summary, Usage, output, results};
 
-use super::cli::{AnalyseArgs, PackArgs, ResumeArgs, RunArgs};
+use super::cli::{PackArgs, ResumeArgs, RunArgs};
 use super::meter::Meter;
 use super::progress::Bar;
 use super::{complain, folder, say};
@@ -69,15 +69,6 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
             page: false,
         };
         run.to_end(saved.packing, saved.usage, threads)
-    })
-}
-
-pub(crate) fn analyse(args: &AnalyseArgs) -> Result<Outcome> {
-    in_pool(args.threads.map(usize::from), |_| {
-        let saved = folder::load(&args.folder)?;
-        let summary = results::write(&args.folder, &saved.packing, &saved.usage)?;
-        report(&summary, &saved.packing, &args.folder, args.quiet)?;
-        Ok(Outcome::Finished)
     })
 }
 
@@ -207,7 +198,12 @@ fn watch_for_interrupt() -> Result<Arc<AtomicBool>> {
 }
 
 /// Prints the summary, and how close the step is to its measured limit.
-fn report(summary: &Summary, packing: &Packing, folder: &Path, quiet: bool) -> Result<()> {
+pub(crate) fn report(
+    summary: &Summary,
+    packing: &Packing,
+    folder: &Path,
+    quiet: bool,
+) -> Result<()> {
     if quiet {
         return Ok(());
     }

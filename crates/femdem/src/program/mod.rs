@@ -1,5 +1,6 @@
 //! The parts of the program.
 
+pub(crate) mod analyse;
 pub(crate) mod cli;
 mod folder;
 pub(crate) mod job;

@@ -1,0 +1,179 @@
+//! `femdem analyse`: everything that can be measured, of a run or of a pack from elsewhere.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Result, bail};
+use clap::Args;
+use femdem::analysis::{FOLDER, JSON, Region, TableOptions, Tables};
+use femdem::input::{self, InputOptions};
+use femdem::mesh::Point3;
+use femdem::{Snapshot, results};
+
+use super::job::{Outcome, in_pool, report};
+use super::{folder, say};
+
+/// Gravity where nothing else is said \[m/s²\].
+const GRAVITY: f64 = 9.81;
+
+pub(crate) const HELP: &str = "\
+A run of `femdem pack` is measured from its checkpoint, and its files are written again. A pack from
+elsewhere is measured from
+  bodies.csv                 shape,x,y,z,qw,qx,qy,qz and, if known, id and mass (kg)
+  shape-NAME.obj             the surface of each shape, in m
+  contacts.csv               if known: i,j,x,y,z,nx,ny,nz,normal_force and tx,ty,tz (friction on j), class
+
+Both get
+  analysis.json              all results but the long lists, and what could not be found, with the reason
+  analysis/*.csv             the tables; docs/analysis.md has their columns
+  analysis/density-map.vti   local packing density, for ParaView";
+
+/// Options of `femdem analyse`.
+#[derive(Debug, Args)]
+pub(crate) struct AnalyseArgs {
+    /// Folder of a run, which holds pack.ckpt, or of a pack from elsewhere, which holds bodies.csv
+    pub folder: PathBuf,
+
+    /// Normal force in N above which two bodies count as touching [default: 0]
+    #[arg(long, value_name = "N")]
+    pub threshold: Option<f64>,
+
+    /// Folder for analysis.json and the tables [default: the folder of the pack]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+
+    /// Density of the bodies in kg/m3, of a pack from elsewhere without a column mass
+    #[arg(long, value_name = "KG/M3")]
+    pub density: Option<f64>,
+
+    /// Gravity in m/s2, of a pack from elsewhere [default: 9.81]
+    #[arg(long, value_name = "M/S2")]
+    pub gravity: Option<f64>,
+
+    /// Inside of the container in m, of a pack from elsewhere: a box as X0,Y0,Z0,X1,Y1,Z1, or
+    /// cylinder:X,Y,RADIUS,Z0,Z1
+    #[arg(long, value_name = "REGION", allow_hyphen_values = true)]
+    pub inside: Option<Inside>,
+
+    /// Threads, 1 or more [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+
+    /// No summary on the terminal; errors are still shown
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// The inside of a container, as the command line has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Inside(Region);
+
+impl FromStr for Inside {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let form = "give X0,Y0,Z0,X1,Y1,Z1 or cylinder:X,Y,RADIUS,Z0,Z1, in m";
+        let (round, list) = match text.strip_prefix("cylinder:") {
+            Some(list) => (true, list),
+            None => (false, text),
+        };
+        let numbers: Result<Vec<f64>, _> = list.split(',').map(|x| x.trim().parse()).collect();
+        let region = match (round, numbers.as_deref()) {
+            (false, Ok(&[x0, y0, z0, x1, y1, z1])) => Region::Box {
+                min: Point3::new(x0, y0, z0),
+                max: Point3::new(x1, y1, z1),
+            },
+            (true, Ok(&[x, y, radius, z_min, z_max])) => Region::Cylinder {
+                centre: [x, y],
+                radius,
+                z_min,
+                z_max,
+            },
+            _ => return Err(form.to_owned()),
+        };
+        region
+            .validate()
+            .map_err(|error| format!("{error}; {form}"))?;
+        Ok(Self(region))
+    }
+}
+
+pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
+    in_pool(args.threads.map(usize::from), |_| {
+        let is_foreign = !folder::has_checkpoint(&args.folder);
+        if is_foreign && args.folder.join(input::BODIES).is_file() {
+            return foreign(args);
+        }
+        if args.density.or(args.gravity).is_some() || args.inside.is_some() {
+            bail!(
+                "--density, --gravity and --inside are for a pack from elsewhere; {} is to be \
+                 measured from its checkpoint, which knows them",
+                args.folder.display()
+            );
+        }
+        let saved = folder::load(&args.folder)?;
+        let summary = results::write(&args.folder, &saved.packing, &saved.usage)?;
+        report(&summary, &saved.packing, &args.folder, args.quiet)?;
+        tables(args, &results::snapshot(&saved.packing))
+    })
+}
+
+/// A pack from elsewhere.
+fn foreign(args: &AnalyseArgs) -> Result<Outcome> {
+    let options = InputOptions {
+        density: args.density,
+        gravity: args.gravity.unwrap_or(GRAVITY),
+        container: args.inside.map(|inside| inside.0),
+    };
+    let snapshot = input::read_folder(&args.folder, &options)?;
+    if !args.quiet {
+        let (bodies, contacts) = (snapshot.bodies.len(), snapshot.contacts.len());
+        let kind = snapshot.shape_name();
+        say(&format!(
+            "{bodies} bodies {kind} with {contacts} contacts, from tables"
+        ));
+    }
+    tables(args, &snapshot)
+}
+
+fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Outcome> {
+    let options = TableOptions {
+        force_threshold: args.threshold.unwrap_or_default(),
+        ..TableOptions::default()
+    };
+    let tables = Tables::compute(snapshot, &options)?;
+    let out: &Path = args.out.as_ref().unwrap_or(&args.folder);
+    tables.write(snapshot, out)?;
+    if !args.quiet {
+        let (all, lists) = (out.join(JSON), out.join(FOLDER));
+        let places = format!("{} and {}", all.display(), lists.display());
+        say(&format!("{tables}  {:<20} {places}", "tables in"));
+    }
+    Ok(Outcome::Finished)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn insides_are_boxes_or_cylinders() {
+        let parse = |text: &str| text.parse::<Inside>();
+        let cube = Region::Box {
+            min: Point3::new(-1.0, 0.0, 0.0),
+            max: Point3::new(1.0, 2.0, 3.5),
+        };
+        assert_eq!(parse("-1,0, 0,1,2,3.5"), Ok(Inside(cube)));
+        let drum = Region::Cylinder {
+            centre: [0.0, 1.0],
+            radius: 2.0,
+            z_min: 0.0,
+            z_max: 4.0,
+        };
+        assert_eq!(parse("cylinder:0,1,2,0,4"), Ok(Inside(drum)));
+        for bad in ["", "1,2,3", "cylinder:1,2,3", "0,0,0,1,1,x"] {
+            assert!(parse(bad).is_err_and(|e| e.contains("X0,Y0")), "{bad}");
+        }
+        assert!(parse("0,0,0,1,1,-1").is_err_and(|e| e.contains("max.z - min.z")));
+    }
+}
