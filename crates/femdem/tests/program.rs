@@ -83,12 +83,12 @@ fn a_pack_leaves_every_file_and_every_key() {
     assert!(summary["packing_density"]["exact"].as_f64().unwrap() > 0.2);
 
     let bodies = lines(&out.join("bodies.csv"));
-    assert_eq!(bodies[0], "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping");
+    assert_eq!(bodies[0], "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping,mass");
     assert_eq!(bodies.len(), 9);
     let contacts = lines(&out.join("contacts.csv"));
     assert_eq!(
         contacts[0],
-        "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class,patch"
+        "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class,patch,volume,tx,ty,tz,mx,my,mz"
     );
     weight_rests_on_the_floor(&contacts, &summary);
 }
