@@ -51,14 +51,20 @@
 //!   of threads and without the feature.
 //!
 //! # Accuracy
-//! Clipped volumes are exact to round-off (about 1e-13 of a body), in boxes and in cylinders. Bodies may
+//! Clipped volumes are exact to round-off (about 1e-13 of a body), in boxes, cylinders and spheres. Bodies may
 //! have any closed surface, and overlaps of non-convex bodies are as exact as all others. Overlaps are
 //! subtracted pair by pair: volume shared by three bodies is subtracted once too often. Errors of the
-//! grid are stated with its result.
+//! grid are stated with its result. Set-Voronoi cells sum to the region; a single one errs by about 0.1 %
+//! ([`set_voronoi`]). Volumes of shells in the radial distribution function are exact.
 //!
 //! # Time
 //! One thread of a busy machine, 343 bodies with some 900 overlaps, density both ways with bootstrap: 0.03 s
 //! for truncated dodecahedra, 0.1 s for dolosse, 0.5 s for surfaces of 1,280 triangles, 2 s for 5,120.
+//!
+//! 11,000 truncated dodecahedra with 23,000 overlaps on a busy machine: 11 s of processor time and 34 MB for overlaps,
+//! density, both profiles, density map, Set-Voronoi cells (half of it), stereonet of 134,000 face normals,
+//! order and radial distribution function, which work on any number of threads. A wall profile of as many bodies in a
+//! cylinder takes 2.5 s. `tests/cost.rs` has the command.
 
 mod axis;
 mod ball;

@@ -155,5 +155,10 @@ fn densest_lattices() {
             found.overlap_volume / found.body_volume < 1e-10,
             "{id} overlaps: {found:?}"
         );
+        let grid = grid_density(&pack, &region, 0.173).unwrap();
+        assert!(
+            (grid.density - expected).abs() < 4.0 * grid.error,
+            "{id}: {grid:?}, expected {expected}"
+        );
     }
 }

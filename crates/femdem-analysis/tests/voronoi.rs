@@ -217,6 +217,69 @@ fn error_of_a_cell_is_as_stated() {
     assert!(fine < 0.4 * coarse, "{fine} {coarse}");
 }
 
+/// Icosahedra and tetrahedra, whose densest known lattices are of no simple lengths. Bases: own optimisation of the
+/// project, densities in agreement to six digits with Torquato and Jiao, Phys. Rev. E 80, 041104 (2009); tetrahedra
+/// 18/49 (Hoylman 1970). Solids of circumradius 1.
+#[test]
+fn density_of_oblique_lattices() {
+    let cases = [
+        (
+            "P2",
+            [
+                [0.646145775124307, 1.2880219853220087, -1.8753491455939066],
+                [0.03559406879562153, -1.5353568739330086, 0.4344489775594788],
+                [
+                    -1.3902775120186062,
+                    -0.8142716778911536,
+                    0.45828056006744655,
+                ],
+            ],
+            0.836357,
+        ),
+        (
+            "P1",
+            [
+                [0.38489759972920345, 0.9622537980024244, -0.9622496792080278],
+                [
+                    -0.1924497472786299,
+                    -1.154700538704742,
+                    -0.19245085949671423,
+                ],
+                [-1.154700538704742, -0.19245322526238148, 0.1924521125744695],
+            ],
+            18.0 / 49.0,
+        ),
+    ];
+    for (id, basis, expected) in cases {
+        let basis = basis.map(Vector3::from);
+        let mut places = Vec::new();
+        for i in 0..17_i32.pow(3) {
+            let n = [i % 17 - 8, i / 17 % 17 - 8, i / 289 - 8].map(f64::from);
+            let place: Vector3 = (0..3).map(|k| n[k] * basis[k]).sum();
+            if place.amax() < 4.8 {
+                places.push(place);
+            }
+        }
+        let (shapes, bodies) = ([solid(id, 2.0)], at(places));
+        let pack = Pack::new(&shapes, &bodies).unwrap();
+        let core = Region::Sphere {
+            centre: Point3::origin(),
+            radius: 2.2,
+        };
+        let with = SetVoronoiOptions {
+            core: Some(core),
+            ..SetVoronoiOptions::default()
+        };
+        let found = set_voronoi(&pack, &box_of([-3.8; 3], [3.8; 3]), &with).unwrap();
+        assert!(found.mean.count >= 5, "{id}: {:?}", found.mean);
+        let density = found.density.mean;
+        assert!(
+            (density / expected - 1.0).abs() < 4e-3,
+            "{id}: {density}, not {expected}"
+        );
+    }
+}
+
 #[test]
 fn far_bodies_and_empty_space() {
     // One body owns everything, however far.
