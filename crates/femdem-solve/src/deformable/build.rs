@@ -2,9 +2,9 @@
 
 use super::nodal::NodalAverages;
 use super::{DeformableModel, MaterialRegion};
-use crate::element::{Element, T4, T10, Table, lumped};
+use crate::element::{Block, BlockElement, Element, LANES, T4, T10, Table, lumped};
 use crate::error::{SolveError, check};
-use crate::material::Material;
+use crate::material::{AnyMaterial, Material};
 use femdem_mesh::tet::QuadraticMesh;
 use femdem_mesh::{Matrix3, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};
@@ -133,8 +133,12 @@ impl Parts {
             mass_factors: self.mass_factors,
             couplings: Vec::new(),
             averages,
+            blocks: None,
+            #[cfg(feature = "parallel")]
+            incidence: super::parallel::Incidence::default(),
         };
         model.lump();
+        model.blocks = model.batched();
         Ok(model)
     }
 }
@@ -163,6 +167,25 @@ impl DeformableModel {
     pub(super) fn density(&self, element: usize) -> f64 {
         let factor = self.mass_factors.get(element).copied().unwrap_or(1.0);
         self.regions[self.region_of[element] as usize].density * factor
+    }
+
+    /// Blocks of elements, if all are linear and neo-Hookean.
+    fn batched(&self) -> Option<Vec<Block>> {
+        if self.element != Element::T4 {
+            return None;
+        }
+        let (connectivity, _) = self.connectivity.as_chunks::<4>();
+        let element = |(e, nodes): (usize, &[u32; 4])| match self.material(e) {
+            AnyMaterial::NeoHookean(material) => Some(BlockElement {
+                nodes: *nodes,
+                inverse: &self.inverses[e],
+                volume: self.volumes[e],
+                material,
+            }),
+            _ => None,
+        };
+        let elements: Option<Vec<_>> = connectivity.iter().enumerate().map(element).collect();
+        elements?.chunks(LANES).map(Block::new).collect()
     }
 
     /// Masses, and what the frequencies depend on beside the materials.

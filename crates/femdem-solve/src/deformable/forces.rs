@@ -2,7 +2,7 @@
 
 use super::DeformableModel;
 use super::nodal::NodalAverages;
-use crate::element::{Bar, Element, ElementFailure, T4, T10, Table};
+use crate::element::{Bar, BatchEnergy, Element, ElementFailure, LANES, T4, T10, Table};
 use crate::material::{Deformation, Material, Response};
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,9 @@ pub struct Workspace {
     pub(super) gradients: Vec<Matrix3>,
     pub(super) rates: Vec<Matrix3>,
     pub(super) stresses: Vec<Matrix3>,
+    /// Per node of every element, the force on it.
+    #[cfg(feature = "parallel")]
+    pub(super) slots: Vec<Vector3>,
     /// Per element: J, and what is averaged.
     pub(super) ratios: Vec<f64>,
     pub(super) values: Vec<f64>,
@@ -55,8 +58,8 @@ pub(super) struct State<'a> {
     pub old: &'a [f64],
 }
 
-/// Elements whose energies are summed together, before the sums are.
-const BLOCK: usize = 256;
+/// Elements whose energies are summed together, before the sums are; whole blocks of the batch.
+pub(super) const RANGE: usize = 256;
 
 impl DeformableModel {
     /// Internal forces -dW/dx, N, viscous ones included, into `forces` (overwritten), at positions `x`
@@ -76,13 +79,9 @@ impl DeformableModel {
         forces: &mut [Vector3],
         work: &mut Workspace,
     ) -> Result<InternalState, ElementFailure> {
-        self.check_lengths(x, old)?;
-        let (nodes, history) = (self.nodes.len(), self.history_len());
-        check_length("v", v.len(), nodes)?;
-        check_length("forces", forces.len(), nodes)?;
-        check_length("new", new.len(), history)?;
-        forces.fill(Vector3::zeros());
         let state = State { x, v, old };
+        self.check_arrays(state, new, forces)?;
+        forces.fill(Vector3::zeros());
         match self.element {
             Element::T4 => self.scatter(&T4, false, state, new, forces),
             Element::T10 => self.scatter(&T10, false, state, new, forces),
@@ -92,6 +91,18 @@ impl DeformableModel {
                 None => Ok(InternalState::default()),
             },
         }
+    }
+
+    pub(super) fn check_arrays(
+        &self,
+        state: State,
+        new: &[f64],
+        forces: &[Vector3],
+    ) -> Result<(), ElementFailure> {
+        self.check_lengths(state.x, state.old)?;
+        check_length("v", state.v.len(), self.nodes.len())?;
+        check_length("forces", forces.len(), self.nodes.len())?;
+        check_length("new", new.len(), self.history_len())
     }
 
     pub(crate) fn check_lengths(&self, x: &[Vector3], old: &[f64]) -> Result<(), ElementFailure> {
@@ -108,15 +119,10 @@ impl DeformableModel {
         new: &mut [f64],
         forces: &mut [Vector3],
     ) -> Result<InternalState, ElementFailure> {
-        let count = self.volumes.len();
         let mut total = InternalState::default();
-        for start in (0..count).step_by(BLOCK) {
-            let range = start..count.min(start + BLOCK);
-            let points = range.start * Q..range.end * Q;
-            let new =
-                &mut new[points.start * self.history_stride..points.end * self.history_stride];
-            total += self.block(table, bar, range, state, new, |nodes, element_forces| {
-                for (&node, force) in nodes.iter().zip(element_forces) {
+        for (range, new) in self.ranges(new) {
+            total += self.range(table, bar, range, state, new, |_, nodes, of_element| {
+                for (&node, force) in nodes.iter().zip(of_element) {
                     forces[node as usize] += force;
                 }
             })?;
@@ -124,16 +130,69 @@ impl DeformableModel {
         Ok(total)
     }
 
-    /// The forces of a range of elements, whose new history is `new`, given to `sink` with their
-    /// nodes.
-    fn block<const N: usize, const Q: usize>(
+    /// All elements in ranges that are summed together, each with its part of the new history.
+    pub(super) fn ranges<'a>(
+        &self,
+        mut new: &'a mut [f64],
+    ) -> impl Iterator<Item = (Range<usize>, &'a mut [f64])> {
+        let (count, per_element) = (self.volumes.len(), self.history_per_element());
+        (0..count).step_by(RANGE).map(move |start| {
+            let range = start..count.min(start + RANGE);
+            let (part, rest) = std::mem::take(&mut new).split_at_mut(range.len() * per_element);
+            new = rest;
+            (range, part)
+        })
+    }
+
+    fn history_per_element(&self) -> usize {
+        self.element.point_count() * self.history_stride
+    }
+
+    /// The forces of a range of elements, whose new history is `new`, given to `sink` with the
+    /// element's number and nodes.
+    pub(super) fn range<const N: usize, const Q: usize>(
         &self,
         table: &Table<N, Q>,
         bar: bool,
         range: Range<usize>,
         state: State,
         new: &mut [f64],
-        mut sink: impl FnMut(&[u32; N], &[Vector3; N]),
+        mut sink: impl FnMut(usize, &[u32], &[Vector3]),
+    ) -> Result<InternalState, ElementFailure> {
+        if let Some(blocks) = &self.blocks {
+            let mut total = BatchEnergy::new();
+            let first = range.start / LANES;
+            for (k, block) in blocks[first..range.end.div_ceil(LANES)].iter().enumerate() {
+                let start = (first + k) * LANES;
+                block.forces(state.x, &mut total, |lane, nodes, forces| {
+                    sink(start + lane, nodes, forces);
+                });
+            }
+            if let Some(energy) = total.sum() {
+                return Ok(InternalState {
+                    energy,
+                    ..InternalState::default()
+                });
+            }
+            // One by one, to find the element to name.
+            self.one_by_one(table, bar, range.clone(), state, new, |_, _, _| {})?;
+            return Err(ElementFailure::Inverted {
+                element: range.start,
+                volume_ratio: 0.0,
+            });
+        }
+        self.one_by_one(table, bar, range, state, new, sink)
+    }
+
+    /// As [`Self::range`], for any material.
+    fn one_by_one<const N: usize, const Q: usize>(
+        &self,
+        table: &Table<N, Q>,
+        bar: bool,
+        range: Range<usize>,
+        state: State,
+        new: &mut [f64],
+        mut sink: impl FnMut(usize, &[u32], &[Vector3]),
     ) -> Result<InternalState, ElementFailure> {
         let mut total = InternalState::default();
         let (elements, _) = self.connectivity.as_chunks::<N>();
@@ -164,7 +223,7 @@ impl DeformableModel {
             for (q, stress) in stresses.iter().enumerate() {
                 table.add_stress(q, stress, -weight, &self.inverses[e], &mut forces);
             }
-            sink(&elements[e], &forces);
+            sink(e, &elements[e], &forces);
         }
         Ok(total)
     }

@@ -37,6 +37,8 @@ mod forces;
 mod ledger;
 mod loads;
 mod nodal;
+#[cfg(feature = "parallel")]
+mod parallel;
 mod scaling;
 mod selection;
 mod stress;
@@ -51,7 +53,7 @@ pub use loads::Curve;
 pub use selection::{NodeSets, Selection};
 pub use stress::ElementStress;
 
-use crate::element::Element;
+use crate::element::{Block, Element};
 use crate::error::SolveError;
 use crate::material::{AnyMaterial, Material};
 use femdem_mesh::{Matrix3, TetMesh, Vector3};
@@ -97,6 +99,10 @@ pub struct DeformableModel {
     history_stride: usize,
     /// For averaged nodal pressures.
     averages: Option<NodalAverages>,
+    /// For linear tetrahedra if all are neo-Hookean.
+    blocks: Option<Vec<Block>>,
+    #[cfg(feature = "parallel")]
+    incidence: parallel::Incidence,
 }
 
 impl DeformableModel {

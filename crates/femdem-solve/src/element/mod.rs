@@ -10,11 +10,13 @@
 //! All four have an energy, and their forces are minus its exact gradient: the last word of the
 //! integrators' conservation, of the static solvers' line search, and of every test here.
 
+mod batch;
 mod failure;
 mod fbar;
 mod mass;
 mod table;
 
+pub(crate) use batch::{BatchEnergy, Block, BlockElement, LANES};
 pub use failure::ElementFailure;
 pub(crate) use fbar::{Bar, BarChange};
 pub(crate) use mass::lumped;

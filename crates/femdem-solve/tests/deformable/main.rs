@@ -8,6 +8,7 @@ mod derivatives;
 mod motion;
 mod patch;
 mod refusals;
+mod same_forces;
 
 use femdem_mesh::{Matrix3, TetMesh, Vector3};
 use femdem_solve::deformable::{DeformableModel, InternalState, MaterialRegion, Workspace};
