@@ -209,16 +209,7 @@ fn bits_do_not_depend_on_the_number_of_threads() {
             let mut scene = Scene::heap(Form::Sum, &mut Stream(4));
             let mut trace = Vec::new();
             for _ in 0..40 {
-                scene.update().unwrap();
-                for i in 0..scene.bodies.len() {
-                    let pairs = scene.velocities[i].iter_mut();
-                    for (v, f) in pairs.zip(scene.batch.forces(i as u32)) {
-                        *v += f * (0.5 * 1e-4);
-                    }
-                }
-                trace.extend(scene.forces());
-                trace.push(scene.batch.rigid_loads()[0].total.torque);
-                scene.drift(1e-3);
+                advance(&mut scene, &mut trace);
             }
             trace
         })
@@ -228,6 +219,45 @@ fn bits_do_not_depend_on_the_number_of_threads() {
     for threads in [2, 4] {
         assert!(run(threads) == one, "{threads} threads");
     }
+}
+
+/// One step of motion under the contact forces.
+fn advance(scene: &mut Scene, trace: &mut Vec<Vector3<f64>>) {
+    scene.update().unwrap();
+    for i in 0..scene.bodies.len() {
+        let pairs = scene.velocities[i].iter_mut();
+        for (v, f) in pairs.zip(scene.batch.forces(i as u32)) {
+            *v += f * (0.5 * 1e-4);
+        }
+    }
+    trace.extend(scene.forces());
+    trace.push(scene.batch.rigid_loads()[0].total.torque);
+    scene.drift(1e-3);
+}
+
+/// A batch that was written and read goes on with the same bits: lists, springs and all.
+#[test]
+fn a_restart_goes_on_with_the_same_bits() {
+    let mut scene = Scene::heap(Form::Sum, &mut Stream(4));
+    let mut trace = Vec::new();
+    for _ in 0..25 {
+        advance(&mut scene, &mut trace);
+    }
+    let config = bincode::config::standard();
+    let bytes = bincode::serde::encode_to_vec(&scene.batch, config).unwrap();
+    let mut again = scene.clone();
+    again.batch = bincode::serde::decode_from_slice(&bytes, config).unwrap().0;
+    let rigid = vec![BodyShape::from(body(&dolos(), Field::Body))];
+    let shapes = scene.batch.shapes().to_vec();
+    assert!(again.update().is_err(), "its shapes are missing");
+    again.batch.restore_shapes(shapes, rigid).unwrap();
+    let mut traces = [Vec::new(), Vec::new()];
+    for _ in 0..25 {
+        advance(&mut scene, &mut traces[0]);
+        advance(&mut again, &mut traces[1]);
+    }
+    assert!(scene.batch.contacts().any(|c| c.spring_energy > 0.0));
+    assert!(traces[0] == traces[1]);
 }
 
 #[test]

@@ -6,7 +6,6 @@ use crate::general::posed::Posed;
 use crate::general::{FieldMesh, SolidWall};
 use crate::shape::Frame;
 use femdem_mesh::Vector3;
-use femdem_mesh::tet::FACES;
 
 /// One side of a pair as the kernel takes it.
 #[derive(Debug, Clone, Copy)]
@@ -44,16 +43,18 @@ impl Current {
         skin: u8,
     ) -> Option<Self> {
         let [a, b, c, d] = &corners;
-        let six_volumes = (b - a).cross(&(c - a)).dot(&(d - a));
+        let (ab, ac, ad) = (b - a, c - a, d - a);
+        // Twice the area vectors, outwards; together they are zero.
+        let (of_b, of_c, of_d) = (ad.cross(&ac), ab.cross(&ad), ac.cross(&ab));
+        let of_a = -(of_b + of_c + of_d);
+        let six_volumes = -of_d.dot(&ad);
         if six_volumes.is_nan() || six_volumes <= 0.0 {
             return None;
         }
-        let areas = FACES.map(|f| {
-            let [x, y, z] = f.map(|i| &corners[i]);
-            (y - x).cross(&(z - x))
-        });
-        let slopes = areas.map(|s| s * (-1.0 / six_volumes));
-        let normals = areas.map(|s| s * (1.0 / s.norm()));
+        let scale = -1.0 / six_volumes;
+        let slopes = [of_a * scale, of_b * scale, of_c * scale, of_d * scale];
+        let unit = |s: &Vector3| s * (1.0 / s.norm());
+        let normals = [unit(&of_a), unit(&of_b), unit(&of_c), unit(&of_d)];
         // The slopes add up to zero, so that only differences of values count.
         let gradient = (slopes[1] * (values[1] - values[0])
             + slopes[2] * (values[2] - values[0])
@@ -98,7 +99,14 @@ impl Current {
     /// The shape functions at a point.
     #[inline]
     pub fn weights(&self, x: &Vector3) -> [f64; 4] {
-        [0, 1, 2, 3].map(|k| self.levels[k] + self.slopes[k].dot(x))
+        let [a, b, c, d] = &self.slopes;
+        let levels = &self.levels;
+        [
+            levels[0] + a.dot(x),
+            levels[1] + b.dot(x),
+            levels[2] + c.dot(x),
+            levels[3] + d.dot(x),
+        ]
     }
 }
 
@@ -119,7 +127,8 @@ impl Operand<'_> {
                 else {
                     return Ok(None);
                 };
-                let corners = corners.map(|x| x - origin);
+                let [a, b, c, d] = corners;
+                let corners = [a - origin, b - origin, c - origin, d - origin];
                 match Current::deformed(corners, &tet.values, pressure, tet.skin) {
                     Some(tet) => Ok(Some(tet)),
                     None => Err(Inverted { tet: i }),

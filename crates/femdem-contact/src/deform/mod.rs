@@ -51,7 +51,9 @@
 //!   1 + 2 ζ (dU/dt)/(√(2U) √(Σ |f_a|²/m_a)) ≥ 0, rigid bodies with their own inertia in the sum. For
 //!   motion along the forces the restitution is that of [`restitution`](crate::restitution).
 //! - **Step**: every node gets the sum of w S N_a(c) over the polygons of skin in contact (w the
-//!   stiffness per area, S the area, c the centroid), and the tangential springs' share.
+//!   stiffness per area, S the area, c the centroid), and the tangential springs' share. Twice the
+//!   largest of these over the masses bounds the largest eigenvalue (it is 1.5 to 2.3 times it in
+//!   the sum form, 2 to 8 times in the min form: `tests/deform_gradient.rs`).
 //!
 //! # Accuracy
 //!
@@ -60,6 +62,15 @@
 //!   (`tests/deform_gradient.rs`; 6e-11 is seen). The wrench of a body that is not deformed is the
 //!   general kernel's to 1e-12.
 //! - Forces balance to round-off, friction and damping included.
+//! - Friction of flat blocks (`tests/deform_friction.rs`): a common rigid motion of the pair leaves
+//!   the force turned with it to 1e-10; slip to and fro dissipates what Coulomb's law says to 0.2 %;
+//!   sliding over meshes of many elements the force is within 0.3 % of μ F; shaking by a fifth of
+//!   the load costs 0.03 % of a sticking force in 200 shakes. At the rim single triangles slip
+//!   early: a closed path of stick loses up to 1e-5 of force times way on meshes, nothing on planes.
+//! - Restitution of an impact along the forces: within 2 % of the formula.
+//! - Cost: about 1 µs for a pair of tetrahedra that overlaps, all included (8,000 instructions;
+//!   example `deform_cost`), 1 to 2 ns per tetrahedron and step for bodies that touch nothing. Light
+//!   contacts of boulders have 10 to 20 such pairs each.
 //! - Quadratic tetrahedra meet as eight linear ones each; curved faces are replaced by their
 //!   nodes' triangles.
 

@@ -27,6 +27,8 @@ pub(crate) struct Pair<'a> {
     pub movers: [Mover<'a>; 2],
     pub near: &'a Near,
     pub law: &'a ContactParameters,
+    /// Whether the fields act in series (form Min).
+    pub series: bool,
     /// Friction to begin with.
     pub begins: Option<FrictionStart>,
 }
@@ -113,12 +115,9 @@ impl Outcome {
             pieces: 0,
         };
         self.contact = Some(contact);
-        // Half of what moves counts for each side; all of it where the other side stays.
-        let share = if pair.moves_rigidly() || matches!(pair.sides[0], Operand::Deformable(..)) {
-            1.0
-        } else {
-            0.5
-        };
+        // Both sides' motions count double, but not where the other side stays.
+        let both = pair.moves_rigidly() || matches!(pair.sides[0], Operand::Deformable(..));
+        let share = if both || pair.series { 1.0 } else { 0.5 };
         for side in 0..2 {
             self.list_nodes(pair, scratch, side, share, &dashpot);
         }

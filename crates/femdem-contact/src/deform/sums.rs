@@ -139,9 +139,24 @@ impl PairSums {
                 };
                 let sums = PolygonSums::new(polygon, &normal, field);
                 self.area += normal * (sign * counts * sums.area);
-                self.add_polygon(sides, triangle, &(normal * sign), weight, &sums);
+                let normal = normal * sign;
+                if let Some(centre) = self.add_polygon(&sides, triangle, &normal, weight, &sums) {
+                    for (side, place) in sides.iter().enumerate() {
+                        self.stiffen(side, place, &centre, &normal, weight * sums.area);
+                    }
+                }
             } else if counts > 0.0 {
-                self.area += normal * (sign * area(polygon, &normal));
+                // The lower field is the skin's own: it alone resists, in U'' = |g| (u.n)^2 less
+                // what the contact surface takes back. Half, as both sides count double.
+                let side = usize::from(!own);
+                let weight = -normal.dot(&skin.gradient).min(0.0);
+                let sums = PolygonSums::new(polygon, &normal, field);
+                self.area += normal * (sign * sums.area);
+                if sums.area > 0.0 {
+                    let centre = sums.first / sums.area;
+                    let half = 0.5 * weight * sums.area;
+                    self.stiffen(side, &sides[side], &centre, &normal, half);
+                }
             }
         });
         if whole.volume.is_nan() || whole.volume <= 0.0 {
@@ -235,54 +250,58 @@ impl PairSums {
         piece.for_faces(|label, polygon| {
             if label == SURFACE {
                 let sums = PolygonSums::new(polygon, &normal, a);
-                self.add_polygon(sides, nearest, &normal, weight, &sums);
+                self.add_polygon(&sides, nearest, &normal, weight, &sums);
             }
         });
     }
 
-    /// Adds a polygon that carries pressure along `normal` (on B) to a triangle, and its stiffness
-    /// to the nodes of both sides.
+    /// Adds a polygon that carries pressure along `normal` (on B) to a triangle; returns its
+    /// centroid, if it carries any.
     fn add_polygon(
         &mut self,
-        sides: [Place; 2],
+        sides: &[Place; 2],
         triangle: u32,
         normal: &Vector3,
         weight: f64,
         sums: &PolygonSums,
-    ) {
+    ) -> Option<Vector3> {
         let carries = sums.area > 0.0 && (sums.pressure > 0.0 || weight > 0.0);
         if !carries {
-            return;
+            return None;
         }
-        let stiffness = weight * sums.area;
-        let centre = sums.first / sums.area;
         let load = self.load(triangle);
         load.force += normal * sums.pressure;
         load.pressure += sums.pressure;
         load.moment += sums.moment;
-        load.stiffness += stiffness;
+        load.stiffness += weight * sums.area;
         if sums.pressure > load.share {
             load.hosts = sides.map(|s| s.place);
             load.share = sums.pressure;
         }
-        let mut rigid = false;
-        for (side, place) in sides.iter().enumerate() {
-            let Some(nodes) = place.nodes else {
-                rigid = true;
-                continue;
-            };
-            for (&node, weight) in nodes.iter().zip(place.tet.weights(&centre)) {
-                if let Some(total) = self.stiffness[side].get_mut(node as usize) {
-                    *total += stiffness * weight.max(0.0);
-                }
-            }
-        }
-        if rigid && stiffness > 0.0 {
+        Some(sums.first / sums.area)
+    }
+
+    /// Adds a polygon's stiffness to the nodes of one side, or to the springs of a rigid one.
+    fn stiffen(
+        &mut self,
+        side: usize,
+        place: &Place,
+        centre: &Vector3,
+        normal: &Vector3,
+        stiffness: f64,
+    ) {
+        let Some(nodes) = place.nodes else {
             self.springs.push(Spring {
-                point: centre,
+                point: *centre,
                 normal: *normal,
                 stiffness,
             });
+            return;
+        };
+        for (&node, weight) in nodes.iter().zip(place.tet.weights(centre)) {
+            if let Some(total) = self.stiffness[side].get_mut(node as usize) {
+                *total += stiffness * weight.max(0.0);
+            }
         }
     }
 
@@ -350,14 +369,6 @@ impl PolygonSums {
         }
         sums
     }
-}
-
-fn area(polygon: &[Vector3], normal: &Vector3) -> f64 {
-    let Some((x, rest)) = polygon.split_first() else {
-        return 0.0;
-    };
-    let triangle = |e: &[Vector3]| 0.5 * normal.dot(&(e[0] - x).cross(&(e[1] - x)));
-    rest.windows(2).map(triangle).sum()
 }
 
 /// A quarter of what the slave has goes to each of its masters; `nothing` is left.

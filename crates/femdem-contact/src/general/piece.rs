@@ -43,7 +43,7 @@ pub(crate) struct Piece {
     /// Where the way along a cut face begins, by new vertex.
     start: [u16; MOST],
     seen: [bool; 4 * MOST],
-    polygon: Vec<Vector3>,
+    polygon: [Vector3; MOST],
 }
 
 impl Default for Piece {
@@ -56,7 +56,7 @@ impl Default for Piece {
             depth: [0.0; MOST],
             start: [0; MOST],
             seen: [false; 4 * MOST],
-            polygon: Vec::with_capacity(MOST),
+            polygon: [Vector3::zeros(); MOST],
         }
     }
 }
@@ -225,15 +225,16 @@ impl Piece {
             if self.seen[first] {
                 continue;
             }
-            self.polygon.clear();
+            let mut corners = 0;
             let mut edge = first;
-            while !self.seen[edge] {
+            while !self.seen[edge] && corners < MOST {
                 self.seen[edge] = true;
-                self.polygon.push(self.at[edge / 4]);
+                self.polygon[corners] = self.at[edge / 4];
+                corners += 1;
                 let back = usize::from(self.twin[edge]);
                 edge = back - back % 4 + BEFORE[back % 4];
             }
-            face(self.label[first], &self.polygon);
+            face(self.label[first], &self.polygon[..corners]);
         }
     }
 
@@ -253,6 +254,9 @@ impl Piece {
                 return;
             };
             let x = x - origin;
+            if x == Vector3::zeros() {
+                return;
+            }
             for edge in rest.windows(2) {
                 let (y, z) = (edge[0] - origin, edge[1] - origin);
                 let volume = x.dot(&y.cross(&z));

@@ -59,7 +59,11 @@ pub(crate) fn intersect(a: &Posed, b: &Posed, piece: &mut Piece) -> Option<bool>
         (b, a, of_a, [LABEL[1], LABEL[0]])
     };
     piece.load(&small.corners, labels[0]);
-    (0..4)
+    // The plane that leaves least comes first: little is left for the others to cut.
+    let mut order = [0, 1, 2, 3];
+    order.sort_unstable_by(|&k, &l| faces.most[k].total_cmp(&faces.most[l]));
+    order
+        .into_iter()
         .filter(|k| faces.cut >> k & 1 == 1)
         .all(|k| piece.cut(labels[1] + k as u8, |x| large.depth(k, x)) != Cut::Empty)
         .then_some(flush)

@@ -26,6 +26,8 @@ pub(crate) struct Across {
     pub cut: u8,
     /// Those that the other reaches up to: only they can coincide with one of its faces.
     pub flush: u8,
+    /// How deep the other reaches under them at most, m.
+    pub most: [f64; 4],
 }
 
 /// Planes are looked at for coinciding if they come this near, over the tetrahedra's size.
@@ -95,6 +97,7 @@ impl Posed {
             if most <= 0.0 {
                 return None;
             }
+            across.most[k] = most;
             across.cut |= u8::from(least < 0.0) << k;
             across.flush |= u8::from(least.abs() <= close) << k;
         }

@@ -10,7 +10,7 @@ use crate::deform::record::{DeformablePartner, NodalState};
 use crate::deform::respond::{Mover, Pair};
 use crate::deform::shape::{DeformableShape, Modulus};
 use crate::error::ContactError;
-use crate::general::SolidWall;
+use crate::general::{Form, SolidWall};
 use crate::law::ContactParameters;
 use crate::motion::Motion;
 use crate::walls::WallShape;
@@ -157,6 +157,7 @@ impl Context<'_> {
             near: pair.candidates.near()?,
             law: self.parameters,
             begins: pair.begins.take(),
+            series: law.form == Form::Min,
         };
         pair.outcome.take(&of_pair, scratch);
         Some(())

@@ -223,10 +223,17 @@ impl DeformableBatch {
                 return Err(ContactError::StateCount { given, expected });
             }
         }
-        if let Some(body) = rigid.iter().position(|m| !m.is_finite()) {
+        let usable = |m: &Motion| m.is_finite() && m.travelled.is_finite();
+        if let Some(body) = rigid.iter().position(|m| !usable(m)) {
             return Err(ContactError::NotFinite {
                 body,
                 position: rigid[body].frame.position.into(),
+            });
+        }
+        if let Some(w) = walls.iter().position(|m| !usable(m)) {
+            return Err(ContactError::Wall {
+                name: self.walls[w].name().to_owned(),
+                why: "its motion is not finite".to_owned(),
             });
         }
         body::advance(&mut self.bodies, bodies)?;

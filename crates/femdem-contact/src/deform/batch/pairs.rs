@@ -1,5 +1,6 @@
 //! Candidate pairs of bodies, and what is kept of each.
 
+use super::RigidShape;
 use super::body::SoftBody;
 use super::evaluate::Context;
 use crate::deform::near::Candidates;
@@ -101,7 +102,11 @@ impl PairList {
             skins[0].push(HALF_SKIN * radius);
         }
         for (motion, &kind) in context.rigid.iter().zip(context.rigid_kinds) {
-            let shape = &context.rigid_shapes[kind as usize].shape;
+            let Some(RigidShape { shape, .. }) = context.rigid_shapes.get(kind as usize) else {
+                boxes.push(Aabb::EMPTY);
+                skins[1].push(0.0);
+                continue;
+            };
             let skin = HALF_SKIN * shape.radius();
             let (low, high) = shape.bounds(&motion.frame.rotation);
             let at = |x: Vector3| Point3::from(x + motion.frame.position);
