@@ -13,6 +13,7 @@ mod pack;
 mod program;
 mod report;
 mod scan;
+mod statics;
 
 use std::path::Path;
 
@@ -52,6 +53,10 @@ enum Case {
     Scan,
     /// Random pairs through every contact kernel: no panic, no number that is not finite
     FuzzPairs,
+    /// Cantilever, thick sphere and Cook's membrane; Newton's method and its solvers
+    Statics,
+    /// Taylor's impact test: plasticity at finite strain
+    Taylor,
     /// All of them
     All,
 }
@@ -68,6 +73,8 @@ impl Case {
                 Self::Dolosse,
                 Self::Scan,
                 Self::FuzzPairs,
+                Self::Statics,
+                Self::Taylor,
                 Self::Cost,
             ],
             single => vec![single],
@@ -80,6 +87,8 @@ impl Case {
             Self::Cost => cost::run(workshop, count.unwrap_or(500)),
             Self::Threads => bits::threads(workshop, count.unwrap_or(200)),
             Self::Restart => bits::restart(workshop, count.unwrap_or(200)),
+            Self::Statics => statics::statics(workshop),
+            Self::Taylor => statics::taylor(workshop),
             Self::FuzzPairs => fuzz_pairs::run(workshop, count.unwrap_or(1_000_000)),
             Self::Boulders => bodies::boulders(workshop, count.unwrap_or(288)),
             Self::Dolosse => bodies::dolosse(workshop, count.unwrap_or(200)),

@@ -152,8 +152,8 @@ fn cubes(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
 fn taylors(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
     for (rings, layers, elements) in [
         (2, 24, &ELEMENTS[..]),
-        (4, 44, &ELEMENTS[..]),
-        (6, 66, &ELEMENTS[..2]),
+        (3, 36, &ELEMENTS[..]),
+        (6, 72, &ELEMENTS[..2]),
     ] {
         for &element in elements {
             let start = Instant::now();
