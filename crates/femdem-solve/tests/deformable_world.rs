@@ -5,10 +5,12 @@
 use femdem_contact::Wall;
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::{Pose, TetMesh, Vector3};
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
+use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_solve::element::Element;
 use femdem_solve::material::NeoHookean;
-use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, World, WorldParameters};
+use femdem_solve::{
+    BodySpec, ContactStiffness, DeformableSpec, Drive, Medium, World, WorldParameters,
+};
 
 /// A block of `cells` with the given sides, centred at the origin of its own coordinates.
 fn block(cells: [u32; 3], sides: [f64; 3], element: Element, young: f64) -> DeformableModel {
@@ -108,4 +110,176 @@ fn collisions_keep_momentum() {
     assert!((l1 - l0).norm() < 1e-12 * 4.0, "{}", l1 - l0);
     let ledger = world.ledger();
     assert!(ledger.error_relative().abs() < 3e-3, "{ledger:?}");
+}
+
+/// Eight cubes in a box bounce for a while and keep their energy to 1e-3 at half the critical step.
+#[test]
+fn eight_cubes_in_a_box_keep_their_energy() {
+    let mut world = World::new(smooth(0.5)).unwrap();
+    for wall in Wall::closed_box(Vector3::repeat(-0.13), Vector3::repeat(0.13)).unwrap() {
+        world.add_wall(wall, Drive::Fixed).unwrap();
+    }
+    let model = block([2, 2, 2], [0.1; 3], Element::T4, 1e6);
+    let model = world
+        .add_model("cube", model, ContactStiffness::default())
+        .unwrap();
+    for k in 0..8 {
+        let side = |bit: u32| 0.06 * (2.0 * f64::from(k >> bit & 1) - 1.0);
+        let spin = f64::from(k) - 3.5;
+        world
+            .add_deformable(DeformableSpec {
+                velocity: Vector3::new(-side(1), side(2), -side(0)) * 8.0,
+                angular_velocity: Vector3::new(spin, -0.5 * spin, 2.0),
+                ..DeformableSpec::at_rest(model, Pose::translation(side(0), side(1), side(2)))
+            })
+            .unwrap();
+    }
+    let start = total(&world);
+    let (mut worst, mut pairs) = (0.0_f64, std::collections::BTreeSet::new());
+    while world.time() < 0.15 {
+        world.step().unwrap();
+        worst = worst.max((total(&world) / start - 1.0).abs());
+        pairs.extend(world.deformable_contacts().map(|c| (c.a, c.b)));
+    }
+    assert!(pairs.len() > 20, "{} pairs met", pairs.len());
+    assert!(worst < 1e-3, "{worst}");
+}
+
+/// What a block slides on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Slope {
+    Wall,
+    Rigid,
+    Deformable,
+}
+
+/// A deformable block at rest on a slope of angle `t` (gravity is turned instead).
+fn on_a_slope(slope: Slope, mu: f64, t: f64) -> World {
+    let mut p = smooth(0.9);
+    p.gravity = 9.81 * Vector3::new(t.sin(), 0.0, -t.cos());
+    p.contact.friction = mu;
+    p.contact.damping_ratio = 0.3;
+    let mut world = World::new(p).unwrap();
+    let slab = [0.6, 0.2, 0.05];
+    match slope {
+        Slope::Wall => {
+            let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+            world.add_wall(floor, Drive::Fixed).unwrap();
+        }
+        Slope::Rigid => {
+            let mesh = TetMesh::block([1, 1, 1], &Vector3::from(slab)).unwrap();
+            let surface = mesh.surface().unwrap();
+            let shape = world.add_shape("slab", &surface).unwrap();
+            let spec = BodySpec::at_rest(shape, 1000.0, Pose::translation(-0.2, -0.1, -0.05));
+            world.add_driven_body(spec, Drive::Fixed).unwrap();
+        }
+        Slope::Deformable => {
+            let model = block([12, 4, 1], slab, Element::T4, 1e7);
+            let mut boundary = Boundary::default();
+            let bottom = Selection::Plane {
+                normal: Vector3::z(),
+                offset: -0.5 * slab[2],
+                tolerance: 1e-9,
+            };
+            boundary.fix(&model, &bottom, [true; 3]).unwrap();
+            let stiffness = ContactStiffness::default();
+            let model = world.add_model("slab", model, stiffness).unwrap();
+            let pose = Pose::translation(0.1, 0.0, -0.5 * slab[2]);
+            world
+                .add_deformable(DeformableSpec {
+                    boundary,
+                    ..DeformableSpec::at_rest(model, pose)
+                })
+                .unwrap();
+        }
+    }
+    let model = block([3, 3, 2], [0.1, 0.1, 0.06], Element::T4, 1e6);
+    let stiffness = ContactStiffness::default();
+    let model = world.add_model("block", model, stiffness).unwrap();
+    let pose = Pose::translation(-0.05, 0.003, 0.03 - 1e-5);
+    world
+        .add_deformable(DeformableSpec::at_rest(model, pose))
+        .unwrap();
+    world
+}
+
+fn place_and_speed(world: &World) -> (f64, f64) {
+    let body = world.deformables().last().unwrap();
+    let mass: f64 = body.model().masses().iter().sum();
+    (body.centroid().x, body.momentum().x / mass)
+}
+
+/// Below the angle of friction a block sticks without creep; above it slides with
+/// g (sin t - mu cos t) to 2 %.
+#[test]
+fn blocks_stick_and_slide_on_slopes() {
+    for slope in [Slope::Wall, Slope::Rigid, Slope::Deformable] {
+        let (mu, t) = (0.5_f64, 0.4_f64);
+        let mut world = on_a_slope(slope, mu, t);
+        let settle = |world: &mut World, until: f64| {
+            while world.time() < until {
+                world.step().unwrap();
+            }
+        };
+        // It comes to rest in a medium, and stays there without.
+        let medium = Medium {
+            drag: 100.0,
+            ..Medium::default()
+        };
+        world.set_medium(medium).unwrap();
+        settle(&mut world, 0.1);
+        world.set_medium(Medium::default()).unwrap();
+        settle(&mut world, 0.15);
+        let (x0, _) = place_and_speed(&world);
+        settle(&mut world, 0.2);
+        let (x1, v1) = place_and_speed(&world);
+        assert!((x1 - x0).abs() < 1e-6, "{slope:?}: creeps by {}", x1 - x0);
+        assert!(v1.abs() < 1e-4, "{slope:?}: {v1}");
+
+        let mu = 0.2;
+        let mut world = on_a_slope(slope, mu, t);
+        settle(&mut world, 0.05);
+        let (_, v0) = place_and_speed(&world);
+        settle(&mut world, 0.15);
+        let (_, v1) = place_and_speed(&world);
+        let acceleration = (v1 - v0) / 0.1;
+        let expected = 9.81 * (t.sin() - mu * t.cos());
+        let ratio = acceleration / expected;
+        assert!((ratio - 1.0).abs() < 0.02, "{slope:?}: {ratio}");
+    }
+}
+
+/// A world of deformable and rigid bodies goes on bit for bit after a checkpoint, and with any
+/// number of threads.
+#[test]
+fn the_same_bits_after_a_checkpoint_and_with_threads() {
+    let run = |threads: usize, split: bool| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| {
+            let mut world = on_a_slope(Slope::Deformable, 0.3, 0.4);
+            let a10 = "A10"
+                .parse::<CatalogueShape>()
+                .unwrap()
+                .polyhedron(0.05)
+                .unwrap();
+            let shape = world.add_shape("A10", &a10).unwrap();
+            let at = Pose::translation(-0.05, 0.0, 0.09);
+            world
+                .add_body(BodySpec::at_rest(shape, 2000.0, at))
+                .unwrap();
+            for k in 0..400 {
+                if split && k == 250 {
+                    world = World::from_bytes(&world.to_bytes().unwrap()).unwrap();
+                }
+                world.step().unwrap();
+            }
+            world.to_bytes().unwrap()
+        })
+    };
+    let one = run(1, false);
+    assert!(one == run(3, false), "threads");
+    assert!(one == run(2, true), "checkpoint");
 }

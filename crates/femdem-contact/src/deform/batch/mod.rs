@@ -181,6 +181,7 @@ impl DeformableBatch {
             .into_iter()
             .map(RigidShape::new)
             .collect::<Result<_, _>>()?;
+        self.gather();
         Ok(())
     }
 

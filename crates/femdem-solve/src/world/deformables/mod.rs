@@ -6,8 +6,8 @@ mod step;
 
 use crate::deformable::{Boundary, DeformableModel, FrequencyBound, InternalState, Workspace};
 use crate::error::SolveError;
-use femdem_contact::{Field, Load};
 use femdem_contact::deform::{DeformableBatch, DeformableShape, Modulus};
+use femdem_contact::{Field, Load};
 use femdem_mesh::{Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
