@@ -3,9 +3,9 @@
 //!
 //! **Use it** to give a granular or multibody code of your own contacts of polyhedra, against each
 //! other and against walls: the normal force is the exact gradient of an overlap energy, so it
-//! neither makes nor loses energy, whatever touches what. **Do not use it** for bodies that deform,
-//! for spheres (closed formulas serve better), where nothing may overlap at all (the bodies are
-//! penalty bodies), or if you want bodies moved for you (femdem-solve does that).
+//! neither makes nor loses energy, whatever touches what. Bodies may be rigid or deform ([`deform`]).
+//! **Do not use it** for spheres (closed formulas serve better), where nothing may overlap at all (the
+//! bodies are penalty bodies), or if you want bodies moved for you (femdem-solve does that).
 //!
 //! ```
 //! use femdem_contact::kernel::Scratch;
@@ -42,6 +42,10 @@
 //!    [`Motion`] per body into sorted [`Contact`]s and a [`Load`] per body. Your code integrates; a
 //!    load also bounds the stable step ([`Load::largest_step`]).
 //! 3. `World`, in femdem-solve: owns the bodies and steps them.
+//!
+//! For bodies that deform, layer 1 is [`deform::DeformableKernel`] and layer 2
+//! [`deform::DeformableBatch`]: nodal positions in, nodal forces out, beside a [`ContactBatch`] for
+//! what is rigid.
 //!
 //! # The law
 //!

@@ -81,6 +81,7 @@ mod kernel;
 mod near;
 mod record;
 mod respond;
+mod rub;
 mod shape;
 mod sums;
 

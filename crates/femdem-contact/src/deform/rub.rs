@@ -1,0 +1,292 @@
+//! Friction of one pair: the springs of all its triangles.
+
+use super::bristle::{Bristle, Touch};
+use super::current::{Current, Operand};
+use super::kernel::DeformableScratch;
+use super::record::DeformableContact;
+use super::respond::{FrictionStart, Mover, Outcome, Pair};
+use super::sums::{PairSums, TriangleLoad};
+use crate::general::cells::NONE;
+use femdem_mesh::Vector3;
+
+/// Sums of the friction of a pair.
+#[derive(Default)]
+pub(crate) struct Rubbing {
+    pub power: f64,
+    /// On A, about the pair's origin.
+    pub wrench: [Vector3; 2],
+    pub marks: Vec<Mark>,
+}
+
+/// Friction of one triangle and where it acts.
+pub(crate) struct Mark {
+    /// The tetrahedra (places on the lists) that bear it, and the point's weights in them.
+    places: [u32; 2],
+    weights: [[f64; 4]; 2],
+    pub point: Vector3,
+    /// On B, N.
+    force: Vector3,
+    pub stiffness: f64,
+    pub viscosity: f64,
+}
+
+impl Mark {
+    fn add_to(&self, sums: &mut PairSums, side: usize, nodes: &[u32; 4]) {
+        let force = if side == 1 { self.force } else { -self.force };
+        for (&node, w) in nodes.iter().zip(self.weights[side]) {
+            let at = node as usize;
+            if let Some(total) = sums.forces[side].get_mut(at) {
+                *total += force * w;
+            }
+            if let Some(total) = sums.stiffness[side].get_mut(at) {
+                *total += self.stiffness * w.abs();
+            }
+            if let Some(total) = sums.viscosity[side].get_mut(at) {
+                *total += self.viscosity * w.abs();
+            }
+        }
+    }
+}
+
+impl Outcome {
+    /// Friction of all triangles, added to the nodes.
+    pub fn rub(
+        &mut self,
+        pair: &Pair,
+        scratch: &mut DeformableScratch,
+        contact: &mut DeformableContact,
+        scale: f64,
+    ) -> Rubbing {
+        let mut rubbing = Rubbing::default();
+        let old = std::mem::take(&mut self.bristles);
+        if pair.law.friction <= 0.0 {
+            return rubbing;
+        }
+        let loads = std::mem::take(&mut scratch.sums.loads);
+        let bearing = Bearing::new(&loads);
+        let touches: Vec<(u32, Touch)> = loads
+            .iter()
+            .filter(|load| bearing.holds(load))
+            .filter_map(|load| {
+                let touch = pair.touch(load, scratch, scale * bearing.share)?;
+                Some((load.triangle, touch))
+            })
+            .collect();
+        let mut bristles = match &pair.begins {
+            Some(start) if old.is_empty() => pair.begin(start, &touches),
+            _ => pair.inherit(&old, &touches),
+        };
+        let mut marks: Vec<Mark> = Vec::with_capacity(touches.len());
+        let mut slides = !touches.is_empty();
+        for ((_, touch), bristle) in touches.iter().zip(&mut bristles) {
+            let size = touch.hosts[1].1.posed.size();
+            let friction = bristle.update(pair.law, &pair.sides, touch, size);
+            contact.friction += friction.force;
+            contact.spring_energy += friction.energy;
+            contact.tangential_stiffness += friction.stiffness;
+            rubbing.power += friction.force.dot(&touch.slip);
+            slides &= friction.slides;
+            marks.push(Mark {
+                places: touch.places,
+                weights: touch.hosts.map(|h| h.1.weights(&touch.point)),
+                point: touch.point,
+                force: friction.force,
+                stiffness: friction.stiffness,
+                viscosity: friction.viscosity,
+            });
+        }
+        contact.slides = slides;
+        self.bristles = bristles;
+        scratch.sums.loads = loads;
+        for mark in &marks {
+            for (side, members) in pair.near.sides.iter().enumerate() {
+                if let Some(nodes) = members.corners.get(mark.places[side] as usize) {
+                    mark.add_to(&mut scratch.sums, side, nodes);
+                }
+            }
+            rubbing.wrench[0] -= mark.force;
+            rubbing.wrench[1] -= mark.point.cross(&mark.force);
+        }
+        rubbing.marks = marks;
+        rubbing
+    }
+}
+
+/// Triangles with less than this part of the mean stiffness for their force bear no friction.
+const SOFT: f64 = 1e-6;
+
+/// Which triangles bear friction, and how much more of it for those that do not. (Where the skin
+/// bends away, the field may not change along the normal: there is pressure without stiffness.)
+struct Bearing {
+    /// Least stiffness over force, 1/m.
+    least: f64,
+    /// Force of all triangles over that of those which bear friction.
+    share: f64,
+}
+
+impl Bearing {
+    fn new(loads: &[TriangleLoad]) -> Self {
+        let force: f64 = loads.iter().map(|l| l.force.norm()).sum();
+        let stiffness: f64 = loads.iter().map(|l| l.stiffness).sum();
+        let mut bearing = Self {
+            least: SOFT * stiffness / force,
+            share: 1.0,
+        };
+        let borne = loads.iter().filter(|l| bearing.holds(l));
+        let borne: f64 = borne.map(|l| l.force.norm()).sum();
+        if borne > 0.0 {
+            bearing.share = force / borne;
+        }
+        bearing
+    }
+
+    fn holds(&self, load: &TriangleLoad) -> bool {
+        let force = load.force.norm();
+        force > 0.0 && load.pressure > 0.0 && load.stiffness > self.least * force
+    }
+}
+
+impl Pair<'_> {
+    /// What presses on a triangle.
+    fn touch<'s>(
+        &self,
+        load: &TriangleLoad,
+        scratch: &'s DeformableScratch,
+        scale: f64,
+    ) -> Option<Touch<'s>> {
+        let force = load.force.norm();
+        let host = |side: usize| {
+            let place = load.hosts[side];
+            let tet = *self.near.sides[side].tets.get(place as usize)?;
+            Some((tet, scratch.tets[side].known(place)?))
+        };
+        let hosts = [host(0)?, host(1)?];
+        let point = load.moment / load.pressure;
+        let [(va, wa), (vb, wb)] = [0, 1].map(|side| self.motion_at(side, hosts[side], &point));
+        Some(Touch {
+            point,
+            normal: load.force / force,
+            force: force * scale,
+            stiffness: self.law.tangential_ratio * load.stiffness,
+            slip: vb - va,
+            inverse_mass: wa + wb,
+            hosts,
+            places: load.hosts,
+            origin: self.near.origin,
+        })
+    }
+
+    /// Velocity and inverse mass of a point of one side.
+    fn motion_at(
+        &self,
+        side: usize,
+        (tet, current): (u32, &Current),
+        point: &Vector3,
+    ) -> (Vector3, f64) {
+        match (&self.movers[side], &self.sides[side]) {
+            (Mover::Rigid(motion), _) => {
+                let arm = point + self.near.origin - motion.frame.position;
+                (motion.velocity_at(&arm), motion.inverse_mass_at(&arm))
+            }
+            (Mover::Nodes(state), Operand::Deformable(shape, _)) => {
+                let weights = current.weights(point);
+                let (mut velocity, mut inverse_mass) = (Vector3::zeros(), 0.0);
+                let nodes = shape
+                    .tets()
+                    .get(tet as usize)
+                    .map_or([NONE; 4], |t| t.nodes);
+                for (node, w) in nodes.into_iter().zip(weights) {
+                    velocity += shape.place(node, state.velocities).unwrap_or_default() * w;
+                    inverse_mass += shape.inverse_mass(node, state.inverse_masses) * w * w;
+                }
+                (velocity, inverse_mass)
+            }
+            _ => (Vector3::zeros(), 0.0),
+        }
+    }
+
+    /// Springs that bear a given friction, in proportion to what presses on their triangles.
+    fn begin(&self, start: &FrictionStart, touches: &[(u32, Touch)]) -> Vec<Bristle> {
+        let pressing: f64 = touches.iter().map(|(_, t)| t.force).sum();
+        let centre: Vector3 = touches.iter().map(|(_, t)| t.point * t.force).sum();
+        let centre = centre / pressing;
+        let normal: Vector3 = touches.iter().map(|(_, t)| t.normal * t.force).sum();
+        let arm = |t: &Touch| normal.cross(&(t.point - centre)) / pressing;
+        let second: f64 = touches
+            .iter()
+            .map(|(_, t)| t.force * arm(t).norm_squared())
+            .sum();
+        let turn = if second > 0.0 {
+            start.torsion / second
+        } else {
+            0.0
+        };
+        touches
+            .iter()
+            .map(|(triangle, touch)| {
+                let force = (start.force / pressing + arm(touch) * turn) * touch.force;
+                let stretch = -force / touch.stiffness;
+                Bristle::new(&self.sides, *triangle, touch, &stretch)
+            })
+            .collect()
+    }
+
+    /// The springs of the triangles in contact now, from those of the last step. A triangle newly
+    /// in contact takes over the stretch of those beside it, as far as springs that have died
+    /// leave the energy for it.
+    fn inherit(&self, old: &[Bristle], touches: &[(u32, Touch)]) -> Vec<Bristle> {
+        let origin = &self.near.origin;
+        let known = |t: u32| {
+            old.binary_search_by_key(&t, |b| b.triangle)
+                .ok()
+                .map(|i| &old[i])
+        };
+        let mut born = 0.0;
+        let mut list = Vec::with_capacity(touches.len());
+        for (triangle, touch) in touches {
+            list.push(known(*triangle).copied().unwrap_or_else(|| {
+                let stretch = self.stretch_beside(*triangle, known);
+                let bristle = Bristle::new(&self.sides, *triangle, touch, &stretch);
+                let stretch = bristle.stretch(&self.sides, origin);
+                born += 0.5 * touch.stiffness * stretch.norm_squared();
+                bristle
+            }));
+        }
+        if born > 0.0 {
+            let is_gone =
+                |b: &&Bristle| touches.binary_search_by_key(&b.triangle, |t| t.0).is_err();
+            let died: f64 = old
+                .iter()
+                .filter(is_gone)
+                .map(|b| b.energy(&self.sides, origin))
+                .sum();
+            if died < born {
+                let scale = (died / born).sqrt();
+                for (bristle, (_, touch)) in list.iter_mut().zip(touches) {
+                    if known(bristle.triangle).is_none() {
+                        let stretch = bristle.stretch(&self.sides, origin) * scale;
+                        *bristle = Bristle::new(&self.sides, bristle.triangle, touch, &stretch);
+                    }
+                }
+            }
+        }
+        list
+    }
+
+    /// Mean stretch of the springs of the triangles beside one, weighted by their stiffness.
+    fn stretch_beside<'b>(
+        &self,
+        triangle: u32,
+        known: impl Fn(u32) -> Option<&'b Bristle>,
+    ) -> Vector3 {
+        let Operand::Deformable(shape, _) = self.sides[1] else {
+            return Vector3::zeros();
+        };
+        let (mut sum, mut total) = (Vector3::zeros(), 0.0);
+        for bristle in shape.beside(triangle).into_iter().filter_map(known) {
+            sum += bristle.stretch(&self.sides, &self.near.origin) * bristle.stiffness;
+            total += bristle.stiffness;
+        }
+        if total > 0.0 { sum / total } else { sum }
+    }
+}
