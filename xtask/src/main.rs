@@ -2,9 +2,10 @@
 //!
 //! `tidy` looks for what the compiler does not see: the documented crate graph against the
 //! real one, the tests of the invariants, file lengths, leftovers, crate docs, broken links. `ci` runs every check that a
-//! change must pass, in the same order as `.ci/run`. `validate` makes the long runs behind the
+//! change must pass, in the same order as `.ci/run`. `browser` tries the report page in Chromium. `validate` makes the long runs behind the
 //! figures in `docs/validation`.
 
+mod browser;
 mod ci;
 mod tidy;
 mod validate;
@@ -28,6 +29,8 @@ enum Task {
     Tidy,
     /// Run format, clippy, test, documentation and tidy checks; stop at the first failure
     Ci,
+    /// Try the report page in headless Chromium, installed if it is not there
+    Browser,
     /// Run the program against the figures it is to reach, and write docs/validation
     Validate(validate::Options),
 }
@@ -50,6 +53,7 @@ fn run() -> Result<bool> {
     match cli.command {
         Task::Tidy => tidy::run(&root),
         Task::Ci => ci::run(&root),
+        Task::Browser => browser::run(&root),
         Task::Validate(options) => validate::run(&root, &options),
     }
 }

@@ -3,6 +3,7 @@
 use femdem_mesh::{Polyhedron, Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
+use crate::analysis::{BodyAxes, SetVoronoi, telling_axes};
 use crate::ticks::{decades, even, to_the_last};
 use crate::{Error, Snapshot};
 
@@ -84,9 +85,9 @@ impl Colouring {
         }
     }
 
-    /// The values of a snapshot's bodies; `cells` holds the volumes of their Set-Voronoi cells \[m³\],
-    /// if they are known. `None` where the snapshot does not hold what the quantity needs: a density
-    /// needs the cells, a force and a coordination number need contacts.
+    /// The values of a snapshot's bodies; `cells` are their Set-Voronoi cells, if they are known
+    /// ([`Tables::set_voronoi`](crate::analysis::Tables::set_voronoi)). `None` where there is not what the
+    /// quantity needs: a density needs the cells, a force and a coordination number need contacts.
     ///
     /// # Errors
     ///
@@ -94,7 +95,7 @@ impl Colouring {
     pub fn values(
         self,
         snapshot: &Snapshot,
-        cells: Option<&[f64]>,
+        cells: Option<&SetVoronoi>,
     ) -> Result<Option<BodyValues>, Error> {
         snapshot.check()?;
         if matches!(self, Self::Force | Self::Coordination) && snapshot.contacts.is_empty() {
@@ -153,20 +154,23 @@ fn force(snapshot: &Snapshot) -> Result<BodyValues, Error> {
     })
 }
 
-fn density(snapshot: &Snapshot, cells: &[f64]) -> Option<BodyValues> {
-    let volume = |body| snapshot.shape_of(body).polyhedron.mass_properties().volume;
-    let of = |(body, cell): (_, &f64)| volume(body) / cell;
-    let values: Vec<f64> = snapshot.bodies.iter().zip(cells).map(of).collect();
+fn density(snapshot: &Snapshot, cells: &SetVoronoi) -> Option<BodyValues> {
+    let mut values = vec![f64::NAN; snapshot.bodies.len()];
+    for cell in cells.cells.iter().filter(|cell| cell.volume > 0.0) {
+        if let Some(value) = values.get_mut(cell.body as usize) {
+            *value = cell.density;
+        }
+    }
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
-    if values.len() != snapshot.bodies.len() || sorted.is_empty() {
+    if sorted.is_empty() {
         return None;
     }
     Some(BodyValues {
         title: "local packing density".to_owned(),
         note:
             "Volume of the body over the volume of its Set-Voronoi cell, the points nearer to it \
-               than to any other body."
+               than to any other body; cells end at the walls and at the mean top."
                 .to_owned(),
         range: spread(
             [quantile(&sorted, 0.005), quantile(&sorted, 0.995)],
@@ -205,25 +209,17 @@ enum Axis {
 }
 
 impl Axis {
-    /// Moments that differ by less than this share are equal.
-    const ISOTROPIC: f64 = 0.02;
-
     fn of(shape: &Polyhedron) -> Self {
         let frame = shape.mass_properties().principal();
         let axis = |k: usize| frame.rotation * Vector3::ith(k, 1.0);
-        let mut order = [0, 1, 2];
-        order.sort_by(|a, b| frame.moments[*a].total_cmp(&frame.moments[*b]));
-        let [low, middle, high] = order.map(|k| frame.moments[k]);
-        if high - low <= Self::ISOTROPIC * high {
-            Self::Faces(
+        match telling_axes(shape) {
+            BodyAxes::Long => Self::Own(axis(frame.moments.imin())),
+            BodyAxes::Short => Self::Own(axis(frame.moments.imax())),
+            _ => Self::Faces(
                 (0..shape.face_count())
                     .map(|i| shape.face_normal(i))
                     .collect(),
-            )
-        } else if middle - low > high - middle {
-            Self::Own(axis(order[0]))
-        } else {
-            Self::Own(axis(order[2]))
+            ),
         }
     }
 
@@ -314,6 +310,7 @@ impl BodyValues {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::{Pack, PosedBody, SetVoronoiOptions, set_voronoi};
     use crate::testing::two_cubes;
     use crate::{Body, NamedShape};
     use femdem_mesh::convex_hull;
@@ -337,13 +334,28 @@ mod tests {
                 .iter()
                 .all(|tilt| tilt.abs() < 1e-6)
         );
-        let cells = Some(&[2.0, 4.0][..]);
+    }
+
+    /// Two cubes of 1 m³ in a column of 2.5 x 2 m: each has half of what is below the top of the stack.
+    #[test]
+    fn density_is_solid_volume_over_cell() {
+        let snapshot = two_cubes();
+        let shapes = [snapshot.shapes[0].polyhedron.clone()];
+        let posed = |body: &Body| PosedBody {
+            shape: body.shape,
+            pose: body.pose,
+        };
+        let bodies: Vec<PosedBody> = snapshot.bodies.iter().map(posed).collect();
+        let pack = Pack::new(&shapes, &bodies).unwrap();
+        let column = snapshot.container.unwrap().slab(0.0, 2.0).unwrap();
+        let cells = set_voronoi(&pack, &column, &SetVoronoiOptions::default()).unwrap();
         let density = Colouring::Density
-            .values(&two_cubes(), cells)
+            .values(&snapshot, Some(&cells))
             .unwrap()
             .unwrap();
-        assert!((density.values[0] - 0.5).abs() < 1e-12);
-        assert!((density.values[1] - 0.25).abs() < 1e-12);
+        for value in density.values {
+            assert!((value - 0.2).abs() < 2e-3, "{value}");
+        }
     }
 
     #[test]

@@ -83,7 +83,10 @@ fn a_pack_leaves_every_file_and_every_key() {
     assert!(summary["packing_density"]["exact"].as_f64().unwrap() > 0.2);
 
     let bodies = lines(&out.join("bodies.csv"));
-    assert_eq!(bodies[0], "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping,mass");
+    assert_eq!(
+        bodies[0],
+        "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping,mass"
+    );
     assert_eq!(bodies.len(), 9);
     let contacts = lines(&out.join("contacts.csv"));
     assert_eq!(

@@ -35,12 +35,17 @@ impl Tables {
         let segments = [&self.chains_by_weight, &self.chains_by_stress]
             .map(|chains| chains.as_ref().map(|c| (c.segment_table(), c.link_table())));
         let [by_weight, by_stress] = &segments;
-        let all: [(&str, Option<&dyn Table>); 22] = [
+        let net = self
+            .orientation
+            .as_ref()
+            .and_then(|found| found.net.as_ref());
+        let all: [(&str, Option<&dyn Table>); 23] = [
             ("bodies.csv", Some(&bodies)),
             ("height-profile.csv", table(&self.height_profile)),
             ("wall-profile.csv", table(&self.wall_profile)),
             ("density-map.csv", table(&self.density_map)),
             ("set-voronoi.csv", table(&self.set_voronoi)),
+            ("stereonet.csv", net.map(|net| net as _)),
             ("coordination.csv", table(&self.coordination)),
             ("core-coordination.csv", table(&self.core_coordination)),
             ("contact-classes.csv", table(&self.classes)),

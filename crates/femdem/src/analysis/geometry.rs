@@ -24,6 +24,7 @@ const CORE_TABLES: [&str; 6] = [
 
 impl Tables {
     pub(super) fn add_geometry(&mut self, snapshot: &Snapshot, pack: &Pack) -> Result<(), Error> {
+        self.orientation = super::orientation::of_pack(pack, &self.options)?;
         let Some(container) = &snapshot.container else {
             let reason = "the container is not known; give its inside";
             self.miss(&CONTAINER_TABLES, reason);

@@ -30,6 +30,7 @@ mod files;
 mod geometry;
 mod network;
 mod options;
+mod orientation;
 mod tables;
 
 pub use femdem_analysis::*;
@@ -37,4 +38,5 @@ pub use femdem_analysis::*;
 pub use bodies::BodyTable;
 pub use files::{FOLDER, JSON};
 pub use options::TableOptions;
+pub use orientation::{Orientation, telling_axes};
 pub use tables::{Missing, SCHEMA, Tables};

@@ -2,8 +2,8 @@
 
 use femdem_analysis::{
     BlockBootstrap, ChainOptions, CoreOptions, DensityMapOptions, DensityOptions,
-    ForceDistributionOptions, ProfileOptions, SetVoronoiOptions, StressRule, SupportRule,
-    ThresholdOptions, WeightRule,
+    ForceDistributionOptions, OrientationOptions, ProfileOptions, SetVoronoiOptions,
+    StereonetOptions, StressRule, SupportRule, ThresholdOptions, WeightRule,
 };
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +23,10 @@ pub struct TableOptions {
     pub map: DensityMapOptions,
     /// Set-Voronoi cells; their core is that of the pack.
     pub voronoi: SetVoronoiOptions,
+    /// The net of directions.
+    pub net: StereonetOptions,
+    /// Order of the directions, and its random baseline.
+    pub order: OrientationOptions,
     /// P(f) and its tail.
     pub forces: ForceDistributionOptions,
     /// What a rattler is.

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::network::Data;
 use super::options::TableOptions;
+use super::orientation::Orientation;
 use crate::{Error, Snapshot};
 
 /// Version of the keys of `analysis.json`.
@@ -60,6 +61,8 @@ pub struct Tables {
     /// Set-Voronoi cells between the floor and the mean top; the cells themselves in CSV only.
     #[serde(serialize_with = "without_cells")]
     pub set_voronoi: Option<SetVoronoi>,
+    /// How the bodies are turned.
+    pub orientation: Option<Orientation>,
     /// Coordination number over all bodies.
     pub coordination: Option<Coordination>,
     /// Coordination number over the bodies with their centre in the core.
@@ -142,6 +145,7 @@ impl Tables {
             wall_profile: None,
             density_map: None,
             set_voronoi: None,
+            orientation: None,
             coordination: None,
             core_coordination: None,
             classes: None,

@@ -169,6 +169,16 @@ pub(crate) fn outline(container: &Region, top: f64) -> Drawing {
     scene::outline(container, top, azimuth.to_radians())
 }
 
+/// A small picture of values, 0 to 1, row by row from the top, in viridis as PNG.
+pub(crate) fn viridis_png(
+    width: usize,
+    values: impl Iterator<Item = f64>,
+) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    Image::new(width, values.map(colour::viridis).collect()).write_png(&mut bytes)?;
+    Ok(bytes)
+}
+
 /// Draws a mesh as `view` sees it, and says what is seen where.
 fn paint(
     mesh: &Mesh,

@@ -9,6 +9,7 @@
 mod axis;
 mod chart;
 mod forces;
+mod net;
 mod profiles;
 mod structure;
 
@@ -92,6 +93,8 @@ pub fn plots(tables: &Tables) -> Vec<Plot> {
     let mut plots = Vec::new();
     plots.extend(profiles::height(tables));
     plots.extend(profiles::wall(tables));
+    plots.extend(structure::local_density(tables));
+    plots.extend(net::stereonet(tables));
     plots.extend(structure::coordination(tables));
     plots.extend(structure::classes(tables));
     plots.extend(forces::distribution(tables));

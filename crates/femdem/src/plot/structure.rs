@@ -44,6 +44,60 @@ pub(super) fn coordination(tables: &Tables) -> Option<Plot> {
     ))
 }
 
+/// The histogram of the local density.
+pub(super) fn local_density(tables: &Tables) -> Option<Plot> {
+    const BINS: usize = 30;
+    let cells = tables.set_voronoi.as_ref()?;
+    let counted = || cells.cells.iter().filter(|cell| cell.counted);
+    let values: Vec<f64> = counted().map(|cell| cell.density).collect();
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if values.len() < 2 || low >= high {
+        return None;
+    }
+    let bins = BINS.min(values.len().isqrt().max(4));
+    let width = (high - low) / bins as f64;
+    let mut counts = vec![0_u32; bins];
+    for value in &values {
+        let bin = ((value - low) / width) as usize;
+        if let Some(count) = counts.get_mut(bin.min(bins - 1)) {
+            *count += 1;
+        }
+    }
+    let height = |count: u32| f64::from(count) / (values.len() as f64 * width);
+    let x = Axis::linear("local packing density", low - width, high + width);
+    let y = Axis::from_zero("probability density", counts.iter().map(|n| height(*n)));
+    let mut chart = Chart::new(x, y);
+    for (k, count) in counts.iter().enumerate() {
+        let from = low + width * k as f64;
+        let words = format!("{from:.3} to {:.3}: {count} bodies", from + width);
+        chart.bar(
+            Hue::First,
+            [from, from + 0.94 * width],
+            height(*count),
+            &words,
+        );
+    }
+    let mean = cells.mean.mean;
+    chart.upright(mean);
+    let error = cells
+        .mean
+        .standard_error
+        .map_or(String::new(), |e| format!(" \u{b1} {e:.4}"));
+    let caption = format!(
+        "Volume of a body over that of its Set-Voronoi cell, the space nearer to it than to any other \
+         body, for {} bodies away from walls and top. Mean {mean:.4}{error} (dashed), standard deviation {:.4}.",
+        values.len(),
+        cells.deviation
+    );
+    Some(Plot::of(
+        "local-density",
+        "Local packing density",
+        caption,
+        chart,
+    ))
+}
+
 /// Shares of the classes of contacts, by number and by force.
 pub(super) fn classes(tables: &Tables) -> Option<Plot> {
     let classes = tables.classes.as_ref()?;
@@ -84,7 +138,7 @@ pub(super) fn classes(tables: &Tables) -> Option<Plot> {
     chart.name(Hue::Second, "by normal force");
     let caption = format!(
         "How the surfaces of two bodies meet, for {contacts} contacts: their share by number, and of the \
-         summed normal forces. Contacts of faces carry more load and resist rotation."
+         summed normal forces. A contact of faces also resists rotation."
     );
     Some(Plot::of("classes", "Kinds of contact", caption, chart))
 }

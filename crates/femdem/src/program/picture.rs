@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use femdem::analysis::{TableOptions, Tables};
 use femdem::picture::{PictureOptions, draw_by};
 use femdem::{Colouring, output, results};
 
@@ -88,12 +89,19 @@ pub(crate) fn run(args: &PictureArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
         let saved = folder::load(&args.folder)?;
         let snapshot = results::snapshot(&saved.packing);
-        let values = args.colour.values(&snapshot, None)?.with_context(|| {
-            format!(
-                "the pack does not hold what the colour {} needs: choose another with --colour",
-                args.colour.name()
-            )
-        })?;
+        let cells = match args.colour {
+            Colouring::Density => Tables::compute(&snapshot, &TableOptions::default())?.set_voronoi,
+            _ => None,
+        };
+        let values = args
+            .colour
+            .values(&snapshot, cells.as_ref())?
+            .with_context(|| {
+                format!(
+                    "the pack does not hold what the colour {} needs: choose another with --colour",
+                    args.colour.name()
+                )
+            })?;
         let [azimuth, elevation] = args.view.angles();
         let [width, height] = args.size;
         let options = PictureOptions {

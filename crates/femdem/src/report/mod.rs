@@ -114,8 +114,9 @@ impl<'a> Report<'a> {
 
     fn fields(&self) -> Result<Vec<(&'static str, BodyValues)>, Error> {
         let mut fields = Vec::new();
+        let cells = self.tables.and_then(|tables| tables.set_voronoi.as_ref());
         for colouring in Colouring::ALL {
-            if let Some(values) = colouring.values(self.snapshot, None)? {
+            if let Some(values) = colouring.values(self.snapshot, cells)? {
                 fields.push((colouring.name(), values));
             }
         }

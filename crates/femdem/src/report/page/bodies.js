@@ -5,7 +5,6 @@ class Bodies {
     this.gl = gl;
     this.pack = pack;
     this.plain = makeProgram(gl, "bodies-vert", "bodies-frag");
-    this.opened = makeProgram(gl, "bodies-vert", "bodies-frag", ["CUT"]);
     this.floor = makeProgram(gl, "plain-vert", "floor-frag");
     const places = fill(gl, gl.ARRAY_BUFFER, pack.arrays.place);
     const turns = fill(gl, gl.ARRAY_BUFFER, pack.arrays.turn);
@@ -16,6 +15,12 @@ class Bodies {
       return made;
     });
     this.prepareFloor();
+  }
+
+  // Made when it is first needed, so that the page opens sooner.
+  opened() {
+    this.cutting ??= makeProgram(this.gl, "bodies-vert", "bodies-frag", ["CUT"]);
+    return this.cutting;
   }
 
   prepare(shape, k, first, places, turns) {
@@ -50,7 +55,7 @@ class Bodies {
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     const open = state.cut.on && !state.cut.whole;
-    const { program, at } = open ? this.opened : this.plain;
+    const { program, at } = open ? this.opened() : this.plain;
     gl.useProgram(program);
     if (open) gl.disable(gl.CULL_FACE);
     else gl.enable(gl.CULL_FACE);

@@ -6,11 +6,8 @@ function start() {
     const view = new View(canvas, readPack());
     const panel = new Panel(view);
     new Gestures(view, (x, y) => panel.choose(view.pick(x, y)));
-    new ResizeObserver(() => view.refresh()).observe(canvas);
+    new ResizeObserver(() => view.fits() || view.refresh()).observe(canvas);
     canvas.addEventListener("webglcontextlost", () => excuse("the graphics processor was lost; load the page again"));
-    view.draw(PLAIN);
-    view.refresh();
-    canvas.dataset.ready = Math.round(performance.now());
     window.femdem = { view, panel };
   } catch (error) {
     excuse(error.message);

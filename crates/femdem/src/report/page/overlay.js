@@ -7,7 +7,6 @@ class Overlay {
     this.gl = gl;
     this.pack = pack;
     this.lines = makeProgram(gl, "plain-vert", "plain-frag");
-    this.tubes = makeProgram(gl, "tubes-vert", "tubes-frag");
     const ends = pack.arrays.lines.map((x, i) => pack.frame.toDrawing(x, i % 3));
     this.lineEnds = ends.length / 3;
     this.lineArray = gl.createVertexArray();
@@ -62,6 +61,8 @@ class Overlay {
     // See-through bodies hide no tube.
     if (state.bodies !== "solid") gl.clearBufferfv(gl.DEPTH, 0, [1]);
     this.setThreshold(state.threshold);
+    // Made when it is first needed, so that the page opens sooner.
+    this.tubes ??= makeProgram(gl, "tubes-vert", "tubes-frag");
     const { program, at } = this.tubes;
     gl.useProgram(program);
     gl.uniformMatrix4fv(at.camera, false, camera);

@@ -1,7 +1,7 @@
 // The 3-D view: bodies, then their shading, then chains and lines, then the canvas.
 
-// Machines that take longer than this for a plain picture [ms] draw coarsely while the view moves.
-const SLOW = 40;
+// Machines that take longer than this for a picture [ms] draw coarsely while the view moves.
+const SLOW = 45;
 
 // Pixels drawn for each pixel of the screen along each axis, and samples of the gaps between bodies.
 const PLAIN = { fineness: 1, samples: 0 };
@@ -46,22 +46,44 @@ class View {
   // Draws soon: coarsely if the machine is slow and the view is still moving, then finely at rest.
   refresh(moving = false) {
     clearTimeout(this.pending);
-    const slow = this.time > SLOW;
-    this.next = !slow ? GOOD : moving ? COARSE : PLAIN;
+    this.atRest = false;
+    this.next = this.pace(moving);
     if (this.waiting) return;
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
       this.draw(this.next);
-      this.pending = setTimeout(() => this.draw(slow ? GOOD : FINE), slow ? 350 : 120);
+      const slow = this.time > SLOW;
+      this.pending = setTimeout(() => {
+        this.draw(slow ? GOOD : FINE);
+        this.atRest = true;
+      }, slow ? 350 : 120);
     });
+  }
+
+  // The first picture is a plain one, and tells how fast the machine is.
+  pace(moving) {
+    if (this.time === 0) return PLAIN;
+    if (this.time <= SLOW) return GOOD;
+    return moving ? COARSE : PLAIN;
+  }
+
+  // Width and height that the canvas should have, in its own pixels.
+  size() {
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const { clientWidth, clientHeight } = this.canvas;
+    return [clientWidth, clientHeight].map((x) => Math.max(1, Math.round(x * ratio)));
+  }
+
+  fits() {
+    const [width, height] = this.size();
+    return this.canvas.width === width && this.canvas.height === height;
   }
 
   draw({ fineness, samples }) {
     const { gl, canvas, camera, state } = this;
-    const ratio = Math.min(window.devicePixelRatio || 1, 2);
-    const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * ratio)));
-    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    const [width, height] = this.size();
+    if (!this.fits()) Object.assign(canvas, { width, height });
     const began = performance.now();
     camera.setAspect(width / height);
     this.prepare(Math.round(width * fineness), Math.round(height * fineness));
@@ -73,7 +95,7 @@ class View {
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets.overlay);
     this.overlay.draw(matrix, eye, this.lampInDrawing(), this.theme.ink, state);
     this.present(width, height);
-    if (samples === 0 && fineness === 1) this.measure(began);
+    if (fineness === 1 && (samples === 0 || this.time > SLOW)) this.measure(began);
   }
 
   present(width, height) {
@@ -89,11 +111,12 @@ class View {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  // Waits for the picture, and keeps the time that a plain one takes [ms].
+  // Waits for the picture, and keeps the time that it took [ms]; the first may be slow for other reasons.
   measure(began) {
     const gl = this.gl;
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
     this.time = performance.now() - began;
+    this.canvas.dataset.ready ??= Math.round(performance.now());
   }
 
   prepare(width, height) {
