@@ -115,7 +115,9 @@ pub(crate) struct Means {
     pub velocity: Vector3,
     /// rad/s.
     pub angular_velocity: Vector3,
-    /// Contacts when the body was last awake.
+    /// Steps that the means are taken over, at most the window.
+    pub samples: u32,
+    /// Contacts when the body was last looked at.
     pub contacts: u32,
 }
 

@@ -50,7 +50,7 @@
 //! Kick, drift, contacts, kick, with one step size for all bodies. The drift turns a body by the
 //! rational plane rotations of the DLM splitting, without a trigonometric call. Then, at fixed step
 //! numbers, bodies at rest are frozen and disturbed ones woken: a body is
-//! judged by running means of its net force, moment and velocities, since every impact rings through a
+//! judged by means of its net force, moment and velocities at rest, since every impact rings through a
 //! pack and only a lasting imbalance has a mean ([`SleepParameters`]). Frozen bodies cost nothing.
 //!
 //! # Units

@@ -52,8 +52,9 @@ impl Default for TimeStepParameters {
 
 /// When a body is frozen, and when it is looked at again.
 ///
-/// A body is judged by running means over `window` steps, because every impact rings
-/// through the whole pack: what oscillates has no mean, a lasting imbalance or motion has.
+/// A body is judged by means over the last `window` steps at rest, because every impact rings
+/// through the whole pack: what oscillates has no mean, a lasting imbalance or motion has. The means
+/// begin anew while it moves.
 /// Its load scale W is the larger of its weight and half the sum of its normal forces.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SleepParameters {
@@ -63,16 +64,17 @@ pub struct SleepParameters {
     /// balanced.
     pub tolerance: f64,
     /// A frozen body wakes when its mean net force, or mean net moment over d, exceeds this
-    /// fraction of W. Loads below it are not passed on: a pack that grew while it slept is
+    /// fraction of W; up to twice as much where W is two to four weights or more, since a confined
+    /// body does not turn over. Loads below it are not passed on: a pack that grew while it slept is
     /// compressed too little until all its bodies have been awake together.
     pub wake: f64,
     /// Kinetic energy of the mean motion over W d that counts as rest.
     pub creep: f64,
-    /// Kinetic energy over W d that a body may ring with when it is frozen.
+    /// A body with a larger kinetic energy over W d moves; with a smaller one it at most rings.
     pub ringing: f64,
-    /// Steps of the running means.
+    /// Steps of the means.
     pub window: u32,
-    /// A body must rest for this many steps, and so must all it touches.
+    /// A body must rest for this many steps.
     pub steps: u32,
     /// Sleeping bodies beside awake ones are re-examined every so many steps.
     pub recheck: u32,
@@ -86,7 +88,7 @@ impl Default for SleepParameters {
             wake: 0.25,
             creep: 3e-6,
             ringing: 1e-4,
-            window: 200,
+            window: 100,
             steps: 30,
             recheck: 10,
         }

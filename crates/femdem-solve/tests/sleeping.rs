@@ -8,7 +8,7 @@ use common::{
     D, DENSITY, add_floor, add_heap, add_sides, at, half_edge, parameters, run_until, solid,
 };
 use femdem_mesh::nalgebra::Vector3;
-use femdem_solve::{BodySpec, Drive, World, WorldParameters};
+use femdem_solve::{BodySpec, Drive, SleepParameters, World, WorldParameters};
 
 fn sleepy() -> WorldParameters {
     let mut p = parameters(1e6, 0.6, 0.6);
@@ -230,6 +230,163 @@ fn a_sleeper_wakes_under_more_than_its_share() {
         }
         assert_eq!(woken, wakes, "{share_of_weight} of its weight, {wake}");
     }
+}
+
+/// Under nine weights a sleeper bears twice the share: 3.8 more weights on top, a third of what the
+/// lowest cube then has for a load scale, wake the cube between, and the lowest one if the share is
+/// 0.12 but not if it is 0.25.
+#[test]
+fn a_confined_sleeper_bears_twice_the_share() {
+    for (wake, wakes) in [(0.25, false), (0.12, true)] {
+        let mut p = sleepy();
+        p.sleeping.wake = wake;
+        // At rest without ringing, so that the forces balance when it falls asleep.
+        p.sleeping.ringing = 1e-9;
+        let mut world = World::new(p).unwrap();
+        add_floor(&mut world, Drive::Fixed);
+        let shape = world.add_shape("P5", &solid("P5")).unwrap();
+        let stack = |weights: f64, k: f64, world: &mut World| {
+            let place = at(Vector3::z() * (k * half_edge()));
+            let spec = BodySpec::at_rest(shape, weights * DENSITY, place);
+            world.add_body(spec).unwrap()
+        };
+        let lowest = stack(1.0, 1.0, &mut world);
+        let between = stack(9.0, 3.0, &mut world);
+        settle(&mut world, 5.0);
+        stack(3.8, 5.0, &mut world);
+        let mut woken = [false; 2];
+        let until = world.time() + 2.0;
+        while world.time() < until && world.awake_count() > 0 {
+            world.step().unwrap();
+            woken[0] |= !world.is_asleep(between);
+            woken[1] |= !world.is_asleep(lowest);
+        }
+        assert_eq!(woken, [true, wakes], "{wake}");
+    }
+}
+
+/// What a body did before it came to rest is not held against it: a cube that lands flat at 0.5 m/s
+/// sleeps as soon as it has been at rest for as long as the rule looks back and asks for.
+#[test]
+fn a_landed_body_sleeps_when_it_has_been_at_rest_for_the_window() {
+    let p = sleepy();
+    let rule = p.sleeping;
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let mut spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * (half_edge() + 1e-3)));
+    spec.velocity = Vector3::z() * -0.5;
+    let body = world.add_body(spec).unwrap();
+    let limit = rule.ringing * world.mass(body).unwrap() * common::G * D;
+    let mut moved = 0;
+    while world.awake_count() > 0 {
+        world.step().unwrap();
+        if world.body_kinetic_energy(body).unwrap() >= limit {
+            moved = world.steps();
+        }
+        assert!(world.steps() < 20_000, "awake after {moved}");
+    }
+    let waited = world.steps() - moved;
+    let asked = u64::from(rule.window + rule.steps);
+    // The limit above is by weight and diameter alone; the load of a landing is larger.
+    assert!(
+        (asked..2 * asked).contains(&waited),
+        "{waited} steps where {asked} are asked for"
+    );
+}
+
+/// A contact that carries next to nothing may come and go on a sleeper: a cube of a hundredth of its
+/// density bounces on it.
+#[test]
+fn a_sleeper_that_loses_a_slight_contact_sleeps_on() {
+    let mut p = sleepy();
+    p.sleeping.recheck = 1;
+    p.contact.damping_ratio = 0.1;
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let body = add_cube(&mut world, shape, Vector3::z() * half_edge());
+    settle(&mut world, 5.0);
+    let above = Vector3::z() * (3.0 * half_edge() + 1e-4);
+    let light = BodySpec::at_rest(shape, 0.01 * DENSITY, at(above));
+    let ball = world.add_body(light).unwrap();
+    let (mut touched, mut lost) = (false, 0);
+    while !world.is_asleep(ball) {
+        world.step().unwrap();
+        assert!(world.is_asleep(body), "awake after {lost} losses");
+        let touches = world.contacts_of(body).count() == 2;
+        lost += u32::from(touched && !touches);
+        touched = touches;
+        assert!(world.time() < 5.0);
+    }
+    assert!(lost >= 2, "{lost} losses");
+}
+
+/// A body on a stiff floor stopped whenever it slows down comes to rest at once, where it would
+/// bounce for long; the energy taken is booked.
+#[test]
+fn stopping_at_the_turn_damps_and_books_the_energy() {
+    let bounce = |stops: bool| {
+        let mut p = parameters(1e6, 0.0, 0.0);
+        p.time_step.safety = 0.02;
+        let mut world = World::new(p).unwrap();
+        add_floor(&mut world, Drive::Fixed);
+        let shape = world.add_shape("P5", &solid("P5")).unwrap();
+        let body = add_cube(&mut world, shape, Vector3::z() * half_edge());
+        let start = world.position(body).unwrap().z;
+        let mut lowest = start;
+        let mut last = 0.0_f64;
+        for k in 0..4000 {
+            world.step().unwrap();
+            if stops && world.is_slowing() {
+                world.stop();
+                assert_eq!(world.kinetic_energy(), 0.0);
+            }
+            lowest = lowest.min(world.position(body).unwrap().z);
+            if k >= 3000 {
+                last = last.max(world.body_kinetic_energy(body).unwrap());
+            }
+        }
+        (start - lowest, last, world.ledger())
+    };
+    let (free_sag, free_energy, _) = bounce(false);
+    let (sag, energy, ledger) = bounce(true);
+    // Without damping it goes down to twice the equilibrium and on swinging.
+    assert!((sag / free_sag - 0.5).abs() < 0.05, "{sag} and {free_sag}");
+    assert!(energy < 1e-4 * free_energy, "{energy} and {free_energy}");
+    assert!(ledger.frozen > 0.5 * free_energy, "{ledger:?}");
+    let error = ledger.error().abs();
+    assert!(error < 0.02 * free_energy, "{error} of {free_energy}");
+}
+
+/// A rule out of range is refused and changes nothing; one that forbids sleep wakes all.
+#[test]
+fn the_rule_can_be_replaced() {
+    let mut world = World::new(sleepy()).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    add_cube(&mut world, shape, Vector3::z() * half_edge());
+    settle(&mut world, 5.0);
+    let before = world.parameters().sleeping;
+    let bad = SleepParameters {
+        wake: before.tolerance,
+        ..before
+    };
+    assert!(world.set_sleep_rule(bad).is_err());
+    assert_eq!(world.parameters().sleeping, before);
+    let strict = SleepParameters {
+        tolerance: 0.01,
+        ..before
+    };
+    world.set_sleep_rule(strict).unwrap();
+    assert_eq!(world.parameters().sleeping, strict);
+    assert_eq!(world.awake_count(), 0);
+    let never = SleepParameters {
+        enabled: false,
+        ..strict
+    };
+    world.set_sleep_rule(never).unwrap();
+    assert_eq!(world.awake_count(), 1);
 }
 
 /// Forbidden to sleep, a heap at rest stays awake.

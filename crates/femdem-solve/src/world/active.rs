@@ -1,20 +1,40 @@
 //! The active set: which bodies are frozen, and when they wake.
 //!
-//! A body rests when the running means of its net force, net moment and velocities are
-//! small against its load scale, the larger of its weight and half the sum of its normal
-//! forces. It is frozen when it and all it touches have rested for a number of steps.
+//! A body rests when the means of its net force, net moment and velocities over the steps since it
+//! last moved, at most a window, are small against its load scale, the larger of its weight and
+//! half the sum of its normal forces. It is frozen when it has rested for a number of steps and the
+//! frozen bodies that it touches hold what is on them.
 //! Frozen bodies beside awake ones are examined again at fixed step numbers from the
-//! forces on record; one that has lost a contact or much of its balance wakes then, one that
-//! is struck at once.
+//! forces on record; one that has lost much of its balance wakes then, one that is struck at once.
 //! All decisions are functions of the state, so they are the same in every run.
 
 use super::World;
+use crate::body::Means;
+use crate::error::SolveError;
+use crate::parameters::{SleepParameters, WorldParameters};
 use femdem_contact::{Load, Partner};
 use femdem_mesh::Vector3;
 
 /// A sleeping body is struck by a contact that exceeds its load scale this many times. At
 /// rest no contact can carry more than twice the scale.
 const STRUCK: f64 = 2.0;
+
+/// A body whose load scale is more than this many times its weight is confined: an imbalance
+/// presses it together with its neighbours but hardly turns it over.
+const CONFINED: f64 = 2.0;
+
+/// A confined body sleeps under a larger share, in proportion to its load scale, up to this factor.
+const LARGEST_SHARE: f64 = 2.0;
+
+impl Means {
+    /// Counts a step and returns its share in the means. They begin anew with a body that moves:
+    /// what it did before it came to rest says nothing about its balance.
+    fn count(&mut self, moves: bool, window: u32) -> f64 {
+        let before = if moves { 0 } else { self.samples };
+        self.samples = window.min(before.saturating_add(1)).max(1);
+        1.0 / f64::from(self.samples)
+    }
+}
 
 impl World {
     /// Freezes and wakes bodies; called after every step.
@@ -63,6 +83,14 @@ impl World {
         load.total.force + self.parameters.gravity * self.bodies[i].mass
     }
 
+    /// Imbalance over its load scale at which a frozen body wakes.
+    fn wake_share(&self, i: usize, load: &Load) -> f64 {
+        let weight = self.bodies[i].mass * self.parameters.gravity.norm();
+        let (scale, limit) = (self.scale(i, load), CONFINED * weight);
+        let factor = if scale > limit { scale / limit } else { 1.0 };
+        self.parameters.sleeping.wake * factor.min(LARGEST_SHARE)
+    }
+
     /// Whether the mean force and moment are below `tolerance` of the load scale.
     fn is_balanced(&self, i: usize, load: &Load, tolerance: f64) -> bool {
         let bound = tolerance * self.scale(i, load);
@@ -72,7 +100,7 @@ impl World {
             && body.means.moment.norm() < bound * 2.0 * body.radius
     }
 
-    /// Mixes a load into a body's running means with a weight.
+    /// Mixes a load into a body's means with a weight.
     fn mix(&mut self, i: usize, load: &Load, share: f64) {
         let net = self.net_force(i, load);
         let body = &mut self.bodies[i];
@@ -86,20 +114,22 @@ impl World {
 
     fn count_quiet_steps(&mut self) {
         let rule = self.parameters.sleeping;
-        let share = 1.0 / f64::from(rule.window);
         for k in 0..self.awake.len() {
             let i = self.awake[k] as usize;
             let load = self.batch.loads()[i];
+            let scale = self.scale(i, &load) * 2.0 * self.bodies[i].radius;
+            let rings = self.bodies[i].kinetic_energy() >= rule.ringing * scale;
+            let share = self.bodies[i].means.count(rings, rule.window);
             self.mix(i, &load, share);
             let body = &self.bodies[i];
-            let scale = self.scale(i, &load) * 2.0 * body.radius;
             let means = &body.means;
             let creep = 0.5
                 * (body.mass * means.velocity.norm_squared()
                     + body.moments.max() * means.angular_velocity.norm_squared());
             let quiet = body.driven.is_some()
-                || (creep < rule.creep * scale
-                    && body.kinetic_energy() < rule.ringing * scale
+                || (!rings
+                    && means.samples >= rule.window
+                    && creep < rule.creep * scale
                     && self.is_balanced(i, &load, rule.tolerance));
             let body = &mut self.bodies[i];
             body.means.contacts = load.contacts;
@@ -111,8 +141,7 @@ impl World {
         let needed = self.parameters.sleeping.steps;
         let rested = |i: u32| self.bodies[i as usize].quiet_steps >= needed;
         let settled = |p: Partner| match p {
-            Partner::Body(j) if self.batch.is_awake(j) => rested(j),
-            Partner::Body(j) => self.holds(j),
+            Partner::Body(j) => self.batch.is_awake(j) || self.holds(j),
             Partner::Wall(_) => true,
         };
         self.awake
@@ -133,14 +162,14 @@ impl World {
     /// means follow them with a delay, and are not followed up once nothing near it is awake.
     fn holds(&self, i: u32) -> bool {
         let load = self.batch.load_of(i);
-        let bound = self.parameters.sleeping.wake * self.scale(i as usize, &load);
+        let bound = self.wake_share(i as usize, &load) * self.scale(i as usize, &load);
         let diameter = 2.0 * self.bodies[i as usize].radius;
         self.net_force(i as usize, &load).norm() < bound
             && load.total.torque.norm() < bound * diameter
     }
 
-    /// Frozen neighbours of awake bodies that have lost a contact or whose forces on record
-    /// no longer balance.
+    /// Frozen neighbours of awake bodies whose forces on record no longer balance: in the mean, or at
+    /// once for one that has lost a contact.
     fn bodies_to_wake(&mut self) -> Vec<u32> {
         let rule = self.parameters.sleeping;
         let share = f64::from(rule.recheck) / f64::from(rule.window);
@@ -149,7 +178,9 @@ impl World {
             let load = self.batch.load_of(i);
             self.mix(i as usize, &load, share);
             let lost = load.contacts < self.bodies[i as usize].means.contacts;
-            lost || !self.is_balanced(i as usize, &load, rule.wake)
+            self.bodies[i as usize].means.contacts = load.contacts;
+            (lost && !self.holds(i))
+                || !self.is_balanced(i as usize, &load, self.wake_share(i as usize, &load))
         });
         list
     }
@@ -166,11 +197,7 @@ impl World {
             return;
         }
         for &i in list {
-            let body = &mut self.bodies[i as usize];
-            self.flows.frozen += body.kinetic_energy();
-            body.velocity = Vector3::zeros();
-            body.momentum = Vector3::zeros();
-            self.motions[i as usize] = body.motion();
+            self.stop_body(i as usize);
             self.batch.set_awake(i, false);
         }
         self.awake.retain(|i| list.binary_search(i).is_err());
@@ -193,6 +220,48 @@ impl World {
         self.awake.sort_unstable();
     }
 
+    fn stop_body(&mut self, i: usize) {
+        let body = &mut self.bodies[i];
+        self.flows.frozen += body.kinetic_energy();
+        body.velocity = Vector3::zeros();
+        body.momentum = Vector3::zeros();
+        self.motions[i] = body.motion();
+    }
+
+    /// Stops all awake bodies but driven ones. Their kinetic energy is booked as
+    /// [`Ledger::frozen`](crate::Ledger::frozen).
+    ///
+    /// Done whenever the bodies begin to [slow down](Self::is_slowing) this is kinetic damping
+    /// (Barnes 1999, "Form finding and analysis of tension structures by dynamic relaxation"): each
+    /// slow oscillation ends within a few quarters of its period, and nothing that
+    /// moves steadily is resisted.
+    pub fn stop(&mut self) {
+        for k in 0..self.awake.len() {
+            let i = self.awake[k] as usize;
+            if self.bodies[i].driven.is_none() {
+                self.stop_body(i);
+            }
+        }
+    }
+
+    /// Whether more of the awake bodies are losing kinetic energy than gaining it; driven ones do
+    /// not count. A count instead of the total energy: a single body in motion does not decide.
+    pub fn is_slowing(&self) -> bool {
+        let loads = self.batch.loads();
+        let balance: i64 = self
+            .awake
+            .iter()
+            .map(|&i| (i as usize, &self.bodies[i as usize], &loads[i as usize]))
+            .filter(|(_, body, _)| body.driven.is_none())
+            .map(|(i, body, load)| {
+                let power = self.net_force(i, load).dot(&body.velocity)
+                    + load.total.torque.dot(&body.angular_velocity());
+                i64::from(power < 0.0) - i64::from(power > 0.0)
+            })
+            .sum();
+        balance > 0
+    }
+
     /// Wakes all bodies.
     pub fn wake_all(&mut self) {
         let asleep: Vec<u32> = (0..self.bodies.len() as u32)
@@ -207,5 +276,20 @@ impl World {
         if !enabled {
             self.wake_all();
         }
+    }
+
+    /// Replaces the rule that bodies are frozen and woken by; one that forbids sleep wakes all bodies.
+    ///
+    /// # Errors
+    /// [`SolveError::Parameter`] for a parameter out of range; the rule is then the one before.
+    pub fn set_sleep_rule(&mut self, rule: SleepParameters) -> Result<(), SolveError> {
+        let parameters = WorldParameters {
+            sleeping: rule,
+            ..self.parameters
+        };
+        parameters.validate()?;
+        self.parameters = parameters;
+        self.set_sleeping(rule.enabled);
+        Ok(())
     }
 }
