@@ -10,6 +10,10 @@ use serde::{Deserialize, Serialize};
 pub struct Verification {
     /// Whether as many checks in a row passed as were asked for.
     pub passed: bool,
+    /// Tries it took. In each all bodies are woken; after one that failed those at rest sleep until
+    /// the others are at rest too; one that has moved a body by more than 1e-3 d is repeated. What
+    /// follows is of the last try.
+    pub tries: u32,
     /// Steps it took.
     pub steps: u64,
     /// Simulated time it took, s.
@@ -23,8 +27,9 @@ pub struct Verification {
 }
 
 /// An awake relaxation: what all bodies did when they were woken and kept awake until their mean
-/// net force was small. While the pack grows that is done at numbers of bodies that follow a
-/// geometric series; the last one comes before the verification.
+/// net force was small, and stopped whenever more of them slowed down than sped up. While the
+/// pack grows that is done at numbers of bodies that follow a geometric series; the last one comes
+/// before the verification.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Relaxation {
     /// Bodies in the pack.

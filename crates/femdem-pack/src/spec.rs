@@ -127,7 +127,7 @@ pub struct Settling {
     pub check_interval: f64,
     /// Longest settling after the last body has had time to fall, in units of sqrt(d/g).
     pub longest_settling: f64,
-    /// Longest verification with all bodies awake, in units of sqrt(d/g).
+    /// Longest verification, all its tries together, in units of sqrt(d/g).
     pub longest_verification: f64,
 }
 

@@ -10,7 +10,7 @@ use femdem_pack::{
     Container, PackError, PackReport, PackShape, PackSpec, Packing, Penalty, Pour, Protocol,
     Release, Sequential, Stage,
 };
-use femdem_solve::checkpoint;
+use femdem_solve::{Medium, checkpoint};
 
 const D: f64 = 0.02;
 
@@ -55,7 +55,7 @@ fn assert_settled(packing: &Packing, report: &PackReport) {
     assert!(report.kinetic_energy_over_mgd <= 1e-6, "{report:?}");
     assert_eq!(report.relaxation.unwrap().bodies, report.bodies);
     let verification = report.verification.unwrap();
-    assert!(verification.max_displacement_over_d < 0.01, "{report:?}");
+    assert!(verification.max_displacement_over_d <= 1e-3, "{report:?}");
     // A vertex under a few weights sinks in by (F d/(16 p))^(1/3), here about 0.025 d.
     assert_inside(packing, 0.04 * D);
     assert_walls_carry_the_weight(packing);
@@ -199,22 +199,26 @@ fn a_pack_made_with_drag_rests_without_it() {
     assert_eq!(packing.world().awake_count(), 5);
 }
 
-/// While the bodies settle there is drag at the end, of about the right size; otherwise none.
+/// The last relaxation takes a few quarters of the slowest oscillation, and the verification that
+/// follows it moves next to nothing, in a world without any medium.
 #[test]
-fn the_last_relaxation_is_damped_and_the_verification_is_not() {
+fn the_last_relaxation_is_short_and_leaves_nothing_to_the_verification() {
     let mut packing = Packing::new(cubes(24)).unwrap();
-    let mut drags = [0.0_f64; 3];
     while !packing.is_done() {
-        let stage = packing.advance(1).unwrap().stage;
-        let seen = &mut drags[stage.min(Stage::Verifying) as usize];
-        *seen = seen.max(packing.world().parameters().medium.drag);
+        packing.advance(1).unwrap();
+        assert_eq!(packing.world().parameters().medium, Medium::default());
     }
-    let [depositing, settling, verifying] = drags.map(|a| a * (D / 9.81).sqrt());
-    assert!(depositing <= 0.0 && verifying <= 0.0, "{drags:?}");
-    // A few layers that sink in by a few hundredths of D each: 2 sqrt(D/sag).
-    assert!((4.0..40.0).contains(&settling), "{drags:?}");
-    let verification = packing.report().verification.unwrap();
-    assert!(verification.passed && verification.max_displacement_over_d < 0.005);
+    let report = packing.report();
+    assert_settled(&packing, &report);
+    // A few layers that sink in by a few hundredths of D each: the period is that of a pendulum as long
+    // as the sag, 0.3 D at most.
+    let period = 2.0 * std::f64::consts::PI * (0.3 * D / 9.81).sqrt();
+    let relaxation = report.relaxation.unwrap();
+    let took = relaxation.steps as f64 * packing.world().time_step();
+    assert!(took < 3.0 * period, "{took} s, {period} s");
+    let verification = report.verification.unwrap();
+    assert!(verification.passed && verification.tries >= 1);
+    assert!(verification.max_displacement_over_d <= 1e-3, "{report:?}");
 }
 
 /// Where sleep is forbidden there is nobody to wake.

@@ -16,15 +16,12 @@ const POUR_HEAD: f64 = 1.0;
 impl Packing {
     pub(super) fn step_deposition(&mut self) -> Result<(), PackError> {
         self.world.step()?;
+        if self.job.relaxing.is_some() {
+            return self.step_relaxation();
+        }
         if self.world.time() >= self.job.next_check {
             self.guard()?;
-            if self.job.relaxing.is_some() {
-                self.check_relaxation()?;
-            }
             self.wait_for_next_check();
-        }
-        if self.job.relaxing.is_some() {
-            return Ok(());
         }
         self.release_if_due()
     }
@@ -41,7 +38,8 @@ impl Packing {
             return Ok(());
         }
         if matches!(self.job.spec.protocol, Protocol::Sequential(_)) && self.is_relaxation_due() {
-            return self.begin_relaxation();
+            self.begin_relaxation();
+            return Ok(());
         }
         self.update_top();
         if first >= self.job.spec.count {

@@ -10,7 +10,6 @@ use crate::error::PackError;
 use crate::report::{PackReport, Relaxation, Verification};
 use crate::spec::PackSpec;
 use femdem_contact::BodyId;
-use femdem_mesh::Vector3;
 use femdem_solve::{Drive, World};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -25,7 +24,8 @@ pub enum Stage {
     Depositing,
     /// All bodies are in; waiting for them to come to rest.
     Settling,
-    /// All bodies are kept awake, and the medium is switched off, to see that they stay at rest.
+    /// All bodies are kept awake, and the medium is switched off, to see that they stay at rest. If
+    /// some do not, the others sleep until they do, and all are woken again.
     Verifying,
     /// Finished.
     Done,
@@ -93,14 +93,14 @@ struct Job {
     stage: Stage,
     /// Simulated time at which the stage began, s.
     stage_began: f64,
-    /// Steps taken when the stage began.
-    stage_steps: u64,
     /// First body of each batch.
     batches: Vec<BodyId>,
     /// Batches that were followed by the next before they had landed.
     cut_short: u32,
     /// Simulated time at which the last batch was released, s.
     released: f64,
+    /// Whether the complete pack has been relaxed.
+    is_relaxed: bool,
     /// The awake relaxation that is going on.
     relaxing: Option<relax::Relaxing>,
     /// The last one that is over.
@@ -115,8 +115,10 @@ struct Job {
     next_check: f64,
     /// Checks in a row that passed.
     passed: u32,
-    /// Positions (m) and mean top (m) when the verification began.
-    reference: Option<(Vec<Vector3>, f64)>,
+    /// The try to verify that is going on.
+    trial: Option<settle::Trial>,
+    /// Tries to verify so far.
+    tries: u32,
     verification: Option<Verification>,
 }
 
@@ -165,10 +167,10 @@ impl Packing {
             penalty,
             stage: Stage::Depositing,
             stage_began: 0.0,
-            stage_steps: 0,
             batches: Vec::new(),
             cut_short: 0,
             released: 0.0,
+            is_relaxed: false,
             relaxing: None,
             relaxation: None,
             landed_since: None,
@@ -176,7 +178,8 @@ impl Packing {
             top: 0.0,
             next_check: 0.0,
             passed: 0,
-            reference: None,
+            trial: None,
+            tries: 0,
             verification: None,
         };
         let mut packing = Self { world, job };
@@ -294,7 +297,6 @@ impl Packing {
     fn enter(&mut self, stage: Stage) {
         self.job.stage = stage;
         self.job.stage_began = self.world.time();
-        self.job.stage_steps = self.world.steps();
         self.job.passed = 0;
         self.job.next_check = self.world.time();
     }

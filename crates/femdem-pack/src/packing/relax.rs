@@ -8,16 +8,16 @@
 //! many there are.
 //!
 //! What remains after that is the slowest oscillation of the whole column, which contacts damp
-//! little and the longer it lasts the higher the pack is. The last relaxation therefore begins in a
-//! medium that damps it critically, and ends without it. The medium moves no body at rest, and the
-//! verification shows that they are.
+//! little and the longer it lasts the higher the pack is. A relaxation therefore damps kinetically: it
+//! stops all bodies whenever more of them slow down than speed up, which is where that oscillation
+//! passes its equilibrium. Nothing at rest is held by it, and the verification shows that they are.
 
-use super::surface::{mean_top, positions};
+use super::surface::positions;
 use super::{Packing, Stage};
 use crate::error::PackError;
 use crate::report::Relaxation;
 use femdem_mesh::Vector3;
-use femdem_solve::Medium;
+use femdem_solve::SleepParameters;
 use serde::{Deserialize, Serialize};
 
 /// The pack grows by this factor between two relaxations.
@@ -26,8 +26,15 @@ const GROWTH: f64 = std::f64::consts::SQRT_2;
 /// Below this number of bodies all loads are near.
 const FEWEST: f64 = 100.0;
 
-/// A growing pack is calm at this mean net force over weight.
-const CALM: f64 = 0.05;
+/// A growing pack is calm at this mean residual.
+const CALM: f64 = 0.03;
+
+/// A complete pack is calm at a mean of this part of the residual that a single body may have.
+const CALM_AT_LAST: f64 = 0.25;
+
+/// The mean motion of a complete pack may have this part of the kinetic energy that a single body may
+/// have.
+const CREEP_AT_LAST: f64 = 0.1;
 
 /// Calm checks in a row that end a relaxation: an oscillation has moments without force.
 const CALM_CHECKS: u32 = 2;
@@ -63,14 +70,9 @@ impl Packing {
                 .is_some_and(|next| f64::from(self.placed()) >= next)
     }
 
-    /// Wakes all bodies and keeps them awake; once all are in, in a medium.
-    pub(super) fn begin_relaxation(&mut self) -> Result<(), PackError> {
+    /// Wakes all bodies and keeps them awake.
+    pub(super) fn begin_relaxation(&mut self) {
         self.world.set_sleeping(false);
-        if self.job.stage == Stage::Settling {
-            let medium = self.job.spec.medium;
-            let drag = medium.drag.max(self.critical_drag());
-            self.world.set_medium(Medium { drag, ..medium })?;
-        }
         self.job.relaxing = Some(Relaxing {
             began: self.world.time(),
             first_step: self.world.steps(),
@@ -78,53 +80,40 @@ impl Packing {
             from: positions(&self.world).map(|(_, p)| p).collect(),
         });
         self.wait_for_next_check();
+    }
+
+    /// What follows a step of a relaxation.
+    pub(super) fn step_relaxation(&mut self) -> Result<(), PackError> {
+        if self.world.is_slowing() {
+            self.world.stop();
+        }
+        if self.world.time() >= self.job.next_check {
+            self.guard()?;
+            self.check_relaxation()?;
+            self.wait_for_next_check();
+        }
         Ok(())
     }
 
-    /// Drag rate that damps the slowest oscillation of the column critically, 1/s: its squared
-    /// frequency is about g over the sag of the top under the weight of the column, and the sag
-    /// about the mean penetration times the number of layers.
-    fn critical_drag(&self) -> f64 {
-        let diameter = self.job.spec.diameter();
-        let contacts = self.world.contacts();
-        let sum: f64 = contacts.iter().map(|c| c.penetration()).sum();
-        let layers = (mean_top(&self.world, diameter) / diameter).max(1.0);
-        let sag = layers * sum / contacts.len().max(1) as f64;
-        if sag > 0.0 {
-            2.0 * (self.job.spec.gravity / sag).sqrt()
-        } else {
-            0.0
-        }
-    }
-
-    /// A check: ends the relaxation that is going on if the pack is calm, or if it has had its
-    /// time; the last one first loses its medium.
-    pub(super) fn check_relaxation(&mut self) -> Result<(), PackError> {
+    /// Ends the relaxation that is going on if the pack is calm, or if it has had its time.
+    fn check_relaxation(&mut self) -> Result<(), PackError> {
         let Some(relaxing) = self.job.relaxing.take() else {
             return Ok(());
         };
         let settling = &self.job.spec.settling;
-        let found = self.world.residuals();
-        let is_damped = self.world.parameters().medium != Medium::default();
-        let is_calm = match self.job.stage {
-            Stage::Depositing => found.mean_over_weight <= CALM,
-            // Not the largest force: the medium would only delay single bodies that turn over.
-            _ if is_damped => found.mean_over_weight <= settling.residual,
-            _ => found.max_over_load <= settling.aim,
+        let is_complete = self.job.stage == Stage::Settling;
+        let limit = if is_complete {
+            CALM_AT_LAST * settling.residual
+        } else {
+            CALM
         };
-        let longest = settling.longest_verification * self.job.spec.time_unit();
+        // Not the largest: single bodies that turn over would keep all others awake.
+        let is_calm = self.mean_residual() <= limit;
         let calm = if is_calm { relaxing.calm + 1 } else { 0 };
+        let longest = settling.longest_verification * self.job.spec.time_unit();
         let in_time = self.world.time() - relaxing.began <= longest;
         if calm < CALM_CHECKS && in_time {
             self.job.relaxing = Some(Relaxing { calm, ..relaxing });
-            return Ok(());
-        }
-        if is_damped && in_time && self.job.stage == Stage::Settling {
-            self.world.set_medium(Medium::default())?;
-            self.job.relaxing = Some(Relaxing {
-                calm: 0,
-                ..relaxing
-            });
             return Ok(());
         }
         let (mean, max) = self.displacements(&relaxing.from);
@@ -134,7 +123,34 @@ impl Packing {
             mean_displacement_over_d: mean,
             max_displacement_over_d: max,
         });
+        if is_complete {
+            self.job.is_relaxed = true;
+            return self.let_those_at_rest_sleep();
+        }
         self.world.set_sleeping(true);
+        Ok(())
+    }
+
+    /// Mean over the bodies of the net force over the larger of weight and mean contact force.
+    fn mean_residual(&self) -> f64 {
+        let bodies = 0..self.placed();
+        let residuals = bodies.filter_map(|body| self.world.body_residual(body));
+        residuals.sum::<f64>() / f64::from(self.placed().max(1))
+    }
+
+    /// Allows sleep by the limits of the verification, so that bodies still in motion go on without
+    /// the rest being computed, and hardly anything is held back from it.
+    pub(super) fn let_those_at_rest_sleep(&mut self) -> Result<(), PackError> {
+        let (rule, settling) = (self.job.spec.sleeping, &self.job.spec.settling);
+        let tolerance = rule.tolerance.min(settling.aim);
+        let rate = |usual: f64, limit: f64| usual.min(limit).max(f64::MIN_POSITIVE);
+        self.world.set_sleep_rule(SleepParameters {
+            tolerance,
+            wake: rule.wake.min(settling.residual.max(2.0 * tolerance)),
+            creep: rate(rule.creep, CREEP_AT_LAST * settling.kinetic_energy),
+            ringing: rate(rule.ringing, settling.kinetic_energy),
+            ..rule
+        })?;
         Ok(())
     }
 

@@ -4,86 +4,123 @@ use super::surface::{mean_top, positions};
 use super::{Packing, Stage};
 use crate::error::PackError;
 use crate::report::Verification;
+use femdem_mesh::Vector3;
 use femdem_solve::Medium;
+use serde::{Deserialize, Serialize};
 
 /// Without reaching the aim, this many times the passes in a row are needed.
 const PASSES_WITHOUT_AIM: u32 = 3;
 
+/// The verification may move no body by more than this, over d; otherwise it begins anew from where
+/// the bodies are.
+const LARGEST_SHIFT: f64 = 1e-3;
+
+/// A try to verify: all bodies are awake.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Trial {
+    /// Simulated time at which it began, s.
+    began: f64,
+    /// Steps taken when it began.
+    first_step: u64,
+    /// Checks since.
+    checks: u32,
+    /// Centroids when it began, m.
+    from: Vec<Vector3>,
+    /// Mean top when it began, m.
+    top: f64,
+}
+
 impl Packing {
-    /// Waits until all bodies sleep or pass the checks, then wakes them all until they are calm.
+    /// Waits until all bodies sleep or pass the checks, relaxes them, and waits again.
     pub(super) fn step_settling(&mut self) -> Result<(), PackError> {
         self.world.step()?;
         if self.job.relaxing.is_some() {
-            if self.world.time() >= self.job.next_check {
-                self.guard()?;
-                self.check_relaxation()?;
-                self.wait_for_next_check();
-            }
-            return match self.job.relaxing {
-                Some(_) => Ok(()),
-                None => self.begin_verification(),
-            };
+            return self.step_relaxation();
         }
-        let quiet = self.check_if_due()?.is_some_and(|c| c.enough);
+        let is_quiet = self.check_if_due()?.is_some_and(|c| c.enough);
         let longest =
             self.fall_time() + self.job.spec.settling.longest_settling * self.job.spec.time_unit();
-        if quiet || self.world.awake_count() == 0 || self.stage_time() > longest {
-            if self.job.spec.sleeping.enabled {
-                self.begin_relaxation()?;
+        if is_quiet || self.world.awake_count() == 0 || self.stage_time() > longest {
+            if self.job.spec.sleeping.enabled && !self.job.is_relaxed {
+                self.begin_relaxation();
             } else {
-                self.begin_verification()?;
+                self.enter(Stage::Verifying);
+                self.begin_trial()?;
             }
         }
         Ok(())
     }
 
-    fn begin_verification(&mut self) -> Result<(), PackError> {
+    fn begin_trial(&mut self) -> Result<(), PackError> {
         self.world.set_medium(Medium::default())?;
         self.world.set_sleeping(false);
-        let before = positions(&self.world).map(|(_, p)| p).collect();
-        let top = mean_top(&self.world, self.job.spec.diameter());
-        self.job.reference = Some((before, top));
-        self.enter(Stage::Verifying);
+        self.job.trial = Some(Trial {
+            began: self.world.time(),
+            first_step: self.world.steps(),
+            checks: 0,
+            from: positions(&self.world).map(|(_, p)| p).collect(),
+            top: mean_top(&self.world, self.job.spec.diameter()),
+        });
+        self.job.tries += 1;
+        self.job.passed = 0;
         self.wait_for_next_check();
         Ok(())
     }
 
-    /// Keeps all bodies awake until they pass the checks or the time is over.
+    /// Keeps all bodies awake until they pass the checks without having moved, or the time is over. If a
+    /// check fails after there have been enough for all to pass, those at rest sleep until the others
+    /// are, too.
     pub(super) fn step_verification(&mut self) -> Result<(), PackError> {
         self.world.step()?;
         let settling = self.job.spec.settling;
         let longest = settling.longest_verification * self.job.spec.time_unit();
-        let over = self.stage_time() > longest;
-        if over {
+        let is_over = self.stage_time() > longest;
+        let Some(mut trial) = self.job.trial.take() else {
+            if self.world.awake_count() == 0 || is_over {
+                self.begin_trial()?;
+            } else if self.world.time() >= self.job.next_check {
+                self.guard()?;
+                self.wait_for_next_check();
+            }
+            return Ok(());
+        };
+        if is_over {
             self.job.next_check = self.world.time();
         }
-        if let Some(check) = self.check_if_due()?
-            && (check.enough || over)
-        {
-            self.job.verification = Some(self.verification());
-            self.update_top();
-            self.job.reference = None;
-            self.enter(Stage::Done);
+        if let Some(check) = self.check_if_due()? {
+            trial.checks += 1;
+            if check.enough || is_over {
+                let found = self.verification(&trial);
+                if found.max_displacement_over_d > LARGEST_SHIFT && !is_over {
+                    return self.begin_trial();
+                }
+                self.job.verification = Some(found);
+                self.update_top();
+                self.enter(Stage::Done);
+                return Ok(());
+            }
+            let has_failed = trial.checks > settling.checks && self.job.passed == 0;
+            if has_failed && self.job.spec.sleeping.enabled {
+                return self.let_those_at_rest_sleep();
+            }
         }
+        self.job.trial = Some(trial);
         Ok(())
     }
 
-    /// How far the verification has moved the bodies, and whether it was passed.
-    fn verification(&self) -> Verification {
+    /// How far a try to verify has moved the bodies, and whether it was passed.
+    fn verification(&self, trial: &Trial) -> Verification {
         let diameter = self.job.spec.diameter();
         let top = mean_top(&self.world, diameter);
-        let (before, top_before) = match &self.job.reference {
-            Some((positions, top)) => (positions.as_slice(), *top),
-            None => (&[][..], top),
-        };
-        let (mean, max) = self.displacements(before);
+        let (mean, max) = self.displacements(&trial.from);
         Verification {
             passed: self.job.passed >= self.job.spec.settling.checks,
-            steps: self.world.steps() - self.job.stage_steps,
-            time: self.stage_time(),
+            tries: self.job.tries,
+            steps: self.world.steps() - trial.first_step,
+            time: self.world.time() - trial.began,
             mean_displacement_over_d: mean,
             max_displacement_over_d: max,
-            mean_top_change_over_d: (top - top_before) / diameter,
+            mean_top_change_over_d: (top - trial.top) / diameter,
         }
     }
 
