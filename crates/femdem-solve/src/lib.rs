@@ -1,8 +1,9 @@
-//! Rigid bodies in motion: the step, its size, the active set, the energy ledger and checkpoints.
+//! Rigid and deformable bodies in motion and at rest: materials and elements, the step, its size, the
+//! active set, static solvers, the energy ledger and checkpoints.
 //!
-//! **Use it** to follow rigid bodies of any shape that fall, collide, slide and come to rest between
+//! **Use it** to follow bodies of any shape that fall, collide, deform, slide and come to rest between
 //! walls that may move, with the energy of the whole run accounted for. **Do not use it** for bodies that
-//! deform, break or are joined, for steps larger than the contacts allow (the scheme is explicit), or
+//! break or are joined, for steps larger than contacts and elements allow (the scheme is explicit), or
 //! to fill containers (femdem-pack has the protocols). A code with an integrator of its own needs only
 //! femdem-contact.
 //!
@@ -38,6 +39,10 @@
 //!   field has a default.
 //! - [`World::add_shape`] takes convex surfaces, [`World::add_mesh_shape`] any closed surface with
 //!   tetrahedra that fill it; [`World::add_wall`] takes planes and meshes.
+//! - [`World::add_model`] and [`World::add_deformable`] take bodies that deform ([`deformable`],
+//!   [`element`], [`material`]), which share the step, the walls and the ledger with the rigid ones;
+//!   [`World::relax`] brings all to rest.
+//! - [`statics`]: equilibrium of a single body by relaxation or by Newton's method.
 //! - [`Drive`]: prescribed motion of a wall or a body: shaken, tapped, drawn along a line, turned
 //!   about an axis.
 //! - [`material`]: laws of deformable matter behind one trait, and how to add one.
@@ -78,6 +83,10 @@
 //! - The active set counts in steps, not in seconds: with a much smaller step lengthen
 //!   [`SleepParameters::window`] and [`SleepParameters::steps`] as much, or switch it off, or bodies
 //!   may be frozen before they have come to rest.
+//! - Deformable bodies without damping keep their energy to 1e-3 at half the critical step: a cube
+//!   between two walls, eight cubes in a box (`tests/deformable_world.rs`); a block sticks to a slope
+//!   without creep and slides on it with the right acceleration to 2 %, on a wall, on a rigid and on a
+//!   deformable body.
 //! - Freezing removes kinetic energy, which the ledger states. A frozen body holds an imbalance of up to
 //!   [`SleepParameters::wake`] of its load, so a pack that grew while it slept passes new loads down too
 //!   late. For a final state, and from time to time before, wake all bodies
