@@ -57,9 +57,12 @@ pub struct ChainSegment {
     pub centre: Point3,
 }
 
-/// Above so many bodies the backbone is sought from every start in a sample of this many, evenly spread,
-/// and from the farthest body of each.
+/// A chain of up to so many bodies is searched from each of them for its backbone.
 const EVERY_START: usize = 1500;
+
+/// A larger one from so many of them, evenly spread, and from the body farthest from each: what this may
+/// miss is a link or two.
+const STARTS: usize = 64;
 
 /// Measures one connected part.
 pub(super) fn chain(
@@ -114,70 +117,67 @@ fn measures(network: &ForceNetwork, way: &[u32]) -> (f64, f64, f64) {
 /// The shortest way between the two bodies that are farthest apart, counted in links; of equals the
 /// one with the lowest start, then the lowest end.
 fn backbone(graph: &Graph, part: &[u32]) -> Vec<u32> {
-    let mut search = Search::new(part);
+    let local = graph.part(part);
+    let mut search = Search::new(&local);
     let mut best: Option<(usize, u32)> = None;
     let mut consider = |search: &mut Search, start: u32| {
-        let (end, steps) = search.farthest(graph, start);
+        let (end, steps) = search.farthest(start);
         if best.is_none_or(|(most, from)| steps > most || (steps == most && start < from)) {
             best = Some((steps, start));
         }
         end
     };
-    let stride = part.len().div_ceil(EVERY_START);
-    for start in part.iter().step_by(stride) {
-        let end = consider(&mut search, *start);
-        if stride > 1 {
+    let every = part.len() <= EVERY_START;
+    let stride = if every { 1 } else { part.len() / STARTS };
+    for start in (0..part.len() as u32).step_by(stride) {
+        let end = consider(&mut search, start);
+        if !every {
             consider(&mut search, end);
         }
     }
     let Some((_, start)) = best else {
         return Vec::new();
     };
-    let (end, _) = search.farthest(graph, start);
-    search.way_to(end)
+    let (end, _) = search.farthest(start);
+    let way = search.way_to(end);
+    way.into_iter().map(|node| part[node as usize]).collect()
 }
 
-/// Breadth-first search within one part, with memory that is reused.
+/// Breadth-first search with memory that is reused.
 struct Search<'a> {
-    part: &'a [u32],
-    /// Distance in links and body before, by place in the part; the search that wrote them.
+    graph: &'a Graph,
+    /// Of each node the distance in links, the node before, and the number of the search that wrote them.
     found: Vec<(usize, u32, u32)>,
     round: u32,
     queue: VecDeque<u32>,
 }
 
 impl<'a> Search<'a> {
-    fn new(part: &'a [u32]) -> Self {
+    fn new(graph: &'a Graph) -> Self {
         Self {
-            part,
-            found: vec![(0, 0, 0); part.len()],
+            graph,
+            found: vec![(0, 0, 0); graph.nodes()],
             round: 0,
             queue: VecDeque::new(),
         }
     }
 
-    /// Place of a body in its part.
-    fn place(&self, body: u32) -> usize {
-        self.part.partition_point(|other| *other < body)
-    }
-
-    /// The body farthest from `start` in links, the lowest of equals, and how far it is.
-    fn farthest(&mut self, graph: &Graph, start: u32) -> (u32, usize) {
+    /// The node farthest from `start` in links, the lowest of equals, and how far it is.
+    fn farthest(&mut self, start: u32) -> (u32, usize) {
         self.round += 1;
         self.queue.clear();
         self.queue.push_back(start);
-        let at = self.place(start);
-        self.found[at] = (0, start, self.round);
+        self.found[start as usize] = (0, start, self.round);
         let mut best = (start, 0);
-        while let Some(body) = self.queue.pop_front() {
-            let (steps, _, _) = self.found[self.place(body)];
-            if steps > best.1 || (steps == best.1 && body < best.0) {
-                best = (body, steps);
+        while let Some(node) = self.queue.pop_front() {
+            let (steps, _, _) = self.found[node as usize];
+            if steps > best.1 || (steps == best.1 && node < best.0) {
+                best = (node, steps);
             }
-            for &(next, _) in graph.neighbours(body) {
-                let at = self.place(next);
-                if self.found[at].2 != self.round {
-                    self.found[at] = (steps + 1, body, self.round);
+            for &(next, _) in self.graph.neighbours(node) {
+                let entry = &mut self.found[next as usize];
+                if entry.2 != self.round {
+                    *entry = (steps + 1, node, self.round);
                     self.queue.push_back(next);
                 }
             }
@@ -190,7 +190,7 @@ impl<'a> Search<'a> {
         let mut way = vec![end];
         let mut at = end;
         loop {
-            let (steps, before, _) = self.found[self.place(at)];
+            let (steps, before, _) = self.found[at as usize];
             if steps == 0 {
                 break;
             }

@@ -32,6 +32,20 @@ impl Graph {
         Self { starts, entries }
     }
 
+    /// The graph of some of the nodes, sorted and with all their neighbours among them, numbered by their
+    /// places in the list.
+    pub(crate) fn part(&self, nodes: &[u32]) -> Self {
+        let place = |node: u32| nodes.partition_point(|other| *other < node) as u32;
+        let mut starts = vec![0];
+        let mut entries = Vec::new();
+        for &node in nodes {
+            let neighbours = self.neighbours(node).iter();
+            entries.extend(neighbours.map(|(next, edge)| (place(*next), *edge)));
+            starts.push(entries.len());
+        }
+        Self { starts, entries }
+    }
+
     pub(crate) fn nodes(&self) -> usize {
         self.starts.len() - 1
     }
