@@ -11,6 +11,7 @@ impl fmt::Display for Tables {
             None => Ok(()),
         };
         line("density", self.density_text())?;
+        line("orientation", self.orientation_text())?;
         line("coordination", self.coordination_text())?;
         line("contact classes", self.classes_text())?;
         line("rattlers", self.rattlers_text())?;
@@ -47,6 +48,22 @@ impl Tables {
             "{:.4}{error} exact, {:.4} by grid, of the core",
             density.exact, density.grid
         ))
+    }
+
+    fn orientation_text(&self) -> Option<String> {
+        let order = &self.orientation.as_ref()?.order;
+        // Three axes at right angles never have nematic order: nothing is worth saying of it.
+        let parts = [("nematic", &order.nematic), ("cubatic", &order.cubatic)]
+            .into_iter()
+            .filter(|(_, found)| found.random_deviation > 1e-9)
+            .map(|(name, found)| {
+                let (mean, deviation) = (found.random_mean, found.random_deviation);
+                format!(
+                    "{name} order {:.3}, {mean:.3} +- {deviation:.3} by chance",
+                    found.value
+                )
+            });
+        Some(parts.collect::<Vec<_>>().join("; ")).filter(|text| !text.is_empty())
     }
 
     fn coordination_text(&self) -> Option<String> {

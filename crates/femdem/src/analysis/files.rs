@@ -39,13 +39,14 @@ impl Tables {
             .orientation
             .as_ref()
             .and_then(|found| found.net.as_ref());
-        let all: [(&str, Option<&dyn Table>); 23] = [
+        let all: [(&str, Option<&dyn Table>); 24] = [
             ("bodies.csv", Some(&bodies)),
             ("height-profile.csv", table(&self.height_profile)),
             ("wall-profile.csv", table(&self.wall_profile)),
             ("density-map.csv", table(&self.density_map)),
             ("set-voronoi.csv", table(&self.set_voronoi)),
             ("stereonet.csv", net.map(|net| net as _)),
+            ("radial-distribution.csv", table(&self.radial_distribution)),
             ("coordination.csv", table(&self.coordination)),
             ("core-coordination.csv", table(&self.core_coordination)),
             ("contact-classes.csv", table(&self.classes)),

@@ -25,6 +25,12 @@ const CORE_TABLES: [&str; 6] = [
 impl Tables {
     pub(super) fn add_geometry(&mut self, snapshot: &Snapshot, pack: &Pack) -> Result<(), Error> {
         self.orientation = super::orientation::of_pack(pack, &self.options)?;
+        if self.orientation.is_none() {
+            self.miss(
+                &["orientation"],
+                "there are too many directions; choose fewer axes",
+            );
+        }
         let Some(container) = &snapshot.container else {
             let reason = "the container is not known; give its inside";
             self.miss(&CONTAINER_TABLES, reason);

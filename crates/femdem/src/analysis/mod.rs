@@ -31,6 +31,7 @@ mod geometry;
 mod network;
 mod options;
 mod orientation;
+mod radial;
 mod tables;
 
 pub use femdem_analysis::*;

@@ -1,8 +1,8 @@
 //! How a pack is measured.
 
 use femdem_analysis::{
-    BlockBootstrap, ChainOptions, CoreOptions, DensityMapOptions, DensityOptions,
-    ForceDistributionOptions, OrientationOptions, ProfileOptions, SetVoronoiOptions,
+    BlockBootstrap, BodyAxes, ChainOptions, CoreOptions, DensityMapOptions, DensityOptions,
+    ForceDistributionOptions, OrientationOptions, ProfileOptions, RadialOptions, SetVoronoiOptions,
     StereonetOptions, StressRule, SupportRule, ThresholdOptions, WeightRule,
 };
 use serde::{Deserialize, Serialize};
@@ -23,10 +23,15 @@ pub struct TableOptions {
     pub map: DensityMapOptions,
     /// Set-Voronoi cells; their core is that of the pack.
     pub voronoi: SetVoronoiOptions,
+    /// Axes of the stereonet and of the order parameters. `None`: as [`telling_axes`](super::telling_axes)
+    /// says, and the axes of the body's frame for the order of bodies with equal moments of inertia.
+    pub axes: Option<BodyAxes>,
     /// The net of directions.
     pub net: StereonetOptions,
     /// Order of the directions, and its random baseline.
     pub order: OrientationOptions,
+    /// The radial distribution function.
+    pub radial: RadialOptions,
     /// P(f) and its tail.
     pub forces: ForceDistributionOptions,
     /// What a rattler is.

@@ -25,6 +25,8 @@ pub struct Orientation {
     pub net: Option<Stereonet>,
     /// Nematic and cubatic order beside chance.
     pub order: OrientationOrder,
+    /// Which directions the order is that of.
+    pub order_axes: BodyAxes,
 }
 
 /// The axis that a shape's orientation is told by: the principal axis that differs most from the other
@@ -44,16 +46,23 @@ pub fn telling_axes(shape: &Polyhedron) -> BodyAxes {
     }
 }
 
-/// Of a pack of one kind of axis; of all face normals for a mixture of kinds. `None` without bodies.
+/// Of the axes asked for, or of a pack of one kind of axis; of all face normals for a mixture of kinds. `None` without bodies.
 pub(super) fn of_pack(pack: &Pack, options: &TableOptions) -> Result<Option<Orientation>, Error> {
     let kinds: Vec<BodyAxes> = pack.shapes().iter().map(telling_axes).collect();
     let Some(first) = kinds.first().filter(|_| !pack.is_empty()) else {
         return Ok(None);
     };
-    let axes = if kinds.iter().all(|kind| kind == first) {
-        first.clone()
-    } else {
-        BodyAxes::FaceNormals { sides: None }
+    let axes = match &options.axes {
+        Some(axes) => axes.clone(),
+        None if kinds.iter().all(|kind| kind == first) => first.clone(),
+        None => BodyAxes::FaceNormals { sides: None },
+    };
+    let order_axes = match &axes {
+        // All normals of a regular solid together show no order.
+        BodyAxes::FaceNormals { .. } if options.axes.is_none() => {
+            BodyAxes::Fixed(vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        }
+        axes => axes.clone(),
     };
     let directions = body_directions(pack, &axes, None)?;
     if directions.len() > MOST_AXES {
@@ -62,7 +71,8 @@ pub(super) fn of_pack(pack: &Pack, options: &TableOptions) -> Result<Option<Orie
     let list: Vec<[f64; 3]> = directions.iter().map(|d| d.direction).collect();
     Ok(Some(Orientation {
         net: Some(stereonet(&list, &options.net)?),
-        order: orientation_order(pack, &axes, None, &options.order)?,
+        order: orientation_order(pack, &order_axes, None, &options.order)?,
+        order_axes,
         axes,
     }))
 }

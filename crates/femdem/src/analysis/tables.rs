@@ -3,8 +3,8 @@
 use femdem_analysis::{
     BodyStresses, ChainNetwork, ContactClasses, ContactFabric, Coordination, CoreRegion,
     DensityMap, DensityProfile, ForceDistribution, ForceMaxima, ForceNetwork, Pack, PackingDensity,
-    PosedBody, Rattlers, RegionStress, SetVoronoi, StressProfile, ThresholdCurve, VerticalBalance,
-    WallForces,
+    PosedBody, RadialDistribution, Rattlers, RegionStress, SetVoronoi, StressProfile,
+    ThresholdCurve, VerticalBalance, WallForces,
 };
 use femdem_mesh::Polyhedron;
 use serde::{Deserialize, Serialize, Serializer};
@@ -63,6 +63,8 @@ pub struct Tables {
     pub set_voronoi: Option<SetVoronoi>,
     /// How the bodies are turned.
     pub orientation: Option<Orientation>,
+    /// Radial distribution function of the centres in the core.
+    pub radial_distribution: Option<RadialDistribution>,
     /// Coordination number over all bodies.
     pub coordination: Option<Coordination>,
     /// Coordination number over the bodies with their centre in the core.
@@ -120,6 +122,7 @@ impl Tables {
         let network = ForceNetwork::new(&data.bodies, &data.contacts, options.force_threshold)?;
         let mut tables = Self::empty(snapshot, options, &network, data.walls.clone());
         tables.add_geometry(snapshot, &pack)?;
+        tables.add_radial_distribution(&pack)?;
         tables.add_contacts(snapshot, &pack)?;
         tables.add_forces(snapshot, &network)?;
         Ok(tables)
@@ -146,6 +149,7 @@ impl Tables {
             density_map: None,
             set_voronoi: None,
             orientation: None,
+            radial_distribution: None,
             coordination: None,
             core_coordination: None,
             classes: None,

@@ -35,6 +35,11 @@ pub(super) fn stereonet(tables: &Tables) -> Option<Plot> {
         BodyAxes::FaceNormals { sides: None } => "the face normals".to_owned(),
     };
     let order = &orientation.order;
+    let whose = if orientation.order_axes == orientation.axes {
+        ""
+    } else {
+        " of the axes of the bodies' frames"
+    };
     let named = [("Nematic", &order.nematic), ("Cubatic", &order.cubatic)];
     // Axes of high symmetry have no order of these kinds, however they lie.
     let told = named
@@ -43,7 +48,7 @@ pub(super) fn stereonet(tables: &Tables) -> Option<Plot> {
     let orders: String = told
         .map(|(name, order)| {
             format!(
-                " {name} order {:.3}; at random {:.3} \u{b1} {:.3}.",
+                " {name} order{whose} {:.3}; at random {:.3} \u{b1} {:.3}.",
                 order.value, order.random_mean, order.random_deviation
             )
         })

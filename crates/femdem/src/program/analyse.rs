@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use femdem::analysis::{FOLDER, JSON, Region, TableOptions, Tables};
+use femdem::analysis::{BodyAxes, FOLDER, JSON, Region, TableOptions, Tables};
 use femdem::input::{self, InputOptions};
 use femdem::mesh::Point3;
 use femdem::{Snapshot, results};
@@ -37,6 +37,11 @@ pub(crate) struct AnalyseArgs {
     /// Normal force in N above which two bodies count as touching [default: 0]
     #[arg(long, value_name = "N")]
     pub threshold: Option<f64>,
+
+    /// Axes of the stereonet and the order parameters: long, short, principal, faces, faces:SIDES, or
+    /// directions in the body frame as X,Y,Z with ; between them [default: by the shapes]
+    #[arg(long, value_name = "AXES", allow_hyphen_values = true)]
+    pub axes: Option<Axes>,
 
     /// Folder for analysis.json and the tables [default: the folder of the pack]
     #[arg(long, value_name = "DIR")]
@@ -98,6 +103,39 @@ impl FromStr for Inside {
     }
 }
 
+/// Axes of bodies, as the command line has them.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Axes(BodyAxes);
+
+impl FromStr for Axes {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let form = "give long, short, principal, faces, faces:SIDES, or X,Y,Z;X,Y,Z ...";
+        let axes = match text {
+            "long" => BodyAxes::Long,
+            "short" => BodyAxes::Short,
+            "principal" => BodyAxes::Principal,
+            "faces" => BodyAxes::FaceNormals { sides: None },
+            _ => match text.strip_prefix("faces:") {
+                Some(sides) => BodyAxes::FaceNormals {
+                    sides: Some(sides.parse().map_err(|_| form.to_owned())?),
+                },
+                None => BodyAxes::Fixed(directions(text).ok_or_else(|| form.to_owned())?),
+            },
+        };
+        Ok(Self(axes))
+    }
+}
+
+fn directions(text: &str) -> Option<Vec<[f64; 3]>> {
+    let direction = |list: &str| {
+        let numbers: Option<Vec<f64>> = list.split(',').map(|x| x.trim().parse().ok()).collect();
+        numbers?.try_into().ok()
+    };
+    text.split(';').map(direction).collect()
+}
+
 pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
         let is_foreign = !folder::has_checkpoint(&args.folder);
@@ -139,6 +177,7 @@ fn foreign(args: &AnalyseArgs) -> Result<Outcome> {
 fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Outcome> {
     let options = TableOptions {
         force_threshold: args.threshold.unwrap_or_default(),
+        axes: args.axes.as_ref().map(|axes| axes.0.clone()),
         ..TableOptions::default()
     };
     let tables = Tables::compute(snapshot, &options)?;
@@ -155,6 +194,24 @@ fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Outcome> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn axes_are_named_or_listed() {
+        let parse = |text: &str| text.parse::<Axes>().map(|axes| axes.0);
+        assert_eq!(parse("long"), Ok(BodyAxes::Long));
+        assert_eq!(
+            parse("faces:10"),
+            Ok(BodyAxes::FaceNormals { sides: Some(10) })
+        );
+        let two = vec![[0.0, 0.0, 1.0], [1.0, -1.0, 0.5]];
+        assert_eq!(parse("0,0,1; 1,-1,0.5"), Ok(BodyAxes::Fixed(two)));
+        for bad in ["", "wide", "faces:many", "1,2", "1,2,3;"] {
+            assert!(
+                parse(bad).is_err_and(|e| e.contains("faces:SIDES")),
+                "{bad}"
+            );
+        }
+    }
 
     #[test]
     fn insides_are_boxes_or_cylinders() {
