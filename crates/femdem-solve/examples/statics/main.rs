@@ -120,7 +120,7 @@ fn cubes(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
         (Element::T4, 24),
         (Element::T10, 12),
     ] {
-        for linear in [Linear::Cg, Linear::Cholesky] {
+        for linear in [Linear::Cg, Linear::CgAssembled, Linear::Cholesky] {
             let start = Instant::now();
             let solution = cube::run(element, cells, &options(linear))?;
             let seconds = start.elapsed().as_secs_f64();

@@ -22,6 +22,8 @@ pub(super) struct BodyProblem<'a> {
     /// Norm and sum of the diagonal of the tangent, N/m.
     stiffness: f64,
     trace: f64,
+    /// Moduli times volumes, J.
+    largest_energy: f64,
     // Results of the last evaluation.
     internal: Vec<Vector3>,
     loads: Vec<Vector3>,
@@ -67,6 +69,7 @@ impl<'a> BodyProblem<'a> {
             has_energy: !boundary.has_pressure() && model.regions().iter().all(is_potential),
             stiffness: 0.0,
             trace: 0.0,
+            largest_energy: largest_energy(model),
             internal: zero.clone(),
             loads: zero.clone(),
             scale: 0.0,
@@ -188,11 +191,13 @@ impl StaticProblem for BodyProblem<'_> {
         }
         self.scale = squares.sqrt();
         // A coordinate is off by up to eps |x|, so a force by that times its stiffness, and the energy
-        // by no more than |E'| |dx| <= sqrt(2 E) sqrt(dx . K dx).
+        // by no more than |E'| |dx| <= sqrt(2 E) sqrt(dx . K dx). Elements sum terms of the size of
+        // their moduli.
         let rounding = f64::EPSILON * farthest;
+        let carried = rounding * (2.0 * state.energy.abs() * self.trace).sqrt();
         self.noise = Noise {
             force: ROUNDINGS * rounding * self.stiffness,
-            energy: ROUNDINGS * rounding * (2.0 * state.energy.abs() * self.trace).sqrt(),
+            energy: ROUNDINGS * (carried + f64::EPSILON * self.largest_energy),
         };
         Ok(energy)
     }
@@ -259,6 +264,20 @@ impl StaticProblem for BodyProblem<'_> {
 /// The components of `force` along held axes.
 fn only(held: &[bool; 3], force: Vector3) -> Vector3 {
     Vector3::from_fn(|axis, _| if held[axis] { force[axis] } else { 0.0 })
+}
+
+/// The sum of the elements' wave moduli times volumes, J.
+fn largest_energy(model: &DeformableModel) -> f64 {
+    let elements = model.volumes().iter().zip(model.region_of_tet());
+    let modulus = |region: u32| {
+        model
+            .regions()
+            .get(region as usize)
+            .map(|r| r.material.wave_modulus())
+    };
+    elements
+        .map(|(volume, &region)| volume * modulus(region).unwrap_or(0.0))
+        .sum()
 }
 
 /// Whether stored energy and plastic work together are a potential of the stress over a step.

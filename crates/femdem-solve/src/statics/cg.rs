@@ -1,9 +1,10 @@
-//! Conjugate gradients without a matrix, for directions of Newton's method.
+//! Conjugate gradients, with or without a matrix, for directions of Newton's method.
 //!
 //! The iteration stops early where the tangent turns out not to be positive definite, and returns
 //! what it has, which is a direction of descent (Steihaug, SIAM J. Numer. Anal. 20, 626 (1983)).
 
 use super::linear::Effort;
+use super::sparse::LowerTriangle;
 use super::{StaticProblem, vector};
 use crate::SolveError;
 
@@ -32,24 +33,22 @@ impl Blocks {
         problem: &mut P,
         x: &[f64],
     ) -> Result<Self, SolveError> {
-        let mut blocks = vec![[0.0; 6]; problem.len().div_ceil(3)];
+        let mut diagonal = Diagonal::new(problem.len());
         problem.tangent(x, &mut |i, j, value| {
-            if i / 3 == j / 3
-                && let Some(place) = place(i % 3, j % 3)
-                && let Some(block) = blocks.get_mut(i as usize / 3)
-            {
-                block[place] += value;
+            if i <= j {
+                diagonal.add(i as usize, j as usize, value);
             }
         })?;
-        if let (Some(last), rest @ 1..) = (blocks.last_mut(), problem.len() % 3) {
-            // The last block has fewer than three rows: ones in the place of the others.
-            last[2] = 1.0;
-            if rest == 1 {
-                last[1] = 1.0;
-            }
+        Ok(diagonal.inverse())
+    }
+
+    /// Of an assembled tangent.
+    fn of_matrix(matrix: &LowerTriangle, unknowns: usize) -> Self {
+        let mut diagonal = Diagonal::new(unknowns);
+        for (row, column, value) in matrix.entries() {
+            diagonal.add(column, row, value);
         }
-        let inverses = blocks.iter().map(inverse).collect();
-        Ok(Self { inverses })
+        diagonal.inverse()
     }
 
     /// Writes the product of the inverse blocks with `r` into `z`.
@@ -70,8 +69,43 @@ impl Blocks {
     }
 }
 
-/// Where an entry of the upper triangle and the diagonal is kept; the lower triangle repeats it.
-fn place(i: u32, j: u32) -> Option<usize> {
+/// The 3 x 3 blocks on the diagonal themselves.
+struct Diagonal {
+    blocks: Vec<[f64; 6]>,
+}
+
+impl Diagonal {
+    fn new(unknowns: usize) -> Self {
+        let mut blocks = vec![[0.0; 6]; unknowns.div_ceil(3)];
+        if let (Some(last), rest @ 1..) = (blocks.last_mut(), unknowns % 3) {
+            // The last block has fewer than three rows: ones in the place of the others.
+            last[2] = 1.0;
+            if rest == 1 {
+                last[1] = 1.0;
+            }
+        }
+        Self { blocks }
+    }
+
+    /// Adds an entry on or above the diagonal of the matrix, if it lies in a block.
+    fn add(&mut self, i: usize, j: usize, value: f64) {
+        if i / 3 == j / 3
+            && let Some(place) = place(i % 3, j % 3)
+            && let Some(block) = self.blocks.get_mut(i / 3)
+        {
+            block[place] += value;
+        }
+    }
+
+    fn inverse(&self) -> Blocks {
+        Blocks {
+            inverses: self.blocks.iter().map(inverse).collect(),
+        }
+    }
+}
+
+/// Where an entry of the upper triangle of a block is kept.
+fn place(i: usize, j: usize) -> Option<usize> {
     match (i, j) {
         (0, 0) => Some(0),
         (1, 1) => Some(1),
@@ -108,9 +142,10 @@ fn inverse(&[xx, yy, zz, xy, yz, zx]: &[f64; 6]) -> [f64; 6] {
     }
 }
 
-/// The vectors of the iteration.
+/// The vectors of the iteration, and the matrix if there is one.
 #[derive(Debug, Default)]
 pub(super) struct Cg {
+    matrix: Option<LowerTriangle>,
     remainder: Vec<f64>,
     scaled: Vec<f64>,
     search: Vec<f64>,
@@ -118,6 +153,14 @@ pub(super) struct Cg {
 }
 
 impl Cg {
+    /// Products with the tangent are taken from a matrix, put together once for each direction.
+    pub(super) fn assembled() -> Self {
+        Self {
+            matrix: Some(LowerTriangle::default()),
+            ..Self::default()
+        }
+    }
+
     /// Solves K d = r to the limits; see [`Solver::direction`](super::linear::Solver::direction).
     ///
     /// # Errors
@@ -134,7 +177,13 @@ impl Cg {
         for v in [&mut self.scaled, &mut self.image] {
             v.resize(n, 0.0);
         }
-        let blocks = Blocks::of(problem, x)?;
+        let blocks = match &mut self.matrix {
+            None => Blocks::of(problem, x)?,
+            Some(matrix) => {
+                matrix.assemble(problem, x)?;
+                Blocks::of_matrix(matrix, n)
+            }
+        };
         self.remainder.clear();
         self.remainder.extend_from_slice(r);
         d.fill(0.0);
@@ -144,7 +193,10 @@ impl Cg {
         let goal = limits.tolerance * vector::norm(r);
         let mut effort = Effort::default();
         while effort.iterations < limits.iterations {
-            problem.tangent_apply(x, &self.search, &mut self.image)?;
+            match &self.matrix {
+                None => problem.tangent_apply(x, &self.search, &mut self.image)?,
+                Some(matrix) => matrix.product(&self.search, &mut self.image),
+            }
             effort.iterations += 1;
             let curvature = vector::dot(&self.search, &self.image);
             // Not positive, which a NaN is neither.

@@ -131,8 +131,9 @@ impl Cholesky {
             Par::Seq,
             stack,
         );
-        let mut rest = r.to_vec();
-        matrix.subtract_product(d, &mut rest);
+        let mut rest = vec![0.0; n];
+        matrix.product(d, &mut rest);
+        vector::add_scaled(&mut rest, -1.0, r);
         Ok(vector::norm(&rest) <= WORST_SOLUTION * vector::norm(r))
     }
 

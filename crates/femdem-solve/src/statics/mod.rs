@@ -57,7 +57,6 @@ mod options;
 mod relax;
 mod report;
 mod solve;
-#[cfg(feature = "implicit")]
 mod sparse;
 #[cfg(test)]
 mod testing;

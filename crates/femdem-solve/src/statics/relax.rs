@@ -262,7 +262,8 @@ impl Motion {
         self.at.evaluate(problem).map_err(Some)?;
         // At half the stable step, leapfrog misses its energy by at most (omega dt / 2)^2 = 1/4 of
         // the kinetic one.
-        let slack = 0.5 * self.largest + 1e-9 * self.origin.energy.abs();
+        let rounding = (1e-12 * self.origin.energy.abs()).max(problem.noise().energy);
+        let slack = 0.5 * self.largest + rounding;
         if problem.has_energy() && self.at.energy > self.origin.energy + slack {
             return Err(None);
         }

@@ -94,16 +94,31 @@ impl LowerTriangle {
         Ok(())
     }
 
-    /// y -= A x.
-    pub(super) fn subtract_product(&self, x: &[f64], y: &mut [f64]) {
-        for (j, ends) in self.starts.windows(2).enumerate() {
+    /// Row, column and value of each entry on or below the diagonal.
+    pub(super) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+        self.starts.windows(2).enumerate().flat_map(|(j, ends)| {
             let column = ends[0]..ends[1];
-            for (&i, value) in self.rows[column.clone()].iter().zip(&self.values[column]) {
-                y[i] -= value * x[j];
-                if i != j {
-                    y[j] -= value * x[i];
-                }
+            let rows = self.rows[column.clone()].iter().zip(&self.values[column]);
+            rows.map(move |(&i, &value)| (i, j, value))
+        })
+    }
+
+    /// y = A x.
+    pub(super) fn product(&self, x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        for (j, ends) in self.starts.windows(2).enumerate() {
+            let [from, to] = [ends[0], ends[1]];
+            let xj = x[j];
+            // The diagonal comes first in its column.
+            let mut sum = self.values[from] * xj;
+            let below = self.rows[from + 1..to]
+                .iter()
+                .zip(&self.values[from + 1..to]);
+            for (&i, value) in below {
+                y[i] += value * xj;
+                sum += value * x[i];
             }
+            y[j] += sum;
         }
     }
 }
@@ -123,10 +138,12 @@ mod tests {
         for k in 0..n {
             let mut unit = vec![0.0; n];
             unit[k] = 1.0;
-            let mut difference = vec![0.0; n];
-            problem.tangent_apply(&x, &unit, &mut difference).unwrap();
-            matrix.subtract_product(&unit, &mut difference);
-            assert!(difference.iter().all(|d| d.abs() < 1e-9), "{difference:?}");
+            let [mut exact, mut image] = [vec![0.0; n], vec![0.0; n]];
+            problem.tangent_apply(&x, &unit, &mut exact).unwrap();
+            matrix.product(&unit, &mut image);
+            for (a, b) in exact.iter().zip(&image) {
+                assert!((a - b).abs() < 1e-9, "{k}: {exact:?} {image:?}");
+            }
         }
     }
 

@@ -5,7 +5,7 @@ use crate::SolveError;
 
 /// The linear solvers of this build.
 pub(super) fn solvers() -> Vec<Linear> {
-    let mut all = vec![Linear::Cg];
+    let mut all = vec![Linear::Cg, Linear::CgAssembled];
     if cfg!(feature = "implicit") {
         all.push(Linear::Cholesky);
     }

@@ -23,7 +23,7 @@ use femdem_solve::statics::{Linear, Method, NewtonOptions, StaticOptions};
 
 /// The linear solvers of this build.
 fn solvers() -> Vec<Linear> {
-    let mut all = vec![Linear::Cg];
+    let mut all = vec![Linear::Cg, Linear::CgAssembled];
     if cfg!(feature = "implicit") {
         all.push(Linear::Cholesky);
     }
