@@ -112,3 +112,26 @@ fn pictures_from_every_side_by_every_colour() {
     );
     fails(femdem("report").arg(folder.path()), &["pack.ckpt"]);
 }
+
+/// Without the checkpoint the tables are read; what they do not tell stands on the page.
+#[test]
+fn a_pack_from_elsewhere_has_a_report_and_pictures_too() {
+    let folder = tempdir().unwrap();
+    let out = folder.path().join("pack");
+    pack(&out, &[]);
+    for name in ["pack.ckpt", "scene.toml", "summary.json"] {
+        fs::remove_file(out.join(name)).unwrap();
+    }
+    let result = run(femdem("report").arg(&out));
+    assert_eq!(code(&result), 0, "{result:?}");
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("Not measured") && page.contains("container is not known"));
+    assert!(page.contains("Coordination number") && !page.contains("Make it again"));
+    let png = folder.path().join("a.png");
+    let result = run(femdem("picture")
+        .arg(&out)
+        .args(["--inside", "-0.08,-0.08,0,0.08,0.08,0.3"])
+        .args(["--size", "40x40", "--out"])
+        .arg(&png));
+    assert_eq!(code(&result), 0, "{result:?}");
+}

@@ -93,6 +93,7 @@ pub fn plots(tables: &Tables) -> Vec<Plot> {
     let mut plots = Vec::new();
     plots.extend(profiles::height(tables));
     plots.extend(profiles::wall(tables));
+    plots.extend(profiles::radial(tables));
     plots.extend(structure::local_density(tables));
     plots.extend(net::stereonet(tables));
     plots.extend(structure::coordination(tables));

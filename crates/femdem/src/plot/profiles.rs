@@ -3,7 +3,7 @@
 use super::Plot;
 use super::axis::Axis;
 use super::chart::{Chart, Hue};
-use crate::analysis::{DensityProfile, ProfileBin, Tables};
+use crate::analysis::{DensityProfile, ProfileBin, RadialBin, Tables};
 
 /// Density over height, with the heights upward.
 pub(super) fn height(tables: &Tables) -> Option<Plot> {
@@ -62,6 +62,38 @@ pub(super) fn wall(tables: &Tables) -> Option<Plot> {
     Some(Plot::of(
         "wall",
         "Packing density and walls",
+        caption,
+        chart,
+    ))
+}
+
+/// The radial distribution function of the bodies' centres.
+pub(super) fn radial(tables: &Tables) -> Option<Plot> {
+    let found = tables.radial_distribution.as_ref()?;
+    // Where the box has no room for a pair there is nothing to show.
+    let bins: Vec<_> = found.bins.iter().filter(|bin| bin.expected > 0.0).collect();
+    let d = tables.diameter;
+    let ends = |sign: f64| -> Vec<[f64; 2]> {
+        let shifted = |bin: &&RadialBin| bin.value + sign * bin.standard_error.unwrap_or(0.0);
+        let point = |bin: &&RadialBin| [0.5 * (bin.low + bin.high) / d, shifted(bin).max(0.0)];
+        bins.iter().map(point).collect()
+    };
+    let [low, middle, high] = [-1.0, 0.0, 1.0].map(ends);
+    let x = Axis::linear("distance of centres / d", 0.0, bins.last()?.high / d);
+    let y = Axis::from_zero("g(r)", high.iter().map(|p| p[1]).chain([1.2]));
+    let mut chart = Chart::new(x, y);
+    chart.band(Hue::First, &low, &high);
+    chart.line(Hue::First, &middle);
+    chart.level(1.0);
+    let caption = format!(
+        "Pairs of centres at a distance over those of points strewn at random in the same box (dashed: 1), for \
+         the {} bodies of the core, with exact volumes of the shells; the band is the standard error. The first \
+         peak is the shell of touching neighbours; its waves die out where the order ends.",
+        found.bodies
+    );
+    Some(Plot::of(
+        "radial",
+        "Radial distribution function",
         caption,
         chart,
     ))

@@ -73,6 +73,12 @@ pub(crate) struct AnalyseArgs {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Inside(Region);
 
+impl Inside {
+    pub(crate) fn region(self) -> Region {
+        self.0
+    }
+}
+
 impl FromStr for Inside {
     type Err = String;
 

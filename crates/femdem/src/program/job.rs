@@ -139,7 +139,13 @@ impl Run {
         }
         let summary = results::write(&self.folder, &packing, &usage)?;
         if self.page {
-            super::report::write(&self.folder, &self.folder, &packing, &usage)?;
+            let snapshot = results::snapshot(&packing);
+            super::report::write(
+                &self.folder,
+                &self.folder,
+                &snapshot,
+                Some((&packing, &usage)),
+            )?;
         }
         report(&summary, &packing, &self.folder, self.quiet)?;
         Ok(Outcome::Finished)

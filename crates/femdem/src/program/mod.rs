@@ -9,6 +9,7 @@ pub(crate) mod picture;
 mod progress;
 pub(crate) mod report;
 pub(crate) mod shapes;
+mod source;
 
 use std::io::Write;
 

@@ -6,10 +6,11 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use femdem::analysis::{TableOptions, Tables};
 use femdem::picture::{PictureOptions, draw_by};
-use femdem::{Colouring, output, results};
+use femdem::{Colouring, output};
 
 use super::job::{Outcome, in_pool};
-use super::{folder, say};
+use super::say;
+use super::source::{self, ForeignArgs};
 
 /// Where the eye stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -40,7 +41,7 @@ impl Standpoint {
 /// Options of `femdem picture`.
 #[derive(Debug, Args)]
 pub(crate) struct PictureArgs {
-    /// Folder of the run, which holds pack.ckpt
+    /// Folder of a run, which holds pack.ckpt, or of a pack from elsewhere, which holds bodies.csv
     pub folder: PathBuf,
 
     /// Where the eye stands
@@ -67,6 +68,9 @@ pub(crate) struct PictureArgs {
     #[arg(long, value_name = "FILE", default_value = "picture.png")]
     pub out: PathBuf,
 
+    #[command(flatten)]
+    pub foreign: ForeignArgs,
+
     /// Threads, 1 or more [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
@@ -87,8 +91,7 @@ fn size(text: &str) -> Result<[usize; 2], String> {
 pub(crate) fn run(args: &PictureArgs) -> Result<Outcome> {
     let vector = is_svg(&args.out)?;
     in_pool(args.threads.map(usize::from), |_| {
-        let saved = folder::load(&args.folder)?;
-        let snapshot = results::snapshot(&saved.packing);
+        let (snapshot, _) = source::read(&args.folder, &args.foreign)?;
         let cells = match args.colour {
             Colouring::Density => Tables::compute(&snapshot, &TableOptions::default())?.set_voronoi,
             _ => None,

@@ -8,10 +8,11 @@ use clap::Args;
 use femdem::analysis::{TableOptions, Tables};
 use femdem::pack::Packing;
 use femdem::report::Report;
-use femdem::{Scene, Summary, Usage, output, results};
+use femdem::{Scene, Snapshot, Summary, Usage, output};
 
 use super::job::{Outcome, in_pool};
-use super::{folder, say};
+use super::say;
+use super::source::{self, ForeignArgs};
 
 /// Name of the page.
 const PAGE: &str = "report.html";
@@ -22,12 +23,15 @@ const PLOTS: &str = "plots";
 /// Options of `femdem report`.
 #[derive(Debug, Args)]
 pub(crate) struct ReportArgs {
-    /// Folder of the run, which holds pack.ckpt
+    /// Folder of a run, which holds pack.ckpt, or of a pack from elsewhere, which holds bodies.csv
     pub folder: PathBuf,
 
     /// Folder for report.html and the plots [default: the folder of the run]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub foreign: ForeignArgs,
 
     /// Threads, 1 or more [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
@@ -40,11 +44,10 @@ pub(crate) struct ReportArgs {
 
 pub(crate) fn run(args: &ReportArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
-        let saved = folder::load(&args.folder)?;
+        let (snapshot, saved) = source::read(&args.folder, &args.foreign)?;
         let out = args.out.as_ref().unwrap_or(&args.folder);
-        fs::create_dir_all(out)
-            .with_context(|| format!("cannot make the folder {}", out.display()))?;
-        let page = write(&args.folder, out, &saved.packing, &saved.usage)?;
+        let run = saved.as_ref().map(|saved| (&saved.packing, &saved.usage));
+        let page = write(&args.folder, out, &snapshot, run)?;
         if !args.quiet {
             say(&format!("wrote {}: open it in a browser", page.display()));
         }
@@ -52,20 +55,25 @@ pub(crate) fn run(args: &ReportArgs) -> Result<Outcome> {
     })
 }
 
-/// Writes the page of a job whose scene is in `folder`, and the plots; returns the path of the page.
+/// Writes the page of a pack, with what is known of the run that made it and whose scene is in `folder`, and
+/// the plots; returns the path of the page.
 pub(crate) fn write(
     folder: &Path,
     out: &Path,
-    packing: &Packing,
-    usage: &Usage,
+    snapshot: &Snapshot,
+    run: Option<(&Packing, &Usage)>,
 ) -> Result<PathBuf> {
-    let snapshot = results::snapshot(packing);
-    let summary = Summary::of(packing, &snapshot, usage)?;
-    let tables = Tables::compute(&snapshot, &TableOptions::default())?;
-    let mut report = Report::new(&snapshot)
-        .with_summary(&summary)
-        .with_tables(&tables);
-    // Runs from elsewhere may have no scene.
+    let plots = out.join(PLOTS);
+    fs::create_dir_all(&plots)
+        .with_context(|| format!("cannot make the folder {}", plots.display()))?;
+    let tables = Tables::compute(snapshot, &TableOptions::default())?;
+    let mut report = Report::new(snapshot).with_tables(&tables);
+    let summary = run.map(|(packing, usage)| Summary::of(packing, snapshot, usage));
+    let summary = summary.transpose()?;
+    if let Some(summary) = &summary {
+        report = report.with_summary(summary);
+    }
+    // Packs from elsewhere have no scene.
     let path = folder.join("scene.toml");
     let scene = path.is_file().then(|| Scene::read(&path)).transpose()?;
     if let Some(scene) = &scene {
@@ -74,9 +82,6 @@ pub(crate) fn write(
     let page = out.join(PAGE);
     let html = report.html()?;
     output::write_file(&page, |w| std::io::Write::write_all(w, html.as_bytes()))?;
-    let plots = out.join(PLOTS);
-    fs::create_dir_all(&plots)
-        .with_context(|| format!("cannot make the folder {}", plots.display()))?;
     for plot in report.plots() {
         output::write_file(plots.join(format!("{}.svg", plot.name)), |w| {
             plot.write_svg(w)

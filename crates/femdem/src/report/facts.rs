@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::analysis::{Missing, Tables};
 use crate::plot::escape;
 use crate::results::short;
 use crate::scene::{ContainerKind, ProtocolKind, Unit};
@@ -63,6 +64,37 @@ pub(super) fn figures(summary: &Summary) -> Vec<Figure> {
         "verified with all bodies awake".to_owned(),
     ));
     figures
+}
+
+/// The main results of a pack from elsewhere.
+pub(super) fn measured(tables: &Tables) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    if let Some(density) = &tables.density {
+        let error = density
+            .standard_error
+            .map_or(String::new(), |e| format!("\u{b1} {e:.4} "));
+        figures.push(Figure {
+            label: "Packing density",
+            value: format!("{:.4}", density.exact),
+            note: format!("{error}of the core; by grid {:.4}", density.grid),
+        });
+    }
+    if let Some(z) = &tables.coordination {
+        figures.push(Figure {
+            label: "Coordination number",
+            value: format!("{:.2}", z.mean),
+            note: format!("sd {:.2}, walls count", z.sd),
+        });
+    }
+    figures
+}
+
+/// What could not be found, and why.
+pub(super) fn missing(tables: &Tables) -> Option<Facts> {
+    let row = |missing: &Missing| (missing.table.replace('_', " "), missing.reason.clone());
+    let rows: Vec<_> = tables.missing.iter().map(row).collect();
+    let title = "Not measured";
+    (!rows.is_empty()).then_some(Facts { title, rows })
 }
 
 pub(super) fn figures_html(figures: &[Figure]) -> String {

@@ -85,10 +85,14 @@ impl<'a> Report<'a> {
         let (index, numbers) = view::of(self.snapshot, &self.fields()?);
         // No "<" may end the element that holds the index.
         let index = index.to_string().replace('<', "\\u003c");
-        let figures = self.summary.map(facts::figures).unwrap_or_default();
+        let figures = self.summary.map(facts::figures);
+        let figures = figures
+            .or_else(|| self.tables.map(facts::measured))
+            .unwrap_or_default();
         let mut tables = Vec::new();
         tables.extend(self.scene.map(facts::parameters));
         tables.extend(self.summary.map(facts::run));
+        tables.extend(self.tables.and_then(facts::missing));
         tables.push(facts::versions(self.summary));
         let command = self.scene.map(Scene::command);
         Ok(page::fill(&[

@@ -1,6 +1,8 @@
 //! What the 3-D view shows, as numbers for the page.
 
-use femdem_mesh::Point3;
+use std::collections::BTreeMap;
+
+use femdem_mesh::{Point3, Vector3};
 use serde_json::{Value, json};
 
 use super::block::Block;
@@ -174,27 +176,47 @@ fn contacts<'a>(
     walls
 }
 
-/// How strong each contact is: its force over the weight of the lighter body, over the mean of the
-/// bodies' own largest such ratios (Xiang, Latham and Farsi 2016 call those above 1.5 chains).
+/// How strong each contact is: the force of its pair, friction included, over the weight of the body or
+/// the mean of both, over the mean of the bodies' own largest force over weight. Those above 1.5 are chains
+/// by the rule of Xiang, Latham and Farsi (2016).
 pub(super) fn strengths(snapshot: &Snapshot) -> Vec<f64> {
-    let volumes: Vec<f64> = snapshot
-        .bodies
-        .iter()
-        .map(|body| snapshot.shape_of(body).polyhedron.mass_properties().volume)
-        .collect();
-    let volume = |body: u32| volumes.get(body as usize).copied().unwrap_or(f64::INFINITY);
-    let mut largest = vec![0.0_f64; volumes.len()];
+    // Weights enter as a ratio only, so that volumes will do where masses are not known.
+    let weights: Vec<f64> = if snapshot.masses.is_empty() {
+        let volume = |body| snapshot.shape_of(body).polyhedron.mass_properties().volume;
+        snapshot.bodies.iter().map(volume).collect()
+    } else {
+        snapshot.masses.clone()
+    };
+    let weight = |body: u32| weights.get(body as usize).copied().unwrap_or(f64::INFINITY);
+    let mut pairs: BTreeMap<(u32, &Partner), Vector3> = BTreeMap::new();
     for row in &snapshot.contacts {
-        for body in row.bodies() {
+        let force = row.normal * row.normal_force + row.friction;
+        *pairs.entry((row.body, &row.partner)).or_default() += force;
+    }
+    let mut largest = vec![0.0_f64; weights.len()];
+    for ((first, partner), force) in &pairs {
+        let second = match partner {
+            Partner::Body(second) => Some(*second),
+            Partner::Wall(_) => None,
+        };
+        for body in [Some(*first), second].into_iter().flatten() {
             if let Some(most) = largest.get_mut(body as usize) {
-                *most = most.max(row.normal_force / volume(body));
+                *most = most.max(force.norm() / weight(body));
             }
         }
     }
-    let mean = largest.iter().sum::<f64>() / largest.len().max(1) as f64;
+    let touching = largest.iter().filter(|most| **most > 0.0);
+    let (sum, count) = touching.fold((0.0, 0.0), |(sum, count), most| (sum + most, count + 1.0));
+    let mean = f64::max(sum / f64::max(count, 1.0), f64::MIN_POSITIVE);
     let strength = |row: &crate::ContactRow| {
-        let lighter = row.bodies().map(volume).fold(f64::INFINITY, f64::min);
-        row.normal_force / lighter / mean.max(f64::MIN_POSITIVE)
+        let force = pairs
+            .get(&(row.body, &row.partner))
+            .map_or(0.0, Vector3::norm);
+        let shared = match row.partner {
+            Partner::Body(second) => 0.5 * (weight(row.body) + weight(second)),
+            Partner::Wall(_) => weight(row.body),
+        };
+        force / shared / mean
     };
     snapshot.contacts.iter().map(strength).collect()
 }
@@ -237,11 +259,14 @@ mod tests {
         assert_eq!(text.len() as u64, end.div_ceil(3) * 4);
     }
 
-    /// Weights are equal; the largest forces of the two are 20 N and 10 N.
+    /// Weights are equal; the upper cube's largest force is 10 N, the lower one's that on the floor, with
+    /// 5 N of friction.
     #[test]
     fn strength_is_force_over_the_mean_of_the_largest() {
         let strengths = strengths(&two_cubes());
-        for (strength, expected) in strengths.iter().zip([10.0 / 15.0, 20.0 / 15.0]) {
+        let floor = 20.0_f64.hypot(5.0);
+        let mean = 0.5 * (10.0 + floor);
+        for (strength, expected) in strengths.iter().zip([10.0 / mean, floor / mean]) {
             assert!((strength - expected).abs() < 1e-12);
         }
     }
