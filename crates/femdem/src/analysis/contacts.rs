@@ -3,8 +3,8 @@
 use femdem_analysis::{
     CoordinationOptions, ForceNetwork, Pack, Region, body_stresses, chains_by_stress,
     chains_by_weight, contact_classes, contact_fabric, coordination, force_distribution,
-    force_maxima, rattlers, region_stress, stress_profile, threshold_curve, vertical_balance,
-    wall_forces,
+    force_maxima, mean_coordination, rattlers, region_stress, stress_profile, threshold_curve,
+    vertical_balance, wall_forces,
 };
 
 use super::Tables;
@@ -75,6 +75,12 @@ impl Tables {
             self.miss(&NORMAL_TABLES, NO_CONTACTS);
             self.miss_forces(NO_CONTACTS);
             return Ok(());
+        }
+        let bootstrap = self.options.bootstrap;
+        self.mean_coordination = Some(mean_coordination(network, None, bootstrap)?);
+        if self.core_coordination.is_some() {
+            let region = self.core.as_ref().map(|core| &core.region);
+            self.core_mean_coordination = Some(mean_coordination(network, region, bootstrap)?);
         }
         self.add_normal_forces(snapshot, network)?;
         if snapshot.gaps.friction {

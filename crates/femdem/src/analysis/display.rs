@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use femdem_analysis::Estimate;
+
 use super::Tables;
 
 impl fmt::Display for Tables {
@@ -68,11 +70,22 @@ impl Tables {
 
     fn coordination_text(&self) -> Option<String> {
         let all = self.coordination.as_ref()?;
-        let core = self.core_coordination.as_ref();
-        let core = core.map_or(String::new(), |c| format!("; {:.2} in the core", c.mean));
+        let error = |found: Option<Estimate>| {
+            let error = found.and_then(|found| found.standard_error);
+            error.map_or(String::new(), |e| format!(" +- {e:.2}"))
+        };
+        let core = self.core_coordination.as_ref().map_or(String::new(), |c| {
+            format!(
+                "; {:.2}{} in the core",
+                c.mean,
+                error(self.core_mean_coordination)
+            )
+        });
         Some(format!(
-            "{:.2}, {:.2} without walls{core}",
-            all.mean, all.mean_without_walls
+            "{:.2}{}, {:.2} without walls{core}",
+            all.mean,
+            error(self.mean_coordination),
+            all.mean_without_walls
         ))
     }
 

@@ -2,9 +2,9 @@
 
 use femdem_analysis::{
     BodyStresses, ChainNetwork, ContactClasses, ContactFabric, Coordination, CoreRegion,
-    DensityMap, DensityProfile, ForceDistribution, ForceMaxima, ForceNetwork, Pack, PackingDensity,
-    PosedBody, RadialDistribution, Rattlers, RegionStress, SetVoronoi, StressProfile,
-    ThresholdCurve, VerticalBalance, WallForces,
+    DensityMap, DensityProfile, Estimate, ForceDistribution, ForceMaxima, ForceNetwork, Pack,
+    PackingDensity, PosedBody, RadialDistribution, Rattlers, RegionStress, SetVoronoi,
+    StressProfile, ThresholdCurve, VerticalBalance, WallForces,
 };
 use femdem_mesh::Polyhedron;
 use serde::{Deserialize, Serialize, Serializer};
@@ -67,8 +67,12 @@ pub struct Tables {
     pub radial_distribution: Option<RadialDistribution>,
     /// Coordination number over all bodies.
     pub coordination: Option<Coordination>,
+    /// Its mean with the error by block bootstrap.
+    pub mean_coordination: Option<Estimate>,
     /// Coordination number over the bodies with their centre in the core.
     pub core_coordination: Option<Coordination>,
+    /// Its mean with the error by block bootstrap.
+    pub core_mean_coordination: Option<Estimate>,
     /// Contacts by class.
     pub classes: Option<ContactClasses>,
     /// Rattlers, and the count of constraints.
@@ -151,7 +155,9 @@ impl Tables {
             orientation: None,
             radial_distribution: None,
             coordination: None,
+            mean_coordination: None,
             core_coordination: None,
+            core_mean_coordination: None,
             classes: None,
             rattlers: None,
             force_distribution: None,
