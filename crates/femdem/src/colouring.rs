@@ -161,7 +161,12 @@ fn density(snapshot: &Snapshot, cells: &SetVoronoi) -> Option<BodyValues> {
             *value = cell.density;
         }
     }
-    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    // Cells at walls and at the top are cut off: they are shown, but do not set the scale.
+    let counted = cells.cells.iter().filter(|cell| cell.counted);
+    let mut sorted: Vec<f64> = counted.map(|cell| cell.density).collect();
+    if sorted.is_empty() {
+        sorted = values.iter().copied().filter(|v| v.is_finite()).collect();
+    }
     sorted.sort_by(f64::total_cmp);
     if sorted.is_empty() {
         return None;

@@ -43,6 +43,7 @@
 //! | your own integrator | contact forces | [`contact::ContactBatch`], [`contact::PairKernel`] |
 //! | poses and contacts, from anywhere | density, forces, chains, stress | [`analysis`], [`input`] |
 //! | poses, from anywhere | files and pictures | [`Snapshot`] with [`output`] and [`picture`] |
+//! | poses, from anywhere | one page for the browser, plots | [`report::Report`], [`plot::plots`] |
 //! | vertices, or a surface file | a checked body with its mass properties, a mesh of it | [`mesh`] |
 //!
 //! A pack moves through these as data: [`pack::Packing`] → [`results::snapshot`] → [`Snapshot`] →

@@ -12,7 +12,7 @@ use crate::ticks::even;
 /// Centre and radius of the net, and the colour bar, in SVG units.
 const CENTRE: [f64; 2] = [148.0, 134.0];
 const RADIUS: f64 = 112.0;
-const BAR: [f64; 4] = [300.0, 40.0, 14.0, 188.0];
+const BAR: [f64; 4] = [300.0, 50.0, 14.0, 180.0];
 
 /// The stereonet of body axes or face normals.
 pub(super) fn stereonet(tables: &Tables) -> Option<Plot> {

@@ -42,6 +42,7 @@ The folder then holds
   pack.vtu, contacts.vtp     for ParaView
   pack.stl, shape-NAME.obj   surfaces
   pack.png                   the pack from the front, coloured by sequence of placement
+  report.html, plots/*.svg   with --report: a page for the browser, and its plots
   scene.toml                 the options of this run
   pack.ckpt                  a checkpoint, for `femdem resume` and `femdem analyse`
 
