@@ -90,6 +90,17 @@ pub enum Error {
         /// What is wrong.
         message: String,
     },
+    /// An entry of a scenario was refused, or a body of it failed.
+    #[error("{entry}: {source}")]
+    Entry {
+        /// The entry: a wall, a body or a material, by name.
+        entry: String,
+        /// What is wrong with it.
+        source: Box<Error>,
+    },
+    /// A wall was refused.
+    #[error(transparent)]
+    Contact(#[from] femdem_contact::ContactError),
     /// A shape or a surface file was refused.
     #[error(transparent)]
     Mesh(#[from] femdem_mesh::MeshError),

@@ -75,6 +75,7 @@ pub mod picture;
 pub mod plot;
 pub mod report;
 pub mod results;
+pub mod run;
 pub mod scene;
 mod snapshot;
 #[cfg(test)]

@@ -1,0 +1,215 @@
+//! Bodies of a scenario.
+
+use std::path::PathBuf;
+
+use femdem_mesh::nalgebra::{Translation3, Unit};
+use femdem_mesh::{Pose, Rotation, Vector3};
+use femdem_pack::{body_stream, random_rotation};
+use femdem_solve::element::Element;
+use serde::{Deserialize, Serialize};
+
+use super::{BoundaryEntry, MotionEntry, RegionEntry};
+use crate::Error;
+use crate::scene::Unit as LengthUnit;
+
+/// How a body responds to forces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Behaviour {
+    /// Moves as a whole.
+    #[default]
+    Rigid,
+    /// Strains by its material.
+    Deformable,
+}
+
+/// Kinds of elements, as in files.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Element", rename_all = "kebab-case")]
+enum ElementName {
+    T4,
+    T4NodalPressure,
+    T10,
+    T10Fbar,
+}
+
+/// A turn about an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RotationEntry {
+    /// Axis, of any length.
+    pub axis: [f64; 3],
+    /// Angle \[degrees\].
+    pub angle: f64,
+}
+
+/// Copies of a body on a lattice.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Copies {
+    /// Number along x, y and z.
+    pub count: [u32; 3],
+    /// Distance between neighbours along x, y and z \[m\].
+    pub spacing: [f64; 3],
+    /// Seed of random orientations; `None`: all are turned as the first.
+    #[serde(default)]
+    pub seed: Option<u64>,
+}
+
+/// Most copies of a body.
+const MOST_COPIES: u64 = 1_000_000;
+
+/// A body, or a lattice of copies of it: exactly one of `shape`, `mesh` and `block` says what it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct BodyEntry {
+    /// Name, as it appears in results; empty: that of the shape.
+    pub name: String,
+    /// Parametric shape, such as "cube" or "sphere:level=3", or path of a surface file.
+    pub shape: Option<String>,
+    /// Path of a Gmsh file with tetrahedra.
+    pub mesh: Option<PathBuf>,
+    /// Numbers of cells along x, y and z of a block of tetrahedra, six a cell, about the origin; `sides`
+    /// says how large it is.
+    pub block: Option<[u32; 3]>,
+    /// Sides of the block \[m\].
+    pub sides: Option<[f64; 3]>,
+    /// Circumscribed diameter of `shape` \[m\]; a file keeps its own size without it.
+    pub diameter: Option<f64>,
+    /// Size of a parametric shape by its own measure \[m\], instead of `diameter`.
+    pub size: Option<f64>,
+    /// Unit of the coordinates in files.
+    pub unit: LengthUnit,
+    /// Material, by name.
+    pub material: String,
+    /// Parts of a deformable body made of other materials; of several at one place the last counts.
+    pub region: Vec<RegionEntry>,
+    /// How it responds.
+    pub behaviour: Behaviour,
+    /// Elements of a deformable body.
+    #[serde(with = "ElementName")]
+    pub element: Element,
+    /// Length of the edges of the tetrahedra that is aimed at, in circumscribed diameters. `None`: a
+    /// fifth for deformable bodies, by the shape for rigid ones that are not convex.
+    pub mesh_size: Option<f64>,
+    /// Contact stiffness of a deformable body, κ h/E: the modulus of its contact foundation times the
+    /// edge length of its skin over Young's modulus. `None`: 1.
+    pub contact_ratio: Option<f64>,
+    /// Where the shape's origin lies \[m\].
+    pub position: [f64; 3],
+    /// How the body is turned about the shape's origin.
+    pub rotation: Option<RotationEntry>,
+    /// Velocity of the centroid \[m/s\].
+    pub velocity: [f64; 3],
+    /// Angular velocity about the centroid \[rad/s\].
+    pub spin: [f64; 3],
+    /// Copies on a lattice from `position` on.
+    pub copies: Option<Copies>,
+    /// Prescribed motion of a rigid body, whatever touches it.
+    pub motion: Option<MotionEntry>,
+    /// Boundary conditions of a deformable body.
+    pub boundary: Vec<BoundaryEntry>,
+}
+
+impl BodyEntry {
+    /// Refuses keys that have no effect on a body of this behaviour.
+    pub(super) fn refuse_strangers(&self) -> Result<(), Error> {
+        let deforms = self.behaviour == Behaviour::Deformable;
+        let of_deformable = [
+            ("boundary", !self.boundary.is_empty()),
+            ("region", !self.region.is_empty()),
+            ("contact-ratio", self.contact_ratio.is_some()),
+            ("element", self.element != Element::default()),
+        ];
+        for (name, given) in of_deformable {
+            if given && !deforms {
+                return Err(wrong(
+                    name,
+                    "given",
+                    "a rigid body has none: add behaviour = \"deformable\", or take it out",
+                ));
+            }
+        }
+        if deforms && self.motion.is_some() {
+            return Err(wrong(
+                "motion",
+                "given",
+                "a deformable body has none: move nodes by a [[body.boundary]]",
+            ));
+        }
+        if self.sides.is_some() && self.block.is_none() {
+            return Err(wrong("sides", "given", "give sides with block only"));
+        }
+        Ok(())
+    }
+
+    /// Poses of the body and its copies.
+    pub(super) fn poses(&self) -> Result<Vec<Pose>, Error> {
+        let rotation = match &self.rotation {
+            None => Rotation::identity(),
+            Some(turn) => {
+                let axis = Unit::try_new(Vector3::from(turn.axis), 0.0);
+                let axis = axis.ok_or_else(|| {
+                    wrong("rotation.axis", "zero", "a direction of a length above zero")
+                })?;
+                Rotation::from_axis_angle(&axis, turn.angle.to_radians())
+            }
+        };
+        let origin = Vector3::from(self.position);
+        let Some(copies) = &self.copies else {
+            return Ok(vec![Pose::from_parts(origin.into(), rotation)]);
+        };
+        let [nx, ny, nz] = copies.count;
+        let count = u64::from(nx) * u64::from(ny) * u64::from(nz);
+        if !(1..=MOST_COPIES).contains(&count) {
+            return Err(wrong(
+                "copies.count",
+                &format!("{nx} x {ny} x {nz}"),
+                "1 to 1,000,000 copies",
+            ));
+        }
+        let cells = (0..nz)
+            .flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
+        let pose = |(number, cell): (u32, [u32; 3])| {
+            let steps = Vector3::from(cell.map(f64::from));
+            let at = origin + steps.component_mul(&Vector3::from(copies.spacing));
+            let own = |seed| random_rotation(&mut body_stream(seed, number));
+            Pose::from_parts(Translation3::from(at), copies.seed.map_or(rotation, own))
+        };
+        Ok((0..).zip(cells).map(pose).collect())
+    }
+}
+
+pub(super) fn wrong(name: &'static str, value: &str, allowed: &'static str) -> Error {
+    Error::Option {
+        name,
+        value: value.to_owned(),
+        allowed,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_stand_on_their_lattice_and_turn_by_their_seed() {
+        let text = "position = [1, 2, 3]\ncopies = { count = [2, 1, 3], spacing = [0.5, 0, 2], seed = 4 }";
+        let entry: BodyEntry = toml::from_str(text).unwrap();
+        let poses = entry.poses().unwrap();
+        let places: Vec<[f64; 3]> = poses.iter().map(|p| p.translation.vector.into()).collect();
+        let wanted = [3.0, 5.0, 7.0].map(|z| [[1.0, 2.0, z], [1.5, 2.0, z]]);
+        assert_eq!(places, wanted.concat());
+        let turned = |a: usize, b: usize| poses[a].rotation.angle_to(&poses[b].rotation);
+        assert!((1..6).all(|k| turned(0, k) > 1e-3));
+        assert_eq!(entry.poses().unwrap(), poses);
+    }
+
+    #[test]
+    fn elements_are_called_as_the_other_keys_are() {
+        let entry: BodyEntry = toml::from_str("element = \"t4-nodal-pressure\"").unwrap();
+        assert_eq!(entry.element, Element::T4NodalPressure);
+        let message = toml::from_str::<BodyEntry>("element = \"T4\"").unwrap_err().to_string();
+        assert!(message.contains("t10-fbar"), "{message}");
+    }
+}

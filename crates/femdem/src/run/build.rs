@@ -1,0 +1,305 @@
+//! From a scenario to a world.
+
+use std::collections::BTreeSet;
+
+use femdem_contact::{BodyId, Field};
+use femdem_mesh::{Pose, TetMesh, Vector3};
+use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion};
+use femdem_solve::{
+    BodySpec, ContactStiffness, DeformableId, DeformableSpec, SolveError, World,
+};
+use serde::{Deserialize, Serialize};
+
+use super::body::wrong;
+use super::geometry::Geometry;
+use super::{Behaviour, BodyEntry, MaterialEntry, Scenario};
+use crate::Error;
+
+/// Where a body is in a world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum MemberId {
+    /// A rigid body.
+    Rigid(BodyId),
+    /// A deformable body.
+    Deformable(DeformableId),
+}
+
+/// A body of a simulation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Member {
+    /// Its name; copies of a body carry a number from 1.
+    pub name: String,
+    /// Its index in the world.
+    pub id: MemberId,
+    /// The pose that it was placed with: coordinates of its shape -> world.
+    pub placed: Pose,
+}
+
+/// A world made from a scenario.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Simulation {
+    /// The world.
+    pub world: World,
+    /// Its bodies, in the order of the scenario.
+    pub members: Vec<Member>,
+}
+
+impl Scenario {
+    /// The world of the scenario, at time 0.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Entry`] with the wall, body or material at fault, and [`Error::Option`] or
+    /// [`Error::Solve`] for what concerns the whole.
+    pub fn build(&self) -> Result<Simulation, Error> {
+        self.check()?;
+        let mut simulation = Simulation {
+            world: World::new(self.parameters())?,
+            members: Vec::new(),
+        };
+        let mut names = Names::default();
+        for (number, wall) in (1..).zip(&self.wall) {
+            let name = names.of("wall", &wall.name, &format!("wall {number}"))?;
+            let added = wall.add_to(&name, &mut simulation.world);
+            added.map_err(in_entry(format!("wall \"{name}\"")))?;
+        }
+        let mut names = Names::default();
+        for (number, body) in (1..).zip(&self.body) {
+            let place = if body.name.is_empty() {
+                format!("body {number}")
+            } else {
+                format!("body \"{}\"", body.name)
+            };
+            let mut add = || {
+                body.refuse_strangers()?;
+                let geometry = body.geometry()?;
+                let name = names.of("body", &body.name, &geometry.name)?;
+                simulation.add(self, body, &name, &geometry)
+            };
+            add().map_err(in_entry(place))?;
+        }
+        if simulation.members.is_empty() {
+            return Err(wrong("body", "none", "give at least one [[body]]"));
+        }
+        Ok(simulation)
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let times = [
+            ("duration", Some(self.duration)),
+            ("every", self.every),
+            ("history-every", self.history_every),
+            ("rest.energy", self.rest.map(|rest| rest.energy)),
+            ("rest.time", self.rest.map(|rest| rest.time)),
+        ];
+        for (name, value) in times {
+            if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
+                return Err(wrong(name, &value.to_string(), "a positive, finite number"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The law and density of a material.
+    fn region(&self, name: &str) -> Result<MaterialRegion, Error> {
+        let region = self.material(name)?.region();
+        region.map_err(in_entry(format!("material.{name}")))
+    }
+
+    fn material(&self, name: &str) -> Result<&MaterialEntry, Error> {
+        self.material.get(name).ok_or_else(|| Error::Option {
+            name: "material",
+            value: format!("\"{name}\""),
+            allowed: "give the name of a table [material.NAME] of the scenario",
+        })
+    }
+
+    /// The materials of a deformable body, and that of each tetrahedron.
+    fn regions(
+        &self,
+        entry: &BodyEntry,
+        mesh: &TetMesh,
+    ) -> Result<(Vec<MaterialRegion>, Vec<u32>), Error> {
+        let mut regions = vec![self.region(&entry.material)?];
+        let mut region_of = vec![0; mesh.tets().len()];
+        for part in &entry.region {
+            let index = regions.len() as u32;
+            regions.push(self.region(&part.material)?);
+            let mut empty = true;
+            for (tet, region) in mesh.tets().iter().zip(&mut region_of) {
+                let corners = tet.map(|i| mesh.points()[i as usize].coords);
+                let centroid = corners.iter().sum::<Vector3>() / 4.0;
+                if part.within.holds(&centroid.into()) {
+                    (*region, empty) = (index, false);
+                }
+            }
+            if empty {
+                return Err(Error::Option {
+                    name: "region.within",
+                    value: format!("a place without tetrahedra, for \"{}\"", part.material),
+                    allowed: "check its place and size, in the coordinates of the shape in m",
+                });
+            }
+        }
+        Ok((regions, region_of))
+    }
+}
+
+impl Simulation {
+    fn add(
+        &mut self,
+        scenario: &Scenario,
+        entry: &BodyEntry,
+        name: &str,
+        geometry: &Geometry,
+    ) -> Result<(), Error> {
+        let ids = match (entry.behaviour, &geometry.mesh) {
+            (Behaviour::Deformable, Some(mesh)) => {
+                self.add_deformable(scenario, entry, name, mesh)?
+            }
+            _ => self.add_rigid(scenario, entry, name, geometry)?,
+        };
+        let copies = entry.copies.is_some();
+        let member = |(number, (id, placed))| Member {
+            name: if copies {
+                format!("{name} {number}")
+            } else {
+                name.to_owned()
+            },
+            id,
+            placed,
+        };
+        self.members.extend((1..).zip(ids).map(member));
+        Ok(())
+    }
+
+    fn add_rigid(
+        &mut self,
+        scenario: &Scenario,
+        entry: &BodyEntry,
+        name: &str,
+        geometry: &Geometry,
+    ) -> Result<Vec<(MemberId, Pose)>, Error> {
+        let Geometry { surface, mesh, .. } = geometry;
+        let density = scenario.material(&entry.material)?.density;
+        let shape = match mesh {
+            Some(mesh) if !surface.is_convex() => {
+                self.world.add_mesh_shape(name, surface, mesh, Field::Body)?
+            }
+            _ => self.world.add_shape(name, surface)?,
+        };
+        let mut ids = Vec::new();
+        for pose in entry.poses()? {
+            let spec = BodySpec {
+                shape,
+                density,
+                pose,
+                velocity: Vector3::from(entry.velocity),
+                angular_velocity: Vector3::from(entry.spin),
+            };
+            let id = match entry.motion {
+                Some(motion) => self.world.add_driven_body(spec, motion.drive())?,
+                None => self.world.add_body(spec)?,
+            };
+            ids.push((MemberId::Rigid(id), pose));
+        }
+        Ok(ids)
+    }
+
+    fn add_deformable(
+        &mut self,
+        scenario: &Scenario,
+        entry: &BodyEntry,
+        name: &str,
+        mesh: &TetMesh,
+    ) -> Result<Vec<(MemberId, Pose)>, Error> {
+        let (regions, region_of) = scenario.regions(entry, mesh)?;
+        let model = DeformableModel::new(mesh, entry.element, regions, Some(region_of))?;
+        let radius = model.nodes().iter().map(|x| x.norm()).fold(0.0, f64::max);
+        let mut boundary = Boundary::default();
+        for condition in &entry.boundary {
+            condition.add_to(&mut boundary, &model, radius)?;
+        }
+        let stiffness = ContactStiffness::Ratio(entry.contact_ratio.unwrap_or(1.0));
+        let model = self.world.add_model(name, model, stiffness)?;
+        let mut ids = Vec::new();
+        for pose in entry.poses()? {
+            let id = self.world.add_deformable(DeformableSpec {
+                model,
+                pose,
+                velocity: Vector3::from(entry.velocity),
+                angular_velocity: Vector3::from(entry.spin),
+                boundary: boundary.clone(),
+            })?;
+            ids.push((MemberId::Deformable(id), pose));
+        }
+        Ok(ids)
+    }
+
+    /// Advances by one step, whose size the world chooses.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Entry`] with the name of the body at fault: an element that is turned inside out or
+    /// has no stress, a body that blew up. The world is then of no further use.
+    pub fn step(&mut self) -> Result<(), Error> {
+        let stepped = self.world.step();
+        stepped.map_err(|source| {
+            let id = match &source {
+                SolveError::BodyFailed { body, .. } => MemberId::Deformable(*body as u32),
+                SolveError::BlowUp { body, .. } => MemberId::Rigid(*body as u32),
+                _ => return source.into(),
+            };
+            match self.members.iter().find(|member| member.id == id) {
+                Some(member) => in_entry(format!("body \"{}\"", member.name))(source.into()),
+                None => source.into(),
+            }
+        })
+    }
+
+    /// The deformable bodies with their names.
+    pub(super) fn deformables(
+        &self,
+    ) -> impl Iterator<Item = (usize, &Member, femdem_solve::Deformable<'_>)> {
+        self.members.iter().enumerate().filter_map(|(i, member)| match member.id {
+            MemberId::Deformable(id) => Some((i, member, self.world.deformable(id)?)),
+            MemberId::Rigid(_) => None,
+        })
+    }
+}
+
+/// Puts the place in a scenario before an error.
+fn in_entry(entry: String) -> impl FnOnce(Error) -> Error {
+    |source| Error::Entry {
+        entry,
+        source: Box::new(source),
+    }
+}
+
+/// Names that are taken.
+#[derive(Default)]
+struct Names(BTreeSet<String>);
+
+impl Names {
+    /// The name given, which must be free, or the default with a number if that is taken.
+    fn of(&mut self, what: &'static str, given: &str, default: &str) -> Result<String, Error> {
+        let name = if given.is_empty() {
+            let numbered = (2..).map(|k| format!("{default} ({k})"));
+            let mut free = std::iter::once(default.to_owned()).chain(numbered);
+            free.find(|name| !self.0.contains(name)).unwrap_or_default()
+        } else {
+            given.to_owned()
+        };
+        if !self.0.insert(name.clone()) {
+            return Err(Error::Option {
+                name: "name",
+                value: format!("\"{name}\""),
+                allowed: match what {
+                    "wall" => "another wall has it: give each its own",
+                    _ => "another body has it: give each its own",
+                },
+            });
+        }
+        Ok(name)
+    }
+}

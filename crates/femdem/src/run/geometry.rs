@@ -1,0 +1,115 @@
+//! Surfaces and tetrahedra of the bodies of a scenario.
+
+use std::path::Path;
+
+use femdem_mesh::shapes::Shape;
+use femdem_mesh::tet::{self, MeshOptions};
+use femdem_mesh::{Point3, Polyhedron, TetMesh, Vector3, io};
+
+use super::body::wrong;
+use super::{Behaviour, BodyEntry};
+use crate::Error;
+
+/// Edge length of the tetrahedra of deformable bodies, in circumscribed diameters.
+const DEFAULT_MESH_SIZE: f64 = 0.2;
+
+/// What an entry describes.
+pub(super) struct Geometry {
+    /// Name of the shape.
+    pub name: String,
+    pub surface: Polyhedron,
+    /// Tetrahedra, where the entry or its behaviour has them.
+    pub mesh: Option<TetMesh>,
+}
+
+impl BodyEntry {
+    pub(super) fn geometry(&self) -> Result<Geometry, Error> {
+        match (&self.shape, &self.mesh, &self.block) {
+            (Some(text), None, None) => self.from_surface(text),
+            (None, Some(path), None) => {
+                let by = self.unit.metres();
+                let mesh = moved(&io::msh::read_file(path)?, |p| p * by)?;
+                Geometry::of_mesh(stem(path), mesh)
+            }
+            (None, None, Some(cells)) => {
+                let Some(sides) = self.sides.map(Vector3::from) else {
+                    return Err(wrong("sides", "none", "give the sides of the block, in m"));
+                };
+                let mesh = TetMesh::block(*cells, &sides)?;
+                Geometry::of_mesh("block".to_owned(), moved(&mesh, |p| p - 0.5 * sides)?)
+            }
+            _ => Err(wrong(
+                "body",
+                "none or several of its kinds",
+                "give exactly one of shape, mesh and block",
+            )),
+        }
+    }
+
+    fn from_surface(&self, text: &str) -> Result<Geometry, Error> {
+        let (name, surface) = self.surface(text)?;
+        let deforms = self.behaviour == Behaviour::Deformable;
+        let mesh = if deforms || !surface.is_convex() {
+            let size = self.mesh_size.or(deforms.then_some(DEFAULT_MESH_SIZE));
+            let options = MeshOptions {
+                edge_length: size.map(|size| size * 2.0 * surface.bounding_radius()),
+                ..MeshOptions::default()
+            };
+            Some(tet::mesh(&surface, &options)?.0)
+        } else {
+            None
+        };
+        Ok(Geometry {
+            name,
+            surface,
+            mesh,
+        })
+    }
+
+    fn surface(&self, text: &str) -> Result<(String, Polyhedron), Error> {
+        let (name, own, parametric) = match text.parse::<Shape>() {
+            Ok(shape) => (shape.name(), shape.polyhedron(1.0)?, true),
+            Err(unknown) => {
+                let path = Path::new(text);
+                if path.extension().is_none() && !path.exists() {
+                    return Err(unknown.into());
+                }
+                let (surface, _) = io::read_file_with(path, &io::Options::default())?;
+                (stem(path), surface.scaled(self.unit.metres())?, false)
+            }
+        };
+        let by = match (self.diameter, self.size) {
+            (Some(diameter), None) => diameter / (2.0 * own.bounding_radius()),
+            (None, Some(size)) if parametric => size,
+            (None, None) if !parametric => 1.0,
+            _ => {
+                return Err(wrong(
+                    "diameter and size",
+                    "none, both, or size for a file",
+                    "give one of the two for a parametric shape; for a file diameter or none",
+                ));
+            }
+        };
+        Ok((name, own.scaled(by)?))
+    }
+}
+
+impl Geometry {
+    fn of_mesh(name: String, mesh: TetMesh) -> Result<Self, Error> {
+        Ok(Self {
+            name,
+            surface: mesh.surface()?,
+            mesh: Some(mesh),
+        })
+    }
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem()
+        .map_or_else(|| "body".to_owned(), |s| s.to_string_lossy().into_owned())
+}
+
+fn moved(mesh: &TetMesh, to: impl Fn(Point3) -> Point3) -> Result<TetMesh, Error> {
+    let points = mesh.points().iter().map(|p| to(*p)).collect();
+    Ok(TetMesh::new(points, mesh.tets().to_vec())?)
+}

@@ -1,0 +1,212 @@
+//! Materials of a scenario.
+
+use femdem_solve::deformable::MaterialRegion;
+use femdem_solve::material::{
+    AnyMaterial, DruckerPrager, Hencky, J2, MooneyRivlin, NeoHookean, Viscous, Voce,
+};
+use serde::{Deserialize, Serialize};
+
+use super::body::wrong;
+use crate::Error;
+
+/// Laws of deformable matter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Law {
+    /// [`NeoHookean`].
+    NeoHookean,
+    /// [`Hencky`].
+    Hencky,
+    /// [`MooneyRivlin`], with `share`.
+    MooneyRivlin,
+    /// [`J2`] plasticity, with `yield-stress` and hardening.
+    J2,
+    /// [`DruckerPrager`] plasticity, with `cohesion` and angles.
+    DruckerPrager,
+}
+
+/// A material. Rigid bodies need its density only; keys that its law does not have are refused.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct MaterialEntry {
+    /// Density \[kg/m³\].
+    pub density: f64,
+    /// The law of deformable bodies.
+    #[serde(default)]
+    pub law: Option<Law>,
+    /// Young's modulus \[Pa\].
+    #[serde(default)]
+    pub young: Option<f64>,
+    /// Poisson's ratio.
+    #[serde(default)]
+    pub poisson: Option<f64>,
+    /// Share of the second invariant in the shear modulus, 0 to 1 (Mooney-Rivlin).
+    #[serde(default)]
+    pub share: Option<f64>,
+    /// Yield stress \[Pa\] (J2).
+    #[serde(default)]
+    pub yield_stress: Option<f64>,
+    /// Hardening modulus \[Pa\] (J2); 0 if left out.
+    #[serde(default)]
+    pub hardening: Option<f64>,
+    /// Yield stress at large strain \[Pa\], approached exponentially (J2).
+    #[serde(default)]
+    pub saturation_stress: Option<f64>,
+    /// How fast `saturation-stress` is approached, per plastic strain (J2).
+    #[serde(default)]
+    pub saturation_rate: Option<f64>,
+    /// Cohesion \[Pa\] (Drucker-Prager).
+    #[serde(default)]
+    pub cohesion: Option<f64>,
+    /// Angle of internal friction \[degrees\] (Drucker-Prager).
+    #[serde(default)]
+    pub friction_angle: Option<f64>,
+    /// Angle of dilatancy \[degrees\] (Drucker-Prager); 0 if left out.
+    #[serde(default)]
+    pub dilatancy_angle: Option<f64>,
+    /// Shear viscosity beside any law \[Pa s\]; 0 if left out.
+    #[serde(default)]
+    pub shear_viscosity: Option<f64>,
+    /// Bulk viscosity beside any law \[Pa s\]; 0 if left out.
+    #[serde(default)]
+    pub bulk_viscosity: Option<f64>,
+}
+
+impl MaterialEntry {
+    /// The law with its density; the error of a material without a law says that one is needed.
+    pub(super) fn region(&self) -> Result<MaterialRegion, Error> {
+        let law = self.law.ok_or_else(|| {
+            wrong(
+                "law",
+                "none",
+                "a deformable body needs one of neo-hookean, hencky, mooney-rivlin, j2 and \
+                 drucker-prager",
+            )
+        })?;
+        self.refuse_strangers(law)?;
+        Ok(MaterialRegion {
+            material: self.with_viscosity(self.elastic(law)?)?,
+            density: self.density,
+        })
+    }
+
+    fn elastic(&self, law: Law) -> Result<AnyMaterial, Error> {
+        let young = needed("young", self.young)?;
+        let poisson = needed("poisson", self.poisson)?;
+        let material = match law {
+            Law::NeoHookean => NeoHookean::new(young, poisson)?.into(),
+            Law::Hencky => Hencky::new(young, poisson)?.into(),
+            Law::MooneyRivlin => {
+                MooneyRivlin::new(young, poisson, needed("share", self.share)?)?.into()
+            }
+            Law::J2 => self.plastic(young, poisson)?.into(),
+            Law::DruckerPrager => {
+                let friction = needed("friction-angle", self.friction_angle)?.to_radians();
+                let dilatancy = self.dilatancy_angle.unwrap_or(0.0).to_radians();
+                let cohesion = needed("cohesion", self.cohesion)?;
+                DruckerPrager::new(young, poisson, cohesion, friction, dilatancy)?.into()
+            }
+        };
+        Ok(material)
+    }
+
+    fn plastic(&self, young: f64, poisson: f64) -> Result<J2, Error> {
+        let yield_stress = needed("yield-stress", self.yield_stress)?;
+        let law = J2::new(young, poisson, yield_stress, self.hardening.unwrap_or(0.0))?;
+        match (self.saturation_stress, self.saturation_rate) {
+            (None, None) => Ok(law),
+            (stress, rate) => Ok(law.with_saturation(Voce {
+                stress: needed("saturation-stress", stress)?,
+                rate: needed("saturation-rate", rate)?,
+            })?),
+        }
+    }
+
+    fn with_viscosity(&self, law: AnyMaterial) -> Result<AnyMaterial, Error> {
+        if self.shear_viscosity.is_none() && self.bulk_viscosity.is_none() {
+            return Ok(law);
+        }
+        let [shear, bulk] = [self.shear_viscosity, self.bulk_viscosity].map(Option::unwrap_or_default);
+        Ok(AnyMaterial::from(Viscous::new(law, shear, bulk)?))
+    }
+
+    /// Refuses keys that the law does not have: they would be silently without effect.
+    fn refuse_strangers(&self, law: Law) -> Result<(), Error> {
+        let owned = [
+            ("share", self.share, Law::MooneyRivlin),
+            ("yield-stress", self.yield_stress, Law::J2),
+            ("hardening", self.hardening, Law::J2),
+            ("saturation-stress", self.saturation_stress, Law::J2),
+            ("saturation-rate", self.saturation_rate, Law::J2),
+            ("cohesion", self.cohesion, Law::DruckerPrager),
+            ("friction-angle", self.friction_angle, Law::DruckerPrager),
+            ("dilatancy-angle", self.dilatancy_angle, Law::DruckerPrager),
+        ];
+        for (name, value, of) in owned {
+            if let Some(value) = value.filter(|_| of != law) {
+                return Err(wrong(
+                    name,
+                    &value.to_string(),
+                    "the law of the material does not have it: take it out, or change the law",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn needed(name: &'static str, value: Option<f64>) -> Result<f64, Error> {
+    value.ok_or_else(|| wrong(name, "none", "the law of the material needs it: give a number"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(text: &str) -> Result<MaterialRegion, Error> {
+        let entry: MaterialEntry = toml::from_str(&format!("density = 1000\n{text}")).unwrap();
+        entry.region()
+    }
+
+    #[test]
+    fn every_law_is_made_of_its_keys() {
+        for (text, law) in [
+            ("law = \"neo-hookean\"", AnyMaterial::from(NeoHookean::new(1e6, 0.3).unwrap())),
+            ("law = \"hencky\"", Hencky::new(1e6, 0.3).unwrap().into()),
+            (
+                "law = \"mooney-rivlin\"\nshare = 0.2",
+                MooneyRivlin::new(1e6, 0.3, 0.2).unwrap().into(),
+            ),
+            (
+                "law = \"j2\"\nyield-stress = 1e4\nhardening = 2e4",
+                J2::new(1e6, 0.3, 1e4, 2e4).unwrap().into(),
+            ),
+            (
+                "law = \"drucker-prager\"\ncohesion = 1e3\nfriction-angle = 30",
+                DruckerPrager::new(1e6, 0.3, 1e3, 30_f64.to_radians(), 0.0).unwrap().into(),
+            ),
+        ] {
+            let region = entry(&format!("{text}\nyoung = 1e6\npoisson = 0.3")).unwrap();
+            assert_eq!((region.material, region.density), (law, 1000.0), "{text}");
+        }
+        let viscous = entry("law = \"hencky\"\nyoung = 1e6\npoisson = 0.3\nshear-viscosity = 5");
+        let wanted = Viscous::new(Hencky::new(1e6, 0.3).unwrap(), 5.0, 0.0).unwrap();
+        assert_eq!(viscous.unwrap().material, AnyMaterial::from(wanted));
+    }
+
+    #[test]
+    fn what_is_missing_or_strange_is_named() {
+        for (text, words) in [
+            ("young = 1e6", ["law = none", "neo-hookean"]),
+            ("law = \"hencky\"\nyoung = 1e6", ["poisson = none", "needs it"]),
+            ("law = \"hencky\"\nyoung = 1e6\npoisson = 0.6", ["poisson = 0.6", "0.5"]),
+            (
+                "law = \"hencky\"\nyoung = 1e6\npoisson = 0.3\nshare = 0.1",
+                ["share = 0.1", "take it out"],
+            ),
+        ] {
+            let message = entry(text).unwrap_err().to_string();
+            assert!(words.iter().all(|w| message.contains(w)), "{text}: {message}");
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Scenarios: any mixture of rigid and deformable bodies, materials, walls and prescribed motions, in
+//! a file.
+//!
+//! A scenario is TOML. `femdem run FILE` steps it and leaves a time series for ParaView; [`Run`] does
+//! the same for programs, and [`Scenario::build`] gives the world alone. Every key is documented in
+//! `docs/scenes.md`. Units are SI, angles degrees.
+//!
+//! ```
+//! use femdem::run::Scenario;
+//!
+//! // A soft cube falls on a floor.
+//! let scenario = Scenario::from_toml(r#"
+//!     duration = 0.004
+//!     [material.rubber]
+//!     density = 1100
+//!     law = "neo-hookean"
+//!     young = 1e6
+//!     poisson = 0.4
+//!     [[wall]]
+//!     name = "floor"
+//!     plane = { normal = [0, 0, 1] }
+//!     [[body]]
+//!     shape = "cube"
+//!     size = 0.02
+//!     material = "rubber"
+//!     behaviour = "deformable"
+//!     mesh-size = 0.5
+//!     position = [0, 0, 0.0101]
+//! "#)?;
+//! let mut simulation = scenario.build()?;
+//! while simulation.world.time() < scenario.duration {
+//!     simulation.step()?;
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod body;
+mod boundary;
+mod build;
+mod geometry;
+mod material;
+mod motion;
+mod select;
+mod settings;
+mod wall;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+pub use body::{Behaviour, BodyEntry, Copies, RotationEntry};
+pub use boundary::BoundaryEntry;
+pub use build::{Member, MemberId, Simulation};
+pub use material::{Law, MaterialEntry};
+pub use motion::MotionEntry;
+pub use select::{RegionEntry, SelectEntry, Zone};
+pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
+pub use wall::{BoxEntry, CylinderEntry, PlaneEntry, WallEntry};
+
+use crate::Error;
+
+/// A simulation to run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Scenario {
+    /// One line on what it shows.
+    pub title: String,
+    /// Simulated time \[s\].
+    pub duration: f64,
+    /// Time between frames \[s\]. `None`: a hundredth of the duration.
+    pub every: Option<f64>,
+    /// Time between rows of the history \[s\]. `None`: a tenth of that between frames.
+    pub history_every: Option<f64>,
+    /// Whether the history has a row for every body too.
+    pub track: bool,
+    /// Ends the run before its time once all is at rest.
+    pub rest: Option<RestEntry>,
+    /// Acceleration of gravity \[m/s²\].
+    pub gravity: [f64; 3],
+    /// The contact law, for all bodies.
+    pub contact: ContactEntry,
+    /// The choice of the time step.
+    pub time_step: StepEntry,
+    /// Damping by the medium.
+    pub medium: MediumEntry,
+    /// Whether rigid bodies at rest are frozen.
+    pub sleeping: bool,
+    /// Materials by name.
+    pub material: BTreeMap<String, MaterialEntry>,
+    /// Walls.
+    pub wall: Vec<WallEntry>,
+    /// Bodies.
+    pub body: Vec<BodyEntry>,
+    /// Folder for the results.
+    pub out: PathBuf,
+    /// Threads. `None`: one for each core.
+    pub threads: Option<usize>,
+    /// Time between checkpoints \[s of wall clock\].
+    pub checkpoint_every: f64,
+}
+
+impl Default for Scenario {
+    fn default() -> Self {
+        Self {
+            title: String::new(),
+            duration: 1.0,
+            every: None,
+            history_every: None,
+            track: false,
+            rest: None,
+            gravity: [0.0, 0.0, -9.81],
+            contact: ContactEntry::default(),
+            time_step: StepEntry::default(),
+            medium: MediumEntry::default(),
+            sleeping: true,
+            material: BTreeMap::new(),
+            wall: Vec::new(),
+            body: Vec::new(),
+            out: PathBuf::from("out/run"),
+            threads: None,
+            checkpoint_every: 60.0,
+        }
+    }
+}
+
+impl Scenario {
+    /// Reads a scenario file.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Read`], or [`Error::Scene`] that says where the text is not a scenario.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let text = fs::read_to_string(path).map_err(|source| Error::Read {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        Self::parse(&text, path)
+    }
+
+    /// Reads a scenario from text.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Scene`], with the line and what is allowed there.
+    pub fn from_toml(text: &str) -> Result<Self, Error> {
+        Self::parse(text, Path::new("scenario"))
+    }
+
+    fn parse(text: &str, path: &Path) -> Result<Self, Error> {
+        toml::from_str(text).map_err(|error| Error::Scene {
+            path: path.to_path_buf(),
+            message: error.to_string(),
+        })
+    }
+
+    /// The scenario as text, which reads back equal.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Scene`] if a value cannot be written in TOML, such as a path that is not Unicode.
+    pub fn to_toml(&self) -> Result<String, Error> {
+        toml::to_string(self).map_err(|error| Error::Scene {
+            path: PathBuf::from("scenario"),
+            message: error.to_string(),
+        })
+    }
+
+    /// Time between frames \[s\].
+    #[must_use]
+    pub fn frame_interval(&self) -> f64 {
+        self.every.unwrap_or(0.01 * self.duration)
+    }
+
+    /// Time between rows of the history \[s\].
+    #[must_use]
+    pub fn history_interval(&self) -> f64 {
+        self.history_every.unwrap_or(0.1 * self.frame_interval())
+    }
+}

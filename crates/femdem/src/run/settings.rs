@@ -1,0 +1,99 @@
+//! What a scenario says about the world as a whole.
+
+use femdem_contact::ContactParameters;
+use femdem_mesh::Vector3;
+use femdem_solve::WorldParameters;
+use serde::{Deserialize, Serialize};
+
+use super::Scenario;
+
+/// The contact law, for all bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct ContactEntry {
+    /// Penalty p of contacts of rigid bodies \[Pa\].
+    pub penalty: f64,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// Fraction of critical damping of the normal contact, below 0.7071.
+    pub damping: f64,
+    /// Tangential over normal foundation modulus.
+    pub tangential_ratio: f64,
+    /// Fraction of critical damping of the tangential springs.
+    pub tangential_damping: f64,
+}
+
+impl Default for ContactEntry {
+    fn default() -> Self {
+        let law = ContactParameters::default();
+        Self {
+            penalty: law.penalty,
+            friction: law.friction,
+            damping: law.damping_ratio,
+            tangential_ratio: law.tangential_ratio,
+            tangential_damping: law.tangential_damping,
+        }
+    }
+}
+
+/// The choice of the time step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct StepEntry {
+    /// Fraction of the stability bound that is used, above 0 and at most 1.
+    pub safety: f64,
+    /// Upper limit \[s\].
+    pub largest: Option<f64>,
+}
+
+impl Default for StepEntry {
+    fn default() -> Self {
+        let step = WorldParameters::default().time_step;
+        Self {
+            safety: step.safety,
+            largest: step.largest,
+        }
+    }
+}
+
+/// Damping by the medium.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct MediumEntry {
+    /// Drag rate a \[1/s\]: force −a m v.
+    pub drag: f64,
+    /// Cundall's local damping, 0 to 1.
+    pub local_damping: f64,
+}
+
+/// When a run may end before its time. It is looked at every 64 steps, whatever is written when.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RestEntry {
+    /// Kinetic energy of all bodies that counts as rest \[J\].
+    pub energy: f64,
+    /// Time for which it must stay below \[s\].
+    pub time: f64,
+}
+
+impl Scenario {
+    pub(super) fn parameters(&self) -> WorldParameters {
+        let mut p = WorldParameters {
+            gravity: Vector3::from(self.gravity),
+            ..WorldParameters::default()
+        };
+        p.contact = ContactParameters {
+            penalty: self.contact.penalty,
+            friction: self.contact.friction,
+            damping_ratio: self.contact.damping,
+            tangential_ratio: self.contact.tangential_ratio,
+            tangential_damping: self.contact.tangential_damping,
+        };
+        p.time_step.safety = self.time_step.safety;
+        p.time_step.largest = self.time_step.largest;
+        p.medium.drag = self.medium.drag;
+        p.medium.local_damping = self.medium.local_damping;
+        p.sleeping.enabled = self.sleeping;
+        p
+    }
+}
