@@ -91,12 +91,12 @@ pub enum Error {
         message: String,
     },
     /// An entry of a scenario was refused, or a body of it failed.
-    #[error("{entry}: {source}")]
+    #[error("{entry}: {fault}")]
     Entry {
         /// The entry: a wall, a body or a material, by name.
         entry: String,
         /// What is wrong with it.
-        source: Box<Error>,
+        fault: Box<Error>,
     },
     /// A wall was refused.
     #[error(transparent)]

@@ -101,7 +101,7 @@ pub(super) fn invalid(error: crate::Error) -> io::Error {
 }
 
 /// A field, in quotes where it needs them (RFC 4180).
-fn quoted(field: &str) -> String {
+pub(crate) fn quoted(field: &str) -> String {
     if field.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", field.replace('"', "\"\""))
     } else {

@@ -16,7 +16,7 @@ pub mod csv;
 mod pvd;
 pub mod surface;
 pub mod vti;
-mod vtk;
+pub(crate) mod vtk;
 pub mod vtp;
 pub mod vtu;
 
@@ -24,7 +24,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-pub use pvd::write_pvd;
+pub use pvd::{write_pvd, write_pvd_parts};
 
 use crate::Error;
 

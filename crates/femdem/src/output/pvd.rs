@@ -25,7 +25,21 @@ use crate::Error;
 ///
 /// [`Error::Option`] for a time that is not finite, [`Error::Write`] if the file cannot be written.
 pub fn write_pvd<P: AsRef<Path>>(path: impl AsRef<Path>, steps: &[(f64, P)]) -> Result<(), Error> {
-    for (time, _) in steps {
+    let steps: Vec<_> = steps.iter().map(|(time, file)| (*time, 0, file)).collect();
+    write_pvd_parts(path, &steps)
+}
+
+/// As [`write_pvd`] for steps of several files: each is its time \[s\], the number of its part, and its
+/// file. ParaView shows the parts of a time together.
+///
+/// # Errors
+///
+/// As [`write_pvd`].
+pub fn write_pvd_parts<P: AsRef<Path>>(
+    path: impl AsRef<Path>,
+    steps: &[(f64, u32, P)],
+) -> Result<(), Error> {
+    for (time, ..) in steps {
         if !time.is_finite() {
             return Err(Error::Option {
                 name: "time",
@@ -40,11 +54,11 @@ pub fn write_pvd<P: AsRef<Path>>(path: impl AsRef<Path>, steps: &[(f64, P)]) -> 
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" \
              byte_order=\"LittleEndian\">\n<Collection>"
         )?;
-        for (time, file) in steps {
+        for (time, part, file) in steps {
             let file = attribute(&file.as_ref().to_string_lossy());
             writeln!(
                 out,
-                "<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>"
+                "<DataSet timestep=\"{time}\" part=\"{part}\" file=\"{file}\"/>"
             )?;
         }
         writeln!(out, "</Collection>\n</VTKFile>")

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 /// The document under construction: the XML before the data, and the data.
-pub(super) struct Document {
+pub(crate) struct Document {
     kind: &'static str,
     attributes: String,
     xml: String,

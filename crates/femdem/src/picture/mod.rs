@@ -27,6 +27,7 @@ mod light;
 mod raster;
 mod scene;
 mod shade;
+mod skin;
 mod view;
 
 use femdem_analysis::Region;
@@ -34,6 +35,7 @@ use femdem_mesh::Point3;
 
 pub use canvas::Image;
 pub use gallery::{Exhibit, gallery};
+pub use skin::{Skin, draw_skins};
 
 use crate::{BodyValues, Colouring, Drawing, Error, Snapshot};
 use colour::Srgb;

@@ -10,7 +10,7 @@ use crate::{BodyValues, Drawing, Snapshot};
 const CIRCLE_SIDES: usize = 96;
 
 /// Bodies without a value.
-const UNKNOWN: Srgb = Srgb([0x96; 3]);
+pub(super) const UNKNOWN: Srgb = Srgb([0x96; 3]);
 
 const FLOOR: Srgb = Srgb([0xef, 0xee, 0xea]);
 
@@ -71,12 +71,16 @@ impl Mesh {
         mesh
     }
 
-    /// Adds a floor.
+    /// Adds a floor: a flat polygon, counter-clockwise seen from above.
     pub fn add_floor(&mut self, outline: &[Point3]) {
         let first = self.points.len() as u32;
         let facet = self.facets.len() as u32;
+        let normal = match outline {
+            [a, b, c, ..] => (b - a).cross(&(c - a)).try_normalize(0.0),
+            _ => None,
+        };
         self.facets.push(Facet {
-            normal: Vector3::z(),
+            normal: normal.unwrap_or_else(Vector3::z),
             colour: FLOOR.to_light(),
             body: None,
         });

@@ -270,9 +270,9 @@ impl Simulation {
 
 /// Puts the place in a scenario before an error.
 fn in_entry(entry: String) -> impl FnOnce(Error) -> Error {
-    |source| Error::Entry {
+    |fault| Error::Entry {
         entry,
-        source: Box::new(source),
+        fault: Box::new(fault),
     }
 }
 

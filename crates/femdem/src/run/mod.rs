@@ -37,11 +37,17 @@
 mod body;
 mod boundary;
 mod build;
+mod contacts;
+mod frame;
 mod geometry;
+mod history;
+mod job;
 mod material;
 mod motion;
+mod picture;
 mod select;
 mod settings;
+mod summary;
 mod wall;
 
 use std::collections::BTreeMap;
@@ -53,10 +59,16 @@ use serde::{Deserialize, Serialize};
 pub use body::{Behaviour, BodyEntry, Copies, RotationEntry};
 pub use boundary::BoundaryEntry;
 pub use build::{Member, MemberId, Simulation};
+pub use contacts::{ContactForces, ContactLine, Side};
+pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
+pub use job::{Ending, Run};
 pub use material::{Law, MaterialEntry};
 pub use motion::MotionEntry;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
+pub use summary::{
+    BodySummary, RUN_SCHEMA, RunEnergy, RunSummary, StrainSummary, WallSummary,
+};
 pub use wall::{BoxEntry, CylinderEntry, PlaneEntry, WallEntry};
 
 use crate::Error;

@@ -1,0 +1,221 @@
+//! A moment of a simulation, in files for ParaView.
+//!
+//! Deformable bodies are tetrahedra (VTK type 10) or quadratic tetrahedra (24), all in one grid.
+//! Point data: `displacement` (m, from where the body was placed), `velocity` (m/s). Cell data: `body`
+//! (number among the members), `region`, `von_mises`, `pressure` (Pa, positive in compression),
+//! `principal_stress` (Pa, three components, largest first), `volume_ratio`, and `plastic_strain` where
+//! a material has one.
+
+use std::io::{self, Write};
+
+use femdem_mesh::{Matrix3, Vector3};
+use femdem_solve::Deformable;
+use femdem_solve::deformable::ElementStress;
+
+use super::contacts::{ContactLine, Side};
+use super::{Member, MemberId, Simulation};
+use crate::output::vtk::Document;
+use crate::{Body, Error, NamedShape, Snapshot};
+
+const VTK_TETRA: u8 = 10;
+const VTK_QUADRATIC_TETRA: u8 = 24;
+
+/// A deformable body with its stresses.
+pub(super) struct Strained<'a> {
+    /// Number among the members.
+    pub member: usize,
+    pub entry: &'a Member,
+    pub body: Deformable<'a>,
+    pub stresses: Vec<ElementStress>,
+}
+
+/// von Mises stress \[Pa\] of a Cauchy stress.
+pub(super) fn von_mises(stress: &Matrix3) -> f64 {
+    let deviator = stress - Matrix3::identity() * (stress.trace() / 3.0);
+    (1.5 * deviator.norm_squared()).sqrt()
+}
+
+/// Principal stresses \[Pa\], the largest first.
+fn principal(stress: &Matrix3) -> [f64; 3] {
+    let mut values: [f64; 3] = stress.symmetric_eigenvalues().into();
+    values.sort_by(|a, b| b.total_cmp(a));
+    values
+}
+
+impl Simulation {
+    /// The deformable bodies with their stresses.
+    pub(super) fn strained(&self) -> Result<Vec<Strained<'_>>, Error> {
+        let bodies = self.deformables().map(|(member, entry, body)| {
+            Ok(Strained {
+                member,
+                entry,
+                stresses: body.stresses().map_err(femdem_solve::SolveError::from)?,
+                body,
+            })
+        });
+        bodies.collect()
+    }
+
+    /// The rigid bodies alone; `sequence` is the number among the members.
+    #[must_use]
+    pub fn rigid_snapshot(&self) -> Snapshot {
+        let world = &self.world;
+        let shapes = world.shapes().iter().map(|shape| NamedShape {
+            name: shape.name.clone(),
+            polyhedron: shape.polyhedron.clone(),
+        });
+        let bodies = self.members.iter().zip(0..).filter_map(|(member, sequence)| {
+            let MemberId::Rigid(id) = member.id else {
+                return None;
+            };
+            Some(Body {
+                shape: world.shape_of(id)?,
+                pose: world.pose(id)?,
+                sequence,
+                sleeping: world.is_asleep(id),
+            })
+        });
+        Snapshot {
+            shapes: shapes.collect(),
+            bodies: bodies.collect(),
+            ..Snapshot::default()
+        }
+    }
+
+    /// Writes the deformable bodies as a VTU file.
+    ///
+    /// # Errors
+    ///
+    /// If writing fails, or an element has no stress (as [`io::ErrorKind::InvalidInput`]).
+    pub fn write_deformables(&self, writer: impl Write) -> io::Result<()> {
+        let bodies = self
+            .strained()
+            .map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
+        write_grid(&bodies, writer)
+    }
+
+    /// Writes the contacts as a VTP file: a point for each, with `force` on B and `normal` from A to B,
+    /// `normal_force`, `tangential_force` (N), `area` (m²), `penetration` (m), `a` and `b` (numbers
+    /// among the members; −1 − w for wall w).
+    ///
+    /// # Errors
+    ///
+    /// If writing fails.
+    pub fn write_contacts(&self, writer: impl Write) -> io::Result<()> {
+        write_points(&self.contacts(), writer)
+    }
+}
+
+fn write_grid(bodies: &[Strained], writer: impl Write) -> io::Result<()> {
+    let points: usize = bodies.iter().map(|b| b.body.positions().len()).sum();
+    let cells: usize = bodies.iter().map(|b| b.stresses.len()).sum();
+    let mut out = Document::new("UnstructuredGrid");
+    out.line(&format!(
+        "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<Points>"
+    ));
+    let positions = bodies.iter().flat_map(|b| b.body.positions());
+    out.floats("points", 3, positions.flat_map(|x| <[f64; 3]>::from(*x)));
+    out.line("</Points>\n<Cells>");
+    let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
+    let mut first = 0;
+    for body in bodies {
+        let model = body.body.model();
+        let kind = if model.element().is_quadratic() {
+            VTK_QUADRATIC_TETRA
+        } else {
+            VTK_TETRA
+        };
+        for nodes in model.elements() {
+            // The order of the nodes is VTK's.
+            connectivity.extend(nodes.iter().map(|&node| first + i64::from(node)));
+            offsets.push(connectivity.len() as i64);
+            types.push(kind);
+        }
+        first += model.nodes().len() as i64;
+    }
+    out.integers("connectivity", connectivity);
+    out.integers("offsets", offsets);
+    out.bytes("types", types);
+    out.line("</Cells>\n<PointData Vectors=\"displacement\">");
+    point_data(&mut out, bodies);
+    out.line("</PointData>\n<CellData Scalars=\"von_mises\">");
+    cell_data(&mut out, bodies);
+    out.line("</CellData>\n</Piece>");
+    out.finish(writer)
+}
+
+fn point_data(out: &mut Document, bodies: &[Strained]) {
+    let displacement = |b: &Strained| -> Vec<f64> {
+        let pose = b.entry.placed;
+        let nodes = b.body.positions().iter().zip(b.body.model().nodes());
+        let moved = nodes.map(|(x, reference)| {
+            x - (pose.rotation * reference + pose.translation.vector)
+        });
+        moved.flat_map(<[f64; 3]>::from).collect()
+    };
+    out.floats("displacement", 3, bodies.iter().flat_map(displacement));
+    let velocities = bodies.iter().flat_map(|b| b.body.velocities());
+    out.floats("velocity", 3, velocities.flat_map(|v| <[f64; 3]>::from(*v)));
+}
+
+fn cell_data(out: &mut Document, bodies: &[Strained]) {
+    let number = |b: &Strained| vec![b.member as i64; b.stresses.len()];
+    out.integers("body", bodies.iter().flat_map(number));
+    let regions = bodies.iter().flat_map(|b| b.body.model().region_of_tet());
+    out.integers("region", regions.map(|r| i64::from(*r)));
+    let stresses = || bodies.iter().flat_map(|b| &b.stresses);
+    out.floats("von_mises", 1, stresses().map(|s| von_mises(&s.cauchy)));
+    out.floats("pressure", 1, stresses().map(|s| -s.cauchy.trace() / 3.0));
+    out.floats("principal_stress", 3, stresses().flat_map(|s| principal(&s.cauchy)));
+    out.floats("volume_ratio", 1, stresses().map(|s| s.volume_ratio));
+}
+
+fn write_points(contacts: &[ContactLine], writer: impl Write) -> io::Result<()> {
+    let count = contacts.len();
+    let mut out = Document::new("PolyData");
+    out.line(&format!(
+        "<Piece NumberOfPoints=\"{count}\" NumberOfVerts=\"{count}\" NumberOfLines=\"0\" \
+         NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<Points>"
+    ));
+    let vectors = |of: fn(&ContactLine) -> Vector3| {
+        contacts.iter().flat_map(move |c| <[f64; 3]>::from(of(c)))
+    };
+    out.floats("points", 3, vectors(|c| c.point));
+    out.line("</Points>\n<Verts>");
+    out.integers("connectivity", 0..count as i64);
+    out.integers("offsets", 1..=count as i64);
+    out.line("</Verts>\n<PointData Scalars=\"normal_force\" Vectors=\"force\">");
+    out.floats("force", 3, vectors(ContactLine::force));
+    out.floats("normal", 3, vectors(|c| c.normal));
+    out.floats("normal_force", 1, contacts.iter().map(|c| c.normal_force));
+    out.floats("tangential_force", 1, contacts.iter().map(|c| c.friction.norm()));
+    out.floats("area", 1, contacts.iter().map(|c| c.area));
+    out.floats("penetration", 1, contacts.iter().map(ContactLine::penetration));
+    let a = |c: &ContactLine| match c.a {
+        Side::Member(member) => member as i64,
+        Side::Wall(wall) => -1 - wall as i64,
+    };
+    out.integers("a", contacts.iter().map(a));
+    out.integers("b", contacts.iter().map(|c| c.b as i64));
+    out.line("</PointData>\n</Piece>");
+    out.finish(writer)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uniaxial_tension_and_pressure() {
+        let pulled = Matrix3::from_diagonal(&Vector3::new(0.0, 5.0, 0.0));
+        assert!((von_mises(&pulled) - 5.0).abs() < 1e-14);
+        assert_eq!(principal(&pulled), [5.0, 0.0, 0.0]);
+        assert_eq!(von_mises(&(Matrix3::identity() * -3.0)), 0.0);
+        // Pure shear: sqrt(3) tau, and tau, 0, -tau.
+        let mut sheared = Matrix3::zeros();
+        (sheared[(0, 1)], sheared[(1, 0)]) = (2.0, 2.0);
+        assert!((von_mises(&sheared) - 12_f64.sqrt()).abs() < 1e-14);
+        let [most, middle, least] = principal(&sheared);
+        assert!((most - 2.0).abs() + middle.abs() + (least + 2.0).abs() < 1e-14);
+    }
+}

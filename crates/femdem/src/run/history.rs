@@ -1,0 +1,212 @@
+//! Tables over time: `history.csv`, and `members.csv` with a row for every body.
+
+use std::fmt::Write as _;
+use std::fs::{File, OpenOptions};
+use std::io::Write as _;
+use std::path::Path;
+
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::contacts::ContactForces;
+use super::{MemberId, Simulation};
+use crate::Error;
+use crate::output::csv::quoted;
+
+/// Columns of `history.csv` before those of the walls.
+pub const HISTORY_COLUMNS: [&str; 20] = [
+    "time",
+    "step",
+    "time_step",
+    "kinetic",
+    "potential",
+    "strain",
+    "contact",
+    "friction_springs",
+    "dissipated_friction",
+    "dissipated_damping",
+    "dissipated_medium",
+    "dissipated_viscous",
+    "dissipated_plastic",
+    "frozen",
+    "work_in",
+    "energy_error",
+    "px",
+    "py",
+    "pz",
+    "contacts",
+];
+
+/// Columns of `members.csv`.
+pub const MEMBER_COLUMNS: [&str; 13] = [
+    "time", "body", "x", "y", "z", "vx", "vy", "vz", "fx", "fy", "fz", "kinetic", "strain",
+];
+
+/// A text file that grows by rows. The rows since the last flush are kept here, so that a file can be
+/// taken back to where a checkpoint was.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Table {
+    /// Bytes in the file.
+    written: u64,
+    pending: String,
+}
+
+impl Table {
+    pub fn row(&mut self, fields: impl IntoIterator<Item = String>) {
+        for (i, field) in fields.into_iter().enumerate() {
+            if i > 0 {
+                self.pending.push(',');
+            }
+            self.pending.push_str(&field);
+        }
+        self.pending.push('\n');
+    }
+
+    /// Appends what is new to the file; what the file has beyond what was written before is cut off.
+    pub fn flush(&mut self, path: &Path) -> Result<(), Error> {
+        let append = || -> std::io::Result<()> {
+            let mut file = open(path, self.written)?;
+            file.write_all(self.pending.as_bytes())
+        };
+        append().map_err(|source| Error::Write {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        self.written += self.pending.len() as u64;
+        self.pending.clear();
+        Ok(())
+    }
+}
+
+/// The file with its first `length` bytes, to be written on. A file that has become shorter keeps what
+/// it has.
+fn open(path: &Path, length: u64) -> std::io::Result<File> {
+    use std::io::{Seek, SeekFrom};
+    let mut file = OpenOptions::new()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(path)?;
+    if file.metadata()?.len() > length {
+        file.set_len(length)?;
+    }
+    file.seek(SeekFrom::End(0))?;
+    Ok(file)
+}
+
+/// Header of `history.csv`.
+pub(super) fn history_header(simulation: &Simulation) -> Vec<String> {
+    let of_wall = |wall: &femdem_contact::WallShape| {
+        ["fx", "fy", "fz"].map(|f| quoted(&format!("{f} {}", wall.name())))
+    };
+    let walls = simulation.world.walls().iter().flat_map(of_wall);
+    HISTORY_COLUMNS.map(str::to_owned).into_iter().chain(walls).collect()
+}
+
+/// A row of `history.csv`.
+pub(super) fn history_row(
+    simulation: &Simulation,
+    contacts: usize,
+    forces: &ContactForces,
+) -> Vec<String> {
+    let world = &simulation.world;
+    let ledger = world.ledger();
+    let p = world.linear_momentum();
+    let mut row = vec![number(world.time()), world.steps().to_string()];
+    let numbers = [
+        world.time_step(),
+        ledger.kinetic,
+        ledger.potential,
+        ledger.strain,
+        ledger.elastic,
+        ledger.friction_springs,
+        ledger.dissipated_friction,
+        ledger.dissipated_damping,
+        ledger.dissipated_medium,
+        ledger.dissipated_viscous,
+        ledger.dissipated_plastic,
+        ledger.frozen,
+        ledger.work_in,
+        ledger.error(),
+        p.x,
+        p.y,
+        p.z,
+    ];
+    row.extend(numbers.map(number));
+    row.push(contacts.to_string());
+    row.extend(forces.walls.iter().flat_map(vector));
+    row
+}
+
+/// Rows of `members.csv`.
+pub(super) fn member_rows(simulation: &Simulation, forces: &ContactForces) -> Vec<Vec<String>> {
+    let world = &simulation.world;
+    let members = simulation.members.iter().zip(&forces.members);
+    let rows = members.filter_map(|(member, force)| {
+        let (x, v, kinetic, strain) = match member.id {
+            MemberId::Rigid(id) => (
+                world.position(id)?,
+                world.velocity(id)?,
+                world.body_kinetic_energy(id)?,
+                0.0,
+            ),
+            MemberId::Deformable(id) => {
+                let body = world.deformable(id)?;
+                let mass: f64 = body.model().masses().iter().sum();
+                let kinetic = body.kinetic_energy();
+                let strain = body.internal().energy;
+                (body.centroid(), body.momentum() / mass, kinetic, strain)
+            }
+        };
+        let mut row = vec![number(world.time()), quoted(&member.name)];
+        row.extend([x, v, *force].iter().flat_map(vector));
+        row.extend([kinetic, strain].map(number));
+        Some(row)
+    });
+    rows.collect()
+}
+
+fn vector(v: &Vector3) -> [String; 3] {
+    <[f64; 3]>::from(*v).map(number)
+}
+
+/// All digits; large and small ones by powers of ten.
+fn number(value: f64) -> String {
+    let mut text = String::new();
+    let size = value.abs();
+    // Writing to a string cannot fail.
+    let _ = if size != 0.0 && !(1e-4..1e7).contains(&size) {
+        write!(text, "{value:e}")
+    } else {
+        write!(text, "{value}")
+    };
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_goes_on_where_its_record_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        let mut table = Table::default();
+        table.row(["a".to_owned(), "b".to_owned()]);
+        table.flush(&path).unwrap();
+        let mut saved = table.clone();
+        table.row(["lost".to_owned()]);
+        table.flush(&path).unwrap();
+        saved.row(["kept".to_owned()]);
+        saved.flush(&path).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "a,b\nkept\n");
+    }
+
+    #[test]
+    fn numbers_keep_all_digits() {
+        for value in [0.1 + 0.2, -1e-300, 123_456_789.125, 0.0, 5.0, f64::MAX] {
+            assert_eq!(number(value).parse::<f64>().unwrap(), value);
+        }
+        assert_eq!(number(1e-9), "1e-9");
+    }
+}

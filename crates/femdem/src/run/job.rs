@@ -1,0 +1,317 @@
+//! A run: stepping a simulation and writing its files when they fall due.
+
+use std::fs;
+use std::path::Path;
+
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::history::{self, Table};
+use super::{RunSummary, Scenario, Simulation};
+use crate::output::{vtu, write_file, write_pvd_parts};
+use crate::{Error, Usage};
+
+/// Steps between looks at whether all is at rest.
+const STEPS_BETWEEN_LOOKS: u64 = 64;
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ending {
+    /// Its time was over.
+    Time,
+    /// All was at rest.
+    Rest,
+}
+
+/// The largest force on a wall among the rows of the history.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Peak {
+    /// N.
+    pub force: f64,
+    /// s.
+    pub time: f64,
+}
+
+/// A scenario that is being run. It can be saved and read back (it is serde's to write), and goes on
+/// to the same bits.
+///
+/// What is written when does not touch the motion: a frame is of the first step at or after its time.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Run {
+    #[serde(with = "as_text")]
+    scenario: Scenario,
+    simulation: Simulation,
+    /// Times of the frames that were written \[s\].
+    frames: Vec<f64>,
+    /// Numbers of the frame and the row that are due next, in their intervals.
+    next_frame: u64,
+    next_row: u64,
+    history: Table,
+    members: Table,
+    peaks: Vec<Peak>,
+    /// When the kinetic energy was last seen to fall below that of rest \[s\].
+    quiet_since: Option<f64>,
+    ending: Option<Ending>,
+}
+
+impl Run {
+    /// A run at its start; nothing is written yet.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scenario::build`].
+    pub fn new(scenario: Scenario) -> Result<Self, Error> {
+        let simulation = scenario.build()?;
+        let (mut history, mut members) = (Table::default(), Table::default());
+        history.row(history::history_header(&simulation));
+        members.row(history::MEMBER_COLUMNS.map(str::to_owned));
+        Ok(Self {
+            peaks: vec![Peak::default(); simulation.world.walls().len()],
+            scenario,
+            simulation,
+            frames: Vec::new(),
+            next_frame: 0,
+            next_row: 0,
+            history,
+            members,
+            quiet_since: None,
+            ending: None,
+        })
+    }
+
+    /// The scenario.
+    #[must_use]
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// The bodies and their world.
+    #[must_use]
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// Times of the frames that were written \[s\].
+    #[must_use]
+    pub fn frames(&self) -> &[f64] {
+        &self.frames
+    }
+
+    /// Why the run has ended; `None` while it has not.
+    #[must_use]
+    pub fn ending(&self) -> Option<Ending> {
+        self.ending
+    }
+
+    /// Largest force on each wall \[N\] and its time \[s\], among the rows of the history.
+    pub(super) fn peaks(&self) -> &[Peak] {
+        &self.peaks
+    }
+
+    /// Advances by at most `steps` steps, or to the end of the run, and writes frames and rows into
+    /// `folder` as they fall due.
+    ///
+    /// # Errors
+    ///
+    /// As [`Simulation::step`], and [`Error::Write`].
+    pub fn advance(&mut self, folder: &Path, steps: u64) -> Result<(), Error> {
+        self.write_due(folder)?;
+        for _ in 0..steps {
+            if self.ending.is_some() {
+                break;
+            }
+            self.simulation.step()?;
+            self.look();
+            self.write_due(folder)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the rows that are still in memory, so that a checkpoint made next fits the files.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Write`].
+    pub fn flush(&mut self, folder: &Path) -> Result<(), Error> {
+        self.history.flush(&folder.join("history.csv"))?;
+        if self.scenario.track {
+            self.members.flush(&folder.join("members.csv"))?;
+        }
+        Ok(())
+    }
+
+    /// Writes what belongs to the end: the last frame if it is not of this moment, the picture, and
+    /// last of all `summary.json`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Write`].
+    pub fn finish(&mut self, folder: &Path, usage: &Usage) -> Result<RunSummary, Error> {
+        if self.frames.last() != Some(&self.simulation.world.time()) {
+            self.write_row();
+            self.write_frame(folder)?;
+        }
+        self.flush(folder)?;
+        let picture = self.picture()?;
+        write_file(folder.join("run.png"), |w| picture.write_png(w))?;
+        let summary = RunSummary::of(self, usage)?;
+        write_file(folder.join("summary.json"), |w| summary.write_json(w))?;
+        Ok(summary)
+    }
+
+    /// Judges whether the run is over.
+    fn look(&mut self) {
+        let world = &self.simulation.world;
+        if let Some(rest) = self.scenario.rest
+            && world.steps().is_multiple_of(STEPS_BETWEEN_LOOKS)
+        {
+            if world.kinetic_energy() < rest.energy {
+                let since = *self.quiet_since.get_or_insert(world.time());
+                if world.time() - since >= rest.time {
+                    self.ending = Some(Ending::Rest);
+                }
+            } else {
+                self.quiet_since = None;
+            }
+        }
+        if world.time() >= self.scenario.duration {
+            self.ending = Some(Ending::Time);
+        }
+    }
+
+    fn write_due(&mut self, folder: &Path) -> Result<(), Error> {
+        let time = self.simulation.world.time();
+        if let Some(next) = due(time, self.scenario.history_interval(), self.next_row) {
+            self.next_row = next;
+            self.write_row();
+        }
+        if let Some(next) = due(time, self.scenario.frame_interval(), self.next_frame) {
+            self.next_frame = next;
+            self.write_frame(folder)?;
+            self.flush(folder)?;
+        }
+        Ok(())
+    }
+
+    fn write_row(&mut self) {
+        let contacts = self.simulation.contacts();
+        let forces = self.simulation.forces(&contacts);
+        let time = self.simulation.world.time();
+        for (peak, force) in self.peaks.iter_mut().zip(&forces.walls) {
+            let force = Vector3::norm(force);
+            if force > peak.force {
+                *peak = Peak { force, time };
+            }
+        }
+        let row = history::history_row(&self.simulation, contacts.len(), &forces);
+        self.history.row(row);
+        if self.scenario.track {
+            for row in history::member_rows(&self.simulation, &forces) {
+                self.members.row(row);
+            }
+        }
+    }
+
+    fn write_frame(&mut self, folder: &Path) -> Result<(), Error> {
+        let frames = folder.join("frames");
+        fs::create_dir_all(&frames).map_err(|source| Error::Write {
+            path: frames.clone(),
+            source,
+        })?;
+        let number = self.frames.len();
+        let simulation = &self.simulation;
+        if simulation.world.deformable_count() > 0 {
+            let path = frames.join(file_name(DEFORMABLE, number));
+            write_file(path, |w| simulation.write_deformables(w))?;
+        }
+        if simulation.world.body_count() > 0 {
+            let path = frames.join(file_name(RIGID, number));
+            write_file(path, |w| vtu::write(&simulation.rigid_snapshot(), w))?;
+        }
+        let path = frames.join(file_name(CONTACTS, number));
+        write_file(path, |w| simulation.write_contacts(w))?;
+        self.frames.push(simulation.world.time());
+        self.write_lists(folder)
+    }
+
+    /// `run.pvd` and `contacts.pvd`.
+    fn write_lists(&self, folder: &Path) -> Result<(), Error> {
+        let world = &self.simulation.world;
+        let kinds = [
+            (world.deformable_count() > 0, DEFORMABLE),
+            (world.body_count() > 0, RIGID),
+        ];
+        let given = || kinds.iter().filter(|(given, _)| *given);
+        let (mut bodies, mut contacts) = (Vec::new(), Vec::new());
+        for (number, &time) in self.frames.iter().enumerate() {
+            let path = |kind| format!("frames/{}", file_name(kind, number));
+            bodies.extend((0..).zip(given()).map(|(part, (_, kind))| (time, part, path(*kind))));
+            contacts.push((time, 0, path(CONTACTS)));
+        }
+        write_pvd_parts(folder.join("run.pvd"), &bodies)?;
+        write_pvd_parts(folder.join("contacts.pvd"), &contacts)
+    }
+}
+
+const DEFORMABLE: (&str, &str) = ("deformable", "vtu");
+const RIGID: (&str, &str) = ("rigid", "vtu");
+const CONTACTS: (&str, &str) = ("contacts", "vtp");
+
+fn file_name((stem, extension): (&str, &str), number: usize) -> String {
+    format!("{stem}-{number:05}.{extension}")
+}
+
+/// The number after that of the latest output that is due, if one is.
+fn due(time: f64, interval: f64, next: u64) -> Option<u64> {
+    let is_due = |number: u64| time >= number as f64 * interval;
+    if !is_due(next) {
+        return None;
+    }
+    let mut latest = ((time / interval) as u64).max(next);
+    while is_due(latest + 1) {
+        latest += 1;
+    }
+    while latest > next && !is_due(latest) {
+        latest -= 1;
+    }
+    Some(latest + 1)
+}
+
+/// The scenario in a checkpoint is its text: all keys of a file may be absent.
+mod as_text {
+    use serde::de::Error as _;
+    use serde::ser::Error as _;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use crate::run::Scenario;
+
+    pub fn serialize<S: Serializer>(scenario: &Scenario, to: S) -> Result<S::Ok, S::Error> {
+        scenario.to_toml().map_err(S::Error::custom)?.serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Scenario, D::Error> {
+        Scenario::from_toml(&String::deserialize(from)?).map_err(D::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outputs_fall_due_once_each_and_long_steps_skip_some() {
+        let mut next = 0;
+        let mut written = Vec::new();
+        for step in 0..=30 {
+            let time = 0.1 * f64::from(step);
+            if let Some(after) = due(time, 0.25, next) {
+                written.push(step);
+                next = after;
+            }
+        }
+        assert_eq!(written, [0, 3, 5, 8, 10, 13, 15, 18, 20, 23, 25, 28, 30]);
+        assert_eq!(due(10.0, 0.25, 3), Some(41));
+        assert_eq!(due(0.2, 0.25, 1), None);
+    }
+}

@@ -1,0 +1,152 @@
+//! The picture of a run.
+
+use femdem_mesh::{Point3, Vector3};
+
+use super::frame::von_mises;
+use super::{PlaneEntry, Run, Scenario, Simulation};
+use crate::colouring::{BodyValues, Spacing};
+use crate::picture::{Image, PictureOptions, Skin, draw_skins};
+use crate::{Drawing, Error};
+
+impl Run {
+    /// Draws the bodies as they are now: deformable ones coloured by von Mises stress, rigid ones grey;
+    /// without deformable bodies, the rigid ones by their number.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Solve`] if an element has no stress.
+    pub fn picture(&self) -> Result<Image, Error> {
+        let simulation = self.simulation();
+        let mut skins = simulation.skins()?;
+        let all_rigid = skins.is_empty();
+        skins.extend(simulation.rigid_skins(all_rigid));
+        let scale = if all_rigid {
+            let last = skins.len().saturating_sub(1).max(1) as f64;
+            scale("body", "Number of the body.", last, Spacing::Linear)
+        } else {
+            let values = skins.iter().flat_map(|skin| &skin.values).copied();
+            let most = values.fold(0.0, f64::max);
+            let (unit, name) = unit_of(most);
+            for value in skins.iter_mut().flat_map(|skin| &mut skin.values) {
+                *value /= unit;
+            }
+            let title = format!("von Mises stress / {name}");
+            let most = if most > 0.0 { most / unit } else { 1.0 };
+            scale(&title, "von Mises stress of the skin's elements.", most, Spacing::Linear)
+        };
+        let drawing = self.scenario().drawing(&skins);
+        draw_skins(&skins, drawing.as_ref(), &scale, &PictureOptions::default())
+    }
+}
+
+fn scale(title: &str, note: &str, most: f64, spacing: Spacing) -> BodyValues {
+    BodyValues {
+        title: title.to_owned(),
+        note: note.to_owned(),
+        values: Vec::new(),
+        range: [0.0, most],
+        spacing,
+    }
+}
+
+/// A unit of stress \[Pa\] that makes numbers up to `most` easy to read.
+fn unit_of(most: f64) -> (f64, &'static str) {
+    match most {
+        m if m >= 2e9 => (1e9, "GPa"),
+        m if m >= 2e6 => (1e6, "MPa"),
+        m if m >= 2e3 => (1e3, "kPa"),
+        _ => (1.0, "Pa"),
+    }
+}
+
+impl Simulation {
+    /// Skins of the deformable bodies, with the von Mises stress \[Pa\] of the element behind each
+    /// triangle.
+    fn skins(&self) -> Result<Vec<Skin>, Error> {
+        let skin = |strained: &super::frame::Strained| {
+            let mesh = strained.body.model().mesh();
+            let positions = strained.body.positions();
+            let mut skin = Skin::default();
+            for ((tet, neighbours), stress) in
+                mesh.tets().iter().zip(mesh.neighbours()).zip(&strained.stresses)
+            {
+                let value = von_mises(&stress.cauchy);
+                for (face, neighbour) in femdem_mesh::tet::FACES.iter().zip(neighbours) {
+                    if neighbour.is_none() {
+                        skin.triangles.push(face.map(|i| tet[i]));
+                        skin.values.push(value);
+                    }
+                }
+            }
+            let corners = positions.iter().take(mesh.points().len());
+            skin.points = corners.map(|x| Point3::from(*x)).collect();
+            skin
+        };
+        Ok(self.strained()?.iter().map(skin).collect())
+    }
+
+    /// Surfaces of the rigid bodies, with their numbers as values or without values.
+    fn rigid_skins(&self, numbered: bool) -> Vec<Skin> {
+        let snapshot = self.rigid_snapshot();
+        let skins = snapshot.bodies.iter().enumerate().filter_map(|(number, body)| {
+            let polyhedron = &snapshot.shapes.get(body.shape as usize)?.polyhedron;
+            let triangles = polyhedron.triangles();
+            let value = if numbered { number as f64 } else { f64::NAN };
+            Some(Skin {
+                points: polyhedron.vertices().iter().map(|v| body.pose * v).collect(),
+                values: vec![value; triangles.len()],
+                triangles,
+            })
+        });
+        skins.collect()
+    }
+}
+
+impl Scenario {
+    /// The first plane that carries bodies, or the first box, about what is drawn.
+    fn drawing(&self, skins: &[Skin]) -> Option<Drawing> {
+        let points = || skins.iter().flat_map(|skin| &skin.points);
+        let low = points().fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(&p.coords));
+        let high = points().fold(Vector3::repeat(f64::NEG_INFINITY), |m, p| m.sup(&p.coords));
+        self.wall.iter().find_map(|wall| match (&wall.plane, &wall.r#box) {
+            (Some(plane), None) => floor(plane, low, high),
+            (None, Some(space)) => {
+                let mut region_high = Vector3::from(space.upper);
+                if space.open {
+                    region_high.z = region_high.z.min(high.z.max(space.lower[2]));
+                }
+                let region = femdem_analysis::Region::Box {
+                    min: Point3::from(space.lower),
+                    max: region_high.into(),
+                };
+                Some(crate::picture::outline(&region, region_high.z))
+            }
+            _ => None,
+        })
+    }
+}
+
+/// The part of a plane that lies under the box between two corners, with a margin.
+fn floor(plane: &PlaneEntry, low: Vector3, high: Vector3) -> Option<Drawing> {
+    let normal = Vector3::from(plane.normal).try_normalize(0.0)?;
+    if normal.z < 0.2 {
+        return None;
+    }
+    let margin = 0.15 * (high - low).norm();
+    let corner = |x: f64, y: f64| {
+        let z = (plane.offset - normal.x * x - normal.y * y) / normal.z;
+        Point3::new(x, y, z)
+    };
+    let [left, right] = [low.x - margin, high.x + margin];
+    let [front, back] = [low.y - margin, high.y + margin];
+    let floor = vec![
+        corner(left, front),
+        corner(right, front),
+        corner(right, back),
+        corner(left, back),
+    ];
+    Some(Drawing {
+        lines: crate::picture::sides(&floor).collect(),
+        floor,
+    })
+}

@@ -1,0 +1,323 @@
+//! `summary.json` of a run.
+
+use std::fmt;
+use std::io::{self, Write};
+
+use serde::{Deserialize, Serialize};
+
+use super::frame::von_mises;
+use super::{Ending, MemberId, Run};
+use crate::{Error, Usage};
+
+/// Version of the keys of the summary of a run.
+pub const RUN_SCHEMA: u32 = 1;
+
+/// The result of a run in numbers; `docs/run.md` explains every key. SI units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunSummary {
+    /// Version of these keys: [`RUN_SCHEMA`].
+    pub schema: u32,
+    /// Title of the scenario.
+    pub title: String,
+    /// Why the run ended; `null` if it has not.
+    pub ending: Option<Ending>,
+    /// The bodies by entry of the scenario.
+    pub bodies: Vec<BodySummary>,
+    /// The walls.
+    pub walls: Vec<WallSummary>,
+    /// Simulated time \[s\].
+    pub simulated_time: f64,
+    /// Steps.
+    pub steps: u64,
+    /// The last step \[s\].
+    pub time_step: f64,
+    /// Frames written.
+    pub frames: usize,
+    /// Tetrahedra of the deformable bodies.
+    pub tetrahedra: usize,
+    /// Energies.
+    pub energy: RunEnergy,
+    /// Linear momentum \[kg m/s\].
+    pub momentum: [f64; 3],
+    /// The deformable bodies now; `null` without any.
+    pub strain: Option<StrainSummary>,
+    /// Contacts now.
+    pub contacts: usize,
+    /// Threads of the last part of the run.
+    pub threads: usize,
+    /// Time on the clock, over all parts \[s\].
+    pub wall_seconds: f64,
+    /// Time of all processor cores \[s\]; `null` where the system does not tell.
+    pub cpu_seconds: Option<f64>,
+    /// Time on the clock over tetrahedra and steps, contacts and output included \[ns\]; `null` without
+    /// tetrahedra.
+    pub nanoseconds_per_tet_step: Option<f64>,
+    /// Largest resident memory; `null` where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+    /// Hash of the state: equal for equal bits.
+    pub state_hash: String,
+}
+
+/// A body of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BodySummary {
+    /// Its name.
+    pub name: String,
+    /// "rigid" or "deformable".
+    pub behaviour: String,
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// Nodes; 0 for a rigid body.
+    pub nodes: usize,
+    /// Tetrahedra; 0 for a rigid body.
+    pub tetrahedra: usize,
+    /// Centroid \[m\].
+    pub centroid: [f64; 3],
+    /// Velocity of the centroid \[m/s\].
+    pub velocity: [f64; 3],
+}
+
+/// A wall of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WallSummary {
+    /// Its name.
+    pub name: String,
+    /// Force of the bodies on it now \[N\].
+    pub force: [f64; 3],
+    /// Largest size of that force among the rows of the history \[N\].
+    pub peak_force: f64,
+    /// When that was \[s\].
+    pub peak_time: f64,
+}
+
+/// Energies of a run \[J\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunEnergy {
+    /// Of all bodies when they were added.
+    pub initial: f64,
+    /// Work of prescribed motions and loads.
+    pub work_in: f64,
+    /// Kinetic energy.
+    pub kinetic: f64,
+    /// Potential energy in gravity.
+    pub potential: f64,
+    /// Strain energy of deformable bodies.
+    pub strain: f64,
+    /// Elastic energy of contacts.
+    pub contact: f64,
+    /// Energy of the friction springs.
+    pub friction_springs: f64,
+    /// Dissipated by friction.
+    pub dissipated_friction: f64,
+    /// Dissipated by the damping of contacts.
+    pub dissipated_damping: f64,
+    /// Dissipated by the medium.
+    pub dissipated_medium: f64,
+    /// Dissipated by the viscosity of materials.
+    pub dissipated_viscous: f64,
+    /// Dissipated by plastic flow.
+    pub dissipated_plastic: f64,
+    /// Kinetic energy removed when bodies were frozen.
+    pub frozen: f64,
+    /// What the books miss, over the energy turned over.
+    pub ledger_error_relative: f64,
+}
+
+/// How far the deformable bodies are strained.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StrainSummary {
+    /// Largest von Mises stress \[Pa\].
+    pub max_von_mises: f64,
+    /// Smallest volume ratio of an element.
+    pub min_volume_ratio: f64,
+    /// Largest volume ratio of an element.
+    pub max_volume_ratio: f64,
+}
+
+impl RunSummary {
+    /// The summary of a run at this moment.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Solve`] if an element has no stress, or the state cannot be hashed.
+    pub fn of(run: &Run, usage: &Usage) -> Result<Self, Error> {
+        let simulation = run.simulation();
+        let world = &simulation.world;
+        let contacts = simulation.contacts();
+        let forces = simulation.forces(&contacts);
+        let walls = world.walls().iter().zip(&forces.walls).zip(run.peaks());
+        let walls = walls.map(|((wall, force), peak)| WallSummary {
+            name: wall.name().to_owned(),
+            force: (*force).into(),
+            peak_force: peak.force,
+            peak_time: peak.time,
+        });
+        let bodies: Vec<_> = simulation.bodies();
+        let tetrahedra = bodies.iter().map(|body| body.tetrahedra).sum();
+        let steps = world.steps();
+        let work = tetrahedra as f64 * steps as f64;
+        Ok(Self {
+            schema: RUN_SCHEMA,
+            title: run.scenario().title.clone(),
+            ending: run.ending(),
+            bodies,
+            walls: walls.collect(),
+            simulated_time: world.time(),
+            steps,
+            time_step: world.time_step(),
+            frames: run.frames().len(),
+            tetrahedra,
+            energy: energy(&world.ledger()),
+            momentum: world.linear_momentum().into(),
+            strain: strain(run)?,
+            contacts: contacts.len(),
+            threads: usage.threads,
+            wall_seconds: usage.wall_seconds,
+            cpu_seconds: usage.cpu_seconds,
+            nanoseconds_per_tet_step: (work > 0.0).then(|| 1e9 * usage.wall_seconds / work),
+            peak_memory_bytes: usage.peak_memory_bytes,
+            state_hash: format!("{:016x}", world.state_hash()?),
+        })
+    }
+
+    /// Writes it as JSON, one key a line.
+    ///
+    /// # Errors
+    ///
+    /// If writing fails.
+    pub fn write_json(&self, mut writer: impl Write) -> io::Result<()> {
+        serde_json::to_writer_pretty(&mut writer, self)?;
+        writeln!(writer)
+    }
+}
+
+impl super::Simulation {
+    /// What there is of each member, in the order of the scenario.
+    #[must_use]
+    pub fn bodies(&self) -> Vec<BodySummary> {
+        let world = &self.world;
+        let summary = self.members.iter().filter_map(|member| {
+            let name = member.name.clone();
+            Some(match member.id {
+                MemberId::Rigid(id) => BodySummary {
+                    name,
+                    behaviour: "rigid".to_owned(),
+                    mass: world.mass(id)?,
+                    nodes: 0,
+                    tetrahedra: 0,
+                    centroid: world.position(id)?.into(),
+                    velocity: world.velocity(id)?.into(),
+                },
+                MemberId::Deformable(id) => {
+                    let body = world.deformable(id)?;
+                    let mass = body.model().masses().iter().sum();
+                    BodySummary {
+                        name,
+                        behaviour: "deformable".to_owned(),
+                        mass,
+                        nodes: body.model().nodes().len(),
+                        tetrahedra: body.model().volumes().len(),
+                        centroid: body.centroid().into(),
+                        velocity: (body.momentum() / mass).into(),
+                    }
+                }
+            })
+        });
+        summary.collect()
+    }
+}
+
+fn energy(ledger: &femdem_solve::Ledger) -> RunEnergy {
+    RunEnergy {
+        initial: ledger.initial,
+        work_in: ledger.work_in,
+        kinetic: ledger.kinetic,
+        potential: ledger.potential,
+        strain: ledger.strain,
+        contact: ledger.elastic,
+        friction_springs: ledger.friction_springs,
+        dissipated_friction: ledger.dissipated_friction,
+        dissipated_damping: ledger.dissipated_damping,
+        dissipated_medium: ledger.dissipated_medium,
+        dissipated_viscous: ledger.dissipated_viscous,
+        dissipated_plastic: ledger.dissipated_plastic,
+        frozen: ledger.frozen,
+        ledger_error_relative: ledger.error_relative(),
+    }
+}
+
+fn strain(run: &Run) -> Result<Option<StrainSummary>, Error> {
+    let bodies = run.simulation().strained()?;
+    let mut stresses = bodies.iter().flat_map(|body| &body.stresses).peekable();
+    if stresses.peek().is_none() {
+        return Ok(None);
+    }
+    let start = StrainSummary {
+        max_von_mises: 0.0,
+        min_volume_ratio: f64::INFINITY,
+        max_volume_ratio: 0.0,
+    };
+    Ok(Some(stresses.fold(start, |so_far, s| StrainSummary {
+        max_von_mises: so_far.max_von_mises.max(von_mises(&s.cauchy)),
+        min_volume_ratio: so_far.min_volume_ratio.min(s.volume_ratio),
+        max_volume_ratio: so_far.max_volume_ratio.max(s.volume_ratio),
+    })))
+}
+
+impl fmt::Display for RunSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let deformable = self.bodies.iter().filter(|b| b.tetrahedra > 0).count();
+        let rigid = self.bodies.len() - deformable;
+        let row = |f: &mut fmt::Formatter<'_>, name: &str, text: String| {
+            writeln!(f, "  {name:<20} {text}")
+        };
+        let title = if self.title.is_empty() { "run" } else { &self.title };
+        let end = match self.ending {
+            Some(Ending::Time) => "to its end",
+            Some(Ending::Rest) => "to rest",
+            None => "not finished",
+        };
+        writeln!(f, "{title}: {end}")?;
+        let tets = self.tetrahedra;
+        row(f, "bodies", format!("{deformable} deformable ({tets} tetrahedra), {rigid} rigid"))?;
+        row(
+            f,
+            "simulated",
+            format!(
+                "{:.6} s in {} steps, the last of {:.3e} s",
+                self.simulated_time, self.steps, self.time_step
+            ),
+        )?;
+        let e = &self.energy;
+        row(
+            f,
+            "energy",
+            format!(
+                "{:.6e} J in motion, {:.6e} J of strain; the books miss {:.1e} of what was turned over",
+                e.kinetic, e.strain, e.ledger_error_relative
+            ),
+        )?;
+        if let Some(strain) = &self.strain {
+            row(
+                f,
+                "von Mises stress",
+                format!("at most {:.4e} Pa", strain.max_von_mises),
+            )?;
+        }
+        for wall in self.walls.iter().filter(|wall| wall.peak_force > 0.0) {
+            row(
+                f,
+                &format!("peak on {}", wall.name),
+                format!("{:.5e} N at {:.6} s", wall.peak_force, wall.peak_time),
+            )?;
+        }
+        let each = self
+            .nanoseconds_per_tet_step
+            .map_or(String::new(), |each| format!(", {each:.1} ns per tetrahedron and step"));
+        row(
+            f,
+            "cost",
+            format!("{:.1} s on {} threads{each}", self.wall_seconds, self.threads),
+        )
+    }
+}
