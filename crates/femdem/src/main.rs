@@ -1,4 +1,4 @@
-//! The femdem program: pack bodies, resume, analyse, list shapes.
+//! The femdem program: pack bodies, run scenes, resume, analyse, list shapes.
 
 mod program;
 
@@ -7,11 +7,12 @@ use std::process::ExitCode;
 use clap::Parser;
 use program::cli::{Cli, Command};
 use program::job::{self, Outcome};
-use program::{analyse, complain, picture, report, shapes};
+use program::{analyse, complain, picture, report, run, shapes};
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Pack(args) => job::pack(&args),
+        Command::Run(args) => run::run(&args),
         Command::Resume(args) => job::resume(&args),
         Command::Analyse(args) => analyse::run(&args),
         Command::Picture(args) => picture::run(&args),

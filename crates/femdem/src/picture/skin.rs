@@ -103,7 +103,12 @@ mod tests {
             azimuth: 0.0,
             elevation: 0.0,
         };
-        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 1.0], [0.0, 0.0, 1.0]];
+        let points = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 0.0, 1.0],
+            [0.0, 0.0, 1.0],
+        ];
         let skin = Skin {
             points: points.map(Point3::from).to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3], [0, 2, 9]],

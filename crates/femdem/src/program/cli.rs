@@ -9,8 +9,9 @@ use femdem::scene::{ContainerKind, Footprint, Length, ProtocolKind, Unit};
 use super::analyse::AnalyseArgs;
 use super::picture::PictureArgs;
 use super::report::ReportArgs;
+use super::run::SceneArgs;
 
-/// Pack bodies of any shape under gravity, with friction, and measure the pack
+/// Pack bodies of any shape, rigid or deformable, or let them collide, and measure what comes of it
 #[derive(Debug, Parser)]
 #[command(name = "femdem", version, propagate_version = true, after_help = EXAMPLES)]
 pub(crate) struct Cli {
@@ -27,6 +28,7 @@ Examples:
   femdem pack --shape boulder --variety 50 --mass 40 --box 5.26x5.3x3.87m --out out/boulders
   femdem pack --shape cube --shape dolos:waist=0.36 --share 3 --share 1 --out out/mixed
   femdem pack --count 2000 --print-scene > big.toml && femdem pack big.toml
+  femdem run scenes/bouncing-cube.toml             bodies that deform, collide, or are driven
   femdem resume out/a10                            go on after Ctrl-C or a crash
   femdem analyse out/a10                           forces, chains, stress, profiles: all tables
   femdem report out/a10                            a page for the browser
@@ -48,12 +50,27 @@ The folder then holds
 
 Ctrl-C stops cleanly, with a checkpoint.";
 
+const RUN_HELP: &str = "\
+The folder then holds
+  summary.json               the result in numbers
+  history.csv                energies, momentum and wall forces over time
+  members.csv                places, velocities and forces of the bodies, with `track = true`
+  run.pvd, contacts.pvd      time series for ParaView, of the files in frames/
+  run.png                    the end, deformable bodies coloured by von Mises stress
+  scene.toml                 the scene
+  run.ckpt                   a checkpoint, for `femdem resume`
+
+Ctrl-C stops cleanly, with a checkpoint.";
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Pour bodies into a container, let them settle, measure and draw the pack
     #[command(after_help = PACK_HELP, allow_negative_numbers = true)]
     Pack(Box<PackArgs>),
-    /// Continue a run from the checkpoint in its folder
+    /// Step any mixture of rigid and deformable bodies and walls, as a scene file says
+    #[command(after_help = RUN_HELP)]
+    Run(Box<SceneArgs>),
+    /// Continue a run of `pack` or `run` from the checkpoint in its folder
     Resume(ResumeArgs),
     /// Measure a pack in every way, without simulating: of a run, or from tables and shapes
     #[command(after_help = super::analyse::HELP)]
@@ -232,7 +249,7 @@ pub(crate) struct RunArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ResumeArgs {
-    /// Folder of the run, which holds pack.ckpt
+    /// Folder of the run, which holds pack.ckpt or run.ckpt
     pub folder: PathBuf,
 
     #[command(flatten)]

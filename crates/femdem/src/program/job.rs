@@ -23,7 +23,7 @@ pub(crate) enum Outcome {
 }
 
 /// How often the job looks up from its work.
-const BREATH: Duration = Duration::from_millis(80);
+pub(super) const BREATH: Duration = Duration::from_millis(80);
 
 pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
     let scene = args.scene()?;
@@ -54,6 +54,9 @@ pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
 }
 
 pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
+    if folder::holds_run(&args.folder) {
+        return super::run::resume(args);
+    }
     let RunArgs {
         threads,
         checkpoint_every,
@@ -85,7 +88,7 @@ pub(crate) fn in_pool<T: Send>(
     pool.install(|| work(pool.current_num_threads()))
 }
 
-fn checkpoint_interval(seconds: Option<f64>) -> Result<Duration> {
+pub(super) fn checkpoint_interval(seconds: Option<f64>) -> Result<Duration> {
     let seconds = seconds.unwrap_or(Scene::default().checkpoint_every);
     let allowed = "give a number of seconds, 0 or more";
     Duration::try_from_secs_f64(seconds).map_err(|_| {
@@ -119,13 +122,17 @@ impl Run {
         let interrupted = watch_for_interrupt()?;
         let meter = Meter::start(before, threads);
         // At once, so that a folder that cannot be written to is found now and not after the work.
-        folder::save(&self.folder, &packing, &meter.read(&packing))?;
+        folder::save(
+            &self.folder,
+            &packing,
+            &meter.read(packing.world().counters()),
+        )?;
         let bar = Bar::new(&packing.progress(), self.quiet)?;
         let advanced = self.advance(&mut packing, &meter, &bar, &interrupted);
         bar.clear();
         advanced.with_context(|| self.after_failure())?;
 
-        let usage = meter.read(&packing);
+        let usage = meter.read(packing.world().counters());
         folder::save(&self.folder, &packing, &usage)?;
         if !packing.is_done() {
             let at = packing.progress();
@@ -173,7 +180,11 @@ impl Run {
             };
             if saved.elapsed() >= self.every {
                 // A full disk may have room again when the job ends; until then the last one stands.
-                if let Err(error) = folder::save(&self.folder, packing, &meter.read(packing)) {
+                if let Err(error) = folder::save(
+                    &self.folder,
+                    packing,
+                    &meter.read(packing.world().counters()),
+                ) {
                     bar.note(&format!("warning: {error:#}"));
                 }
                 saved = Instant::now();
@@ -191,7 +202,7 @@ impl Run {
 }
 
 /// A flag that Ctrl-C raises. A second Ctrl-C ends the program at once.
-fn watch_for_interrupt() -> Result<Arc<AtomicBool>> {
+pub(super) fn watch_for_interrupt() -> Result<Arc<AtomicBool>> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);
     ctrlc::set_handler(move || {

@@ -4,7 +4,7 @@ use std::fs;
 use std::time::{Duration, Instant};
 
 use femdem::Usage;
-use femdem::pack::Packing;
+use femdem::solve::Counters;
 
 /// Ticks per second in which Linux counts processor time for programs (USER_HZ).
 const TICKS_PER_SECOND: f64 = 100.0;
@@ -31,9 +31,8 @@ impl Meter {
         self.started.elapsed()
     }
 
-    /// The cost until now. The counters of a job start at zero when it is made or read.
-    pub(crate) fn read(&self, packing: &Packing) -> Usage {
-        let counters = packing.world().counters();
+    /// The cost until now. The counters of a world start at zero when it is made or read.
+    pub(crate) fn read(&self, counters: &Counters) -> Usage {
         let cpu = cpu_seconds()
             .zip(self.cpu_at_start)
             .map(|(now, start)| now - start);

@@ -1,6 +1,7 @@
 //! The parts of the program.
 
 pub(crate) mod analyse;
+mod check;
 pub(crate) mod cli;
 mod folder;
 pub(crate) mod job;
@@ -8,6 +9,7 @@ mod meter;
 pub(crate) mod picture;
 mod progress;
 pub(crate) mod report;
+pub(crate) mod run;
 pub(crate) mod shapes;
 mod source;
 

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use femdem::pack::{Progress, Stage};
+use femdem::run::Simulation;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Shows how far a job is, on a terminal; elsewhere nothing.
@@ -42,11 +43,67 @@ impl Bar {
         ));
     }
 
-    /// Time to go if the work goes on as it went; none before there is enough to judge by.
     fn time_left(&self, at: &Progress) -> Option<Duration> {
-        let (done, elapsed) = (share(at) - self.share_at_start, self.started.elapsed());
-        let judged = done > 0.02 && elapsed > Duration::from_secs(1);
-        judged.then(|| elapsed.mul_f64((1.0 - share(at)).max(0.0) / done))
+        time_left(share(at), self.share_at_start, self.started)
+    }
+
+    /// Writes a line above the bar.
+    pub(crate) fn note(&self, text: &str) {
+        self.bar.suspend(|| super::complain(text));
+    }
+
+    pub(crate) fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Time to go if the work goes on as it went; none before there is enough to judge by.
+fn time_left(share: f64, share_at_start: f64, started: Instant) -> Option<Duration> {
+    let (done, elapsed) = (share - share_at_start, started.elapsed());
+    let judged = done > 0.02 && elapsed > Duration::from_secs(1);
+    judged.then(|| elapsed.mul_f64((1.0 - share).max(0.0) / done))
+}
+
+/// Shows how much of its time a simulation has covered, on a terminal; elsewhere nothing.
+pub(crate) struct Clock {
+    bar: ProgressBar,
+    started: Instant,
+    /// s.
+    duration: f64,
+    share_at_start: f64,
+}
+
+/// Positions of the bar of a [`Clock`].
+const TICKS: f64 = 1000.0;
+
+impl Clock {
+    pub(crate) fn new(duration: f64, at: &Simulation, quiet: bool) -> Result<Self> {
+        let bar = ProgressBar::new(TICKS as u64);
+        if quiet {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        bar.set_style(ProgressStyle::with_template("[{bar:30}] {msg}")?.progress_chars("=> "));
+        Ok(Self {
+            bar,
+            started: Instant::now(),
+            duration,
+            share_at_start: at.world.time() / duration,
+        })
+    }
+
+    pub(crate) fn show(&self, at: &Simulation, frames: usize) {
+        let world = &at.world;
+        let share = (world.time() / self.duration).min(1.0);
+        let left = time_left(share, self.share_at_start, self.started);
+        let left = left.map_or(String::new(), |left| format!(", {} left", span(left)));
+        self.bar.set_position((share * TICKS) as u64);
+        self.bar.set_message(format!(
+            "{:.6} of {} s, step {} of {:.1e} s, {frames} frames{left}",
+            world.time(),
+            self.duration,
+            world.steps(),
+            world.time_step()
+        ));
     }
 
     /// Writes a line above the bar.
@@ -70,7 +127,7 @@ fn share(at: &Progress) -> f64 {
 }
 
 /// "12 s", "3 min", "2 h 5 min".
-fn span(time: Duration) -> String {
+pub(super) fn span(time: Duration) -> String {
     let seconds = time.as_secs();
     match seconds {
         0..=99 => format!("{seconds} s"),

@@ -150,7 +150,11 @@ impl BodyEntry {
             Some(turn) => {
                 let axis = Unit::try_new(Vector3::from(turn.axis), 0.0);
                 let axis = axis.ok_or_else(|| {
-                    wrong("rotation.axis", "zero", "a direction of a length above zero")
+                    wrong(
+                        "rotation.axis",
+                        "zero",
+                        "a direction of a length above zero",
+                    )
                 })?;
                 Rotation::from_axis_angle(&axis, turn.angle.to_radians())
             }
@@ -168,8 +172,8 @@ impl BodyEntry {
                 "1 to 1,000,000 copies",
             ));
         }
-        let cells = (0..nz)
-            .flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
+        let cells =
+            (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
         let pose = |(number, cell): (u32, [u32; 3])| {
             let steps = Vector3::from(cell.map(f64::from));
             let at = origin + steps.component_mul(&Vector3::from(copies.spacing));
@@ -194,7 +198,8 @@ mod tests {
 
     #[test]
     fn copies_stand_on_their_lattice_and_turn_by_their_seed() {
-        let text = "position = [1, 2, 3]\ncopies = { count = [2, 1, 3], spacing = [0.5, 0, 2], seed = 4 }";
+        let text =
+            "position = [1, 2, 3]\ncopies = { count = [2, 1, 3], spacing = [0.5, 0, 2], seed = 4 }";
         let entry: BodyEntry = toml::from_str(text).unwrap();
         let poses = entry.poses().unwrap();
         let places: Vec<[f64; 3]> = poses.iter().map(|p| p.translation.vector.into()).collect();
@@ -209,7 +214,9 @@ mod tests {
     fn elements_are_called_as_the_other_keys_are() {
         let entry: BodyEntry = toml::from_str("element = \"t4-nodal-pressure\"").unwrap();
         assert_eq!(entry.element, Element::T4NodalPressure);
-        let message = toml::from_str::<BodyEntry>("element = \"T4\"").unwrap_err().to_string();
+        let message = toml::from_str::<BodyEntry>("element = \"T4\"")
+            .unwrap_err()
+            .to_string();
         assert!(message.contains("t10-fbar"), "{message}");
     }
 }

@@ -89,7 +89,10 @@ impl BoundaryEntry {
             (None, None) => Ok(Curve::Constant(value)),
             (Some(rise), None) => Ok(Curve::Ramp { value, rise }),
             (None, Some(table)) => Ok(Curve::Table(
-                table.iter().map(|[t, factor]| [*t, factor * value]).collect(),
+                table
+                    .iter()
+                    .map(|[t, factor]| [*t, factor * value])
+                    .collect(),
             )),
             (Some(_), Some(_)) => Err(wrong(
                 "rise and table",

@@ -5,9 +5,7 @@ use std::collections::BTreeSet;
 use femdem_contact::{BodyId, Field};
 use femdem_mesh::{Pose, TetMesh, Vector3};
 use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion};
-use femdem_solve::{
-    BodySpec, ContactStiffness, DeformableId, DeformableSpec, SolveError, World,
-};
+use femdem_solve::{BodySpec, ContactStiffness, DeformableId, DeformableSpec, SolveError, World};
 use serde::{Deserialize, Serialize};
 
 use super::body::wrong;
@@ -184,7 +182,8 @@ impl Simulation {
         let density = scenario.material(&entry.material)?.density;
         let shape = match mesh {
             Some(mesh) if !surface.is_convex() => {
-                self.world.add_mesh_shape(name, surface, mesh, Field::Body)?
+                self.world
+                    .add_mesh_shape(name, surface, mesh, Field::Body)?
             }
             _ => self.world.add_shape(name, surface)?,
         };
@@ -261,10 +260,13 @@ impl Simulation {
     pub(super) fn deformables(
         &self,
     ) -> impl Iterator<Item = (usize, &Member, femdem_solve::Deformable<'_>)> {
-        self.members.iter().enumerate().filter_map(|(i, member)| match member.id {
-            MemberId::Deformable(id) => Some((i, member, self.world.deformable(id)?)),
-            MemberId::Rigid(_) => None,
-        })
+        self.members
+            .iter()
+            .enumerate()
+            .filter_map(|(i, member)| match member.id {
+                MemberId::Deformable(id) => Some((i, member, self.world.deformable(id)?)),
+                MemberId::Rigid(_) => None,
+            })
     }
 }
 

@@ -70,7 +70,10 @@ impl Simulation {
         let place = |wanted: fn(MemberId) -> Option<u32>| -> Vec<usize> {
             let members = self.members.iter().enumerate();
             // Members are in the order in which their bodies were added to the world.
-            members.filter(|(_, m)| wanted(m.id).is_some()).map(|(i, _)| i).collect()
+            members
+                .filter(|(_, m)| wanted(m.id).is_some())
+                .map(|(i, _)| i)
+                .collect()
         };
         let rigid = place(|id| match id {
             MemberId::Rigid(id) => Some(id),

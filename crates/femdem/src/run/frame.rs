@@ -64,17 +64,21 @@ impl Simulation {
             name: shape.name.clone(),
             polyhedron: shape.polyhedron.clone(),
         });
-        let bodies = self.members.iter().zip(0..).filter_map(|(member, sequence)| {
-            let MemberId::Rigid(id) = member.id else {
-                return None;
-            };
-            Some(Body {
-                shape: world.shape_of(id)?,
-                pose: world.pose(id)?,
-                sequence,
-                sleeping: world.is_asleep(id),
-            })
-        });
+        let bodies = self
+            .members
+            .iter()
+            .zip(0..)
+            .filter_map(|(member, sequence)| {
+                let MemberId::Rigid(id) = member.id else {
+                    return None;
+                };
+                Some(Body {
+                    shape: world.shape_of(id)?,
+                    pose: world.pose(id)?,
+                    sequence,
+                    sleeping: world.is_asleep(id),
+                })
+            });
         Snapshot {
             shapes: shapes.collect(),
             bodies: bodies.collect(),
@@ -148,9 +152,8 @@ fn point_data(out: &mut Document, bodies: &[Strained]) {
     let displacement = |b: &Strained| -> Vec<f64> {
         let pose = b.entry.placed;
         let nodes = b.body.positions().iter().zip(b.body.model().nodes());
-        let moved = nodes.map(|(x, reference)| {
-            x - (pose.rotation * reference + pose.translation.vector)
-        });
+        let moved =
+            nodes.map(|(x, reference)| x - (pose.rotation * reference + pose.translation.vector));
         moved.flat_map(<[f64; 3]>::from).collect()
     };
     out.floats("displacement", 3, bodies.iter().flat_map(displacement));
@@ -166,7 +169,11 @@ fn cell_data(out: &mut Document, bodies: &[Strained]) {
     let stresses = || bodies.iter().flat_map(|b| &b.stresses);
     out.floats("von_mises", 1, stresses().map(|s| von_mises(&s.cauchy)));
     out.floats("pressure", 1, stresses().map(|s| -s.cauchy.trace() / 3.0));
-    out.floats("principal_stress", 3, stresses().flat_map(|s| principal(&s.cauchy)));
+    out.floats(
+        "principal_stress",
+        3,
+        stresses().flat_map(|s| principal(&s.cauchy)),
+    );
     out.floats("volume_ratio", 1, stresses().map(|s| s.volume_ratio));
 }
 
@@ -188,9 +195,17 @@ fn write_points(contacts: &[ContactLine], writer: impl Write) -> io::Result<()> 
     out.floats("force", 3, vectors(ContactLine::force));
     out.floats("normal", 3, vectors(|c| c.normal));
     out.floats("normal_force", 1, contacts.iter().map(|c| c.normal_force));
-    out.floats("tangential_force", 1, contacts.iter().map(|c| c.friction.norm()));
+    out.floats(
+        "tangential_force",
+        1,
+        contacts.iter().map(|c| c.friction.norm()),
+    );
     out.floats("area", 1, contacts.iter().map(|c| c.area));
-    out.floats("penetration", 1, contacts.iter().map(ContactLine::penetration));
+    out.floats(
+        "penetration",
+        1,
+        contacts.iter().map(ContactLine::penetration),
+    );
     let a = |c: &ContactLine| match c.a {
         Side::Member(member) => member as i64,
         Side::Wall(wall) => -1 - wall as i64,

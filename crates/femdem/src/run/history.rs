@@ -100,7 +100,11 @@ pub(super) fn history_header(simulation: &Simulation) -> Vec<String> {
         ["fx", "fy", "fz"].map(|f| quoted(&format!("{f} {}", wall.name())))
     };
     let walls = simulation.world.walls().iter().flat_map(of_wall);
-    HISTORY_COLUMNS.map(str::to_owned).into_iter().chain(walls).collect()
+    HISTORY_COLUMNS
+        .map(str::to_owned)
+        .into_iter()
+        .chain(walls)
+        .collect()
 }
 
 /// A row of `history.csv`.

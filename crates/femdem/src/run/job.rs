@@ -246,7 +246,11 @@ impl Run {
         let (mut bodies, mut contacts) = (Vec::new(), Vec::new());
         for (number, &time) in self.frames.iter().enumerate() {
             let path = |kind| format!("frames/{}", file_name(kind, number));
-            bodies.extend((0..).zip(given()).map(|(part, (_, kind))| (time, part, path(*kind))));
+            bodies.extend(
+                (0..)
+                    .zip(given())
+                    .map(|(part, (_, kind))| (time, part, path(*kind))),
+            );
             contacts.push((time, 0, path(CONTACTS)));
         }
         write_pvd_parts(folder.join("run.pvd"), &bodies)?;

@@ -126,7 +126,8 @@ impl MaterialEntry {
         if self.shear_viscosity.is_none() && self.bulk_viscosity.is_none() {
             return Ok(law);
         }
-        let [shear, bulk] = [self.shear_viscosity, self.bulk_viscosity].map(Option::unwrap_or_default);
+        let [shear, bulk] =
+            [self.shear_viscosity, self.bulk_viscosity].map(Option::unwrap_or_default);
         Ok(AnyMaterial::from(Viscous::new(law, shear, bulk)?))
     }
 
@@ -156,7 +157,13 @@ impl MaterialEntry {
 }
 
 fn needed(name: &'static str, value: Option<f64>) -> Result<f64, Error> {
-    value.ok_or_else(|| wrong(name, "none", "the law of the material needs it: give a number"))
+    value.ok_or_else(|| {
+        wrong(
+            name,
+            "none",
+            "the law of the material needs it: give a number",
+        )
+    })
 }
 
 #[cfg(test)]
@@ -171,7 +178,10 @@ mod tests {
     #[test]
     fn every_law_is_made_of_its_keys() {
         for (text, law) in [
-            ("law = \"neo-hookean\"", AnyMaterial::from(NeoHookean::new(1e6, 0.3).unwrap())),
+            (
+                "law = \"neo-hookean\"",
+                AnyMaterial::from(NeoHookean::new(1e6, 0.3).unwrap()),
+            ),
             ("law = \"hencky\"", Hencky::new(1e6, 0.3).unwrap().into()),
             (
                 "law = \"mooney-rivlin\"\nshare = 0.2",
@@ -183,7 +193,9 @@ mod tests {
             ),
             (
                 "law = \"drucker-prager\"\ncohesion = 1e3\nfriction-angle = 30",
-                DruckerPrager::new(1e6, 0.3, 1e3, 30_f64.to_radians(), 0.0).unwrap().into(),
+                DruckerPrager::new(1e6, 0.3, 1e3, 30_f64.to_radians(), 0.0)
+                    .unwrap()
+                    .into(),
             ),
         ] {
             let region = entry(&format!("{text}\nyoung = 1e6\npoisson = 0.3")).unwrap();
@@ -198,15 +210,24 @@ mod tests {
     fn what_is_missing_or_strange_is_named() {
         for (text, words) in [
             ("young = 1e6", ["law = none", "neo-hookean"]),
-            ("law = \"hencky\"\nyoung = 1e6", ["poisson = none", "needs it"]),
-            ("law = \"hencky\"\nyoung = 1e6\npoisson = 0.6", ["poisson = 0.6", "0.5"]),
+            (
+                "law = \"hencky\"\nyoung = 1e6",
+                ["poisson = none", "needs it"],
+            ),
+            (
+                "law = \"hencky\"\nyoung = 1e6\npoisson = 0.6",
+                ["poisson = 0.6", "0.5"],
+            ),
             (
                 "law = \"hencky\"\nyoung = 1e6\npoisson = 0.3\nshare = 0.1",
                 ["share = 0.1", "take it out"],
             ),
         ] {
             let message = entry(text).unwrap_err().to_string();
-            assert!(words.iter().all(|w| message.contains(w)), "{text}: {message}");
+            assert!(
+                words.iter().all(|w| message.contains(w)),
+                "{text}: {message}"
+            );
         }
     }
 }

@@ -66,9 +66,7 @@ pub use material::{Law, MaterialEntry};
 pub use motion::MotionEntry;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
-pub use summary::{
-    BodySummary, RUN_SCHEMA, RunEnergy, RunSummary, StrainSummary, WallSummary,
-};
+pub use summary::{BodySummary, RUN_SCHEMA, RunEnergy, RunSummary, StrainSummary, WallSummary};
 pub use wall::{BoxEntry, CylinderEntry, PlaneEntry, WallEntry};
 
 use crate::Error;

@@ -32,7 +32,12 @@ impl Run {
             }
             let title = format!("von Mises stress / {name}");
             let most = if most > 0.0 { most / unit } else { 1.0 };
-            scale(&title, "von Mises stress of the skin's elements.", most, Spacing::Linear)
+            scale(
+                &title,
+                "von Mises stress of the skin's elements.",
+                most,
+                Spacing::Linear,
+            )
         };
         let drawing = self.scenario().drawing(&skins);
         draw_skins(&skins, drawing.as_ref(), &scale, &PictureOptions::default())
@@ -67,8 +72,11 @@ impl Simulation {
             let mesh = strained.body.model().mesh();
             let positions = strained.body.positions();
             let mut skin = Skin::default();
-            for ((tet, neighbours), stress) in
-                mesh.tets().iter().zip(mesh.neighbours()).zip(&strained.stresses)
+            for ((tet, neighbours), stress) in mesh
+                .tets()
+                .iter()
+                .zip(mesh.neighbours())
+                .zip(&strained.stresses)
             {
                 let value = von_mises(&stress.cauchy);
                 for (face, neighbour) in femdem_mesh::tet::FACES.iter().zip(neighbours) {
@@ -88,16 +96,24 @@ impl Simulation {
     /// Surfaces of the rigid bodies, with their numbers as values or without values.
     fn rigid_skins(&self, numbered: bool) -> Vec<Skin> {
         let snapshot = self.rigid_snapshot();
-        let skins = snapshot.bodies.iter().enumerate().filter_map(|(number, body)| {
-            let polyhedron = &snapshot.shapes.get(body.shape as usize)?.polyhedron;
-            let triangles = polyhedron.triangles();
-            let value = if numbered { number as f64 } else { f64::NAN };
-            Some(Skin {
-                points: polyhedron.vertices().iter().map(|v| body.pose * v).collect(),
-                values: vec![value; triangles.len()],
-                triangles,
-            })
-        });
+        let skins = snapshot
+            .bodies
+            .iter()
+            .enumerate()
+            .filter_map(|(number, body)| {
+                let polyhedron = &snapshot.shapes.get(body.shape as usize)?.polyhedron;
+                let triangles = polyhedron.triangles();
+                let value = if numbered { number as f64 } else { f64::NAN };
+                Some(Skin {
+                    points: polyhedron
+                        .vertices()
+                        .iter()
+                        .map(|v| body.pose * v)
+                        .collect(),
+                    values: vec![value; triangles.len()],
+                    triangles,
+                })
+            });
         skins.collect()
     }
 }
@@ -108,21 +124,23 @@ impl Scenario {
         let points = || skins.iter().flat_map(|skin| &skin.points);
         let low = points().fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(&p.coords));
         let high = points().fold(Vector3::repeat(f64::NEG_INFINITY), |m, p| m.sup(&p.coords));
-        self.wall.iter().find_map(|wall| match (&wall.plane, &wall.r#box) {
-            (Some(plane), None) => floor(plane, low, high),
-            (None, Some(space)) => {
-                let mut region_high = Vector3::from(space.upper);
-                if space.open {
-                    region_high.z = region_high.z.min(high.z.max(space.lower[2]));
+        self.wall
+            .iter()
+            .find_map(|wall| match (&wall.plane, &wall.r#box) {
+                (Some(plane), None) => floor(plane, low, high),
+                (None, Some(space)) => {
+                    let mut region_high = Vector3::from(space.upper);
+                    if space.open {
+                        region_high.z = region_high.z.min(high.z.max(space.lower[2]));
+                    }
+                    let region = femdem_analysis::Region::Box {
+                        min: Point3::from(space.lower),
+                        max: region_high.into(),
+                    };
+                    Some(crate::picture::outline(&region, region_high.z))
                 }
-                let region = femdem_analysis::Region::Box {
-                    min: Point3::from(space.lower),
-                    max: region_high.into(),
-                };
-                Some(crate::picture::outline(&region, region_high.z))
-            }
-            _ => None,
-        })
+                _ => None,
+            })
     }
 }
 

@@ -271,7 +271,11 @@ impl fmt::Display for RunSummary {
         let row = |f: &mut fmt::Formatter<'_>, name: &str, text: String| {
             writeln!(f, "  {name:<20} {text}")
         };
-        let title = if self.title.is_empty() { "run" } else { &self.title };
+        let title = if self.title.is_empty() {
+            "run"
+        } else {
+            &self.title
+        };
         let end = match self.ending {
             Some(Ending::Time) => "to its end",
             Some(Ending::Rest) => "to rest",
@@ -279,7 +283,11 @@ impl fmt::Display for RunSummary {
         };
         writeln!(f, "{title}: {end}")?;
         let tets = self.tetrahedra;
-        row(f, "bodies", format!("{deformable} deformable ({tets} tetrahedra), {rigid} rigid"))?;
+        row(
+            f,
+            "bodies",
+            format!("{deformable} deformable ({tets} tetrahedra), {rigid} rigid"),
+        )?;
         row(
             f,
             "simulated",
@@ -311,13 +319,16 @@ impl fmt::Display for RunSummary {
                 format!("{:.5e} N at {:.6} s", wall.peak_force, wall.peak_time),
             )?;
         }
-        let each = self
-            .nanoseconds_per_tet_step
-            .map_or(String::new(), |each| format!(", {each:.1} ns per tetrahedron and step"));
+        let each = self.nanoseconds_per_tet_step.map_or(String::new(), |each| {
+            format!(", {each:.1} ns per tetrahedron and step")
+        });
         row(
             f,
             "cost",
-            format!("{:.1} s on {} threads{each}", self.wall_seconds, self.threads),
+            format!(
+                "{:.1} s on {} threads{each}",
+                self.wall_seconds, self.threads
+            ),
         )
     }
 }

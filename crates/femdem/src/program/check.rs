@@ -1,0 +1,71 @@
+//! `femdem run --check`: what a scene holds, and what it would cost.
+
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use femdem::run::{BodySummary, Run};
+
+use super::progress::span;
+use super::say;
+
+/// Trial steps, and the time on the clock after which no more are taken.
+const TRIAL_STEPS: u64 = 50;
+const TRIAL_TIME: Duration = Duration::from_secs(2);
+
+/// Bodies of one entry are listed one by one up to this number.
+const LISTED: usize = 12;
+
+/// Prints the bodies, then the steps and the time that the run would take if it went on as it begins.
+pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
+    let mut simulation = run.simulation().clone();
+    let scenario = run.scenario();
+    if !scenario.title.is_empty() {
+        say(&scenario.title);
+    }
+    list(&simulation.bodies());
+    let walls: Vec<_> = simulation.world.walls().iter().map(|w| w.name()).collect();
+    if !walls.is_empty() {
+        say(&format!("walls: {}", walls.join(", ")));
+    }
+    let began = Instant::now();
+    while simulation.world.steps() < TRIAL_STEPS && began.elapsed() < TRIAL_TIME {
+        simulation.step()?;
+    }
+    let taken = simulation.world.steps() as f64;
+    let step = simulation.world.time_step();
+    let steps = scenario.duration / step;
+    let left = began.elapsed().as_secs_f64() / taken * steps;
+    let tetrahedra: usize = simulation.bodies().iter().map(|body| body.tetrahedra).sum();
+    say(&format!(
+        "time step: {step:.3e} s, {steps:.0} steps for {} s",
+        scenario.duration
+    ));
+    say(&format!(
+        "output: {:.0} frames, {tetrahedra} tetrahedra each",
+        scenario.duration / scenario.frame_interval() + 1.0
+    ));
+    let time = Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX);
+    say(&format!(
+        "cost: about {} on {threads} threads, if the run goes on as its first {taken} steps",
+        span(time)
+    ));
+    Ok(())
+}
+
+fn list(bodies: &[BodySummary]) {
+    say(&format!(
+        "{:<24} {:<11} {:>12} {:>9} {:>11}",
+        "body", "behaviour", "mass/kg", "nodes", "tetrahedra"
+    ));
+    for body in bodies.iter().take(LISTED) {
+        say(&format!(
+            "{:<24} {:<11} {:>12.5e} {:>9} {:>11}",
+            body.name, body.behaviour, body.mass, body.nodes, body.tetrahedra
+        ));
+    }
+    if bodies.len() > LISTED {
+        say(&format!("and {} more", bodies.len() - LISTED));
+    }
+    let mass: f64 = bodies.iter().map(|body| body.mass).sum();
+    say(&format!("{} bodies, {mass:.5e} kg", bodies.len()));
+}

@@ -1,0 +1,185 @@
+//! `femdem run`: stepping a scenario to its end, or to Ctrl-C.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+use clap::Args;
+use femdem::run::{Run, Scenario};
+use femdem::{Usage, output};
+
+use super::cli::{ResumeArgs, RunArgs};
+use super::job::{BREATH, Outcome, checkpoint_interval, in_pool, watch_for_interrupt};
+use super::meter::Meter;
+use super::progress::Clock;
+use super::{check, complain, folder, say};
+
+/// Options of `femdem run`. Those left out are taken from the scene.
+#[derive(Debug, Args)]
+pub(crate) struct SceneArgs {
+    /// Scene file (TOML), see docs/scenes.md
+    pub scene: PathBuf,
+
+    /// Folder for the results; must be new or empty [default: that of the scene, or out/run]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+
+    /// Write into --out even if it holds files; those of the same names are replaced
+    #[arg(long)]
+    pub force: bool,
+
+    /// Read the scene, list its bodies, masses and tetrahedra, estimate the cost, and stop
+    #[arg(long)]
+    pub check: bool,
+
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
+    let mut scenario = Scenario::read(&args.scene)?;
+    if let Some(out) = &args.out {
+        scenario.out.clone_from(out);
+    }
+    let every = args
+        .run
+        .checkpoint_every
+        .unwrap_or(scenario.checkpoint_every);
+    let every = checkpoint_interval(Some(every))?;
+    let threads = args.run.threads.map(usize::from).or(scenario.threads);
+    in_pool(threads, |threads| {
+        // Everything that can be refused is refused before the folder is touched.
+        let run = Run::new(scenario)?;
+        if args.check {
+            check::report(&run, threads)?;
+            return Ok(Outcome::Finished);
+        }
+        let part = Part {
+            folder: run.scenario().out.clone(),
+            quiet: args.run.quiet,
+            every,
+        };
+        folder::prepare(&part.folder, args.force)?;
+        write_scene(&part.folder, run.scenario())?;
+        part.to_end(run, Usage::default(), threads)
+    })
+}
+
+/// Goes on with a run.
+pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
+    let RunArgs {
+        threads,
+        checkpoint_every,
+        quiet,
+    } = args.run;
+    let every = checkpoint_interval(checkpoint_every)?;
+    in_pool(threads.map(usize::from), |threads| {
+        let saved = folder::load_run(&args.folder)?;
+        let part = Part {
+            folder: args.folder.clone(),
+            quiet,
+            every,
+        };
+        part.to_end(saved.run, saved.usage, threads)
+    })
+}
+
+fn write_scene(folder: &Path, scenario: &Scenario) -> Result<()> {
+    let text = format!(
+        "# The scene of this run, for `femdem run`.\n{}",
+        scenario.to_toml()?
+    );
+    Ok(output::write_file(folder.join("scene.toml"), |w| {
+        std::io::Write::write_all(w, text.as_bytes())
+    })?)
+}
+
+/// One part of a run: from here to the end or to Ctrl-C.
+struct Part {
+    folder: PathBuf,
+    quiet: bool,
+    every: Duration,
+}
+
+impl Part {
+    fn to_end(&self, mut run: Run, before: Usage, threads: usize) -> Result<Outcome> {
+        let interrupted = watch_for_interrupt()?;
+        let meter = Meter::start(before, threads);
+        // At once, so that a folder that cannot be written to is found now and not after the work.
+        self.save(&mut run, &meter)?;
+        let clock = Clock::new(run.scenario().duration, run.simulation(), self.quiet)?;
+        let advanced = self.advance(&mut run, &meter, &clock, &interrupted);
+        clock.clear();
+        if advanced.is_err() {
+            // The rows up to the failure help to understand it; a lack of them is no second error.
+            let _ = run.flush(&self.folder);
+        }
+        advanced.with_context(|| self.after_failure())?;
+
+        if run.ending().is_none() {
+            self.save(&mut run, &meter)?;
+            complain(&format!(
+                "stopped at {:.6} of {} s; continue with: femdem resume {}",
+                run.simulation().world.time(),
+                run.scenario().duration,
+                self.folder.display()
+            ));
+            return Ok(Outcome::Interrupted);
+        }
+        let summary = run.finish(&self.folder, &meter.read(run.simulation().world.counters()))?;
+        self.save(&mut run, &meter)?;
+        if !self.quiet {
+            say(&format!(
+                "{summary}  {:<20} {}",
+                "results in",
+                self.folder.display()
+            ));
+        }
+        Ok(Outcome::Finished)
+    }
+
+    /// Advances to the end or to an interrupt, with checkpoints on the way.
+    fn advance(
+        &self,
+        run: &mut Run,
+        meter: &Meter,
+        clock: &Clock,
+        interrupted: &AtomicBool,
+    ) -> Result<()> {
+        let mut saved = Instant::now();
+        let mut steps = 1;
+        while run.ending().is_none() && !interrupted.load(Ordering::Relaxed) {
+            let began = Instant::now();
+            run.advance(&self.folder, steps)?;
+            clock.show(run.simulation(), run.frames().len());
+            // The run does not depend on how its steps are divided, so the clock may decide here.
+            steps = if began.elapsed() < BREATH {
+                (steps * 2).min(1 << 16)
+            } else {
+                (steps / 2).max(1)
+            };
+            if saved.elapsed() >= self.every {
+                // A full disk may have room again when the run ends; until then the last one stands.
+                if let Err(error) = self.save(run, meter) {
+                    clock.note(&format!("warning: {error:#}"));
+                }
+                saved = Instant::now();
+            }
+        }
+        Ok(())
+    }
+
+    fn save(&self, run: &mut Run, meter: &Meter) -> Result<()> {
+        run.flush(&self.folder)?;
+        let usage = meter.read(run.simulation().world.counters());
+        folder::save_run(&self.folder, run, &usage)
+    }
+
+    fn after_failure(&self) -> String {
+        format!(
+            "the run failed; the last good state is {}",
+            self.folder.join(folder::RUN_CHECKPOINT).display()
+        )
+    }
+}
