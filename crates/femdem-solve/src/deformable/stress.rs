@@ -44,6 +44,35 @@ impl ElementStress {
 }
 
 impl DeformableModel {
+    /// Equivalent plastic strain of every element, the mean over its points: 0 where the material has
+    /// none. `None` if no material has.
+    ///
+    /// # Errors
+    ///
+    /// [`ElementFailure::Length`] for a history of another length than the model's.
+    pub fn plastic_strains(&self, history: &[f64]) -> Result<Option<Vec<f64>>, ElementFailure> {
+        if history.len() != self.history_len() {
+            return Err(ElementFailure::Length {
+                what: "history",
+                found: history.len(),
+                expected: self.history_len(),
+            });
+        }
+        let points = self.element.point_count();
+        let mut plastic = false;
+        let mut of_element = |e: usize| {
+            let at_point = |q| {
+                self.material(e)
+                    .plastic_strain(&history[self.history_at(e, q)])
+            };
+            let strains: Vec<f64> = (0..points).filter_map(at_point).collect();
+            plastic |= !strains.is_empty();
+            strains.iter().sum::<f64>() / points as f64
+        };
+        let strains = (0..self.volumes.len()).map(&mut of_element).collect();
+        Ok(plastic.then_some(strains))
+    }
+
     /// Stress of every element at positions `x` (m) with the history `old` that belongs to them; at
     /// rest, without viscous stresses.
     ///

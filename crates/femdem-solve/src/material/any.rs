@@ -68,6 +68,18 @@ impl AnyMaterial {
         }
     }
 
+    /// Equivalent plastic strain in the history of a point; `None` for laws without plasticity, and for
+    /// custom ones, whose history is their own.
+    #[must_use]
+    pub fn plastic_strain(&self, history: &[f64]) -> Option<f64> {
+        match self {
+            // Theirs is the last number.
+            Self::J2(_) | Self::DruckerPrager(_) => history.last().copied(),
+            Self::Viscous(viscous) => viscous.law().plastic_strain(history),
+            _ => None,
+        }
+    }
+
     /// The law; `None` for a custom law that has yet to be bound.
     #[inline]
     fn law(&self) -> Option<&dyn Material> {

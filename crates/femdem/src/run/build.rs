@@ -35,11 +35,28 @@ pub struct Member {
 
 /// A world made from a scenario.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "Stored")]
 pub struct Simulation {
     /// The world.
     pub world: World,
     /// Its bodies, in the order of the scenario.
     pub members: Vec<Member>,
+}
+
+/// A simulation as read, before its world is made whole.
+#[derive(Deserialize)]
+struct Stored {
+    world: World,
+    members: Vec<Member>,
+}
+
+impl TryFrom<Stored> for Simulation {
+    type Error = SolveError;
+
+    fn try_from(Stored { mut world, members }: Stored) -> Result<Self, SolveError> {
+        world.restore()?;
+        Ok(Self { world, members })
+    }
 }
 
 impl Scenario {

@@ -9,8 +9,8 @@
 use std::io::{self, Write};
 
 use femdem_mesh::{Matrix3, Vector3};
-use femdem_solve::Deformable;
 use femdem_solve::deformable::ElementStress;
+use femdem_solve::{Deformable, SolveError};
 
 use super::contacts::{ContactLine, Side};
 use super::{Member, MemberId, Simulation};
@@ -27,6 +27,8 @@ pub(super) struct Strained<'a> {
     pub entry: &'a Member,
     pub body: Deformable<'a>,
     pub stresses: Vec<ElementStress>,
+    /// Where a material has one.
+    pub plastic_strains: Option<Vec<f64>>,
 }
 
 /// von Mises stress \[Pa\] of a Cauchy stress.
@@ -46,10 +48,12 @@ impl Simulation {
     /// The deformable bodies with their stresses.
     pub(super) fn strained(&self) -> Result<Vec<Strained<'_>>, Error> {
         let bodies = self.deformables().map(|(member, entry, body)| {
+            let plastic_strains = body.model().plastic_strains(body.history());
             Ok(Strained {
                 member,
                 entry,
-                stresses: body.stresses().map_err(femdem_solve::SolveError::from)?,
+                stresses: body.stresses().map_err(SolveError::from)?,
+                plastic_strains: plastic_strains.map_err(SolveError::from)?,
                 body,
             })
         });
@@ -175,6 +179,13 @@ fn cell_data(out: &mut Document, bodies: &[Strained]) {
         stresses().flat_map(|s| principal(&s.cauchy)),
     );
     out.floats("volume_ratio", 1, stresses().map(|s| s.volume_ratio));
+    if bodies.iter().any(|b| b.plastic_strains.is_some()) {
+        let strains = |b: &Strained| {
+            let zero = || vec![0.0; b.stresses.len()];
+            b.plastic_strains.clone().unwrap_or_else(zero)
+        };
+        out.floats("plastic_strain", 1, bodies.iter().flat_map(strains));
+    }
 }
 
 fn write_points(contacts: &[ContactLine], writer: impl Write) -> io::Result<()> {

@@ -25,7 +25,7 @@ pub(super) struct Geometry {
 impl BodyEntry {
     pub(super) fn geometry(&self) -> Result<Geometry, Error> {
         match (&self.shape, &self.mesh, &self.block) {
-            (Some(text), None, None) => self.from_surface(text),
+            (Some(text), None, None) => self.of_surface(text),
             (None, Some(path), None) => {
                 let by = self.unit.metres();
                 let mesh = moved(&io::msh::read_file(path)?, |p| p * by)?;
@@ -46,7 +46,7 @@ impl BodyEntry {
         }
     }
 
-    fn from_surface(&self, text: &str) -> Result<Geometry, Error> {
+    fn of_surface(&self, text: &str) -> Result<Geometry, Error> {
         let (name, surface) = self.surface(text)?;
         let deforms = self.behaviour == Behaviour::Deformable;
         let mesh = if deforms || !surface.is_convex() {

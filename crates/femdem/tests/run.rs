@@ -1,0 +1,344 @@
+//! `femdem run` on small scenes: every file, resuming, refusals, and the scenes that are shipped.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+mod common;
+
+use common::{code, fails, femdem, run, stdout, summary};
+use femdem::run::{Run, Scenario};
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::tempdir;
+
+/// A soft cube and a rigid one fall on a floor beside a driven plate; the soft one flows.
+const SCENE: &str = r#"
+title = "small"
+duration = 0.03
+every = 0.005
+track = true
+
+[contact]
+penalty = 1e5
+
+[material.clay]
+density = 1000
+law = "j2"
+young = 1e6
+poisson = 0.3
+yield-stress = 5e3
+
+[material.stone]
+density = 2500
+
+[[wall]]
+name = "floor"
+plane = { normal = [0, 0, 1] }
+
+[[body]]
+name = "soft"
+block = [2, 2, 2]
+sides = [0.05, 0.05, 0.05]
+material = "clay"
+behaviour = "deformable"
+position = [0, 0, 0.0255]
+velocity = [0, 0, -1]
+
+[[body]]
+name = "hard"
+shape = "cube"
+size = 0.04
+material = "stone"
+position = [0.005, 0, 0.0715]
+velocity = [0, 0, -1]
+copies = { count = [1, 1, 2], spacing = [0, 0, 0.05] }
+"#;
+
+fn write(folder: &Path, text: &str) -> PathBuf {
+    let path = folder.join("scene.toml");
+    fs::write(&path, text).unwrap();
+    path
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<_> = entries
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_run_leaves_every_file() {
+    let folder = tempdir().unwrap();
+    let (scene, out) = (write(folder.path(), SCENE), folder.path().join("out"));
+    let result = run(femdem("run")
+        .arg(&scene)
+        .arg("--out")
+        .arg(&out)
+        .args(["--threads", "2"]));
+    assert_eq!(code(&result), 0, "{result:?}");
+    assert!(
+        stdout(&result).contains("small: to its end"),
+        "{}",
+        stdout(&result)
+    );
+    let expected = [
+        "contacts.pvd",
+        "frames",
+        "history.csv",
+        "members.csv",
+        "run.ckpt",
+        "run.png",
+        "run.pvd",
+        "scene.toml",
+        "summary.json",
+    ];
+    assert_eq!(names(&out), expected);
+    // Frames at 0, 0.005, ..., 0.03 and one for each kind.
+    let frames = names(&out.join("frames"));
+    assert_eq!(frames.len(), 3 * 7, "{frames:?}");
+    let soft = fs::read_to_string(out.join("frames/deformable-00006.vtu")).unwrap();
+    assert!(soft.contains("NumberOfPoints=\"27\" NumberOfCells=\"48\""));
+    assert!(soft.contains("Name=\"plastic_strain\""));
+
+    let summary = summary(&out);
+    assert_eq!(summary["ending"], "time");
+    assert_eq!(summary["bodies"][2]["name"], "hard 2");
+    assert!(summary["energy"]["dissipated_plastic"].as_f64().unwrap() > 0.0);
+    assert!(summary["strain"]["max_von_mises"].as_f64().unwrap() > 1e3);
+    let mass = summary["bodies"][0]["mass"].as_f64().unwrap();
+    assert!((mass - 0.125).abs() < 1e-12);
+    // The floor is pressed down.
+    assert!(summary["walls"][0]["peak_force"].as_f64().unwrap() > 3.0);
+
+    let history = fs::read_to_string(out.join("history.csv")).unwrap();
+    let columns: Vec<&str> = history.lines().next().unwrap().split(',').collect();
+    assert_eq!(columns.last(), Some(&"fz floor"));
+    assert!(
+        history
+            .lines()
+            .skip(1)
+            .all(|row| row.split(',').count() == columns.len())
+    );
+    assert!(history.lines().count() > 60);
+    let members = fs::read_to_string(out.join("members.csv")).unwrap();
+    assert_eq!(
+        members.lines().count(),
+        1 + 3 * (history.lines().count() - 1)
+    );
+    let series = fs::read_to_string(out.join("run.pvd")).unwrap();
+    assert_eq!(series.matches("part=\"1\"").count(), 7);
+}
+
+/// Impulse of the floor and of gravity is the change of momentum, row by row.
+#[test]
+fn wall_forces_and_momentum_agree() {
+    let folder = tempdir().unwrap();
+    let text = SCENE.replace("every = 0.005", "every = 0.005\nhistory-every = 1e-9");
+    let mut job = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
+    job.advance(folder.path(), u64::MAX).unwrap();
+    job.flush(folder.path()).unwrap();
+    let history = fs::read_to_string(folder.path().join("history.csv")).unwrap();
+    let rows: Vec<Vec<f64>> = history
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').map(|x| x.parse().unwrap()).collect())
+        .collect();
+    let (time, momentum, force) = (0, 18, 22);
+    let masses = job.simulation().bodies().into_iter().map(|body| body.mass);
+    let weight = 9.81 * masses.sum::<f64>();
+    let mut impulse = 0.0;
+    let mut pushed = 0.0;
+    for pair in rows.windows(2) {
+        let (before, after) = (&pair[0], &pair[1]);
+        let dt = after[time] - before[time];
+        // On the bodies, against that on the floor; the trapezoidal rule is that of the step.
+        impulse += dt * (-0.5 * (before[force] + after[force]) - weight);
+        pushed += dt * after[force].abs();
+    }
+    let change = rows.last().unwrap()[momentum] - rows[0][momentum];
+    assert!(pushed > 0.1, "{pushed}");
+    assert!((impulse - change).abs() < 1e-9, "{impulse} {change}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_resumes_to_the_same_bits() {
+    let folder = tempdir().unwrap();
+    let scene = write(
+        folder.path(),
+        &SCENE.replace("duration = 0.03", "duration = 0.3"),
+    );
+    let (whole, parts) = (folder.path().join("whole"), folder.path().join("parts"));
+    let start = |out: &Path, threads: &str| {
+        let mut command = femdem("run");
+        command
+            .arg(&scene)
+            .args(["--threads", threads, "-q", "--out"])
+            .arg(out);
+        command
+    };
+    let result = run(&mut start(&whole, "1"));
+    assert_eq!(code(&result), 0, "{result:?}");
+    let mut child = start(&parts, "2").spawn().unwrap();
+    while !parts.join("frames/contacts-00002.vtp").is_file() {
+        assert_eq!(child.try_wait().unwrap(), None);
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    common::interrupt(&child);
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!parts.join("summary.json").exists());
+    let result = run(femdem("resume").arg(&parts).arg("-q"));
+    assert_eq!(code(&result), 0, "{result:?}");
+    assert_eq!(summary(&parts)["state_hash"], summary(&whole)["state_hash"]);
+    for name in ["history.csv", "members.csv", "run.pvd"] {
+        let read = |folder: &Path| fs::read_to_string(folder.join(name)).unwrap();
+        assert!(read(&parts) == read(&whole), "{name}");
+    }
+    assert_eq!(names(&parts.join("frames")), names(&whole.join("frames")));
+}
+
+/// What is written when does not change the motion.
+#[test]
+fn the_motion_does_not_depend_on_the_output() {
+    let folder = tempdir().unwrap();
+    let end = |every: &str| {
+        let text = SCENE.replace("every = 0.005", &format!("every = {every}"));
+        let mut job = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
+        job.advance(folder.path(), u64::MAX).unwrap();
+        job.simulation().world.state_hash().unwrap()
+    };
+    assert_eq!(end("0.005"), end("0.0017"));
+}
+
+#[test]
+fn bad_entries_are_refused_by_name_and_leave_no_folder() {
+    let folder = tempdir().unwrap();
+    let out = folder.path().join("out");
+    for (from, to, words) in [
+        ("duration = 0.03", "duration = -1", &["duration = -1"][..]),
+        ("every = 0.005", "evry = 0.005", &["evry"]),
+        (
+            "poisson = 0.3",
+            "poisson = 0.5",
+            &["soft", "material.clay", "poisson = 0.5"],
+        ),
+        (
+            "young = 1e6\n",
+            "",
+            &["soft", "material.clay", "young", "needs it"],
+        ),
+        ("law = \"j2\"", "law = \"jelly\"", &["jelly", "neo-hookean"]),
+        ("density = 1000", "density = 0", &["soft", "density"]),
+        (
+            "material = \"stone\"",
+            "material = \"wood\"",
+            &["hard", "\"wood\"", "[material.NAME]"],
+        ),
+        ("block = [2, 2, 2]", "block = [0, 2, 2]", &["soft", "cells"]),
+        ("shape = \"cube\"", "shape = \"cueb\"", &["hard", "cueb"]),
+        ("size = 0.04\n", "", &["hard", "diameter and size"]),
+        (
+            "name = \"hard\"",
+            "name = \"soft\"",
+            &["\"soft\"", "another body"],
+        ),
+        (
+            "normal = [0, 0, 1]",
+            "normal = [0, 0, 0]",
+            &["floor", "normal"],
+        ),
+        (
+            "plane = {",
+            "cylinder = { diameter = 1 }\nplane = {",
+            &["floor", "exactly one"],
+        ),
+        (
+            "size = 0.04",
+            "size = 0.04\nelement = \"t10\"",
+            &["hard", "element", "rigid"],
+        ),
+        (
+            "size = 0.04",
+            "size = 0.04\n[[body.boundary]]\nselect = \"all\"\nfix = true",
+            &["hard", "boundary", "rigid"],
+        ),
+        (
+            "velocity = [0, 0, -1]\n\n[[body]]",
+            "[[body.boundary]]\nselect = { plane = { normal = [1, 0, 0], offset = 9 } }\nfix = true\n[[body]]",
+            &["soft", "nothing is selected"],
+        ),
+    ] {
+        assert!(SCENE.contains(from), "{from}");
+        let scene = write(folder.path(), &SCENE.replacen(from, to, 1));
+        fails(femdem("run").arg(&scene).arg("--out").arg(&out), words);
+        assert!(!out.exists(), "{to}");
+    }
+    fails(
+        femdem("run").arg(folder.path().join("none.toml")),
+        &["none.toml"],
+    );
+    fails(
+        femdem("resume").arg(folder.path()),
+        &["pack.ckpt", "run.ckpt"],
+    );
+}
+
+/// A block that is driven inside out: the message names the body, the element, the step and what to
+/// do, and the checkpoint stays.
+#[test]
+fn a_failure_names_the_body_and_keeps_the_checkpoint() {
+    let folder = tempdir().unwrap();
+    let text = r#"
+duration = 1
+every = 0.01
+gravity = [0, 0, 0]
+[material.clay]
+density = 1000
+law = "neo-hookean"
+young = 1e5
+poisson = 0.3
+[[body]]
+name = "sample"
+block = [1, 1, 2]
+sides = [0.1, 0.1, 0.2]
+material = "clay"
+behaviour = "deformable"
+[[body.boundary]]
+select = { plane = { normal = [0, 0, 1], offset = -0.1 } }
+fix = true
+[[body.boundary]]
+select = { plane = { normal = [0, 0, 1], offset = 0.1 } }
+motion = { linear = { velocity = [0, 0, -4] } }
+"#;
+    let (scene, out) = (write(folder.path(), text), folder.path().join("out"));
+    let words = ["sample", "element", "step", "smaller step", "run.ckpt"];
+    let message = fails(
+        femdem("run").arg(&scene).args(["-q", "--out"]).arg(&out),
+        &words,
+    );
+    assert_eq!(message.matches("sample").count(), 1, "{message}");
+    assert!(out.join("run.ckpt").is_file());
+    assert!(out.join("frames/deformable-00001.vtu").is_file());
+    assert!(!out.join("summary.json").exists());
+    // The way there is the same again.
+    fails(femdem("resume").arg(&out).arg("-q"), &words);
+}
+
+#[test]
+fn every_shipped_scene_is_read_and_checked() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let names = names(&scenes);
+    assert!(names.len() >= 9, "{names:?}");
+    for name in names {
+        let path = scenes.join(&name);
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.starts_with("# ") && text.contains("# Takes"), "{name}");
+        let scenario = Scenario::read(&path).unwrap();
+        assert!(!scenario.title.is_empty(), "{name}");
+        let result = run(femdem("run").arg(&path).args(["--check", "--threads", "2"]));
+        assert_eq!(code(&result), 0, "{name}: {result:?}");
+        assert!(stdout(&result).contains("steps for"), "{name}");
+    }
+}

@@ -1,0 +1,473 @@
+//! docs/scenes.md lists every key of a scene, and docs/run.md every column and key of the results.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use femdem::run::{
+    Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, ContactEntry, Copies,
+    CylinderEntry, Ending, HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry, MediumEntry,
+    MotionEntry, PlaneEntry, RegionEntry, RestEntry, RotationEntry, RunEnergy, RunSummary,
+    Scenario, SelectEntry, StepEntry, StrainSummary, WallEntry, WallSummary, Zone,
+};
+use femdem::scene::Unit;
+use serde::Serialize;
+
+const V: [f64; 3] = [1.0, 2.0, 3.0];
+const SHAKE: MotionEntry = MotionEntry::Shake {
+    stroke: V,
+    frequency: 1.0,
+    start: 0.0,
+    periods: 1,
+};
+
+/// With every field written out, so that a new one stops this file from compiling.
+fn body() -> BodyEntry {
+    BodyEntry {
+        name: "b".to_owned(),
+        shape: Some("cube".to_owned()),
+        mesh: Some(PathBuf::from("b.msh")),
+        block: Some([1, 1, 1]),
+        sides: Some(V),
+        diameter: Some(1.0),
+        size: Some(1.0),
+        unit: Unit::M,
+        material: "m".to_owned(),
+        region: vec![region()],
+        behaviour: Behaviour::Rigid,
+        element: femdem::solve::element::Element::T4,
+        mesh_size: Some(0.1),
+        contact_ratio: Some(1.0),
+        position: V,
+        rotation: Some(rotation()),
+        velocity: V,
+        spin: V,
+        copies: Some(copies()),
+        motion: Some(SHAKE),
+        boundary: vec![boundary()],
+    }
+}
+
+fn rotation() -> RotationEntry {
+    RotationEntry {
+        axis: V,
+        angle: 30.0,
+    }
+}
+
+fn copies() -> Copies {
+    Copies {
+        count: [1, 2, 3],
+        spacing: V,
+        seed: Some(1),
+    }
+}
+
+fn region() -> RegionEntry {
+    RegionEntry {
+        material: "m".to_owned(),
+        within: Zone::Sphere {
+            centre: V,
+            radius: 1.0,
+        },
+    }
+}
+
+fn boundary() -> BoundaryEntry {
+    BoundaryEntry {
+        select: SelectEntry::All,
+        fix: true,
+        motion: Some(SHAKE),
+        directions: [true; 3],
+        pressure: Some(1.0),
+        traction: Some(V),
+        rise: Some(1.0),
+        table: Some(vec![[0.0, 1.0]]),
+    }
+}
+
+fn material() -> MaterialEntry {
+    MaterialEntry {
+        density: 1.0,
+        law: Some(Law::J2),
+        young: Some(1.0),
+        poisson: Some(0.1),
+        share: Some(0.1),
+        yield_stress: Some(1.0),
+        hardening: Some(1.0),
+        saturation_stress: Some(1.0),
+        saturation_rate: Some(1.0),
+        cohesion: Some(1.0),
+        friction_angle: Some(1.0),
+        dilatancy_angle: Some(1.0),
+        shear_viscosity: Some(1.0),
+        bulk_viscosity: Some(1.0),
+    }
+}
+
+fn plane() -> PlaneEntry {
+    PlaneEntry {
+        normal: V,
+        offset: 1.0,
+    }
+}
+
+fn space() -> BoxEntry {
+    BoxEntry {
+        lower: V,
+        upper: V,
+        open: true,
+    }
+}
+
+fn cylinder() -> CylinderEntry {
+    CylinderEntry {
+        diameter: 1.0,
+        facets: 8,
+    }
+}
+
+fn wall() -> WallEntry {
+    WallEntry {
+        name: "w".to_owned(),
+        plane: Some(plane()),
+        r#box: Some(space()),
+        cylinder: Some(cylinder()),
+        file: Some(PathBuf::from("w.stl")),
+        unit: Unit::M,
+        motion: Some(SHAKE),
+    }
+}
+
+fn rest() -> RestEntry {
+    RestEntry {
+        energy: 1.0,
+        time: 1.0,
+    }
+}
+
+fn step() -> StepEntry {
+    StepEntry {
+        safety: 0.5,
+        largest: Some(1.0),
+    }
+}
+
+fn scenario() -> Scenario {
+    Scenario {
+        title: "t".to_owned(),
+        duration: 1.0,
+        every: Some(1.0),
+        history_every: Some(1.0),
+        track: true,
+        rest: Some(rest()),
+        gravity: V,
+        contact: ContactEntry::default(),
+        time_step: step(),
+        medium: MediumEntry::default(),
+        sleeping: true,
+        material: BTreeMap::from([("m".to_owned(), material())]),
+        wall: vec![wall()],
+        body: vec![body()],
+        out: PathBuf::from("o"),
+        threads: Some(1),
+        checkpoint_every: 1.0,
+    }
+}
+
+fn keys(value: &impl Serialize) -> BTreeSet<String> {
+    let value = serde_json::to_value(value).unwrap();
+    value.as_object().unwrap().keys().cloned().collect()
+}
+
+fn guide(name: &str) -> String {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../../docs")
+        .join(name);
+    std::fs::read_to_string(path).unwrap()
+}
+
+/// Rows of the tables under a heading, as cells, headers and rulers left out.
+fn rows(text: &str, heading: &str) -> Vec<Vec<String>> {
+    let start = text
+        .find(&format!("\n{heading}\n"))
+        .unwrap_or_else(|| panic!("{heading}"));
+    let section = &text[start + heading.len() + 1..];
+    let end = section.find("\n#").unwrap_or(section.len());
+    let lines: Vec<&str> = section[..end].lines().collect();
+    let is_header = |i: usize| {
+        lines
+            .get(i + 1)
+            .is_some_and(|next| next.starts_with("|---"))
+    };
+    let table = (0..lines.len())
+        .filter(|&i| lines[i].starts_with('|') && !lines[i].starts_with("|---") && !is_header(i));
+    let cells = |i: usize| {
+        lines[i]
+            .trim_matches('|')
+            .split('|')
+            .map(|c| c.trim().to_owned())
+    };
+    table.map(|i| cells(i).collect()).collect()
+}
+
+/// Words in backticks.
+fn ticked(cell: &str) -> Vec<String> {
+    cell.split('`')
+        .skip(1)
+        .step_by(2)
+        .map(str::to_owned)
+        .collect()
+}
+
+/// The keys of the rows with `columns` cells whose first cell is one key.
+fn documented(text: &str, heading: &str) -> BTreeSet<String> {
+    rows(text, heading)
+        .iter()
+        .map(|row| ticked(&row[0]).concat())
+        .collect()
+}
+
+#[test]
+fn every_key_of_every_table_is_documented_and_no_other() {
+    let text = guide("scenes.md");
+    for (heading, wanted) in [
+        ("## The scene", keys(&scenario())),
+        ("## `[rest]`", keys(&rest())),
+        ("## `[contact]`", keys(&ContactEntry::default())),
+        ("## `[time-step]`", keys(&step())),
+        ("## `[medium]`", keys(&MediumEntry::default())),
+        ("## `[[wall]]`", keys(&wall())),
+        ("### `plane`", keys(&plane())),
+        ("### `box`", keys(&space())),
+        ("### `cylinder`", keys(&cylinder())),
+        ("## `[[body]]`", keys(&body())),
+        ("### `rotation`", keys(&rotation())),
+        ("### `copies`", keys(&copies())),
+    ] {
+        assert_eq!(documented(&text, heading), wanted, "{heading}");
+    }
+    let laws = [
+        Law::NeoHookean,
+        Law::Hencky,
+        Law::MooneyRivlin,
+        Law::J2,
+        Law::DruckerPrager,
+    ];
+    let laws = laws.map(|law| {
+        serde_json::to_value(law)
+            .unwrap()
+            .as_str()
+            .unwrap()
+            .to_owned()
+    });
+    let mut wanted = keys(&material());
+    wanted.extend(laws);
+    assert_eq!(documented(&text, "## `[material.NAME]`"), wanted);
+}
+
+/// Variants of an enum with the keys of each.
+fn variants(values: &[impl Serialize]) -> BTreeMap<String, BTreeSet<String>> {
+    let variant = |value: serde_json::Value| match value {
+        serde_json::Value::String(name) => (name, BTreeSet::new()),
+        other => {
+            let (name, inner) = other.as_object().unwrap().iter().next().unwrap();
+            let keys = inner.as_object().map(|o| o.keys().cloned().collect());
+            (name.clone(), keys.unwrap_or_default())
+        }
+    };
+    values
+        .iter()
+        .map(|v| variant(serde_json::to_value(v).unwrap()))
+        .collect()
+}
+
+fn choices(
+    text: &str,
+    heading: &str,
+    skip: &BTreeSet<String>,
+) -> BTreeMap<String, BTreeSet<String>> {
+    let rows = rows(text, heading);
+    let row = |row: &Vec<String>| {
+        (
+            ticked(&row[0]).concat(),
+            ticked(&row[1]).into_iter().collect(),
+        )
+    };
+    rows.iter()
+        .map(row)
+        .filter(|(name, _)| !skip.contains(name))
+        .collect()
+}
+
+#[test]
+fn every_choice_is_documented_with_its_keys() {
+    let text = guide("scenes.md");
+    let none = BTreeSet::new();
+    let motions = [
+        MotionEntry::Linear {
+            velocity: V,
+            start: 0.0,
+            end: 1.0,
+        },
+        SHAKE,
+        MotionEntry::Tap {
+            stroke: V,
+            frequency: 1.0,
+            interval: 1.0,
+            start: 0.0,
+            taps: 1,
+        },
+        MotionEntry::Turn {
+            axis: V,
+            point: V,
+            rate: 1.0,
+            start: 0.0,
+            end: 1.0,
+        },
+        MotionEntry::Rock {
+            axis: V,
+            point: V,
+            angle: 1.0,
+            frequency: 1.0,
+            start: 0.0,
+            periods: 1,
+        },
+    ];
+    assert_eq!(choices(&text, "## Motions", &none), variants(&motions));
+    let selections = [
+        SelectEntry::All,
+        SelectEntry::Skin,
+        SelectEntry::Nodes(vec![1]),
+        SelectEntry::Box { lower: V, upper: V },
+        SelectEntry::Plane {
+            normal: V,
+            offset: 0.0,
+            tolerance: Some(1.0),
+        },
+        SelectEntry::Sphere {
+            centre: V,
+            radius: 1.0,
+        },
+    ];
+    let found = choices(&text, "### `[[body.boundary]]`", &keys(&boundary()));
+    assert_eq!(found, variants(&selections));
+    let zones = [
+        Zone::Box { lower: V, upper: V },
+        Zone::HalfSpace {
+            normal: V,
+            offset: 0.0,
+        },
+        region().within,
+    ];
+    let found = choices(&text, "### `[[body.region]]`", &keys(&region()));
+    assert_eq!(found, variants(&zones));
+    let all: BTreeSet<String> = documented(&text, "### `[[body.boundary]]`");
+    assert!(keys(&boundary()).is_subset(&all));
+}
+
+#[test]
+fn a_full_scene_reads_back_equal() {
+    let text = scenario().to_toml().unwrap();
+    assert_eq!(Scenario::from_toml(&text).unwrap(), scenario());
+}
+
+#[test]
+fn every_column_and_key_of_the_results_is_documented() {
+    let text = guide("run.md");
+    let columns = |heading: &str| -> Vec<String> {
+        rows(&text, heading)
+            .iter()
+            .flat_map(|row| ticked(&row[0]))
+            .collect()
+    };
+    let sorted = |mut names: Vec<String>| {
+        names.sort();
+        names
+    };
+    let owned = |names: &[&str]| sorted(names.iter().map(|&s| s.to_owned()).collect());
+    assert_eq!(sorted(columns("## history.csv")), owned(&HISTORY_COLUMNS));
+    assert_eq!(sorted(columns("## members.csv")), owned(&MEMBER_COLUMNS));
+
+    let summary = summary();
+    let mut wanted = BTreeSet::new();
+    for (key, inner) in serde_json::to_value(&summary).unwrap().as_object().unwrap() {
+        match inner.as_object() {
+            Some(inner) => wanted.extend(inner.keys().map(|k| format!("{key}.{k}"))),
+            None => {
+                wanted.insert(key.clone());
+            }
+        }
+    }
+    let mut found = BTreeSet::new();
+    for row in rows(&text, "## summary.json") {
+        let names = ticked(&row[0]);
+        let group = names[0].split('.').next().unwrap().to_owned();
+        found.extend(names.iter().map(|name| match name.strip_prefix('.') {
+            Some(rest) => format!("{group}.{rest}"),
+            None => name.clone(),
+        }));
+    }
+    assert_eq!(found, wanted);
+    for key in keys(&summary.bodies[0]).union(&keys(&summary.walls[0])) {
+        assert!(text.contains(&format!("`{key}`")), "{key}");
+    }
+}
+
+fn summary() -> RunSummary {
+    RunSummary {
+        schema: 1,
+        title: String::new(),
+        ending: Some(Ending::Time),
+        bodies: vec![BodySummary {
+            name: String::new(),
+            behaviour: String::new(),
+            mass: 1.0,
+            nodes: 0,
+            tetrahedra: 0,
+            centroid: V,
+            velocity: V,
+        }],
+        walls: vec![WallSummary {
+            name: String::new(),
+            force: V,
+            peak_force: 1.0,
+            peak_time: 1.0,
+        }],
+        simulated_time: 1.0,
+        steps: 1,
+        time_step: 1.0,
+        frames: 1,
+        tetrahedra: 1,
+        energy: RunEnergy {
+            initial: 1.0,
+            work_in: 1.0,
+            kinetic: 1.0,
+            potential: 1.0,
+            strain: 1.0,
+            contact: 1.0,
+            friction_springs: 1.0,
+            dissipated_friction: 1.0,
+            dissipated_damping: 1.0,
+            dissipated_medium: 1.0,
+            dissipated_viscous: 1.0,
+            dissipated_plastic: 1.0,
+            frozen: 1.0,
+            ledger_error_relative: 1.0,
+        },
+        momentum: V,
+        strain: Some(StrainSummary {
+            max_von_mises: 1.0,
+            min_volume_ratio: 1.0,
+            max_volume_ratio: 1.0,
+        }),
+        contacts: 1,
+        threads: 1,
+        wall_seconds: 1.0,
+        cpu_seconds: Some(1.0),
+        nanoseconds_per_tet_step: Some(1.0),
+        peak_memory_bytes: Some(1),
+        state_hash: String::new(),
+    }
+}
