@@ -260,8 +260,8 @@ fn bad_entries_are_refused_by_name_and_leave_no_folder() {
             &["hard", "element", "rigid"],
         ),
         (
-            "size = 0.04",
-            "size = 0.04\n[[body.boundary]]\nselect = \"all\"\nfix = true",
+            "spacing = [0, 0, 0.05] }",
+            "spacing = [0, 0, 0.05] }\n[[body.boundary]]\nselect = \"all\"\nfix = true",
             &["hard", "boundary", "rigid"],
         ),
         (

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use femdem::pack::{PackError, Packing};
 use femdem::{Scene, Summary, Usage, output, results};
 
@@ -56,6 +56,14 @@ pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
 pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
     if folder::holds_run(&args.folder) {
         return super::run::resume(args);
+    }
+    if !args.folder.join(folder::CHECKPOINT).is_file() {
+        bail!(
+            "there is no {} and no {} in {}: give the folder of a run",
+            folder::CHECKPOINT,
+            folder::RUN_CHECKPOINT,
+            args.folder.display()
+        );
     }
     let RunArgs {
         threads,

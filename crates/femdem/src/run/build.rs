@@ -79,6 +79,8 @@ impl Scenario {
             added.map_err(in_entry(format!("wall \"{name}\"")))?;
         }
         let mut names = Names::default();
+        // Entries of one geometry often follow each other, and meshing can take long.
+        let mut last: Option<(&BodyEntry, Geometry)> = None;
         for (number, body) in (1..).zip(&self.body) {
             let place = if body.name.is_empty() {
                 format!("body {number}")
@@ -87,9 +89,12 @@ impl Scenario {
             };
             let mut add = || {
                 body.refuse_strangers()?;
-                let geometry = body.geometry()?;
+                let known = last.take().filter(|(of, _)| of.has_geometry_of(body));
+                let geometry = known.map_or_else(|| body.geometry(), |(_, known)| Ok(known))?;
                 let name = names.of("body", &body.name, &geometry.name)?;
-                simulation.add(self, body, &name, &geometry)
+                simulation.add(self, body, &name, &geometry)?;
+                last = Some((body, geometry));
+                Ok(())
             };
             add().map_err(in_entry(place))?;
         }

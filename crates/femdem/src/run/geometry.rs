@@ -46,6 +46,16 @@ impl BodyEntry {
         }
     }
 
+    /// Whether another entry has the same surface and tetrahedra.
+    pub(super) fn has_geometry_of(&self, other: &Self) -> bool {
+        let key = |entry: &Self| {
+            let files = (entry.shape.clone(), entry.mesh.clone(), entry.unit);
+            let sizes = (entry.block, entry.sides, entry.diameter, entry.size);
+            (files, sizes, entry.mesh_size, entry.behaviour)
+        };
+        key(self) == key(other)
+    }
+
     fn of_surface(&self, text: &str) -> Result<Geometry, Error> {
         let (name, surface) = self.surface(text)?;
         let deforms = self.behaviour == Behaviour::Deformable;
