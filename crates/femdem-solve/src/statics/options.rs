@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 pub enum Method {
     /// Newton's method: for most bodies.
     Newton(NewtonOptions),
-    /// Relaxation: for bodies that buckle, or laws whose tangent is not symmetric.
+    /// Relaxation: where Newton's method finds no way, such as with laws whose tangent is not symmetric
+    /// (flow that is not associated), of which the linear solvers see one triangle only.
     Relax(RelaxOptions),
 }
 

@@ -6,8 +6,10 @@ use femdem_mesh::{TetMesh, Vector3};
 use femdem_solve::Drive;
 use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion};
 use femdem_solve::element::Element;
-use femdem_solve::material::{AnyMaterial, J2, NeoHookean};
-use femdem_solve::statics::{StaticOptions, StaticSolution, StepReport, solve_static};
+use femdem_solve::material::{AnyMaterial, DruckerPrager, J2, NeoHookean};
+use femdem_solve::statics::{
+    Method, RelaxOptions, StaticOptions, StaticSolution, StepReport, solve_static,
+};
 
 const LENGTH: f64 = 4.0;
 
@@ -144,6 +146,28 @@ fn a_bar_of_metal_hardens_along_its_curve() {
                 .any(|h| (h - alpha).abs() < 1e-9)
         );
     }
+}
+
+/// Uniaxial strength of Mohr and Coulomb, 2 c cos(phi) / (1 - sin(phi)), which this cone meets, as a
+/// Kirchhoff stress. The flow is not associated, so the tangent is not symmetric:
+/// relaxation does without one.
+#[test]
+fn a_bar_of_rock_is_crushed_at_its_strength() {
+    let (cohesion, friction): (f64, f64) = (1e6, 0.5);
+    let rock = DruckerPrager::new(1e9, 0.2, cohesion, friction, 0.1).unwrap();
+    let model = bar(Element::T4, rock.into());
+    let strength = 2.0 * cohesion * friction.cos() / (1.0 - friction.sin());
+    let options = StaticOptions {
+        method: Method::Relax(RelaxOptions {
+            tolerance: 1e-6,
+            ..RelaxOptions::default()
+        }),
+        steps: 4,
+        ..StaticOptions::default()
+    };
+    let solution = pull(&model, -0.02 * LENGTH, &options);
+    let ratio = -force(&model, &solution) / (strength / 0.98);
+    assert!((ratio - 1.0).abs() < 1e-5, "{ratio}");
 }
 
 /// A column of 10 x 1 x 1 compressed by 3 %, nearly four times the strain at which it buckles: the
