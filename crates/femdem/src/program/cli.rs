@@ -402,6 +402,22 @@ mod tests {
         );
     }
 
+    /// The command that a report shows makes the scene that it is of.
+    #[test]
+    fn the_command_of_a_scene_gives_the_scene() {
+        for options in [
+            "",
+            "--shape cube --shape dolos:waist=0.36 --share 3 --share 1 --mass 2 --unit mm --repair",
+            "--cylinder 5 --cone 40 --outlet 0.1m --protocol pour --rate 50 --height 3.87m",
+            "--box 4x5x6m --seed 9 --threads 2 --penalty 1e6 --drag 0.6 --variety 3 --out a/b",
+        ] {
+            let made = scene(options);
+            let command = made.command();
+            let again = scene(command.strip_prefix("femdem pack").unwrap());
+            assert_eq!(again, made, "{command}");
+        }
+    }
+
     #[test]
     fn shapes_and_shares_are_lists() {
         let mixed = scene("--shape cube --shape A10 --share 3 --share 1 --mass 2 --unit mm");
