@@ -202,13 +202,40 @@ impl Page {
         self.call("Input.dispatchMouseEvent", event);
     }
 
+    /// The canvas at rest: what it shows once two looks agree, as a busy machine may lag behind.
+    pub fn settled(&mut self) -> Picture {
+        self.rest();
+        let mut before = self.canvas();
+        for _ in 0..40 {
+            std::thread::sleep(Duration::from_millis(400));
+            let now = self.canvas();
+            if now.pixels == before.pixels {
+                return now;
+            }
+            before = now;
+        }
+        before
+    }
+
+    /// Whether the canvas comes to show what is wanted.
+    pub fn comes_to(&mut self, wanted: impl Fn(&Picture) -> bool) -> bool {
+        self.rest();
+        (0..40).any(|look| {
+            if look > 0 {
+                std::thread::sleep(Duration::from_millis(400));
+            }
+            wanted(&self.canvas())
+        })
+    }
+
     /// What the canvas shows: width, and red, green and blue of each pixel, row by row.
     pub fn canvas(&mut self) -> Picture {
         let found = self.evaluate(
             "(() => { const b = document.getElementById('view').getBoundingClientRect(); \
              return { x: b.x + scrollX, y: b.y + scrollY, width: b.width, height: b.height, scale: 1 }; })()",
         );
-        let asked = json!({"format": "png", "clip": found, "captureBeyondViewport": true});
+        // Beyond the viewport the page would be laid out anew for the moment, and drawn again.
+        let asked = json!({"format": "png", "clip": found});
         let answer = self.call("Page.captureScreenshot", asked);
         Picture::of(answer["data"].as_str().unwrap())
     }

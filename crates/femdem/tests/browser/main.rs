@@ -24,7 +24,7 @@ use tempfile::{TempDir, tempdir};
 
 const DESK: Screen = Screen {
     width: 1280,
-    height: 900,
+    height: 1000,
     dark: false,
 };
 const PHONE: Screen = Screen {
@@ -89,8 +89,7 @@ fn the_view_rotates_changes_colour_and_tells_of_a_body() {
     let Some(browser) = browser() else { return };
     let (_folder, path, _) = write(&pack::jittered([6, 5, 7]), true);
     let (mut page, _) = Page::open(&browser, &path, DESK);
-    page.rest();
-    let first = page.canvas();
+    let first = page.settled();
     page.keep("first");
     resembles(&first.tiles(COLUMNS, ROWS));
 
@@ -103,10 +102,8 @@ fn the_view_rotates_changes_colour_and_tells_of_a_body() {
         );
     }
     page.mouse("mouseReleased", [x + 120.0, y + 36.0]);
-    page.rest();
-    let rotated = page.canvas();
     assert!(
-        first.difference(&rotated) > 0.1,
+        page.comes_to(|now| first.difference(now) > 0.1),
         "rotating changes the picture"
     );
     assert_eq!(
@@ -116,63 +113,61 @@ fn the_view_rotates_changes_colour_and_tells_of_a_body() {
     );
 
     for colour in ["force", "coordination", "density", "orientation"] {
-        let before = page.canvas();
+        let before = page.settled();
         set(&mut page, "colour", colour);
-        let share = before.difference(&page.canvas());
-        assert!(share > 0.05, "{colour} changes the picture: {share}");
+        assert!(
+            page.comes_to(|now| before.difference(now) > 0.05),
+            "{colour} changes the picture"
+        );
     }
     assert!(text(&mut page, "scale-title").contains("tilt"));
 
-    let before = page.canvas();
+    let before = page.settled();
     page.mouse("mousePressed", [x, y]);
     page.mouse("mouseReleased", [x, y]);
-    page.rest();
+    assert!(
+        page.comes_to(|now| before.difference(now) > 0.001),
+        "the chosen body is marked"
+    );
     let details = text(&mut page, "details");
     assert!(
         details.contains("A10") && details.contains("contact with"),
         "{details}"
     );
-    assert!(
-        before.difference(&page.canvas()) > 0.001,
-        "the chosen body is marked"
-    );
     let chosen = page.evaluate("Number(document.getElementById('number').value)");
     let listed = page.evaluate("femdem.view.state.chosen - 1");
     assert_eq!(chosen, listed, "one shape: bodies are listed in order");
 
-    let before = page.canvas();
+    let before = page.settled();
     set(&mut page, "cut-axis", "y");
     assert!(
-        before.difference(&page.canvas()) > 0.05,
+        page.comes_to(|now| before.difference(now) > 0.05),
         "a cut opens the pack"
     );
     page.keep("cut");
     set(&mut page, "cut-axis", "none");
     assert!(
-        before.difference(&page.canvas()) < 0.001,
+        page.comes_to(|now| before.difference(now) < 0.001),
         "without the cut all is as before"
     );
     page.evaluate("document.getElementById('chains').click()");
-    page.rest();
+    assert!(
+        page.comes_to(|now| before.difference(now) > 0.05),
+        "chains show within see-through bodies"
+    );
     assert!(
         page.evaluate("femdem.view.overlay.tubeCount")
             .as_u64()
             .unwrap()
             > 10
     );
-    assert!(
-        before.difference(&page.canvas()) > 0.05,
-        "chains show within see-through bodies"
-    );
     page.keep("chains");
     page.evaluate("document.getElementById('chains').click()");
     page.evaluate("document.querySelector('[data-look=iso]').click()");
     set(&mut page, "colour", "sequence");
     set(&mut page, "number", "");
-    assert!(
-        first.difference(&page.canvas()) < 0.002,
-        "the way back leads to the first picture"
-    );
+    let back = page.comes_to(|now| first.difference(now) < 0.002);
+    assert!(back, "the way back leads to the first picture");
     assert_eq!(page.complaints, Vec::<serde_json::Value>::new());
 }
 
