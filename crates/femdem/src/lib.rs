@@ -1,10 +1,10 @@
 //! The combined finite-discrete element method: bodies of any shape, from their geometry to the
 //! measured pack. One front door to five crates, and the `femdem` program.
 //!
-//! **Use it** to pack rigid bodies under gravity with friction, to measure and draw packs, or to
-//! take the parts that you need into a simulation of your own. **Do not use it** where bodies
-//! deform or break, where a fluid matters, or for spheres, for which closed formulas and lighter codes
-//! exist.
+//! **Use it** to pack rigid bodies under gravity with friction, to measure and draw packs, to let
+//! rigid and deformable bodies collide, slide and squeeze each other, or to take the parts that you
+//! need into a simulation of your own. **Do not use it** where bodies break, where a fluid matters, or
+//! for rigid spheres, for which closed formulas and lighter codes exist.
 //!
 //! ```
 //! use femdem::mesh::catalogue::{CatalogueShape, Solid};
@@ -37,7 +37,9 @@
 //! | you have | you want | use |
 //! |---|---|---|
 //! | nothing | a pack, measured and drawn | the program: `femdem pack --help` |
-//! | a scene file | the same, from a program | [`Scene`], [`pack::Packing`], [`results::write`] |
+//! | nothing | bodies that deform, collide or are driven | the program: `femdem run --help` |
+//! | a scene file of `run` | the same, from a program | [`run::Scenario`], [`run::Run`] |
+//! | a scene file of `pack` | the same, from a program | [`Scene`], [`pack::Packing`], [`results::write`] |
 //! | shapes and a container | a pack at rest | [`pack::Packing`] |
 //! | bodies and walls of your own | their motion | [`solve::World`] |
 //! | your own integrator | contact forces | [`contact::ContactBatch`], [`contact::PairKernel`] |
