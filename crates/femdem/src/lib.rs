@@ -76,6 +76,7 @@ pub mod output;
 pub mod picture;
 pub mod plot;
 pub mod report;
+pub mod resolve;
 pub mod results;
 pub mod run;
 pub mod scene;

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use program::cli::{Cli, Command};
 use program::job::{self, Outcome};
-use program::{analyse, complain, picture, report, run, shapes};
+use program::{analyse, complain, picture, report, resolve, run, shapes};
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
@@ -17,6 +17,7 @@ fn main() -> ExitCode {
         Command::Analyse(args) => analyse::run(&args),
         Command::Picture(args) => picture::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Resolve(args) => resolve::run(&args),
         Command::Shapes(args) => shapes::run(&args).map(|()| Outcome::Finished),
     };
     match outcome {

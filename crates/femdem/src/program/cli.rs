@@ -9,6 +9,7 @@ use femdem::scene::{ContainerKind, Footprint, Length, ProtocolKind, Unit};
 use super::analyse::AnalyseArgs;
 use super::picture::PictureArgs;
 use super::report::ReportArgs;
+use super::resolve::ResolveArgs;
 use super::run::SceneArgs;
 
 /// Pack bodies of any shape, rigid or deformable, or let them collide, and measure what comes of it
@@ -79,6 +80,9 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Draw the pack in a folder's checkpoint from any side, coloured by any quantity
     Picture(PictureArgs),
+    /// Make the bodies of a pack deformable where they lie, and find the stresses inside them
+    #[command(after_help = super::resolve::HELP)]
+    Resolve(ResolveArgs),
     /// List the shapes that --shape knows, with their parameters, or draw them
     Shapes(ShapesArgs),
 }

@@ -9,6 +9,7 @@ mod meter;
 pub(crate) mod picture;
 mod progress;
 pub(crate) mod report;
+pub(crate) mod resolve;
 pub(crate) mod run;
 pub(crate) mod shapes;
 mod source;

@@ -16,13 +16,36 @@ impl Run {
     ///
     /// [`Error::Solve`] if an element has no stress.
     pub fn picture(&self) -> Result<Image, Error> {
-        let simulation = self.simulation();
-        let mut skins = simulation.skins()?;
+        let place = |skins: &[Skin]| self.scenario().drawing(skins);
+        self.simulation().picture_in(place, Spacing::Linear)
+    }
+}
+
+/// Decades of stress that a picture in logarithmic colours shows.
+const DECADES: i32 = 3;
+
+impl Simulation {
+    /// Draws the bodies in a container, deformable ones coloured by von Mises stress over three
+    /// decades.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Solve`] if an element has no stress.
+    pub fn picture(&self, container: Option<&Drawing>) -> Result<Image, Error> {
+        self.picture_in(|_| container.cloned(), Spacing::Log)
+    }
+
+    fn picture_in(
+        &self,
+        place: impl Fn(&[Skin]) -> Option<Drawing>,
+        spacing: Spacing,
+    ) -> Result<Image, Error> {
+        let mut skins = self.skins()?;
         let all_rigid = skins.is_empty();
-        skins.extend(simulation.rigid_skins(all_rigid));
+        skins.extend(self.rigid_skins(all_rigid));
         let scale = if all_rigid {
             let last = skins.len().saturating_sub(1).max(1) as f64;
-            scale("body", "Number of the body.", last, Spacing::Linear)
+            scale("body", "Number of the body.", [0.0, last], Spacing::Linear)
         } else {
             let values = skins.iter().flat_map(|skin| &skin.values).copied();
             let most = values.fold(0.0, f64::max);
@@ -32,24 +55,24 @@ impl Run {
             }
             let title = format!("von Mises stress / {name}");
             let most = if most > 0.0 { most / unit } else { 1.0 };
-            scale(
-                &title,
-                "von Mises stress of the skin's elements.",
-                most,
-                Spacing::Linear,
-            )
+            let least = match spacing {
+                Spacing::Log => most * 10_f64.powi(-DECADES),
+                _ => 0.0,
+            };
+            let note = "von Mises stress of the skin's elements.";
+            scale(&title, note, [least, most], spacing)
         };
-        let drawing = self.scenario().drawing(&skins);
+        let drawing = place(&skins);
         draw_skins(&skins, drawing.as_ref(), &scale, &PictureOptions::default())
     }
 }
 
-fn scale(title: &str, note: &str, most: f64, spacing: Spacing) -> BodyValues {
+fn scale(title: &str, note: &str, range: [f64; 2], spacing: Spacing) -> BodyValues {
     BodyValues {
         title: title.to_owned(),
         note: note.to_owned(),
         values: Vec::new(),
-        range: [0.0, most],
+        range,
         spacing,
     }
 }

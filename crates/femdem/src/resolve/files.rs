@@ -1,0 +1,192 @@
+//! The files of a pack with stresses.
+
+use std::fmt;
+use std::io::Write as _;
+use std::path::Path;
+
+use femdem_analysis::{Cell, Table};
+use femdem_mesh::Matrix3;
+use femdem_solve::WorldRelaxed;
+use serde::Serialize;
+
+use super::{BodyMean, ResolveOptions, Resolved};
+use crate::output::write_file;
+use crate::{Drawing, Error};
+
+/// What `resolve.json` holds.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ResolveSummary {
+    /// Version of these keys.
+    pub schema: u32,
+    /// What was asked for.
+    pub options: ResolveOptions,
+    /// Bodies, and their tetrahedra together.
+    pub bodies: usize,
+    /// See `bodies`.
+    pub tetrahedra: usize,
+    /// How the pack came to rest.
+    pub relaxed: WorldRelaxed,
+    /// Largest way of a body's centroid on the way there \[m\].
+    pub largest_move: f64,
+    /// Mean over the bodies of the von Mises stress of the mean stress \[Pa\], and the largest of any
+    /// element.
+    pub von_mises: [f64; 2],
+    /// Love-Weber against the elements, with forces on nodes: median and largest over the bodies.
+    pub nodes_difference: [f64; 2],
+    /// The same with forces at contact points.
+    pub contacts_difference: [f64; 2],
+}
+
+impl Resolved {
+    /// The summary.
+    #[must_use]
+    pub fn summary(&self, options: &ResolveOptions) -> ResolveSummary {
+        let tetrahedra = |d: femdem_solve::Deformable| d.model().volumes().len();
+        let count = self.bodies.len().max(1) as f64;
+        let mean = self
+            .bodies
+            .iter()
+            .map(|b| von_mises(&b.elements))
+            .sum::<f64>()
+            / count;
+        let largest = self.bodies.iter().map(|b| b.largest_von_mises);
+        let spread = |k: usize| {
+            let mut all: Vec<f64> = self.bodies.iter().map(|b| b.differences()[k]).collect();
+            all.sort_by(f64::total_cmp);
+            let at = |i: usize| all.get(i).copied().unwrap_or(0.0);
+            [at(all.len() / 2), at(all.len().saturating_sub(1))]
+        };
+        ResolveSummary {
+            schema: 1,
+            options: *options,
+            bodies: self.bodies.len(),
+            tetrahedra: self.simulation.world.deformables().map(tetrahedra).sum(),
+            relaxed: self.relaxed,
+            largest_move: self.largest_move,
+            von_mises: [mean, largest.fold(0.0, f64::max)],
+            nodes_difference: spread(0),
+            contacts_difference: spread(1),
+        }
+    }
+
+    /// Writes `stress.vtu`, `contacts.vtp`, `stress.csv`, `stress.png` and `resolve.json` into a folder.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Write`] for a file that cannot be written.
+    pub fn write(
+        &self,
+        folder: &Path,
+        options: &ResolveOptions,
+        container: Option<&Drawing>,
+    ) -> Result<ResolveSummary, Error> {
+        let summary = self.summary(options);
+        let simulation = &self.simulation;
+        write_file(folder.join("stress.vtu"), |w| {
+            simulation.write_deformables(w)
+        })?;
+        write_file(folder.join("contacts.vtp"), |w| {
+            simulation.write_contacts(w)
+        })?;
+        write_file(folder.join("stress.csv"), |w| {
+            BodyMeans(&self.bodies).write_csv(w)
+        })?;
+        let image = simulation.picture(container)?;
+        write_file(folder.join("stress.png"), |w| image.write_png(w))?;
+        write_file(folder.join("resolve.json"), |w| {
+            serde_json::to_writer_pretty(&mut *w, &summary)?;
+            writeln!(w)
+        })?;
+        Ok(summary)
+    }
+}
+
+impl fmt::Display for ResolveSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let relaxed = &self.relaxed;
+        let percent = |[median, most]: [f64; 2]| {
+            format!(
+                "median {:.2} %, largest {:.2} %",
+                100.0 * median,
+                100.0 * most
+            )
+        };
+        let mut line = |name: &str, text: String| writeln!(f, "  {name:<20} {text}");
+        line(
+            "bodies",
+            format!("{}, {} tetrahedra", self.bodies, self.tetrahedra),
+        )?;
+        line(
+            "residual",
+            format!(
+                "{:.1e} of the mean contact force {:.3} N, after {} + {} steps",
+                relaxed.residual, relaxed.mean_contact_force, relaxed.steps[0], relaxed.steps[1]
+            ),
+        )?;
+        line("largest move", format!("{:.2e} m", self.largest_move))?;
+        line(
+            "von Mises stress",
+            format!(
+                "mean {:.3e} Pa, largest of an element {:.3e} Pa",
+                self.von_mises[0], self.von_mises[1]
+            ),
+        )?;
+        line("Love-Weber, nodes", percent(self.nodes_difference))?;
+        line("Love-Weber, points", percent(self.contacts_difference))
+    }
+}
+
+fn von_mises(stress: &Matrix3) -> f64 {
+    let deviator = stress - Matrix3::identity() * (stress.trace() / 3.0);
+    (1.5 * deviator.norm_squared()).sqrt()
+}
+
+/// The table of mean stresses.
+struct BodyMeans<'a>(&'a [BodyMean]);
+
+const COLUMNS: [&str; 21] = [
+    "body",
+    "volume_m3",
+    "largest_von_mises_pa",
+    "elements_xx_pa",
+    "elements_yy_pa",
+    "elements_zz_pa",
+    "elements_yz_pa",
+    "elements_zx_pa",
+    "elements_xy_pa",
+    "nodes_xx_pa",
+    "nodes_yy_pa",
+    "nodes_zz_pa",
+    "nodes_yz_pa",
+    "nodes_zx_pa",
+    "nodes_xy_pa",
+    "contacts_xx_pa",
+    "contacts_yy_pa",
+    "contacts_zz_pa",
+    "contacts_yz_pa",
+    "contacts_zx_pa",
+    "contacts_xy_pa",
+];
+
+/// Places of the components xx, yy, zz, yz, zx, xy.
+const COMPONENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)];
+
+impl Table for BodyMeans<'_> {
+    fn columns(&self) -> &'static [&'static str] {
+        &COLUMNS
+    }
+
+    fn rows(&self) -> Box<dyn Iterator<Item = Vec<Cell>> + '_> {
+        Box::new(self.0.iter().enumerate().map(|(i, body)| {
+            let mut row = vec![
+                Cell::Count(i as u64),
+                Cell::Number(body.volume),
+                Cell::Number(body.largest_von_mises),
+            ];
+            for stress in [&body.elements, &body.nodes, &body.contacts] {
+                row.extend(COMPONENTS.map(|place| Cell::Number(stress[place])));
+            }
+            row
+        }))
+    }
+}

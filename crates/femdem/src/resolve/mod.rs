@@ -1,0 +1,285 @@
+//! Stresses inside the bodies of a rigid pack: the bodies made deformable where they lie, and brought to
+//! equilibrium again.
+//!
+//! Every body keeps its place, its contact field and the friction of its contacts, so that contacts
+//! begin with the forces that they had; then [`World::relax`] finds the deformed equilibrium. The mean
+//! stress of each body is checked against what its contact forces give (Love-Weber).
+//!
+//! ```
+//! use femdem::pack::{Container, PackShape, PackSpec, Packing};
+//! use femdem::resolve::{ResolveOptions, resolve};
+//! use femdem::mesh::catalogue::{CatalogueShape, Solid};
+//!
+//! let cube = CatalogueShape::from(Solid::P5).polyhedron(0.02)?;
+//! let mut packing = Packing::new(PackSpec {
+//!     shapes: vec![PackShape::new("cube", cube)],
+//!     count: 4,
+//!     container: Container::Box { width: 0.05, depth: 0.05 },
+//!     ..PackSpec::default()
+//! })?;
+//! packing.run()?;
+//! let resolved = resolve(packing.world(), &ResolveOptions::default())?;
+//! assert!(resolved.relaxed.residual <= 1e-4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod files;
+
+use std::collections::BTreeMap;
+
+use femdem_contact::deform::DeformablePartner;
+use femdem_contact::{Field, Partner};
+use femdem_mesh::tet::{self, MeshOptions};
+use femdem_mesh::{Matrix3, TetMesh, Vector3};
+use femdem_solve::deformable::{DeformableModel, MaterialRegion};
+use femdem_solve::element::Element;
+use femdem_solve::material::NeoHookean;
+use femdem_solve::{
+    ContactStiffness, DeformableSpec, Drive, ModelId, Shape, SolveError, World, WorldRelaxation,
+    WorldRelaxed,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::run::{Member, MemberId, Simulation};
+
+pub use files::ResolveSummary;
+
+/// What the bodies are made of, and how closely they are brought to equilibrium.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ResolveOptions {
+    /// Young's modulus \[Pa\].
+    pub young: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Target edge length of the tetrahedra, in circumscribed diameters of the body.
+    pub mesh_size: f64,
+    /// Elements.
+    pub element: Element,
+    /// When the world is at rest.
+    pub relaxation: WorldRelaxation,
+}
+
+impl Default for ResolveOptions {
+    /// Stone: 60 GPa, 0.22.
+    fn default() -> Self {
+        Self {
+            young: 60e9,
+            poisson: 0.22,
+            mesh_size: 0.3,
+            element: Element::T4,
+            relaxation: WorldRelaxation::default(),
+        }
+    }
+}
+
+/// Mean stress of a body, from its elements and from the forces on it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BodyMean {
+    /// Mean Cauchy stress over the elements \[Pa\], tension positive.
+    pub elements: Matrix3,
+    /// Love-Weber with the contact forces f on the nodes at x, (1/V) Σ f ⊗ (x − c), its symmetric part
+    /// \[Pa\].
+    pub nodes: Matrix3,
+    /// The same with one force at the point of each contact. It leaves out that a contact is spread over an
+    /// overlap, whose pressure adds about its energy over V.
+    pub contacts: Matrix3,
+    /// Largest von Mises stress of an element \[Pa\].
+    pub largest_von_mises: f64,
+    /// Volume \[m³\].
+    pub volume: f64,
+}
+
+impl BodyMean {
+    /// How far Love-Weber is from the elements, with forces on nodes and with forces at points: norm of
+    /// the difference over that of the elements; 0 without stress.
+    #[must_use]
+    pub fn differences(&self) -> [f64; 2] {
+        let size = self.elements.norm();
+        [self.nodes, self.contacts].map(|other| {
+            if size > 0.0 {
+                (self.elements - other).norm() / size
+            } else {
+                0.0
+            }
+        })
+    }
+}
+
+/// A pack with stresses.
+#[derive(Clone, Debug)]
+pub struct Resolved {
+    /// The world of deformable bodies, in the order of the pack's bodies.
+    pub simulation: Simulation,
+    /// How it came to rest.
+    pub relaxed: WorldRelaxed,
+    /// Mean stresses by body.
+    pub bodies: Vec<BodyMean>,
+    /// Largest displacement of a body's centroid by the relaxation \[m\].
+    pub largest_move: f64,
+}
+
+/// Makes the bodies of a rigid world deformable where they lie, and finds their equilibrium.
+///
+/// Walls stay where they were added. Friction starts as on record, patch by patch.
+///
+/// # Errors
+///
+/// [`Error::Mesh`] if a body cannot be meshed, [`Error::Solve`] for a material out of its range or if
+/// the world does not come to rest.
+pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Error> {
+    let mut world = World::new(*rigid.parameters())?;
+    for wall in rigid.walls() {
+        world.add_wall(wall.clone(), Drive::Fixed)?;
+    }
+    let mut models = Models::default();
+    let mut members = Vec::new();
+    for id in 0..rigid.body_count() as u32 {
+        let (Some(pose), Some(shape), Some(mass)) =
+            (rigid.pose(id), rigid.shape_of(id), rigid.mass(id))
+        else {
+            continue;
+        };
+        let model = models.of(rigid, shape, mass, options, &mut world)?;
+        let id = world.add_deformable(DeformableSpec::at_rest(model, pose))?;
+        let name = rigid.shape(shape).map(|s| s.name.clone());
+        members.push(Member {
+            name: name.unwrap_or_default(),
+            placed: pose,
+            id: MemberId::Deformable(id),
+        });
+    }
+    for ((a, b), start) in starts(rigid) {
+        world.begin_friction(a, b, start.0, start.1)?;
+    }
+    let before: Vec<Vector3> = world.deformables().map(|d| d.centroid()).collect();
+    let relaxed = world.relax(&options.relaxation)?;
+    let bodies = means(&world)?;
+    let moves = world.deformables().zip(&before);
+    let largest_move = moves
+        .map(|(d, x)| (d.centroid() - x).norm())
+        .fold(0.0, f64::max);
+    Ok(Resolved {
+        simulation: Simulation { world, members },
+        relaxed,
+        bodies,
+        largest_move,
+    })
+}
+
+/// Models by shape and density.
+#[derive(Default)]
+struct Models {
+    by_shape: BTreeMap<(u32, u64), ModelId>,
+}
+
+impl Models {
+    fn of(
+        &mut self,
+        rigid: &World,
+        id: u32,
+        mass: f64,
+        options: &ResolveOptions,
+        world: &mut World,
+    ) -> Result<ModelId, Error> {
+        let Some(shape) = rigid.shape(id) else {
+            return Err(Error::ShapeIndex {
+                body: 0,
+                shape: id,
+                shapes: rigid.shapes().len(),
+            });
+        };
+        let density = mass / shape.polyhedron.mass_properties().volume;
+        if let Some(&model) = self.by_shape.get(&(id, density.to_bits())) {
+            return Ok(model);
+        }
+        let (mesh, field) = mesh_of(shape, options.mesh_size)?;
+        // The mass is that of the surface, which the mesh may cut.
+        let region = MaterialRegion {
+            material: NeoHookean::new(options.young, options.poisson)?.into(),
+            density: mass / mesh.volume(),
+        };
+        let model = DeformableModel::new(&mesh, options.element, vec![region], None)?;
+        let stiffness = ContactStiffness::Law;
+        let model = world.add_model_with_field(&shape.name, model, stiffness, field)?;
+        self.by_shape.insert((id, density.to_bits()), model);
+        Ok(model)
+    }
+}
+
+/// Tetrahedra of a shape, and the field that its contacts have as a rigid body.
+fn mesh_of(shape: &Shape, size: f64) -> Result<(TetMesh, Field), Error> {
+    if let Some((mesh, field)) = &shape.mesh {
+        return Ok((mesh.clone(), *field));
+    }
+    let edge = size * 2.0 * shape.polyhedron.bounding_radius();
+    let options = MeshOptions {
+        edge_length: Some(edge),
+        ..MeshOptions::default()
+    };
+    let (mesh, _) = tet::mesh(&shape.polyhedron, &options)?;
+    Ok((mesh, Field::Gauge))
+}
+
+/// Friction force on B and torsion of each pair.
+fn starts(rigid: &World) -> BTreeMap<(DeformablePartner, u32), (Vector3, f64)> {
+    let mut starts = BTreeMap::new();
+    for contact in rigid.contacts() {
+        let a = match contact.a {
+            Partner::Body(i) => DeformablePartner::Deformable(i),
+            Partner::Wall(w) => DeformablePartner::Wall(w),
+        };
+        let start = starts
+            .entry((a, contact.b))
+            .or_insert((Vector3::zeros(), 0.0));
+        start.0 += contact.friction;
+        start.1 += contact.torsion;
+    }
+    starts
+}
+
+/// Mean stresses of the bodies, from their elements and from their contacts.
+fn means(world: &World) -> Result<Vec<BodyMean>, Error> {
+    let mut bodies = Vec::new();
+    for body in world.deformables() {
+        let stresses = body.stresses().map_err(SolveError::from)?;
+        let (mut sum, mut volume, mut largest) = (Matrix3::zeros(), 0.0, 0.0_f64);
+        for (stress, reference) in stresses.iter().zip(body.model().volumes()) {
+            let v = reference * stress.volume_ratio;
+            sum += stress.cauchy * v;
+            volume += v;
+            largest = largest.max(stress.von_mises());
+        }
+        let centre = body.centroid();
+        let forces = body.positions().iter().zip(body.contact_forces());
+        let nodes: Matrix3 = forces.map(|(x, f)| f * (x - centre).transpose()).sum();
+        bodies.push(BodyMean {
+            elements: sum / volume,
+            nodes: symmetric(&nodes) / volume,
+            contacts: Matrix3::zeros(),
+            largest_von_mises: largest,
+            volume,
+        });
+    }
+    let centres: Vec<Vector3> = world.deformables().map(|d| d.centroid()).collect();
+    for contact in world.deformable_contacts() {
+        let mut add = |i: u32, force: Vector3| {
+            if let (Some(body), Some(centre)) =
+                (bodies.get_mut(i as usize), centres.get(i as usize))
+            {
+                let product = force * (contact.point - centre).transpose();
+                body.contacts += symmetric(&product) / body.volume;
+            }
+        };
+        let force = contact.force_on_b();
+        add(contact.b, force);
+        if let DeformablePartner::Deformable(a) = contact.a {
+            add(a, -force);
+        }
+    }
+    Ok(bodies)
+}
+
+fn symmetric(m: &Matrix3) -> Matrix3 {
+    (m + m.transpose()) * 0.5
+}
