@@ -2,7 +2,7 @@
 
 use super::nodal::NodalAverages;
 use super::{DeformableModel, MaterialRegion};
-use crate::element::{Block, BlockElement, Element, LANES, T4, T10, Table, lumped};
+use crate::element::{Batch, BatchElement, Element, T4, T10, Table, lumped};
 use crate::error::{SolveError, check};
 use crate::material::{AnyMaterial, Material};
 use femdem_mesh::tet::QuadraticMesh;
@@ -133,12 +133,12 @@ impl Parts {
             mass_factors: self.mass_factors,
             couplings: Vec::new(),
             averages,
-            blocks: None,
+            batch: None,
             #[cfg(feature = "parallel")]
             incidence: super::parallel::Incidence::default(),
         };
         model.lump();
-        model.blocks = model.batched();
+        model.batch = model.batched();
         Ok(model)
     }
 }
@@ -169,14 +169,14 @@ impl DeformableModel {
         self.regions[self.region_of[element] as usize].density * factor
     }
 
-    /// Blocks of elements, if all are linear and neo-Hookean.
-    fn batched(&self) -> Option<Vec<Block>> {
+    /// The elements in blocks, if all are linear and neo-Hookean.
+    fn batched(&self) -> Option<Batch> {
         if self.element != Element::T4 {
             return None;
         }
         let (connectivity, _) = self.connectivity.as_chunks::<4>();
         let element = |(e, nodes): (usize, &[u32; 4])| match self.material(e) {
-            AnyMaterial::NeoHookean(material) => Some(BlockElement {
+            AnyMaterial::NeoHookean(material) => Some(BatchElement {
                 nodes: *nodes,
                 inverse: &self.inverses[e],
                 volume: self.volumes[e],
@@ -185,7 +185,7 @@ impl DeformableModel {
             _ => None,
         };
         let elements: Option<Vec<_>> = connectivity.iter().enumerate().map(element).collect();
-        elements?.chunks(LANES).map(Block::new).collect()
+        Some(Batch::new(&elements?))
     }
 
     /// Masses, and what the frequencies depend on beside the materials.

@@ -2,7 +2,7 @@
 
 use super::DeformableModel;
 use super::nodal::NodalAverages;
-use crate::element::{Bar, BatchEnergy, Element, ElementFailure, LANES, T4, T10, Table};
+use crate::element::{Bar, Element, ElementFailure, Node, T4, T10, Table};
 use crate::material::{Deformation, Material, Response};
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -48,6 +48,8 @@ pub struct Workspace {
     /// Per element: J, and what is averaged.
     pub(super) ratios: Vec<f64>,
     pub(super) values: Vec<f64>,
+    /// Places and forces of the nodes, as the batch reads and adds them.
+    pub(super) nodes: Vec<Node>,
 }
 
 /// Positions and velocities of a body, and its history.
@@ -58,7 +60,7 @@ pub(super) struct State<'a> {
     pub old: &'a [f64],
 }
 
-/// Elements whose energies are summed together, before the sums are; whole blocks of the batch.
+/// Elements whose energies are summed together, before the sums are; a multiple of eight.
 pub(super) const RANGE: usize = 256;
 
 impl DeformableModel {
@@ -79,8 +81,42 @@ impl DeformableModel {
         forces: &mut [Vector3],
         work: &mut Workspace,
     ) -> Result<InternalState, ElementFailure> {
+        let mut state = self.forces_without_energy(x, v, old, new, forces, work)?;
+        state.energy = self.batched_energy(x).unwrap_or(state.energy);
+        Ok(state)
+    }
+
+    /// As [`DeformableModel::internal_forces`], with the same bits of the forces, for steps after which
+    /// nobody asks for the energy: it is NaN where it would cost extra, which is with linear
+    /// neo-Hookean tetrahedra.
+    ///
+    /// # Errors
+    ///
+    /// As [`DeformableModel::internal_forces`].
+    pub fn forces_without_energy(
+        &self,
+        x: &[Vector3],
+        v: &[Vector3],
+        old: &[f64],
+        new: &mut [f64],
+        forces: &mut [Vector3],
+        work: &mut Workspace,
+    ) -> Result<InternalState, ElementFailure> {
         let state = State { x, v, old };
         self.check_arrays(state, new, forces)?;
+        if let Some(batch) = &self.batch {
+            Self::place_nodes(x, &mut work.nodes);
+            if !batch.add_forces(&mut work.nodes) {
+                return Err(self.first_inverted(state, 0..self.volumes.len()));
+            }
+            for (force, node) in forces.iter_mut().zip(&work.nodes) {
+                *force = node.force();
+            }
+            return Ok(InternalState {
+                energy: f64::NAN,
+                ..InternalState::default()
+            });
+        }
         forces.fill(Vector3::zeros());
         match self.element {
             Element::T4 => self.scatter(&T4, false, state, new, forces),
@@ -91,6 +127,35 @@ impl DeformableModel {
                 None => Ok(InternalState::default()),
             },
         }
+    }
+
+    /// Stored energy of a batch of elements, J; `None` for all others, whose forces bring theirs.
+    pub(crate) fn batched_energy(&self, x: &[Vector3]) -> Option<f64> {
+        let batch = self.batch.as_ref()?;
+        let count = self.volumes.len();
+        let ranges = (0..count).step_by(RANGE);
+        let each = ranges.map(|start| batch.energy(start..count.min(start + RANGE), x));
+        Some(each.sum())
+    }
+
+    /// Puts the nodes where they are, without forces.
+    pub(super) fn place_nodes(x: &[Vector3], nodes: &mut Vec<Node>) {
+        nodes.clear();
+        nodes.extend(x.iter().map(Node::at));
+    }
+
+    /// Names an element of a batch that cannot be evaluated.
+    pub(super) fn first_inverted(&self, state: State, mut range: Range<usize>) -> ElementFailure {
+        let first = range.start;
+        let (elements, _) = self.connectivity.as_chunks::<4>();
+        let failure = range.find_map(|e| {
+            let [point] = self.points(&T4, e, &elements[e], state);
+            self.respond(e, &point, &[], &mut []).err()
+        });
+        failure.unwrap_or(ElementFailure::Inverted {
+            element: first,
+            volume_ratio: 0.0,
+        })
     }
 
     pub(super) fn check_arrays(
@@ -151,41 +216,6 @@ impl DeformableModel {
     /// The forces of a range of elements, whose new history is `new`, given to `sink` with the
     /// element's number and nodes.
     pub(super) fn range<const N: usize, const Q: usize>(
-        &self,
-        table: &Table<N, Q>,
-        bar: bool,
-        range: Range<usize>,
-        state: State,
-        new: &mut [f64],
-        mut sink: impl FnMut(usize, &[u32], &[Vector3]),
-    ) -> Result<InternalState, ElementFailure> {
-        if let Some(blocks) = &self.blocks {
-            let mut total = BatchEnergy::new();
-            let first = range.start / LANES;
-            for (k, block) in blocks[first..range.end.div_ceil(LANES)].iter().enumerate() {
-                let start = (first + k) * LANES;
-                block.forces(state.x, &mut total, |lane, nodes, forces| {
-                    sink(start + lane, nodes, forces);
-                });
-            }
-            if let Some(energy) = total.sum() {
-                return Ok(InternalState {
-                    energy,
-                    ..InternalState::default()
-                });
-            }
-            // One by one, to find the element to name.
-            self.one_by_one(table, bar, range.clone(), state, new, |_, _, _| {})?;
-            return Err(ElementFailure::Inverted {
-                element: range.start,
-                volume_ratio: 0.0,
-            });
-        }
-        self.one_by_one(table, bar, range, state, new, sink)
-    }
-
-    /// As [`Self::range`], for any material.
-    fn one_by_one<const N: usize, const Q: usize>(
         &self,
         table: &Table<N, Q>,
         bar: bool,

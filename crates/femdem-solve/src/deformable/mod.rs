@@ -53,7 +53,7 @@ pub use loads::Curve;
 pub use selection::{NodeSets, Selection};
 pub use stress::ElementStress;
 
-use crate::element::{Block, Element};
+use crate::element::{Batch, Element};
 use crate::error::SolveError;
 use crate::material::{AnyMaterial, Material};
 use femdem_mesh::{Matrix3, TetMesh, Vector3};
@@ -100,7 +100,7 @@ pub struct DeformableModel {
     /// For averaged nodal pressures.
     averages: Option<NodalAverages>,
     /// For linear tetrahedra if all are neo-Hookean.
-    blocks: Option<Vec<Block>>,
+    batch: Option<Batch>,
     #[cfg(feature = "parallel")]
     incidence: parallel::Incidence,
 }

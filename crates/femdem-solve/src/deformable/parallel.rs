@@ -84,9 +84,22 @@ impl DeformableModel {
         work.slots.resize(self.connectivity.len(), Vector3::zeros());
         let slots = work.slots.chunks_mut(RANGE * N);
         let tasks: Vec<_> = self.ranges(new).zip(slots).collect();
+        if self.batch.is_some() {
+            Self::place_nodes(state.x, &mut work.nodes);
+        }
+        let nodes = &work.nodes;
         let states: Vec<Result<InternalState, ElementFailure>> = tasks
             .into_par_iter()
             .map(|((range, new), slots)| {
+                if let Some(batch) = &self.batch {
+                    if !batch.forces_of(range.clone(), nodes, slots) {
+                        return Err(self.first_inverted(state, range));
+                    }
+                    return Ok(InternalState {
+                        energy: batch.energy(range, state.x),
+                        ..InternalState::default()
+                    });
+                }
                 let first = range.start;
                 self.range(table, bar, range, state, new, |e, _, of_element| {
                     slots[(e - first) * N..][..N].copy_from_slice(of_element);

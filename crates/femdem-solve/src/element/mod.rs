@@ -13,10 +13,12 @@
 mod batch;
 mod failure;
 mod fbar;
+mod lanes;
+mod log;
 mod mass;
 mod table;
 
-pub(crate) use batch::{BatchEnergy, Block, BlockElement, LANES};
+pub(crate) use batch::{Batch, BatchElement, Node};
 pub use failure::ElementFailure;
 pub(crate) use fbar::{Bar, BarChange};
 pub(crate) use mass::lumped;

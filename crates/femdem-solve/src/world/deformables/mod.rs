@@ -115,7 +115,7 @@ pub(crate) struct State {
     pub loads: Vec<Vector3>,
     /// Kinetic energy of prescribed nodes at the end of the last step, J.
     pub held_energy: f64,
-    /// Energies at the present positions.
+    /// Energies at the present positions; that of a batch of elements is computed when asked for.
     pub internal: InternalState,
     /// Bound of the elements, when it was last renewed.
     pub bound: FrequencyBound,

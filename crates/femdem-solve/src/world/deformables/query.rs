@@ -82,8 +82,13 @@ impl<'a> Deformable<'a> {
 
     /// Energies of the elements.
     #[must_use]
-    pub fn internal(&self) -> &'a InternalState {
-        &self.state.internal
+    pub fn internal(&self) -> InternalState {
+        let known = self.state.internal;
+        let batched = self.model().batched_energy(&self.state.positions);
+        InternalState {
+            energy: batched.unwrap_or(known.energy),
+            ..known
+        }
     }
 
     /// Centre of mass, m.

@@ -240,7 +240,7 @@ impl State {
         renew: bool,
     ) -> Result<(), SolveError> {
         scratch.history.resize(self.history.len(), 0.0);
-        self.internal = model.internal_forces(
+        self.internal = model.forces_without_energy(
             &self.positions,
             &self.velocities,
             &self.history,
