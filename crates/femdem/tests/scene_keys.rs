@@ -7,9 +7,9 @@ use std::path::PathBuf;
 
 use femdem::run::{
     Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, ContactEntry, Copies,
-    CylinderEntry, Ending, HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry, MediumEntry,
-    MotionEntry, PlaneEntry, RegionEntry, RestEntry, RotationEntry, RunEnergy, RunSummary,
-    Scenario, SelectEntry, StepEntry, StrainSummary, WallEntry, WallSummary, Zone,
+    CylinderEntry, Ending, FocusEntry, HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry,
+    MediumEntry, MotionEntry, PlaneEntry, RegionEntry, RestEntry, RotationEntry, RunEnergy,
+    RunSummary, Scenario, SelectEntry, StepEntry, StrainSummary, WallEntry, WallSummary, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -38,6 +38,7 @@ fn body() -> BodyEntry {
         behaviour: Behaviour::Rigid,
         element: femdem::solve::element::Element::T4,
         mesh_size: Some(0.1),
+        focus: Some(focus()),
         contact_ratio: Some(1.0),
         position: V,
         rotation: Some(rotation()),
@@ -53,6 +54,13 @@ fn rotation() -> RotationEntry {
     RotationEntry {
         axis: V,
         angle: 30.0,
+    }
+}
+
+fn focus() -> FocusEntry {
+    FocusEntry {
+        direction: V,
+        ratio: 2.0,
     }
 }
 
@@ -245,6 +253,7 @@ fn every_key_of_every_table_is_documented_and_no_other() {
         ("## `[[body]]`", keys(&body())),
         ("### `rotation`", keys(&rotation())),
         ("### `copies`", keys(&copies())),
+        ("### `focus`", keys(&focus())),
     ] {
         assert_eq!(documented(&text, heading), wanted, "{heading}");
     }

@@ -43,6 +43,20 @@ pub struct RotationEntry {
     pub angle: f64,
 }
 
+/// Where the tetrahedra of a deformable sphere are finer.
+///
+/// The nodes of the skin are put on the sphere, and all are moved by the conformal map of the ball onto
+/// itself that draws them towards a point of the sphere: edges there become shorter by `ratio`, those
+/// opposite longer by as much, and shapes are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct FocusEntry {
+    /// Direction of the point from the centre, of any length, in the coordinates of the shape.
+    pub direction: [f64; 3],
+    /// Length of edges without focus over that at the point, 1 to 10.
+    pub ratio: f64,
+}
+
 /// Copies of a body on a lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -92,6 +106,8 @@ pub struct BodyEntry {
     /// Length of the edges of the tetrahedra that is aimed at, in circumscribed diameters. `None`: a
     /// fifth for deformable bodies, by the shape for rigid ones that are not convex.
     pub mesh_size: Option<f64>,
+    /// Where the tetrahedra of a deformable sphere are finer.
+    pub focus: Option<FocusEntry>,
     /// Contact stiffness of a deformable body, κ h/E: the modulus of its contact foundation times the
     /// edge length of its skin over Young's modulus. `None`: 1.
     pub contact_ratio: Option<f64>,
@@ -119,6 +135,7 @@ impl BodyEntry {
             ("boundary", !self.boundary.is_empty()),
             ("region", !self.region.is_empty()),
             ("contact-ratio", self.contact_ratio.is_some()),
+            ("focus", self.focus.is_some()),
             ("element", self.element != Element::default()),
         ];
         for (name, given) in of_deformable {

@@ -26,6 +26,11 @@ impl BodyEntry {
     pub(super) fn geometry(&self) -> Result<Geometry, Error> {
         match (&self.shape, &self.mesh, &self.block) {
             (Some(text), None, None) => self.of_surface(text),
+            (None, ..) if self.focus.is_some() => Err(wrong(
+                "focus",
+                "given",
+                "give it with a shape that is a sphere only",
+            )),
             (None, Some(path), None) => {
                 let by = self.unit.metres();
                 let mesh = moved(&io::msh::read_file(path)?, |p| p * by)?;
@@ -51,7 +56,7 @@ impl BodyEntry {
         let key = |entry: &Self| {
             let files = (entry.shape.clone(), entry.mesh.clone(), entry.unit);
             let sizes = (entry.block, entry.sides, entry.diameter, entry.size);
-            (files, sizes, entry.mesh_size, entry.behaviour)
+            (files, sizes, entry.mesh_size, entry.focus, entry.behaviour)
         };
         key(self) == key(other)
     }
@@ -65,7 +70,11 @@ impl BodyEntry {
                 edge_length: size.map(|size| size * 2.0 * surface.bounding_radius()),
                 ..MeshOptions::default()
             };
-            Some(tet::mesh(&surface, &options)?.0)
+            let mesh = tet::mesh(&surface, &options)?.0;
+            Some(match &self.focus {
+                Some(focus) => focus.of_sphere(&mesh, surface.bounding_radius(), text)?,
+                None => mesh,
+            })
         } else {
             None
         };

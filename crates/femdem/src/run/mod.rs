@@ -38,6 +38,7 @@ mod body;
 mod boundary;
 mod build;
 mod contacts;
+mod focus;
 mod frame;
 mod geometry;
 mod history;
@@ -56,7 +57,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-pub use body::{Behaviour, BodyEntry, Copies, RotationEntry};
+pub use body::{Behaviour, BodyEntry, Copies, FocusEntry, RotationEntry};
 pub use boundary::BoundaryEntry;
 pub use build::{Member, MemberId, Simulation};
 pub use contacts::{ContactForces, ContactLine, Side};
