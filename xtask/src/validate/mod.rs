@@ -6,16 +6,20 @@
 
 mod bits;
 mod bodies;
+mod chart;
 mod cost;
 mod fuzz_pairs;
+mod hertz;
+mod lines;
 mod machine;
 mod pack;
 mod program;
 mod report;
 mod scan;
+mod soft_boulders;
 mod statics;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
@@ -24,7 +28,7 @@ use program::Workshop;
 use report::Report;
 
 /// Options of `cargo xtask validate`.
-#[derive(Debug, Clone, Copy, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct Options {
     /// What to run
     case: Case,
@@ -33,6 +37,15 @@ pub(crate) struct Options {
     /// fuzz-pairs the number of pairs)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     count: Option<u32>,
+
+    /// Simulated seconds of boulders-deformable, for a trial
+    #[arg(long, value_name = "S")]
+    seconds: Option<f64>,
+
+    /// Folder with what the example of hertz (plane.tsv, two.tsv) or spheres (glass.tsv, aluminium.tsv)
+    /// printed earlier, instead of running it
+    #[arg(long, value_name = "DIR")]
+    lines: Option<PathBuf>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -57,6 +70,12 @@ enum Case {
     Statics,
     /// Taylor's impact test: plasticity at finite strain
     Taylor,
+    /// Elastic balls pressed on a plane and on each other, against Hertz's theory
+    Hertz,
+    /// Elastic balls that collide (Chung and Ooi, tests 1 and 2)
+    Spheres,
+    /// 288 deformable boulders dumped in the paper's bin: rest, time, the same bits
+    BouldersDeformable,
     /// All of them
     All,
 }
@@ -75,14 +94,25 @@ impl Case {
                 Self::FuzzPairs,
                 Self::Statics,
                 Self::Taylor,
+                Self::Hertz,
+                Self::Spheres,
+                Self::BouldersDeformable,
                 Self::Cost,
             ],
             single => vec![single],
         }
     }
 
-    fn run(self, workshop: &Workshop, count: Option<u32>) -> Result<Report> {
+    fn run(self, workshop: &Workshop, options: &Options) -> Result<Report> {
+        let count = options.count;
         match self {
+            Self::Hertz => hertz::hertz(workshop, options.lines.as_deref()),
+            Self::Spheres => hertz::spheres(workshop, options.lines.as_deref()),
+            Self::BouldersDeformable => soft_boulders::run(
+                workshop,
+                count.unwrap_or(288),
+                options.seconds.unwrap_or(4.0),
+            ),
             Self::Pack500 | Self::All => pack::run(workshop, count.unwrap_or(500)),
             Self::Cost => cost::run(workshop, count.unwrap_or(500)),
             Self::Threads => bits::threads(workshop, count.unwrap_or(200)),
@@ -102,18 +132,22 @@ impl Case {
 /// # Errors
 /// When the program cannot be built or fails, or a page cannot be written.
 pub(crate) fn run(root: &Path, options: &Options) -> Result<bool> {
-    let folder = match options.count {
-        Some(_) => root.join("out/validation"),
-        None => root.join("docs/validation"),
+    let folder = if options.count.is_some() || options.seconds.is_some() {
+        root.join("out/validation")
+    } else {
+        root.join("docs/validation")
     };
     let workshop = Workshop::new(root)?;
     let mut reached = true;
     for case in options.case.parts() {
         let place = machine::Place::find(root)?;
-        let report = case.run(&workshop, options.count)?;
-        let trial = options
+        let report = case.run(&workshop, options)?;
+        let mut trial = options
             .count
             .map_or(String::new(), |n| format!(" --count {n}"));
+        if let Some(seconds) = options.seconds {
+            trial += &format!(" --seconds {seconds}");
+        }
         let made_by = format!("cargo xtask validate {}{trial}", report.name);
         let page = report.write(&folder, &place, &made_by)?;
         println!("{}\nwritten to {}", report.checks_as_text(), page.display());

@@ -111,6 +111,16 @@ impl Program {
         Summary::read(folder)
     }
 
+    /// A picture of the bodies listed in a folder, by `femdem picture`; its path.
+    ///
+    /// # Errors
+    /// When the program fails.
+    pub(crate) fn picture(&self, folder: &Path, picture: &Path) -> Result<PathBuf> {
+        let arguments = [folder.into(), "--out".into(), picture.into()];
+        self.finish("picture", "", &arguments)?;
+        Ok(picture.to_owned())
+    }
+
     /// Continues the run in a folder to its end, and reads the summary.
     ///
     /// # Errors

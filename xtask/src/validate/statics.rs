@@ -1,56 +1,17 @@
 //! Deformable bodies at rest, and Taylor's impact test, against closed forms and published values.
 
-use std::process::{Command, Stdio};
+use anyhow::Result;
 
-use anyhow::{Context, Result, ensure};
-
+use super::lines::Output;
 use super::program::Workshop;
 use super::report::{Check, Report};
 
-/// Lines of the example, each split at its tabs.
-#[derive(Debug, Default, PartialEq)]
-struct Output(Vec<Vec<String>>);
-
-impl Output {
-    /// Runs the example `statics` of femdem-solve for one of its tables; the command too.
-    fn of(workshop: &Workshop, table: &str) -> Result<(Self, String)> {
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let arguments = format!(
-            "run --release --locked -p femdem-solve --features implicit --example statics -- {table}"
-        );
-        let output = Command::new(cargo)
-            .args(arguments.split_whitespace())
-            .current_dir(workshop.root())
-            .stdin(Stdio::null())
-            .stderr(Stdio::inherit())
-            .output()
-            .context("cannot start cargo")?;
-        ensure!(output.status.success(), "the example statics failed");
-        let parsed = Self::parse(&String::from_utf8_lossy(&output.stdout));
-        Ok((parsed, format!("cargo {arguments}")))
-    }
-
-    fn parse(text: &str) -> Self {
-        let cells = |line: &str| line.split('\t').map(str::to_owned).collect();
-        Self(text.lines().map(cells).collect())
-    }
-
-    /// Rows whose first cell is `table`, without it.
-    fn rows(&self, table: &str) -> impl Iterator<Item = &[String]> {
-        self.0.iter().filter_map(move |row| match row.as_slice() {
-            [first, rest @ ..] if first == table => Some(rest),
-            _ => None,
-        })
-    }
-
-    /// A number of the first row of `table` that starts with `key`; not a number if there is none.
-    fn number(&self, table: &str, key: &[&str], column: usize) -> f64 {
-        let mut rows = self.rows(table);
-        let row =
-            rows.find(|row| row.len() > key.len() && key.iter().zip(*row).all(|(k, c)| k == c));
-        let cell = row.and_then(|row| row.get(column)?.parse().ok());
-        cell.unwrap_or(f64::NAN)
-    }
+/// Runs the example `statics` of femdem-solve for one of its tables; the command too.
+fn run(workshop: &Workshop, table: &str) -> Result<(Output, String)> {
+    Output::of(
+        workshop,
+        &format!("-p femdem-solve --features implicit --example statics -- {table}"),
+    )
 }
 
 /// A figure that is to be within a share of a value.
@@ -70,7 +31,7 @@ const VALUE: usize = 4;
 /// # Errors
 /// When the example cannot be built or fails.
 pub(crate) fn statics(workshop: &Workshop) -> Result<Report> {
-    let (output, command) = Output::of(workshop, "statics")?;
+    let (output, command) = run(workshop, "statics")?;
     let mut rows: Vec<Vec<String>> = output.rows("value").map(<[String]>::to_vec).collect();
     rows.sort_by(|a, b| a.first().cmp(&b.first()));
     Ok(Report {
@@ -181,7 +142,7 @@ fn statics_text(output: &Output) -> String {
 /// # Errors
 /// When the example cannot be built or fails.
 pub(crate) fn taylor(workshop: &Workshop) -> Result<Report> {
-    let (output, command) = Output::of(workshop, "taylor")?;
+    let (output, command) = run(workshop, "taylor")?;
     Ok(Report {
         name: "taylor",
         title: "Taylor's impact test".to_owned(),

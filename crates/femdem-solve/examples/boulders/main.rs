@@ -1,0 +1,104 @@
+//! Deformable boulders dumped into the bin of the founding paper (Fig. 1), for
+//! `cargo xtask validate boulders-deformable`.
+//!
+//! Prints lines of columns separated by tabs; each begins with the name of its table. Takes the simulated
+//! time (s), the number of threads, the number of boulders, and a folder for their surfaces.
+
+mod pack;
+
+use pack::Pack;
+use std::error::Error;
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+
+/// Lines of progress for a simulated second.
+const LINES: f64 = 4.0;
+
+/// The elements alone are evaluated so many times.
+const REPEATS: usize = 200;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number = |i: usize, default: f64| arguments.get(i).map_or(Ok(default), |a| a.parse());
+    let (seconds, threads, count) = (number(0, 4.0)?, number(1, 1.0)?, number(2, 288.0)?);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads as usize)
+        .build()?;
+    let pack = pool.install(|| run(seconds, count as usize).map_err(|e| e.to_string()))?;
+    if let Some(folder) = arguments.get(3) {
+        pack.write(Path::new(folder))?;
+    }
+    Ok(())
+}
+
+fn run(seconds: f64, count: usize) -> Result<Pack, Box<dyn Error>> {
+    let mut out = std::io::stdout().lock();
+    let mut pack = Pack::new(count)?;
+    writeln!(out, "number\tboulders\t{count}")?;
+    writeln!(out, "number\ttets\t{}", pack.tets)?;
+    let start = Instant::now();
+    let (cpu, mut before) = (processor_time()?, (processor_time()?, 0, 0.0));
+    let mut next = 1.0 / LINES;
+    while pack.world.time() < seconds {
+        pack.world.step()?;
+        if pack.world.time() >= next {
+            next += 1.0 / LINES;
+            let now = (processor_time()?, pack.world.steps(), pack.world.time());
+            let each = (now.0 - before.0) / ((now.1 - before.1) as f64 * pack.tets as f64);
+            let totals = pack.world.deformable_totals().copied().unwrap_or_default();
+            writeln!(
+                out,
+                "progress\t{:.2}\t{}\t{:.3e}\t{:.2}\t{:.2}\t{:.1}\t{}\t{}\t{}\t{:.3e}",
+                now.2,
+                now.1,
+                pack.world.time_step(),
+                now.0 - cpu,
+                (now.0 - before.0) / (now.2 - before.2),
+                each * 1e9,
+                totals.touching,
+                totals.candidates,
+                totals.pieces,
+                pack.kinetic_energy(),
+            )?;
+            out.flush()?;
+            before = now;
+        }
+    }
+    let (cpu, steps) = (processor_time()? - cpu, pack.world.steps());
+    let ledger = pack.world.ledger();
+    for (name, value) in [
+        ("wall seconds", start.elapsed().as_secs_f64()),
+        ("processor seconds", cpu),
+        ("steps", steps as f64),
+        ("step", pack.world.time_step()),
+        ("simulated seconds", pack.world.time()),
+        (
+            "processor seconds per simulated second",
+            cpu / pack.world.time(),
+        ),
+        (
+            "all-in ns per tet-step",
+            1e9 * cpu / (steps as f64 * pack.tets as f64),
+        ),
+        ("elements ns per tet-step", pack.element_cost(REPEATS)?),
+        ("kinetic energy over m g d", pack.kinetic_energy()),
+        ("mean penetration over d", pack.penetration()),
+        ("ledger error", ledger.error_relative()),
+        ("above the rim", pack.above_the_rim() as f64),
+    ] {
+        writeln!(out, "number\t{name}\t{value:.6e}")?;
+    }
+    writeln!(out, "hash\t{:016x}", pack.world.state_hash()?)?;
+    Ok(pack)
+}
+
+/// Processor time of all threads of this process, s.
+fn processor_time() -> Result<f64, Box<dyn Error>> {
+    // The kernel counts in hundredths of a second; fields 14 and 15, the second being in parentheses.
+    let text = std::fs::read_to_string("/proc/self/stat")?;
+    let rest = text.rsplit(')').next().unwrap_or_default();
+    let fields: Vec<&str> = rest.split_whitespace().collect();
+    let ticks = |i: usize| fields.get(i).map_or(Ok(0.0), |f| f.parse::<f64>());
+    Ok((ticks(11)? + ticks(12)?) / 100.0)
+}

@@ -1,0 +1,163 @@
+//! Two of the impacts of Y. C. Chung and J. Y. Ooi, Granular Matter 13 (2011) 643-656.
+
+use crate::ball::{Ball, Hertz};
+use crate::setting::{self, Setting};
+use femdem_contact::Wall;
+use femdem_mesh::{Pose, Vector3};
+use femdem_solve::element::Element;
+use femdem_solve::{ContactStiffness, DeformableSpec, Drive, World};
+use std::error::Error;
+use std::f64::consts::PI;
+use std::io::Write;
+use std::time::Instant;
+
+/// An impact of equal balls, or of a ball on a rigid plane.
+struct Impact {
+    name: &'static str,
+    material: Hertz,
+    density: f64,
+    /// Of each ball, m/s.
+    speed: f64,
+    two: bool,
+    /// Edges at the contact over the radius.
+    edges: [f64; 3],
+}
+
+const IMPACTS: [Impact; 2] = [
+    Impact {
+        name: "test 1, two glass balls",
+        material: Hertz {
+            young: 48e9,
+            poisson: 0.2,
+            radius: 0.01,
+        },
+        density: 2800.0,
+        speed: 10.0,
+        two: true,
+        edges: [0.05, 0.035, 0.025],
+    },
+    Impact {
+        name: "test 2, aluminium ball on a plane",
+        material: Hertz {
+            young: 70e9,
+            poisson: 0.3,
+            radius: 0.1,
+        },
+        density: 2699.0,
+        speed: 0.2,
+        two: false,
+        edges: [0.0105, 0.0074, 0.0052],
+    },
+];
+
+/// Points of a curve that are printed.
+const POINTS: usize = 100;
+
+/// The impacts with these numbers (from 0), or all, on all meshes.
+pub fn run(out: &mut impl Write, number: Option<usize>, quick: bool) -> Result<(), Box<dyn Error>> {
+    let chosen = |k: usize| number.is_none_or(|n| n == k);
+    for (_, impact) in IMPACTS.iter().enumerate().filter(|(k, _)| chosen(*k)) {
+        for element in [Element::T10, Element::T4] {
+            let edges = if quick {
+                &impact.edges[..1]
+            } else {
+                &impact.edges[..]
+            };
+            for &edge in edges {
+                impact.run(out, edge, 1.0, element)?;
+            }
+        }
+        for ratio in [0.3, 3.0] {
+            impact.run(out, impact.edges[0], ratio, Element::T10)?;
+        }
+    }
+    Ok(())
+}
+
+impl Impact {
+    fn run(
+        &self,
+        out: &mut impl Write,
+        edge: f64,
+        ratio: f64,
+        element: Element,
+    ) -> Result<(), Box<dyn Error>> {
+        let start = Instant::now();
+        let (r, v) = (self.material.radius, self.speed);
+        let mass = 4.0 / 3.0 * PI * r.powi(3) * self.density;
+        let approach = self.material.largest_approach(mass, v);
+        let a = self.material.contact_radius(approach);
+        let ball = Ball {
+            radius: r,
+            whole: true,
+            finest: if element == Element::T10 { 2.0 } else { 1.0 } * edge * r,
+            reach: 1.3 * a,
+            coarsest: 0.25 * r,
+        };
+        let mesh = ball.mesh()?;
+        // Edges of quadratic tetrahedra count half.
+        let fine = ball.edge(&mesh) / if element == Element::T10 { 2.0 } else { 1.0 };
+        // The mass is that of the ball, not of the polyhedron.
+        let density = mass / mesh.volume();
+        let model = setting::model(&mesh, element, &self.material, density)?;
+        let setting = Setting::new(&model, ratio * self.material.young / fine)?;
+        let mut world = World::new(setting::smooth(0.9))?;
+        let stiffness = ContactStiffness::Penalty(setting.penalty);
+        let id = world.add_model("ball", model, stiffness)?;
+        let spec = |pose, speed| DeformableSpec {
+            velocity: Vector3::new(0.0, 0.0, speed),
+            ..DeformableSpec::at_rest(id, pose)
+        };
+        if self.two {
+            world.add_deformable(spec(setting::turned(PI, Vector3::new(0.0, 0.0, -r)), v))?;
+        } else {
+            let floor = Wall::half_space("floor", Vector3::z(), 0.0)?;
+            world.add_wall(floor, Drive::Fixed)?;
+        }
+        let top = world.add_deformable(spec(Pose::translation(0.0, 0.0, r), -v))?;
+        let duration = self.material.duration(mass, v);
+        let (mut curve, mut last) = (Vec::new(), 0.0);
+        while world.time() < 1.3 * duration {
+            world.step()?;
+            let force = world.deformable_contacts().next();
+            let force = force.map_or(0.0, |c| c.force_on_b().z);
+            curve.push((world.time(), force));
+            if force > 0.0 {
+                last = world.time();
+            }
+        }
+        let peak = curve.iter().map(|(_, f)| *f).fold(0.0, f64::max);
+        let body = world.deformable(top).ok_or("the ball is there")?;
+        let velocities = body.velocities().iter().zip(body.model().masses());
+        let momentum: Vector3 = velocities.map(|(v, m)| v * *m).sum();
+        let exact = self.material.force(approach);
+        writeln!(
+            out,
+            "impact\t{}\t{element:?}\t{edge}\t{:.4}\t{}\t{ratio}\t{:.2}\t{:.5e}\t{:.5}\t{:.5e}\t{:.5}\t{:.5}\t{:.2e}\t{}\t{:.1}",
+            self.name,
+            fine / r,
+            mesh.tets().len(),
+            a / fine,
+            peak,
+            peak / exact,
+            last,
+            last / duration,
+            momentum.z / mass / v,
+            world.ledger().error_relative(),
+            world.steps(),
+            start.elapsed().as_secs_f64(),
+        )?;
+        let every = (curve.len() / POINTS).max(1);
+        for (t, f) in curve.iter().step_by(every) {
+            writeln!(
+                out,
+                "curve\t{}\t{element:?}\t{edge}\t{ratio}\t{:.5}\t{:.5}",
+                self.name,
+                t / duration,
+                f / exact
+            )?;
+        }
+        out.flush()?;
+        Ok(())
+    }
+}

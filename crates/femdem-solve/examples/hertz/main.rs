@@ -1,0 +1,24 @@
+//! Elastic balls in contact against Hertz's theory, for `cargo xtask validate hertz` and `spheres`.
+//!
+//! Prints lines of columns separated by tabs; each begins with the name of its table.
+
+mod ball;
+mod collide;
+mod press;
+mod setting;
+
+use std::error::Error;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut out = std::io::stdout().lock();
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let quick = arguments.iter().any(|a| a == "quick");
+    match arguments.first().map(String::as_str) {
+        Some("plane") => press::run(&mut out, false, quick),
+        Some("two") => press::run(&mut out, true, quick),
+        Some("collide") => collide::run(&mut out, None, quick),
+        Some("glass") => collide::run(&mut out, Some(0), quick),
+        Some("aluminium") => collide::run(&mut out, Some(1), quick),
+        _ => Err("say which: plane, two, glass, aluminium or collide (both), and quick for the coarsest meshes alone".into()),
+    }
+}

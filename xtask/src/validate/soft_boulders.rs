@@ -1,0 +1,156 @@
+//! Deformable boulders dumped in the founding paper's bin.
+
+use std::collections::BTreeSet;
+
+use anyhow::Result;
+
+use super::lines::{Output, cell};
+use super::program::Workshop;
+use super::report::{Check, Report, short};
+
+/// Threads of the runs.
+const THREADS: [u32; 3] = [1, 2, 4];
+
+/// Kinetic energy over m g d of a boulder that counts as rest.
+const REST: f64 = 1e-6;
+
+/// Quantities in the table, by run.
+const NUMBERS: [&str; 11] = [
+    "wall seconds",
+    "processor seconds",
+    "simulated seconds",
+    "steps",
+    "step",
+    "processor seconds per simulated second",
+    "all-in ns per tet-step",
+    "elements ns per tet-step",
+    "kinetic energy over m g d",
+    "mean penetration over d",
+    "ledger error",
+];
+
+/// Dumps `count` boulders for a simulated time, s, at 1, 2 and 4 threads.
+///
+/// # Errors
+/// When the example or the program cannot be built or fails.
+pub(crate) fn run(workshop: &Workshop, count: u32, seconds: f64) -> Result<Report> {
+    let folder = workshop.results("boulders-deformable");
+    let mut outputs = Vec::new();
+    let mut commands = Vec::new();
+    for threads in THREADS {
+        let arguments = format!("{seconds} {threads} {count}");
+        let example = format!("-p femdem-solve --example boulders -- {arguments}");
+        let (output, command) = Output::of(workshop, &format!("{example} {}", folder.display()))?;
+        outputs.push(output);
+        commands.push(command.replace(&format!(" {}", folder.display()), ""));
+    }
+    let program = workshop.build("femdem", &[])?;
+    let picture = program.picture(&folder, &workshop.results("boulders-deformable.png"))?;
+    Ok(Report {
+        name: "boulders-deformable",
+        title: format!("{count} deformable boulders in a bin of 5.26 m x 5.3 m x 3.87 m"),
+        text: text(&outputs[0]),
+        commands,
+        checks: checks(&outputs),
+        columns: vec!["quantity", "1 thread", "2 threads", "4 threads"],
+        rows: rows(&outputs),
+        attachments: vec![picture],
+    })
+}
+
+fn number(output: &Output, name: &str) -> f64 {
+    output.number("number", &[name], 1)
+}
+
+fn hash(output: &Output) -> String {
+    let row = output.rows("hash").next();
+    row.and_then(|row| row.first().cloned()).unwrap_or_default()
+}
+
+fn text(first: &Output) -> String {
+    let progress: String = first
+        .rows("progress")
+        .map(|row| format!("| {} |\n", row.join(" | ")))
+        .collect();
+    format!(
+        "Boulders of 40 kg, 50 different ones in turn, with {} linear neo-Hookean tetrahedra in all (each about \
+         a boulder's centroid, under a triangle of its surface), E = 1e8 Pa, nu = 0.2, density 2700 \
+         kg/m^3, kappa h/E = 1, friction and damping as by default. They start at rest on a lattice of 8 x 6 x \
+         6 with random orientations and fall all at once. All bodies are in motion in every step: \
+         deformable ones do not freeze. Processor time is that of all threads; the time of the \
+         elements is the least of 200 evaluations of all bodies in their last state on one thread.\n\n\
+         ![The pack](boulders-deformable.png)\n\n\
+         The run on one thread; rates are those of the time since the line above:\n\n\
+         | time, s | steps | step, s | processor seconds | per simulated second | ns per tet-step | touching \
+         pairs | candidate tetrahedra | overlapping | kinetic energy over m g d |\n\
+         | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n{progress}",
+        number(first, "tets")
+    )
+}
+
+fn checks(outputs: &[Output]) -> Vec<Check> {
+    let one = &outputs[0];
+    let hashes: BTreeSet<String> = outputs.iter().map(hash).collect();
+    let energy = number(one, "kinetic energy over m g d");
+    let most =
+        |name: &str, limit: f64, unit: &str| Check::at_most(name, number(one, name), limit, unit);
+    vec![
+        Check::at_most("kinetic energy over m g d at the end", energy, REST, ""),
+        most("above the rim", 0.0, ""),
+        most("processor seconds per simulated second", 80.0, "s"),
+        most("elements ns per tet-step", 10.0, "ns"),
+        most("all-in ns per tet-step", 25.0, "ns"),
+        Check::holds(
+            "state hashes at 1, 2 and 4 threads",
+            "all equal",
+            format!("{} different", hashes.len()),
+            hashes.len() == 1 && !hashes.contains(""),
+        ),
+    ]
+}
+
+fn rows(outputs: &[Output]) -> Vec<Vec<String>> {
+    let line = |name: &&str| {
+        let cells = outputs.iter().map(|output| short(number(output, name)));
+        std::iter::once((*name).to_owned()).chain(cells).collect()
+    };
+    let hashes = std::iter::once("state hash".to_owned()).chain(outputs.iter().map(hash));
+    let mut rows: Vec<Vec<String>> = NUMBERS.iter().map(line).collect();
+    rows.push(hashes.collect());
+    // The whole table of progress of one thread is on the page; the last rate is the settled pack's.
+    let last = |output: &Output| {
+        output
+            .rows("progress")
+            .last()
+            .map_or(f64::NAN, |row| cell(row, 5))
+    };
+    let settled = outputs.iter().map(|output| short(last(output)));
+    rows.push(
+        std::iter::once("ns per tet-step at the end".to_owned())
+            .chain(settled)
+            .collect(),
+    );
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_hash_and_all_figures_or_a_report_missed() {
+        let text = |hash: &str| {
+            format!(
+                "number\tkinetic energy over m g d\t1e-8\nnumber\tabove the rim\t0\n\
+                 number\tprocessor seconds per simulated second\t79\n\
+                 number\telements ns per tet-step\t9\nnumber\tall-in ns per tet-step\t26\nhash\t{hash}\n"
+            )
+        };
+        let met = |hashes: [&str; 2]| {
+            let outputs = hashes.map(|h| Output::parse(&text(h)));
+            checks(&outputs).iter().map(|c| c.met).collect::<Vec<_>>()
+        };
+        assert_eq!(met(["a", "a"]), [true, true, true, true, false, true]);
+        assert_eq!(met(["a", "b"]), [true, true, true, true, false, false]);
+    }
+}
