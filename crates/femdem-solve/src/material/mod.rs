@@ -149,6 +149,19 @@ impl Deformation {
             f64::NAN
         }
     }
+
+    /// A lower bound of the square of the smallest principal stretch, closer than a tenth of the
+    /// spread of the squares; exact where they spread far. NaN if F is not finite.
+    pub(crate) fn smallest_stretch2_bound(&self) -> f64 {
+        let c = self.gradient.tr_mul(&self.gradient);
+        let mean = c.trace() / 3.0;
+        let below = spectral::smallest_below(&c, mean);
+        if below > 0.5 * mean {
+            below
+        } else {
+            self.smallest_stretch().powi(2)
+        }
+    }
 }
 
 /// What a material point answers, per unit of reference volume.

@@ -80,14 +80,14 @@ impl Material for NeoHookean {
     /// twice the second invariant of H, which is at most a third of the square of its nuclear norm.
     fn stiffness_bound(&self, d: &Deformation, _old: &[f64]) -> f64 {
         let Moduli { lambda, shear, .. } = self.moduli;
-        let s = d.smallest_stretch();
+        let s2 = d.smallest_stretch2_bound();
         let q = shear - lambda * d.gradient.determinant().ln();
         let volumetric = if q < 0.0 {
             (lambda + q).max(0.0) - q / 1.5
         } else {
             lambda.max(0.0) + q
         };
-        shear + volumetric / (s * s)
+        shear + volumetric / s2
     }
 }
 
