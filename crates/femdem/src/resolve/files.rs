@@ -26,8 +26,8 @@ pub struct ResolveSummary {
     pub tetrahedra: usize,
     /// How the pack came to rest.
     pub relaxed: WorldRelaxed,
-    /// Largest way of a body's centroid on the way there \[m\].
-    pub largest_move: f64,
+    /// Mean and largest displacement of the bodies' centroids on the way there \[m\].
+    pub moves: [f64; 2],
     /// Mean over the bodies of the von Mises stress of the mean stress \[Pa\], and the largest of any
     /// element.
     pub von_mises: [f64; 2],
@@ -62,7 +62,7 @@ impl Resolved {
             bodies: self.bodies.len(),
             tetrahedra: self.simulation.world.deformables().map(tetrahedra).sum(),
             relaxed: self.relaxed,
-            largest_move: self.largest_move,
+            moves: self.moves,
             von_mises: [mean, largest.fold(0.0, f64::max)],
             nodes_difference: spread(0),
             contacts_difference: spread(1),
@@ -123,7 +123,11 @@ impl fmt::Display for ResolveSummary {
                 relaxed.residual, relaxed.mean_contact_force, relaxed.steps[0], relaxed.steps[1]
             ),
         )?;
-        line("largest move", format!("{:.2e} m", self.largest_move))?;
+        let [mean, largest] = self.moves;
+        line(
+            "moved",
+            format!("{mean:.2e} m on average, {largest:.2e} m at most"),
+        )?;
         line(
             "von Mises stress",
             format!(

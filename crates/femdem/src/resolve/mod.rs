@@ -115,8 +115,8 @@ pub struct Resolved {
     pub relaxed: WorldRelaxed,
     /// Mean stresses by body.
     pub bodies: Vec<BodyMean>,
-    /// Largest displacement of a body's centroid by the relaxation \[m\].
-    pub largest_move: f64,
+    /// Mean and largest displacement of the bodies' centroids by the relaxation \[m\].
+    pub moves: [f64; 2],
 }
 
 /// Makes the bodies of a rigid world deformable where they lie, and finds their equilibrium.
@@ -155,15 +155,17 @@ pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Erro
     let before: Vec<Vector3> = world.deformables().map(|d| d.centroid()).collect();
     let relaxed = world.relax(&options.relaxation)?;
     let bodies = means(&world)?;
-    let moves = world.deformables().zip(&before);
-    let largest_move = moves
-        .map(|(d, x)| (d.centroid() - x).norm())
-        .fold(0.0, f64::max);
+    let ways = world.deformables().zip(&before);
+    let ways: Vec<f64> = ways.map(|(d, x)| (d.centroid() - x).norm()).collect();
+    let moves = [
+        ways.iter().sum::<f64>() / ways.len().max(1) as f64,
+        ways.iter().copied().fold(0.0, f64::max),
+    ];
     Ok(Resolved {
         simulation: Simulation { world, members },
         relaxed,
         bodies,
-        largest_move,
+        moves,
     })
 }
 
