@@ -34,6 +34,9 @@ pub(crate) struct SoftBody {
     pub stiffness: Vec<f64>,
     #[serde(skip)]
     pub rates: Vec<f64>,
+    /// Whether any of these is not zero.
+    #[serde(skip)]
+    loaded: bool,
 }
 
 impl SoftBody {
@@ -50,6 +53,7 @@ impl SoftBody {
             friction: Vec::new(),
             stiffness: Vec::new(),
             rates: Vec::new(),
+            loaded: false,
         };
         body.restore(shape);
         body
@@ -64,9 +68,14 @@ impl SoftBody {
         self.friction = self.forces.clone();
         self.stiffness = vec![0.0; count];
         self.rates = vec![0.0; count];
+        self.loaded = false;
     }
 
     pub fn clear(&mut self) {
+        // Most bodies of a pack in flight touch nothing.
+        if !std::mem::take(&mut self.loaded) {
+            return;
+        }
         for part in [&mut self.forces, &mut self.damping, &mut self.friction] {
             part.fill(Vector3::zeros());
         }
@@ -76,6 +85,7 @@ impl SoftBody {
 
     /// Adds what a pair does to the nodes.
     pub fn add(&mut self, nodes: &[NodeLoad]) {
+        self.loaded |= !nodes.is_empty();
         for load in nodes {
             let at = load.node as usize;
             // All have the length of the nodes.
