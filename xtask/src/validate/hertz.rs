@@ -52,6 +52,18 @@ fn lines(
     Ok((output, commands))
 }
 
+/// What a page made of earlier lines says.
+fn note(earlier: Option<&Path>) -> &'static str {
+    match earlier {
+        Some(_) => {
+            "\nThis page is made of lines that the example printed before, on this machine while others used \
+             it: the seconds mean little, and meshes and stiffnesses of the commands below that have no row here \
+             are still to be run.\n"
+        }
+        None => "",
+    }
+}
+
 /// Balls pressed on a plane and on each other.
 ///
 /// # Errors
@@ -63,7 +75,7 @@ pub(crate) fn hertz(workshop: &Workshop, earlier: Option<&Path>) -> Result<Repor
     Ok(Report {
         name: "hertz",
         title: "Elastic balls pressed on a plane and on each other".to_owned(),
-        text: PRESSED_TEXT.to_owned() + &converged_table(&rows),
+        text: PRESSED_TEXT.to_owned() + &converged_table(&rows) + note(earlier),
         commands,
         checks: pressed_checks(&rows),
         columns: PRESSED.to_vec(),
@@ -82,9 +94,9 @@ The theory is for d much less than R, a half-space and small strain. Here the de
 a to 0.245 R: the equator is held, the ball is finite and round, and the law of the material stiffens \
 at finite strain, so the converged force exceeds Hertz's more the larger d is. The force is therefore \
 judged against its converged value: the intercept of the least-squares fit \
-F0 + A h + B h/(kappa h/E) to the runs with kappa h/E = 1 and 3 on all three meshes, for each depth. \
+F0 + A h + B h/(kappa h/E) to the runs of the table with kappa h/E = 1 and 3, for each depth. \
 The radius is that of a circle of the contact's area, which counts all that overlaps, so it exceeds the \
-elastic one where the field is soft. The pressure is that of the field on the axis.\n\n\
+elastic one where the field is soft. The pressure is that of the field on the axis (-: not measured).\n\n\
 A pair of deformable bodies overlaps with both fields; a wall has none and takes the body's twice, which \
 makes the contact with a wall half as stiff as the mirror image of the pair: see the rows of two balls \
 beside those of the plane.\n\n![Force over Hertz's](hertz.svg)\n\n";
@@ -232,7 +244,7 @@ pub(crate) fn spheres(workshop: &Workshop, earlier: Option<&Path>) -> Result<Rep
     Ok(Report {
         name: "spheres",
         title: "Colliding elastic balls".to_owned(),
-        text: COLLIDED_TEXT.to_owned(),
+        text: COLLIDED_TEXT.to_owned() + note(earlier),
         commands,
         checks: collided_checks(&output),
         columns: COLLIDED.to_vec(),

@@ -148,6 +148,9 @@ pub(crate) fn run(root: &Path, options: &Options) -> Result<bool> {
         if let Some(seconds) = options.seconds {
             trial += &format!(" --seconds {seconds}");
         }
+        if options.lines.is_some() {
+            trial += " --lines DIR";
+        }
         let made_by = format!("cargo xtask validate {}{trial}", report.name);
         let page = report.write(&folder, &place, &made_by)?;
         println!("{}\nwritten to {}", report.checks_as_text(), page.display());

@@ -87,16 +87,18 @@ impl Impact {
         let mass = 4.0 / 3.0 * PI * r.powi(3) * self.density;
         let approach = self.material.largest_approach(mass, v);
         let a = self.material.contact_radius(approach);
+        let order = if element == Element::T10 { 2.0 } else { 1.0 };
+        let finest = order * edge * r;
         let ball = Ball {
             radius: r,
             whole: true,
-            finest: if element == Element::T10 { 2.0 } else { 1.0 } * edge * r,
-            reach: 1.3 * a,
+            finest,
+            reach: (1.3 * a).max(2.5 * finest),
             coarsest: 0.25 * r,
         };
         let mesh = ball.mesh()?;
         // Edges of quadratic tetrahedra count half.
-        let fine = ball.edge(&mesh) / if element == Element::T10 { 2.0 } else { 1.0 };
+        let fine = ball.edge(&mesh) / order;
         // The mass is that of the ball, not of the polyhedron.
         let density = mass / mesh.volume();
         let model = setting::model(&mesh, element, &self.material, density)?;

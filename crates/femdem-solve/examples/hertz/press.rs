@@ -117,10 +117,12 @@ impl Press {
             let force = contact.map_or(0.0, |c| c.force_on_b().z);
             let area = contact.map_or(0.0, |c| c.area);
             let height = if self.two { -0.5 * goal } else { 0.0 };
-            let body = world.deformable(top).ok_or("the ball is there")?;
-            // The overlap pushes back with 2 p phi on a wall's plane, and on the plane between two equal
-            // balls, where both fields count, with twice that.
-            let pressure = 2.0 * sides * setting.pressure_at(body.positions(), height);
+            // A wall pushes back with 2 p phi on its plane, two balls with 2 p (phi_A + phi_B) anywhere
+            // between their skins.
+            let bodies = world.deformables();
+            let pressure: f64 = bodies
+                .map(|body| 2.0 * setting.pressure_at(body.positions(), height))
+                .sum();
             writeln!(
                 out,
                 "hertz\t{}\t{}\t{:.4}\t{}\t{}\t{}\t{:.3}\t{:.5}\t{:.4}\t{:.4}\t{}\t{:.1}",
