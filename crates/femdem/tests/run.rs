@@ -71,7 +71,8 @@ fn names(folder: &Path) -> Vec<String> {
 #[test]
 fn a_run_leaves_every_file() {
     let folder = tempdir().unwrap();
-    let (scene, out) = (write(folder.path(), SCENE), folder.path().join("out"));
+    let drawn = SCENE.replace("track = true", "track = true\npictures = true");
+    let (scene, out) = (write(folder.path(), &drawn), folder.path().join("out"));
     let result = run(femdem("run")
         .arg(&scene)
         .arg("--out")
@@ -95,9 +96,16 @@ fn a_run_leaves_every_file() {
         "summary.json",
     ];
     assert_eq!(names(&out), expected);
-    // Frames at 0, 0.005, ..., 0.03 and one for each kind.
+    // Frames at 0, 0.005, ..., 0.03: one for each kind, and a picture.
     let frames = names(&out.join("frames"));
-    assert_eq!(frames.len(), 3 * 7, "{frames:?}");
+    assert_eq!(frames.len(), 4 * 7, "{frames:?}");
+    let drawn = folder.path().join("side.png");
+    let picture = run(femdem("picture")
+        .arg(&out)
+        .args(["--view", "side", "--size", "64x48", "--out"])
+        .arg(&drawn));
+    assert_eq!(code(&picture), 0, "{picture:?}");
+    assert!(fs::read(&drawn).unwrap().starts_with(b"\x89PNG"));
     let soft = fs::read_to_string(out.join("frames/deformable-00006.vtu")).unwrap();
     assert!(soft.contains("NumberOfPoints=\"27\" NumberOfCells=\"48\""));
     assert!(soft.contains("Name=\"plastic_strain\""));

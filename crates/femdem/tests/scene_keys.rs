@@ -169,6 +169,7 @@ fn scenario() -> Scenario {
         every: Some(1.0),
         history_every: Some(1.0),
         track: true,
+        pictures: true,
         rest: Some(rest()),
         gravity: V,
         contact: ContactEntry::default(),

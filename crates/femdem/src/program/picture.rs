@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use femdem::analysis::{TableOptions, Tables};
-use femdem::picture::{PictureOptions, draw_by};
+use femdem::picture::{Image, PictureOptions, draw_by};
 use femdem::{Colouring, output};
 
 use super::job::{Outcome, in_pool};
-use super::say;
 use super::source::{self, ForeignArgs};
+use super::{folder, say};
 
 /// Where the eye stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -41,7 +41,8 @@ impl Standpoint {
 /// Options of `femdem picture`.
 #[derive(Debug, Args)]
 pub(crate) struct PictureArgs {
-    /// Folder of a run, which holds pack.ckpt, or of a pack from elsewhere, which holds bodies.csv
+    /// Folder of a run, which holds pack.ckpt or run.ckpt (drawn as it stands there, by its stresses), or
+    /// of a pack from elsewhere, which holds bodies.csv
     pub folder: PathBuf,
 
     /// Where the eye stands
@@ -91,6 +92,12 @@ fn size(text: &str) -> Result<[usize; 2], String> {
 pub(crate) fn run(args: &PictureArgs) -> Result<Outcome> {
     let vector = is_svg(&args.out)?;
     in_pool(args.threads.map(usize::from), |_| {
+        if folder::holds_run(&args.folder) {
+            let image = folder::load_run(&args.folder)?
+                .run
+                .picture(&args.options())?;
+            return args.write(&image, vector);
+        }
         let (snapshot, _) = source::read(&args.folder, &args.foreign)?;
         let cells = match args.colour {
             Colouring::Density => Tables::compute(&snapshot, &TableOptions::default())?.set_voronoi,
@@ -105,27 +112,36 @@ pub(crate) fn run(args: &PictureArgs) -> Result<Outcome> {
                     args.colour.name()
                 )
             })?;
-        let [azimuth, elevation] = args.view.angles();
-        let [width, height] = args.size;
-        let options = PictureOptions {
+        let image = draw_by(&snapshot, &values, &args.options())?;
+        args.write(&image, vector)
+    })
+}
+
+impl PictureArgs {
+    fn options(&self) -> PictureOptions {
+        let [azimuth, elevation] = self.view.angles();
+        let [width, height] = self.size;
+        PictureOptions {
             width,
             height,
-            azimuth: args.azimuth.unwrap_or(azimuth),
-            elevation: args.elevation.unwrap_or(elevation),
-        };
-        let image = draw_by(&snapshot, &values, &options)?;
-        output::write_file(&args.out, |w| {
+            azimuth: self.azimuth.unwrap_or(azimuth),
+            elevation: self.elevation.unwrap_or(elevation),
+        }
+    }
+
+    fn write(&self, image: &Image, vector: bool) -> Result<Outcome> {
+        output::write_file(&self.out, |w| {
             if vector {
                 image.write_svg(w)
             } else {
                 image.write_png(w)
             }
         })?;
-        if !args.quiet {
-            say(&format!("wrote {}", args.out.display()));
+        if !self.quiet {
+            say(&format!("wrote {}", self.out.display()));
         }
         Ok(Outcome::Finished)
-    })
+    }
 }
 
 /// Whether a file is SVG by its ending; PNG otherwise, and nothing else.

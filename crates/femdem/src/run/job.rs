@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::history::{self, Table};
 use super::{RunSummary, Scenario, Simulation};
 use crate::output::{vtu, write_file, write_pvd_parts};
+use crate::picture::PictureOptions;
 use crate::{Error, Usage};
 
 /// Steps between looks at whether all is at rest.
@@ -153,7 +154,7 @@ impl Run {
             self.write_frame(folder)?;
         }
         self.flush(folder)?;
-        let picture = self.picture()?;
+        let picture = self.picture(&PictureOptions::default())?;
         write_file(folder.join("run.png"), |w| picture.write_png(w))?;
         let summary = RunSummary::of(self, usage)?;
         write_file(folder.join("summary.json"), |w| summary.write_json(w))?;
@@ -231,6 +232,11 @@ impl Run {
         }
         let path = frames.join(file_name(CONTACTS, number));
         write_file(path, |w| simulation.write_contacts(w))?;
+        if self.scenario.pictures {
+            let picture = self.picture(&PictureOptions::default())?;
+            let path = frames.join(file_name(PICTURE, number));
+            write_file(path, |w| picture.write_png(w))?;
+        }
         self.frames.push(simulation.world.time());
         self.write_lists(folder)
     }
@@ -260,6 +266,7 @@ impl Run {
 
 const DEFORMABLE: (&str, &str) = ("deformable", "vtu");
 const RIGID: (&str, &str) = ("rigid", "vtu");
+const PICTURE: (&str, &str) = ("picture", "png");
 const CONTACTS: (&str, &str) = ("contacts", "vtp");
 
 fn file_name((stem, extension): (&str, &str), number: usize) -> String {

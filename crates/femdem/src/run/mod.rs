@@ -86,6 +86,8 @@ pub struct Scenario {
     pub history_every: Option<f64>,
     /// Whether the history has a row for every body too.
     pub track: bool,
+    /// Whether every frame is drawn too.
+    pub pictures: bool,
     /// Ends the run before its time once all is at rest.
     pub rest: Option<RestEntry>,
     /// Acceleration of gravity \[m/s²\].
@@ -120,6 +122,7 @@ impl Default for Scenario {
             every: None,
             history_every: None,
             track: false,
+            pictures: false,
             rest: None,
             gravity: [0.0, 0.0, -9.81],
             contact: ContactEntry::default(),

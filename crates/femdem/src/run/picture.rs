@@ -15,9 +15,10 @@ impl Run {
     /// # Errors
     ///
     /// [`Error::Solve`] if an element has no stress.
-    pub fn picture(&self) -> Result<Image, Error> {
+    pub fn picture(&self, options: &PictureOptions) -> Result<Image, Error> {
         let place = |skins: &[Skin]| self.scenario().drawing(skins);
-        self.simulation().picture_in(place, Spacing::Linear)
+        self.simulation()
+            .picture_in(place, Spacing::Linear, options)
     }
 }
 
@@ -32,13 +33,15 @@ impl Simulation {
     ///
     /// [`Error::Solve`] if an element has no stress.
     pub fn picture(&self, container: Option<&Drawing>) -> Result<Image, Error> {
-        self.picture_in(|_| container.cloned(), Spacing::Log)
+        let options = PictureOptions::default();
+        self.picture_in(|_| container.cloned(), Spacing::Log, &options)
     }
 
     fn picture_in(
         &self,
         place: impl Fn(&[Skin]) -> Option<Drawing>,
         spacing: Spacing,
+        options: &PictureOptions,
     ) -> Result<Image, Error> {
         let mut skins = self.skins()?;
         let all_rigid = skins.is_empty();
@@ -63,7 +66,7 @@ impl Simulation {
             scale(&title, note, [least, most], spacing)
         };
         let drawing = place(&skins);
-        draw_skins(&skins, drawing.as_ref(), &scale, &PictureOptions::default())
+        draw_skins(&skins, drawing.as_ref(), &scale, options)
     }
 }
 
