@@ -200,6 +200,23 @@ impl Snapshot {
         &self.shapes[body.shape as usize]
     }
 
+    /// What a picture shows of the container: its own drawing, or the outline of its region up to the
+    /// highest body. `None` without a container.
+    #[must_use]
+    pub fn outline(&self) -> Option<Drawing> {
+        let reach = |body: &Body| {
+            let shape = self.shapes.get(body.shape as usize)?;
+            Some(body.pose.translation.z + shape.polyhedron.bounding_radius())
+        };
+        let highest = self.bodies.iter().filter_map(reach);
+        let top = highest.fold(f64::NEG_INFINITY, f64::max);
+        self.drawing.clone().or_else(|| {
+            let container = self.container.as_ref()?;
+            let height = container.corners().1.z.min(top);
+            Some(crate::picture::outline(container, height))
+        })
+    }
+
     /// Coordination and force of each body.
     ///
     /// # Errors

@@ -62,7 +62,8 @@ fn the_files_of_a_resolved_pack() {
     };
     let resolved = resolve(packing.world(), &options).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let drawing = results::snapshot(&packing).drawing;
+    let drawing = results::snapshot(&packing).outline();
+    assert!(drawing.is_some());
     let summary = resolved
         .write(folder.path(), &options, drawing.as_ref())
         .unwrap();

@@ -91,8 +91,8 @@ pub(crate) fn run(args: &ResolveArgs) -> Result<Outcome> {
         folder::prepare(&out, args.force)?;
         let options = args.options();
         let resolved = resolve(saved.packing.world(), &options)?;
-        let snapshot = results::snapshot(&saved.packing);
-        let summary = resolved.write(&out, &options, snapshot.drawing.as_ref())?;
+        let outline = results::snapshot(&saved.packing).outline();
+        let summary = resolved.write(&out, &options, outline.as_ref())?;
         if !args.quiet {
             let shown = out.display();
             say(&format!("{summary}  {:<20} {shown}", "results in"));
