@@ -3,34 +3,13 @@
 use super::current::{Current, Inverted, Operand};
 use crate::general::cache::{BoxTest, gap_along_axes};
 use crate::general::cells::NONE;
+use crate::general::near_list::{Candidate, NearList, Search, Within, members, place};
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Candidate lists are made to last for this many evaluations at the present speed.
-const LASTS: f64 = 128.0;
-
-/// Least and largest margin of the lists over the field's length. What a list costs is finding it:
-/// candidates that cannot touch yet are passed over by their own budget.
-const MARGIN: [f64; 2] = [4e-3, 4e-2];
-
-/// Where nothing is within the margin, it is widened by this factor, up to this part of the field's
-/// length, so that pairs that pass close by are left alone for longer.
-const WIDENING: f64 = 4.0;
-const WIDEST: f64 = 0.25;
-
 /// What is remembered of a pair: that it is apart, or which tetrahedra can meet.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Candidates {
-    /// The list holds while the motion is below this, m.
-    until: f64,
-    /// Nothing touches while the motion is below this, m.
-    clear: f64,
-    /// Motion at the last evaluation, m.
-    last: f64,
-    /// `None`: the bodies are apart.
-    near: Option<Box<Near>>,
-}
+pub(crate) type Candidates = NearList<Near>;
 
 /// Tetrahedra that can meet.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -54,15 +33,6 @@ pub(crate) struct Members {
     pub slaves: Vec<(u32, [u32; 4])>,
 }
 
-/// Two tetrahedra that can come to touch.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Candidate {
-    /// Places among the members.
-    pub places: [u32; 2],
-    /// The two are apart while the motion is below this, m.
-    pub clear: f64,
-}
-
 /// A tree over the tetrahedra of one side, in world axes for bodies that deform, in those of its
 /// frame for rigid ones.
 #[derive(Debug, Clone, Copy)]
@@ -81,54 +51,6 @@ pub(crate) struct Sides<'a> {
 /// A side and a tetrahedron of it that is inside out.
 pub(crate) type Failure = (usize, Inverted);
 
-impl Candidates {
-    /// Whether `motion` still lies within what is known without a look at the pair.
-    pub fn is_clear(&self, motion: f64) -> bool {
-        motion < self.clear
-    }
-
-    /// Whether the trees are needed to go on.
-    pub fn is_expired(&self, motion: f64) -> bool {
-        motion >= self.until
-    }
-
-    /// The candidates, found anew if they have expired.
-    pub fn renewed(&mut self, sides: &Sides, motion: f64) -> Result<Option<&mut Near>, Failure> {
-        if self.is_expired(motion) {
-            let [a, b] = sides.operands.map(|o| o.length());
-            let scale = if a > 0.0 { a.min(b) } else { b };
-            let [least, largest] = MARGIN.map(|m| m * scale);
-            let mut margin = (LASTS * (motion - self.last)).clamp(least, largest);
-            let gap = sides.gap();
-            self.near = None;
-            if gap > margin {
-                margin = gap;
-            } else {
-                self.near = sides.find(margin, motion)?;
-                while self.near.is_none() && margin < WIDEST * scale {
-                    let wider = margin * WIDENING;
-                    self.near = sides.find(wider, motion)?;
-                    margin = wider;
-                }
-            }
-            self.until = motion + margin;
-            self.clear = self.until;
-        }
-        self.last = motion;
-        Ok(self.near.as_deref_mut())
-    }
-
-    /// The list as it stands.
-    pub fn near(&self) -> Option<&Near> {
-        self.near.as_deref()
-    }
-
-    /// Notes until when no candidate touches; to be called after a look at all of them.
-    pub fn set_clear(&mut self, motion: f64) {
-        self.clear = motion.min(self.until);
-    }
-}
-
 impl Sides<'_> {
     /// A's boxes against B's: in the axes of A, if A is rigid.
     fn box_test(&self, margin: f64) -> Option<BoxTest> {
@@ -139,6 +61,27 @@ impl Sides<'_> {
                 Some(BoxTest::new(&inverse, &-(inverse * frame.position), margin))
             }
         }
+    }
+
+    /// Roughly where the tetrahedra of the pairs are.
+    fn middle(&self, pairs: &[[u32; 2]]) -> Option<Vector3> {
+        let box_of = |pair: &[u32; 2]| self.trees[1].boxes.get(pair[1] as usize);
+        let first = box_of(pairs.first()?)?;
+        let all = pairs
+            .iter()
+            .filter_map(box_of)
+            .fold(*first, |x, y| x.union(y));
+        Some(all.center().coords)
+    }
+}
+
+impl Search for Sides<'_> {
+    type List = Near;
+    type Failure = Failure;
+
+    fn length(&self) -> f64 {
+        let [a, b] = self.operands.map(|o| o.length());
+        if a > 0.0 { a.min(b) } else { b }
     }
 
     /// A lower bound of the distance, by the boxes around both, m.
@@ -185,58 +128,19 @@ impl Sides<'_> {
                 posed[side].extend(tet.map_err(|inverted| (side, inverted))?);
             }
         }
-        let mut region = (f64::INFINITY, Aabb::EMPTY);
-        let mut gaps = Vec::new();
-        pairs.retain(|[i, j]| {
-            let at = [place(&tets[0], *i), place(&tets[1], *j)];
-            let (Some(a), Some(b)) = (posed[0].get(at[0]), posed[1].get(at[1])) else {
-                return false;
-            };
-            let (a, b) = (&a.posed, &b.posed);
-            let gap = a.gap(b, margin).max(0.0);
-            if gap > margin {
-                return false;
-            }
-            let common = Aabb {
-                low: a.low.sup(&b.low).into(),
-                high: a.high.inf(&b.high).into(),
-            };
-            if gap < region.0 {
-                region = (gap, common);
-            } else if gap == region.0 {
-                region.1 = region.1.union(&common);
-            }
-            gaps.push(([*i, *j], gap));
-            true
-        });
-        if gaps.is_empty() {
-            return Ok(None);
-        }
-        gaps.sort_unstable_by_key(|(pair, _)| *pair);
-        let sides = [0, 1].map(|side| self.operands[side].members(members(&pairs, side)));
-        let candidate = |&([i, j], gap): &([u32; 2], f64)| Candidate {
-            places: [
-                place(&sides[0].tets, i) as u32,
-                place(&sides[1].tets, j) as u32,
-            ],
-            clear: motion + gap,
+        let posed = |[i, j]: [u32; 2]| {
+            let a = &posed[0].get(place(&tets[0], i))?.posed;
+            Some([a, &posed[1].get(place(&tets[1], j))?.posed])
         };
+        let Some(within) = Within::new(&pairs, margin, posed) else {
+            return Ok(None);
+        };
+        let sides = [0, 1].map(|side| self.operands[side].members(members(&within.pairs, side)));
         Ok(Some(Box::new(Near {
-            origin: origin + region.1.center().coords,
-            pairs: gaps.iter().map(candidate).collect(),
+            origin: origin + within.centre,
+            pairs: within.candidates([&sides[0].tets, &sides[1].tets], motion),
             sides,
         })))
-    }
-
-    /// Roughly where the tetrahedra of the pairs are.
-    fn middle(&self, pairs: &[[u32; 2]]) -> Option<Vector3> {
-        let box_of = |pair: &[u32; 2]| self.trees[1].boxes.get(pair[1] as usize);
-        let first = box_of(pairs.first()?)?;
-        let all = pairs
-            .iter()
-            .filter_map(box_of)
-            .fold(*first, |x, y| x.union(y));
-        Some(all.center().coords)
     }
 }
 
@@ -281,16 +185,4 @@ impl Operand<'_> {
             boxes.extend((0..shape.tet_count() as u32).map(|i| of(corners(i))));
         }
     }
-}
-
-/// The tetrahedra of one side of the pairs, ascending.
-fn members(pairs: &[[u32; 2]], side: usize) -> Vec<u32> {
-    let mut list: Vec<u32> = pairs.iter().map(|p| p[side]).collect();
-    list.sort_unstable();
-    list.dedup();
-    list
-}
-
-fn place(list: &[u32], i: u32) -> usize {
-    list.binary_search(&i).unwrap_or(0)
 }

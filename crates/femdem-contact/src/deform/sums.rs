@@ -1,8 +1,8 @@
 //! What the pieces of a pair add up to: nodal forces, wrenches, and loads by triangle.
 
 use super::current::Current;
-use crate::general::piece::{Cut, Moments, Piece, SURFACE};
-use crate::general::pieces::{SAME_FIELD, SAME_VALUE, for_skins, integral};
+use crate::general::piece::{Moments, Piece, SURFACE};
+use crate::general::pieces::{SAME_VALUE, Split, for_skins, integral};
 use crate::general::{Form, posed::Posed};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -207,31 +207,10 @@ impl PairSums {
     /// U = int min(phi_A, phi_B): the part where A's field is the smaller one, and the rest.
     fn add_series(&mut self, sides: [Place; 2], nearest: u32, whole: &Moments, piece: &mut Piece) {
         let [a, b] = sides.map(|s| &s.tet.posed);
-        let slope = b.gradient - a.gradient;
-        let level = b.level - a.level;
-        let above = |x: &Vector3| level + slope.dot(x);
         let scale = a.gradient.norm().max(b.gradient.norm());
         let least = SAME_VALUE * scale * a.size().max(b.size());
-        let equal = piece.vertices().iter().all(|x| above(x).abs() < least);
-        let cut = if equal {
-            Cut::Whole
-        } else {
-            piece.cut(SURFACE, above)
-        };
-        let in_a = match cut {
-            // Moved either way, one of the fields becomes the lower one: on average, each has half.
-            Cut::Whole if equal => Moments {
-                volume: 0.5 * whole.volume,
-                first: whole.first * 0.5,
-            },
-            Cut::Whole => *whole,
-            Cut::Part => piece.moments(),
-            Cut::Empty => Moments::default(),
-        };
-        let in_b = Moments {
-            volume: whole.volume - in_a.volume,
-            first: whole.first - in_a.first,
-        };
+        let split = Split::new(a, b, least, whole, piece);
+        let [in_a, in_b] = split.parts;
         self.energy += integral(a, &in_a) + integral(b, &in_b);
         let plain = PairLaw {
             form: Form::Min,
@@ -240,13 +219,9 @@ impl PairSums {
         };
         self.add_side(0, &sides[0], &in_a, &a.gradient, 0.0, &plain);
         self.add_side(1, &sides[1], &in_b, &b.gradient, 0.0, &plain);
-        let steepness = slope.norm();
-        if cut != Cut::Part || steepness <= SAME_FIELD * scale {
+        let Some((normal, weight)) = split.surface(a, b) else {
             return;
-        }
-        // The part that was kept lies on B's side: its face looks back to A.
-        let normal = -slope / steepness;
-        let weight = (-a.gradient.dot(&b.gradient)).max(0.0) / steepness;
+        };
         piece.for_faces(|label, polygon| {
             if label == SURFACE {
                 let sums = PolygonSums::new(polygon, &normal, a);

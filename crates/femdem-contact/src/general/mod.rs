@@ -78,6 +78,7 @@ pub(crate) mod cache;
 pub(crate) mod cells;
 mod kernel;
 mod mesh;
+pub(crate) mod near_list;
 mod patch;
 pub(crate) mod piece;
 pub(crate) mod pieces;

@@ -217,42 +217,73 @@ fn add_skin(
     });
 }
 
+/// A piece divided where the fields of A and B are equal.
+pub(crate) struct Split {
+    cut: Cut,
+    /// Gradient of B's field less that of A's.
+    slope: Vector3,
+    /// The parts where A's and where B's field is the lower one.
+    pub parts: [Moments; 2],
+}
+
+impl Split {
+    /// Divides a piece, of which the part on B's side of the surface stays. Fields that differ by less
+    /// than `least` everywhere are equal: moved either way, one of them becomes the lower one, so on
+    /// average each has half.
+    pub fn new(a: &Posed, b: &Posed, least: f64, whole: &Moments, piece: &mut Piece) -> Self {
+        let slope = b.gradient - a.gradient;
+        let level = b.level - a.level;
+        let above = |x: &Vector3| level + slope.dot(x);
+        let equal = piece.vertices().iter().all(|x| above(x).abs() < least);
+        let cut = if equal {
+            Cut::Whole
+        } else {
+            piece.cut(SURFACE, above)
+        };
+        let in_a = match cut {
+            Cut::Whole if equal => Moments {
+                volume: 0.5 * whole.volume,
+                first: whole.first * 0.5,
+            },
+            Cut::Whole => *whole,
+            Cut::Part => piece.moments(),
+            Cut::Empty => Moments::default(),
+        };
+        let in_b = Moments {
+            volume: whole.volume - in_a.volume,
+            first: whole.first - in_a.first,
+        };
+        Self {
+            cut,
+            slope,
+            parts: [in_a, in_b],
+        }
+    }
+
+    /// Normal of the surface, from B's side to A's, and stiffness of the two fields in series there;
+    /// `None` if the piece has no such surface.
+    pub fn surface(&self, a: &Posed, b: &Posed) -> Option<(Vector3, f64)> {
+        let steepness = self.slope.norm();
+        let scale = a.gradient.norm().max(b.gradient.norm());
+        if self.cut != Cut::Part || steepness <= SAME_FIELD * scale {
+            return None;
+        }
+        let weight = (-a.gradient.dot(&b.gradient)).max(0.0) / steepness;
+        Some((-self.slope / steepness, weight))
+    }
+}
+
 /// U = int min(phi_A, phi_B): the part where A's field is the smaller one, and the rest.
 fn add_series(a: &Posed, b: &Posed, whole: &Moments, piece: &mut Piece, sums: &mut Sums) {
-    let slope = b.gradient - a.gradient;
-    let level = b.level - a.level;
-    let above = |x: &Vector3| level + slope.dot(x);
-    let equal = piece.vertices().iter().all(|x| above(x).abs() < SAME_VALUE);
-    let cut = if equal {
-        Cut::Whole
-    } else {
-        piece.cut(SURFACE, above)
-    };
-    let in_a = match cut {
-        // Moved either way, one of the fields becomes the lower one: on average, each has half.
-        Cut::Whole if equal => Moments {
-            volume: 0.5 * whole.volume,
-            first: whole.first * 0.5,
-        },
-        Cut::Whole => *whole,
-        Cut::Part => piece.moments(),
-        Cut::Empty => Moments::default(),
-    };
-    let in_b = Moments {
-        volume: whole.volume - in_a.volume,
-        first: whole.first - in_a.first,
-    };
+    let split = Split::new(a, b, SAME_VALUE, whole, piece);
+    let [in_a, in_b] = split.parts;
     // Both parts give the same force; their mean has the smaller round-off.
     sums.force = (b.gradient * in_b.volume - a.gradient * in_a.volume) * 0.5;
     sums.torque = (in_b.first.cross(&b.gradient) - in_a.first.cross(&a.gradient)) * 0.5;
     sums.energy = integral(a, &in_a) + integral(b, &in_b);
-    let steepness = slope.norm();
-    let scale = a.gradient.norm().max(b.gradient.norm());
-    if cut != Cut::Part || steepness <= SAME_FIELD * scale {
+    let Some((normal, weight)) = split.surface(a, b) else {
         return;
-    }
-    // The part that was kept lies on B's side: its face looks back to A.
-    let normal = -slope / steepness;
+    };
     piece.for_faces(|label, polygon| {
         if label == SURFACE {
             let mut surface = Sums::default();
@@ -261,7 +292,7 @@ fn add_series(a: &Posed, b: &Posed, whole: &Moments, piece: &mut Piece, sums: &m
                 normal,
                 gradient: a.gradient,
                 level: a.level,
-                weight: (-a.gradient.dot(&b.gradient)).max(0.0) / steepness,
+                weight,
                 side: 0.0,
             });
             *sums += &surface;

@@ -1,0 +1,192 @@
+//! Lists of the tetrahedra of a pair that can meet: how long they hold, and how they are found anew.
+
+use super::posed::Posed;
+use femdem_mesh::Vector3;
+use femdem_mesh::bvh::Aabb;
+use serde::{Deserialize, Serialize};
+
+/// Lists are made to last for this many evaluations at the present speed.
+const LASTS: f64 = 128.0;
+
+/// Least and largest margin of the lists over the field's length. What a list costs is finding it:
+/// candidates that cannot touch yet are passed over by their own budget.
+const MARGIN: [f64; 2] = [4e-3, 4e-2];
+
+/// Where nothing is within the margin, it is widened by this factor, up to this part of the field's
+/// length, so that pairs that pass close by are left alone for longer.
+const WIDENING: f64 = 4.0;
+const WIDEST: f64 = 0.25;
+
+/// What is remembered of a pair: that it is apart, or a list `N` of what can meet.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct NearList<N> {
+    /// The list holds while the motion is below this, m.
+    until: f64,
+    /// Nothing touches while the motion is below this, m.
+    clear: f64,
+    /// Motion at the last evaluation, m.
+    last: f64,
+    /// `None`: the bodies are apart.
+    near: Option<Box<N>>,
+}
+
+impl<N> Default for NearList<N> {
+    fn default() -> Self {
+        Self {
+            until: 0.0,
+            clear: 0.0,
+            last: 0.0,
+            near: None,
+        }
+    }
+}
+
+/// A tetrahedron of A and one of B that can come to touch.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Candidate {
+    /// Places on the lists of A's and of B's tetrahedra.
+    pub places: [u32; 2],
+    /// The two are apart while the motion is below this, m.
+    pub clear: f64,
+}
+
+/// Two bodies as they are now.
+pub(crate) trait Search {
+    type List;
+    type Failure;
+
+    /// Length that margins are measured by, m.
+    fn length(&self) -> f64;
+
+    /// A lower bound of the distance, m.
+    fn gap(&self) -> f64;
+
+    /// What is, or within `margin` may come to be, in touch.
+    fn find(&self, margin: f64, motion: f64) -> Result<Option<Box<Self::List>>, Self::Failure>;
+}
+
+impl<N> NearList<N> {
+    /// Whether `motion` still lies within what is known without a look at the pair.
+    pub fn is_clear(&self, motion: f64) -> bool {
+        motion < self.clear
+    }
+
+    /// Whether the list no longer holds.
+    pub fn is_expired(&self, motion: f64) -> bool {
+        motion >= self.until
+    }
+
+    /// The list as it stands.
+    pub fn near(&self) -> Option<&N> {
+        self.near.as_deref()
+    }
+
+    /// The list, found anew if it has expired.
+    pub fn renewed<S: Search<List = N>>(
+        &mut self,
+        pair: &S,
+        motion: f64,
+    ) -> Result<Option<&mut N>, S::Failure> {
+        if self.is_expired(motion) {
+            let length = pair.length();
+            let [least, largest] = MARGIN.map(|m| m * length);
+            let mut margin = (LASTS * (motion - self.last)).clamp(least, largest);
+            let gap = pair.gap();
+            self.near = None;
+            if gap > margin {
+                margin = gap;
+            } else {
+                self.near = pair.find(margin, motion)?;
+                while self.near.is_none() && margin < WIDEST * length {
+                    let wider = margin * WIDENING;
+                    self.near = pair.find(wider, motion)?;
+                    margin = wider;
+                }
+            }
+            self.until = motion + margin;
+            self.clear = self.until;
+        }
+        self.last = motion;
+        Ok(self.near.as_deref_mut())
+    }
+
+    /// Notes until when no candidate touches; to be called after a look at all of them.
+    pub fn set_clear(&mut self, motion: f64) {
+        self.clear = motion.min(self.until);
+    }
+}
+
+/// Pairs of tetrahedra within a margin.
+pub(crate) struct Within {
+    /// Ascending.
+    pub pairs: Vec<[u32; 2]>,
+    /// Lower bounds of their distances, m.
+    pub gaps: Vec<f64>,
+    /// The middle of what the nearest can have in common.
+    pub centre: Vector3,
+}
+
+impl Within {
+    /// Those of `pairs`, as `posed` has them, that are no further apart than `margin`; `None` if
+    /// there are none.
+    pub fn new<'p>(
+        pairs: &[[u32; 2]],
+        margin: f64,
+        posed: impl Fn([u32; 2]) -> Option<[&'p Posed; 2]>,
+    ) -> Option<Self> {
+        let mut region = (f64::INFINITY, Aabb::EMPTY);
+        let mut found = Vec::new();
+        for &pair in pairs {
+            let Some([a, b]) = posed(pair) else {
+                continue;
+            };
+            let gap = a.gap(b, margin).max(0.0);
+            if gap > margin {
+                continue;
+            }
+            let common = Aabb {
+                low: a.low.sup(&b.low).into(),
+                high: a.high.inf(&b.high).into(),
+            };
+            if gap < region.0 {
+                region = (gap, common);
+            } else if gap == region.0 {
+                region.1 = region.1.union(&common);
+            }
+            found.push((pair, gap));
+        }
+        if found.is_empty() {
+            return None;
+        }
+        found.sort_unstable_by_key(|(pair, _)| *pair);
+        let (pairs, gaps) = found.into_iter().unzip();
+        Some(Self {
+            pairs,
+            gaps,
+            centre: region.1.center().coords,
+        })
+    }
+
+    /// The candidates, with their places on lists of A's and of B's tetrahedra.
+    pub fn candidates(&self, lists: [&[u32]; 2], motion: f64) -> Vec<Candidate> {
+        let each = self.pairs.iter().zip(&self.gaps);
+        each.map(|(pair, gap)| Candidate {
+            places: [0, 1].map(|side| place(lists[side], pair[side]) as u32),
+            clear: motion + gap,
+        })
+        .collect()
+    }
+}
+
+/// The tetrahedra of one side that appear in pairs, ascending.
+pub(crate) fn members(pairs: &[[u32; 2]], side: usize) -> Vec<u32> {
+    let mut list: Vec<u32> = pairs.iter().map(|p| p[side]).collect();
+    list.sort_unstable();
+    list.dedup();
+    list
+}
+
+/// The place of a tetrahedron on a list that holds it.
+pub(crate) fn place(list: &[u32], i: u32) -> usize {
+    list.binary_search(&i).unwrap_or(0)
+}
