@@ -186,17 +186,28 @@ fn all_protocols_end_settled() {
     }
 }
 
-/// A pack made in a viscous medium is verified without it, and stays where it is.
+/// A pack made in a viscous medium, or with local damping, is verified without it, and stays where it is.
 #[test]
-fn a_pack_made_with_drag_rests_without_it() {
+fn a_pack_made_in_a_medium_rests_without_it() {
     let mut spec = cubes(5);
-    spec.medium.drag = 0.6 * (spec.gravity / D).sqrt();
-    let mut packing = Packing::new(spec).unwrap();
-    let report = packing.run().unwrap();
-    assert_settled(&packing, &report);
-    assert_eq!(packing.world().parameters().medium.drag, 0.0);
-    assert!(!packing.world().parameters().sleeping.enabled);
-    assert_eq!(packing.world().awake_count(), 5);
+    let drag = Medium {
+        drag: 0.6 * (spec.gravity / D).sqrt(),
+        ..Medium::default()
+    };
+    let local = Medium {
+        local_damping: 0.6,
+        ..Medium::default()
+    };
+    for medium in [drag, local] {
+        spec.medium = medium;
+        let mut packing = Packing::new(spec.clone()).unwrap();
+        assert_eq!(packing.world().parameters().medium, medium);
+        let report = packing.run().unwrap();
+        assert_settled(&packing, &report);
+        assert_eq!(packing.world().parameters().medium, Medium::default());
+        assert!(!packing.world().parameters().sleeping.enabled);
+        assert_eq!(packing.world().awake_count(), 5);
+    }
 }
 
 /// The last relaxation takes a few quarters of the slowest oscillation, and the verification that

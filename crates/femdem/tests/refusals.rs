@@ -29,6 +29,10 @@ fn bad_options_say_what_is_allowed_and_leave_no_folder() {
         (&["--penetration", "2"], &["penetration = 2"]),
         (&["--gravity", "0"], &["gravity = 0"]),
         (&["--drag", "-1"], &["drag"]),
+        (
+            &["--local-damping", "1"],
+            &["local_damping", "1", "below 1"],
+        ),
         (&["--box", "0.9x4"], &["width", "0.045"]),
         (&["--cylinder", "0.5"], &["diameter", "0.025"]),
         (&["--box", "6"], &["--box", "6x6"]),

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use femdem::analysis::{BodyAxes, FOLDER, JSON, Region, TableOptions, Tables};
+use femdem::analysis::{BodyAxes, CoreOptions, FOLDER, JSON, Region, TableOptions, Tables};
 use femdem::input::{self, InputOptions};
 use femdem::mesh::Point3;
 use femdem::{Snapshot, results};
@@ -15,6 +15,9 @@ use super::{folder, say};
 
 /// Gravity where nothing else is said \[m/s²\].
 const GRAVITY: f64 = 9.81;
+
+/// Extent of the core that an inset asked for leaves at least, in d.
+const SMALLEST_CORE: f64 = 0.5;
 
 pub(crate) const HELP: &str = "\
 A run of `femdem pack` is measured from its checkpoint, and its files are written again. A pack from
@@ -42,6 +45,11 @@ pub(crate) struct AnalyseArgs {
     /// directions in the body frame as X,Y,Z with ; between them [default: by the shapes]
     #[arg(long, value_name = "AXES", allow_hyphen_values = true)]
     pub axes: Option<Axes>,
+
+    /// Distance of the core from walls, floor and mean top in d, 0 or more, kept even where the core gets
+    /// small [default: 5, less where a core of 3 d would not remain]
+    #[arg(long, value_name = "X")]
+    pub core_inset: Option<f64>,
 
     /// Folder for analysis.json and the tables [default: the folder of the pack]
     #[arg(long, value_name = "DIR")]
@@ -181,7 +189,13 @@ fn foreign(args: &AnalyseArgs) -> Result<Outcome> {
 }
 
 fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Outcome> {
+    let mut core = CoreOptions::default();
+    if let Some(inset) = args.core_inset {
+        core.inset_over_d = inset;
+        core.minimum_core_over_d = SMALLEST_CORE;
+    }
     let options = TableOptions {
+        core,
         force_threshold: args.threshold.unwrap_or_default(),
         axes: args.axes.as_ref().map(|axes| axes.0.clone()),
         ..TableOptions::default()

@@ -162,6 +162,11 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "X")]
     drag: Option<f64>,
 
+    /// Cundall's local damping while the pack is made: the part of each component of a body's net force
+    /// and moment that is taken off against the motion, 0 to below 1 [default: 0]
+    #[arg(long, value_name = "X")]
+    local_damping: Option<f64>,
+
     /// Gravity in m/s2 [default: 9.81]
     #[arg(long, value_name = "M/S2")]
     gravity: Option<f64>,
@@ -285,6 +290,7 @@ impl PackArgs {
         set(&mut scene.damping, &self.damping);
         set(&mut scene.penetration, &self.penetration);
         set(&mut scene.drag, &self.drag);
+        set(&mut scene.local_damping, &self.local_damping);
         set(&mut scene.gravity, &self.gravity);
         self.set_container(&mut scene);
         set(&mut scene.protocol, &self.protocol);
@@ -413,7 +419,7 @@ mod tests {
             "",
             "--shape cube --shape dolos:waist=0.36 --share 3 --share 1 --mass 2 --unit mm --repair",
             "--cylinder 5 --cone 40 --outlet 0.1m --protocol pour --rate 50 --height 3.87m",
-            "--box 4x5x6m --seed 9 --threads 2 --penalty 1e6 --drag 0.6 --variety 3 --out a/b",
+            "--box 4x5x6m --seed 9 --threads 2 --penalty 1e6 --drag 0.6 --local-damping 0.3 --variety 3 --out a/b",
         ] {
             let made = scene(options);
             let command = made.command();

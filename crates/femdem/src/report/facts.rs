@@ -114,7 +114,7 @@ pub(super) fn figures_html(figures: &[Figure]) -> String {
 }
 
 /// What options of a scene are called, with their units; others have the names of their keys.
-const LABELS: [(&str, &str); 18] = [
+const LABELS: [(&str, &str); 19] = [
     ("batch", "bodies in a batch"),
     ("cone", "half angle of the cone / degrees"),
     ("count", "number of bodies"),
@@ -125,6 +125,7 @@ const LABELS: [(&str, &str); 18] = [
     ("drag", "drag of the medium / sqrt(g/d)"),
     ("friction", "friction coefficient"),
     ("gravity", "gravity / m/s\u{b2}"),
+    ("local-damping", "local damping of the medium"),
     ("mass", "mass of a body / kg"),
     ("mesh-size", "edges of the tetrahedra / d"),
     ("outlet", "diameter of the outlet / d"),

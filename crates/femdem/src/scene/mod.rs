@@ -108,6 +108,9 @@ pub struct Scene {
     pub penetration: f64,
     /// Drag of the medium while the pack is made, in sqrt(g/d).
     pub drag: f64,
+    /// Cundall's local damping while the pack is made: the part of each component of a body's net force
+    /// and moment that is taken off against the motion, 0 to below 1.
+    pub local_damping: f64,
     /// Gravity \[m/s²\].
     pub gravity: f64,
     /// Kind of container.
@@ -161,6 +164,7 @@ impl Default for Scene {
             penalty: None,
             penetration: 0.0035,
             drag: 0.0,
+            local_damping: 0.0,
             gravity: spec.gravity,
             container: ContainerKind::Box,
             r#box: None,
@@ -266,7 +270,7 @@ impl Scene {
         spec.protocol = self.protocol(diameter);
         spec.medium = Medium {
             drag: self.drag * (self.gravity.abs() / diameter).sqrt(),
-            ..Medium::default()
+            local_damping: self.local_damping,
         };
         spec.validate()?;
         Ok((spec, notes))
