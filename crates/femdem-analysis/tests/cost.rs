@@ -30,7 +30,7 @@ fn peak_memory() -> String {
 }
 
 #[test]
-#[ignore = "takes seconds in an optimised build; prints its figures"]
+#[ignore = "seconds: cargo test --release -p femdem-analysis --test cost -- --ignored --nocapture"]
 fn tables_of_eleven_thousand_bodies() {
     let shapes = [solid("A10", 1.0)];
     let bodies = jittered([22, 22, 23], 0.9);

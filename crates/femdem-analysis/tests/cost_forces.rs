@@ -51,7 +51,7 @@ fn lattice(sides: [u32; 3]) -> (Vec<ForceBody>, Vec<ForceContact>) {
 }
 
 #[test]
-#[ignore = "takes seconds; prints its figures"]
+#[ignore = "seconds: cargo test --release -p femdem-analysis --test cost_forces -- --ignored --nocapture"]
 fn forces_of_eleven_thousand_bodies() {
     let (bodies, contacts) = lattice([22, 22, 23]);
     let region = Region::Box {

@@ -84,6 +84,7 @@ mod snapshot;
 #[cfg(test)]
 mod testing;
 mod ticks;
+mod toml_file;
 
 pub use femdem_contact as contact;
 pub use femdem_mesh as mesh;

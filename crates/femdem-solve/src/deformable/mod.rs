@@ -51,7 +51,7 @@ pub use forces::{InternalState, Workspace};
 pub use ledger::BodyLedger;
 pub use loads::Curve;
 pub use selection::{NodeSets, Selection};
-pub use stress::ElementStress;
+pub use stress::{ElementStress, von_mises};
 
 use crate::element::{Batch, Element};
 use crate::error::SolveError;

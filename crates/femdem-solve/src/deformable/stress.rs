@@ -19,6 +19,13 @@ pub struct ElementStress {
     pub volume_ratio: f64,
 }
 
+/// Von Mises stress of a Cauchy stress, sqrt(3/2 s : s) with the deviator s, Pa.
+#[must_use]
+pub fn von_mises(cauchy: &Matrix3) -> f64 {
+    let deviator = cauchy - Matrix3::identity() * (cauchy.trace() / 3.0);
+    (1.5 * deviator.norm_squared()).sqrt()
+}
+
 impl ElementStress {
     /// Mean pressure, -tr sigma / 3, Pa; compression is positive.
     #[must_use]
@@ -26,11 +33,10 @@ impl ElementStress {
         -self.cauchy.trace() / 3.0
     }
 
-    /// Von Mises stress, sqrt(3/2 s : s) with the deviator s, Pa.
+    /// [`von_mises`] of the Cauchy stress.
     #[must_use]
     pub fn von_mises(&self) -> f64 {
-        let deviator = self.cauchy + Matrix3::identity() * self.pressure();
-        (1.5 * deviator.norm_squared()).sqrt()
+        von_mises(&self.cauchy)
     }
 
     /// Principal stresses, Pa, the largest (most tensile) first.
@@ -157,5 +163,37 @@ impl DeformableModel {
             volume_ratio: work.ratios[e],
         };
         Ok(bars.iter().enumerate().map(of_element).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stress(cauchy: Matrix3) -> ElementStress {
+        ElementStress {
+            cauchy,
+            volume_ratio: 1.0,
+        }
+    }
+
+    #[test]
+    fn uniaxial_tension_and_pressure() {
+        let pulled = stress(Matrix3::from_diagonal(&Vector3::new(0.0, 5.0, 0.0)));
+        assert!((pulled.von_mises() - 5.0).abs() < 1e-14);
+        assert!((pulled.pressure() + 5.0 / 3.0).abs() < 1e-14);
+        assert_eq!(pulled.principal(), [5.0, 0.0, 0.0]);
+        assert_eq!(stress(Matrix3::identity() * -3.0).von_mises(), 0.0);
+    }
+
+    #[test]
+    fn pure_shear() {
+        // Shear t: von Mises sqrt(3) t, principal t, 0, -t.
+        let mut cauchy = Matrix3::zeros();
+        (cauchy[(0, 1)], cauchy[(1, 0)]) = (2.0, 2.0);
+        let sheared = stress(cauchy);
+        assert!((sheared.von_mises() - 12_f64.sqrt()).abs() < 1e-14);
+        let [most, middle, least] = sheared.principal();
+        assert!((most - 2.0).abs() + middle.abs() + (least + 2.0).abs() < 1e-14);
     }
 }

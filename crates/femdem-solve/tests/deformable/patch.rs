@@ -134,20 +134,3 @@ fn masses_sum_to_the_body() {
         assert_eq!(model.added_mass(), 0.0);
     }
 }
-
-#[test]
-fn invariants_of_stress() {
-    let stress = |cauchy| femdem_solve::deformable::ElementStress {
-        cauchy,
-        volume_ratio: 1.0,
-    };
-    let pulled = stress(Matrix3::from_diagonal(&Vector3::new(0.0, 5.0, 0.0)));
-    assert!((pulled.von_mises() - 5.0).abs() < 1e-14);
-    assert!((pulled.pressure() + 5.0 / 3.0).abs() < 1e-14);
-    // Pure shear t: von Mises sqrt(3) t, principal t, 0, -t.
-    let sheared = stress(Matrix3::new(0.0, 2.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0));
-    assert!((sheared.von_mises() - 12.0_f64.sqrt()).abs() < 1e-14);
-    for (found, expected) in sheared.principal().iter().zip([2.0, 0.0, -2.0]) {
-        assert!((found - expected).abs() < 1e-14);
-    }
-}

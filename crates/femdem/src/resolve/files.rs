@@ -5,8 +5,8 @@ use std::io::Write as _;
 use std::path::Path;
 
 use femdem_analysis::{Cell, Table};
-use femdem_mesh::Matrix3;
 use femdem_solve::WorldRelaxed;
+use femdem_solve::deformable::von_mises;
 use serde::Serialize;
 
 use super::{BodyMean, ResolveOptions, Resolved};
@@ -138,11 +138,6 @@ impl fmt::Display for ResolveSummary {
         line("Love-Weber, nodes", percent(self.nodes_difference))?;
         line("Love-Weber, points", percent(self.contacts_difference))
     }
-}
-
-fn von_mises(stress: &Matrix3) -> f64 {
-    let deviator = stress - Matrix3::identity() * (stress.trace() / 3.0);
-    (1.5 * deviator.norm_squared()).sqrt()
 }
 
 /// The table of mean stresses.

@@ -8,7 +8,7 @@
 
 use std::io::{self, Write};
 
-use femdem_mesh::{Matrix3, Vector3};
+use femdem_mesh::Vector3;
 use femdem_solve::deformable::ElementStress;
 use femdem_solve::{Deformable, SolveError};
 
@@ -29,19 +29,6 @@ pub(super) struct Strained<'a> {
     pub stresses: Vec<ElementStress>,
     /// Where a material has one.
     pub plastic_strains: Option<Vec<f64>>,
-}
-
-/// von Mises stress \[Pa\] of a Cauchy stress.
-pub(super) fn von_mises(stress: &Matrix3) -> f64 {
-    let deviator = stress - Matrix3::identity() * (stress.trace() / 3.0);
-    (1.5 * deviator.norm_squared()).sqrt()
-}
-
-/// Principal stresses \[Pa\], the largest first.
-fn principal(stress: &Matrix3) -> [f64; 3] {
-    let mut values: [f64; 3] = stress.symmetric_eigenvalues().into();
-    values.sort_by(|a, b| b.total_cmp(a));
-    values
 }
 
 impl Simulation {
@@ -171,12 +158,12 @@ fn cell_data(out: &mut Document, bodies: &[Strained]) {
     let regions = bodies.iter().flat_map(|b| b.body.model().region_of_tet());
     out.integers("region", regions.map(|r| i64::from(*r)));
     let stresses = || bodies.iter().flat_map(|b| &b.stresses);
-    out.floats("von_mises", 1, stresses().map(|s| von_mises(&s.cauchy)));
-    out.floats("pressure", 1, stresses().map(|s| -s.cauchy.trace() / 3.0));
+    out.floats("von_mises", 1, stresses().map(ElementStress::von_mises));
+    out.floats("pressure", 1, stresses().map(ElementStress::pressure));
     out.floats(
         "principal_stress",
         3,
-        stresses().flat_map(|s| principal(&s.cauchy)),
+        stresses().flat_map(ElementStress::principal),
     );
     out.floats("volume_ratio", 1, stresses().map(|s| s.volume_ratio));
     if bodies.iter().any(|b| b.plastic_strains.is_some()) {
@@ -225,23 +212,4 @@ fn write_points(contacts: &[ContactLine], writer: impl Write) -> io::Result<()> 
     out.integers("b", contacts.iter().map(|c| c.b as i64));
     out.line("</PointData>\n</Piece>");
     out.finish(writer)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn uniaxial_tension_and_pressure() {
-        let pulled = Matrix3::from_diagonal(&Vector3::new(0.0, 5.0, 0.0));
-        assert!((von_mises(&pulled) - 5.0).abs() < 1e-14);
-        assert_eq!(principal(&pulled), [5.0, 0.0, 0.0]);
-        assert_eq!(von_mises(&(Matrix3::identity() * -3.0)), 0.0);
-        // Pure shear: sqrt(3) tau, and tau, 0, -tau.
-        let mut sheared = Matrix3::zeros();
-        (sheared[(0, 1)], sheared[(1, 0)]) = (2.0, 2.0);
-        assert!((von_mises(&sheared) - 12_f64.sqrt()).abs() < 1e-14);
-        let [most, middle, least] = principal(&sheared);
-        assert!((most - 2.0).abs() + middle.abs() + (least + 2.0).abs() < 1e-14);
-    }
 }

@@ -52,7 +52,6 @@ mod summary;
 mod wall;
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -70,7 +69,7 @@ pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
 pub use summary::{BodySummary, RUN_SCHEMA, RunEnergy, RunSummary, StrainSummary, WallSummary};
 pub use wall::{BoxEntry, CylinderEntry, PlaneEntry, WallEntry};
 
-use crate::Error;
+use crate::{Error, toml_file};
 
 /// A simulation to run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -146,12 +145,7 @@ impl Scenario {
     ///
     /// [`Error::Read`], or [`Error::Scene`] that says where the text is not a scenario.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
-        let path = path.as_ref();
-        let text = fs::read_to_string(path).map_err(|source| Error::Read {
-            path: path.to_path_buf(),
-            source,
-        })?;
-        Self::parse(&text, path)
+        toml_file::read(path.as_ref())
     }
 
     /// Reads a scenario from text.
@@ -160,14 +154,7 @@ impl Scenario {
     ///
     /// [`Error::Scene`], with the line and what is allowed there.
     pub fn from_toml(text: &str) -> Result<Self, Error> {
-        Self::parse(text, Path::new("scenario"))
-    }
-
-    fn parse(text: &str, path: &Path) -> Result<Self, Error> {
-        toml::from_str(text).map_err(|error| Error::Scene {
-            path: path.to_path_buf(),
-            message: error.to_string(),
-        })
+        toml_file::parse(text, Path::new("scenario"))
     }
 
     /// The scenario as text, which reads back equal.
@@ -176,10 +163,7 @@ impl Scenario {
     ///
     /// [`Error::Scene`] if a value cannot be written in TOML, such as a path that is not Unicode.
     pub fn to_toml(&self) -> Result<String, Error> {
-        toml::to_string(self).map_err(|error| Error::Scene {
-            path: PathBuf::from("scenario"),
-            message: error.to_string(),
-        })
+        toml_file::write(self, Path::new("scenario"))
     }
 
     /// Time between frames \[s\].

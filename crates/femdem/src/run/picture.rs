@@ -2,7 +2,6 @@
 
 use femdem_mesh::{Point3, Vector3};
 
-use super::frame::von_mises;
 use super::{PlaneEntry, Run, Scenario, Simulation};
 use crate::colouring::{BodyValues, Spacing};
 use crate::picture::{Image, PictureOptions, Skin, draw_skins};
@@ -104,7 +103,7 @@ impl Simulation {
                 .zip(mesh.neighbours())
                 .zip(&strained.stresses)
             {
-                let value = von_mises(&stress.cauchy);
+                let value = stress.von_mises();
                 for (face, neighbour) in femdem_mesh::tet::FACES.iter().zip(neighbours) {
                     if neighbour.is_none() {
                         skin.triangles.push(face.map(|i| tet[i]));

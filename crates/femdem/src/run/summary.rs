@@ -5,7 +5,6 @@ use std::io::{self, Write};
 
 use serde::{Deserialize, Serialize};
 
-use super::frame::von_mises;
 use super::{Ending, MemberId, Run};
 use crate::{Error, Usage};
 
@@ -258,7 +257,7 @@ fn strain(run: &Run) -> Result<Option<StrainSummary>, Error> {
         max_volume_ratio: 0.0,
     };
     Ok(Some(stresses.fold(start, |so_far, s| StrainSummary {
-        max_von_mises: so_far.max_von_mises.max(von_mises(&s.cauchy)),
+        max_von_mises: so_far.max_von_mises.max(s.von_mises()),
         min_volume_ratio: so_far.min_volume_ratio.min(s.volume_ratio),
         max_volume_ratio: so_far.max_volume_ratio.max(s.volume_ratio),
     })))

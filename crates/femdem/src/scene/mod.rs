@@ -22,7 +22,6 @@ mod list;
 mod note;
 mod unit;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use femdem_pack::{Mixing, PackSpec, Penalty, Pour, Protocol, Release, Sequential};
@@ -34,7 +33,7 @@ pub use length::Length;
 pub use note::ShapeNote;
 pub use unit::Unit;
 
-use crate::Error;
+use crate::{Error, toml_file};
 
 /// Circumscribed diameter of a parametric shape where no size is given \[m\].
 pub const DEFAULT_DIAMETER: f64 = 0.05;
@@ -191,12 +190,7 @@ impl Scene {
     ///
     /// [`Error::Read`], or [`Error::Scene`] that says where the text is not a scene.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
-        let path = path.as_ref();
-        let text = fs::read_to_string(path).map_err(|source| Error::Read {
-            path: path.to_path_buf(),
-            source,
-        })?;
-        Self::parse(&text, path)
+        toml_file::read(path.as_ref())
     }
 
     /// Reads a scene from text.
@@ -205,14 +199,7 @@ impl Scene {
     ///
     /// [`Error::Scene`], with the line and what is allowed there.
     pub fn from_toml(text: &str) -> Result<Self, Error> {
-        Self::parse(text, Path::new("scene"))
-    }
-
-    fn parse(text: &str, path: &Path) -> Result<Self, Error> {
-        toml::from_str(text).map_err(|error| Error::Scene {
-            path: path.to_path_buf(),
-            message: error.to_string(),
-        })
+        toml_file::parse(text, Path::new("scene"))
     }
 
     /// The scene as the text of a scene file.
@@ -221,10 +208,7 @@ impl Scene {
     ///
     /// [`Error::Scene`] if the path of the output folder is not UTF-8.
     pub fn to_toml(&self) -> Result<String, Error> {
-        let body = toml::to_string(self).map_err(|error| Error::Scene {
-            path: PathBuf::from("scene"),
-            message: error.to_string(),
-        })?;
+        let body = toml_file::write(self, Path::new("scene"))?;
         Ok(format!(
             "# A scene for `femdem pack`: keys are its options, each may be left out.\n{body}"
         ))
