@@ -3,6 +3,25 @@
 use crate::error::{ContactError, check};
 use serde::{Deserialize, Serialize};
 
+/// How a wall, which has no field, meets a body that deforms.
+///
+/// The contact energy of two bodies is p ∫ (φ_A + φ_B) dV over their overlap. Let A be the mirror image of B
+/// in a plane, and B pass the plane by the depth d(x, y). Along a line normal to the plane φ_A + φ_B is 2 d/h
+/// (h the length of the field) over the length 2 d of the overlap, so the energy is 4 p ∫ d²/h dx dy, half of
+/// which belongs to B: 2 p ∫ d²/h dx dy. Over what passes the plane, ∫ φ_B dV = ∫ d²/(2 h) dx dy. A plane
+/// that acts as the mirror image therefore has the energy 4 p ∫ φ_B dV; at 2 p ∫ φ_B dV the body goes into
+/// it by twice that depth, as far as two equal bodies go into each other together. In the min form both
+/// are p ∫ φ_B dV.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WallResponse {
+    /// As the body's mirror image, 4 p ∫ φ_B dV: the wall adds no compliance to the body's own.
+    #[default]
+    Mirror,
+    /// As it meets rigid bodies, 2 p ∫ φ_B dV: contacts keep the forces that they have there.
+    Rigid,
+}
+
 /// Parameters of the contact law. Every field has a documented default except the
 /// penalty, which depends on the load.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -17,6 +36,8 @@ pub struct ContactParameters {
     pub tangential_ratio: f64,
     /// Fraction of critical damping of the tangential and torsional springs while they stick.
     pub tangential_damping: f64,
+    /// How walls meet bodies that deform.
+    pub wall_response: WallResponse,
 }
 
 impl Default for ContactParameters {
@@ -27,6 +48,7 @@ impl Default for ContactParameters {
             damping_ratio: 0.6,
             tangential_ratio: 0.8,
             tangential_damping: 0.6,
+            wall_response: WallResponse::Mirror,
         }
     }
 }

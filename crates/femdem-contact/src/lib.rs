@@ -53,7 +53,8 @@
 //!   rigid bodies this is eq. (3) of Xiang, Latham and Farsi (2016). It is integrated exactly, polygon
 //!   by polygon.
 //! - Walls are rigid and have no field of their own; their penalty is 2 p, so that a face lies on a
-//!   wall as stiffly as on an equal face.
+//!   wall as stiffly as on an equal face. Bodies that deform have 4 p there, as if the wall were their
+//!   mirror image ([`WallResponse`]).
 //! - Damping: a dashpot along grad U whose rate depends on U. Its ratio ζ alone sets the coefficient
 //!   of [`restitution`], for faces, edges and vertices alike. A second dashpot resists rocking on the
 //!   patch, which the first cannot see.
@@ -119,7 +120,7 @@ pub use error::ContactError;
 pub use general::{Field, FieldMesh, Form, GeneralKernel, SolidWall};
 pub use generalized::{Generalized, stable_step};
 pub use kernel::{Overlap, PairKernel};
-pub use law::{ContactLaw, ContactParameters, restitution};
+pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};
 pub use motion::Motion;
 pub use shape::{BodyShape, ConvexShape, Frame};
 pub use walls::{Drum, Hopper, MeshWall, Silo, Wall, WallPlane, WallShape};

@@ -227,7 +227,7 @@ fn advance(scene: &mut Scene, trace: &mut Vec<Vector3<f64>>) {
     for i in 0..scene.bodies.len() {
         let pairs = scene.velocities[i].iter_mut();
         for (v, f) in pairs.zip(scene.batch.forces(i as u32)) {
-            *v += f * (0.5 * 1e-4);
+            *v += f * 2e-5;
         }
     }
     trace.extend(scene.forces());

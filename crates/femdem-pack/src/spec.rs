@@ -336,6 +336,7 @@ impl PackSpec {
                 damping_ratio: self.damping_ratio,
                 tangential_ratio: self.tangential_ratio,
                 tangential_damping: self.tangential_damping,
+                ..ContactParameters::default()
             },
             time_step: TimeStepParameters {
                 largest: Some(self.time_step.largest.unwrap_or(f64::INFINITY).min(falling)),

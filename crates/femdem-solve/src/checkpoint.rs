@@ -10,7 +10,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 8] = b"FEMDEMCK";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 const KIND_LENGTH: usize = 16;
 /// Largest state that is written or read, bytes: bounds what a damaged length field can
 /// make the decoder allocate.

@@ -97,9 +97,8 @@ judged against its converged value: the intercept of the least-squares fit \
 F0 + A h + B h/(kappa h/E) to the runs of the table with kappa h/E = 1 and 3, for each depth. \
 The radius is that of a circle of the contact's area, which counts all that overlaps, so it exceeds the \
 elastic one where the field is soft. The pressure is that of the field on the axis (-: not measured).\n\n\
-A pair of deformable bodies overlaps with both fields; a wall has none and takes the body's twice, which \
-makes the contact with a wall half as stiff as the mirror image of the pair: see the rows of two balls \
-beside those of the plane.\n\n![Force over Hertz's](hertz.svg)\n\n";
+A pair of deformable bodies overlaps with both fields; a wall has none and acts as the body's mirror image: \
+ball on plane and two balls are the same problem, on meshes that meet the plane or each other.\n\n![Force over Hertz's](hertz.svg)\n\n";
 
 /// The three unknowns of F0 + A h + B h/r by least squares; not numbers without runs enough.
 fn converged(rows: &[&[String]], against: &str, depth: &str) -> f64 {

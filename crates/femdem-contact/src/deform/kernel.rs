@@ -10,6 +10,7 @@ use crate::general::Form;
 use crate::general::piece::Piece;
 use crate::general::pieces::{distance, intersect};
 use crate::general::posed::PosedList;
+use crate::law::WallResponse;
 use femdem_mesh::Vector3;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use serde::{Deserialize, Serialize};
@@ -66,10 +67,11 @@ pub struct DeformableOverlap {
 pub struct DeformableKernel {
     form: Form,
     gradient: Gradient,
+    walls: WallResponse,
 }
 
 impl DeformableKernel {
-    /// A kernel with the given form of the energy.
+    /// A kernel with the given form of the energy; walls act as mirror images.
     ///
     /// # Errors
     /// [`ContactError::Parameter`] for [`Form::Shaped`], which is for single rigid contacts only.
@@ -81,7 +83,16 @@ impl DeformableKernel {
                 allowed: "Form::Sum or Form::Min for bodies that deform",
             });
         }
-        Ok(Self { form, gradient })
+        Ok(Self {
+            form,
+            gradient,
+            walls: WallResponse::default(),
+        })
+    }
+
+    /// The same with another response of walls.
+    pub fn with_walls(self, walls: WallResponse) -> Self {
+        Self { walls, ..self }
     }
 
     /// The same with other nodal forces.
@@ -146,9 +157,10 @@ impl DeformableKernel {
             Operand::Wall(..) => PairLaw {
                 form: Form::Sum,
                 gradient: self.gradient,
-                pressures: match self.form {
-                    Form::Min => [0.0, of_body],
-                    _ => [0.0, 2.0 * of_body],
+                pressures: match (self.form, self.walls) {
+                    (Form::Min, _) => [0.0, of_body],
+                    (_, WallResponse::Mirror) => [0.0, 4.0 * of_body],
+                    (_, WallResponse::Rigid) => [0.0, 2.0 * of_body],
                 },
             },
             _ => PairLaw {

@@ -40,8 +40,9 @@
 //! nodes of a tetrahedron. Classic codes leave it out ([`Gradient::Classic`]); their forces are
 //! those of no energy. In the min form f_a = Σ V g_A N_a(c) over the part where p_A φ_A is lower.
 //!
-//! - **Stiffness**: see [`Modulus`]. Walls have no field: U = 2 ∫ p_B φ_B dV (min form: without
-//!   the 2), as if each were half of a pair of equal bodies.
+//! - **Stiffness**: see [`Modulus`]. Walls have no field; they act as the body's mirror image,
+//!   U = 4 ∫ p_B φ_B dV, or as they meet rigid bodies, 2 ∫ p_B φ_B dV (min form: ∫ p_B φ_B dV for both):
+//!   see [`WallResponse`](crate::WallResponse). A rigid body has a field, and counts as any partner.
 //! - **Friction**: a spring for each triangle of B's skin in contact, with its own normal force
 //!   (the pressure on it and on what lies in front of it), stiffness and bound. Its ends are points
 //!   of both materials; they move to where the pressure is when it slides. A triangle newly in

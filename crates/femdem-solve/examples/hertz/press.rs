@@ -117,11 +117,12 @@ impl Press {
             let force = contact.map_or(0.0, |c| c.force_on_b().z);
             let area = contact.map_or(0.0, |c| c.area);
             let height = if self.two { -0.5 * goal } else { 0.0 };
-            // A wall pushes back with 2 p phi on its plane, two balls with 2 p (phi_A + phi_B) anywhere
-            // between their skins.
+            // A wall pushes back with 4 p phi on its plane, as the mirror image of a ball does: two balls
+            // with 2 p (phi_A + phi_B) anywhere between their skins.
+            let mirrors = if self.two { 1.0 } else { 2.0 };
             let bodies = world.deformables();
             let pressure: f64 = bodies
-                .map(|body| 2.0 * setting.pressure_at(body.positions(), height))
+                .map(|body| 2.0 * mirrors * setting.pressure_at(body.positions(), height))
                 .sum();
             writeln!(
                 out,

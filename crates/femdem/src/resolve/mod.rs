@@ -28,7 +28,7 @@ mod files;
 use std::collections::BTreeMap;
 
 use femdem_contact::deform::DeformablePartner;
-use femdem_contact::{Field, Partner};
+use femdem_contact::{Field, Partner, WallResponse};
 use femdem_mesh::tet::{self, MeshOptions};
 use femdem_mesh::{Matrix3, TetMesh, Vector3};
 use femdem_solve::deformable::{DeformableModel, MaterialRegion};
@@ -121,14 +121,17 @@ pub struct Resolved {
 
 /// Makes the bodies of a rigid world deformable where they lie, and finds their equilibrium.
 ///
-/// Walls stay where they were added. Friction starts as on record, patch by patch.
+/// Walls stay where they were added, and press on the bodies as on rigid ones ([`WallResponse::Rigid`]).
+/// Friction starts as on record, patch by patch.
 ///
 /// # Errors
 ///
 /// [`Error::Mesh`] if a body cannot be meshed, [`Error::Solve`] for a material out of its range or if
 /// the world does not come to rest.
 pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Error> {
-    let mut world = World::new(*rigid.parameters())?;
+    let mut parameters = *rigid.parameters();
+    parameters.contact.wall_response = WallResponse::Rigid;
+    let mut world = World::new(parameters)?;
     for wall in rigid.walls() {
         world.add_wall(wall.clone(), Drive::Fixed)?;
     }

@@ -1,6 +1,6 @@
 //! What a scenario says about the world as a whole.
 
-use femdem_contact::ContactParameters;
+use femdem_contact::{ContactParameters, WallResponse};
 use femdem_mesh::Vector3;
 use femdem_solve::WorldParameters;
 use serde::{Deserialize, Serialize};
@@ -21,6 +21,9 @@ pub struct ContactEntry {
     pub tangential_ratio: f64,
     /// Fraction of critical damping of the tangential springs.
     pub tangential_damping: f64,
+    /// How walls meet bodies that deform: `"mirror"`, as their mirror image, or `"rigid"`, half as stiffly,
+    /// as they meet rigid bodies.
+    pub wall_response: WallResponse,
 }
 
 impl Default for ContactEntry {
@@ -32,6 +35,7 @@ impl Default for ContactEntry {
             damping: law.damping_ratio,
             tangential_ratio: law.tangential_ratio,
             tangential_damping: law.tangential_damping,
+            wall_response: law.wall_response,
         }
     }
 }
@@ -88,6 +92,7 @@ impl Scenario {
             damping_ratio: self.contact.damping,
             tangential_ratio: self.contact.tangential_ratio,
             tangential_damping: self.contact.tangential_damping,
+            wall_response: self.contact.wall_response,
         };
         p.time_step.safety = self.time_step.safety;
         p.time_step.largest = self.time_step.largest;

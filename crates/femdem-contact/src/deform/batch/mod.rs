@@ -73,7 +73,8 @@ impl DeformableBatch {
     pub fn new(law: ContactLaw, form: Form) -> Result<Self, ContactError> {
         Ok(Self {
             law,
-            kernel: DeformableKernel::new(form, Gradient::Exact)?,
+            kernel: DeformableKernel::new(form, Gradient::Exact)?
+                .with_walls(law.parameters().wall_response),
             shapes: Vec::new(),
             rigid_shapes: Vec::new(),
             bodies: Vec::new(),
@@ -94,6 +95,7 @@ impl DeformableBatch {
 
     /// Replaces the law; contacts keep their history.
     pub fn set_law(&mut self, law: ContactLaw) {
+        self.kernel = self.kernel.with_walls(law.parameters().wall_response);
         self.law = law;
     }
 
