@@ -3,10 +3,11 @@
 //! `tidy` looks for what the compiler does not see: the documented crate graph against the
 //! real one, the tests of the invariants, file lengths, leftovers, crate docs, broken links. `ci` runs every check that a
 //! change must pass, in the same order as `.ci/run`. `browser` tries the report page in Chromium. `validate` makes the long runs behind the
-//! figures in `docs/validation`.
+//! figures in `docs/validation`, and `reproduce` the studies of the founding paper beside its values.
 
 mod browser;
 mod ci;
+mod reproduce;
 mod tidy;
 mod validate;
 
@@ -33,6 +34,8 @@ enum Task {
     Browser,
     /// Run the program against the figures it is to reach, and write docs/validation
     Validate(validate::Options),
+    /// Run the founding paper's studies, and print our numbers beside its own
+    Reproduce(reproduce::Options),
 }
 
 fn main() -> ExitCode {
@@ -55,6 +58,7 @@ fn run() -> Result<bool> {
         Task::Ci => ci::run(&root),
         Task::Browser => browser::run(&root),
         Task::Validate(options) => validate::run(&root, &options),
+        Task::Reproduce(options) => reproduce::run(&root, &options),
     }
 }
 

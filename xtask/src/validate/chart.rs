@@ -5,7 +5,8 @@ use std::fmt::Write;
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 400.0;
 const MARGIN: [f64; 4] = [60.0, 20.0, 50.0, 170.0];
-const COLOURS: [&str; 6] = [
+/// Colours of series.
+pub(crate) const COLOURS: [&str; 6] = [
     "#0b6e8f", "#c8553d", "#4d7c31", "#7a4fa3", "#b58900", "#555555",
 ];
 

@@ -6,15 +6,15 @@
 
 mod bits;
 mod bodies;
-mod chart;
+pub(crate) mod chart;
 mod cost;
 mod fuzz_pairs;
 mod hertz;
-mod lines;
-mod machine;
+pub(crate) mod lines;
+pub(crate) mod machine;
 mod pack;
-mod program;
-mod report;
+pub(crate) mod program;
+pub(crate) mod report;
 mod scan;
 mod soft_boulders;
 mod statics;

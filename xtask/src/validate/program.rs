@@ -111,6 +111,42 @@ impl Program {
         Summary::read(folder)
     }
 
+    /// Measures the run in a folder into another, by `femdem analyse`.
+    ///
+    /// # Errors
+    /// When the program fails.
+    pub(crate) fn analyse(&self, folder: &Path, options: &str, out: &Path) -> Result<()> {
+        self.finish(
+            "analyse",
+            options,
+            &[folder.into(), "--out".into(), out.into()],
+        )
+    }
+
+    /// Writes the page and the plots of the run in a folder, by `femdem report`.
+    ///
+    /// # Errors
+    /// When the program fails.
+    pub(crate) fn report(&self, folder: &Path) -> Result<()> {
+        self.finish("report", "", &[folder.into()])
+    }
+
+    /// What a command prints.
+    ///
+    /// # Errors
+    /// When the program fails.
+    pub(crate) fn output(&self, command: &str, options: &str) -> Result<String> {
+        let output = self.command(command, options, &[]).output();
+        let output = output.context("cannot start the program")?;
+        ensure!(
+            output.status.success(),
+            "femdem {command} {options} ended with {}: {}",
+            output.status,
+            String::from_utf8_lossy(&output.stderr).trim()
+        );
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    }
+
     /// A picture of the bodies listed in a folder, by `femdem picture`; its path.
     ///
     /// # Errors
@@ -190,7 +226,11 @@ fn interrupt(child: &Child) -> Result<()> {
 }
 
 impl Summary {
-    fn read(folder: &Path) -> Result<Self> {
+    /// The summary in a folder.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub(crate) fn read(folder: &Path) -> Result<Self> {
         let path = folder.join("summary.json");
         let text =
             fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;

@@ -141,7 +141,8 @@ impl Report {
     }
 }
 
-fn markdown_table(columns: &[&str], rows: &[Vec<String>]) -> String {
+/// A table of a page.
+pub(crate) fn markdown_table(columns: &[&str], rows: &[Vec<String>]) -> String {
     let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
     let head: Vec<String> = columns.iter().map(|c| (*c).to_owned()).collect();
     let rule = vec!["---".to_owned(); columns.len()];

@@ -1,0 +1,211 @@
+//! Packs that differ in the seed alone, and what they come to together.
+
+use anyhow::Result;
+
+use super::job::{Job, Size};
+use super::run::{Analysis, Run};
+use super::runs::Runs;
+use super::statistics::{Estimate, estimate};
+use crate::validate::report::short;
+
+/// A pack to be made with one seed or more.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Case {
+    /// What the table of runs calls it.
+    pub(super) label: String,
+    pub(super) inset: f64,
+    pub(super) jobs: Vec<Job>,
+}
+
+/// What was found of a case. Packs that are not settled are not among `packs`.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    pub(super) case: Case,
+    pub(super) packs: Vec<Pack>,
+    /// Rows of the table of runs, settled or not.
+    pub(super) rows: Vec<Vec<String>>,
+    /// Commands of the runs.
+    pub(super) commands: Vec<String>,
+    /// Runs that are missing.
+    pub(super) missing: usize,
+    /// Runs that are not settled.
+    pub(super) restless: usize,
+}
+
+/// A settled pack.
+#[derive(Debug, Clone)]
+pub(super) struct Pack {
+    pub(super) run: Run,
+    pub(super) analysis: Analysis,
+}
+
+impl Case {
+    /// A shape at a friction coefficient, with the seeds 1 to `seeds` and more options.
+    pub(super) fn new(
+        label: String,
+        (shape, size): (&str, Size),
+        friction: f64,
+        seeds: u32,
+        more: &str,
+    ) -> Self {
+        Self {
+            label,
+            inset: size.inset,
+            jobs: (1..=seeds)
+                .map(|seed| size.job(shape, friction, seed, more))
+                .collect(),
+        }
+    }
+}
+
+/// Finds or makes the runs of all cases, and measures them.
+///
+/// # Errors
+/// When the program fails.
+pub(super) fn find(runs: &Runs, cases: &[Case]) -> Result<Vec<Found>> {
+    let jobs: Vec<Job> = cases.iter().flat_map(|case| case.jobs.clone()).collect();
+    let made = runs.all(&jobs)?;
+    cases
+        .iter()
+        .map(|case| {
+            let mut found = Found {
+                case: case.clone(),
+                packs: Vec::new(),
+                rows: Vec::new(),
+                commands: Vec::new(),
+                missing: 0,
+                restless: 0,
+            };
+            for (job, seed) in case.jobs.iter().zip(1..) {
+                let Some(run) = made.get(&job.key()).cloned() else {
+                    found.missing += 1;
+                    continue;
+                };
+                found.commands.push(format!("femdem pack {}", job.options));
+                let analysis = run.analysis(runs.program(), case.inset)?;
+                let label = format!("{}, seed {seed}", case.label);
+                found.rows.push(run.row(&label, &analysis)?);
+                if run.summary.is_settled() {
+                    found.packs.push(Pack { run, analysis });
+                } else {
+                    found.restless += 1;
+                }
+            }
+            Ok(found)
+        })
+        .collect()
+}
+
+impl Found {
+    /// Packing density of the core.
+    pub(super) fn density(&self) -> Option<Estimate> {
+        self.mean(Analysis::density)
+    }
+
+    /// Coordination number of the bodies in the core.
+    pub(super) fn core_coordination(&self) -> Option<Estimate> {
+        self.mean(|analysis| {
+            let number = |key: &str| analysis.number(&format!("core_mean_coordination.{key}"));
+            (number("mean"), number("standard_error"))
+        })
+    }
+
+    /// The mean of a number of each pack and of its error.
+    pub(super) fn mean(&self, number: impl Fn(&Analysis) -> (f64, f64)) -> Option<Estimate> {
+        let values: Vec<(f64, f64)> = self.packs.iter().map(|p| number(&p.analysis)).collect();
+        estimate(&values).filter(|found| found.mean.is_finite())
+    }
+
+    /// Densities of the packs.
+    pub(super) fn densities(&self) -> Vec<f64> {
+        self.packs
+            .iter()
+            .map(|pack| pack.analysis.density().0)
+            .collect()
+    }
+}
+
+/// A mean and its error, such as "0.5743 ± 0.0021".
+pub(super) fn with_error(found: Option<Estimate>, digits: usize) -> String {
+    match found {
+        Some(Estimate { mean, error, .. }) if error.is_finite() => {
+            format!("{mean:.digits$} ± {error:.digits$}")
+        }
+        Some(Estimate { mean, .. }) => format!("{mean:.digits$}"),
+        None => "not run".to_owned(),
+    }
+}
+
+/// A mean beside a published value: "0.574 ± 0.002 (+0.004, 1.2 s)", s being the combined standard error.
+pub(super) fn beside(found: Option<Estimate>, published: Option<(f64, f64)>) -> String {
+    let text = with_error(found, 3);
+    match (found, published) {
+        (Some(found), Some((value, error))) => {
+            let (difference, sigmas) = found.against(value, error);
+            if sigmas.is_finite() {
+                format!("{text} ({difference:+.3}, {sigmas:+.1} s)")
+            } else {
+                format!("{text} ({difference:+.3})")
+            }
+        }
+        _ => text,
+    }
+}
+
+/// What the runs of cases cost in all.
+pub(super) fn cost(found: &[Found]) -> String {
+    let sum = |path: &str| -> f64 {
+        let packs = found.iter().flat_map(|f| &f.packs);
+        packs
+            .filter_map(|pack| pack.run.summary.number(path).ok())
+            .sum()
+    };
+    let bodies = sum("count");
+    let (cpu, wall) = (sum("cpu_seconds"), sum("wall_seconds"));
+    let packs: usize = found.iter().map(|f| f.packs.len()).sum();
+    format!(
+        "Cost: {packs} packs of {} bodies in all, {} s of processor time ({} ms for each body), {} s on the \
+         clock if run one after another.",
+        short(bodies),
+        short(cpu),
+        short(1e3 * cpu / bodies),
+        short(wall)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_told_with_what_is_known() {
+        let found = |error| {
+            Some(Estimate {
+                mean: 0.5741,
+                error,
+                count: 1,
+            })
+        };
+        assert_eq!(with_error(found(0.003), 3), "0.574 ± 0.003");
+        assert_eq!(with_error(found(f64::NAN), 2), "0.57");
+        assert_eq!(with_error(None, 3), "not run");
+        assert_eq!(
+            beside(found(0.003), Some((0.5641, 0.004))),
+            "0.574 ± 0.003 (+0.010, +2.0 s)"
+        );
+        assert_eq!(
+            beside(found(f64::NAN), Some((0.5641, 0.004))),
+            "0.574 (+0.010)"
+        );
+        assert_eq!(beside(found(0.003), None), "0.574 ± 0.003");
+    }
+
+    #[test]
+    fn seeds_make_the_jobs_of_a_case() {
+        let size = Size::small(0.4);
+        let case = Case::new("A10".to_owned(), ("A10", size), 0.6, 3, "--drag 0.6");
+        assert_eq!(case.jobs.len(), 3);
+        assert!(case.jobs[2].options.ends_with("--seed 3 --drag 0.6"));
+        assert_eq!(case.inset, 2.0);
+    }
+}

@@ -1,0 +1,231 @@
+//! Figure 1: time against threads, 288 deformable boulders.
+
+use anyhow::Result;
+
+use super::Scale;
+use super::paper::{FIGURE1, FIGURE1_TEXT};
+use super::runs::Runs;
+use crate::validate::chart::{self, Series};
+use crate::validate::lines::Output;
+use crate::validate::report::{Check, Report, markdown_table, short};
+
+/// Threads of the runs.
+const THREADS: [u32; 3] = [1, 2, 4];
+
+/// Boulders and simulated time, s.
+fn stretch(scale: Scale) -> (u32, f64) {
+    match scale {
+        Scale::Quick => (24, 0.1),
+        Scale::Full => (288, 1.0),
+    }
+}
+
+/// What is given to the example `boulders`.
+fn arguments(scale: Scale, threads: u32) -> String {
+    let (boulders, seconds) = stretch(scale);
+    format!("-p femdem-solve --example boulders -- {seconds} {threads} {boulders}")
+}
+
+/// The commands of the study.
+pub(super) fn commands(scale: Scale) -> Vec<String> {
+    let command =
+        |threads: u32| format!("cargo run --release --locked {}", arguments(scale, threads));
+    THREADS.into_iter().map(command).collect()
+}
+
+/// Time on the clock and of all processors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Timing {
+    threads: f64,
+    wall: f64,
+    cpu: f64,
+}
+
+/// # Errors
+/// When the example cannot be built or fails.
+pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
+    let mut timings = Vec::new();
+    let mut hashes = std::collections::BTreeSet::new();
+    let mut rows = Vec::new();
+    for threads in THREADS {
+        let (output, _) = Output::of(runs.workshop(), &arguments(scale, threads))?;
+        let number = |name: &str| output.number("number", &[name], 1);
+        let timing = Timing {
+            threads: f64::from(threads),
+            wall: number("wall seconds"),
+            cpu: number("processor seconds"),
+        };
+        hashes.extend(output.rows("hash").filter_map(|row| row.first().cloned()));
+        rows.push(vec![
+            threads.to_string(),
+            short(timing.wall),
+            short(timing.cpu),
+            short(number("steps")),
+            short(number("simulated seconds")),
+            format!("{:.2}", first_wall(&timings, timing) / timing.wall),
+        ]);
+        timings.push(timing);
+    }
+    let same = Check::holds(
+        "state hashes",
+        "all equal",
+        format!("{} different", hashes.len()),
+        hashes.len() == 1,
+    );
+    let (boulders, seconds) = stretch(scale);
+    let mut report = Report {
+        name: "figure1",
+        title: "Figure 1: time against threads, deformable boulders".to_owned(),
+        text: text(boulders, seconds, &timings),
+        commands: commands(scale),
+        checks: vec![same],
+        columns: vec![
+            "threads",
+            "wall_s",
+            "cpu_s",
+            "steps",
+            "simulated_s",
+            "speedup",
+        ],
+        rows,
+        attachments: Vec::new(),
+    };
+    runs.attach(&mut report, "figure1.svg", &picture(&timings))?;
+    Ok(report)
+}
+
+/// The time of one thread.
+fn first_wall(before: &[Timing], this: Timing) -> f64 {
+    before.first().map_or(this.wall, |first| first.wall)
+}
+
+/// The serial share s of Amdahl's law, T(n) = T(1) (s + (1 - s)/n), by least squares in T(n)/T(1).
+fn serial_share(times: &[(f64, f64)]) -> Option<f64> {
+    let &(one, first) = times.first()?;
+    if one != 1.0 {
+        return None;
+    }
+    let (mut above, mut below) = (0.0, 0.0);
+    for (threads, time) in times.iter().skip(1) {
+        let lever = 1.0 - 1.0 / threads;
+        above += lever * (time / first - 1.0 / threads);
+        below += lever * lever;
+    }
+    (below > 0.0).then(|| above / below)
+}
+
+/// The speedup of Amdahl's law.
+fn amdahl(share: f64, threads: f64) -> f64 {
+    1.0 / (share + (1.0 - share) / threads)
+}
+
+fn times(timings: &[Timing]) -> Vec<(f64, f64)> {
+    timings.iter().map(|t| (t.threads, t.wall)).collect()
+}
+
+fn text(boulders: u32, seconds: f64, timings: &[Timing]) -> String {
+    let ours = serial_share(&times(timings));
+    let paper = serial_share(&FIGURE1);
+    let told =
+        |share: Option<f64>| share.map_or_else(|| "unknown".to_owned(), |s| format!("{s:.3}"));
+    let predicted = |share: Option<f64>, threads: f64| {
+        share.map_or_else(
+            || "unknown".to_owned(),
+            |s| format!("{:.1}", amdahl(s, threads)),
+        )
+    };
+    let rows: Vec<Vec<String>> = [2.0, 4.0, 8.0, 12.0]
+        .into_iter()
+        .map(|threads| {
+            let speedup = |list: &[(f64, f64)]| {
+                let (_, first) = *list.first()?;
+                let (_, time) = list.iter().find(|(n, _)| *n == threads)?;
+                Some(first / time)
+            };
+            let cell =
+                |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{v:.2}"));
+            let stated = FIGURE1_TEXT
+                .iter()
+                .find(|(n, _)| *n == threads)
+                .map(|(_, s)| *s);
+            vec![
+                threads.to_string(),
+                cell(speedup(&times(timings))),
+                predicted(ours, threads),
+                cell(speedup(&FIGURE1)),
+                cell(stated),
+            ]
+        })
+        .collect();
+    let cpu = timings.first().map_or(f64::NAN, |t| t.cpu / seconds);
+    format!(
+        "{boulders} boulders of the scene of `cargo xtask validate boulders-deformable` fall into the founding \
+         paper's bin for {seconds} simulated seconds; the same bits on any number of threads. One thread takes {} s of \
+         processor time per simulated second. The paper's Figure 1 is of 288 deformable rocks, 93.2 min on one thread; its \
+         machine, elements and simulated time are other than ours, so speedups are compared and not times. The share of the time that does \
+         not gain from threads, by least squares of Amdahl's law: **{}** here, {} in the paper. Speedups that \
+         this law foretells for more threads than were measured are no measurements.\n\n{}\n![Chart](figure1.svg)",
+        short(cpu),
+        told(ours),
+        told(paper),
+        markdown_table(
+            &[
+                "threads",
+                "measured here",
+                "Amdahl's law with our share",
+                "paper, by its figure",
+                "paper, by its text",
+            ],
+            &rows
+        )
+    )
+}
+
+fn picture(timings: &[Timing]) -> String {
+    let series = |name: &str, list: &[(f64, f64)]| Series {
+        name: name.to_owned(),
+        points: list
+            .first()
+            .map(|(_, first)| list.iter().map(|(n, time)| [*n, first / time]).collect())
+            .unwrap_or_default(),
+    };
+    let ours = times(timings);
+    let mut lines = vec![series("here", &ours), series("paper", &FIGURE1)];
+    if let Some(share) = serial_share(&ours) {
+        lines.push(Series {
+            name: format!("Amdahl, s = {share:.3}"),
+            points: (1..=12)
+                .map(|n| [f64::from(n), amdahl(share, f64::from(n))])
+                .collect(),
+        });
+    }
+    chart::svg(["threads", "speedup"], [0.0, 12.0], [0.0, 12.0], &lines)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_share_of_exact_times_is_found() {
+        let time = |n: f64| 50.0 * (0.07 + 0.93 / n);
+        let times: Vec<(f64, f64)> = [1.0, 2.0, 4.0].into_iter().map(|n| (n, time(n))).collect();
+        let share = serial_share(&times).unwrap();
+        assert!((share - 0.07).abs() < 1e-12, "{share}");
+        assert!((amdahl(share, 1.0) - 1.0).abs() < 1e-12);
+        assert_eq!(serial_share(&times[..1]), None);
+        assert_eq!(serial_share(&times[1..]), None);
+    }
+
+    /// The paper's speedups of 6.5 and 9 are near those of its own figure.
+    #[test]
+    fn the_papers_text_and_figure_agree() {
+        for (threads, stated) in FIGURE1_TEXT {
+            let (_, minutes) = FIGURE1.iter().find(|(n, _)| *n == threads).unwrap();
+            assert!(
+                (FIGURE1[0].1 / minutes / stated - 1.0).abs() < 0.12,
+                "{threads}"
+            );
+        }
+    }
+}

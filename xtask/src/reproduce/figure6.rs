@@ -1,0 +1,173 @@
+//! Figure 6: packing density of truncated tetrahedra against friction.
+
+use anyhow::{Context, Result};
+
+use super::Scale;
+use super::case::{Case, Found, beside, find};
+use super::dots::{Dot, Series, svg};
+use super::job::Size;
+use super::page::page;
+use super::paper::{FIGURE6, FIGURE6_ERROR, solid};
+use super::readings::{READINGS, explained};
+use super::runs::Runs;
+use super::statistics::spread;
+use crate::validate::report::{Report, markdown_table};
+
+const SHAPE: &str = "A1";
+
+/// Sizes of the packs with their seeds.
+fn sizes(scale: Scale, volume: f64) -> Vec<(&'static str, Size, u32)> {
+    match scale {
+        Scale::Quick => vec![("quick", Size::quick(volume), 1)],
+        Scale::Full => vec![
+            ("full size", Size::full(volume), 1),
+            ("small", Size::small(volume), 3),
+        ],
+    }
+}
+
+/// The packs of the study: by size, then reading, then friction.
+pub(super) fn cases(scale: Scale) -> Vec<Case> {
+    let volume = solid(SHAPE).map_or(0.0, |solid| solid.volume);
+    let mut cases = Vec::new();
+    for (name, size, seeds) in sizes(scale, volume) {
+        for reading in READINGS {
+            for (friction, _) in FIGURE6 {
+                let label = format!("{SHAPE}, mu {friction}, {}, {name}", reading.key);
+                cases.push(Case::new(
+                    label,
+                    (SHAPE, size),
+                    friction,
+                    seeds,
+                    reading.options,
+                ));
+            }
+        }
+    }
+    cases
+}
+
+/// # Errors
+/// When the program fails or a file cannot be written.
+pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
+    let volume = solid(SHAPE).context("the solid is not in the list")?.volume;
+    let all = find(runs, &cases(scale))?;
+    let mut text = format!(
+        "Figure 6 of Xiang, Latham and Farsi (DEM7, 2016), read off to {FIGURE6_ERROR}: truncated tetrahedra \
+         (A1) at five friction coefficients. Readings of the paper's protocol and damping:\n\n{}\n\
+         Cells are the density of the core with its standard error, and in brackets the difference to the \
+         paper, also in combined standard errors s.\n",
+        explained()
+    );
+    let mut pictures = Vec::new();
+    let blocks = all.chunks(READINGS.len() * FIGURE6.len());
+    for ((name, size, seeds), found) in sizes(scale, volume).into_iter().zip(blocks) {
+        let file = format!("figure6-{}.svg", name.replace(' ', "-"));
+        let readings: Vec<&[Found]> = found.chunks(FIGURE6.len()).collect();
+        text += &format!(
+            "\n## Packs of the {name}: {} bodies, box {} d wide, core {} d from walls and top, {seeds} seed(s)\n\n{}\n![Chart]({file})\n",
+            size.bodies,
+            size.width,
+            size.inset,
+            table(&readings)
+        );
+        pictures.push((file, chart(&readings)));
+    }
+    let title = "Figure 6: packing density against friction".to_owned();
+    let mut report = page("figure6", title, text, &all);
+    for (file, picture) in pictures {
+        runs.attach(&mut report, &file, &picture)?;
+    }
+    Ok(report)
+}
+
+/// Rows by friction, columns by reading; below them the root mean square difference.
+fn table(readings: &[&[Found]]) -> String {
+    let mut heads = vec!["friction", "paper"];
+    heads.extend(READINGS.iter().map(|reading| reading.key));
+    let mut rows: Vec<Vec<String>> = FIGURE6
+        .iter()
+        .enumerate()
+        .map(|(place, (friction, density))| {
+            let cell = |found: &&[Found]| {
+                let density = Some((*density, FIGURE6_ERROR));
+                found
+                    .get(place)
+                    .map_or_else(String::new, |f| beside(f.density(), density))
+            };
+            let mut row = vec![friction.to_string(), format!("{density:.4}")];
+            row.extend(readings.iter().map(cell));
+            row
+        })
+        .collect();
+    let mut last = vec!["root mean square".to_owned(), String::new()];
+    last.extend(readings.iter().map(|found| {
+        let pairs = FIGURE6.iter().zip(*found);
+        let differences: Vec<f64> = pairs
+            .filter_map(|((_, paper), f)| Some(f.density()?.mean - paper))
+            .collect();
+        let told = |(size, mean): (f64, f64)| format!("{size:.3} (mean {mean:+.3})");
+        spread(&differences).map_or_else(|| "not run".to_owned(), told)
+    }));
+    rows.push(last);
+    markdown_table(&heads, &rows)
+}
+
+fn chart(readings: &[&[Found]]) -> String {
+    let places: Vec<String> = FIGURE6
+        .iter()
+        .map(|(friction, _)| friction.to_string())
+        .collect();
+    let names: Vec<&str> = places.iter().map(String::as_str).collect();
+    let paper = |(place, (_, value)): (usize, &(f64, f64))| Dot {
+        place,
+        value: *value,
+        error: FIGURE6_ERROR,
+    };
+    let mut series = vec![Series {
+        name: "paper".to_owned(),
+        dots: FIGURE6.iter().enumerate().map(paper).collect(),
+    }];
+    for (reading, found) in READINGS.iter().zip(readings) {
+        let dot = |(place, found): (usize, &Found)| {
+            let density = found.density()?;
+            Some(Dot {
+                place,
+                value: density.mean,
+                error: density.error,
+            })
+        };
+        series.push(Series {
+            name: reading.key.to_owned(),
+            dots: found.iter().enumerate().filter_map(dot).collect(),
+        });
+    }
+    svg(
+        ["friction coefficient", "packing density of A1"],
+        &names,
+        &series,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::table1;
+    use super::*;
+
+    /// The packs at friction 0.6 are those of Table 1, and are made once.
+    #[test]
+    fn one_friction_is_shared_with_the_table() {
+        let keys = |cases: Vec<Case>| -> std::collections::BTreeSet<String> {
+            let jobs = cases.into_iter().flat_map(|case| case.jobs);
+            jobs.map(|job| job.key()).collect()
+        };
+        for (scale, shared) in [
+            (Scale::Full, READINGS.len() * 4),
+            (Scale::Quick, READINGS.len()),
+        ] {
+            let (ours, table) = (keys(cases(scale)), keys(table1::cases(scale)));
+            assert_eq!(ours.len(), shared * FIGURE6.len());
+            assert_eq!(ours.intersection(&table).count(), shared);
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! `cargo xtask reproduce`: the studies of the founding paper, and what it leaves open.
+//!
+//! Each study is a list of runs of the release program and a page made from them. A run has its own
+//! folder, named by its options, under `--runs`; one that is there and complete is used, so the runs of a
+//! study may be made beforehand, side by side, by the commands that `--list` prints, and the page
+//! afterwards. `--quick` takes small packs and writes to `out/reproduce` instead of `docs/validation`.
+
+mod case;
+mod dice;
+mod dots;
+mod figure1;
+mod figure6;
+mod figure7;
+mod job;
+mod orientation;
+mod page;
+mod paper;
+mod readings;
+mod run;
+mod runs;
+mod sensitivity;
+mod statistics;
+mod table1;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+
+use crate::validate::machine::Place;
+use crate::validate::program::Workshop;
+use crate::validate::report::Report;
+use case::Case;
+use runs::Runs;
+
+/// Options of `cargo xtask reproduce`.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct Options {
+    /// What to reproduce
+    study: Study,
+
+    /// Small packs, for a trial in minutes; its pages go to out/reproduce
+    #[arg(long)]
+    quick: bool,
+
+    /// Threads: small packs run side by side on one each, large ones one after another on all
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: u16,
+
+    /// Folder of the runs [default: out/reproduce/runs]
+    #[arg(long, value_name = "DIR")]
+    runs: Option<PathBuf>,
+
+    /// Print the commands of the runs that the study needs, and run nothing
+    #[arg(long)]
+    list: bool,
+
+    /// Make the pages of the runs that are there, and start no others
+    #[arg(long)]
+    as_found: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Study {
+    /// Packing densities of the 18 solids
+    Table1,
+    /// Time against threads, 288 deformable boulders
+    Figure1,
+    /// Packing density of truncated tetrahedra against friction
+    Figure6,
+    /// Numbers of contacts and force chains of A5, A10 and P3
+    Figure7,
+    /// Stereonets of cylinders and of the faces of A10
+    Orientation,
+    /// Platonic solids beside experiments on dice
+    Dice,
+    /// Protocol, damping, penetration, size, gravity and inset, one changed at a time
+    Sensitivity,
+    /// All of them
+    All,
+}
+
+/// How large the packs are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Scale {
+    Quick,
+    Full,
+}
+
+impl Study {
+    /// The single studies that this one stands for.
+    fn parts(self) -> Vec<Self> {
+        match self {
+            Self::All => Self::value_variants()
+                .iter()
+                .copied()
+                .filter(|study| *study != Self::All)
+                .collect(),
+            single => vec![single],
+        }
+    }
+
+    fn cases(self, scale: Scale) -> Vec<Case> {
+        match self {
+            Self::Table1 => table1::cases(scale),
+            Self::Figure6 => figure6::cases(scale),
+            Self::Figure7 => figure7::cases(scale),
+            Self::Orientation => orientation::cases(scale),
+            Self::Dice => dice::cases(scale),
+            Self::Sensitivity => sensitivity::cases(scale),
+            Self::Figure1 | Self::All => Vec::new(),
+        }
+    }
+
+    /// `None`: nothing can be told of runs made before.
+    fn run(self, runs: &Runs, scale: Scale) -> Result<Option<Report>> {
+        match self {
+            Self::Table1 => table1::run(runs, scale),
+            Self::Figure6 => figure6::run(runs, scale),
+            Self::Figure7 => figure7::run(runs, scale),
+            Self::Orientation => orientation::run(runs, scale),
+            Self::Dice => dice::run(runs, scale),
+            Self::Sensitivity => sensitivity::run(runs, scale),
+            Self::Figure1 if runs.is_as_found() => return Ok(None),
+            Self::Figure1 => figure1::run(runs, scale),
+            Self::All => return Ok(None),
+        }
+        .map(Some)
+    }
+
+    fn name(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
+/// Runs the studies and writes their pages; whether all runs are there and at rest.
+///
+/// # Errors
+/// When the program cannot be built or fails, or a page cannot be written.
+pub(crate) fn run(root: &Path, options: &Options) -> Result<bool> {
+    let scale = if options.quick {
+        Scale::Quick
+    } else {
+        Scale::Full
+    };
+    let default = root.join("out/reproduce/runs");
+    let folder = options.runs.clone().unwrap_or(default);
+    let threads = usize::from(options.threads);
+    if options.list {
+        list(options.study, scale, &folder, threads);
+        return Ok(true);
+    }
+    let pages = match scale {
+        Scale::Quick => root.join("out/reproduce"),
+        Scale::Full => root.join("docs/validation"),
+    };
+    let workshop = Workshop::new(root)?;
+    let runs = Runs::open(&workshop, &folder, threads, options.as_found)?;
+    let mut complete = true;
+    for study in options.study.parts() {
+        let place = Place::find(root)?;
+        let Some(report) = study.run(&runs, scale)? else {
+            println!(
+                "{}: is timed anew each time, so not made --as-found",
+                study.name()
+            );
+            continue;
+        };
+        let quick = if options.quick { " --quick" } else { "" };
+        let found = if options.as_found { " --as-found" } else { "" };
+        let made_by = format!(
+            "cargo xtask reproduce {}{quick}{found} --threads {threads}",
+            study.name()
+        );
+        let page = report.write(&pages, &place, &made_by)?;
+        println!("{}\nwritten to {}", report.checks_as_text(), page.display());
+        complete &= report.all_met();
+    }
+    Ok(complete)
+}
+
+/// Prints the commands of the runs, each once.
+fn list(study: Study, scale: Scale, folder: &Path, threads: usize) {
+    let mut known = BTreeSet::new();
+    for study in study.parts() {
+        for job in study.cases(scale).into_iter().flat_map(|case| case.jobs) {
+            if known.insert(job.key()) {
+                println!("{}", runs::command(folder, &job, threads));
+            }
+        }
+        if study == Study::Figure1 {
+            figure1::commands(scale)
+                .iter()
+                .for_each(|command| println!("{command}"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_is_every_study_once_and_each_has_its_runs() {
+        let parts = Study::All.parts();
+        assert_eq!(parts.len() + 1, Study::value_variants().len());
+        for study in parts {
+            for scale in [Scale::Quick, Scale::Full] {
+                let is_empty = study.cases(scale).is_empty();
+                assert_eq!(is_empty, study == Study::Figure1, "{study:?}");
+            }
+        }
+    }
+
+    /// A tenth of the bodies of the main job's minute, or so, for each.
+    #[test]
+    fn a_quick_run_has_few_bodies() {
+        let mut jobs = std::collections::BTreeMap::new();
+        for study in Study::All.parts() {
+            for job in study
+                .cases(Scale::Quick)
+                .into_iter()
+                .flat_map(|case| case.jobs)
+            {
+                jobs.insert(job.key(), job.bodies);
+            }
+        }
+        let bodies: u32 = jobs.values().sum();
+        assert!(bodies < 25_000, "{bodies}");
+    }
+}

@@ -1,0 +1,191 @@
+//! A finished run: its summary, and what `femdem analyse` finds in it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use serde_json::Value;
+
+use crate::validate::program::{Program, Summary};
+use crate::validate::report::short;
+
+/// A folder with a finished run.
+#[derive(Debug, Clone)]
+pub(super) struct Run {
+    pub(super) folder: PathBuf,
+    pub(super) summary: Summary,
+    /// Commit and machine, where they are recorded.
+    pub(super) origin: Option<String>,
+}
+
+/// What `femdem analyse` found, with one inset of the core.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Analysis {
+    values: Value,
+    /// The folder of the tables.
+    pub(super) tables: PathBuf,
+}
+
+impl Run {
+    /// # Errors
+    /// When the summary cannot be read.
+    pub(super) fn read(folder: &Path, origin: Option<String>) -> Result<Self> {
+        Ok(Self {
+            folder: folder.to_owned(),
+            summary: Summary::read(folder)?,
+            origin,
+        })
+    }
+
+    /// Bodies in the container.
+    ///
+    /// # Errors
+    /// When the summary does not say.
+    pub(super) fn count(&self) -> Result<f64> {
+        self.summary.number("count")
+    }
+
+    /// Its analysis with a core that keeps `inset` d from walls, floor and top: as it was made before,
+    /// or made now.
+    ///
+    /// # Errors
+    /// When the program fails, or its results cannot be read.
+    pub(super) fn analysis(&self, program: &Program, inset: f64) -> Result<Analysis> {
+        let out = self.folder.join(format!("inset-{inset}"));
+        let path = out.join("analysis.json");
+        if !path.is_file() {
+            program.analyse(&self.folder, &format!("--core-inset {inset}"), &out)?;
+        }
+        let text =
+            fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        Ok(Analysis {
+            values: serde_json::from_str(&text)
+                .with_context(|| format!("{} is not JSON", path.display()))?,
+            tables: out.join("analysis"),
+        })
+    }
+
+    /// A row of the table of runs, after its label.
+    ///
+    /// # Errors
+    /// When the summary lacks a number.
+    pub(super) fn row(&self, label: &str, analysis: &Analysis) -> Result<Vec<String>> {
+        let number = |path: &str| self.summary.number(path).map(short);
+        let found = |path: &str| {
+            let value = analysis.number(path);
+            if value.is_finite() {
+                format!("{value:.4}")
+            } else {
+                "none".to_owned()
+            }
+        };
+        Ok(vec![
+            label.to_owned(),
+            number("count")?,
+            found("density.exact"),
+            found("density.grid"),
+            found("density.standard_error"),
+            found("core.inset_over_d"),
+            found("coordination.mean"),
+            found("core_coordination.mean"),
+            number("penetration.mean_over_d")?,
+            number("residual.max_over_weight")?,
+            self.summary.is_settled().to_string(),
+            number("cpu_seconds").unwrap_or_else(|_| "none".to_owned()),
+            number("wall_seconds")?,
+            number("threads")?,
+            self.origin
+                .clone()
+                .unwrap_or_else(|| "not recorded".to_owned()),
+        ])
+    }
+}
+
+/// The columns of the table of runs.
+pub(super) const COLUMNS: [&str; 15] = [
+    "run",
+    "bodies",
+    "density_exact",
+    "density_grid",
+    "standard_error",
+    "inset_over_d",
+    "coordination",
+    "core_coordination",
+    "mean_penetration_over_d",
+    "largest_residual_over_weight",
+    "settled",
+    "cpu_s",
+    "wall_s",
+    "threads",
+    "commit_machine",
+];
+
+impl Analysis {
+    /// A number by its path, such as "density.exact"; not a number where there is none.
+    pub(super) fn number(&self, path: &str) -> f64 {
+        self.at(path).as_f64().unwrap_or(f64::NAN)
+    }
+
+    /// Numbers of a list by its path.
+    pub(super) fn numbers(&self, path: &str) -> Vec<f64> {
+        let list = self.at(path).as_array();
+        list.map_or_else(Vec::new, |l| l.iter().filter_map(Value::as_f64).collect())
+    }
+
+    /// A number of each object of a list.
+    pub(super) fn column(&self, path: &str, key: &str) -> Vec<f64> {
+        let list = self.at(path).as_array();
+        let cell = |object: &Value| object[key].as_f64();
+        list.map_or_else(Vec::new, |l| l.iter().filter_map(cell).collect())
+    }
+
+    /// The density of the core with its standard error.
+    pub(super) fn density(&self) -> (f64, f64) {
+        (
+            self.number("density.exact"),
+            self.number("density.standard_error"),
+        )
+    }
+
+    fn at(&self, path: &str) -> &Value {
+        path.split('.')
+            .fold(&self.values, |value, key| match key.parse::<usize>() {
+                Ok(index) => &value[index],
+                Err(_) => &value[key],
+            })
+    }
+}
+
+#[cfg(test)]
+impl Analysis {
+    pub(super) fn of(text: &str) -> Self {
+        Self {
+            values: serde_json::from_str(text).unwrap(),
+            tables: PathBuf::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_found_by_path() {
+        let analysis = Analysis::of(
+            r#"{"density": {"exact": 0.5, "standard_error": null},
+                "core_coordination": {"histogram": [0, 2, 3]},
+                "tensor": [[1.0, 2.0], [3.0, 4.0]],
+                "chains": [{"bodies": 3}, {"bodies": 5}, {}]}"#,
+        );
+        let (density, error) = analysis.density();
+        assert!(density == 0.5 && error.is_nan());
+        assert_eq!(
+            analysis.numbers("core_coordination.histogram"),
+            [0.0, 2.0, 3.0]
+        );
+        assert_eq!(analysis.column("chains", "bodies"), [3.0, 5.0]);
+        assert_eq!(analysis.number("tensor.1.0"), 3.0);
+        assert!(analysis.number("tensor.7.0").is_nan() && analysis.numbers("none").is_empty());
+    }
+}
