@@ -1,4 +1,4 @@
-//! Elastic balls pressed and colliding, against Hertz's theory.
+//! Elastic balls pressed on a plane and on each other, against Hertz's theory.
 
 use std::path::Path;
 
@@ -33,10 +33,10 @@ const FORCE: usize = 7;
 const EXAMPLE: &str = "-p femdem-solve --example hertz --";
 
 /// The lines of an earlier run, or of one now, and the commands.
-fn lines(
+pub(super) fn lines(
     workshop: &Workshop,
     earlier: Option<&Path>,
-    tables: [&str; 2],
+    tables: &[&str],
 ) -> Result<(Output, Vec<String>)> {
     let mut output = Output::default();
     let mut commands = Vec::new();
@@ -53,12 +53,12 @@ fn lines(
 }
 
 /// What a page made of earlier lines says.
-fn note(earlier: Option<&Path>) -> &'static str {
+pub(super) fn note(earlier: Option<&Path>) -> &'static str {
     match earlier {
         Some(_) => {
-            "\nThis page is made of lines that the example printed before, on this machine while others used \
-             it: the seconds mean little, and meshes and stiffnesses of the commands below that have no row here \
-             are still to be run.\n"
+            "\nThis page is made of lines that the commands below printed, each for itself, on this machine while \
+             others used it: the seconds mean little. Meshes and stiffnesses without a row are still to be \
+             run.\n"
         }
         None => "",
     }
@@ -69,7 +69,7 @@ fn note(earlier: Option<&Path>) -> &'static str {
 /// # Errors
 /// When the example cannot be built or fails.
 pub(crate) fn hertz(workshop: &Workshop, earlier: Option<&Path>) -> Result<Report> {
-    let (output, commands) = lines(workshop, earlier, ["plane", "two"])?;
+    let (output, commands) = lines(workshop, earlier, &["plane", "two"])?;
     let rows: Vec<&[String]> = output.rows("hertz").collect();
     let picture = workshop.write("hertz.svg", pressed_chart(&rows).as_bytes())?;
     Ok(Report {
@@ -208,140 +208,6 @@ fn pressed_chart(rows: &[&[String]]) -> String {
     )
 }
 
-/// Columns of the example's table `impact`.
-const COLLIDED: [&str; 15] = [
-    "impact",
-    "element",
-    "edge_asked_over_R",
-    "spacing_over_R",
-    "tets",
-    "kappa_h_over_E",
-    "a_over_h",
-    "peak_force_N",
-    "peak_over_Hertz",
-    "duration_s",
-    "duration_over_Hertz",
-    "restitution",
-    "ledger_error",
-    "steps",
-    "seconds",
-];
-
-/// The two impacts with their published peak forces, N.
-const PUBLISHED: [(&str, f64); 2] = [
-    ("test 1, two glass balls", 10_697.0),
-    ("test 2, aluminium ball on a plane", 11_370.0),
-];
-
-/// Balls that collide.
-///
-/// # Errors
-/// When the example cannot be built or fails.
-pub(crate) fn spheres(workshop: &Workshop, earlier: Option<&Path>) -> Result<Report> {
-    let (output, commands) = lines(workshop, earlier, ["glass", "aluminium"])?;
-    let picture = workshop.write("spheres.svg", collided_chart(&output).as_bytes())?;
-    Ok(Report {
-        name: "spheres",
-        title: "Colliding elastic balls".to_owned(),
-        text: COLLIDED_TEXT.to_owned() + note(earlier),
-        commands,
-        checks: collided_checks(&output),
-        columns: COLLIDED.to_vec(),
-        rows: output.rows("impact").map(<[String]>::to_vec).collect(),
-        attachments: vec![picture],
-    })
-}
-
-const COLLIDED_TEXT: &str = "Tests 1 and 2 of Y. C. Chung and J. Y. Ooi, Granular Matter 13 (2011) \
-643-656, with whole balls of neo-Hookean tetrahedra in an explicit `World` at 0.9 of the stable step, \
-without friction, damping or gravity.\n\n\
-1. Two equal glass balls (R = 10 mm, E = 48 GPa, nu = 0.2, density 2800 kg/m^3), each at 10 m/s.\n\
-2. A ball of an aluminium alloy (R = 100 mm, E = 70 GPa, density 2699 kg/m^3) at 0.2 m/s on a rigid \
-plane. nu = 0.3, with which Hertz's theory gives the published force; nu = 0.33 would give 11.465 kN.\n\n\
-The published forces are those of Hertz's theory of impact: F = 4/3 E* sqrt(R*) d^1.5 with \
-d = (15 m* v^2/(16 E* sqrt(R*)))^0.4, and the time in contact is 2.9433 d/v. The tables give peak force \
-and duration (to the last contact) over those. Spacing is the mean edge of the skin about the pole, half of \
-it for quadratic tetrahedra (T10); kappa h/E is meant with it. The density is raised by what the \
-polyhedron lacks of the ball's volume. Restitution is the momentum after over that before.\n\n\
-![Force in time](spheres.svg)\n";
-
-/// The row that is judged: that of T10, or else T4, with the finest mesh at kappa h/E = 1.
-fn finest<'a>(output: &'a Output, impact: &str) -> Option<&'a [String]> {
-    let rows = output
-        .rows("impact")
-        .filter(|row| row.first().is_some_and(|c| c == impact) && cell(row, 5) == 1.0);
-    rows.min_by(|a, b| {
-        let quality = |row: &[String]| (row.get(1).is_none_or(|e| e != "T10"), cell(row, 3));
-        quality(a)
-            .partial_cmp(&quality(b))
-            .unwrap_or(std::cmp::Ordering::Equal)
-    })
-}
-
-fn collided_checks(output: &Output) -> Vec<Check> {
-    let mut checks = Vec::new();
-    for (impact, force) in PUBLISHED {
-        let row = finest(output, impact).unwrap_or(&[]);
-        let element = row.get(1).cloned().unwrap_or_default();
-        let of = format!(
-            "{impact}, {element}, a/h = {}",
-            row.get(6).cloned().unwrap_or_default()
-        );
-        let peak = cell(row, 7);
-        checks.push(Check::holds(
-            &format!("{of}: peak force"),
-            &format!("{} kN within 3 %", force / 1e3),
-            format!(
-                "{:.3} kN ({:+.1} %)",
-                peak / 1e3,
-                100.0 * (peak / force - 1.0)
-            ),
-            (peak / force - 1.0).abs() <= 0.03,
-        ));
-        let duration = cell(row, 10);
-        checks.push(Check::holds(
-            &format!("{of}: time in contact"),
-            "Hertz's within 3 %",
-            format!("{:+.1} %", 100.0 * (duration - 1.0)),
-            (duration - 1.0).abs() <= 0.03,
-        ));
-    }
-    checks
-}
-
-fn collided_chart(output: &Output) -> String {
-    let mut series: Vec<Series> = Vec::new();
-    for row in output.rows("curve") {
-        let [impact, element, edge, ratio, ..] = row else {
-            continue;
-        };
-        if ratio != "1" {
-            continue;
-        }
-        let name = format!(
-            "{} {element} {edge}",
-            impact.split(',').next().unwrap_or_default()
-        );
-        let point = [cell(row, 4), cell(row, 5)];
-        match series.iter_mut().find(|line| line.name == name) {
-            Some(line) => line.points.push(point),
-            None => series.push(Series {
-                name,
-                points: vec![point],
-            }),
-        }
-    }
-    svg(
-        [
-            "time over Hertz's time in contact (lines: test, element, h/R)",
-            "force over Hertz's peak",
-        ],
-        [0.0, 1.25],
-        [0.0, 1.25],
-        &series,
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -377,17 +243,5 @@ mod tests {
             );
         }
         assert!(pressed_checks(&[]).iter().all(|c| !c.met));
-    }
-
-    #[test]
-    fn the_finest_quadratic_mesh_is_judged() {
-        let text = "impact\ttest 1, two glass balls\tT4\t0.02\t0.02\t9\t1\t3\t9000\t1\t1\t1\n\
-                    impact\ttest 1, two glass balls\tT10\t0.05\t0.05\t9\t1\t3\t9000\t1\t1\t1\n\
-                    impact\ttest 1, two glass balls\tT10\t0.03\t0.03\t9\t1\t3\t10700\t1\t1\t1.01\n";
-        let met: Vec<bool> = collided_checks(&Output::parse(text))
-            .iter()
-            .map(|c| c.met)
-            .collect();
-        assert_eq!(met, [true, true, false, false]);
     }
 }

@@ -8,6 +8,7 @@ mod bits;
 mod bodies;
 pub(crate) mod chart;
 mod cost;
+mod finite_ball;
 mod fuzz_pairs;
 mod hertz;
 pub(crate) mod lines;
@@ -17,6 +18,7 @@ pub(crate) mod program;
 pub(crate) mod report;
 mod scan;
 mod soft_boulders;
+mod spheres;
 mod statics;
 
 use std::path::{Path, PathBuf};
@@ -107,7 +109,7 @@ impl Case {
         let count = options.count;
         match self {
             Self::Hertz => hertz::hertz(workshop, options.lines.as_deref()),
-            Self::Spheres => hertz::spheres(workshop, options.lines.as_deref()),
+            Self::Spheres => spheres::spheres(workshop, options.lines.as_deref()),
             Self::BouldersDeformable => soft_boulders::run(
                 workshop,
                 count.unwrap_or(288),

@@ -1,6 +1,8 @@
-//! Two of the impacts of Y. C. Chung and J. Y. Ooi, Granular Matter 13 (2011) 643-656.
+//! Two of the impacts of Y. C. Chung and J. Y. Ooi, Granular Matter 13 (2011) 643-656, and one of them at a
+//! tenth of the speed.
 
 use crate::ball::{Ball, Hertz};
+use crate::law::Law;
 use crate::setting::{self, Setting};
 use femdem_contact::Wall;
 use femdem_mesh::{Pose, Vector3};
@@ -13,30 +15,82 @@ use std::time::Instant;
 
 /// An impact of equal balls, or of a ball on a rigid plane.
 struct Impact {
+    table: &'static str,
     name: &'static str,
     material: Hertz,
     density: f64,
     /// Of each ball, m/s.
     speed: f64,
     two: bool,
-    /// Edges at the contact over the radius.
-    edges: [f64; 3],
+    law: Law,
+    /// Elements, edges at the contact over the radius, and kappa h/E.
+    runs: &'static [(Element, f64, f64)],
 }
 
-const IMPACTS: [Impact; 2] = [
+const GLASS: Hertz = Hertz {
+    young: 48e9,
+    poisson: 0.2,
+    radius: 0.01,
+};
+
+/// Names of the tables of impacts.
+pub const TABLES: [&str; 4] = ["glass", "laws", "slow", "aluminium"];
+
+const IMPACTS: [Impact; 5] = [
     Impact {
+        table: "glass",
         name: "test 1, two glass balls",
-        material: Hertz {
-            young: 48e9,
-            poisson: 0.2,
-            radius: 0.01,
-        },
+        material: GLASS,
         density: 2800.0,
         speed: 10.0,
         two: true,
-        edges: [0.05, 0.035, 0.025],
+        law: Law::NeoHookean,
+        runs: &[
+            (Element::T10, 0.05, 1.0),
+            (Element::T10, 0.035, 1.0),
+            (Element::T10, 0.025, 1.0),
+            (Element::T4, 0.05, 1.0),
+            (Element::T4, 0.035, 1.0),
+            (Element::T4, 0.035, 0.3),
+            (Element::T4, 0.035, 3.0),
+        ],
     },
     Impact {
+        table: "laws",
+        name: "test 1, a glass ball on a plane, law of small strain",
+        material: GLASS,
+        density: 2800.0,
+        speed: 10.0,
+        two: false,
+        law: Law::SmallStrain,
+        runs: &[(Element::T4, 0.05, 1.0)],
+    },
+    Impact {
+        table: "laws",
+        name: "test 1, a glass ball on a plane, law of Hencky",
+        material: GLASS,
+        density: 2800.0,
+        speed: 10.0,
+        two: false,
+        law: Law::Hencky,
+        runs: &[(Element::T4, 0.05, 1.0)],
+    },
+    Impact {
+        table: "slow",
+        name: "test 1 at 1 m/s, a glass ball on a plane",
+        material: GLASS,
+        density: 2800.0,
+        speed: 1.0,
+        two: false,
+        law: Law::NeoHookean,
+        runs: &[
+            (Element::T10, 0.014, 1.0),
+            (Element::T4, 0.014, 1.0),
+            (Element::T4, 0.014, 3.0),
+        ],
+    },
+    Impact {
+        table: "aluminium",
         name: "test 2, aluminium ball on a plane",
         material: Hertz {
             young: 70e9,
@@ -46,29 +100,30 @@ const IMPACTS: [Impact; 2] = [
         density: 2699.0,
         speed: 0.2,
         two: false,
-        edges: [0.0105, 0.0074, 0.0052],
+        law: Law::NeoHookean,
+        runs: &[
+            (Element::T10, 0.0105, 1.0),
+            (Element::T4, 0.0105, 1.0),
+            (Element::T4, 0.0074, 1.0),
+            (Element::T4, 0.0074, 0.3),
+            (Element::T4, 0.0074, 3.0),
+        ],
     },
 ];
 
 /// Points of a curve that are printed.
 const POINTS: usize = 100;
 
-/// The impacts with these numbers (from 0), or all, on all meshes.
-pub fn run(out: &mut impl Write, number: Option<usize>, quick: bool) -> Result<(), Box<dyn Error>> {
-    let chosen = |k: usize| number.is_none_or(|n| n == k);
-    for (_, impact) in IMPACTS.iter().enumerate().filter(|(k, _)| chosen(*k)) {
-        for element in [Element::T10, Element::T4] {
-            let edges = if quick {
-                &impact.edges[..1]
-            } else {
-                &impact.edges[..]
-            };
-            for &edge in edges {
-                impact.run(out, edge, 1.0, element)?;
-            }
-        }
-        for ratio in [0.3, 3.0] {
-            impact.run(out, impact.edges[0], ratio, Element::T10)?;
+/// The impacts of a table, on all meshes or on the first.
+pub fn run(out: &mut impl Write, table: &str, quick: bool) -> Result<(), Box<dyn Error>> {
+    for impact in IMPACTS.iter().filter(|impact| impact.table == table) {
+        let runs = if quick {
+            &impact.runs[..1]
+        } else {
+            impact.runs
+        };
+        for &(element, edge, ratio) in runs {
+            impact.run(out, edge, ratio, element)?;
         }
     }
     Ok(())
@@ -101,7 +156,7 @@ impl Impact {
         let fine = ball.edge(&mesh) / order;
         // The mass is that of the ball, not of the polyhedron.
         let density = mass / mesh.volume();
-        let model = setting::model(&mesh, element, &self.material, density)?;
+        let model = setting::model(&mesh, element, &self.material, density, self.law)?;
         let setting = Setting::new(&model, ratio * self.material.young / fine)?;
         let mut world = World::new(setting::smooth(0.9))?;
         let stiffness = ContactStiffness::Penalty(setting.penalty);

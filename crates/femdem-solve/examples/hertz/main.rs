@@ -4,6 +4,7 @@
 
 mod ball;
 mod collide;
+mod law;
 mod press;
 mod setting;
 
@@ -16,9 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     match arguments.first().map(String::as_str) {
         Some("plane") => press::run(&mut out, false, quick),
         Some("two") => press::run(&mut out, true, quick),
-        Some("collide") => collide::run(&mut out, None, quick),
-        Some("glass") => collide::run(&mut out, Some(0), quick),
-        Some("aluminium") => collide::run(&mut out, Some(1), quick),
-        _ => Err("say which: plane, two, glass, aluminium or collide (both), and quick for the coarsest meshes alone".into()),
+        Some(table) if collide::TABLES.contains(&table) => collide::run(&mut out, table, quick),
+        _ => Err("say which: plane, two, glass, laws, slow or aluminium, and quick for the first meshes alone".into()),
     }
 }

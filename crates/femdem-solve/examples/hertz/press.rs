@@ -1,6 +1,7 @@
 //! Elastic balls pressed on a rigid plane and on each other.
 
 use crate::ball::{Ball, Hertz};
+use crate::law::Law;
 use crate::setting::{self, Setting};
 use femdem_contact::Wall;
 use femdem_mesh::{Pose, Vector3};
@@ -66,7 +67,7 @@ impl Press {
         };
         let mesh = ball.mesh()?;
         let edge = ball.edge(&mesh);
-        let model = setting::model(&mesh, Element::T4, &MATERIAL, DENSITY)?;
+        let model = setting::model(&mesh, Element::T4, &MATERIAL, DENSITY, Law::NeoHookean)?;
         let boundary = held(&model)?;
         let setting = Setting::new(&model, self.ratio * MATERIAL.young / edge)?;
         let mut world = World::new(setting::smooth(0.9))?;

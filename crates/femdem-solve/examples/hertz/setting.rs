@@ -1,6 +1,7 @@
 //! What all runs share.
 
 use crate::ball::Hertz;
+use crate::law::Law;
 use femdem_contact::deform::DeformableShape;
 use femdem_mesh::nalgebra::{Matrix4, Vector4};
 use femdem_mesh::{Pose, Rotation, TetMesh, Vector3};
@@ -8,7 +9,6 @@ use femdem_solve::SolveError;
 use femdem_solve::WorldParameters;
 use femdem_solve::deformable::{DeformableModel, MaterialRegion};
 use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
 use std::error::Error;
 
 /// No gravity, no friction, no damping.
@@ -28,9 +28,10 @@ pub fn model(
     element: Element,
     material: &Hertz,
     density: f64,
+    law: Law,
 ) -> Result<DeformableModel, SolveError> {
     let region = MaterialRegion {
-        material: NeoHookean::new(material.young, material.poisson)?.into(),
+        material: law.material(material.young, material.poisson)?,
         density,
     };
     DeformableModel::new(mesh, element, vec![region], None)
