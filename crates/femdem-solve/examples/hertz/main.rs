@@ -16,8 +16,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let quick = arguments.iter().any(|a| a == "quick");
     match arguments.first().map(String::as_str) {
         Some("plane") => press::run(&mut out, false, quick),
+        Some("shallow") => press::shallow(&mut out, false),
         Some("two") => press::run(&mut out, true, quick),
         Some(table) if collide::TABLES.contains(&table) => collide::run(&mut out, table, quick),
-        _ => Err("say which: plane, two, glass, laws, slow or aluminium, and quick for the first meshes alone".into()),
+        _ => Err("say which: plane, shallow (its smallest depths alone), two, glass, laws, slow or aluminium, and quick for the first meshes alone".into()),
     }
 }

@@ -30,13 +30,19 @@ const EDGES: [f64; 3] = [0.08, 0.055, 0.04];
 /// 0.245.
 const REACH: f64 = 0.26;
 
+/// A finer mesh for the smallest depths alone, which the others resolve least: its edge, the stiffnesses, the
+/// depths and the radius of its fine part. The contact radius at the larger depth is 0.141.
+const SHALLOW: (f64, [f64; 2], [f64; 2], f64) = (0.028, [1.0, 3.0], [0.01, 0.02], 0.16);
+
 /// Rest between two depths: how often sound crosses the radius.
 const CROSSINGS: f64 = 8.0;
 
-/// One mesh, one stiffness, all depths.
+/// One mesh, one stiffness.
 struct Press {
     edge: f64,
     ratio: f64,
+    depths: &'static [f64],
+    reach: f64,
     /// Against an equal ball instead of the plane.
     two: bool,
 }
@@ -44,12 +50,37 @@ struct Press {
 /// All meshes and stiffnesses, for a ball on the plane or for two; a line for each depth.
 pub fn run(out: &mut impl Write, two: bool, quick: bool) -> Result<(), Box<dyn Error>> {
     let edges = if quick { &EDGES[..1] } else { &EDGES[..] };
-    let mut runs: Vec<(f64, f64)> = Vec::new();
-    for &edge in edges {
-        runs.extend([0.3, 1.0, 3.0].map(|ratio| (edge, ratio)));
-    }
+    let runs = edges
+        .iter()
+        .flat_map(|&edge| [0.3, 1.0, 3.0].map(|ratio| (edge, ratio)));
     for (edge, ratio) in runs {
-        Press { edge, ratio, two }.run(out)?;
+        let press = Press {
+            edge,
+            ratio,
+            depths: &DEPTHS,
+            reach: REACH,
+            two,
+        };
+        press.run(out)?;
+    }
+    if quick {
+        return Ok(());
+    }
+    shallow(out, two)
+}
+
+/// The smallest depths on their own mesh.
+pub fn shallow(out: &mut impl Write, two: bool) -> Result<(), Box<dyn Error>> {
+    let (edge, ratios, ref depths, reach) = SHALLOW;
+    for ratio in ratios {
+        let press = Press {
+            edge,
+            ratio,
+            depths,
+            reach,
+            two,
+        };
+        press.run(out)?;
     }
     Ok(())
 }
@@ -62,7 +93,7 @@ impl Press {
             radius: r,
             whole: false,
             finest: self.edge * r,
-            reach: REACH * r,
+            reach: self.reach * r,
             coarsest: 0.3 * r,
         };
         let mesh = ball.mesh()?;
@@ -89,7 +120,7 @@ impl Press {
         let sides = if self.two { 2.0 } else { 1.0 };
         let rest = CROSSINGS * r / (MATERIAL.young / DENSITY).sqrt();
         let mut at = 0.0;
-        for depth in DEPTHS {
+        for &depth in self.depths {
             let goal = sides * depth * r;
             let (from, time) = (at, world.time());
             let drive = Drive::Linear {
