@@ -3,6 +3,7 @@
 use anyhow::Result;
 
 use super::job::{Job, Size};
+use super::readings::{READINGS, Reading};
 use super::run::{Analysis, Run};
 use super::runs::Runs;
 use super::statistics::{Estimate, estimate};
@@ -68,14 +69,7 @@ pub(super) fn find(runs: &Runs, cases: &[Case]) -> Result<Vec<Found>> {
     cases
         .iter()
         .map(|case| {
-            let mut found = Found {
-                case: case.clone(),
-                packs: Vec::new(),
-                rows: Vec::new(),
-                commands: Vec::new(),
-                missing: 0,
-                restless: 0,
-            };
+            let mut found = Found::none(case);
             for (job, seed) in case.jobs.iter().zip(1..) {
                 let Some(run) = made.get(&job.key()).cloned() else {
                     found.missing += 1;
@@ -97,6 +91,18 @@ pub(super) fn find(runs: &Runs, cases: &[Case]) -> Result<Vec<Found>> {
 }
 
 impl Found {
+    /// Before anything is found.
+    pub(super) fn none(case: &Case) -> Self {
+        Self {
+            case: case.clone(),
+            packs: Vec::new(),
+            rows: Vec::new(),
+            commands: Vec::new(),
+            missing: 0,
+            restless: 0,
+        }
+    }
+
     /// Packing density of the core.
     pub(super) fn density(&self) -> Option<Estimate> {
         self.mean(Analysis::density)
@@ -150,6 +156,14 @@ pub(super) fn beside(found: Option<Estimate>, published: Option<(f64, f64)>) -> 
         }
         _ => text,
     }
+}
+
+/// Blocks of cases, each of a reading, without those of which nothing was found.
+pub(super) fn by_reading(found: &[Found], each: usize) -> Vec<(Reading, &[Found])> {
+    let blocks = READINGS.into_iter().zip(found.chunks(each.max(1)));
+    blocks
+        .filter(|(_, block)| block.iter().any(|f| !f.packs.is_empty()))
+        .collect()
 }
 
 /// What the runs of cases cost in all.

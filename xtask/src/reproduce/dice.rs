@@ -3,12 +3,12 @@
 use anyhow::Result;
 
 use super::Scale;
-use super::case::{Case, Found, find, with_error};
+use super::case::{Case, Found, by_reading, find, with_error};
 use super::dots::{Dot, Series, svg};
 use super::job::Size;
 use super::page::page;
 use super::paper::{DICE, DICE_ERROR, solid};
-use super::readings::{READINGS, explained};
+use super::readings::{READINGS, Reading, explained};
 use super::runs::Runs;
 use super::statistics::Estimate;
 use crate::validate::report::{Report, markdown_table};
@@ -43,7 +43,7 @@ pub(super) fn cases(scale: Scale) -> Vec<Case> {
 /// When the program fails or a file cannot be written.
 pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
     let all = find(runs, &cases(scale))?;
-    let readings: Vec<&[Found]> = all.chunks(DICE.len()).collect();
+    let readings = by_reading(&all, DICE.len());
     let text = format!(
         "Platonic solids at friction {FRICTION} beside random loose and random close packs of plastic dice \
          (J. Baker and A. Kudrolli, Phys. Rev. E 82, 061304, 2010; ±{DICE_ERROR}). A pack that is put down \
@@ -60,14 +60,14 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
     Ok(report)
 }
 
-fn table(readings: &[&[Found]]) -> String {
+fn table(readings: &[(Reading, &[Found])]) -> String {
     let mut heads = vec!["solid", "loose", "close"];
-    heads.extend(READINGS.iter().map(|reading| reading.key));
+    heads.extend(readings.iter().map(|(reading, _)| reading.key));
     let rows: Vec<Vec<String>> = DICE
         .iter()
         .enumerate()
         .map(|(place, dice)| {
-            let cell = |found: &&[Found]| {
+            let cell = |(_, found): &(Reading, &[Found])| {
                 let density = found.get(place).and_then(Found::density);
                 let part = density.map_or_else(String::new, |density| {
                     let (part, error) = between(density, dice.loose, dice.close);
@@ -101,7 +101,7 @@ fn between(density: Estimate, low: f64, high: f64) -> (f64, f64) {
     (part, own.hypot(ends) / range)
 }
 
-fn chart(readings: &[&[Found]]) -> String {
+fn chart(readings: &[(Reading, &[Found])]) -> String {
     let published = |name: &str, value: fn(&super::paper::Dice) -> f64| Series {
         name: name.to_owned(),
         dots: (0..)
@@ -117,7 +117,7 @@ fn chart(readings: &[&[Found]]) -> String {
         published("loose", |d| d.loose),
         published("close", |d| d.close),
     ];
-    for (reading, found) in READINGS.iter().zip(readings) {
+    for (reading, found) in readings {
         let dot = |(place, found): (usize, &Found)| {
             let density = found.density()?;
             Some(Dot {

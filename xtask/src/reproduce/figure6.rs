@@ -3,37 +3,31 @@
 use anyhow::{Context, Result};
 
 use super::Scale;
-use super::case::{Case, Found, beside, find};
+use super::case::{Case, Found, beside, by_reading, find};
 use super::dots::{Dot, Series, svg};
-use super::job::Size;
-use super::page::page;
+use super::job::{Kind, Size, kinds};
+use super::page::{capital, page};
 use super::paper::{FIGURE6, FIGURE6_ERROR, solid};
-use super::readings::{READINGS, explained};
+use super::readings::{READINGS, Reading, explained};
 use super::runs::Runs;
 use super::statistics::spread;
 use crate::validate::report::{Report, markdown_table};
 
 const SHAPE: &str = "A1";
 
-/// Sizes of the packs with their seeds.
-fn sizes(scale: Scale, volume: f64) -> Vec<(&'static str, Size, u32)> {
-    match scale {
-        Scale::Quick => vec![("quick", Size::quick(volume), 1)],
-        Scale::Full => vec![
-            ("full size", Size::full(volume), 1),
-            ("small", Size::small(volume), 3),
-        ],
-    }
-}
-
 /// The packs of the study: by size, then reading, then friction.
 pub(super) fn cases(scale: Scale) -> Vec<Case> {
     let volume = solid(SHAPE).map_or(0.0, |solid| solid.volume);
     let mut cases = Vec::new();
-    for (name, size, seeds) in sizes(scale, volume) {
+    for Kind { name, size, seeds } in kinds(scale) {
+        let size = size(volume);
         for reading in READINGS {
             for (friction, _) in FIGURE6 {
-                let label = format!("{SHAPE}, mu {friction}, {}, {name}", reading.key);
+                let label = format!(
+                    "{SHAPE}, mu {friction}, {}, {}",
+                    reading.key,
+                    name.to_lowercase()
+                );
                 cases.push(Case::new(
                     label,
                     (SHAPE, size),
@@ -61,14 +55,21 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
     );
     let mut pictures = Vec::new();
     let blocks = all.chunks(READINGS.len() * FIGURE6.len());
-    for ((name, size, seeds), found) in sizes(scale, volume).into_iter().zip(blocks) {
-        let file = format!("figure6-{}.svg", name.replace(' ', "-"));
-        let readings: Vec<&[Found]> = found.chunks(FIGURE6.len()).collect();
+    for (Kind { name, size, seeds }, found) in kinds(scale).into_iter().zip(blocks) {
+        let Size {
+            bodies,
+            width,
+            inset,
+        } = size(volume);
+        let file = format!("figure6-{name}.svg");
+        let readings = by_reading(found, FIGURE6.len());
+        if readings.is_empty() {
+            continue;
+        }
         text += &format!(
-            "\n## Packs of the {name}: {} bodies, box {} d wide, core {} d from walls and top, {seeds} seed(s)\n\n{}\n![Chart]({file})\n",
-            size.bodies,
-            size.width,
-            size.inset,
+            "\n## {} packs\n\n{bodies} bodies, box {width} d wide, core {inset} d from walls, floor and top, \
+             seeds 1 to {seeds}.\n\n{}\n![Chart]({file})\n",
+            capital(name),
             table(&readings)
         );
         pictures.push((file, chart(&readings)));
@@ -82,14 +83,14 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
 }
 
 /// Rows by friction, columns by reading; below them the root mean square difference.
-fn table(readings: &[&[Found]]) -> String {
+fn table(readings: &[(Reading, &[Found])]) -> String {
     let mut heads = vec!["friction", "paper"];
-    heads.extend(READINGS.iter().map(|reading| reading.key));
+    heads.extend(readings.iter().map(|(reading, _)| reading.key));
     let mut rows: Vec<Vec<String>> = FIGURE6
         .iter()
         .enumerate()
         .map(|(place, (friction, density))| {
-            let cell = |found: &&[Found]| {
+            let cell = |(_, found): &(Reading, &[Found])| {
                 let density = Some((*density, FIGURE6_ERROR));
                 found
                     .get(place)
@@ -101,7 +102,7 @@ fn table(readings: &[&[Found]]) -> String {
         })
         .collect();
     let mut last = vec!["root mean square".to_owned(), String::new()];
-    last.extend(readings.iter().map(|found| {
+    last.extend(readings.iter().map(|(_, found)| {
         let pairs = FIGURE6.iter().zip(*found);
         let differences: Vec<f64> = pairs
             .filter_map(|((_, paper), f)| Some(f.density()?.mean - paper))
@@ -113,7 +114,7 @@ fn table(readings: &[&[Found]]) -> String {
     markdown_table(&heads, &rows)
 }
 
-fn chart(readings: &[&[Found]]) -> String {
+fn chart(readings: &[(Reading, &[Found])]) -> String {
     let places: Vec<String> = FIGURE6
         .iter()
         .map(|(friction, _)| friction.to_string())
@@ -128,7 +129,7 @@ fn chart(readings: &[&[Found]]) -> String {
         name: "paper".to_owned(),
         dots: FIGURE6.iter().enumerate().map(paper).collect(),
     }];
-    for (reading, found) in READINGS.iter().zip(readings) {
+    for (reading, found) in readings {
         let dot = |(place, found): (usize, &Found)| {
             let density = found.density()?;
             Some(Dot {

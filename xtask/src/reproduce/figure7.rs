@@ -3,8 +3,8 @@
 use anyhow::{Context, Result};
 
 use super::Scale;
-use super::case::{Case, Found, beside, find, with_error};
-use super::job::Size;
+use super::case::{Case, Found, beside, by_reading, find, with_error};
+use super::job::kinds;
 use super::page::page;
 use super::paper::{Contacts, FIGURE7, solid};
 use super::readings::{READINGS, explained};
@@ -36,18 +36,22 @@ const MEASURES: [&str; 4] = [
     "turn from link to link / rad",
 ];
 
-/// The packs of the study: by reading, then solid.
+/// The packs of the study: by size, then reading, then solid.
 pub(super) fn cases(scale: Scale) -> Vec<Case> {
     let mut cases = Vec::new();
-    for reading in READINGS {
-        for Contacts { name, .. } in FIGURE7 {
-            let volume = solid(name).map_or(0.0, |solid| solid.volume);
-            let (size, word) = match scale {
-                Scale::Quick => (Size::quick(volume), "quick"),
-                Scale::Full => (Size::full(volume), "full size"),
-            };
-            let label = format!("{name}, {}, {word}", reading.key);
-            cases.push(Case::new(label, (name, size), FRICTION, 1, reading.options));
+    for kind in kinds(scale) {
+        for reading in READINGS {
+            for Contacts { name, .. } in FIGURE7 {
+                let size = (kind.size)(solid(name).map_or(0.0, |solid| solid.volume));
+                let label = format!("{name}, {}, {}", reading.key, kind.name);
+                cases.push(Case::new(
+                    label,
+                    (name, size),
+                    FRICTION,
+                    kind.seeds,
+                    reading.options,
+                ));
+            }
         }
     }
     cases
@@ -59,20 +63,27 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
     let all = find(runs, &cases(scale))?;
     let mut text = introduction();
     let mut pictures = Vec::new();
-    for (reading, found) in READINGS.iter().zip(all.chunks(FIGURE7.len())) {
-        let key = reading.key;
-        text += &format!("\n## Reading \"{key}\"\n\n{}\n", numbers(found));
-        for (contacts, found) in FIGURE7
-            .iter()
-            .zip(found)
-            .filter(|(_, f)| !f.packs.is_empty())
-        {
-            let file = format!("figure7-{key}-{}.svg", contacts.name);
-            text += &format!("![Histogram of {}]({file})\n", contacts.name);
-            pictures.push((file, histogram(contacts, found)));
-        }
-        for (rule, name) in RULES {
-            text += &format!("\n### Chains by {name}\n\n{}", chains(found, rule)?);
+    let blocks = all.chunks(READINGS.len() * FIGURE7.len());
+    for (kind, block) in kinds(scale).into_iter().zip(blocks) {
+        let word = kind.name;
+        for (reading, found) in by_reading(block, FIGURE7.len()) {
+            let key = reading.key;
+            text += &format!(
+                "\n## Reading \"{key}\", {word} packs\n\n{}\n",
+                numbers(found)
+            );
+            for (contacts, found) in FIGURE7
+                .iter()
+                .zip(found)
+                .filter(|(_, f)| !f.packs.is_empty())
+            {
+                let file = format!("figure7-{word}-{key}-{}.svg", contacts.name);
+                text += &format!("![Histogram of {}]({file})\n", contacts.name);
+                pictures.push((file, histogram(contacts, found)));
+            }
+            for (rule, name) in RULES {
+                text += &format!("\n### Chains by {name}\n\n{}", chains(found, rule)?);
+            }
         }
     }
     let title = "Figure 7: numbers of contacts and force chains".to_owned();
@@ -93,8 +104,8 @@ fn introduction() -> String {
          straighter. A backbone is the longest of the shortest ways within a chain, its straightness the \
          distance of its ends over its length; short backbones are straighter by that measure, so the \
          turn from link to link is shown too (a straight chain has 0). Differences have 95 % intervals by the bootstrap \
-         over chains (2,000 resamples; chains taken as independent), for the turn by the block bootstrap \
-         over sub-boxes of the pack; \"longer and straighter\" holds where the interval is on that side of 0.\n",
+         over chains (2,000 resamples; chains of all seeds taken as independent), for the turn by the block \
+         bootstrap over sub-boxes of a pack and the scatter between seeds; \"longer and straighter\" holds where the interval is on that side of 0.\n",
         explained()
     )
 }
@@ -107,12 +118,9 @@ fn numbers(found: &[Found]) -> String {
         .map(|(contacts, found)| {
             let mean = found.mean(|analysis| mean_with_error(analysis, "mean_coordination"));
             let published = Some((contacts.mean, MEAN_ERROR));
-            let apart = |key: &str| {
-                let pack = found.packs.first();
-                pack.map_or_else(
-                    || "not run".to_owned(),
-                    |pack| format!("{:.1} %", moved(contacts, &shares(&pack.analysis, key))),
-                )
+            let apart = |key: &str| match shares(found, key) {
+                list if list.is_empty() => "not run".to_owned(),
+                list => format!("{:.1} %", moved(contacts, &list)),
             };
             vec![
                 contacts.name.to_owned(),
@@ -140,9 +148,20 @@ fn mean_with_error(analysis: &Analysis, key: &str) -> (f64, f64) {
     (number("mean"), number("standard_error"))
 }
 
-/// Percent of the bodies with 0, 1, 2 ... partners.
-fn shares(analysis: &Analysis, key: &str) -> Vec<f64> {
-    let counts = analysis.numbers(&format!("{key}.histogram"));
+/// Percent of the bodies of all packs with 0, 1, 2 ... partners.
+fn shares(found: &Found, key: &str) -> Vec<f64> {
+    let mut counts: Vec<f64> = Vec::new();
+    for pack in &found.packs {
+        for (k, count) in pack
+            .analysis
+            .numbers(&format!("{key}.histogram"))
+            .into_iter()
+            .enumerate()
+        {
+            counts.resize(counts.len().max(k + 1), 0.0);
+            counts[k] += count;
+        }
+    }
     let sum: f64 = counts.iter().sum();
     counts.iter().map(|count| 100.0 * count / sum).collect()
 }
@@ -164,15 +183,13 @@ fn histogram(contacts: &Contacts, found: &Found) -> String {
             .collect(),
     };
     let mut series = vec![line("paper", &contacts.percent)];
-    if let Some(pack) = found.packs.first() {
-        series.push(line("core", &shares(&pack.analysis, "core_coordination")));
-        series.push(line("all bodies", &shares(&pack.analysis, "coordination")));
-    }
+    series.push(line("core", &shares(found, "core_coordination")));
+    series.push(line("all bodies", &shares(found, "coordination")));
     let x = format!("contacts of {}", contacts.name);
     chart::svg([&x, "% of the bodies"], [0.0, 12.5], [0.0, 50.0], &series)
 }
 
-/// Chains of a pack by one rule.
+/// Chains of the packs of a case by one rule.
 struct Chains {
     /// Values of the first three measures, chain by chain.
     lists: [Vec<f64>; 3],
@@ -181,28 +198,17 @@ struct Chains {
 }
 
 fn read(found: &Found, rule: &str) -> Result<Option<Chains>> {
-    let Some(pack) = found.packs.first() else {
-        return Ok(None);
-    };
-    let analysis = &pack.analysis;
-    let diameter = pack.run.summary.number("diameter")?;
-    let list = |key: &str, unit: f64| -> Vec<f64> {
-        let values = analysis.column(&format!("{rule}.chains"), key);
-        values.into_iter().map(|value| value / unit).collect()
-    };
-    let (mean, error) = mean_with_error(analysis, &format!("{rule}.turning"));
-    Ok(Some(Chains {
-        lists: [
-            list("bodies", 1.0),
-            list("length", diameter),
-            list("straightness", 1.0),
-        ],
-        turn: Estimate {
-            mean,
-            error,
-            count: 1,
-        },
-    }))
+    let mut lists = [Vec::new(), Vec::new(), Vec::new()];
+    for pack in &found.packs {
+        let diameter = pack.run.summary.number("diameter")?;
+        let keys = [("bodies", 1.0), ("length", diameter), ("straightness", 1.0)];
+        for (list, (key, unit)) in lists.iter_mut().zip(keys) {
+            let values = pack.analysis.column(&format!("{rule}.chains"), key);
+            list.extend(values.into_iter().map(|value| value / unit));
+        }
+    }
+    let turn = found.mean(|analysis| mean_with_error(analysis, &format!("{rule}.turning")));
+    Ok(turn.map(|turn| Chains { lists, turn }))
 }
 
 /// Means of the solids, and the differences of A10 to the others with intervals.
@@ -295,8 +301,6 @@ mod tests {
         assert!(moved(contacts, &contacts.percent) < 1e-12);
         let far: Vec<f64> = std::iter::repeat_n(0.0, 15).chain([100.0]).collect();
         assert!((moved(contacts, &far) - 100.0).abs() < 0.5);
-        let analysis = Analysis::of(r#"{"c": {"histogram": [0, 1, 3]}}"#);
-        assert_eq!(shares(&analysis, "c"), [0.0, 25.0, 75.0]);
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use super::Scale;
+
 /// A pack to be made. Threads are no part of it: they do not change the result.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Job {
@@ -18,6 +20,28 @@ pub(super) struct Size {
     pub(super) width: f64,
     /// In d.
     pub(super) inset: f64,
+}
+
+/// A kind of packs that studies of the paper's packs are made of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Kind {
+    pub(super) name: &'static str,
+    /// Size by volume over d³.
+    pub(super) size: fn(f64) -> Size,
+    /// Seeds 1 to this.
+    pub(super) seeds: u32,
+}
+
+/// Packs as large as the paper's, and small ones with several seeds; for a trial, very small ones.
+pub(super) fn kinds(scale: Scale) -> Vec<Kind> {
+    let kind = |name, size, seeds| Kind { name, size, seeds };
+    match scale {
+        Scale::Quick => vec![kind("quick", Size::quick as fn(f64) -> Size, 1)],
+        Scale::Full => vec![
+            kind("full-size", Size::full, 1),
+            kind("small", Size::small, 3),
+        ],
+    }
 }
 
 /// Packing density from which numbers and boxes are found: few packs are denser.

@@ -9,15 +9,9 @@ use crate::validate::report::{Check, Report};
 
 /// A page of packs: the text of a study, then cost, what is missing, and the table of runs.
 pub(super) fn page(name: &'static str, title: String, text: String, found: &[Found]) -> Report {
-    let missing: Vec<String> = found
-        .iter()
-        .filter(|f| f.missing > 0)
-        .map(|f| format!("{} ({} of {})", f.case.label, f.missing, f.case.jobs.len()))
-        .collect();
-    let gaps = if missing.is_empty() {
-        String::new()
-    } else {
-        format!("\n\nNot run: {}.", missing.join("; "))
+    let gaps = match missing(found).as_str() {
+        "" => String::new(),
+        list => format!("\n\nNot run: {list}."),
     };
     Report {
         name,
@@ -35,6 +29,37 @@ pub(super) fn page(name: &'static str, title: String, text: String, found: &[Fou
     }
 }
 
+/// Cases with missing runs, those that share all but the first word of their labels together.
+fn missing(found: &[Found]) -> String {
+    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
+    for f in found.iter().filter(|f| f.missing > 0) {
+        let label = &f.case.label;
+        let (first, rest) = label.split_once(", ").unwrap_or((label, ""));
+        let all = f.case.jobs.len();
+        let entry = if all == 1 {
+            first.to_owned()
+        } else {
+            format!("{first} ({} of {all})", f.missing)
+        };
+        match groups.iter_mut().find(|(name, _)| name == rest) {
+            Some((_, entries)) => entries.push(entry),
+            None => groups.push((rest.to_owned(), vec![entry])),
+        }
+    }
+    let told = |(name, entries): &(String, Vec<String>)| match name.as_str() {
+        "" => entries.join(", "),
+        name => format!("{name}: {}", entries.join(", ")),
+    };
+    groups.iter().map(told).collect::<Vec<_>>().join("; ")
+}
+
+/// A word with a capital.
+pub(super) fn capital(word: &str) -> String {
+    let mut letters = word.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_uppercase());
+    first.into_iter().chain(letters).collect()
+}
+
 fn checks(found: &[Found]) -> Vec<Check> {
     let restless: usize = found.iter().map(|f| f.restless).sum();
     let packs: usize = found.iter().map(|f| f.packs.len()).sum();
@@ -43,7 +68,7 @@ fn checks(found: &[Found]) -> Vec<Check> {
         .iter()
         .flat_map(|f| &f.packs)
         .filter_map(|pack| pack.run.summary.number("penetration.mean_over_d").ok())
-        .fold(0.0, f64::max);
+        .fold(f64::NAN, f64::max);
     vec![
         Check::holds(
             "packs at rest with all bodies awake, no drag and no local damping; others do not count",
@@ -65,5 +90,29 @@ impl Runs<'_> {
         let path = self.workshop().write(file, svg.as_bytes())?;
         report.attachments.push(path);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::case::Case;
+    use super::super::job::Size;
+    use super::*;
+
+    #[test]
+    fn what_is_missing_is_told_in_groups() {
+        let found = |shape: &str, seeds, missing| {
+            let size = Size::small(0.4);
+            let label = format!("{shape}, drag, small");
+            Found {
+                missing,
+                ..Found::none(&Case::new(label, (shape, size), 0.6, seeds, ""))
+            }
+        };
+        let all = [found("A1", 3, 2), found("A3", 3, 0), found("A5", 1, 1)];
+        assert_eq!(missing(&all), "drag, small: A1 (2 of 3), A5");
+        assert_eq!(missing(&all[1..2]), "");
+        let met: Vec<bool> = checks(&all).iter().map(|check| check.met).collect();
+        assert_eq!(met, [false; 3]);
     }
 }

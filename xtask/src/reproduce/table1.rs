@@ -5,8 +5,8 @@ use anyhow::Result;
 use super::Scale;
 use super::case::{Case, Found, beside, find, with_error};
 use super::dots::{Dot, Series, svg};
-use super::job::Size;
-use super::page::page;
+use super::job::{Kind, kinds};
+use super::page::{capital, page};
 use super::paper::{ROUNDING, SOLIDS, Solid};
 use super::readings::{READINGS, Reading, explained};
 use super::runs::Runs;
@@ -16,54 +16,34 @@ use crate::validate::report::{Report, markdown_table};
 /// Friction coefficient of the table.
 const FRICTION: f64 = 0.6;
 
-/// Seeds of the small packs.
-const SEEDS: u32 = 3;
-
-/// Packs of one size and reading, a case for each solid.
+/// Packs of one kind and reading, a case for each solid.
 struct Column {
-    size: &'static str,
+    kind: &'static str,
     reading: Reading,
     cases: Vec<(Solid, Case)>,
 }
 
-fn column(
-    size: &'static str,
-    of: fn(f64) -> Size,
-    seeds: u32,
-    reading: Reading,
-    all: bool,
-) -> Column {
+/// By reading, then kind.
+fn columns(scale: Scale) -> Vec<Column> {
+    let kinds = || kinds(scale).into_iter();
+    let of = |reading| kinds().map(move |kind| column(kind, reading, scale == Scale::Full));
+    READINGS.into_iter().flat_map(of).collect()
+}
+
+/// `all`: the solids for which the paper states no value, too.
+fn column(kind: Kind, reading: Reading, all: bool) -> Column {
     let chosen = SOLIDS.iter().filter(|solid| all || solid.density.is_some());
     let case = |solid: &Solid| {
-        let label = format!("{}, {}, {size}", solid.name, reading.key);
-        let pack = (solid.name, of(solid.volume));
-        (
-            *solid,
-            Case::new(label, pack, FRICTION, seeds, reading.options),
-        )
+        let label = format!("{}, {}, {}", solid.name, reading.key, kind.name);
+        let pack = (solid.name, (kind.size)(solid.volume));
+        let case = Case::new(label, pack, FRICTION, kind.seeds, reading.options);
+        (*solid, case)
     };
     Column {
-        size,
+        kind: kind.name,
         reading,
         cases: chosen.map(case).collect(),
     }
-}
-
-fn columns(scale: Scale) -> Vec<Column> {
-    let quick = |reading: Reading| vec![column("quick", Size::quick, 1, reading, false)];
-    let full = |reading: Reading| {
-        vec![
-            column("full size", Size::full, 1, reading, true),
-            column("small", Size::small, SEEDS, reading, true),
-        ]
-    };
-    READINGS
-        .into_iter()
-        .flat_map(|reading| match scale {
-            Scale::Quick => quick(reading),
-            Scale::Full => full(reading),
-        })
-        .collect()
 }
 
 /// The packs of the study.
@@ -81,21 +61,23 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
         let cases: Vec<Case> = column.cases.iter().map(|(_, case)| case.clone()).collect();
         found.push(find(runs, &cases)?);
     }
-    let sizes: &[&str] = match scale {
-        Scale::Quick => &["quick"],
-        Scale::Full => &["full size", "small"],
-    };
     let mut text = introduction();
     let mut pictures = Vec::new();
-    for size in sizes {
+    for Kind { name, .. } in kinds(scale) {
         let chosen: Vec<(&Column, &Vec<Found>)> = columns
             .iter()
             .zip(&found)
-            .filter(|(column, _)| column.size == *size)
+            .filter(|(column, found)| {
+                column.kind == name && found.iter().any(|f| !f.packs.is_empty())
+            })
             .collect();
-        let file = format!("table1-{}.svg", size.replace(' ', "-"));
+        if chosen.is_empty() {
+            continue;
+        }
+        let file = format!("table1-{name}.svg");
         text += &format!(
-            "\n## Packs of the {size}\n\n{}\n![Chart]({file})\n",
+            "\n## {} packs\n\n{}\n![Chart]({file})\n",
+            capital(name),
             tables(&chosen)
         );
         pictures.push((file, chart(&chosen)));
@@ -286,6 +268,6 @@ mod tests {
         let jobs = full.iter().flat_map(|case| &case.jobs);
         let keys: std::collections::BTreeSet<String> =
             jobs.map(super::super::job::Job::key).collect();
-        assert_eq!(keys.len(), READINGS.len() * 18 * (1 + SEEDS as usize));
+        assert_eq!(keys.len(), READINGS.len() * 18 * 4);
     }
 }
