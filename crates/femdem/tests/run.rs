@@ -5,7 +5,7 @@
 mod common;
 
 use common::{code, fails, femdem, run, stdout, summary};
-use femdem::run::{Run, Scenario};
+use femdem::run::{MEMBER_COLUMNS, Run, Scenario};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::tempdir;
@@ -135,6 +135,16 @@ fn a_run_leaves_every_file() {
         members.lines().count(),
         1 + 3 * (history.lines().count() - 1)
     );
+    // A rigid body has a unit quaternion, a deformable one none.
+    for row in members.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        assert_eq!(cells.len(), MEMBER_COLUMNS.len(), "{row}");
+        let q: Vec<f64> = cells[13..].iter().filter_map(|x| x.parse().ok()).collect();
+        let norm: f64 = q.iter().map(|x| x * x).sum();
+        assert!(q.is_empty() || (norm - 1.0).abs() < 1e-12, "{row}");
+    }
+    let turned = |row: &&str| !row.ends_with(",,,,");
+    assert!(members.lines().skip(1).any(|row| turned(&row)));
     let series = fs::read_to_string(out.join("run.pvd")).unwrap();
     assert_eq!(series.matches("part=\"1\"").count(), 7);
 }

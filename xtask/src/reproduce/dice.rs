@@ -50,7 +50,7 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
          gently should be near loose, one that is shaken near close, so ours should lie between. Ways to \
          make a pack:\n\n{}\n\
          Behind a density stands where it lies between loose (0) and close (1), with its standard error. \
-         `femdem pack` has no container that moves, so no pack here is shaken or tapped.\n\n{}\n![Chart](dice.svg)\n",
+         `femdem pack` has no container that moves; the study `shaken` taps its boxes by `femdem run`.\n\n{}\n![Chart](dice.svg)\n",
         explained(),
         table(&readings)
     );

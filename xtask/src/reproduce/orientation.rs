@@ -48,7 +48,7 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
         if let Some(pack) = found.packs.first() {
             let file = format!("orientation-{label}.svg");
             text += &format!("![Stereonet of {label}, seed 1]({file})\n");
-            nets.push((file, net(runs, pack)?));
+            nets.push((file, pack.run.plot(runs.program(), "stereonet.svg")?));
         }
     }
     let title = "Orientations of bodies in packs".to_owned();
@@ -135,15 +135,6 @@ fn sigmas(table: &str) -> Option<(f64, f64)> {
     let squares: f64 = values.iter().map(|v| v * v).sum();
     let largest = values.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
     (!values.is_empty()).then(|| ((squares / values.len() as f64).sqrt(), largest))
-}
-
-/// The net that the program draws.
-fn net(runs: &Runs, pack: &Pack) -> Result<String> {
-    let path = pack.run.folder.join("plots/stereonet.svg");
-    if !path.is_file() {
-        runs.program().report(&pack.run.folder)?;
-    }
-    std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))
 }
 
 #[cfg(test)]

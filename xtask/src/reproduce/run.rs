@@ -9,6 +9,9 @@ use serde_json::Value;
 use crate::validate::program::{Program, Summary};
 use crate::validate::report::short;
 
+/// The file with all results of `femdem analyse`.
+const ANALYSIS: &str = "analysis.json";
+
 /// A folder with a finished run.
 #[derive(Debug, Clone)]
 pub(super) struct Run {
@@ -52,17 +55,59 @@ impl Run {
     /// When the program fails, or its results cannot be read.
     pub(super) fn analysis(&self, program: &Program, inset: f64) -> Result<Analysis> {
         let out = self.folder.join(format!("inset-{inset}"));
-        let path = out.join("analysis.json");
-        if !path.is_file() {
-            program.analyse(&self.folder, &format!("--core-inset {inset}"), &out)?;
+        if out.join(ANALYSIS).is_file() {
+            return Analysis::read(&out);
         }
-        let text =
-            fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        Ok(Analysis {
-            values: serde_json::from_str(&text)
-                .with_context(|| format!("{} is not JSON", path.display()))?,
-            tables: out.join("analysis"),
-        })
+        analysis_in(program, &self.tables()?, &self.surroundings()?, inset, &out)
+    }
+
+    /// A plot of `femdem report`: as it was made before, or made now.
+    ///
+    /// # Errors
+    /// When the program fails, or the plot cannot be read.
+    pub(super) fn plot(&self, program: &Program, name: &str) -> Result<String> {
+        let out = self.folder.join("report");
+        let path = out.join("plots").join(name);
+        if !path.is_file() {
+            program.measure("report", &self.tables()?, &self.surroundings()?, &out)?;
+        }
+        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))
+    }
+
+    /// A folder with the tables and surfaces of the run and without its checkpoint, which only the
+    /// version of the program that wrote it may be able to read.
+    fn tables(&self) -> Result<PathBuf> {
+        let folder = self.folder.join("tables");
+        fs::create_dir_all(&folder)
+            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        let files = fs::read_dir(&self.folder)
+            .with_context(|| format!("cannot read {}", self.folder.display()))?;
+        for file in files {
+            let path = file.context("cannot read a folder of a run")?.path();
+            let ending = path.extension().and_then(|ending| ending.to_str());
+            if let (Some("csv" | "obj"), Some(name)) = (ending, path.file_name()) {
+                fs::copy(&path, folder.join(name))
+                    .with_context(|| format!("cannot copy {}", path.display()))?;
+            }
+        }
+        Ok(folder)
+    }
+
+    /// The inside of the box and gravity, as options of `femdem analyse`.
+    fn surroundings(&self) -> Result<String> {
+        let number = |path: &str| self.summary.number(path);
+        let half = |path: &str| number(path).map(|width| 0.5 * width);
+        let (x, y) = (half("container.width")?, half("container.depth")?);
+        let top = number("container.top")? + number("diameter")?;
+        let scene = self.folder.join("scene.toml");
+        let text = fs::read_to_string(&scene)
+            .with_context(|| format!("cannot read {}", scene.display()))?;
+        let gravity = gravity(&text)
+            .with_context(|| format!("{} does not state gravity", scene.display()))?;
+        Ok(format!(
+            "--inside {},{},0,{x},{y},{top} --gravity {gravity}",
+            -x, -y
+        ))
     }
 
     /// A row of the table of runs, after its label.
@@ -101,6 +146,32 @@ impl Run {
     }
 }
 
+/// The analysis of a folder of tables, as it was made before, or made now.
+///
+/// # Errors
+/// When the program fails, or its results cannot be read.
+pub(super) fn analysis_in(
+    program: &Program,
+    tables: &Path,
+    options: &str,
+    inset: f64,
+    out: &Path,
+) -> Result<Analysis> {
+    if !out.join(ANALYSIS).is_file() {
+        let options = format!("{options} --core-inset {inset}");
+        program.measure("analyse", tables, &options, out)?;
+    }
+    Analysis::read(out)
+}
+
+/// Gravity in a scene, m/s².
+fn gravity(scene: &str) -> Option<f64> {
+    let line = scene
+        .lines()
+        .find_map(|line| line.strip_prefix("gravity ="));
+    line?.trim().parse().ok()
+}
+
 /// The columns of the table of runs.
 pub(super) const COLUMNS: [&str; 15] = [
     "run",
@@ -121,6 +192,17 @@ pub(super) const COLUMNS: [&str; 15] = [
 ];
 
 impl Analysis {
+    fn read(out: &Path) -> Result<Self> {
+        let path = out.join(ANALYSIS);
+        let text =
+            fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        Ok(Self {
+            values: serde_json::from_str(&text)
+                .with_context(|| format!("{} is not JSON", path.display()))?,
+            tables: out.join("analysis"),
+        })
+    }
+
     /// A number by its path, such as "density.exact"; not a number where there is none.
     pub(super) fn number(&self, path: &str) -> f64 {
         self.at(path).as_f64().unwrap_or(f64::NAN)
@@ -169,6 +251,12 @@ impl Analysis {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn gravity_is_read_from_the_scene() {
+        assert_eq!(gravity("drag = 0.0\ngravity = 1.62\n"), Some(1.62));
+        assert_eq!(gravity("drag = 0.0\n"), None);
+    }
 
     #[test]
     fn values_are_found_by_path() {

@@ -1,9 +1,9 @@
 //! The folder of runs: what is there is used, what is missing is made.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result, bail, ensure};
 
@@ -75,6 +75,11 @@ impl<'a> Runs<'a> {
         self.workshop
     }
 
+    /// The folder of all runs.
+    pub(super) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     pub(super) fn program(&self) -> &Program {
         &self.program
     }
@@ -103,7 +108,7 @@ impl<'a> Runs<'a> {
         }
         let (large, small): (Vec<_>, Vec<_>) =
             missing.into_iter().partition(|job| job.bodies >= LARGE);
-        self.side_by_side(&small)?;
+        self.each(&small, |job| self.make(job, 1))?;
         for job in &large {
             self.make(job, self.threads)?;
         }
@@ -116,41 +121,59 @@ impl<'a> Runs<'a> {
         Ok(found)
     }
 
-    /// Small runs, one thread each.
-    fn side_by_side(&self, jobs: &[Job]) -> Result<()> {
-        let queue: Mutex<VecDeque<&Job>> = Mutex::new(jobs.iter().collect());
-        let next = || {
-            queue
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .pop_front()
-        };
-        let work = || {
-            while let Some(job) = next() {
-                self.make(job, 1)?;
+    /// Works on all items side by side; what came of each, in their order.
+    ///
+    /// # Errors
+    /// The first failure.
+    pub(super) fn each<T: Sync, R: Send>(
+        &self,
+        items: &[T],
+        work: impl Fn(&T) -> Result<R> + Sync,
+    ) -> Result<Vec<R>> {
+        let next = AtomicUsize::new(0);
+        let worker = || {
+            let mut done = Vec::new();
+            while let Some((index, item)) = {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                items.get(index).map(|item| (index, item))
+            } {
+                done.push((index, work(item)?));
             }
-            Ok(())
+            Ok(done)
         };
-        std::thread::scope(|scope| {
-            let workers: Vec<_> = (0..self.threads).map(|_| scope.spawn(work)).collect();
+        let parts = std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..self.threads).map(|_| scope.spawn(worker)).collect();
             let ends = workers.into_iter().map(|worker| match worker.join() {
                 Ok(end) => end,
                 Err(_) => bail!("a thread that waits for the program has panicked"),
             });
-            ends.collect::<Result<Vec<()>>>().map(|_| ())
-        })
+            ends.collect::<Result<Vec<_>>>()
+        })?;
+        let mut done: Vec<(usize, R)> = parts.into_iter().flatten().collect();
+        done.sort_by_key(|(index, _)| *index);
+        Ok(done.into_iter().map(|(_, result)| result).collect())
     }
 
-    /// Runs the program, or goes on from the checkpoint of a run that was cut off.
+    /// Runs the program, or goes on from the checkpoint of a run that was cut off. One that cannot be
+    /// resumed, such as that of another version, is begun anew.
     fn make(&self, job: &Job, threads: usize) -> Result<()> {
         let folder = folder_of(&self.folder, job);
         let threads = format!("--threads {threads}");
-        if folder.join("pack.ckpt").is_file() && self.is_of(job, &folder)? {
-            self.program.resume(&threads, &folder)?;
-        } else {
+        let is_resumed = folder.join("pack.ckpt").is_file()
+            && self.is_of(job, &folder)?
+            && self.program.resume(&threads, &folder).is_ok();
+        if !is_resumed {
             let options = format!("{} {threads} --force", job.options);
             self.program.pack(&options, &folder)?;
         }
+        self.sign(&folder)
+    }
+
+    /// Names commit and machine in the folder of a run that was made now.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub(super) fn sign(&self, folder: &Path) -> Result<()> {
         let origin = format!("{}, {}", self.place.commit, self.place.processor);
         let path = folder.join(ORIGIN);
         fs::write(&path, origin).with_context(|| format!("cannot write {}", path.display()))

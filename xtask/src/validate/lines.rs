@@ -51,6 +51,11 @@ impl Output {
         Self(text.lines().map(cells).collect())
     }
 
+    /// The lines as they were printed.
+    pub(crate) fn to_text(&self) -> String {
+        self.0.iter().map(|row| row.join("\t") + "\n").collect()
+    }
+
     /// These lines, then those.
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.0.extend(other.0);

@@ -111,24 +111,28 @@ impl Program {
         Summary::read(folder)
     }
 
-    /// Measures the run in a folder into another, by `femdem analyse`.
+    /// Runs a scene by `femdem run`.
     ///
     /// # Errors
     /// When the program fails.
-    pub(crate) fn analyse(&self, folder: &Path, options: &str, out: &Path) -> Result<()> {
-        self.finish(
-            "analyse",
-            options,
-            &[folder.into(), "--out".into(), out.into()],
-        )
+    pub(crate) fn scene(&self, scene: &Path, options: &str, folder: &Path) -> Result<()> {
+        let files = [scene.into(), "--out".into(), folder.into()];
+        self.finish("run", options, &files)
     }
 
-    /// Writes the page and the plots of the run in a folder, by `femdem report`.
+    /// Measures the pack in a folder into another, by `femdem analyse` or `femdem report`.
     ///
     /// # Errors
     /// When the program fails.
-    pub(crate) fn report(&self, folder: &Path) -> Result<()> {
-        self.finish("report", "", &[folder.into()])
+    pub(crate) fn measure(
+        &self,
+        command: &str,
+        folder: &Path,
+        options: &str,
+        out: &Path,
+    ) -> Result<()> {
+        let folders = [folder.into(), "--out".into(), out.into()];
+        self.finish(command, options, &folders)
     }
 
     /// What a command prints.

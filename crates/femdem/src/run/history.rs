@@ -38,8 +38,9 @@ pub const HISTORY_COLUMNS: [&str; 20] = [
 ];
 
 /// Columns of `members.csv`.
-pub const MEMBER_COLUMNS: [&str; 13] = [
-    "time", "body", "x", "y", "z", "vx", "vy", "vz", "fx", "fy", "fz", "kinetic", "strain",
+pub const MEMBER_COLUMNS: [&str; 17] = [
+    "time", "body", "x", "y", "z", "vx", "vy", "vz", "fx", "fy", "fz", "kinetic", "strain", "qw",
+    "qx", "qy", "qz",
 ];
 
 /// A text file that grows by rows. The rows since the last flush are kept here, so that a file can be
@@ -147,13 +148,14 @@ pub(super) fn member_rows(simulation: &Simulation, forces: &ContactForces) -> Ve
     let world = &simulation.world;
     let members = simulation.members.iter().zip(&forces.members);
     let rows = members.filter_map(|(member, force)| {
+        let mut turned = [const { String::new() }; 4];
         let (x, v, kinetic, strain) = match member.id {
-            MemberId::Rigid(id) => (
-                world.position(id)?,
-                world.velocity(id)?,
-                world.body_kinetic_energy(id)?,
-                0.0,
-            ),
+            MemberId::Rigid(id) => {
+                let q = world.pose(id)?.rotation;
+                turned = [q.w, q.i, q.j, q.k].map(number);
+                let kinetic = world.body_kinetic_energy(id)?;
+                (world.position(id)?, world.velocity(id)?, kinetic, 0.0)
+            }
             MemberId::Deformable(id) => {
                 let body = world.deformable(id)?;
                 let mass: f64 = body.model().masses().iter().sum();
@@ -165,6 +167,7 @@ pub(super) fn member_rows(simulation: &Simulation, forces: &ContactForces) -> Ve
         let mut row = vec![number(world.time()), quoted(&member.name)];
         row.extend([x, v, *force].iter().flat_map(vector));
         row.extend([kinetic, strain].map(number));
+        row.extend(turned);
         Some(row)
     });
     rows.collect()
