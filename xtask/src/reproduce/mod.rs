@@ -226,6 +226,6 @@ mod tests {
             }
         }
         let bodies: u32 = jobs.values().sum();
-        assert!(bodies < 25_000, "{bodies}");
+        assert!(bodies < 18_000, "{bodies}");
     }
 }

@@ -9,6 +9,9 @@ use serde_json::Value;
 use crate::validate::program::{Program, Summary};
 use crate::validate::report::short;
 
+/// A bootstrap over fewer blocks tells no error.
+const FEWEST_BLOCKS: f64 = 8.0;
+
 /// The file with all results of `femdem analyse`.
 const ANALYSIS: &str = "analysis.json";
 
@@ -221,12 +224,15 @@ impl Analysis {
         list.map_or_else(Vec::new, |l| l.iter().filter_map(cell).collect())
     }
 
-    /// The density of the core with its standard error.
+    /// The density of the core with its standard error, which is not a number where the core holds too few
+    /// blocks for the bootstrap.
     pub(super) fn density(&self) -> (f64, f64) {
-        (
-            self.number("density.exact"),
-            self.number("density.standard_error"),
-        )
+        let error = if self.number("density.blocks") >= FEWEST_BLOCKS {
+            self.number("density.standard_error")
+        } else {
+            f64::NAN
+        };
+        (self.number("density.exact"), error)
     }
 
     fn at(&self, path: &str) -> &Value {
@@ -261,13 +267,16 @@ mod tests {
     #[test]
     fn values_are_found_by_path() {
         let analysis = Analysis::of(
-            r#"{"density": {"exact": 0.5, "standard_error": null},
+            r#"{"density": {"exact": 0.5, "standard_error": 0.01, "blocks": 7},
                 "core_coordination": {"histogram": [0, 2, 3]},
                 "tensor": [[1.0, 2.0], [3.0, 4.0]],
                 "chains": [{"bodies": 3}, {"bodies": 5}, {}]}"#,
         );
         let (density, error) = analysis.density();
         assert!(density == 0.5 && error.is_nan());
+        let more =
+            Analysis::of(r#"{"density": {"exact": 0.5, "standard_error": 0.01, "blocks": 8}}"#);
+        assert_eq!(more.density(), (0.5, 0.01));
         assert_eq!(
             analysis.numbers("core_coordination.histogram"),
             [0.0, 2.0, 3.0]

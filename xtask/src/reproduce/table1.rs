@@ -97,7 +97,7 @@ fn introduction() -> String {
          a core 5 d from walls and top. Readings of its protocol and of its \"damping coefficient 0.6\", \
          each with the same options for all shapes:\n\n{}\n\
          Densities are exact, in the core; behind the ± is a standard error, by block bootstrap within a \
-         pack and, with several seeds, by the scatter between them if that is larger. In brackets: the \
+         pack whose core has 8 blocks or more and, with several seeds, by the scatter between them if that is larger. In brackets: the \
          difference to the paper, and the same in combined standard errors s (the paper's has the rounding \
          to 0.01 only, since it states none).\n",
         explained()
