@@ -24,9 +24,9 @@ pub(super) const READINGS: [Reading; 4] = [
     },
     Reading {
         key: "local",
-        meaning: "Cundall's local damping 0.6 and a weak dashpot, 0.1 of critical: without any, packs ring on \
-                  once the local damping is off for the verification",
-        options: "--damping 0.1 --local-damping 0.6",
+        meaning: "Cundall's local damping 0.6 instead of the dashpot; a few packs then ring on in the \
+                  verification, where it is off, and do not count",
+        options: "--damping 0 --local-damping 0.6",
     },
     Reading {
         key: "release",

@@ -58,16 +58,16 @@ const VARIANTS: [Variant; 24] = [
     variant("drag 1.5", "--drag 1.5"),
     variant("drag 10, overdamped", "--drag 10"),
     variant(
-        "local damping 0.3, dashpot 0.1",
-        "--damping 0.1 --local-damping 0.3",
+        "local damping 0.3, no dashpot",
+        "--damping 0 --local-damping 0.3",
     ),
     also_quick(
-        "local damping 0.6, dashpot 0.1",
-        "--damping 0.1 --local-damping 0.6",
+        "local damping 0.6, no dashpot",
+        "--damping 0 --local-damping 0.6",
     ),
     variant(
-        "local damping 0.8, dashpot 0.1",
-        "--damping 0.1 --local-damping 0.8",
+        "local damping 0.8, no dashpot",
+        "--damping 0 --local-damping 0.8",
     ),
     variant("local damping 0.6, with the dashpot", "--local-damping 0.6"),
     variant("penetration 0.1 % d aimed at", "--penetration 0.001"),
