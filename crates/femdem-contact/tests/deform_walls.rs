@@ -44,6 +44,16 @@ fn mirrored(soft: &Soft) -> Soft {
     image
 }
 
+/// A wall that fills the unit cube below the middle of the plane z = 0, and its place.
+fn unit_block_below() -> (SolidWall, Frame) {
+    let mesh = cube(1);
+    let corners = mesh.points().iter().map(|p| p.coords);
+    let lowest = corners.reduce(|a, b| a.inf(&b)).unwrap();
+    let mut below = Frame::identity();
+    below.position = Vector3::new(-0.5, -0.5, -1.0) - lowest;
+    (SolidWall::solid(&mesh), below)
+}
+
 fn operand(soft: &Soft) -> Operand<'_> {
     Operand::Deformable(&soft.shape, &soft.x)
 }
@@ -62,18 +72,7 @@ fn evaluate(kernel: &DeformableKernel, a: Operand, b: Operand) -> DeformableOver
 /// forces on its nodes, up to terms of the order of the depth.
 #[test]
 fn a_wall_acts_as_the_mirror_image_of_the_body() {
-    let floor = SolidWall::solid(&cube(1));
-    let mut below = Frame::identity();
-    below.position.z = -1.0;
-    below.position.x = -0.5;
-    below.position.y = -0.5;
-    // The wall is the unit cube below z = 0, wherever that mesh has its origin.
-    let lowest = cube(1)
-        .points()
-        .iter()
-        .map(|p| p.coords)
-        .reduce(|a, b| a.inf(&b));
-    below.position -= lowest.unwrap();
+    let (floor, below) = unit_block_below();
     let depth = 2e-3;
     let body = bent(depth);
     let image = mirrored(&body);
@@ -201,4 +200,50 @@ fn the_response_scales_all_that_a_wall_does() {
         law(1e6, WallResponse::Rigid),
     );
     assert!((mirror.2 / soft.2 - 2.0).abs() < 1e-12);
+}
+
+/// The largest eigenvalue of a wall's stiffness in the metric of the masses, by power iteration on
+/// differences of forces, lies below the bound that steps are taken from, and not far below.
+#[test]
+fn the_nodes_stiffness_bounds_the_frequency_on_a_wall() {
+    let (floor, below) = unit_block_below();
+    for depth in [0.1, 0.01, 0.001] {
+        let mut stream = Stream(13);
+        let body = bent(depth).shaken(&mut stream, 0.02 * depth);
+        let weight: Vec<f64> = body.x.iter().map(|_| 1.0 + 3.0 * stream.unit()).collect();
+        let kernel = DeformableKernel::new(Form::Sum, Gradient::Exact).unwrap();
+        let at = |shift: &[Vector3<f64>]| {
+            let x: Vec<_> = body.x.iter().zip(shift).map(|(x, d)| x + d).collect();
+            let sides = [
+                Operand::Wall(&floor, &below),
+                Operand::Deformable(&body.shape, &x),
+            ];
+            let mut forces = vec![Vector3::zeros(); x.len()];
+            let mut bound = 0.0_f64;
+            for n in &evaluate(&kernel, sides[0], sides[1]).nodes[1] {
+                forces[n.node as usize] = n.force;
+                bound = bound.max(2.0 * n.stiffness * weight[n.node as usize]);
+            }
+            (forces, bound)
+        };
+        let mut v: Vec<Vector3<f64>> = weight.iter().map(|_| stream.vector()).collect();
+        let mut largest = 0.0;
+        for _ in 0..60 {
+            let size = v.iter().map(Vector3::norm_squared).sum::<f64>().sqrt();
+            let step = 1e-3 * depth / size;
+            let by = |s: f64| -> Vec<_> { v.iter().map(|v| v * (s * step)).collect() };
+            let (plus, minus) = (at(&by(1.0)).0, at(&by(-1.0)).0);
+            let new: Vec<_> = (0..v.len())
+                .map(|i| (minus[i] - plus[i]) * (0.5 / step * weight[i]))
+                .collect();
+            let product = |x: &[Vector3<f64>]| -> f64 {
+                (0..v.len()).map(|i| v[i].dot(&x[i]) / weight[i]).sum()
+            };
+            largest = product(&new) / product(&v);
+            v = new;
+        }
+        let bound = at(&vec![Vector3::zeros(); weight.len()]).1;
+        let ratio = bound / largest;
+        assert!((1.0..8.0).contains(&ratio), "{depth}: {ratio}");
+    }
 }

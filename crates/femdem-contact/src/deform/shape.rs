@@ -388,7 +388,7 @@ pub enum Modulus {
 
 impl Modulus {
     /// The foundation modulus `ratio` E/h, with h the mean edge of the skin. A ratio of 1 costs
-    /// about 3 % in the force of a contact that is resolved by the mesh.
+    /// 5 % of the force of a Hertz contact whose radius is 3 h, 1 to 3 % at 4 h to 6 h.
     pub fn of_material(young: f64, ratio: f64, shape: &DeformableShape) -> Self {
         Self::Foundation(ratio * young / shape.edge())
     }
