@@ -5,9 +5,9 @@ use anyhow::{Context, Result};
 use super::Scale;
 use super::case::{Case, Found, beside, by_reading, find, with_error};
 use super::job::kinds;
-use super::page::page;
+use super::page::{capital, page};
 use super::paper::{Contacts, FIGURE7, solid};
-use super::readings::{READINGS, explained};
+use super::readings::{READINGS, Reading, explained};
 use super::run::Analysis;
 use super::runs::Runs;
 use super::statistics::{Estimate, bootstrap_difference};
@@ -66,7 +66,11 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
     let blocks = all.chunks(READINGS.len() * FIGURE7.len());
     for (kind, block) in kinds(scale).into_iter().zip(blocks) {
         let word = kind.name;
-        for (reading, found) in by_reading(block, FIGURE7.len()) {
+        let readings = by_reading(block, FIGURE7.len());
+        if !readings.is_empty() {
+            text += &format!("\n## {} packs\n\n{}", capital(word), overview(&readings));
+        }
+        for (reading, found) in readings {
             let key = reading.key;
             text += &format!(
                 "\n## Reading \"{key}\", {word} packs\n\n{}\n",
@@ -140,6 +144,31 @@ fn numbers(found: &[Found]) -> String {
         "bodies in other bars, core",
         "all",
     ];
+    markdown_table(&heads, &rows)
+}
+
+/// Mean numbers of contacts in all readings beside the paper's.
+fn overview(readings: &[(Reading, &[Found])]) -> String {
+    let mut heads = vec!["mean number of contacts", "paper"];
+    heads.extend(readings.iter().map(|(reading, _)| reading.key));
+    let mut rows = Vec::new();
+    for (place, contacts) in FIGURE7.iter().enumerate() {
+        let line = |name: &str, mean: &dyn Fn(&Found) -> Option<Estimate>| {
+            let mut row = vec![
+                format!("{}, {name}", contacts.name),
+                contacts.mean.to_string(),
+            ];
+            row.extend(readings.iter().map(|(_, found)| {
+                let mean = found.get(place).and_then(mean);
+                with_error(mean, 2)
+            }));
+            row
+        };
+        rows.push(line("core", &Found::core_coordination));
+        rows.push(line("all bodies", &|found| {
+            found.mean(|analysis| mean_with_error(analysis, "mean_coordination"))
+        }));
+    }
     markdown_table(&heads, &rows)
 }
 

@@ -163,6 +163,14 @@ pub(crate) fn run(root: &Path, options: &Options) -> Result<bool> {
     for study in options.study.parts() {
         let place = Place::find(root)?;
         let report = study.run(&runs, scale)?;
+        if report.rows.is_empty() {
+            println!(
+                "{}: none of its runs is there, so no page is written",
+                study.name()
+            );
+            complete = false;
+            continue;
+        }
         let quick = if options.quick { " --quick" } else { "" };
         let found = if options.as_found { " --as-found" } else { "" };
         let made_by = format!(

@@ -166,9 +166,14 @@ fn table(blocks: &[&[Found]], scale: Scale) -> String {
         .iter()
         .map(|found| pooled(&found.iter().map(Found::densities).collect::<Vec<_>>()))
         .collect();
+    let was_run = |place: usize| {
+        let mut cells = blocks.iter().filter_map(|found| found.get(place));
+        cells.any(|found| !found.packs.is_empty())
+    };
     let rows: Vec<Vec<String>> = variants(scale)
         .iter()
         .enumerate()
+        .filter(|(place, _)| was_run(*place))
         .map(|(place, variant)| {
             let mut row = vec![
                 variant.what.to_owned(),

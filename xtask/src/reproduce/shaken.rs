@@ -71,8 +71,8 @@ fn boxes(scale: Scale) -> Vec<Tapped> {
             .iter()
             .map(|dice| Tapped {
                 dice: *dice,
-                size: Size::small(volume(dice)),
-                taps: 15 * EACH,
+                size: Size::cube(volume(dice), 400.0, 5.5, 1.5),
+                taps: 6 * EACH,
             })
             .collect(),
     }
@@ -284,7 +284,7 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
     let picture = chart::svg(
         ["taps", "packing density"],
         [0.0, last],
-        [0.48, 0.73],
+        [0.44, 0.74],
         &lines,
     );
     runs.attach(&mut report, "shaken.svg", &picture)?;

@@ -137,6 +137,7 @@ fn tables(columns: &[(&Column, &Vec<Found>)]) -> String {
         .cases
         .iter()
         .enumerate()
+        .filter(|(index, _)| was_run(columns, *index))
         .map(|(index, (solid, case))| row(index, solid, case))
         .collect();
     format!(
@@ -145,6 +146,14 @@ fn tables(columns: &[(&Column, &Vec<Found>)]) -> String {
         verdicts(columns),
         contacts(columns)
     )
+}
+
+/// Whether any reading has a pack of the solid at an index.
+fn was_run(columns: &[(&Column, &Vec<Found>)], index: usize) -> bool {
+    let has_packs = |found: &Found| !found.packs.is_empty();
+    columns
+        .iter()
+        .any(|(_, found)| found.get(index).is_some_and(has_packs))
 }
 
 /// Differences of a reading to the paper's values.
@@ -200,6 +209,7 @@ fn contacts(columns: &[(&Column, &Vec<Found>)]) -> String {
     let rows: Vec<Vec<String>> = solids
         .iter()
         .enumerate()
+        .filter(|(index, _)| was_run(columns, *index))
         .map(|(index, (solid, _))| {
             let cell = |found: &Found| with_error(found.core_coordination(), 2);
             let cells = columns
