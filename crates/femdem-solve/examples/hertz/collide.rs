@@ -53,6 +53,7 @@ const IMPACTS: [Impact; 5] = [
             (Element::T4, 0.035, 1.0),
             (Element::T4, 0.035, 0.3),
             (Element::T4, 0.035, 3.0),
+            (Element::T4, 0.025, 1.0),
         ],
     },
     Impact {
