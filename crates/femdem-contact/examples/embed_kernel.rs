@@ -259,10 +259,11 @@ impl Host {
 
     /// A twentieth of the largest stable step for what touches now, and no more than `most`.
     fn time_step(&self, most: f64) -> f64 {
-        let loads = self.grains.iter().zip(self.batch.loads());
-        loads
-            .map(|(grain, load)| 0.05 * load.largest_step(&grain.motion(), f64::INFINITY))
-            .fold(most, f64::min)
+        let bound = |(grain, body): (&Grain, u32)| {
+            let motion = grain.motion();
+            0.05 * self.batch.largest_step(body, &motion, None, f64::INFINITY)
+        };
+        self.grains.iter().zip(0..).map(bound).fold(most, f64::min)
     }
 
     fn kinetic_energy(&self) -> f64 {

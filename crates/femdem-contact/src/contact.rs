@@ -2,7 +2,7 @@
 
 use crate::damping::Damped;
 use crate::friction::Friction;
-use crate::generalized::{Generalized, largest_step};
+use crate::generalized::{Resistance, stable_step};
 use crate::kernel::Overlap;
 use crate::motion::Motion;
 use femdem_mesh::Vector3;
@@ -67,7 +67,7 @@ pub struct Contact {
     pub tangential_stiffness: f64,
     /// Polar second moment of the normal stiffness over the patch, N m.
     pub stiffness_second: f64,
-    /// Shares of A and B in the stability bound; see [`Load::largest_step`].
+    /// Shares of A and B in the stability bound; see [`Resistance::largest_step`].
     pub(crate) shares: [f64; 2],
     pub(crate) dashpots: Dashpots,
 }
@@ -82,6 +82,29 @@ pub(crate) struct Dashpots {
     /// Turning about an axis in the contact plane, N m s.
     rocking: f64,
     /// Turning about the normal, N m s.
+    torsion: f64,
+}
+
+impl Dashpots {
+    fn scaled(&self, share: f64) -> Self {
+        Self {
+            normal: self.normal * share,
+            tangential: self.tangential * share,
+            rocking: self.rocking * share,
+            torsion: self.torsion * share,
+        }
+    }
+}
+
+/// Springs of a patch.
+struct Springs {
+    /// Along the normal, N/m.
+    normal: f64,
+    /// In the contact plane, N/m.
+    tangential: f64,
+    /// Turning about an axis in the contact plane, N m.
+    rocking: f64,
+    /// Turning about the normal, N m.
     torsion: f64,
 }
 
@@ -149,6 +172,30 @@ impl Contact {
         }
     }
 
+    /// The springs of the patch, times a share.
+    fn springs(&self, share: f64) -> Springs {
+        let (normal, tangential) = (self.stiffness * share, self.tangential_stiffness * share);
+        // The foundation spread over the patch: rocking by at most its polar second moment (all
+        // of it where the patch is long and narrow), torsion by the tangential share of it.
+        let rocking = self.stiffness_second * share;
+        Springs {
+            normal,
+            tangential,
+            rocking,
+            torsion: if normal > 0.0 {
+                rocking * tangential / normal
+            } else {
+                0.0
+            },
+        }
+    }
+
+    /// Lever of the elastic wrench, whose dashpot acts along it, about the origin that `arm` begins at, m.
+    fn elastic_lever(&self, arm: &Vector3) -> Option<Vector3> {
+        (self.elastic_force > 0.0)
+            .then(|| arm.cross(&self.normal) + self.moment / self.elastic_force)
+    }
+
     /// Normal force over its elastic part: what the dashpot makes of it.
     fn damping_scale(&self) -> f64 {
         if self.elastic_force > 0.0 {
@@ -195,8 +242,10 @@ impl AddAssign<&Self> for Load {
         self.friction += &other.friction;
         self.normal_sum += other.normal_sum;
         self.contacts += other.contacts;
-        self.stiffness += &other.stiffness;
-        self.viscosity += &other.viscosity;
+        for k in 0..2 {
+            self.traces.stiffness[k] += other.traces.stiffness[k];
+            self.traces.viscosity[k] += other.traces.viscosity[k];
+        }
     }
 }
 
@@ -213,11 +262,20 @@ pub struct Load {
     pub normal_sum: f64,
     /// Number of bodies and walls in contact; the patches of a pair count once.
     pub contacts: u32,
-    /// Stiffness of the contacts, weighted by the body's shares in them.
-    pub stiffness: Generalized,
-    /// Viscosity of their dashpots, weighted alike.
-    pub viscosity: Generalized,
+    traces: Traces,
 }
+
+/// Traces of the body's [`Resistance`]: over its translations and its turnings.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+struct Traces {
+    /// N/m and N m.
+    stiffness: [f64; 2],
+    /// N s/m and N m s.
+    viscosity: [f64; 2],
+}
+
+/// Traces are sums of their own, which differ from those of the matrices by rounding.
+const TRACES_TO_SPARE: f64 = 1.0 + 1e-9;
 
 impl Load {
     /// Adds a contact; `side` 0 is A, 1 is B.
@@ -246,38 +304,7 @@ impl Load {
         );
         self.normal_sum += contact.normal_force;
         self.contacts += u32::from(contact.patch == 0);
-        self.add_stiffness(contact, arm, contact.shares[side]);
-        self.add_viscosity(contact, arm, contact.shares[side]);
-    }
-
-    fn add_stiffness(&mut self, contact: &Contact, arm: &Vector3, share: f64) {
-        let n = &contact.normal;
-        let (kn, kt) = (
-            contact.stiffness * share,
-            contact.tangential_stiffness * share,
-        );
-        // Springs along and across the normal, at the contact point.
-        self.stiffness.add_along(n, &arm.cross(n), kn - kt);
-        self.stiffness.add_everywhere(arm, kt);
-        // The foundation spread over the patch: rocking by at most its polar second moment (all
-        // of it where the patch is long and narrow), torsion by the tangential share of it.
-        let second = contact.stiffness_second * share;
-        let torsion = if kn > 0.0 { second * kt / kn } else { 0.0 };
-        self.stiffness.add_turning(n, torsion, second);
-    }
-
-    fn add_viscosity(&mut self, contact: &Contact, arm: &Vector3, share: f64) {
-        let n = &contact.normal;
-        let dashpots = &contact.dashpots;
-        let tangential = dashpots.tangential * share;
-        if contact.elastic_force > 0.0 {
-            let lever = arm.cross(n) + contact.moment / contact.elastic_force;
-            self.viscosity.add_along(n, &lever, dashpots.normal * share);
-        }
-        self.viscosity.add_along(n, &arm.cross(n), -tangential);
-        self.viscosity.add_everywhere(arm, tangential);
-        self.viscosity
-            .add_turning(n, dashpots.torsion * share, dashpots.rocking * share);
+        self.traces.add(contact, arm, contact.shares[side]);
     }
 
     /// Adds what a body that deforms does to this one: elastic, damping and friction wrenches.
@@ -289,12 +316,66 @@ impl Load {
         self.friction += friction;
     }
 
-    /// The largest step for which the contacts of a body are stable, at most `most`, s.
-    ///
-    /// The matrix of a pair is at most its own diagonal blocks times 1 + sqrt(w_j/w_i) and
-    /// 1 + sqrt(w_i/w_j), w the inverse masses at the contact: the shares. A step that each
-    /// body's block allows is therefore allowed by the whole.
-    pub fn largest_step(&self, motion: &Motion, most: f64) -> f64 {
-        largest_step(&self.stiffness, &self.viscosity, motion, most)
+    /// Whether a step is stable by the traces alone, in which every stiffness and viscosity of the body
+    /// counts as if all acted on the same motion. Holds for most bodies at the step of the worst one.
+    pub(crate) fn allows(&self, motion: &Motion, step: f64) -> bool {
+        let weighted = |[translation, turning]: [f64; 2]| {
+            motion.inverse_mass * translation + motion.inverse_inertia_max * turning
+        };
+        let Traces {
+            stiffness,
+            viscosity,
+        } = self.traces;
+        stable_step(weighted(stiffness), weighted(viscosity)) >= step * TRACES_TO_SPARE
+    }
+}
+
+impl Traces {
+    fn add(&mut self, contact: &Contact, arm: &Vector3, share: f64) {
+        let springs = contact.springs(share);
+        let (lever, square) = (
+            arm.cross(&contact.normal).norm_squared(),
+            arm.norm_squared(),
+        );
+        // A spring along the normal, and two across it whose levers are the rest of the arm.
+        let across = 2.0 * square - lever;
+        self.stiffness[0] += springs.normal + 2.0 * springs.tangential;
+        self.stiffness[1] += springs.normal * lever
+            + springs.tangential * across
+            + springs.torsion
+            + 2.0 * springs.rocking;
+        let dashpots = contact.dashpots.scaled(share);
+        if let Some(lever) = contact.elastic_lever(arm) {
+            self.viscosity[0] += dashpots.normal;
+            self.viscosity[1] += dashpots.normal * lever.norm_squared();
+        }
+        self.viscosity[0] += 2.0 * dashpots.tangential;
+        self.viscosity[1] +=
+            dashpots.tangential * across + dashpots.torsion + 2.0 * dashpots.rocking;
+    }
+}
+
+impl Resistance {
+    /// Adds the springs and dashpots of a contact; `side` 0 is A, 1 is B.
+    pub(crate) fn add(&mut self, contact: &Contact, side: usize) {
+        let arm = [&contact.arm_a, &contact.arm_b][side];
+        let share = contact.shares[side];
+        let n = &contact.normal;
+        let springs = contact.springs(share);
+        // Springs along and across the normal, at the contact point.
+        self.stiffness
+            .add_along(n, &arm.cross(n), springs.normal - springs.tangential);
+        self.stiffness.add_everywhere(arm, springs.tangential);
+        self.stiffness
+            .add_turning(n, springs.torsion, springs.rocking);
+        let dashpots = contact.dashpots.scaled(share);
+        if let Some(lever) = contact.elastic_lever(arm) {
+            self.viscosity.add_along(n, &lever, dashpots.normal);
+        }
+        self.viscosity
+            .add_along(n, &arm.cross(n), -dashpots.tangential);
+        self.viscosity.add_everywhere(arm, dashpots.tangential);
+        self.viscosity
+            .add_turning(n, dashpots.torsion, dashpots.rocking);
     }
 }

@@ -118,6 +118,34 @@ pub fn stable_step(frequency2: f64, rate: f64) -> f64 {
     }
 }
 
+/// Springs and dashpots that oppose the motions of a body, weighted by its share in each.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Resistance {
+    /// N/m, N, N m.
+    pub stiffness: Generalized,
+    /// N s/m, N s, N m s.
+    pub viscosity: Generalized,
+}
+
+impl AddAssign<&Self> for Resistance {
+    fn add_assign(&mut self, other: &Self) {
+        self.stiffness += &other.stiffness;
+        self.viscosity += &other.viscosity;
+    }
+}
+
+impl Resistance {
+    /// The largest step for which the contacts of a body are stable, at most `most`, s; infinite for a
+    /// body that forces do not move.
+    ///
+    /// The matrix of a pair is at most its own diagonal blocks times 1 + sqrt(w_j/w_i) and
+    /// 1 + sqrt(w_i/w_j), w the inverse masses at the contact: the shares. A step that each
+    /// body's block allows is therefore allowed by the whole.
+    pub fn largest_step(&self, motion: &Motion, most: f64) -> f64 {
+        largest_step(&self.stiffness, &self.viscosity, motion, most)
+    }
+}
+
 /// L with L L^T = m, lower triangular, for a positive definite matrix.
 fn cholesky(m: &Matrix3) -> Matrix3 {
     let root = |x: f64| x.max(0.0).sqrt();
@@ -140,7 +168,7 @@ const ROUNDS: usize = 3;
 /// dt^2/4 k + dt/2 c <= 1 for the Rayleigh quotients k of the stiffness and c of the viscosity of every
 /// motion, in the metric of the masses: if the largest eigenvalue of the sum of both matrices is at
 /// most 1.
-pub(crate) fn largest_step(
+fn largest_step(
     stiffness: &Generalized,
     viscosity: &Generalized,
     motion: &Motion,

@@ -39,8 +39,8 @@
 //!    bodies it costs many times what [`PairKernel`] does.
 //! 2. [`ContactBatch`]: many bodies and walls of either kind ([`BodyShape`], [`WallShape`]), each pair
 //!    by the kernel it needs. Finds the pairs, keeps caches and friction history, and turns one
-//!    [`Motion`] per body into sorted [`Contact`]s and a [`Load`] per body. Your code integrates; a
-//!    load also bounds the stable step ([`Load::largest_step`]).
+//!    [`Motion`] per body into sorted [`Contact`]s and a [`Load`] per body. Your code integrates; the
+//!    batch also bounds the stable step ([`ContactBatch::largest_step`]).
 //! 3. `World`, in femdem-solve: owns the bodies and steps them.
 //!
 //! For bodies that deform, layer 1 is [`deform::DeformableKernel`] and layer 2
@@ -118,7 +118,7 @@ pub use batch::{BatchTotals, ContactBatch};
 pub use contact::{BodyId, Contact, Load, Partner, Wrench};
 pub use error::ContactError;
 pub use general::{Field, FieldMesh, Form, GeneralKernel, SolidWall};
-pub use generalized::{Generalized, stable_step};
+pub use generalized::{Generalized, Resistance, stable_step};
 pub use kernel::{Overlap, PairKernel};
 pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};
 pub use motion::Motion;

@@ -206,6 +206,20 @@ impl Pack {
             }
         }
     }
+
+    /// A step that the batch allows is one that the springs and dashpots of all contacts allow, to the
+    /// last bit and whatever the limit.
+    fn check_steps(&self) {
+        for (body, motion) in (0..).zip(&self.bodies) {
+            let resistance = self.batch.resistance_of(body);
+            let own = resistance.largest_step(motion, f64::INFINITY);
+            for most in [0.1 * own, 0.6 * own, 0.99 * own, 2.0 * own, f64::INFINITY] {
+                let step = self.batch.largest_step(body, motion, None, most);
+                let wanted = resistance.largest_step(motion, most);
+                assert_eq!(step, wanted, "{body} with at most {most:e} of {own:e}");
+            }
+        }
+    }
 }
 
 #[test]
@@ -218,6 +232,7 @@ fn the_same_contacts_as_brute_force() {
             if step % 7 == 0 {
                 seen += pack.check_contacts();
                 pack.check_loads();
+                pack.check_steps();
             }
         }
         assert!(seen > 2000, "only {seen} contacts were compared");
@@ -293,7 +308,10 @@ fn fingerprint(batch: &ContactBatch) -> Vec<u64> {
         all.extend(bits(&load.total.force));
         all.extend(bits(&load.total.torque));
         all.push(load.normal_sum.to_bits());
-        for m in [&load.stiffness, &load.viscosity] {
+    }
+    for body in 0..batch.len() as u32 {
+        let resistance = batch.resistance_of(body);
+        for m in [&resistance.stiffness, &resistance.viscosity] {
             let blocks = [m.translation, m.coupling, m.turning];
             all.extend(blocks.iter().flatten().map(|x| x.to_bits()));
         }

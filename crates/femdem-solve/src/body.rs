@@ -146,7 +146,7 @@ pub(crate) struct Body {
     /// What the active set judges by.
     pub means: Means,
     /// Prescribed motion, with the pose of the principal axes that it counts from.
-    pub driven: Option<(Drive, Pose)>,
+    pub driven: Option<Box<(Drive, Pose)>>,
 }
 
 impl Body {

@@ -103,9 +103,12 @@ impl Context<'_> {
         };
         let state = pair
             .friction
-            .get_or_insert_with(|| FrictionState::new(&overlap, a, b));
-        let ids = (pair.a, pair.b, 0);
-        pair.contact = Some(self.touch(ids, &overlap, None, state));
+            .get_or_insert_with(|| Box::new(FrictionState::new(&overlap, a, b)));
+        let contact = self.touch((pair.a, pair.b, 0), &overlap, None, state);
+        match &mut pair.contact {
+            Some(record) => **record = contact,
+            none => *none = Some(Box::new(contact)),
+        }
     }
 
     fn evaluate_convex(

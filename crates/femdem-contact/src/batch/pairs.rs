@@ -13,14 +13,14 @@ use serde::{Deserialize, Serialize};
 const WALL: u32 = 1 << 31;
 
 /// What is remembered of a candidate pair. Convex pairs keep their one patch here, others keep
-/// theirs in the cache.
+/// theirs in the cache. Half of the pairs of a pack do not touch: what belongs to a contact is boxed.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Pair {
     pub a: Partner,
     pub b: BodyId,
     pub cache: Cache,
-    pub friction: Option<FrictionState>,
-    pub contact: Option<Contact>,
+    pub friction: Option<Box<FrictionState>>,
+    pub contact: Option<Box<Contact>>,
 }
 
 impl Pair {
@@ -31,7 +31,8 @@ impl Pair {
             Cache::Body(_) | Cache::Wall(_) => &[],
         };
         self.contact
-            .iter()
+            .as_deref()
+            .into_iter()
             .chain(patches.iter().map(|p| &p.contact))
     }
 
@@ -167,6 +168,7 @@ impl PairTable {
             self.slots[slot as usize] = pair;
             slot
         } else {
+            reserve_one(&mut self.slots);
             self.slots.push(pair);
             self.slots.len() as u32 - 1
         };
@@ -274,5 +276,12 @@ impl PairTable {
             .into_iter()
             .flatten()
             .flat_map(|n| self.slot(n.slot).contacts())
+    }
+}
+
+/// Makes room for one more, in a list that may be long: by an eighth, not by doubling it.
+fn reserve_one<T>(list: &mut Vec<T>) {
+    if list.len() == list.capacity() {
+        list.reserve_exact(list.len() / 8 + 16);
     }
 }

@@ -7,6 +7,7 @@ use super::near::Near;
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
 use super::rub::Rubbing;
 use crate::contact::{Load, Wrench};
+use crate::generalized::Resistance;
 use crate::law::ContactParameters;
 use crate::motion::Motion;
 use femdem_mesh::Vector3;
@@ -59,7 +60,7 @@ pub(crate) struct NodeLoad {
 pub(crate) struct Outcome {
     pub nodes: [Vec<NodeLoad>; 2],
     /// On a rigid body or wall.
-    pub load: Option<Box<Load>>,
+    pub load: Option<Box<(Load, Resistance)>>,
     pub contact: Option<DeformableContact>,
     pub totals: DeformableTotals,
     pub bristles: Vec<Bristle>,
@@ -257,7 +258,7 @@ impl<'a> Pair<'a> {
         elastic: &[Vector3; 2],
         dashpot: &Dashpot,
         rubbing: &Rubbing,
-    ) -> Option<Box<Load>> {
+    ) -> Option<Box<(Load, Resistance)>> {
         let Mover::Rigid(motion) = self.movers[0] else {
             return None;
         };
@@ -271,7 +272,7 @@ impl<'a> Pair<'a> {
             force: elastic.force * (dashpot.scale - 1.0),
             torque: elastic.torque * (dashpot.scale - 1.0),
         };
-        let mut load = Box::new(Load::default());
+        let (mut load, mut resistance) = (Load::default(), Resistance::default());
         load.add_wrenches(&elastic, &damping, &about(&rubbing.wrench));
         load.normal_sum = elastic.force.norm() * dashpot.scale;
         load.contacts = 1;
@@ -279,17 +280,25 @@ impl<'a> Pair<'a> {
             // (u_B - u_A)^2 <= 2 u_A^2 + 2 u_B^2: twice the stiffness for each side.
             for spring in &scratch.sums.springs {
                 let lever = (spring.point + to).cross(&spring.normal);
-                load.stiffness
+                resistance
+                    .stiffness
                     .add_along(&spring.normal, &lever, 2.0 * spring.stiffness);
             }
-            load.viscosity
-                .add_along(&elastic.force, &elastic.torque, 2.0 * dashpot.coefficient);
+            resistance.viscosity.add_along(
+                &elastic.force,
+                &elastic.torque,
+                2.0 * dashpot.coefficient,
+            );
             for mark in &rubbing.marks {
                 let arm = mark.point + to;
-                load.stiffness.add_everywhere(&arm, 2.0 * mark.stiffness);
-                load.viscosity.add_everywhere(&arm, 2.0 * mark.viscosity);
+                resistance
+                    .stiffness
+                    .add_everywhere(&arm, 2.0 * mark.stiffness);
+                resistance
+                    .viscosity
+                    .add_everywhere(&arm, 2.0 * mark.viscosity);
             }
         }
-        Some(load)
+        Some(Box::new((load, resistance)))
     }
 }

@@ -84,9 +84,8 @@ impl Fast {
         sums: &mut SideSums,
     ) -> Result<(), TooMany> {
         let facet = &skin.shape.facets[usize::from(plan.facet)];
-        let frame = &facet.frame;
-        if self.cut_corners(skin.shape.polygon(facet), frame, field, plan.reach.cut)? == Cut::Empty
-        {
+        let (frame, reach) = (&facet.frame, plan.reach());
+        if self.cut_corners(skin.shape.polygon(facet), frame, field, reach.cut)? == Cut::Empty {
             return Ok(());
         }
         let normal = &skin.shape.planes[usize::from(facet.plane)].normal;
@@ -95,9 +94,9 @@ impl Fast {
             x: from.dot(&frame.e1),
             y: from.dot(&frame.e2),
         };
-        self.place(frame, field, &plan.reach);
+        self.place(frame, field, &reach);
         let mut q = PlaneSums::default();
-        self.sum_cells(&plan.reach, field, normal, &origin, &mut q)?;
+        self.sum_cells(&reach, field, normal, &origin, &mut q)?;
         sums.add_sums(&q, frame, normal, -from.dot(normal));
         sums.lever += normal.dot(&(frame.origin - skin.field_centre)) * q.polygon.pressure;
         Ok(())

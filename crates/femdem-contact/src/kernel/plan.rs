@@ -20,11 +20,34 @@ pub(crate) const MOST_PLANES: usize = u64::BITS as usize;
 /// Distances are compared with this much to spare, times the margin.
 const HAIR: f64 = 1e-6;
 
-/// A facet of the skin and the planes of the field that matter to it.
+/// A facet of the skin and the planes of the field that matter to it: a [`Reach`] with its fields
+/// laid out beside the facet, which takes a quarter less memory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FacetPlan {
     pub facet: u16,
-    pub reach: Reach,
+    main: u8,
+    cut: u64,
+    own: u64,
+}
+
+impl FacetPlan {
+    pub fn new(facet: u16, Reach { main, cut, own }: Reach) -> Self {
+        Self {
+            facet,
+            main,
+            cut,
+            own,
+        }
+    }
+
+    #[inline]
+    pub fn reach(&self) -> Reach {
+        Reach {
+            main: self.main,
+            cut: self.cut,
+            own: self.own,
+        }
+    }
 }
 
 /// The planes of a field that matter to a polygon, a bit for each.
@@ -96,7 +119,7 @@ impl SidePlan {
                 bounding: usize::from(planes.bounding),
             };
             if let Some(reach) = place.plan(Some(region), margins, scratch) {
-                plan.facets.push(FacetPlan { facet, reach });
+                plan.facets.push(FacetPlan::new(facet, reach));
             }
         }
         plan.compact(posed.len());
@@ -105,10 +128,7 @@ impl SidePlan {
 
     /// The plan that leaves nothing out.
     pub(crate) fn general(facets: &[u16], planes: &Candidates) -> Self {
-        let all = |&facet: &u16| FacetPlan {
-            facet,
-            reach: Reach::default(),
-        };
+        let all = |&facet: &u16| FacetPlan::new(facet, Reach::default());
         Self {
             planes: planes.planes.iter().copied().collect(),
             bounding: planes.bounding,
@@ -120,7 +140,7 @@ impl SidePlan {
 
     /// Leaves out the planes that no facet needs.
     fn compact(&mut self, planes: usize) {
-        let both = |f: &FacetPlan| f.reach.cut | f.reach.own;
+        let both = |f: &FacetPlan| f.cut | f.own;
         let used = self.facets.iter().fold(0, |set, f| set | both(f));
         let is_used = |k: usize| used >> k & 1 == 1;
         let packed = |set: u64| {
@@ -135,9 +155,8 @@ impl SidePlan {
             out
         };
         for f in &mut self.facets {
-            let reach = &mut f.reach;
-            reach.main = packed(1 << reach.main).trailing_zeros() as u8;
-            (reach.cut, reach.own) = (packed(reach.cut), packed(reach.own));
+            f.main = packed(1 << f.main).trailing_zeros() as u8;
+            (f.cut, f.own) = (packed(f.cut), packed(f.own));
         }
         let all = usize::from(self.bounding);
         self.bounding = (0..all).filter(|&k| is_used(k)).count() as u16;
@@ -146,6 +165,8 @@ impl SidePlan {
             k += 1;
             is_used(k - 1)
         });
+        self.planes.shrink_to_fit();
+        self.facets.shrink_to_fit();
         self.box_faces = (used >> planes) as u8;
     }
 }

@@ -65,7 +65,7 @@ impl World {
             || self
                 .awake
                 .iter()
-                .filter_map(|&i| self.bodies[i as usize].driven)
+                .filter_map(|&i| self.bodies[i as usize].driven.as_deref())
                 .any(|(d, _)| d.is_active(self.time, ahead));
         if moves && self.awake.len() < self.bodies.len() {
             self.wake_all();

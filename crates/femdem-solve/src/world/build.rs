@@ -144,7 +144,7 @@ impl World {
         let mut body = Body::new(&spec, shape, contact.radius())?;
         if let Some(drive) = drive {
             let (driven, place) = (drive.at(self.time), body.place());
-            body.driven = Some((drive, driven.base_of(&place)));
+            body.driven = Some(Box::new((drive, driven.base_of(&place))));
             body.follow(&driven, &place);
         } else {
             self.step_control

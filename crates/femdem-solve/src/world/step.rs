@@ -41,14 +41,13 @@ impl World {
     }
 
     fn choose_step(&mut self) -> f64 {
-        let most = self.deformable_bound();
-        let loads = all_loads(&self.batch, self.deformables.as_deref());
-        let awake = self
-            .awake
-            .iter()
-            .map(|&i| (&loads[i as usize], &self.motions[i as usize]));
-        self.step_control
-            .choose(awake, most, &self.parameters.time_step)
+        let deformables = self.deformables.as_deref();
+        let bound = self.awake.iter().fold(self.deformable_bound(), |most, &i| {
+            let others = deformables.and_then(|d| d.batch.rigid_resistance(i));
+            self.batch
+                .largest_step(i, &self.motions[i as usize], others, most)
+        });
+        self.step_control.choose(bound, &self.parameters.time_step)
     }
 
     /// Adds the impulse of half a step to all awake bodies and books the work.
@@ -85,7 +84,7 @@ impl World {
             let i = self.awake[k] as usize;
             let body = &mut self.bodies[i];
             let mut seen = None;
-            let moved = if let Some((drive, base)) = body.driven {
+            let moved = if let Some((drive, base)) = body.driven.as_deref().copied() {
                 let (from, driven) = (drive.at(self.time), drive.at(end));
                 let reach = (body.position - driven.point).norm() + body.radius;
                 let to = driven.place(&base);

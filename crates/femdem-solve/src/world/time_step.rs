@@ -2,7 +2,7 @@
 
 use crate::body::Body;
 use crate::parameters::TimeStepParameters;
-use femdem_contact::{BodyShape, ContactParameters, Load, Motion, stable_step};
+use femdem_contact::{BodyShape, ContactParameters, stable_step};
 use serde::{Deserialize, Serialize};
 
 /// Step sizes are the cap divided by powers of this.
@@ -73,16 +73,11 @@ impl StepControl {
         self.cap = self.cap.min(bound);
     }
 
-    /// Chooses the step from the loads of the awake bodies; `most` is the bound of all else, s.
-    pub(crate) fn choose<'a>(
-        &mut self,
-        loads: impl Iterator<Item = (&'a Load, &'a Motion)>,
-        most: f64,
-        parameters: &TimeStepParameters,
-    ) -> f64 {
+    /// Chooses the step from the stability bound, s.
+    pub(crate) fn choose(&mut self, bound: f64, parameters: &TimeStepParameters) -> f64 {
         let limit = parameters.largest.unwrap_or(f64::INFINITY);
         let top = (parameters.safety * self.cap).min(limit);
-        self.bound = loads.fold(most, |most, (load, motion)| load.largest_step(motion, most));
+        self.bound = bound;
         let allowed = on_level(top, parameters.safety * self.bound);
         if allowed <= self.current || self.current == 0.0 || self.current > top {
             self.current = allowed;

@@ -12,6 +12,7 @@ use super::sums::Gradient;
 use crate::contact::{BodyId, Load};
 use crate::error::ContactError;
 use crate::general::{FieldMesh, Form};
+use crate::generalized::Resistance;
 use crate::law::{ContactLaw, ContactParameters};
 use crate::motion::Motion;
 use crate::shape::BodyShape;
@@ -44,6 +45,7 @@ pub struct DeformableBatch {
     /// Friction that pairs begin with, until they are found.
     starts: BTreeMap<(DeformablePartner, u32), FrictionStart>,
     rigid_loads: Vec<Load>,
+    rigid_resistances: Vec<Resistance>,
     wall_loads: Vec<Load>,
     totals: DeformableTotals,
 }
@@ -83,6 +85,7 @@ impl DeformableBatch {
             pairs: PairList::default(),
             starts: BTreeMap::new(),
             rigid_loads: Vec::new(),
+            rigid_resistances: Vec::new(),
             wall_loads: Vec::new(),
             totals: DeformableTotals::default(),
         })
@@ -144,6 +147,7 @@ impl DeformableBatch {
         }
         self.rigid.push(shape);
         self.rigid_loads.push(Load::default());
+        self.rigid_resistances.push(Resistance::default());
         self.pairs.forget_search();
         Ok(self.rigid.len() as BodyId - 1)
     }
@@ -280,6 +284,7 @@ impl DeformableBatch {
             body.clear();
         }
         self.rigid_loads.fill(Load::default());
+        self.rigid_resistances.fill(Resistance::default());
         self.wall_loads.fill(Load::default());
         self.totals = DeformableTotals::default();
         for pair in self.pairs.list() {
@@ -289,7 +294,7 @@ impl DeformableBatch {
                 body.add(of_b);
             }
             use DeformablePartner as Side;
-            let load = match pair.a {
+            let total = match pair.a {
                 Side::Deformable(i) => {
                     if let Some(body) = self.bodies.get_mut(i as usize) {
                         body.add(of_a);
@@ -299,8 +304,15 @@ impl DeformableBatch {
                 Side::Rigid(i) => self.rigid_loads.get_mut(i as usize),
                 Side::Wall(w) => self.wall_loads.get_mut(w as usize),
             };
-            if let (Some(total), Some(load)) = (load, &pair.outcome.load) {
-                *total += load.as_ref();
+            let (Some(total), Some(found)) = (total, pair.outcome.load.as_deref()) else {
+                continue;
+            };
+            let (load, resistance) = found;
+            *total += load;
+            if let Side::Rigid(i) = pair.a
+                && let Some(total) = self.rigid_resistances.get_mut(i as usize)
+            {
+                *total += resistance;
             }
         }
     }
@@ -336,6 +348,13 @@ impl DeformableBatch {
     /// Loads on the rigid bodies from the deformable ones.
     pub fn rigid_loads(&self) -> &[Load] {
         &self.rigid_loads
+    }
+
+    /// What opposes the motion of a rigid body that deformable ones touch; `None` for others.
+    pub fn rigid_resistance(&self, body: BodyId) -> Option<&Resistance> {
+        let touched = self.rigid_loads.get(body as usize)?.contacts > 0;
+        let resistance = self.rigid_resistances.get(body as usize)?;
+        touched.then_some(resistance)
     }
 
     /// Loads on the walls from the deformable bodies, about the walls' origins.
