@@ -1,27 +1,98 @@
 //! Files that survive crashes: a header with magic, kind, version, length and checksum;
 //! written beside, synced, then renamed, so that the previous file stays until the new
-//! one is whole. The only file of the project that uses bincode.
+//! one is whole. States go to the file and come from it piece by piece, so that no second copy of them
+//! is in memory. The only file of the project that uses bincode.
 
 use crate::error::SolveError;
+use bincode::error::EncodeError;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fs::{self, File};
-use std::io::{Read, Write};
+use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 8] = b"FEMDEMCK";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 const KIND_LENGTH: usize = 16;
 /// Largest state that is written or read, bytes: bounds what a damaged length field can
 /// make the decoder allocate.
 const LIMIT: usize = u32::MAX as usize;
 const HEADER: usize = 8 + 4 + KIND_LENGTH + 8 + 8;
+/// Bytes that are read or written at a time.
+const BUFFER: usize = 1 << 16;
+
+/// FNV-1a of no bytes.
+const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
 
 /// FNV-1a over bytes: catches truncation and flipped bits; no defence against intent.
 pub fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+    continued(EMPTY, bytes)
+}
+
+fn continued(hash: u64, bytes: &[u8]) -> u64 {
+    bytes.iter().fold(hash, |hash, byte| {
         (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
     })
+}
+
+/// Counts the bytes that pass and takes their checksum.
+struct Tally<T> {
+    through: T,
+    hash: u64,
+    length: u64,
+}
+
+impl<T> Tally<T> {
+    fn new(through: T) -> Self {
+        Self {
+            through,
+            hash: EMPTY,
+            length: 0,
+        }
+    }
+
+    fn count(&mut self, bytes: &[u8]) {
+        self.hash = continued(self.hash, bytes);
+        self.length += bytes.len() as u64;
+    }
+}
+
+impl<T: Write> Write for Tally<T> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let taken = self.through.write(bytes)?;
+        self.count(&bytes[..taken]);
+        Ok(taken)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.through.flush()
+    }
+}
+
+impl<T: Read> Read for Tally<T> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let found = self.through.read(bytes)?;
+        self.count(&bytes[..found]);
+        Ok(found)
+    }
+}
+
+fn encoding(why: String) -> SolveError {
+    SolveError::Encoding {
+        action: "encoded",
+        why,
+    }
+}
+
+/// The checksum of the bytes that [`encode`] would give, without having them all at once.
+///
+/// # Errors
+/// [`SolveError::Encoding`] if the value cannot be encoded.
+pub(crate) fn hash(value: &impl Serialize) -> Result<u64, SolveError> {
+    let mut tally = Tally::new(io::sink());
+    bincode::serde::encode_into_std_write(value, &mut tally, bincode::config::legacy())
+        .map_err(|e| encoding(e.to_string()))?;
+    Ok(tally.hash)
 }
 
 /// The bytes of a state, in bincode's fixed-width little-endian layout.
@@ -29,18 +100,18 @@ pub fn checksum(bytes: &[u8]) -> u64 {
 /// # Errors
 /// [`SolveError::Encoding`] if the value cannot be encoded.
 pub fn encode(value: &impl Serialize) -> Result<Vec<u8>, SolveError> {
-    let fail = |why: String| SolveError::Encoding {
-        action: "encoded",
-        why,
-    };
     let bytes = bincode::serde::encode_to_vec(value, bincode::config::legacy())
-        .map_err(|e| fail(e.to_string()))?;
-    if bytes.len() < LIMIT {
-        Ok(bytes)
+        .map_err(|e| encoding(e.to_string()))?;
+    check_length(bytes.len() as u64)?;
+    Ok(bytes)
+}
+
+fn check_length(length: u64) -> Result<(), SolveError> {
+    if length < LIMIT as u64 {
+        Ok(())
     } else {
-        Err(fail(format!(
-            "it has {} bytes, but at most {LIMIT} are supported",
-            bytes.len()
+        Err(encoding(format!(
+            "it has {length} bytes, but at most {LIMIT} are supported"
         )))
     }
 }
@@ -50,21 +121,26 @@ pub fn encode(value: &impl Serialize) -> Result<Vec<u8>, SolveError> {
 /// # Errors
 /// [`SolveError::Encoding`] if the bytes do not hold such a value, or hold more.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, SolveError> {
-    let fail = |why: String| SolveError::Encoding {
-        action: "decoded",
-        why,
-    };
     let (value, used) =
         bincode::serde::decode_from_slice(bytes, bincode::config::legacy().with_limit::<LIMIT>())
-            .map_err(|e| fail(e.to_string()))?;
+            .map_err(|e| undecoded(e.to_string()))?;
     if used == bytes.len() {
         Ok(value)
     } else {
-        Err(fail(format!(
-            "{} bytes are left over after {used}",
-            bytes.len() - used
-        )))
+        let rest = bytes.len() - used;
+        Err(undecoded(left_over(rest as u64, used as u64)))
     }
+}
+
+fn undecoded(why: String) -> SolveError {
+    SolveError::Encoding {
+        action: "decoded",
+        why,
+    }
+}
+
+fn left_over(rest: u64, used: u64) -> String {
+    format!("{rest} bytes are left over after {used}")
 }
 
 fn kind_bytes(kind: &str) -> [u8; KIND_LENGTH] {
@@ -89,11 +165,10 @@ fn io<'a>(action: &'static str, path: &'a Path) -> impl Fn(std::io::Error) -> So
 /// [`SolveError::Io`] if the file cannot be written; an earlier file of that name is then
 /// untouched. [`SolveError::Encoding`] if the value cannot be encoded.
 pub fn write_file(path: &Path, kind: &str, value: &impl Serialize) -> Result<(), SolveError> {
-    let payload = encode(value)?;
     let mut beside = PathBuf::from(path).into_os_string();
     beside.push(".tmp");
     let beside = PathBuf::from(beside);
-    let written = write_all(&beside, kind, &payload)
+    let written = write_all(&beside, kind, value)
         .and_then(|()| fs::rename(&beside, path).map_err(io("cannot put in place", path)));
     if written.is_err() {
         // Best effort: the error that matters is the first one.
@@ -103,18 +178,31 @@ pub fn write_file(path: &Path, kind: &str, value: &impl Serialize) -> Result<(),
     sync_folder(path)
 }
 
-fn write_all(beside: &Path, kind: &str, payload: &[u8]) -> Result<(), SolveError> {
-    let mut file = File::create(beside).map_err(io("cannot create", beside))?;
-    let mut header = Vec::with_capacity(HEADER);
-    header.extend_from_slice(MAGIC);
-    header.extend_from_slice(&VERSION.to_le_bytes());
-    header.extend_from_slice(&kind_bytes(kind));
-    header.extend_from_slice(&(payload.len() as u64).to_le_bytes());
-    header.extend_from_slice(&checksum(payload).to_le_bytes());
-    file.write_all(&header)
-        .and_then(|()| file.write_all(payload))
-        .and_then(|()| file.sync_all())
-        .map_err(io("cannot write", beside))
+fn write_all(beside: &Path, kind: &str, value: &impl Serialize) -> Result<(), SolveError> {
+    let cannot_write = || io("cannot write", beside);
+    let file = File::create(beside).map_err(io("cannot create", beside))?;
+    let mut tally = Tally::new(BufWriter::with_capacity(BUFFER, file));
+    // Length and checksum are known at the end.
+    let room = tally.through.write_all(&[0; HEADER]);
+    room.map_err(cannot_write())?;
+    let config = bincode::config::legacy();
+    bincode::serde::encode_into_std_write(value, &mut tally, config).map_err(|e| match e {
+        EncodeError::Io { inner, .. } => cannot_write()(inner),
+        other => encoding(other.to_string()),
+    })?;
+    check_length(tally.length)?;
+    let header = Header {
+        length: tally.length,
+        checksum: tally.hash,
+    };
+    let mut writer = tally.through;
+    // Seeking writes out what is in the buffer.
+    writer
+        .seek(SeekFrom::Start(0))
+        .and_then(|_| writer.write_all(&header.bytes(kind)))
+        .and_then(|()| writer.flush())
+        .and_then(|()| writer.get_ref().sync_all())
+        .map_err(cannot_write())
 }
 
 /// Makes the rename durable where folders can be synced.
@@ -137,60 +225,100 @@ fn sync_folder(path: &Path) -> Result<(), SolveError> {
 /// [`SolveError::Io`] if the file cannot be read, [`SolveError::BadCheckpoint`] if it is
 /// truncated, altered, of another kind or from another version.
 pub fn read_file<T: DeserializeOwned>(path: &Path, kind: &str) -> Result<T, SolveError> {
-    let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|mut f| f.read_to_end(&mut bytes))
-        .map_err(io("cannot read", path))?;
+    let cannot_read = || io("cannot read", path);
     let bad = |why: String| SolveError::BadCheckpoint {
         path: path.to_owned(),
         why,
     };
-    let payload = payload(&bytes, kind).map_err(bad)?;
-    decode(payload).map_err(|e| bad(e.to_string()))
+    let mut file = File::open(path).map_err(cannot_read())?;
+    let mut start = Vec::with_capacity(HEADER);
+    let first = Read::by_ref(&mut file)
+        .take(HEADER as u64)
+        .read_to_end(&mut start);
+    first.map_err(cannot_read())?;
+    let header = Header::read(&start, kind).map_err(bad)?;
+    // All is looked at before any of it is decoded.
+    let mut tally = Tally::new(&file);
+    let mut reader = BufReader::with_capacity(BUFFER, &mut tally);
+    io::copy(&mut reader, &mut io::sink()).map_err(cannot_read())?;
+    header.check(&tally).map_err(bad)?;
+    file.seek(SeekFrom::Start(HEADER as u64))
+        .map_err(cannot_read())?;
+    let mut tally = Tally::new(BufReader::with_capacity(BUFFER, file));
+    let config = bincode::config::legacy().with_limit::<LIMIT>();
+    let value = bincode::serde::decode_from_std_read(&mut tally, config)
+        .map_err(|e| bad(undecoded(e.to_string()).to_string()))?;
+    let rest = header.length - tally.length.min(header.length);
+    if rest == 0 {
+        Ok(value)
+    } else {
+        Err(bad(undecoded(left_over(rest, tally.length)).to_string()))
+    }
 }
 
-/// Checks the header and returns the bytes behind it.
-fn payload<'a>(bytes: &'a [u8], kind: &str) -> Result<&'a [u8], String> {
-    if bytes.len() < HEADER || &bytes[..8] != MAGIC {
-        return Err(format!(
-            "it has {} bytes and does not begin with a femdem header; give a .ckpt file",
-            bytes.len()
-        ));
+/// What tells whether a file is whole.
+struct Header {
+    length: u64,
+    checksum: u64,
+}
+
+impl Header {
+    fn bytes(&self, kind: &str) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(HEADER);
+        bytes.extend_from_slice(MAGIC);
+        bytes.extend_from_slice(&VERSION.to_le_bytes());
+        bytes.extend_from_slice(&kind_bytes(kind));
+        bytes.extend_from_slice(&self.length.to_le_bytes());
+        bytes.extend_from_slice(&self.checksum.to_le_bytes());
+        bytes
     }
-    let word = |from: usize, to: usize| {
-        bytes[from..to]
-            .iter()
-            .rev()
-            .fold(0u64, |w, b| w << 8 | u64::from(*b))
-    };
-    let version = word(8, 12);
-    if version != u64::from(VERSION) {
-        return Err(format!(
-            "it is of version {version}, but this program reads version {VERSION}"
-        ));
+
+    fn read(bytes: &[u8], kind: &str) -> Result<Self, String> {
+        if bytes.len() < HEADER || &bytes[..8] != MAGIC {
+            return Err(
+                "it does not begin with a whole femdem header; give a .ckpt file".to_owned(),
+            );
+        }
+        let word = |from: usize, to: usize| {
+            bytes[from..to]
+                .iter()
+                .rev()
+                .fold(0u64, |w, b| w << 8 | u64::from(*b))
+        };
+        let version = word(8, 12);
+        if version != u64::from(VERSION) {
+            return Err(format!(
+                "it is of version {version}, but this program reads version {VERSION}"
+            ));
+        }
+        if bytes[12..12 + KIND_LENGTH] != kind_bytes(kind) {
+            let name = String::from_utf8_lossy(&bytes[12..12 + KIND_LENGTH]);
+            return Err(format!(
+                "it holds a \"{}\", not a \"{kind}\"",
+                name.trim_end_matches('\0')
+            ));
+        }
+        Ok(Self {
+            length: word(12 + KIND_LENGTH, 20 + KIND_LENGTH),
+            checksum: word(20 + KIND_LENGTH, HEADER),
+        })
     }
-    if bytes[12..12 + KIND_LENGTH] != kind_bytes(kind) {
-        let name = String::from_utf8_lossy(&bytes[12..12 + KIND_LENGTH]);
-        return Err(format!(
-            "it holds a \"{}\", not a \"{kind}\"",
-            name.trim_end_matches('\0')
-        ));
+
+    fn check<T>(&self, found: &Tally<T>) -> Result<(), String> {
+        if found.length != self.length {
+            return Err(format!(
+                "it should hold {} bytes but has {}: it was cut short or grew; \
+                 use an earlier checkpoint",
+                self.length, found.length
+            ));
+        }
+        if found.hash != self.checksum {
+            return Err("its checksum does not match: bytes were altered; \
+                        use an earlier checkpoint"
+                .to_owned());
+        }
+        Ok(())
     }
-    let payload = &bytes[HEADER..];
-    let length = word(12 + KIND_LENGTH, 20 + KIND_LENGTH);
-    if payload.len() as u64 != length {
-        return Err(format!(
-            "it should hold {length} bytes but has {}: it was cut short or grew; \
-             use an earlier checkpoint",
-            payload.len()
-        ));
-    }
-    if checksum(payload) != word(20 + KIND_LENGTH, HEADER) {
-        return Err("its checksum does not match: bytes were altered; \
-             use an earlier checkpoint"
-            .to_owned());
-    }
-    Ok(payload)
 }
 
 #[cfg(test)]

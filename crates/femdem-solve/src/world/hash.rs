@@ -1,7 +1,7 @@
 //! One number for the whole state, to compare runs bit by bit.
 
 use super::World;
-use crate::checkpoint::checksum;
+use crate::checkpoint;
 use crate::error::SolveError;
 
 impl World {
@@ -11,6 +11,6 @@ impl World {
     /// # Errors
     /// [`SolveError::Encoding`] if the state cannot be encoded.
     pub fn state_hash(&self) -> Result<u64, SolveError> {
-        Ok(checksum(&self.to_bytes()?))
+        checkpoint::hash(self)
     }
 }
