@@ -1,27 +1,37 @@
 //! The XML frame that VTU, VTP and VTI share: arrays in one appended block, base64.
 //!
 //! VTK XML, version 1.0: an appended array is a 64-bit count of bytes followed by the bytes, little
-//! endian; each is encoded by itself, and `offset` counts characters from the underscore.
+//! endian; each is encoded by itself, and `offset` counts characters from the underscore. Lengths tell all
+//! offsets, so that the values are asked for when they are written: a document takes no memory for them.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-/// The document under construction: the XML before the data, and the data.
-pub(crate) struct Document {
+/// Bytes that are encoded together: a multiple of 3, so that only the last are padded.
+const BLOCK: usize = 3 << 10;
+
+/// Writes the values of an array.
+type Array<'a> = Box<dyn FnOnce(&mut Base64) -> io::Result<()> + 'a>;
+
+/// The document under construction: the XML before the data, and where the data come from.
+pub(crate) struct Document<'a> {
     kind: &'static str,
     attributes: String,
     xml: String,
-    data: String,
+    arrays: Vec<Array<'a>>,
+    /// Characters of the arrays.
+    length: usize,
 }
 
-impl Document {
+impl<'a> Document<'a> {
     /// A document of VTK type "UnstructuredGrid", "PolyData" or "ImageData".
     pub fn new(kind: &'static str) -> Self {
         Self {
             kind,
             attributes: String::new(),
             xml: String::new(),
-            data: String::new(),
+            arrays: Vec::new(),
+            length: 0,
         }
     }
 
@@ -37,31 +47,59 @@ impl Document {
         self.xml.push('\n');
     }
 
-    pub fn floats(&mut self, name: &str, components: usize, values: impl IntoIterator<Item = f64>) {
-        let bytes = values.into_iter().flat_map(f64::to_le_bytes).collect();
+    pub fn floats(
+        &mut self,
+        name: &str,
+        components: usize,
+        values: impl IntoIterator<Item = f64, IntoIter: Clone + 'a>,
+    ) {
+        let bytes = values.into_iter().map(f64::to_le_bytes);
         self.array("Float64", name, components, bytes);
     }
 
-    pub fn integers(&mut self, name: &str, values: impl IntoIterator<Item = i64>) {
-        let bytes = values.into_iter().flat_map(i64::to_le_bytes).collect();
-        self.array("Int64", name, 1, bytes);
+    pub fn integers(
+        &mut self,
+        name: &str,
+        values: impl IntoIterator<Item = i64, IntoIter: Clone + 'a>,
+    ) {
+        self.array("Int64", name, 1, values.into_iter().map(i64::to_le_bytes));
     }
 
-    pub fn bytes(&mut self, name: &str, values: impl IntoIterator<Item = u8>) {
-        self.array("UInt8", name, 1, values.into_iter().collect());
+    pub fn bytes(
+        &mut self,
+        name: &str,
+        values: impl IntoIterator<Item = u8, IntoIter: Clone + 'a>,
+    ) {
+        self.array("UInt8", name, 1, values.into_iter().map(|byte| [byte]));
     }
 
-    fn array(&mut self, kind: &str, name: &str, components: usize, content: Vec<u8>) {
+    fn array<const N: usize>(
+        &mut self,
+        kind: &str,
+        name: &str,
+        components: usize,
+        values: impl Iterator<Item = [u8; N]> + Clone + 'a,
+    ) {
         // Writing to a string cannot fail.
         let _ = writeln!(
             self.xml,
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
              format=\"appended\" offset=\"{}\"/>",
-            self.data.len()
+            self.length
         );
-        let mut block = (content.len() as u64).to_le_bytes().to_vec();
-        block.extend_from_slice(&content);
-        encode(&block, &mut self.data);
+        let count = match values.size_hint() {
+            (least, Some(most)) if least == most => most,
+            _ => values.clone().count(),
+        };
+        let size = N * count;
+        self.length += (size_of::<u64>() + size).div_ceil(3) * 4;
+        self.arrays.push(Box::new(move |out| {
+            out.push(&(size as u64).to_le_bytes())?;
+            for value in values {
+                out.push(&value)?;
+            }
+            out.finish()
+        }));
     }
 
     pub fn finish(self, mut writer: impl Write) -> io::Result<()> {
@@ -73,8 +111,46 @@ impl Document {
              <AppendedData encoding=\"base64\">\n_",
             self.xml
         )?;
-        writer.write_all(self.data.as_bytes())?;
+        let mut data = Base64::new(&mut writer);
+        for array in self.arrays {
+            array(&mut data)?;
+        }
         writer.write_all(b"\n</AppendedData>\n</VTKFile>\n")
+    }
+}
+
+/// Writes bytes as base64 while they come.
+struct Base64<'w> {
+    writer: &'w mut dyn Write,
+    block: Vec<u8>,
+    text: String,
+}
+
+impl<'w> Base64<'w> {
+    fn new(writer: &'w mut dyn Write) -> Self {
+        Self {
+            writer,
+            block: Vec::with_capacity(BLOCK),
+            text: String::new(),
+        }
+    }
+
+    fn push(&mut self, bytes: &[u8]) -> io::Result<()> {
+        for &byte in bytes {
+            self.block.push(byte);
+            if self.block.len() == BLOCK {
+                self.finish()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes what is left of an array, with padding if need be.
+    fn finish(&mut self) -> io::Result<()> {
+        self.text.clear();
+        encode(&self.block, &mut self.text);
+        self.block.clear();
+        self.writer.write_all(self.text.as_bytes())
     }
 }
 
@@ -115,6 +191,26 @@ mod tests {
             let mut out = String::new();
             encode(bytes.as_bytes(), &mut out);
             assert_eq!(out, expected);
+        }
+    }
+
+    /// Over several blocks, with one, two and no bytes left over, and lengths that iterators do not tell.
+    #[test]
+    fn arrays_of_any_length_are_encoded_as_a_whole() {
+        for count in [0, 1, 2, BLOCK - 8, BLOCK, 3 * BLOCK + 5] {
+            let values = (0..count).map(|k| (k % 251) as u8);
+            let mut whole = (count as u64).to_le_bytes().to_vec();
+            whole.extend(values.clone());
+            let mut expected = String::new();
+            encode(&whole, &mut expected);
+            let mut document = Document::new("PolyData");
+            document.bytes("all", values.clone().filter(|_| true));
+            document.bytes("next", values);
+            let mut bytes = Vec::new();
+            document.finish(&mut bytes).unwrap();
+            let text = String::from_utf8(bytes).unwrap();
+            assert!(text.contains(&format!("\n_{expected}{expected}\n</AppendedData>")));
+            assert!(text.contains(&format!("offset=\"{}\"/>", expected.len())));
         }
     }
 

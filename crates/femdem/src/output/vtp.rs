@@ -40,12 +40,13 @@ pub fn write(snapshot: &Snapshot, writer: impl Write) -> io::Result<()> {
     out.finish(writer)
 }
 
-fn point_data(out: &mut Document, rows: &[ContactRow]) {
+fn point_data<'a>(out: &mut Document<'a>, rows: &'a [ContactRow]) {
     let force = |row: &ContactRow| row.normal * row.normal_force + row.friction;
     out.floats(
         "force",
         3,
-        rows.iter().flat_map(|row| <[f64; 3]>::from(force(row))),
+        rows.iter()
+            .flat_map(move |row| <[f64; 3]>::from(force(row))),
     );
     out.floats(
         "normal",

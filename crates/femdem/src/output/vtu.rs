@@ -41,13 +41,12 @@ pub fn write(snapshot: &Snapshot, writer: impl Write) -> io::Result<()> {
     out.integers("connectivity", 0..points);
     out.integers("offsets", starts.iter().skip(1).copied());
     out.bytes("types", bodies.iter().map(|_| VTK_POLYHEDRON));
-    let streams: Vec<Vec<i64>> = bodies
+    let streams = bodies
         .iter()
         .zip(&starts)
-        .map(|(body, &start)| face_stream(snapshot, body, start))
-        .collect();
-    let ends = running_sum(streams.iter().map(|stream| stream.len() as i64));
-    out.integers("faces", streams.into_iter().flatten());
+        .map(|(body, &start)| face_stream(snapshot, body, start));
+    let ends = running_sum(streams.clone().map(|stream| stream.len() as i64));
+    out.integers("faces", streams.flatten());
     out.integers("faceoffsets", ends.into_iter().skip(1));
     out.line("</Cells>\n<CellData Scalars=\"sequence\">");
     cell_data(&mut out, bodies, &loads);
@@ -55,7 +54,7 @@ pub fn write(snapshot: &Snapshot, writer: impl Write) -> io::Result<()> {
     out.finish(writer)
 }
 
-fn cell_data(out: &mut Document, bodies: &[Body], loads: &[BodyLoad]) {
+fn cell_data<'a>(out: &mut Document<'a>, bodies: &'a [Body], loads: &'a [BodyLoad]) {
     out.integers("body", 0..bodies.len() as i64);
     out.integers(
         "sequence",
@@ -74,7 +73,10 @@ fn cell_data(out: &mut Document, bodies: &[Body], loads: &[BodyLoad]) {
 }
 
 /// World coordinates of a body's vertices, one after another.
-fn coordinates<'a>(snapshot: &'a Snapshot, body: &'a Body) -> impl Iterator<Item = f64> + 'a {
+fn coordinates<'a>(
+    snapshot: &'a Snapshot,
+    body: &'a Body,
+) -> impl Iterator<Item = f64> + Clone + 'a {
     let vertices = snapshot.shape_of(body).polyhedron.vertices();
     vertices
         .iter()

@@ -94,7 +94,7 @@ fn portrait(exhibit: &Exhibit, options: &PictureOptions) -> Image {
         spacing: Spacing::Linear,
     };
     let mesh = Mesh::of_bodies(&snapshot, &colour);
-    let extent = bounding_corners(&mesh.points);
+    let extent = bounding_corners(mesh.points());
     let view = eye(&extent, options, 0.0);
     let diameter = 2.0 * exhibit.polyhedron.bounding_radius();
     paint(&mesh, &extent, &view, options, diameter).0

@@ -126,7 +126,8 @@ mod tests {
 
     #[test]
     fn a_stack_shades_the_floor_behind_it_and_not_its_own_top() {
-        let mut mesh = Mesh::of_bodies(&two_cubes(), &by_sequence(&two_cubes()));
+        let snapshot = two_cubes();
+        let mut mesh = Mesh::of_bodies(&snapshot, &by_sequence(&snapshot));
         let floor = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]];
         mesh.add_floor(&floor.map(|[x, y]| Point3::new(x, y, 0.0)));
         let frame = Frame {
@@ -140,7 +141,7 @@ mod tests {
             0.0,
             std::f64::consts::FRAC_PI_4,
             f64::INFINITY,
-            &mesh.points,
+            &mesh.points().collect::<Vec<_>>(),
             frame,
         );
         let seen = DepthBuffer::of(&mesh, &view, 400, 400);
@@ -155,7 +156,8 @@ mod tests {
 
     #[test]
     fn the_foot_of_a_wall_is_dimmer_than_open_ground() {
-        let mut mesh = Mesh::of_bodies(&two_cubes(), &by_sequence(&two_cubes()));
+        let snapshot = two_cubes();
+        let mut mesh = Mesh::of_bodies(&snapshot, &by_sequence(&snapshot));
         let floor = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]];
         mesh.add_floor(&floor.map(|[x, y]| Point3::new(x, y, 0.0)));
         let frame = Frame {
@@ -164,7 +166,7 @@ mod tests {
             right: 400.0,
             bottom: 400.0,
         };
-        let view = View::fit(0.0, 0.7, 30.0, &mesh.points, frame);
+        let view = View::fit(0.0, 0.7, 30.0, &mesh.points().collect::<Vec<_>>(), frame);
         let seen = DepthBuffer::of(&mesh, &view, 400, 400);
         let gaps = Gaps {
             view: &view,

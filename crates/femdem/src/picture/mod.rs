@@ -133,16 +133,12 @@ pub fn draw_by(
     options.check()?;
     snapshot.check()?;
     let mut mesh = Mesh::of_bodies(snapshot, values);
-    if mesh.triangles.is_empty() {
+    if mesh.is_empty() {
         return Err(Error::NothingToDraw);
     }
     let diameter = mean_diameter(snapshot);
     let azimuth = options.azimuth.to_radians();
-    let top = mesh
-        .points
-        .iter()
-        .map(|p| p.z)
-        .fold(f64::NEG_INFINITY, f64::max);
+    let top = mesh.points().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
     let of_region = |region: &Region| {
         let height = region.corners().1.z.min(top + 0.6 * diameter);
         scene::outline(region, height, azimuth)
@@ -153,7 +149,7 @@ pub fn draw_by(
         mesh.add_floor(&outline.floor);
     }
 
-    let mut extent = bounding_corners(&mesh.points);
+    let mut extent = bounding_corners(mesh.points());
     extent.extend(outline.iter().flat_map(|o| o.lines.iter().flatten()));
     let view = eye(&extent, options, LEGEND);
     let (mut image, seen) = paint(&mesh, &extent, &view, options, diameter);
@@ -214,12 +210,11 @@ fn mean_diameter(snapshot: &Snapshot) -> f64 {
 }
 
 /// Corners of the box around the points.
-fn bounding_corners(points: &[Point3]) -> Vec<Point3> {
-    let low = points
-        .iter()
-        .fold([f64::INFINITY; 3], |m, p| [0, 1, 2].map(|k| p[k].min(m[k])));
-    let high = points.iter().fold([f64::NEG_INFINITY; 3], |m, p| {
-        [0, 1, 2].map(|k| p[k].max(m[k]))
+fn bounding_corners(points: impl Iterator<Item = Point3>) -> Vec<Point3> {
+    let start = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let [low, high] = points.fold(start, |[low, high], p| {
+        let least = [0, 1, 2].map(|k| p[k].min(low[k]));
+        [least, [0, 1, 2].map(|k| p[k].max(high[k]))]
     });
     let corner =
         |i: usize| Point3::from([0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] }));

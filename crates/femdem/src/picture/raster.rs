@@ -27,13 +27,18 @@ impl DepthBuffer {
     /// What `view` sees of a mesh. Faces that are turned away are left out.
     pub fn of(mesh: &Mesh, view: &View, width: usize, height: usize) -> Self {
         let mut buffer = Self::new(width, height);
-        let seen: Vec<Seen> = mesh.points.iter().map(|p| view.see(p)).collect();
-        for triangle in &mesh.triangles {
-            let facet = &mesh.facets[triangle.facet as usize];
-            if view.faces(&facet.normal, &mesh.points[triangle.corners[0] as usize]) {
-                buffer.fill(triangle.corners.map(|i| seen[i as usize]), triangle.facet);
+        let mut seen: Vec<Seen> = Vec::new();
+        mesh.for_each_part(|points, triangles, first, normals| {
+            seen.clear();
+            seen.extend(points.iter().map(|p| view.see(p)));
+            for triangle in triangles {
+                let normal = &normals[triangle.facet as usize];
+                if view.faces(normal, &points[triangle.corners[0] as usize]) {
+                    let corners = triangle.corners.map(|i| seen[i as usize]);
+                    buffer.fill(corners, first + triangle.facet);
+                }
             }
-        }
+        });
         buffer
     }
 

@@ -6,7 +6,7 @@ use super::canvas::Image;
 use super::colour::{Light, Srgb};
 use super::light::{Gaps, Lamp, Turn};
 use super::raster::{DepthBuffer, NOTHING};
-use super::scene::Mesh;
+use super::scene::{Facet, Mesh};
 use super::view::Seen;
 
 /// How much light of each kind there is.
@@ -57,11 +57,7 @@ fn pixel(
     for y in top..top + sub {
         for x in left..left + sub {
             let i = y * gaps.seen.width + x;
-            let facet = gaps.seen.facet[i];
-            let light = if facet == NOTHING {
-                [1.0; 3]
-            } else {
-                let facet = &mesh.facets[facet as usize];
+            let light = if let Some(facet) = mesh.facet(gaps.seen.facet[i]) {
                 let nearness = f64::from(gaps.seen.nearness[i]);
                 let place = Seen {
                     x: x as f64 + 0.5,
@@ -83,6 +79,8 @@ fn pixel(
                     let lit = c * brightness as f32 * ink;
                     lit + (1.0 - lit) * distance
                 })
+            } else {
+                [1.0; 3]
             };
             for (total, part) in sum.iter_mut().zip(light) {
                 *total += part;
@@ -94,31 +92,33 @@ fn pixel(
 
 /// What the lines leave of the light: 1 away from edges.
 fn ink(mesh: &Mesh, seen: &DepthBuffer, [x, y]: [usize; 2]) -> f32 {
-    let body = |facet: u32| mesh.facets.get(facet as usize).and_then(|f| f.body);
     let here = seen.facet[y * seen.width + x];
-    if body(here).is_none() {
+    let Some(Facet {
+        normal,
+        body: Some(body),
+        ..
+    }) = mesh.facet(here)
+    else {
         return 1.0;
-    }
+    };
     let mut left = 1.0_f32;
     for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1)] {
         let there = seen
             .at(x as isize + dx, y as isize + dy)
             .map_or(NOTHING, |(facet, _)| facet);
-        if body(there) != body(here) {
-            return BORDER;
+        if there == here {
+            continue;
         }
+        let beside = mesh.facet(there).filter(|f| f.body == Some(body));
+        let Some(beside) = beside else {
+            return BORDER;
+        };
         // Each edge between two faces is drawn on one side of it only.
-        if there < here && is_sharp(mesh, there, here) {
+        if there < here && normal.dot(&beside.normal) < SHARP {
             left = CREASE;
         }
     }
     left
-}
-
-/// Whether two facets of a body meet in an edge that is worth a line.
-fn is_sharp(mesh: &Mesh, a: u32, b: u32) -> bool {
-    let normal = |facet: u32| mesh.facets[facet as usize].normal;
-    normal(a).dot(&normal(b)) < SHARP
 }
 
 /// The fading of distant bodies.

@@ -20,13 +20,14 @@ pub struct Skin {
     pub values: Vec<f64>,
 }
 
-impl Mesh {
+impl Mesh<'_> {
     /// Surfaces coloured by `scale`. Points that are not there are left out with their triangles.
     fn of_skins(skins: &[Skin], scale: &BodyValues) -> Self {
         let mut mesh = Self::default();
+        let rest = &mut mesh.rest;
         for (body, skin) in (0..).zip(skins) {
-            let first = mesh.points.len() as u32;
-            mesh.points.extend(&skin.points);
+            let first = rest.points.len() as u32;
+            rest.points.extend(&skin.points);
             for (corners, &value) in skin.triangles.iter().zip(&skin.values) {
                 let [Some(a), Some(b), Some(c)] = corners.map(|i| skin.points.get(i as usize))
                 else {
@@ -35,11 +36,11 @@ impl Mesh {
                 let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else {
                     continue;
                 };
-                mesh.triangles.push(Triangle {
+                rest.triangles.push(Triangle {
                     corners: corners.map(|i| first + i),
-                    facet: mesh.facets.len() as u32,
+                    facet: rest.facets.len() as u32,
                 });
-                mesh.facets.push(Facet {
+                rest.facets.push(Facet {
                     normal,
                     colour: scale.place(value).map_or(UNKNOWN, viridis).to_light(),
                     body: Some(body),
@@ -64,7 +65,7 @@ pub fn draw_skins(
 ) -> Result<Image, Error> {
     options.check()?;
     let mut mesh = Mesh::of_skins(skins, scale);
-    if mesh.triangles.is_empty() {
+    if mesh.is_empty() {
         return Err(Error::NothingToDraw);
     }
     let sizes = skins.iter().map(|skin| 2.0 * radius(&skin.points));
@@ -72,7 +73,7 @@ pub fn draw_skins(
     if let Some(drawing) = drawing {
         mesh.add_floor(&drawing.floor);
     }
-    let mut extent = bounding_corners(&mesh.points);
+    let mut extent = bounding_corners(mesh.points());
     extent.extend(drawing.iter().flat_map(|d| d.lines.iter().flatten()));
     let view = eye(&extent, options, LEGEND);
     let (mut image, seen) = paint(&mesh, &extent, &view, options, diameter);

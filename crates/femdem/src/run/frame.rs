@@ -139,7 +139,7 @@ fn write_grid(bodies: &[Strained], writer: impl Write) -> io::Result<()> {
     out.finish(writer)
 }
 
-fn point_data(out: &mut Document, bodies: &[Strained]) {
+fn point_data<'a>(out: &mut Document<'a>, bodies: &'a [Strained]) {
     let displacement = |b: &Strained| -> Vec<f64> {
         let pose = b.entry.placed;
         let nodes = b.body.positions().iter().zip(b.body.model().nodes());
@@ -152,7 +152,7 @@ fn point_data(out: &mut Document, bodies: &[Strained]) {
     out.floats("velocity", 3, velocities.flat_map(|v| <[f64; 3]>::from(*v)));
 }
 
-fn cell_data(out: &mut Document, bodies: &[Strained]) {
+fn cell_data<'a>(out: &mut Document<'a>, bodies: &'a [Strained]) {
     let number = |b: &Strained| vec![b.member as i64; b.stresses.len()];
     out.integers("body", bodies.iter().flat_map(number));
     let regions = bodies.iter().flat_map(|b| b.body.model().region_of_tet());
