@@ -17,6 +17,7 @@ mod pack;
 pub(crate) mod program;
 pub(crate) mod report;
 mod scan;
+mod size;
 mod soft_boulders;
 mod spheres;
 mod statics;
@@ -56,6 +57,8 @@ enum Case {
     Pack500,
     /// Processor time per body from 500 to 4,000 bodies
     Cost,
+    /// Cost per body and step, and memory per body, from 1,000 to 30,000 bodies
+    Size,
     /// The same bits at 1, 2 and 3 threads and without the feature `parallel`
     Threads,
     /// The same bits through an interruption and a resumption
@@ -100,6 +103,7 @@ impl Case {
                 Self::Spheres,
                 Self::BouldersDeformable,
                 Self::Cost,
+                Self::Size,
             ],
             single => vec![single],
         }
@@ -116,6 +120,7 @@ impl Case {
                 options.seconds.unwrap_or(4.0),
             ),
             Self::Pack500 | Self::All => pack::run(workshop, count.unwrap_or(500)),
+            Self::Size => size::run(workshop, count),
             Self::Cost => cost::run(workshop, count.unwrap_or(500)),
             Self::Threads => bits::threads(workshop, count.unwrap_or(200)),
             Self::Restart => bits::restart(workshop, count.unwrap_or(200)),
