@@ -156,7 +156,10 @@ mod tests {
 
     #[test]
     fn every_step_that_resolves_dependencies_keeps_the_lock_file() {
-        for step in STEPS.iter().filter(|step| !step.arguments.starts_with("fmt ")) {
+        for step in STEPS
+            .iter()
+            .filter(|step| !step.arguments.starts_with("fmt "))
+        {
             assert!(step.arguments.contains("--locked"), "{}", step.name);
         }
     }

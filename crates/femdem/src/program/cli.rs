@@ -154,7 +154,8 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "PA")]
     penalty: Option<f64>,
 
-    /// Mean penetration over d that the automatic penalty aims at [default: 0.0035]
+    /// Mean penetration over d that the automatic penalty aims at [default: 0.0035;
+    /// 0.0012 with --protocol release, which keeps the largest below 0.01]
     #[arg(long, value_name = "X", conflicts_with = "penalty")]
     penetration: Option<f64>,
 
@@ -288,7 +289,6 @@ impl PackArgs {
         set(&mut scene.density, &self.density);
         set(&mut scene.friction, &self.friction);
         set(&mut scene.damping, &self.damping);
-        set(&mut scene.penetration, &self.penetration);
         set(&mut scene.drag, &self.drag);
         set(&mut scene.local_damping, &self.local_damping);
         set(&mut scene.gravity, &self.gravity);
@@ -300,6 +300,7 @@ impl PackArgs {
         set(&mut scene.checkpoint_every, &self.run.checkpoint_every);
         scene.height = self.height.or(scene.height);
         scene.batch = self.batch.or(scene.batch);
+        scene.penetration = self.penetration.or(scene.penetration);
         scene.threads = self.run.threads.map(usize::from).or(scene.threads);
         // A penetration asked for here undoes a penalty in the file.
         if self.penetration.is_some() {
@@ -360,6 +361,7 @@ fn set<T: Clone>(to: &mut T, from: &Option<T>) {
 mod tests {
     use super::*;
     use clap::CommandFactory;
+    use femdem::pack::{Protocol, Release};
 
     fn scene(options: &str) -> Scene {
         let words = ["femdem", "pack"]
@@ -451,7 +453,11 @@ mod tests {
             format!("kg/m3 [default: {}]", d.density),
             format!("with walls [default: {}]", d.friction),
             format!("0.25 [default: {}]", d.damping),
-            format!("aims at [default: {}]", d.penetration),
+            format!(
+                "aims at [default: {}; {} with --protocol release",
+                Protocol::default().usual_penetration(),
+                Protocol::Release(Release::default()).usual_penetration()
+            ),
             format!("m/s2 [default: {}]", d.gravity),
             format!("second (pour) [default: {}]", d.rate),
             format!("in m [default: {}]", d.outlet),

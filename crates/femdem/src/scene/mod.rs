@@ -103,8 +103,9 @@ pub struct Scene {
     pub damping: f64,
     /// Penalty \[Pa\]. `None`: chosen for a mean penetration of `penetration`.
     pub penalty: Option<f64>,
-    /// Mean penetration over d that the automatic penalty aims at.
-    pub penetration: f64,
+    /// Mean penetration over d that the automatic penalty aims at. `None`: what is usual for the
+    /// protocol ([`Protocol::usual_penetration`]).
+    pub penetration: Option<f64>,
     /// Drag of the medium while the pack is made, in sqrt(g/d).
     pub drag: f64,
     /// Cundall's local damping while the pack is made: the part of each component of a body's net force
@@ -161,7 +162,7 @@ impl Default for Scene {
             friction: spec.friction,
             damping: spec.damping_ratio,
             penalty: None,
-            penetration: 0.0035,
+            penetration: None,
             drag: 0.0,
             local_damping: 0.0,
             gravity: spec.gravity,
@@ -238,12 +239,6 @@ impl Scene {
             density: self.density,
             friction: self.friction,
             damping_ratio: self.damping,
-            penalty: match self.penalty {
-                Some(pressure) => Penalty::Given { pressure },
-                None => Penalty::Automatic {
-                    penetration: self.penetration,
-                },
-            },
             gravity: self.gravity,
             seed: self.seed,
             ..PackSpec::default()
@@ -252,6 +247,14 @@ impl Scene {
         spec.container = container::container(self, &spec)?;
         spec.rim = container::rim(self, diameter);
         spec.protocol = self.protocol(diameter);
+        spec.penalty = match self.penalty {
+            Some(pressure) => Penalty::Given { pressure },
+            None => Penalty::Automatic {
+                penetration: self
+                    .penetration
+                    .unwrap_or_else(|| spec.protocol.usual_penetration()),
+            },
+        };
         spec.medium = Medium {
             drag: self.drag * (self.gravity.abs() / diameter).sqrt(),
             local_damping: self.local_damping,
@@ -389,5 +392,16 @@ mod tests {
         assert!(says(|s| s.mass = Some(-1.0)).contains("mass = -1"));
         let both = |s: &mut Scene| (s.mass, s.diameter) = (Some(1.0), Some(0.1));
         assert!(says(both).contains("only one"));
+    }
+
+    #[test]
+    fn a_release_aims_at_a_smaller_penetration_unless_told_otherwise() {
+        let penalty = |text: &str| Scene::from_toml(text).unwrap().spec().unwrap().penalty;
+        let aims = |penetration| Penalty::Automatic { penetration };
+        assert_eq!(penalty("count = 2"), aims(0.0035));
+        let release = "count = 2\nprotocol = \"release\"\n";
+        assert_eq!(penalty(release), aims(0.0012));
+        let told = format!("{release}penetration = 0.004");
+        assert_eq!(penalty(&told), aims(0.004));
     }
 }
