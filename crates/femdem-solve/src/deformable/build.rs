@@ -2,7 +2,7 @@
 
 use super::nodal::NodalAverages;
 use super::{DeformableModel, MaterialRegion};
-use crate::element::{Batch, BatchElement, Element, T4, T10, Table, lumped};
+use crate::element::{Batch, BatchElement, Element};
 use crate::error::{SolveError, check};
 use crate::material::{AnyMaterial, Material};
 use femdem_mesh::tet::QuadraticMesh;
@@ -187,61 +187,4 @@ impl DeformableModel {
         let elements: Option<Vec<_>> = connectivity.iter().enumerate().map(element).collect();
         Some(Batch::new(&elements?))
     }
-
-    /// Masses, and what the frequencies depend on beside the materials.
-    pub(super) fn lump(&mut self) {
-        let shares = lumped(self.element);
-        self.masses.fill(0.0);
-        self.couplings.clear();
-        let per_element = self.connectivity.chunks_exact(self.element.node_count());
-        for (e, nodes) in per_element.enumerate() {
-            let density = self.density(e);
-            let mass = density * self.volumes[e];
-            for (&node, share) in nodes.iter().zip(shares) {
-                self.masses[node as usize] += mass * share;
-            }
-            let inverse = &self.inverses[e];
-            let unit = if self.element.is_quadratic() {
-                coupling(&T10, inverse, shares)
-            } else {
-                coupling(&T4, inverse, shares)
-            };
-            self.couplings.push(unit / density);
-        }
-    }
-}
-
-/// A number t, 1/m^2, such that sum_q w_q |G_q|^2 <= t sum_a (m_a/rho) |u_a|^2 for the gradients G_q
-/// of every nodal field u, in the nuclear norm |G| = min (sum |u_i| |B_i|) over G = sum u_i (x) B_i.
-///
-/// A law of stiffness bound c has G : dP/dF : G <= c |G|^2, so omega^2 <= c t/rho (sums over elements
-/// never have a higher frequency than their worst element: B. M. Irons and G. Treharne, 1972). The
-/// nuclear norm is the largest R : G over rotations R, hence with the masses taken into the
-/// gradients b_qa = grad N_a sqrt(w_q/m_a) the sum is at most the largest eigenvalue of the matrix
-/// over points of max_R R : sum_a b_qa (x) b_ra, the nuclear norm of that sum. For one point it is
-/// 4 sum_a 1/h_a^2, with the heights h_a.
-fn coupling<const N: usize, const Q: usize>(
-    table: &Table<N, Q>,
-    inverse: &Matrix3,
-    shares: &[f64],
-) -> f64 {
-    let gradients: [[Vector3; N]; Q] = std::array::from_fn(|q| table.shape_gradients(q, inverse));
-    let mut largest = 0.0_f64;
-    // Row sums bound the largest eigenvalue of a matrix of non-negative entries, and the points
-    // are so symmetric that they hardly differ.
-    for g in &gradients {
-        let row = gradients.iter().map(|h| {
-            let sum = (0..N).fold(Matrix3::zeros(), |sum, a| {
-                sum + g[a] * h[a].transpose() / shares[a]
-            });
-            nuclear_norm(&sum) / Q as f64
-        });
-        largest = largest.max(row.sum());
-    }
-    largest
-}
-
-/// Sum of the singular values.
-fn nuclear_norm(m: &Matrix3) -> f64 {
-    m.singular_values().sum()
 }

@@ -33,6 +33,7 @@ mod body;
 mod bound;
 mod boundary;
 mod build;
+mod coupling;
 mod forces;
 mod ledger;
 mod loads;

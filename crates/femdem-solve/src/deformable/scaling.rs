@@ -5,6 +5,10 @@ use crate::error::{SolveError, check};
 use crate::material::{Deformation, Material};
 use femdem_mesh::Matrix3;
 
+/// Rounds in which mass is added where it lacks, and the excess of a frequency's square that ends them.
+const ROUNDS: usize = 20;
+const CLOSE: f64 = 1e-3;
+
 impl DeformableModel {
     /// The model with mass added to every element whose critical step in the reference state is
     /// below `step` (s), just enough to bring it there. [`DeformableModel::added_mass`] reports how
@@ -17,21 +21,45 @@ impl DeformableModel {
     /// no stiffness in the reference state.
     pub fn with_mass_scaling(mut self, step: f64) -> Result<Self, SolveError> {
         check("step of mass scaling", step, step > 0.0, "positive, in s")?;
-        self.mass_factors.clear();
+        let count = self.volumes.len();
+        self.mass_factors = vec![1.0; count];
         self.lump();
+        let mut worst = f64::INFINITY;
+        for round in 0..=ROUNDS {
+            let excess = self.excess(step)?;
+            worst = excess.iter().copied().fold(1.0, f64::max);
+            if worst <= 1.0 + CLOSE || round == ROUNDS {
+                break;
+            }
+            for (factor, excess) in self.mass_factors.iter_mut().zip(excess) {
+                *factor *= excess.max(1.0);
+            }
+            self.lump();
+        }
+        if worst > 1.0 {
+            // What is left goes to all, which scales every frequency alike.
+            self.mass_factors.iter_mut().for_each(|f| *f *= worst);
+            self.lump();
+        }
+        if self.mass_factors.iter().all(|f| *f == 1.0) {
+            self.mass_factors.clear();
+        }
+        Ok(self)
+    }
+
+    /// By element, omega^2 step^2/4 of its bound in the reference state.
+    fn excess(&self, step: f64) -> Result<Vec<f64>, SolveError> {
         let reference = Deformation::at_rest(Matrix3::identity());
-        let mut factors = Vec::with_capacity(self.couplings.len());
-        for (e, coupling) in self.couplings.iter().enumerate() {
+        let each = self.couplings.iter().enumerate().map(|(e, coupling)| {
             let material = self.material(e);
             let virgin = vec![0.0; material.history_len()];
             let stiffness = material.stiffness_bound(&reference, &virgin);
-            if !stiffness.is_finite() {
-                return Err(self.failure(e, &reference.gradient).into());
+            if stiffness.is_finite() {
+                Ok(stiffness * coupling * step * step / 4.0)
+            } else {
+                Err(self.failure(e, &reference.gradient).into())
             }
-            factors.push((stiffness * coupling * step * step / 4.0).max(1.0));
-        }
-        self.mass_factors = factors;
-        self.lump();
-        Ok(self)
+        });
+        each.collect()
     }
 }

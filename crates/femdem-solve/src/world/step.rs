@@ -47,7 +47,9 @@ impl World {
             self.batch
                 .largest_step(i, &self.motions[i as usize], others, most)
         });
-        self.step_control.choose(bound, &self.parameters.time_step)
+        let fine = self.deformable_count() > 0;
+        self.step_control
+            .choose(bound, fine, &self.parameters.time_step)
     }
 
     /// Adds the impulse of half a step to all awake bodies and books the work.

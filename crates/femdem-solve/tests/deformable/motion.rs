@@ -199,7 +199,7 @@ fn dissipation_is_accounted_for() {
         }
         let mut body =
             DeformableBody::with_state(plastic, Boundary::default(), state, 0.0).unwrap();
-        let dt = 0.2 * body.critical_step().unwrap();
+        let dt = 0.15 * body.critical_step().unwrap();
         while body.time() < 0.05 {
             body.step(dt).unwrap();
         }
