@@ -3,7 +3,7 @@
 use super::forces::State;
 use super::{DeformableModel, Workspace};
 use crate::element::{Bar, Element, ElementFailure, T4, T10, Table};
-use crate::material::{Deformation, Material};
+use crate::material::{AnyMaterial, Deformation, Material};
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -55,11 +55,30 @@ impl DeformableModel {
         self.check_lengths(x, old)?;
         let state = State { x, v: &[], old };
         match self.element {
-            Element::T4 => self.own_bound(&T4, false, state),
+            Element::T4 => match self.bound_within(x) {
+                Some(bound) => Ok(bound),
+                None => self.own_bound(&T4, false, state),
+            },
             Element::T10 => self.own_bound(&T10, false, state),
             Element::T10Fbar => self.own_bound(&T10, true, state),
             Element::T4NodalPressure => self.averaged_bound(state),
         }
+    }
+
+    /// The bound by the amount of strain alone, a little larger than that by its kind; `None` of elements
+    /// that are not batched or strained much.
+    fn bound_within(&self, x: &[Vector3]) -> Option<FrequencyBound> {
+        let rows = self.batch.as_ref()?.squared_strains(x);
+        let mut bound = FrequencyBound::default();
+        let strains = rows.iter().flat_map(|row| &row.0);
+        for ((e, coupling), strain) in self.couplings.iter().enumerate().zip(strains) {
+            let AnyMaterial::NeoHookean(law) = self.material(e) else {
+                return None;
+            };
+            let stiffness = law.stiffness_bound_within(strain.sqrt())?;
+            bound.raise(stiffness * coupling, 0.0);
+        }
+        Some(bound)
     }
 
     fn own_bound<const N: usize, const Q: usize>(

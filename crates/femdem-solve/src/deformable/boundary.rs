@@ -250,6 +250,11 @@ impl Boundary {
         each.map(|hold| (hold.node, usize::from(hold.component)))
     }
 
+    /// Whether nothing is prescribed: no gravity of its own, no load, no node held or driven.
+    pub(crate) fn is_free(&self) -> bool {
+        self.gravity == Vector3::zeros() && self.loads.is_empty() && self.holds.is_empty()
+    }
+
     /// Whether a pressure, which turns with its faces, is among the loads.
     pub(crate) fn has_pressure(&self) -> bool {
         let mut kinds = self.loads.iter().map(|load| load.kind);

@@ -34,6 +34,10 @@ impl NeoHookean {
     }
 }
 
+/// Strains up to which the bound by the strain alone is taken. There ln J < 1, and the bound holds for
+/// swelling too.
+const WITHIN: f64 = 0.2;
+
 impl Material for NeoHookean {
     fn name(&self) -> &str {
         "neo-Hookean"
@@ -88,6 +92,20 @@ impl Material for NeoHookean {
             lambda.max(0.0) + q
         };
         shear + volumetric / s2
+    }
+}
+
+impl NeoHookean {
+    /// The stiffness bound of any F with |F^T F - I| = `strain`; `None` where that is too large for a
+    /// useful one. The squares s^2 of the stretches are not less than 1 - strain, and -ln J not more
+    /// than 3/2 (1 - s^2)/s^2 by the smallest of them.
+    pub(crate) fn stiffness_bound_within(&self, strain: f64) -> Option<f64> {
+        let Moduli { lambda, shear, .. } = self.moduli;
+        let usable = strain < WITHIN && lambda >= 0.0;
+        usable.then(|| {
+            let s2 = 1.0 - strain;
+            shear + (lambda + shear + 1.5 * lambda * strain / s2) / s2
+        })
     }
 }
 

@@ -36,7 +36,7 @@ pub(crate) struct SoftBody {
     pub rates: Vec<f64>,
     /// Whether any of these is not zero.
     #[serde(skip)]
-    loaded: bool,
+    pub loaded: bool,
 }
 
 impl SoftBody {

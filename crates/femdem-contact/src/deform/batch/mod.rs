@@ -317,6 +317,11 @@ impl DeformableBatch {
         }
     }
 
+    /// Whether anything touches a body: where not, all of the following are zero.
+    pub fn touches(&self, body: u32) -> bool {
+        self.bodies.get(body as usize).is_some_and(|b| b.loaded)
+    }
+
     /// Contact forces on the nodes of a body, N: elastic, damping and friction. Empty if there is
     /// no such body.
     pub fn forces(&self, body: u32) -> &[Vector3] {

@@ -26,19 +26,26 @@ impl Task for Energy<'_> {
     }
 }
 
+/// The edges at corner 0 of four elements, as rows of the matrices of which they are the columns.
+#[inline(always)]
+pub(super) fn edges(block: &Block, x: &[Vector3]) -> [Row; 9] {
+    let mut edges = [Row::default(); 9];
+    for lane in 0..LANES {
+        let [a, b, c, d] = block.nodes.map(|of_corner| x[of_corner[lane] as usize]);
+        for i in 0..3 {
+            edges[3 * i].0[lane] = b[i] - a[i];
+            edges[3 * i + 1].0[lane] = c[i] - a[i];
+            edges[3 * i + 2].0[lane] = d[i] - a[i];
+        }
+    }
+    edges
+}
+
 impl Reference {
     /// V (mu (tr E - ln J) + lambda/2 ln^2 J), with J^2 - 1 from the invariants of F^T F - I.
     #[inline(always)]
     fn energy<S: Lanes>(&self, l: S, block: &Block, x: &[Vector3]) -> S::F {
-        let mut edges = [Row::default(); 9];
-        for lane in 0..LANES {
-            let [a, b, c, d] = block.nodes.map(|of_corner| x[of_corner[lane] as usize]);
-            for i in 0..3 {
-                edges[3 * i].0[lane] = b[i] - a[i];
-                edges[3 * i + 1].0[lane] = c[i] - a[i];
-                edges[3 * i + 2].0[lane] = d[i] - a[i];
-            }
-        }
+        let edges = edges(block, x);
         let [a, b, c] = [
             self.column(l, &edges, 0),
             self.column(l, &edges, 1),
@@ -83,7 +90,7 @@ impl Reference {
 
     /// A column of F.
     #[inline(always)]
-    fn column<S: Lanes>(&self, l: S, edges: &[Row; 9], j: usize) -> [S::F; 3] {
+    pub(super) fn column<S: Lanes>(&self, l: S, edges: &[Row; 9], j: usize) -> [S::F; 3] {
         let g = [
             l.load(&self.inverse[j]),
             l.load(&self.inverse[3 + j]),

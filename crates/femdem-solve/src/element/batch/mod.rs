@@ -10,6 +10,7 @@
 
 mod energy;
 mod forces;
+mod strain;
 
 use super::lanes::{LANES, Lanes, Plain, Row};
 use crate::material::NeoHookean;
@@ -19,6 +20,7 @@ use forces::Forces;
 #[cfg(feature = "parallel")]
 use forces::Slots;
 use std::ops::Range;
+use strain::Strains;
 
 /// A node of a body: its place and what forces have been added, in m and N; the last numbers are 0.
 #[derive(Debug, Clone, Copy, Default)]
@@ -113,6 +115,15 @@ impl Batch {
         dispatch(Energy {
             blocks: &self.blocks[blocks.clone()],
             references: &self.references[blocks],
+            x,
+        })
+    }
+
+    /// |F^T F - I|^2 of the elements in their order, four to a row.
+    pub fn squared_strains(&self, x: &[Vector3]) -> Vec<Row> {
+        dispatch(Strains {
+            blocks: &self.blocks,
+            references: &self.references,
             x,
         })
     }

@@ -205,6 +205,7 @@ impl World {
         boundary.check(model)?;
         state.inverse_masses = inverse_masses(model.masses(), &boundary);
         state.boundary = boundary;
+        state.loads.fill(Vector3::zeros());
         self.loaded = false;
         Ok(())
     }

@@ -3,11 +3,8 @@
 use super::{Deformables, RENEW, Scratch, State};
 use crate::deformable::DeformableModel;
 use crate::error::SolveError;
-use crate::ledger::Flows;
-use crate::parameters::{Medium, WorldParameters};
 use crate::world::World;
-use crate::world::step::{relaxation, resist};
-use femdem_contact::deform::{DeformableBatch, NodalState};
+use femdem_contact::deform::NodalState;
 use femdem_contact::{ContactBatch, ContactError, Load, Motion, stable_step};
 use femdem_mesh::Vector3;
 
@@ -27,23 +24,6 @@ pub(in crate::world) fn all_wall_loads<'a>(
     deformables.map_or(batch.wall_loads(), |d| &d.wall_loads)
 }
 
-/// Forces of the contacts on the nodes of a body, N.
-struct Contact<'a> {
-    forces: &'a [Vector3],
-    damping: &'a [Vector3],
-    friction: &'a [Vector3],
-}
-
-impl<'a> Contact<'a> {
-    fn of(batch: &'a DeformableBatch, body: u32) -> Self {
-        Self {
-            forces: batch.forces(body),
-            damping: batch.damping_forces(body),
-            friction: batch.friction_forces(body),
-        }
-    }
-}
-
 impl World {
     /// The largest step that is stable for the deformable bodies with their contacts, s; infinite
     /// without any.
@@ -54,6 +34,9 @@ impl World {
         let bodies = deformables.bodies.iter().enumerate();
         bodies
             .map(|(i, body)| {
+                if !deformables.batch.touches(i as u32) {
+                    return body.bound.critical_step();
+                }
                 // The frequencies of elements and contacts add at most.
                 let stiffness = deformables.batch.stiffness(i as u32);
                 let rates = deformables.batch.rates(i as u32);
@@ -69,31 +52,6 @@ impl World {
                 )
             })
             .fold(f64::INFINITY, f64::min)
-    }
-
-    /// Adds the impulse of half a step to all nodes and books the work.
-    pub(in crate::world) fn kick_deformables(&mut self, h: f64) {
-        let Some(deformables) = self.deformables.as_deref_mut() else {
-            return;
-        };
-        let Deformables {
-            models,
-            bodies,
-            batch,
-            ..
-        } = deformables;
-        let WorldParameters {
-            gravity, medium, ..
-        } = &self.parameters;
-        for (i, body) in bodies.iter_mut().enumerate() {
-            let masses = models[body.model as usize].model.masses();
-            let contact = Contact::of(batch, i as u32);
-            let flows = body.kick(&contact, masses, gravity, medium, h);
-            self.flows.damping_work += flows.damping_work;
-            self.flows.friction_work += flows.friction_work;
-            self.flows.work_in += flows.work_in;
-            self.flows.medium_work += flows.medium_work;
-        }
     }
 
     /// Gives held and driven nodes their velocities of the step's end and books what that takes.
@@ -249,57 +207,15 @@ impl State {
             &mut scratch.work,
         )?;
         std::mem::swap(&mut self.history, &mut scratch.history);
-        self.loads.fill(Vector3::zeros());
-        self.boundary
-            .add_forces(model, time, &self.positions, &mut self.loads)?;
+        if !self.boundary.is_free() {
+            self.loads.fill(Vector3::zeros());
+            self.boundary
+                .add_forces(model, time, &self.positions, &mut self.loads)?;
+        }
         if renew {
             self.bound = model.stable_frequency2(&self.positions, &self.history)?;
         }
         Ok(())
-    }
-
-    /// Half a kick. Works are the forces times the mean of the velocities before and after.
-    fn kick(
-        &mut self,
-        contact: &Contact,
-        masses: &[f64],
-        gravity: &Vector3,
-        medium: &Medium,
-        h: f64,
-    ) -> Flows {
-        let mut flows = Flows::default();
-        let held: Vec<(usize, usize, f64)> = self
-            .boundary
-            .held()
-            .map(|(node, i)| (node as usize, i, self.velocities[node as usize][i]))
-            .collect();
-        let (decay, reach) = relaxation(medium.drag, h);
-        for (a, v) in self.velocities.iter_mut().enumerate() {
-            let before = *v;
-            let m = masses[a];
-            let force = self.strain_forces[a] + self.loads[a] + contact.forces[a] + gravity * m;
-            if *medium == Medium::default() {
-                *v += force * (h / m);
-            } else {
-                let resisted = resist(&force, &before, medium.local_damping);
-                *v = before * decay + resisted * (reach / m);
-                let gained = 0.5 * m * (v.norm_squared() - before.norm_squared());
-                flows.medium_work += gained - force.dot(&(before + *v)) * (0.5 * h);
-            }
-            let way = (before + *v) * (0.5 * h);
-            flows.work_in += self.loads[a].dot(&way);
-            flows.damping_work += contact.damping[a].dot(&way);
-            flows.friction_work += contact.friction[a].dot(&way);
-        }
-        for (a, i, before) in held {
-            let (m, v) = (masses[a], self.velocities[a][i]);
-            let force =
-                self.strain_forces[a][i] + self.loads[a][i] + contact.forces[a][i] + gravity[i] * m;
-            // What the support takes up, and what the node's own load did less than was booked.
-            flows.work_in -= force * before * h + self.loads[a][i] * 0.5 * (v - before) * h;
-            self.velocities[a][i] = before;
-        }
-        flows
     }
 
     /// Moves the nodes; those that are prescribed go where they have to be at time `end`.

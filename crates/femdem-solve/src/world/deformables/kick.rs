@@ -1,0 +1,133 @@
+//! Kicks of the deformable bodies.
+
+use super::{Deformables, State};
+use crate::ledger::Flows;
+use crate::parameters::{Medium, WorldParameters};
+use crate::world::World;
+use crate::world::step::{relaxation, resist};
+use femdem_contact::deform::DeformableBatch;
+use femdem_mesh::Vector3;
+
+/// Forces of the contacts on the nodes of a body, N.
+struct Contact<'a> {
+    forces: &'a [Vector3],
+    damping: &'a [Vector3],
+    friction: &'a [Vector3],
+}
+
+impl<'a> Contact<'a> {
+    fn of(batch: &'a DeformableBatch, body: u32) -> Self {
+        Self {
+            forces: batch.forces(body),
+            damping: batch.damping_forces(body),
+            friction: batch.friction_forces(body),
+        }
+    }
+}
+
+impl World {
+    /// Adds the impulse of half a step to all nodes and books the work.
+    pub(in crate::world) fn kick_deformables(&mut self, h: f64) {
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return;
+        };
+        let Deformables {
+            models,
+            bodies,
+            batch,
+            ..
+        } = deformables;
+        let WorldParameters {
+            gravity, medium, ..
+        } = &self.parameters;
+        let plain = *medium == Medium::default();
+        for (i, body) in bodies.iter_mut().enumerate() {
+            let contact = Contact::of(batch, i as u32);
+            let flows = if !plain || !body.boundary.is_free() {
+                let masses = models[body.model as usize].model.masses();
+                body.kick(&contact, masses, gravity, medium, h)
+            } else if batch.touches(i as u32) {
+                body.kick_touching(&contact, gravity, h)
+            } else {
+                body.kick_alone(gravity, h);
+                continue;
+            };
+            self.flows.damping_work += flows.damping_work;
+            self.flows.friction_work += flows.friction_work;
+            self.flows.work_in += flows.work_in;
+            self.flows.medium_work += flows.medium_work;
+        }
+    }
+}
+
+impl State {
+    /// Half a kick of a body that nothing touches, without boundary and medium.
+    fn kick_alone(&mut self, gravity: &Vector3, h: f64) {
+        let nodes = self.strain_forces.iter().zip(&self.inverse_masses);
+        for (v, (force, w)) in self.velocities.iter_mut().zip(nodes) {
+            *v += force * (h * w) + gravity * h;
+        }
+    }
+
+    /// As [`kick`](Self::kick), without boundary and medium.
+    fn kick_touching(&mut self, contact: &Contact, gravity: &Vector3, h: f64) -> Flows {
+        let mut flows = Flows::default();
+        let nodes = self.strain_forces.iter().zip(&self.inverse_masses);
+        let parts = contact.damping.iter().zip(contact.friction);
+        let forces = contact.forces.iter().zip(parts);
+        for ((v, (force, w)), (by_contact, (damping, friction))) in
+            self.velocities.iter_mut().zip(nodes).zip(forces)
+        {
+            let before = *v;
+            *v += (force + by_contact) * (h * w) + gravity * h;
+            let way = (before + *v) * (0.5 * h);
+            flows.damping_work += damping.dot(&way);
+            flows.friction_work += friction.dot(&way);
+        }
+        flows
+    }
+
+    /// Half a kick. Works are the forces times the mean of the velocities before and after.
+    fn kick(
+        &mut self,
+        contact: &Contact,
+        masses: &[f64],
+        gravity: &Vector3,
+        medium: &Medium,
+        h: f64,
+    ) -> Flows {
+        let mut flows = Flows::default();
+        let held: Vec<(usize, usize, f64)> = self
+            .boundary
+            .held()
+            .map(|(node, i)| (node as usize, i, self.velocities[node as usize][i]))
+            .collect();
+        let (decay, reach) = relaxation(medium.drag, h);
+        for (a, v) in self.velocities.iter_mut().enumerate() {
+            let before = *v;
+            let m = masses[a];
+            let force = self.strain_forces[a] + self.loads[a] + contact.forces[a] + gravity * m;
+            if *medium == Medium::default() {
+                *v += force * (h / m);
+            } else {
+                let resisted = resist(&force, &before, medium.local_damping);
+                *v = before * decay + resisted * (reach / m);
+                let gained = 0.5 * m * (v.norm_squared() - before.norm_squared());
+                flows.medium_work += gained - force.dot(&(before + *v)) * (0.5 * h);
+            }
+            let way = (before + *v) * (0.5 * h);
+            flows.work_in += self.loads[a].dot(&way);
+            flows.damping_work += contact.damping[a].dot(&way);
+            flows.friction_work += contact.friction[a].dot(&way);
+        }
+        for (a, i, before) in held {
+            let (m, v) = (masses[a], self.velocities[a][i]);
+            let force =
+                self.strain_forces[a][i] + self.loads[a][i] + contact.forces[a][i] + gravity[i] * m;
+            // What the support takes up, and what the node's own load did less than was booked.
+            flows.work_in -= force * before * h + self.loads[a][i] * 0.5 * (v - before) * h;
+            self.velocities[a][i] = before;
+        }
+        flows
+    }
+}
