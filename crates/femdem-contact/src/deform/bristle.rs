@@ -52,8 +52,9 @@ pub(crate) struct Touch<'a> {
     pub inverse_mass: f64,
     /// The tetrahedra around, by number and as they are.
     pub hosts: [(u32, &'a Current); 2],
-    /// Their places on the lists.
+    /// Their places on the lists, and their shape functions at the point.
     pub places: [u32; 2],
+    pub weights: [[f64; 4]; 2],
     pub origin: Vector3,
 }
 
@@ -116,11 +117,17 @@ impl Bristle {
 
     /// Way from the point of A to that of B, m; zero if there are no such points.
     pub fn stretch(&self, sides: &[Operand; 2], origin: &Vector3) -> Vector3 {
-        let [a, b] = [0, 1].map(|i| sides[i].anchored(&self.anchors[i], origin));
-        match (a, b) {
-            (Some(a), Some(b)) => b - a,
-            _ => Vector3::zeros(),
-        }
+        self.ends(sides, origin)
+            .map_or_else(Vector3::zeros, |[a, b]| b - a)
+    }
+
+    /// Where the points are about an origin, m; `None` if there are no such points.
+    fn ends(&self, sides: &[Operand; 2], origin: &Vector3) -> Option<[Vector3; 2]> {
+        let [a, b] = &self.anchors;
+        Some([
+            sides[0].anchored(a, origin)?,
+            sides[1].anchored(b, origin)?,
+        ])
     }
 
     /// Energy of the spring as it stands, J.
@@ -146,7 +153,8 @@ impl Bristle {
     ) -> TriangleFriction {
         let normal = &touch.normal;
         let mut k = touch.stiffness;
-        let mut stretch = across(&self.stretch(sides, &touch.origin), normal);
+        let ends = self.ends(sides, &touch.origin);
+        let mut stretch = ends.map_or_else(Vector3::zeros, |[a, b]| across(&(b - a), normal));
         let slip = across(&touch.slip, normal);
         let mut moved = false;
         // A stiffer spring keeps its force, a softer one its stretch: neither makes energy.
@@ -178,9 +186,8 @@ impl Bristle {
             };
             moved = true;
         }
-        let place = sides[1].anchored(&self.anchors[1], &touch.origin);
-        let far = |x: Vector3| (x - touch.point).norm_squared() > (RECENTRE * size).powi(2);
-        if moved || place.is_none_or(far) {
+        let far = |[_, x]: [Vector3; 2]| (x - touch.point).norm_squared() > (RECENTRE * size).powi(2);
+        if moved || ends.is_none_or(far) {
             self.place(sides, touch, &stretch);
         }
         self.stiffness = k;

@@ -1,7 +1,7 @@
 //! Friction of one pair: the springs of all its triangles.
 
 use super::bristle::{Bristle, Touch};
-use super::current::{Current, Operand};
+use super::current::Operand;
 use super::kernel::DeformableScratch;
 use super::record::DeformableContact;
 use super::respond::{FrictionStart, Mover, Outcome, Pair};
@@ -88,7 +88,7 @@ impl Outcome {
             slides &= friction.slides;
             marks.push(Mark {
                 places: touch.places,
-                weights: touch.hosts.map(|h| h.1.weights(&touch.point)),
+                weights: touch.weights,
                 point: touch.point,
                 force: friction.force,
                 stiffness: friction.stiffness,
@@ -162,7 +162,9 @@ impl Pair<'_> {
         };
         let hosts = [host(0)?, host(1)?];
         let point = load.moment / load.pressure;
-        let [(va, wa), (vb, wb)] = [0, 1].map(|side| self.motion_at(side, hosts[side], &point));
+        let weights = hosts.map(|(_, current)| current.weights(&point));
+        let (va, wa) = self.motion_at(0, hosts[0].0, &weights[0], &point);
+        let (vb, wb) = self.motion_at(1, hosts[1].0, &weights[1], &point);
         Some(Touch {
             point,
             normal: load.force / force,
@@ -172,6 +174,7 @@ impl Pair<'_> {
             inverse_mass: wa + wb,
             hosts,
             places: load.hosts,
+            weights,
             origin: self.near.origin,
         })
     }
@@ -180,7 +183,8 @@ impl Pair<'_> {
     fn motion_at(
         &self,
         side: usize,
-        (tet, current): (u32, &Current),
+        tet: u32,
+        weights: &[f64; 4],
         point: &Vector3,
     ) -> (Vector3, f64) {
         match (&self.movers[side], &self.sides[side]) {
@@ -189,14 +193,13 @@ impl Pair<'_> {
                 (motion.velocity_at(&arm), motion.inverse_mass_at(&arm))
             }
             (Mover::Nodes(state), Operand::Deformable(shape, _)) => {
-                let weights = current.weights(point);
                 let (mut velocity, mut inverse_mass) = (Vector3::zeros(), 0.0);
                 let nodes = shape
                     .tets()
                     .get(tet as usize)
                     .map_or([NONE; 4], |t| t.nodes);
                 for (node, w) in nodes.into_iter().zip(weights) {
-                    velocity += shape.place(node, state.velocities).unwrap_or_default() * w;
+                    velocity += shape.place(node, state.velocities).unwrap_or_default() * *w;
                     inverse_mass += shape.inverse_mass(node, state.inverse_masses) * w * w;
                 }
                 (velocity, inverse_mass)

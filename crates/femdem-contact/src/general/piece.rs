@@ -222,48 +222,100 @@ impl Piece {
     pub fn for_faces(&mut self, mut face: impl FnMut(u8, &[Vector3])) {
         self.seen[..4 * self.count].fill(false);
         for first in (0..self.count).flat_map(|v| [4 * v, 4 * v + 1, 4 * v + 2]) {
-            if self.seen[first] {
-                continue;
+            if !self.seen[first] {
+                let corners = self.collect(first);
+                face(self.label[first], &self.polygon[..corners]);
             }
-            let mut corners = 0;
-            let mut edge = first;
-            while !self.seen[edge] && corners < MOST {
-                self.seen[edge] = true;
-                self.polygon[corners] = self.at[edge / 4];
-                corners += 1;
-                let back = usize::from(self.twin[edge]);
-                edge = back - back % 4 + BEFORE[back % 4];
-            }
-            face(self.label[first], &self.polygon[..corners]);
         }
+    }
+
+    /// Collects the corners of the face to the left of half-edge `first`; returns how many there are.
+    #[inline]
+    fn collect(&mut self, first: usize) -> usize {
+        let mut corners = 0;
+        let mut edge = first;
+        while !self.seen[edge] && corners < MOST {
+            self.seen[edge] = true;
+            self.polygon[corners] = self.at[edge / 4];
+            corners += 1;
+            edge = self.next(edge);
+        }
+        corners
+    }
+
+    /// The half-edge after `edge` round the face to its left.
+    #[inline]
+    fn next(&self, edge: usize) -> usize {
+        let back = usize::from(self.twin[edge]);
+        back - back % 4 + BEFORE[back % 4]
     }
 
     /// Volume and first moment, summed about the first vertex.
     pub fn moments(&mut self) -> Moments {
-        self.moments_and_faces(|_, _| {})
+        self.moments_and_faces(0, &mut 0, |_, _| {})
     }
 
-    /// As [`moments`](Self::moments) and [`for_faces`](Self::for_faces), in one go.
-    pub fn moments_and_faces(&mut self, mut face: impl FnMut(u8, &[Vector3])) -> Moments {
+    /// As [`moments`](Self::moments), and calls `face` for the faces whose labels are among the bits
+    /// `wanted`. The bits of the labels of all faces are put in `labels`.
+    #[inline]
+    pub fn moments_and_faces(
+        &mut self,
+        wanted: u8,
+        labels: &mut u8,
+        mut face: impl FnMut(u8, &[Vector3]),
+    ) -> Moments {
         let origin = self.at[0];
         let mut six = 0.0;
         let mut first = Vector3::zeros();
-        self.for_faces(|label, polygon| {
-            face(label, polygon);
-            let Some((x, rest)) = polygon.split_first() else {
-                return;
-            };
-            let x = x - origin;
-            if x == Vector3::zeros() {
-                return;
+        let mut add = |x: &Vector3, y: &Vector3, z: &Vector3| {
+            let volume = x.dot(&y.cross(z));
+            six += volume;
+            first += (x + y + z) * volume;
+        };
+        self.seen[..4 * self.count].fill(false);
+        for v in 0..self.count {
+            for edge in [4 * v, 4 * v + 1, 4 * v + 2] {
+                if self.seen[edge] {
+                    continue;
+                }
+                let label = self.label[edge];
+                let bit = 1_u8.checked_shl(u32::from(label)).unwrap_or(0);
+                *labels |= bit;
+                let x = self.at[v] - origin;
+                let flat = x == Vector3::zeros();
+                if wanted & bit != 0 {
+                    let corners = self.collect(edge);
+                    let polygon = &self.polygon[..corners];
+                    face(label, polygon);
+                    if !flat && corners > 2 {
+                        for pair in polygon[1..].windows(2) {
+                            add(&x, &(pair[0] - origin), &(pair[1] - origin));
+                        }
+                    }
+                    continue;
+                }
+                self.seen[edge] = true;
+                let mut at = self.next(edge);
+                if flat {
+                    // Nothing but to be passed over.
+                    while !self.seen[at] {
+                        self.seen[at] = true;
+                        at = self.next(at);
+                    }
+                    continue;
+                }
+                let mut y = self.at[at / 4] - origin;
+                while !self.seen[at] {
+                    self.seen[at] = true;
+                    at = self.next(at);
+                    if !self.seen[at] {
+                        let z = self.at[at / 4] - origin;
+                        add(&x, &y, &z);
+                        y = z;
+                    }
+                }
             }
-            for edge in rest.windows(2) {
-                let (y, z) = (edge[0] - origin, edge[1] - origin);
-                let volume = x.dot(&y.cross(&z));
-                six += volume;
-                first += (x + y + z) * volume;
-            }
-        });
+        }
         let volume = six / 6.0;
         Moments {
             volume,

@@ -59,14 +59,22 @@ pub(crate) fn intersect(a: &Posed, b: &Posed, piece: &mut Piece) -> Option<bool>
         (b, a, of_a, [LABEL[1], LABEL[0]])
     };
     piece.load(&small.corners, labels[0]);
-    // The plane that leaves least comes first: little is left for the others to cut.
-    let mut order = [0, 1, 2, 3];
-    order.sort_unstable_by(|&k, &l| faces.most[k].total_cmp(&faces.most[l]));
-    order
-        .into_iter()
-        .filter(|k| faces.cut >> k & 1 == 1)
-        .all(|k| piece.cut(labels[1] + k as u8, |x| large.depth(k, x)) != Cut::Empty)
-        .then_some(flush)
+    let mut left = faces.cut;
+    while left != 0 {
+        // The plane that leaves least comes first: little is left for the others to cut.
+        let mut next = left.trailing_zeros() as usize;
+        for k in next + 1..4 {
+            if left >> k & 1 == 1 && faces.most[k] < faces.most[next] {
+                next = k;
+            }
+        }
+        left &= !(1 << next);
+        let depth = |x: &Vector3| large.depth(next, x);
+        if piece.cut(labels[1] + next as u8, depth) == Cut::Empty {
+            return None;
+        }
+    }
+    Some(flush)
 }
 
 /// A lower bound of the distance of two tetrahedra without a common part, m.
@@ -146,26 +154,36 @@ pub(crate) fn for_skins(
         let deep = piece.vertices().iter().any(|x| tet.depth(k, x) > least);
         thick |= u8::from(deep) << label;
     }
-    let mut faces = Faces::default();
-    let whole = piece.moments_and_faces(|label, polygon| {
-        faces.bits |= 1 << label;
+    let counted = skins & thick;
+    let mut also = 0_u8;
+    let (mut faces, mut bits) = (Faces::default(), 0_u8);
+    // Without twins only the faces on skins are wanted.
+    let wanted = if flush { u8::MAX } else { counted };
+    let whole = piece.moments_and_faces(wanted, &mut bits, |label, polygon| {
         let twin = twins[usize::from(label)].filter(|&twin| {
             let (tet, k) = plane(twin);
             polygon.iter().all(|x| tet.depth(k, x) <= least)
         });
-        faces.coincide |= twin.is_some();
-        faces.bits |= twin.map_or(0, |twin| 1 << twin);
-        let counts = |l: u8| (skins & thick) >> l & 1 == 1;
-        let of_skins = [Some(label), twin]
-            .into_iter()
-            .flatten()
-            .filter(|&l| counts(l));
+        let own = counted >> label & 1 == 1;
+        let Some(twin) = twin else {
+            if own {
+                skin(label, polygon, 1.0);
+            }
+            return;
+        };
+        faces.coincide = true;
+        also |= 1 << twin;
+        let others = counted >> twin & 1 == 1;
         // Moved either way, one of two skins that coincide takes all of the area: on average, none.
-        let both = of_skins.clone().count() == 2;
-        for l in of_skins {
-            skin(l, polygon, if both { 0.0 } else { 1.0 });
+        let weight = if own && others { 0.0 } else { 1.0 };
+        if own {
+            skin(label, polygon, weight);
+        }
+        if others {
+            skin(twin, polygon, weight);
         }
     });
+    faces.bits = bits | also;
     (faces, whole)
 }
 

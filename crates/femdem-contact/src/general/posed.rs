@@ -92,8 +92,9 @@ impl Posed {
     pub fn faces_across(&self, other: &Self) -> Option<Across> {
         let mut across = Across::default();
         let close = CLOSE * self.size().max(other.size());
+        let rows = other.rows();
         for k in 0..4 {
-            let [least, most] = self.depths(k, other);
+            let [least, most] = self.depths(k, &rows);
             if most <= 0.0 {
                 return None;
             }
@@ -104,25 +105,41 @@ impl Posed {
         Some(across)
     }
 
+    /// Coordinates of the corners by axes, so that four of them are worked on at a time.
+    #[inline]
+    fn rows(&self) -> [[f64; 4]; 3] {
+        let [a, b, c, d] = &self.corners;
+        [
+            [a.x, b.x, c.x, d.x],
+            [a.y, b.y, c.y, d.y],
+            [a.z, b.z, c.z, d.z],
+        ]
+    }
+
     /// Least and largest depth of the other's corners under face k, m.
     #[inline]
-    fn depths(&self, k: usize, other: &Self) -> [f64; 2] {
-        let mut least = f64::INFINITY;
-        let mut most = f64::NEG_INFINITY;
-        for x in &other.corners {
-            let depth = self.depth(k, x);
-            least = if depth < least { depth } else { least };
-            most = if depth > most { depth } else { most };
+    fn depths(&self, k: usize, [x, y, z]: &[[f64; 4]; 3]) -> [f64; 2] {
+        let (n, offset) = (&self.normals[k], self.offsets[k]);
+        let mut depth = [0.0; 4];
+        for (i, depth) in depth.iter_mut().enumerate() {
+            *depth = offset - (n.x * x[i] + n.y * y[i] + n.z * z[i]);
         }
-        [least, most]
+        let [a, b, c, d] = depth;
+        let less = |a: f64, b: f64| if a < b { a } else { b };
+        let more = |a: f64, b: f64| if a > b { a } else { b };
+        [
+            less(less(a, c), less(b, d)),
+            more(more(a, c), more(b, d)),
+        ]
     }
 
     /// A lower bound of the distance by the planes of the faces, m; not above 0 if they do not
     /// separate the two. The search ends at the first plane that gives more than `enough`.
     pub fn gap(&self, other: &Self, enough: f64) -> f64 {
         let mut gap = f64::NEG_INFINITY;
+        let (own, others) = (self.rows(), other.rows());
         for k in 0..4 {
-            for [_, most] in [self.depths(k, other), other.depths(k, self)] {
+            for [_, most] in [self.depths(k, &others), other.depths(k, &own)] {
                 gap = if -most > gap { -most } else { gap };
                 if gap > enough {
                     return gap;
