@@ -124,10 +124,7 @@ impl Bristle {
     /// Where the points are about an origin, m; `None` if there are no such points.
     fn ends(&self, sides: &[Operand; 2], origin: &Vector3) -> Option<[Vector3; 2]> {
         let [a, b] = &self.anchors;
-        Some([
-            sides[0].anchored(a, origin)?,
-            sides[1].anchored(b, origin)?,
-        ])
+        Some([sides[0].anchored(a, origin)?, sides[1].anchored(b, origin)?])
     }
 
     /// Energy of the spring as it stands, J.
@@ -186,7 +183,8 @@ impl Bristle {
             };
             moved = true;
         }
-        let far = |[_, x]: [Vector3; 2]| (x - touch.point).norm_squared() > (RECENTRE * size).powi(2);
+        let far =
+            |[_, x]: [Vector3; 2]| (x - touch.point).norm_squared() > (RECENTRE * size).powi(2);
         if moved || ends.is_none_or(far) {
             self.place(sides, touch, &stretch);
         }

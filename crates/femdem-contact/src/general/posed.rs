@@ -92,58 +92,48 @@ impl Posed {
     pub fn faces_across(&self, other: &Self) -> Option<Across> {
         let mut across = Across::default();
         let close = CLOSE * self.size().max(other.size());
-        let rows = other.rows();
+        let [least, most] = self.depths(other);
         for k in 0..4 {
-            let [least, most] = self.depths(k, &rows);
-            if most <= 0.0 {
+            if most[k] <= 0.0 {
                 return None;
             }
-            across.most[k] = most;
-            across.cut |= u8::from(least < 0.0) << k;
-            across.flush |= u8::from(least.abs() <= close) << k;
+            across.cut |= u8::from(least[k] < 0.0) << k;
+            across.flush |= u8::from(least[k].abs() <= close) << k;
         }
+        across.most = most;
         Some(across)
     }
 
-    /// Coordinates of the corners by axes, so that four of them are worked on at a time.
+    /// Least and largest depth of the other's corners under each face, m.
     #[inline]
-    fn rows(&self) -> [[f64; 4]; 3] {
-        let [a, b, c, d] = &self.corners;
-        [
-            [a.x, b.x, c.x, d.x],
-            [a.y, b.y, c.y, d.y],
-            [a.z, b.z, c.z, d.z],
-        ]
-    }
-
-    /// Least and largest depth of the other's corners under face k, m.
-    #[inline]
-    fn depths(&self, k: usize, [x, y, z]: &[[f64; 4]; 3]) -> [f64; 2] {
-        let (n, offset) = (&self.normals[k], self.offsets[k]);
-        let mut depth = [0.0; 4];
-        for (i, depth) in depth.iter_mut().enumerate() {
-            *depth = offset - (n.x * x[i] + n.y * y[i] + n.z * z[i]);
+    fn depths(&self, other: &Self) -> [[f64; 4]; 2] {
+        // By axes, so that several faces are worked on at a time.
+        let [a, b, c, d] = &self.normals;
+        let x = [a.x, b.x, c.x, d.x];
+        let y = [a.y, b.y, c.y, d.y];
+        let z = [a.z, b.z, c.z, d.z];
+        let mut least = [f64::INFINITY; 4];
+        let mut most = [f64::NEG_INFINITY; 4];
+        for p in &other.corners {
+            for k in 0..4 {
+                let depth = self.offsets[k] - (x[k] * p.x + y[k] * p.y + z[k] * p.z);
+                least[k] = if depth < least[k] { depth } else { least[k] };
+                most[k] = if depth > most[k] { depth } else { most[k] };
+            }
         }
-        let [a, b, c, d] = depth;
-        let less = |a: f64, b: f64| if a < b { a } else { b };
-        let more = |a: f64, b: f64| if a > b { a } else { b };
-        [
-            less(less(a, c), less(b, d)),
-            more(more(a, c), more(b, d)),
-        ]
+        [least, most]
     }
 
     /// A lower bound of the distance by the planes of the faces, m; not above 0 if they do not
-    /// separate the two. The search ends at the first plane that gives more than `enough`.
+    /// separate the two. The other's planes are not looked at if those of `self` give more than `enough`.
     pub fn gap(&self, other: &Self, enough: f64) -> f64 {
         let mut gap = f64::NEG_INFINITY;
-        let (own, others) = (self.rows(), other.rows());
-        for k in 0..4 {
-            for [_, most] in [self.depths(k, &others), other.depths(k, &own)] {
+        for [_, most] in [self.depths(other), other.depths(self)] {
+            for most in most {
                 gap = if -most > gap { -most } else { gap };
-                if gap > enough {
-                    return gap;
-                }
+            }
+            if gap > enough {
+                return gap;
             }
         }
         gap

@@ -2,10 +2,12 @@
 //! `cargo xtask validate boulders-deformable`.
 //!
 //! Prints lines of columns separated by tabs; each begins with the name of its table. Takes the simulated
-//! time (s), the number of threads, the number of boulders, and a folder for their surfaces.
+//! time (s), the number of threads, the number of boulders, the time (s) that they then spend in a medium
+//! that slows them down, and half as long without it, and a folder for their surfaces.
 
 mod pack;
 
+use femdem_solve::Medium;
 use pack::Pack;
 use std::error::Error;
 use std::io::Write;
@@ -15,6 +17,9 @@ use std::time::Instant;
 /// Lines of progress for a simulated second.
 const LINES: f64 = 4.0;
 
+/// Drag of the medium, 1/s.
+const DRAG: f64 = 10.0;
+
 /// The elements alone are evaluated so many times.
 const REPEATS: usize = 200;
 
@@ -22,48 +27,40 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let number = |i: usize, default: f64| arguments.get(i).map_or(Ok(default), |a| a.parse());
     let (seconds, threads, count) = (number(0, 4.0)?, number(1, 1.0)?, number(2, 288.0)?);
+    let settling = number(3, 0.0)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads as usize)
         .build()?;
-    let pack = pool.install(|| run(seconds, count as usize).map_err(|e| e.to_string()))?;
-    if let Some(folder) = arguments.get(3) {
+    let pack =
+        pool.install(|| run(seconds, count as usize, settling).map_err(|e| e.to_string()))?;
+    if let Some(folder) = arguments.get(4) {
         pack.write(Path::new(folder))?;
     }
     Ok(())
 }
 
-fn run(seconds: f64, count: usize) -> Result<Pack, Box<dyn Error>> {
+fn run(seconds: f64, count: usize, settling: f64) -> Result<Pack, Box<dyn Error>> {
     let mut out = std::io::stdout().lock();
     let mut pack = Pack::new(count)?;
     writeln!(out, "number\tboulders\t{count}")?;
     writeln!(out, "number\ttets\t{}", pack.tets)?;
-    let start = Instant::now();
-    let (cpu, mut before) = (processor_time()?, (processor_time()?, 0, 0.0));
-    let mut next = 1.0 / LINES;
-    while pack.world.time() < seconds {
-        pack.world.step()?;
-        if pack.world.time() >= next {
-            next += 1.0 / LINES;
-            let now = (processor_time()?, pack.world.steps(), pack.world.time());
-            let each = (now.0 - before.0) / ((now.1 - before.1) as f64 * pack.tets as f64);
-            let totals = pack.world.deformable_totals().copied().unwrap_or_default();
-            writeln!(
-                out,
-                "progress\t{:.2}\t{}\t{:.3e}\t{:.2}\t{:.2}\t{:.1}\t{}\t{}\t{}\t{:.3e}",
-                now.2,
-                now.1,
-                pack.world.time_step(),
-                now.0 - cpu,
-                (now.0 - before.0) / (now.2 - before.2),
-                each * 1e9,
-                totals.touching,
-                totals.candidates,
-                totals.pieces,
-                pack.kinetic_energy(),
-            )?;
-            out.flush()?;
-            before = now;
-        }
+    let (start, cpu) = (Instant::now(), processor_time()?);
+    let mut progress = Progress::new(cpu);
+    progress.until(seconds, &mut pack, &mut out)?;
+    writeln!(
+        out,
+        "number\tkinetic energy over m g d without a medium\t{:.6e}",
+        pack.kinetic_energy()
+    )?;
+    if settling > 0.0 {
+        let drag = Medium {
+            drag: DRAG,
+            ..Medium::default()
+        };
+        pack.world.set_medium(drag)?;
+        progress.until(seconds + settling, &mut pack, &mut out)?;
+        pack.world.set_medium(Medium::default())?;
+        progress.until(seconds + 1.5 * settling, &mut pack, &mut out)?;
     }
     let (cpu, steps) = (processor_time()? - cpu, pack.world.steps());
     let ledger = pack.world.ledger();
@@ -91,6 +88,64 @@ fn run(seconds: f64, count: usize) -> Result<Pack, Box<dyn Error>> {
     }
     writeln!(out, "hash\t{:016x}", pack.world.state_hash()?)?;
     Ok(pack)
+}
+
+/// Lines about the run so far.
+struct Progress {
+    /// Processor time at the start, s.
+    start: f64,
+    /// Processor time, steps and time at the last line.
+    before: (f64, u64, f64),
+    next: f64,
+}
+
+impl Progress {
+    fn new(start: f64) -> Self {
+        Self {
+            start,
+            before: (start, 0, 0.0),
+            next: 1.0 / LINES,
+        }
+    }
+
+    /// Steps until a simulated time, s.
+    fn until(
+        &mut self,
+        end: f64,
+        pack: &mut Pack,
+        out: &mut impl Write,
+    ) -> Result<(), Box<dyn Error>> {
+        while pack.world.time() < end {
+            pack.world.step()?;
+            if pack.world.time() >= self.next {
+                self.next += 1.0 / LINES;
+                self.line(pack, out)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn line(&mut self, pack: &Pack, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+        let now = (processor_time()?, pack.world.steps(), pack.world.time());
+        let before = std::mem::replace(&mut self.before, now);
+        let each = (now.0 - before.0) / ((now.1 - before.1) as f64 * pack.tets as f64);
+        let totals = pack.world.deformable_totals().copied().unwrap_or_default();
+        writeln!(
+            out,
+            "progress\t{:.2}\t{}\t{:.3e}\t{:.2}\t{:.2}\t{:.1}\t{}\t{}\t{}\t{:.3e}",
+            now.2,
+            now.1,
+            pack.world.time_step(),
+            now.0 - self.start,
+            (now.0 - before.0) / (now.2 - before.2),
+            each * 1e9,
+            totals.touching,
+            totals.candidates,
+            totals.pieces,
+            pack.kinetic_energy(),
+        )?;
+        Ok(out.flush()?)
+    }
 }
 
 /// Processor time of all threads of this process, s.

@@ -119,7 +119,7 @@ impl Batch {
         })
     }
 
-    /// |F^T F - I|^2 of the elements in their order, four to a row.
+    /// |F^T F - I|^2 of the elements in their order, four to a row; NaN where one of a row is inverted.
     pub fn squared_strains(&self, x: &[Vector3]) -> Vec<Row> {
         dispatch(Strains {
             blocks: &self.blocks,

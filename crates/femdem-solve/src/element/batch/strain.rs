@@ -1,11 +1,11 @@
 //! How far blocks are strained.
 
-use super::super::lanes::{Lanes, Row, dot};
+use super::super::lanes::{LANES, Lanes, Row, cross, dot};
 use super::energy::edges;
 use super::{Block, Reference, Task};
 use femdem_mesh::Vector3;
 
-/// Collects |F^T F - I|^2 of all elements.
+/// Collects |F^T F - I|^2 of all elements; NaN where one of a block is inverted.
 pub(super) struct Strains<'a> {
     pub blocks: &'a [Block],
     pub references: &'a [Reference],
@@ -33,7 +33,12 @@ impl Task for Strains<'_> {
             ];
             let across = [dot(l, &b, &c), dot(l, &a, &c), dot(l, &a, &b)];
             let twice = l.mul(l.all(2.0), dot(l, &across, &across));
-            rows.push(l.store(l.add(dot(l, &along, &along), twice)));
+            let sound = l.all_within(dot(l, &a, &cross(l, &b, &c)), 0.0, f64::INFINITY);
+            rows.push(if sound {
+                l.store(l.add(dot(l, &along, &along), twice))
+            } else {
+                Row([f64::NAN; LANES])
+            });
         }
         rows
     }
