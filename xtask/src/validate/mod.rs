@@ -45,8 +45,9 @@ pub(crate) struct Options {
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
 
-    /// Folder with what the example of hertz (plane.tsv, two.tsv) or spheres (glass.tsv, aluminium.tsv)
-    /// printed earlier, instead of running it
+    /// Folder with what the example of hertz (plane.tsv, two.tsv), spheres (glass.tsv, aluminium.tsv) or
+    /// boulders-deformable (rest.tsv, 1.tsv, 2.tsv, 4.tsv, and the folder pack) printed earlier, instead of
+    /// running it
     #[arg(long, value_name = "DIR")]
     lines: Option<PathBuf>,
 }
@@ -118,6 +119,7 @@ impl Case {
                 workshop,
                 count.unwrap_or(288),
                 options.seconds.unwrap_or(4.0),
+                options.lines.as_deref(),
             ),
             Self::Pack500 | Self::All => pack::run(workshop, count.unwrap_or(500)),
             Self::Size => size::run(workshop, count),

@@ -100,7 +100,7 @@ impl Pack {
             for body in self.world.deformables() {
                 let x = body.positions();
                 forces.resize(x.len(), Vector3::zeros());
-                body.model().internal_forces(
+                body.model().forces_without_energy(
                     x,
                     body.velocities(),
                     &[],
