@@ -69,7 +69,7 @@
 //!   the load costs 0.03 % of a sticking force in 200 shakes. At the rim single triangles slip
 //!   early: a closed path of stick loses up to 1e-5 of force times way on meshes, nothing on planes.
 //! - Restitution of an impact along the forces: within 2 % of the formula.
-//! - Cost: about 1 µs for a pair of tetrahedra that overlaps, all included (8,000 instructions;
+//! - Cost: about 1 µs for a pair of tetrahedra that overlaps, all included (7,400 instructions;
 //!   example `deform_cost`), 1 to 2 ns per tetrahedron and step for bodies that touch nothing. Light
 //!   contacts of boulders have 10 to 20 such pairs each.
 //! - Quadratic tetrahedra meet as eight linear ones each; curved faces are replaced by their
