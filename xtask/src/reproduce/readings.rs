@@ -30,8 +30,8 @@ pub(super) const READINGS: [Reading; 4] = [
     },
     Reading {
         key: "release",
-        meaning: "dashpot of the contact alone; all bodies released at once",
-        options: "--protocol release",
+        meaning: "dashpot of the contact alone; all bodies released at once, at the penetration of the others",
+        options: "--protocol release --penetration 0.0035",
     },
 ];
 

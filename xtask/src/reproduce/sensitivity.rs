@@ -49,7 +49,10 @@ const VARIANTS: [Variant; 24] = [
         "poured, 1,000 bodies per second",
         "--protocol pour --rate 1000",
     ),
-    also_quick("all released at once", "--protocol release"),
+    also_quick(
+        "all released at once",
+        "--protocol release --penetration 0.0035",
+    ),
     variant("contact damping 0.1 of critical", "--damping 0.1"),
     variant("contact damping 0.3", "--damping 0.3"),
     variant("contact damping 0.7", "--damping 0.7"),
@@ -77,7 +80,7 @@ const VARIANTS: [Variant; 24] = [
     variant("gravity of the moon, 1.62 m/s²", "--gravity 1.62"),
     variant(
         "all released at once, drag 0.6",
-        "--protocol release --drag 0.6",
+        "--protocol release --penetration 0.0035 --drag 0.6",
     ),
 ];
 
