@@ -118,18 +118,7 @@ fn chart(readings: &[(Reading, &[Found])]) -> String {
         published("close", |d| d.close),
     ];
     for (reading, found) in readings {
-        let dot = |(place, found): (usize, &Found)| {
-            let density = found.density()?;
-            Some(Dot {
-                place,
-                value: density.mean,
-                error: density.error,
-            })
-        };
-        series.push(Series {
-            name: reading.key.to_owned(),
-            dots: found.iter().enumerate().filter_map(dot).collect(),
-        });
+        series.push(Series::of_reading(reading, found));
     }
     let names: Vec<&str> = DICE.iter().map(|dice| dice.name).collect();
     svg(["solid", "packing density"], &names, &series)

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use super::case::Found;
+use super::readings::Reading;
 use crate::validate::chart::COLOURS;
 
 const HEIGHT: f64 = 400.0;
@@ -23,6 +25,24 @@ pub(super) struct Dot {
 pub(super) struct Series {
     pub(super) name: String,
     pub(super) dots: Vec<Dot>,
+}
+
+impl Series {
+    /// The densities of a reading's cases, each at its place.
+    pub(super) fn of_reading(reading: &Reading, found: &[Found]) -> Self {
+        let dot = |(place, found): (usize, &Found)| {
+            let density = found.density()?;
+            Some(Dot {
+                place,
+                value: density.mean,
+                error: density.error,
+            })
+        };
+        Self {
+            name: reading.key.to_owned(),
+            dots: found.iter().enumerate().filter_map(dot).collect(),
+        }
+    }
 }
 
 /// A chart with the places side by side. Bars are of one standard error up and down.

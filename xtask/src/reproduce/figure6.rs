@@ -130,18 +130,7 @@ fn chart(readings: &[(Reading, &[Found])]) -> String {
         dots: FIGURE6.iter().enumerate().map(paper).collect(),
     }];
     for (reading, found) in readings {
-        let dot = |(place, found): (usize, &Found)| {
-            let density = found.density()?;
-            Some(Dot {
-                place,
-                value: density.mean,
-                error: density.error,
-            })
-        };
-        series.push(Series {
-            name: reading.key.to_owned(),
-            dots: found.iter().enumerate().filter_map(dot).collect(),
-        });
+        series.push(Series::of_reading(reading, found));
     }
     svg(
         ["friction coefficient", "packing density of A1"],

@@ -244,18 +244,7 @@ fn chart(columns: &[(&Column, &Vec<Found>)]) -> String {
         dots: paper.collect(),
     }];
     for (column, found) in columns {
-        let dot = |(place, found): (usize, &Found)| {
-            let density = found.density()?;
-            Some(Dot {
-                place,
-                value: density.mean,
-                error: density.error,
-            })
-        };
-        series.push(Series {
-            name: column.reading.key.to_owned(),
-            dots: found.iter().enumerate().filter_map(dot).collect(),
-        });
+        series.push(Series::of_reading(&column.reading, found));
     }
     svg(["solid", "packing density"], &places, &series)
 }

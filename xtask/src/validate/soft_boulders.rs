@@ -25,7 +25,7 @@ const SETTLING: f64 = 1.0;
 const REST: f64 = 1e-6;
 
 /// Quantities in the table, by run.
-const NUMBERS: [&str; 12] = [
+const NUMBERS: [&str; 13] = [
     "wall seconds",
     "processor seconds",
     "simulated seconds",
@@ -35,6 +35,7 @@ const NUMBERS: [&str; 12] = [
     "all-in ns per tet-step",
     "elements ns per tet-step",
     "kinetic energy over m g d without a medium",
+    "kinetic energy over m g d as the medium ends",
     "kinetic energy over m g d",
     "mean penetration over d",
     "ledger error",
@@ -76,7 +77,7 @@ pub(crate) fn run(
     Ok(Report {
         name: "boulders-deformable",
         title: format!("{count} deformable boulders in a bin of 5.26 m x 5.3 m x 3.87 m"),
-        text: text(&outputs[0]) + note(earlier),
+        text: text(&outputs[0]) + &growth(&outputs[0]) + note(earlier),
         commands,
         checks: checks(&outputs),
         columns: vec![
@@ -89,6 +90,26 @@ pub(crate) fn run(
         rows: rows(&outputs),
         attachments: vec![picture],
     })
+}
+
+/// What a page says if the boulders gain speed again once the medium is gone: an energy below the limit is then
+/// no rest.
+fn growth(first: &Output) -> String {
+    let [start, end] = [
+        "kinetic energy over m g d as the medium ends",
+        "kinetic energy over m g d",
+    ]
+    .map(|name| number(first, name));
+    if end > start {
+        format!(
+            "\nWithout the medium the kinetic energy grows again, from {} to {} m g d: below the limit at the \
+             end, but **rest is not shown**.\n",
+            short(start),
+            short(end)
+        )
+    } else {
+        String::new()
+    }
 }
 
 /// What a page made of earlier lines says.
@@ -182,6 +203,18 @@ fn rows(outputs: &[Output]) -> Vec<Vec<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn energy_that_grows_without_the_medium_is_told() {
+        let told = |start: &str, end: &str| {
+            growth(&Output::parse(&format!(
+                "number\tkinetic energy over m g d as the medium ends\t{start}\n\
+                 number\tkinetic energy over m g d\t{end}\n"
+            )))
+        };
+        assert!(told("1e-8", "9e-7").contains("not shown"));
+        assert_eq!(told("9e-7", "1e-8"), "");
+    }
 
     #[test]
     fn one_hash_and_all_figures_or_a_report_missed() {

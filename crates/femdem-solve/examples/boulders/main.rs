@@ -59,6 +59,11 @@ fn run(seconds: f64, count: usize, settling: f64) -> Result<Pack, Box<dyn Error>
         };
         pack.world.set_medium(drag)?;
         progress.until(seconds + settling, &mut pack, &mut out)?;
+        writeln!(
+            out,
+            "number\tkinetic energy over m g d as the medium ends\t{:.6e}",
+            pack.kinetic_energy()
+        )?;
         pack.world.set_medium(Medium::default())?;
         progress.until(seconds + 1.5 * settling, &mut pack, &mut out)?;
     }
