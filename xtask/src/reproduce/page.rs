@@ -29,28 +29,38 @@ pub(super) fn page(name: &'static str, title: String, text: String, found: &[Fou
     }
 }
 
-/// Cases with missing runs, those that share all but the first word of their labels together.
+/// Cases with missing runs, those that share all but the first word of their labels together, and
+/// among these those that lack as many of as many.
 fn missing(found: &[Found]) -> String {
-    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
+    let mut groups: Vec<(String, Vec<(String, Vec<String>)>)> = Vec::new();
     for f in found.iter().filter(|f| f.missing > 0) {
         let label = &f.case.label;
         let (first, rest) = label.split_once(", ").unwrap_or((label, ""));
-        let all = f.case.jobs.len();
-        let entry = if all == 1 {
-            first.to_owned()
-        } else {
-            format!("{first} ({} of {all})", f.missing)
+        let seeds = match (f.missing, f.case.jobs.len()) {
+            (lacking, all) if lacking < all => format!(" ({lacking} seeds of {all})"),
+            _ => String::new(),
         };
-        match groups.iter_mut().find(|(name, _)| name == rest) {
-            Some((_, entries)) => entries.push(entry),
-            None => groups.push((rest.to_owned(), vec![entry])),
-        }
+        named(named(&mut groups, rest), &seeds).push(first.to_owned());
     }
-    let told = |(name, entries): &(String, Vec<String>)| match name.as_str() {
-        "" => entries.join(", "),
-        name => format!("{name}: {}", entries.join(", ")),
+    let told = |(rest, entries): &(String, Vec<(String, Vec<String>)>)| {
+        let entries: Vec<String> = (entries.iter())
+            .map(|(seeds, firsts)| firsts.join(", ") + seeds)
+            .collect();
+        match rest.as_str() {
+            "" => entries.join("; "),
+            rest => format!("{rest}: {}", entries.join("; ")),
+        }
     };
-    groups.iter().map(told).collect::<Vec<_>>().join("; ")
+    groups.iter().map(told).collect::<Vec<_>>().join(". ")
+}
+
+/// The entry of a name in a list, added at its end if it is not there.
+fn named<'a, T: Default>(list: &'a mut Vec<(String, T)>, name: &str) -> &'a mut T {
+    let at = list.iter().position(|(n, _)| n == name).unwrap_or_else(|| {
+        list.push((name.to_owned(), T::default()));
+        list.len() - 1
+    });
+    &mut list[at].1
 }
 
 /// A word with a capital.
@@ -109,8 +119,13 @@ mod tests {
                 ..Found::none(&Case::new(label, (shape, size), 0.6, seeds, ""))
             }
         };
-        let all = [found("A1", 3, 2), found("A3", 3, 0), found("A5", 1, 1)];
-        assert_eq!(missing(&all), "drag, small: A1 (2 of 3), A5");
+        let all = [
+            found("A1", 3, 2),
+            found("A3", 3, 0),
+            found("A5", 1, 1),
+            found("P1", 3, 2),
+        ];
+        assert_eq!(missing(&all), "drag, small: A1, P1 (2 seeds of 3); A5");
         assert_eq!(missing(&all[1..2]), "");
         let met: Vec<bool> = checks(&all).iter().map(|check| check.met).collect();
         assert_eq!(met, [false; 3]);

@@ -192,6 +192,7 @@ impl<'a> Runs<'a> {
             job.options
         );
         let origin = fs::read_to_string(folder.join(ORIGIN)).ok();
+        let origin = origin.map(|text| text.trim().to_owned());
         let run = Run::read(&folder, origin)?;
         Ok((run.count()? == f64::from(job.bodies)).then_some(run))
     }
