@@ -29,10 +29,13 @@ pub(super) fn page(name: &'static str, title: String, text: String, found: &[Fou
     }
 }
 
+/// Values under names, in the order the names came.
+type Named<T> = Vec<(String, T)>;
+
 /// Cases with missing runs, those that share all but the first word of their labels together, and
 /// among these those that lack as many of as many.
 fn missing(found: &[Found]) -> String {
-    let mut groups: Vec<(String, Vec<(String, Vec<String>)>)> = Vec::new();
+    let mut groups: Named<Named<Vec<String>>> = Vec::new();
     for f in found.iter().filter(|f| f.missing > 0) {
         let label = &f.case.label;
         let (first, rest) = label.split_once(", ").unwrap_or((label, ""));
@@ -42,7 +45,7 @@ fn missing(found: &[Found]) -> String {
         };
         named(named(&mut groups, rest), &seeds).push(first.to_owned());
     }
-    let told = |(rest, entries): &(String, Vec<(String, Vec<String>)>)| {
+    let told = |(rest, entries): &(String, Named<Vec<String>>)| {
         let entries: Vec<String> = (entries.iter())
             .map(|(seeds, firsts)| firsts.join(", ") + seeds)
             .collect();
@@ -55,7 +58,7 @@ fn missing(found: &[Found]) -> String {
 }
 
 /// The entry of a name in a list, added at its end if it is not there.
-fn named<'a, T: Default>(list: &'a mut Vec<(String, T)>, name: &str) -> &'a mut T {
+fn named<'a, T: Default>(list: &'a mut Named<T>, name: &str) -> &'a mut T {
     let at = list.iter().position(|(n, _)| n == name).unwrap_or_else(|| {
         list.push((name.to_owned(), T::default()));
         list.len() - 1
