@@ -28,8 +28,11 @@ pub enum WallResponse {
 pub struct ContactParameters {
     /// Penalty p, Pa: the scale of the contact energy U = p int (phi_A + phi_B) dV.
     pub penalty: f64,
-    /// Coulomb friction coefficient mu between bodies, and between bodies and walls.
+    /// Coulomb friction coefficient mu between bodies, and between bodies and walls where
+    /// `wall_friction` is `None`.
     pub friction: f64,
+    /// Coulomb friction coefficient between bodies and walls; `None`: `friction`.
+    pub wall_friction: Option<f64>,
     /// Fraction zeta of critical damping of the normal contact; below 1/sqrt(2).
     pub damping_ratio: f64,
     /// Tangential over normal foundation modulus, r = k_t/k_n.
@@ -45,10 +48,22 @@ impl Default for ContactParameters {
         Self {
             penalty: 1e6,
             friction: 0.6,
+            wall_friction: None,
             damping_ratio: 0.6,
             tangential_ratio: 0.8,
             tangential_damping: 0.6,
             wall_response: WallResponse::Mirror,
+        }
+    }
+}
+
+impl ContactParameters {
+    /// The law between bodies and walls: the same with the friction of the walls.
+    #[must_use]
+    pub fn at_walls(&self) -> Self {
+        Self {
+            friction: self.wall_friction.unwrap_or(self.friction),
+            ..*self
         }
     }
 }
@@ -79,6 +94,14 @@ impl ContactLaw {
             p.friction >= 0.0,
             "at least 0 and finite",
         )?;
+        if let Some(friction) = p.wall_friction {
+            check(
+                "wall_friction",
+                friction,
+                friction >= 0.0,
+                "at least 0 and finite",
+            )?;
+        }
         check(
             "damping_ratio",
             p.damping_ratio,
@@ -89,7 +112,7 @@ impl ContactLaw {
             "tangential_ratio",
             p.tangential_ratio,
             p.tangential_ratio > 0.0 && p.tangential_ratio <= 2.0,
-            "above 0 and at most 2",
+            "above 0 and at most 2: tangential over normal stiffness",
         )?;
         check(
             "tangential_damping",
@@ -151,6 +174,8 @@ mod tests {
         assert!(bad(|p| p.penalty = 0.0).contains("penalty = 0"));
         assert!(bad(|p| p.friction = -0.1).contains("friction = -0.1"));
         assert!(bad(|p| p.friction = f64::NAN).contains("friction = NaN"));
+        assert!(bad(|p| p.wall_friction = Some(-0.1)).contains("wall_friction = -0.1"));
+        assert!(bad(|p| p.wall_friction = Some(f64::INFINITY)).contains("wall_friction = inf"));
         assert!(bad(|p| p.damping_ratio = 0.8).contains("below 0.7071"));
         assert!(bad(|p| p.tangential_ratio = 0.0).contains("tangential_ratio"));
     }

@@ -257,6 +257,29 @@ fn cyclic_slip_dissipates_what_coulomb_says() {
     }
 }
 
+/// Only a wall has the walls' friction: a body that deforms has that of bodies with others, rigid or not.
+#[test]
+fn walls_have_their_own_friction() {
+    for wall in [0.0, 0.2] {
+        for ground in GROUNDS {
+            let law = ContactParameters {
+                wall_friction: Some(wall),
+                ..law()
+            };
+            let mut rig = Rig::new(law, ground);
+            rig.update();
+            for _ in 0..20 {
+                rig.shift(Vector3::new(1e-3, 2e-3, 0.0));
+                rig.update();
+            }
+            let contact = rig.update();
+            let want = if ground == Ground::Floor { wall } else { MU };
+            let got = contact.friction.norm() / contact.normal_force;
+            assert!((got - want).abs() < 2e-3, "{ground:?}: {got} {want}");
+        }
+    }
+}
+
 /// A block slides over a slab of many elements, and a slab over a block: the friction force stays
 /// what it is but for the triangles that come and go at the rim.
 #[test]

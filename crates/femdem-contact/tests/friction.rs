@@ -149,6 +149,61 @@ fn a_closed_stick_loop_does_no_work() {
     );
 }
 
+/// A cube of 1 m on a floor, pushed aside while it sticks: the force per way is r K, with K the normal
+/// stiffness dF/d(delta) of F = 2 p A delta/h, for every ratio r.
+#[test]
+fn tangential_stiffness_goes_by_the_ratio() {
+    let normal = 2.0 * 1e6 / 0.5;
+    let way = 1e-4;
+    for ratio in [0.4, 0.8, 1.6] {
+        let parameters = ContactParameters {
+            tangential_ratio: ratio,
+            ..law(0.6, 0.0)
+        };
+        let mut rig = Rig::new(parameters, 1, true);
+        rig.update(&[rig.resting(Vector3::zeros())], 0.0);
+        let contact = rig.update(&[rig.resting(Vector3::x() * way)], 1.0);
+        assert!(!contact.slides);
+        let got = -contact.friction.x / way;
+        assert!(
+            (got / (ratio * normal) - 1.0).abs() < 0.01,
+            "{got} N/m at ratio {ratio}"
+        );
+    }
+}
+
+/// Friction over normal force of a cube pushed far aside on a floor, or on another cube.
+fn mobilised(parameters: ContactParameters, floor: bool) -> f64 {
+    let mut rig = Rig::new(parameters, if floor { 1 } else { 2 }, floor);
+    let mut bodies = vec![rig.resting(Vector3::zeros())];
+    if !floor {
+        let below = Vector3::z() * (bodies[0].frame.position.z - 1.0 + DEPTH);
+        bodies.insert(0, placed(&rig.cube, below, Matrix3::identity()));
+    }
+    rig.update(&bodies, 0.0);
+    if let Some(upper) = bodies.last_mut() {
+        upper.frame.position.x += 0.05;
+        upper.travelled += 0.05;
+    }
+    let contact = rig.update(&bodies, 1.0);
+    contact.friction.norm() / contact.normal_force
+}
+
+#[test]
+fn walls_have_their_own_friction() {
+    for (between, wall) in [(0.6, 0.0), (0.0, 0.6), (0.5, 0.2)] {
+        let parameters = ContactParameters {
+            wall_friction: Some(wall),
+            ..law(between, 0.0)
+        };
+        for (floor, want) in [(true, wall), (false, between)] {
+            let got = mobilised(parameters, floor);
+            assert!((got - want).abs() < 1e-12, "{got} instead of {want}");
+        }
+    }
+    assert!((mobilised(law(0.4, 0.0), true) - 0.4).abs() < 1e-12);
+}
+
 /// Sliding to and fro with amplitude A takes 4 mu F (A - mu F/k) out of every cycle.
 #[test]
 fn cyclic_slip_takes_the_known_energy() {

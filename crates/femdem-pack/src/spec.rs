@@ -158,8 +158,11 @@ pub struct PackSpec {
     pub count: u32,
     /// Density of the bodies, kg/m^3.
     pub density: f64,
-    /// Coulomb friction coefficient between bodies, and between bodies and walls.
+    /// Coulomb friction coefficient between bodies, and between bodies and walls where
+    /// `wall_friction` is `None`.
     pub friction: f64,
+    /// Coulomb friction coefficient between bodies and walls; `None`: `friction`.
+    pub wall_friction: Option<f64>,
     /// Fraction of critical damping of normal contact.
     pub damping_ratio: f64,
     /// Tangential over normal foundation modulus.
@@ -203,6 +206,7 @@ impl Default for PackSpec {
             count: 500,
             density: 2560.0,
             friction: 0.6,
+            wall_friction: None,
             damping_ratio: 0.6,
             tangential_ratio: contact.tangential_ratio,
             tangential_damping: contact.tangential_damping,
@@ -315,7 +319,7 @@ impl PackSpec {
             height: self.expected_height(),
             floor_area: self.container.floor_area(),
             perimeter: self.container.perimeter(),
-            wall_friction: self.friction,
+            wall_friction: self.wall_friction.unwrap_or(self.friction),
             diameter: self.diameter(),
         }
     }
@@ -333,6 +337,7 @@ impl PackSpec {
             contact: ContactParameters {
                 penalty,
                 friction: self.friction,
+                wall_friction: self.wall_friction,
                 damping_ratio: self.damping_ratio,
                 tangential_ratio: self.tangential_ratio,
                 tangential_damping: self.tangential_damping,
@@ -398,6 +403,21 @@ mod tests {
         );
         assert!(says(|s| s.container = Container::Cylinder { diameter: 0.01 }).contains("0.02"));
         assert!(says(|s| s.settling.checks = 0).contains("checks = 0"));
+    }
+
+    /// Without friction the walls carry nothing, and the floor's stress is the weight above it.
+    #[test]
+    fn the_automatic_penalty_goes_by_the_friction_of_the_walls() {
+        let penalty = |friction, wall_friction| {
+            let spec = PackSpec {
+                friction,
+                wall_friction,
+                ..PackSpec::default()
+            };
+            spec.resolved_penalty().unwrap()
+        };
+        assert_eq!(penalty(0.6, Some(0.2)), penalty(0.2, None));
+        assert!(penalty(0.6, Some(0.0)) > 1.05 * penalty(0.6, None));
     }
 
     #[test]

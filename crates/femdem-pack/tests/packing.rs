@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
+use femdem_contact::Partner;
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::shapes::Shape;
 use femdem_mesh::tet::MeshOptions;
@@ -210,6 +211,47 @@ fn a_pack_made_in_a_medium_rests_without_it() {
     }
 }
 
+/// Sums over the contacts with walls, then over those of bodies: friction, normal force and both
+/// stiffnesses.
+fn forces(packing: &Packing) -> [[f64; 4]; 2] {
+    let mut sums = [[0.0; 4]; 2];
+    for contact in packing.world().contacts() {
+        let kind = usize::from(matches!(contact.a, Partner::Body(_)));
+        let of_contact = [
+            contact.friction.norm(),
+            contact.normal_force,
+            contact.tangential_stiffness,
+            contact.stiffness,
+        ];
+        for (sum, part) in sums[kind].iter_mut().zip(of_contact) {
+            *sum += part;
+        }
+    }
+    sums
+}
+
+/// A pack between walls without friction hangs on the floor alone; between rough ones bodies without
+/// friction lean on them. The friction springs are as stiff as asked.
+#[test]
+fn friction_of_walls_and_stiffness_of_springs_are_those_asked_for() {
+    for (friction, wall_friction, tangential_ratio) in [(0.6, 0.0, 0.4), (0.0, 0.6, 1.6)] {
+        let mut packing = Packing::new(PackSpec {
+            friction,
+            wall_friction: Some(wall_friction),
+            tangential_ratio,
+            ..cubes(12)
+        })
+        .unwrap();
+        let report = packing.run().unwrap();
+        assert_settled(&packing, &report);
+        let [walls, bodies] = forces(&packing);
+        for (sums, mu) in [(walls, wall_friction), (bodies, friction)] {
+            assert!(sums[0] <= mu * sums[1] && (mu == 0.0 || sums[0] > 1e-3 * sums[1]));
+            assert!((sums[2] / sums[3] - tangential_ratio).abs() < 1e-12);
+        }
+    }
+}
+
 /// The last relaxation takes a few quarters of the slowest oscillation, and the verification that
 /// follows it moves next to nothing, in a world without any medium.
 #[test]
@@ -276,7 +318,12 @@ fn a_pour_keeps_its_rate() {
 fn a_job_continues_from_a_checkpoint_with_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("pack.ckpt");
-    let mut whole = Packing::new(cubes(4)).unwrap();
+    let spec = PackSpec {
+        wall_friction: Some(0.3),
+        tangential_ratio: 1.2,
+        ..cubes(4)
+    };
+    let mut whole = Packing::new(spec).unwrap();
     let mut parts = whole.clone();
     let report = whole.run().unwrap();
     while !parts.is_done() {
@@ -285,6 +332,7 @@ fn a_job_continues_from_a_checkpoint_with_the_same_bits() {
         parts = checkpoint::read_file(&path, "packing").unwrap();
     }
     assert_eq!(parts.report(), report);
+    assert_eq!(parts.world().parameters().contact.wall_friction, Some(0.3));
     assert_eq!(
         parts.world().state_hash().unwrap(),
         whole.world().state_hash().unwrap()
@@ -365,6 +413,12 @@ fn specs_that_cannot_be_packed_are_refused_by_name() {
     let mut slippery = cubes(3);
     slippery.friction = -1.0;
     assert!(says(slippery).contains("friction = -1"));
+    let mut walls = cubes(3);
+    walls.wall_friction = Some(f64::NAN);
+    assert!(says(walls).contains("wall_friction = NaN"));
+    let mut stiff = cubes(3);
+    stiff.tangential_ratio = 2.5;
+    assert!(says(stiff).contains("tangential_ratio = 2.5"));
     let mut wide = cubes(3);
     wide.protocol = Protocol::Release(Release {
         per_layer: Some([9, 1]),

@@ -162,10 +162,11 @@ fn restitution_does_not_depend_on_what_touches() {
     }
 }
 
-/// A block on a slope of angle `slope` under friction 0.6: returns how far it moved down
-/// the slope between two times, and its speed at both.
-fn slide(slope: f64, [from, to]: [f64; 2]) -> (f64, [f64; 2]) {
-    let mut p = parameters(1e6, 0.6, 0.6);
+/// A block on a slope of angle `slope` under a friction and one of walls: returns how far it moved
+/// down the slope between two times, and its speed at both.
+fn slide(slope: f64, friction: (f64, Option<f64>), [from, to]: [f64; 2]) -> (f64, [f64; 2]) {
+    let mut p = parameters(1e6, friction.0, 0.6);
+    p.contact.wall_friction = friction.1;
     let g = 9.81;
     // Turn gravity instead of the plane.
     p.gravity = Vector3::new(g * slope.sin(), 0.0, -g * slope.cos());
@@ -197,18 +198,22 @@ fn slide(slope: f64, [from, to]: [f64; 2]) -> (f64, [f64; 2]) {
 
 #[test]
 fn a_block_sticks_below_the_friction_angle() {
-    // Four seconds let the rocking of the first touch die out.
-    let (moved, _) = slide(0.9 * 0.6_f64.atan(), [4.0, 6.0]);
-    assert!(moved.abs() < 1e-12, "it drifted by {moved:e} m in 2 s");
+    for friction in [(0.6, None), (0.0, Some(0.6))] {
+        // Four seconds let the rocking of the first touch die out.
+        let (moved, _) = slide(0.9 * 0.6_f64.atan(), friction, [4.0, 6.0]);
+        assert!(moved.abs() < 1e-12, "it drifted by {moved:e} m in 2 s");
+    }
 }
 
 #[test]
 fn a_block_slides_above_the_friction_angle() {
     let slope = 1.2 * 0.6_f64.atan();
-    let (_, [v0, v1]) = slide(slope, [0.5, 1.0]);
-    let got = (v1 - v0) / 0.5;
-    let want = 9.81 * (slope.sin() - 0.6 * slope.cos());
-    assert!((got / want - 1.0).abs() < 0.01, "{got} instead of {want}");
+    for (friction, wall) in [((0.6, None), 0.6), ((0.6, Some(0.0)), 0.0)] {
+        let (_, [v0, v1]) = slide(slope, friction, [0.5, 1.0]);
+        let got = (v1 - v0) / 0.5;
+        let want = 9.81 * (slope.sin() - wall * slope.cos());
+        assert!((got / want - 1.0).abs() < 0.01, "{got} instead of {want}");
+    }
 }
 
 /// Ten cubes, aligned, with coplanar side faces: the stack stands for 10 s.

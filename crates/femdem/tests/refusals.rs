@@ -24,6 +24,14 @@ fn bad_options_say_what_is_allowed_and_leave_no_folder() {
         (&["--density", "inf"], &["density = inf"]),
         (&["--friction", "-0.1"], &["friction = -0.1", "at least 0"]),
         (&["--friction", "nan"], &["friction = NaN"]),
+        (
+            &["--wall-friction", "-0.1"],
+            &["wall_friction = -0.1", "at least 0"],
+        ),
+        (
+            &["--tangential-stiffness", "0"],
+            &["tangential_ratio = 0", "above 0 and at most 2", "stiffness"],
+        ),
         (&["--damping", "0.9"], &["damping", "0.9", "below 0.7071"]),
         (&["--penalty", "0"], &["penalty = 0"]),
         (&["--penetration", "2"], &["penetration = 2"]),

@@ -39,7 +39,7 @@ const fn also_quick(what: &'static str, options: &'static str) -> Variant {
 }
 
 /// The variants; the first is the program's default.
-const VARIANTS: [Variant; 24] = [
+const VARIANTS: [Variant; 28] = [
     also_quick("default", ""),
     variant("batches of 5", "--batch 5"),
     variant("batches of 20", "--batch 20"),
@@ -73,6 +73,10 @@ const VARIANTS: [Variant; 24] = [
         "--damping 0 --local-damping 0.8",
     ),
     variant("local damping 0.6, with the dashpot", "--local-damping 0.6"),
+    variant("walls without friction", "--wall-friction 0"),
+    variant("wall friction 0.3", "--wall-friction 0.3"),
+    variant("friction springs 0.4 of k_n", "--tangential-stiffness 0.4"),
+    variant("friction springs 1.6 of k_n", "--tangential-stiffness 1.6"),
     variant("penetration 0.1 % d aimed at", "--penetration 0.001"),
     also_quick("penetration 1 % d", "--penetration 0.01"),
     variant("diameter 5 mm", "--diameter 0.005"),
@@ -155,10 +159,10 @@ fn introduction(scale: Scale) -> String {
         .collect();
     format!(
         "Packs at friction {FRICTION}, each with one thing changed from the program's defaults (in sequence, \
-         contact dashpot of 0.6 of critical, no drag):\n\n{packs}\n\
+         contact dashpot of 0.6 of critical, no drag; walls with the friction of the bodies; friction springs 0.8 \
+         times as stiff as normal contact):\n\n{packs}\n\
          Cells are the density, and in brackets its difference to the default with the 95 % interval: Student's, with the scatter \
-         between seeds pooled over all variants of a shape. Walls have the friction of the bodies; the program has \
-         no other option, so that is not varied. Nor is the stiffness of the friction springs (0.8 of the normal one).\n"
+         between seeds pooled over all variants of a shape.\n"
     )
 }
 

@@ -33,6 +33,8 @@ pub(crate) struct Context<'a> {
     pub cavity: CavityKernel,
     pub general: GeneralKernel,
     pub parameters: ContactParameters,
+    /// The law where A is a wall.
+    pub at_walls: ContactParameters,
     pub shapes: &'a [BodyShape],
     /// Fans of the convex shapes, where there is a mesh.
     pub fans: &'a [Option<Arc<FieldMesh>>],
@@ -219,7 +221,11 @@ impl Context<'_> {
         let (a, b) = (self.motion_a(ids.0), &self.bodies[ids.1 as usize]);
         let damped = damp(overlap, whole, a, b, self.parameters.damping_ratio);
         let normal_force = overlap.force_magnitude() * damped.scale;
-        let friction = state.update(&self.parameters, overlap, normal_force, a, b, self.dt);
+        let law = match ids.0 {
+            Partner::Body(_) => &self.parameters,
+            Partner::Wall(_) => &self.at_walls,
+        };
+        let friction = state.update(law, overlap, normal_force, a, b, self.dt);
         assemble(ids, overlap, &damped, &friction, [a, b])
     }
 }

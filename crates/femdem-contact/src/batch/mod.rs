@@ -269,6 +269,7 @@ impl ContactBatch {
             cavity: CavityKernel::new(parameters.penalty)?,
             general: GeneralKernel::new(parameters.penalty, Form::Sum)?,
             parameters,
+            at_walls: parameters.at_walls(),
             shapes: &self.shapes,
             fans: &self.fans,
             body_shapes: &self.body_shapes,

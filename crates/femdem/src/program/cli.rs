@@ -144,6 +144,15 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "MU")]
     friction: Option<f64>,
 
+    /// Coulomb friction coefficient between bodies and walls, 0 or more [default: as --friction]
+    #[arg(long, value_name = "MU")]
+    wall_friction: Option<f64>,
+
+    /// Stiffness of the friction springs over that of normal contact, k_t/k_n, above 0 and at most 2
+    /// [default: 0.8]
+    #[arg(long, value_name = "RATIO")]
+    tangential_stiffness: Option<f64>,
+
     /// Fraction of critical damping of normal contact, 0 to 0.7; 0.6 gives a coefficient of
     /// restitution of 0.25 [default: 0.6]
     #[arg(long, value_name = "ZETA")]
@@ -288,6 +297,7 @@ impl PackArgs {
         set(&mut scene.count, &self.count);
         set(&mut scene.density, &self.density);
         set(&mut scene.friction, &self.friction);
+        set(&mut scene.tangential_stiffness, &self.tangential_stiffness);
         set(&mut scene.damping, &self.damping);
         set(&mut scene.drag, &self.drag);
         set(&mut scene.local_damping, &self.local_damping);
@@ -298,6 +308,7 @@ impl PackArgs {
         set(&mut scene.seed, &self.seed);
         set(&mut scene.out, &self.out);
         set(&mut scene.checkpoint_every, &self.run.checkpoint_every);
+        scene.wall_friction = self.wall_friction.or(scene.wall_friction);
         scene.height = self.height.or(scene.height);
         scene.batch = self.batch.or(scene.batch);
         scene.penetration = self.penetration.or(scene.penetration);
@@ -422,6 +433,7 @@ mod tests {
             "--shape cube --shape dolos:waist=0.36 --share 3 --share 1 --mass 2 --unit mm --repair",
             "--cylinder 5 --cone 40 --outlet 0.1m --protocol pour --rate 50 --height 3.87m",
             "--box 4x5x6m --seed 9 --threads 2 --penalty 1e6 --drag 0.6 --local-damping 0.3 --variety 3 --out a/b",
+            "--friction 0.5 --wall-friction 0 --tangential-stiffness 1.6",
         ] {
             let made = scene(options);
             let command = made.command();
@@ -452,6 +464,7 @@ mod tests {
             format!("[default: {}; for a file", femdem::scene::DEFAULT_DIAMETER),
             format!("kg/m3 [default: {}]", d.density),
             format!("with walls [default: {}]", d.friction),
+            format!("at most 2 [default: {}]", d.tangential_stiffness),
             format!("0.25 [default: {}]", d.damping),
             format!(
                 "aims at [default: {}; {} with --protocol release",

@@ -114,7 +114,7 @@ pub(super) fn figures_html(figures: &[Figure]) -> String {
 }
 
 /// What options of a scene are called, with their units; others have the names of their keys.
-const LABELS: [(&str, &str); 19] = [
+const LABELS: [(&str, &str); 21] = [
     ("batch", "bodies in a batch"),
     ("cone", "half angle of the cone / degrees"),
     ("count", "number of bodies"),
@@ -134,6 +134,8 @@ const LABELS: [(&str, &str); 19] = [
     ("rate", "bodies per second / 1/s"),
     ("share", "shares of the shapes"),
     ("size", "size of the bodies / m"),
+    ("tangential-stiffness", "tangential over normal stiffness"),
+    ("wall-friction", "friction coefficient of the walls"),
 ];
 
 /// The options of a run that have a meaning for it.

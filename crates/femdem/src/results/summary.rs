@@ -53,8 +53,10 @@ pub struct Summary {
     pub container: ContainerSummary,
     /// Density of the bodies \[kg/m³\].
     pub density: f64,
-    /// Friction coefficient.
+    /// Friction coefficient between bodies.
     pub friction: f64,
+    /// Friction coefficient between bodies and walls.
+    pub wall_friction: f64,
     /// Fraction of critical damping of normal contact.
     pub damping_ratio: f64,
     /// The contact law.
@@ -103,6 +105,8 @@ pub struct ContactLawSummary {
     pub penalty: f64,
     /// Form of the energy: "sum" is U = p ∫ (φ_A + φ_B) dV.
     pub form: String,
+    /// Tangential over normal foundation modulus, k_t/k_n.
+    pub tangential_ratio: f64,
 }
 
 /// Packing density of the core region: solid volume over volume, 0 to 1.
@@ -197,11 +201,13 @@ impl Summary {
             diameter: spec.diameter(),
             density: spec.density,
             friction: spec.friction,
+            wall_friction: spec.wall_friction.unwrap_or(spec.friction),
             damping_ratio: spec.damping_ratio,
             contact: ContactLawSummary {
                 law: law(packing).to_owned(),
                 penalty: packing.penalty(),
                 form: "sum".to_owned(),
+                tangential_ratio: spec.tangential_ratio,
             },
             seed: spec.seed,
             threads: usage.threads,

@@ -15,6 +15,8 @@ pub struct ContactEntry {
     pub penalty: f64,
     /// Coulomb friction coefficient.
     pub friction: f64,
+    /// Coulomb friction coefficient between bodies and walls. `None`: `friction`.
+    pub wall_friction: Option<f64>,
     /// Fraction of critical damping of the normal contact, below 0.7071.
     pub damping: f64,
     /// Tangential over normal foundation modulus.
@@ -32,6 +34,7 @@ impl Default for ContactEntry {
         Self {
             penalty: law.penalty,
             friction: law.friction,
+            wall_friction: law.wall_friction,
             damping: law.damping_ratio,
             tangential_ratio: law.tangential_ratio,
             tangential_damping: law.tangential_damping,
@@ -89,6 +92,7 @@ impl Scenario {
         p.contact = ContactParameters {
             penalty: self.contact.penalty,
             friction: self.contact.friction,
+            wall_friction: self.contact.wall_friction,
             damping_ratio: self.contact.damping,
             tangential_ratio: self.contact.tangential_ratio,
             tangential_damping: self.contact.tangential_damping,

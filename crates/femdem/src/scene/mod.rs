@@ -99,6 +99,10 @@ pub struct Scene {
     pub density: f64,
     /// Friction coefficient.
     pub friction: f64,
+    /// Friction coefficient between bodies and walls. `None`: `friction`.
+    pub wall_friction: Option<f64>,
+    /// Stiffness of the friction springs over that of normal contact, above 0 and at most 2.
+    pub tangential_stiffness: f64,
     /// Fraction of critical damping of normal contact, 0 to 0.707.
     pub damping: f64,
     /// Penalty \[Pa\]. `None`: chosen for a mean penetration of `penetration`.
@@ -160,6 +164,8 @@ impl Default for Scene {
             mesh_size: None,
             density: spec.density,
             friction: spec.friction,
+            wall_friction: None,
+            tangential_stiffness: spec.tangential_ratio,
             damping: spec.damping_ratio,
             penalty: None,
             penetration: None,
@@ -238,6 +244,8 @@ impl Scene {
             count: self.count,
             density: self.density,
             friction: self.friction,
+            wall_friction: self.wall_friction,
+            tangential_ratio: self.tangential_stiffness,
             damping_ratio: self.damping,
             gravity: self.gravity,
             seed: self.seed,
@@ -308,6 +316,19 @@ mod tests {
     #[test]
     fn an_empty_file_is_the_default_scene() {
         assert_eq!(Scene::from_toml("").unwrap(), Scene::default());
+    }
+
+    /// Walls have the friction of the bodies unless they are given their own.
+    #[test]
+    fn friction_of_walls_and_springs_go_into_the_job() {
+        let job = |text: &str| Scene::from_toml(text).unwrap().spec().unwrap();
+        let usual = job("friction = 0.4");
+        assert_eq!((usual.wall_friction, usual.tangential_ratio), (None, 0.8));
+        let text = "friction = 0.4\nwall-friction = 0.1\ntangential-stiffness = 1.6\n";
+        let own = job(text);
+        assert_eq!((own.wall_friction, own.tangential_ratio), (Some(0.1), 1.6));
+        let again = Scene::from_toml(text).unwrap().to_toml().unwrap();
+        assert!(again.contains("wall-friction = 0.1\n") && again.contains("stiffness = 1.6\n"));
     }
 
     #[test]

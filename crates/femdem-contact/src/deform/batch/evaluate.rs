@@ -23,6 +23,8 @@ const STRETCH: f64 = 1.5;
 /// What every pair of one update shares.
 pub(crate) struct Context<'a> {
     pub parameters: &'a ContactParameters,
+    /// The law where A is a wall.
+    pub at_walls: ContactParameters,
     pub kernel: &'a DeformableKernel,
     pub shapes: &'a [Arc<DeformableShape>],
     pub rigid_shapes: &'a [RigidShape],
@@ -155,7 +157,10 @@ impl Context<'_> {
             sides: sides.operands,
             movers: [mover, Mover::Nodes(*self.states.get(pair.b as usize)?)],
             near: pair.candidates.near()?,
-            law: self.parameters,
+            law: match pair.a {
+                DeformablePartner::Wall(_) => &self.at_walls,
+                _ => self.parameters,
+            },
             begins: pair.begins.take(),
             series: law.form == Form::Min,
         };

@@ -246,6 +246,7 @@ impl DeformableBatch {
         body::advance(&mut self.bodies, bodies)?;
         let context = Context {
             parameters: self.law.parameters(),
+            at_walls: self.law.parameters().at_walls(),
             kernel: &self.kernel,
             shapes: &self.shapes,
             rigid_shapes: &self.rigid_shapes,
