@@ -138,6 +138,10 @@ impl Rig {
         *contacts[0]
     }
 
+    fn upper_index(&self) -> u32 {
+        u32::from(self.ground.is_some())
+    }
+
     fn shift(&mut self, by: Vector3<f64>) {
         self.upper.x.iter_mut().for_each(|x| *x += by);
     }
@@ -223,9 +227,67 @@ fn a_closed_loop_of_stick_does_no_work() {
         assert!(largest > 0.0 && !rig.batch.contacts().next().unwrap().slides);
         // On a mesh the stiffness at the rim changes a little from place to place, which costs.
         let lost = -work / (largest * 2e-5);
-        let most = if ground == Ground::Floor { 1e-12 } else { 5e-5 };
-        assert!(lost > -1e-12 && lost < most, "{ground:?}: {lost:e}");
+        let most = if ground == Ground::Floor { 1e-11 } else { 5e-5 };
+        assert!(lost > -1e-11 && lost < most, "{ground:?}: {lost:e}");
         assert!(spring < most * largest * 2e-5, "{ground:?}: {spring:e}");
+    }
+}
+
+/// The work of friction on the nodes of the upper body from one update to the next, by the trapezoidal rule.
+fn nodal_work(rig: &Rig, before: &(Vec<Vector3<f64>>, Vec<Vector3<f64>>)) -> f64 {
+    let now = rig.batch.friction_forces(rig.upper_index());
+    let forces = now.iter().zip(&before.1).map(|(f, g)| (f + g) * 0.5);
+    let ways = rig.upper.x.iter().zip(&before.0).map(|(x, y)| x - y);
+    forces.zip(ways).map(|(f, way)| f.dot(&way)).sum()
+}
+
+/// A cube that stands on an edge rolls to and fro, and is pressed and pushed out of step with that, so that
+/// the pressure, its direction and the stretch of the springs go round a cycle. As long as nothing slides
+/// friction may dissipate, but whichever way round it goes it never gives more than its springs hold.
+#[test]
+fn friction_feeds_no_rolling() {
+    for ground in GROUNDS {
+        for direction in [1.0, -1.0] {
+            let sticky = ContactParameters {
+                friction: 20.0,
+                ..law()
+            };
+            let mut rig = Rig::new(sticky, ground);
+            let start = rig.upper.x.clone();
+            let centre: Vector3<f64> = start.iter().sum::<Vector3<f64>>() / start.len() as f64;
+            let place = |rig: &mut Rig, s: f64| {
+                let (sin, cos) = (std::f64::consts::TAU * s * direction).sin_cos();
+                let angle = std::f64::consts::FRAC_PI_4 + 0.03 * sin;
+                let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
+                // The lowest corners roll on the ground, 2 mm deep and 0.1 mm more and less.
+                let depth = 2e-3 + 1e-4 * cos;
+                let up = 0.5 * (angle.sin() + angle.cos()) - depth;
+                let along = 0.5 * (angle.sin() - angle.cos()) + 1e-4 * (2.0 + 0.3 * cos);
+                let to = Vector3::new(along, 0.0, up);
+                for (x, from) in rig.upper.x.iter_mut().zip(&start) {
+                    *x = turn * (from - centre) + to;
+                }
+            };
+            let (mut work, mut largest, mut first) = (0.0, 0.0_f64, 0.0);
+            let mut before = (Vec::new(), Vec::new());
+            // The first round brings the springs into the cycle.
+            for i in 0..=1200 {
+                place(&mut rig, f64::from(i) / 400.0);
+                let contact = rig.update();
+                assert!(!contact.slides, "{ground:?}");
+                if i == 400 {
+                    first = contact.spring_energy;
+                } else if i > 400 {
+                    work += nodal_work(&rig, &before);
+                    largest = largest.max(contact.spring_energy);
+                }
+                let forces = rig.batch.friction_forces(rig.upper_index());
+                before = (rig.upper.x.clone(), forces.to_vec());
+            }
+            let last = rig.batch.contacts().next().unwrap().spring_energy;
+            let dissipated = (first - last - work) / largest;
+            assert!(dissipated > -1e-3, "{ground:?} {direction}: {dissipated:e}");
+        }
     }
 }
 
@@ -366,6 +428,52 @@ fn impacts_have_the_restitution_of_their_damping_ratio() {
 
 /// Vertical shaking with the weight on an incline's share of shear below the bound: the block does
 /// not creep.
+/// A cube of side a that turns on its face is opposed by the moment 2 ζ √(k_θ/w) ω, with k_θ = K a²/12 of a
+/// square, up to the one that takes the pressure to the rim; its nodes bear this moment and no force.
+#[test]
+fn rocking_is_damped_by_the_stiffness_of_the_face() {
+    let zeta = 0.3;
+    let still = ContactParameters {
+        friction: 0.0,
+        damping_ratio: zeta,
+        ..law()
+    };
+    for ground in GROUNDS {
+        let mut rig = Rig::new(still, ground);
+        let at = rig.update();
+        let centre: Vector3<f64> =
+            rig.upper.x.iter().sum::<Vector3<f64>>() / rig.upper.x.len() as f64;
+        // All nodes of the cube have the mass 1: the inertia is the same about any axis.
+        let square = |x: &Vector3<f64>| (x - centre).xy().norm_squared();
+        let inertia: f64 = rig.upper.x.iter().map(square).sum();
+        let axis = Vector3::new(0.6, 0.8, 0.0);
+        let mut moment = |speed: f64| {
+            let spin = axis * speed + Vector3::z();
+            for (v, x) in rig.velocity.iter_mut().zip(&rig.upper.x) {
+                *v = spin.cross(&(x - centre));
+            }
+            let contact = rig.update();
+            let forces = rig.batch.damping_forces(rig.upper_index());
+            let total: Vector3<f64> = forces.iter().sum();
+            let nodes = rig.upper.x.iter().zip(forces);
+            let torque: Vector3<f64> = nodes.map(|(x, f)| (x - centre).cross(f)).sum();
+            let normal = contact.normal_force - contact.elastic_force;
+            assert!((total - contact.normal * normal).norm() < 1e-9 * contact.elastic_force);
+            assert!((torque - contact.rocking).norm() < 1e-6 * contact.rocking.norm());
+            contact.rocking
+        };
+        let expected = 2.0 * zeta * (at.stiffness / 12.0 * inertia).sqrt();
+        let slow = moment(1e-6);
+        let ratio = -slow.dot(&axis) / (expected * 1e-6);
+        // The largest inverse moment of inertia may count for 7 % too much, and half of that in the root.
+        assert!((ratio - 0.98).abs() < 0.025, "{ground:?}: {ratio}");
+        assert!((slow + axis * slow.norm()).norm() < 1e-6 * slow.norm());
+        let fast = moment(100.0);
+        let arm = fast.norm() / at.elastic_force;
+        assert!(arm > 0.35 && arm < 0.5, "{ground:?}: {arm}");
+    }
+}
+
 #[test]
 fn shaken_stick_does_not_creep() {
     let mut stream = Stream(2);

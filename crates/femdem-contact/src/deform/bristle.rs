@@ -2,16 +2,19 @@
 //!
 //! The spring is stretched between a point of A and a point of B, given in a tetrahedron's
 //! barycentric coordinates or in a rigid body's axes, so that a common rigid motion leaves it
-//! unchanged. The points move to where the pressure is when the triangle slides, and so walk from
-//! tetrahedron to tetrahedron.
+//! unchanged.
+//!
+//! In every step the points are put around the place where the pressure is, as far apart as the spring
+//! is stretched across the normal, and so walk from tetrahedron to tetrahedron. While the triangle
+//! sticks, the energy of the spring then changes by the work of its force, whatever way the pressure and
+//! the normal move when bodies roll or rock on each other: the force acts where the stretch is measured, and
+//! what is left out of the stretch, its part along the normal, can only take energy. Points
+//! that stayed behind made a force that was the gradient of nothing, on which bodies rocked for ever.
 
 use super::current::{Current, Operand};
 use crate::law::ContactParameters;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
-
-/// The points are placed anew once the pressure has moved by this many lengths of the triangle.
-const RECENTRE: f64 = 0.5;
 
 /// A spring keeps its stiffness until there is less than this part of it left, so that a contact
 /// that is shaken does not lose its force little by little.
@@ -117,14 +120,11 @@ impl Bristle {
 
     /// Way from the point of A to that of B, m; zero if there are no such points.
     pub fn stretch(&self, sides: &[Operand; 2], origin: &Vector3) -> Vector3 {
-        self.ends(sides, origin)
-            .map_or_else(Vector3::zeros, |[a, b]| b - a)
-    }
-
-    /// Where the points are about an origin, m; `None` if there are no such points.
-    fn ends(&self, sides: &[Operand; 2], origin: &Vector3) -> Option<[Vector3; 2]> {
         let [a, b] = &self.anchors;
-        Some([sides[0].anchored(a, origin)?, sides[1].anchored(b, origin)?])
+        match (sides[0].anchored(a, origin), sides[1].anchored(b, origin)) {
+            (Some(a), Some(b)) => b - a,
+            _ => Vector3::zeros(),
+        }
     }
 
     /// Energy of the spring as it stands, J.
@@ -140,24 +140,20 @@ impl Bristle {
         self.anchors = [0, 1].map(|i| sides[i].anchor(touch.hosts[i], &ends[i], &touch.origin));
     }
 
-    /// Advances the spring and returns its friction. `size` is the triangle's, m.
+    /// Advances the spring and returns its friction.
     pub fn update(
         &mut self,
         law: &ContactParameters,
         sides: &[Operand; 2],
         touch: &Touch,
-        size: f64,
     ) -> TriangleFriction {
         let normal = &touch.normal;
         let mut k = touch.stiffness;
-        let ends = self.ends(sides, &touch.origin);
-        let mut stretch = ends.map_or_else(Vector3::zeros, |[a, b]| across(&(b - a), normal));
+        let mut stretch = across(&self.stretch(sides, &touch.origin), normal);
         let slip = across(&touch.slip, normal);
-        let mut moved = false;
         // A stiffer spring keeps its force, a softer one its stretch: neither makes energy.
         if k > self.stiffness && self.stiffness > 0.0 {
             stretch *= self.stiffness / k;
-            moved = true;
         } else if k >= HOLDS * self.stiffness {
             k = k.max(self.stiffness);
         }
@@ -181,13 +177,8 @@ impl Bristle {
             } else {
                 Vector3::zeros()
             };
-            moved = true;
         }
-        let far =
-            |[_, x]: [Vector3; 2]| (x - touch.point).norm_squared() > (RECENTRE * size).powi(2);
-        if moved || ends.is_none_or(far) {
-            self.place(sides, touch, &stretch);
-        }
+        self.place(sides, touch, &stretch);
         self.stiffness = k;
         self.normal = *normal;
         TriangleFriction {

@@ -50,7 +50,9 @@
 //!   that have died.
 //! - **Damping**: all elastic forces of a pair are scaled by
 //!   1 + 2 ζ (dU/dt)/(√(2U) √(Σ |f_a|²/m_a)) ≥ 0, rigid bodies with their own inertia in the sum. For
-//!   motion along the forces the restitution is that of [`restitution`](crate::restitution).
+//!   motion along the forces the restitution is that of [`restitution`](crate::restitution). Rocking
+//!   is damped by a moment against the turning of the bodies as wholes, with the stiffness that the
+//!   patch has against it and the same ζ.
 //! - **Step**: every node gets the sum of w S N_a(c) over the polygons of skin in contact (w the
 //!   stiffness per area, S the area, c the centroid), and the tangential springs' share. Twice the
 //!   largest of these over the masses bounds the largest eigenvalue (it is 1.5 to 2.3 times it in
@@ -82,6 +84,7 @@ mod kernel;
 mod near;
 mod record;
 mod respond;
+mod rocking;
 mod rub;
 mod shape;
 mod sums;

@@ -30,6 +30,8 @@ pub struct DeformableContact {
     pub elastic_force: f64,
     /// Normal force on B along `normal`, damping included, N.
     pub normal_force: f64,
+    /// Moment on B of the dashpot against rocking, N m.
+    pub rocking: Vector3,
     /// Friction force on B, N.
     pub friction: Vector3,
     /// Whether every part of the contact slides.

@@ -5,6 +5,7 @@ use super::current::Operand;
 use super::kernel::DeformableScratch;
 use super::near::Near;
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
+use super::rocking::{Rocking, Turning};
 use super::rub::Rubbing;
 use crate::contact::{Load, Wrench};
 use crate::generalized::Resistance;
@@ -25,6 +26,8 @@ pub(crate) struct Pair<'a> {
     pub ids: (DeformablePartner, u32),
     pub sides: [Operand<'a>; 2],
     pub movers: [Mover<'a>; 2],
+    /// How the sides that deform turn.
+    pub turnings: [Option<&'a Turning>; 2],
     pub near: &'a Near,
     pub law: &'a ContactParameters,
     /// Whether the fields act in series (form Min).
@@ -59,6 +62,9 @@ pub(crate) struct NodeLoad {
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Outcome {
     pub nodes: [Vec<NodeLoad>; 2],
+    /// Moment on B against rocking, N m, the opposite of that on A; and the rates of both by it, 1/s.
+    pub moment: Vector3,
+    pub turning_rates: [f64; 2],
     /// On a rigid body or wall.
     pub load: Option<Box<(Load, Resistance)>>,
     pub contact: Option<DeformableContact>,
@@ -82,6 +88,8 @@ impl Outcome {
     /// Nothing touches: springs die.
     pub fn clear(&mut self) {
         self.nodes.iter_mut().for_each(Vec::clear);
+        self.moment = Vector3::zeros();
+        self.turning_rates = [0.0; 2];
         self.load = None;
         self.contact = None;
         self.totals = DeformableTotals::default();
@@ -97,6 +105,11 @@ impl Outcome {
             side.iter_mut().for_each(|f| *f *= dashpot.scale);
         }
         let mut contact = pair.contact(scratch, dashpot.scale);
+        let force = contact.normal_force;
+        let rocking = pair.rocking(&scratch.sums.patch, &contact.normal, force);
+        contact.rocking = rocking.moment;
+        self.moment = rocking.moment;
+        self.turning_rates = rocking.rates;
         let friction = self.rub(pair, scratch, &mut contact, dashpot.scale);
         for (side, members) in pair.near.sides.iter().enumerate() {
             scratch.sums.fold(side, &members.slaves);
@@ -104,7 +117,7 @@ impl Outcome {
         self.totals = DeformableTotals {
             energy: contact.energy,
             spring_energy: contact.spring_energy,
-            damping_power: dashpot.power,
+            damping_power: dashpot.power + rocking.power,
             friction_power: friction.power,
             pairs: 0,
             touching: 1,
@@ -118,7 +131,7 @@ impl Outcome {
         for side in 0..2 {
             self.list_nodes(pair, scratch, side, share, &dashpot);
         }
-        self.load = pair.rigid_load(scratch, &elastic[0], &dashpot, &friction);
+        self.load = pair.rigid_load(scratch, &elastic[0], (&dashpot, &rocking), &friction);
     }
 
     fn list_nodes(
@@ -240,6 +253,7 @@ impl<'a> Pair<'a> {
             normal,
             elastic_force,
             normal_force: elastic_force * scale,
+            rocking: Vector3::zeros(),
             friction: Vector3::zeros(),
             slides: false,
             area: (0.5 * normal.dot(&sums.area)).max(0.0),
@@ -256,7 +270,7 @@ impl<'a> Pair<'a> {
         &self,
         scratch: &DeformableScratch,
         elastic: &[Vector3; 2],
-        dashpot: &Dashpot,
+        (dashpot, rocking): (&Dashpot, &Rocking),
         rubbing: &Rubbing,
     ) -> Option<Box<(Load, Resistance)>> {
         let Mover::Rigid(motion) = self.movers[0] else {
@@ -270,7 +284,7 @@ impl<'a> Pair<'a> {
         let elastic = about(elastic);
         let damping = Wrench {
             force: elastic.force * (dashpot.scale - 1.0),
-            torque: elastic.torque * (dashpot.scale - 1.0),
+            torque: elastic.torque * (dashpot.scale - 1.0) - rocking.moment,
         };
         let (mut load, mut resistance) = (Load::default(), Resistance::default());
         load.add_wrenches(&elastic, &damping, &about(&rubbing.wrench));
@@ -288,6 +302,12 @@ impl<'a> Pair<'a> {
                 &elastic.force,
                 &elastic.torque,
                 2.0 * dashpot.coefficient,
+            );
+            let any = Vector3::x();
+            resistance.viscosity.add_turning(
+                &any,
+                2.0 * rocking.viscosity,
+                2.0 * rocking.viscosity,
             );
             for mark in &rubbing.marks {
                 let arm = mark.point + to;

@@ -79,8 +79,7 @@ impl Outcome {
         let mut marks: Vec<Mark> = Vec::with_capacity(touches.len());
         let mut slides = !touches.is_empty();
         for ((_, touch), bristle) in touches.iter().zip(&mut bristles) {
-            let size = touch.hosts[1].1.posed.size();
-            let friction = bristle.update(pair.law, &pair.sides, touch, size);
+            let friction = bristle.update(pair.law, &pair.sides, touch);
             contact.friction += friction.force;
             contact.spring_energy += friction.energy;
             contact.tangential_stiffness += friction.stiffness;

@@ -62,7 +62,37 @@ pub(crate) struct PairSums {
     pub area: Vector3,
     /// Centre and normal direction times stiffness of the polygons, for rigid bodies.
     pub springs: Vec<Spring>,
+    /// That of all polygons that carry pressure.
+    pub patch: PatchStiffness,
     pub pieces: usize,
+}
+
+/// Integrals of the normal stiffness per area over a patch.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct PatchStiffness {
+    /// N/m.
+    pub total: f64,
+    /// With x, N.
+    first: Vector3,
+    /// With |x|^2, N m.
+    second: f64,
+}
+
+impl PatchStiffness {
+    fn add(&mut self, weight: f64, sums: &PolygonSums) {
+        self.total += weight * sums.area;
+        self.first += sums.first * weight;
+        self.second += weight * sums.second;
+    }
+
+    /// Polar second moment about the centre, N m; 0 for a point or where there is no stiffness.
+    pub fn about_centre(&self) -> f64 {
+        if self.total > 0.0 {
+            (self.second - self.first.norm_squared() / self.total).max(0.0)
+        } else {
+            0.0
+        }
+    }
 }
 
 /// The stiffness of one polygon, N/m.
@@ -92,6 +122,7 @@ pub(crate) struct Triangles {
 struct PolygonSums {
     area: f64,
     first: Vector3,
+    second: f64,
     pressure: f64,
     moment: Vector3,
 }
@@ -112,6 +143,7 @@ impl PairSums {
         self.volume = 0.0;
         self.wrench = [[Vector3::zeros(); 2]; 2];
         self.area = Vector3::zeros();
+        self.patch = PatchStiffness::default();
         self.pieces = 0;
     }
 
@@ -244,6 +276,7 @@ impl PairSums {
         if !carries {
             return None;
         }
+        self.patch.add(weight, sums);
         let load = self.load(triangle);
         load.force += normal * sums.pressure;
         load.pressure += sums.pressure;
@@ -319,11 +352,12 @@ impl PairSums {
 }
 
 impl PolygonSums {
-    /// Integrals of 1, x, p and x p over a plane convex polygon with the field p, exactly.
+    /// Integrals of 1, x, |x|^2, p and x p over a plane convex polygon with the field p, exactly.
     fn new(polygon: &[Vector3], normal: &Vector3, field: &Posed) -> Self {
         let mut sums = Self {
             area: 0.0,
             first: Vector3::zeros(),
+            second: 0.0,
             pressure: 0.0,
             moment: Vector3::zeros(),
         };
@@ -339,6 +373,8 @@ impl PolygonSums {
             let (sum, total) = (x + y + z, fx + fy + fz);
             sums.area += area;
             sums.first += sum * (area / 3.0);
+            let squares = x.norm_squared() + y.norm_squared() + z.norm_squared();
+            sums.second += (sum.norm_squared() + squares) * (area / 12.0);
             sums.pressure += area / 3.0 * total;
             sums.moment += (sum * total + x * fx + y * fy + z * fz) * (area / 12.0);
         }

@@ -4,6 +4,7 @@ use super::evaluate::Context;
 use crate::deform::current::Operand;
 use crate::deform::record::NodalState;
 use crate::deform::respond::NodeLoad;
+use crate::deform::rocking::Turning;
 use crate::deform::shape::{DeformableShape, Modulus};
 use crate::error::ContactError;
 use femdem_mesh::Vector3;
@@ -21,6 +22,8 @@ pub(crate) struct SoftBody {
     before: Vec<Vector3>,
     /// Mean place of the nodes, m.
     pub centre: Vector3,
+    /// How it turns, if anything may touch it.
+    pub turning: Option<Turning>,
     /// The tree over the tetrahedra, as it was when it was last wanted.
     #[serde(skip)]
     pub tree: Option<Box<(Bvh, Vec<Aabb>)>>,
@@ -34,6 +37,9 @@ pub(crate) struct SoftBody {
     pub stiffness: Vec<f64>,
     #[serde(skip)]
     pub rates: Vec<f64>,
+    /// Moment against rocking, N m, and its rate, 1/s.
+    #[serde(skip)]
+    rocking: (Vector3, f64),
     /// Whether any of these is not zero.
     #[serde(skip)]
     pub loaded: bool,
@@ -47,12 +53,14 @@ impl SoftBody {
             travelled: 0.0,
             before: Vec::new(),
             centre: Vector3::zeros(),
+            turning: None,
             tree: None,
             forces: Vec::new(),
             damping: Vec::new(),
             friction: Vec::new(),
             stiffness: Vec::new(),
             rates: Vec::new(),
+            rocking: (Vector3::zeros(), 0.0),
             loaded: false,
         };
         body.restore(shape);
@@ -97,6 +105,29 @@ impl SoftBody {
                 self.rates[at] += load.rate;
             }
         }
+    }
+
+    /// Adds a moment of a pair against rocking, N m, and its rate, 1/s.
+    pub fn rock(&mut self, moment: &Vector3, rate: f64) {
+        self.rocking.0 += moment;
+        self.rocking.1 += rate;
+    }
+
+    /// Lets the moments against rocking act on the nodes.
+    pub fn spread_rocking(&mut self) {
+        let (moment, rate) = std::mem::take(&mut self.rocking);
+        let Some(turning) = &self.turning else {
+            return;
+        };
+        if rate <= 0.0 && moment == Vector3::zeros() {
+            return;
+        }
+        let forces = turning.forces(&moment, &self.before);
+        for ((total, damping), force) in self.forces.iter_mut().zip(&mut self.damping).zip(forces) {
+            *total += force;
+            *damping += force;
+        }
+        self.rates.iter_mut().for_each(|r| *r += rate);
     }
 
     /// Takes over where the nodes are now.
@@ -172,13 +203,29 @@ pub(crate) fn advance(bodies: &mut [SoftBody], states: &[NodalState]) -> Result<
     Ok(())
 }
 
-/// Brings the trees of the bodies marked up to date.
-pub(crate) fn refit(bodies: &mut [SoftBody], stale: &[bool], context: &Context) {
+/// What a body must know for the contacts of an update.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Wanted {
+    /// Its tree, as it is now.
+    pub tree: bool,
+    /// How it turns.
+    pub turning: bool,
+}
+
+/// Brings what is wanted of the bodies up to date.
+pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Context) {
     let renew = |(i, body): (usize, &mut SoftBody)| {
-        if stale.get(i) == Some(&true)
+        let wanted = wanted.get(i).copied().unwrap_or_default();
+        if wanted.tree
             && let Some(operand) = context.soft(i as u32, body)
         {
             body.refit(&operand);
+        }
+        let before = body.turning.take();
+        if wanted.turning
+            && let Some(state) = context.states.get(i)
+        {
+            body.turning = Turning::new(state, before);
         }
     };
     #[cfg(feature = "parallel")]

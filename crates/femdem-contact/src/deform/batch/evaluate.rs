@@ -111,11 +111,13 @@ impl Context<'_> {
         let tree_b = tree(body)?;
         let moduli_b = body.modulus;
         let rigid = Modulus::Penalty(self.parameters.penalty);
+        let mut turning = None;
         let (of_a, tree_a, modulus, mover) = match pair.a {
             DeformablePartner::Deformable(i) => {
                 let body = bodies.get(i as usize)?;
                 let state = self.states.get(i as usize)?;
                 let operand = self.soft(i, body)?;
+                turning = body.turning.as_ref();
                 (operand, tree(body)?, body.modulus, Mover::Nodes(*state))
             }
             DeformablePartner::Rigid(i) => {
@@ -156,6 +158,7 @@ impl Context<'_> {
             ids: (pair.a, pair.b),
             sides: sides.operands,
             movers: [mover, Mover::Nodes(*self.states.get(pair.b as usize)?)],
+            turnings: [turning, body.turning.as_ref()],
             near: pair.candidates.near()?,
             law: match pair.a {
                 DeformablePartner::Wall(_) => &self.at_walls,

@@ -263,8 +263,8 @@ impl DeformableBatch {
             }
             self.starts.clear();
         }
-        let stale = self.pairs.stale_trees(&context, &self.bodies);
-        body::refit(&mut self.bodies, &stale, &context);
+        let wanted = self.pairs.wanted(&context, &self.bodies);
+        body::prepare(&mut self.bodies, &wanted, &context);
         evaluate::run(&context, &self.bodies, &mut self.pairs)?;
         self.gather();
         Ok(())
@@ -291,14 +291,17 @@ impl DeformableBatch {
         for pair in self.pairs.list() {
             self.totals += &pair.totals();
             let [of_a, of_b] = &pair.outcome.nodes;
+            let (moment, [rate_a, rate_b]) = (pair.outcome.moment, pair.outcome.turning_rates);
             if let Some(body) = self.bodies.get_mut(pair.b as usize) {
                 body.add(of_b);
+                body.rock(&moment, rate_b);
             }
             use DeformablePartner as Side;
             let total = match pair.a {
                 Side::Deformable(i) => {
                     if let Some(body) = self.bodies.get_mut(i as usize) {
                         body.add(of_a);
+                        body.rock(&-moment, rate_a);
                     }
                     None
                 }
@@ -315,6 +318,9 @@ impl DeformableBatch {
             {
                 *total += resistance;
             }
+        }
+        for body in &mut self.bodies {
+            body.spread_rocking();
         }
     }
 

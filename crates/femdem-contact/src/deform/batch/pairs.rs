@@ -1,7 +1,7 @@
 //! Candidate pairs of bodies, and what is kept of each.
 
 use super::RigidShape;
-use super::body::SoftBody;
+use super::body::{SoftBody, Wanted};
 use super::evaluate::Context;
 use crate::deform::near::Candidates;
 use crate::deform::record::{DeformablePartner, DeformableTotals};
@@ -148,9 +148,10 @@ impl PairList {
         }
     }
 
-    /// Which deformable bodies need their trees now, because a pair must look for candidates anew.
-    pub fn stale_trees(&mut self, context: &Context, bodies: &[SoftBody]) -> Vec<bool> {
-        let mut stale = vec![false; bodies.len()];
+    /// What must be known of the deformable bodies now: how they turn, if they may touch something, and
+    /// their trees, if a pair must look for candidates anew.
+    pub fn wanted(&mut self, context: &Context, bodies: &[SoftBody]) -> Vec<Wanted> {
+        let mut wanted = vec![Wanted::default(); bodies.len()];
         for pair in &mut self.list {
             if let (DeformablePartner::Wall(w), Some(body)) = (pair.a, bodies.get(pair.b as usize))
             {
@@ -163,19 +164,23 @@ impl PairList {
                     continue;
                 }
             }
-            if pair.candidates.is_expired(context.motion(pair, bodies)) {
-                let of_a = match pair.a {
-                    DeformablePartner::Deformable(i) => Some(i),
-                    _ => None,
-                };
-                for i in of_a.into_iter().chain([pair.b]) {
-                    if let Some(flag) = stale.get_mut(i as usize) {
-                        *flag = true;
-                    }
+            let motion = context.motion(pair, bodies);
+            if pair.candidates.is_clear(motion) {
+                continue;
+            }
+            let is_stale = pair.candidates.is_expired(motion);
+            let of_a = match pair.a {
+                DeformablePartner::Deformable(i) => Some(i),
+                _ => None,
+            };
+            for i in of_a.into_iter().chain([pair.b]) {
+                if let Some(of_body) = wanted.get_mut(i as usize) {
+                    of_body.turning = true;
+                    of_body.tree |= is_stale;
                 }
             }
         }
-        stale
+        wanted
     }
 }
 

@@ -1,0 +1,247 @@
+//! The dashpot of a contact against rocking.
+//!
+//! The dashpot along the gradient of U (see [`super::respond`]) leaves rocking about the contact undamped,
+//! for that is orthogonal to the gradient. As among rigid bodies (see [`crate::damping`]) a moment opposes
+//! the turning of B against A across the normal, with the same fraction ζ of critical damping:
+//!
+//! M = -c (ω_B - ω_A), c = 2 ζ √(k_θ/w), k_θ = J/2,
+//!
+//! J the polar second moment of the normal stiffness over the patch, half of which belongs to either axis in
+//! its plane, and w the sum of the largest inverse principal moments of inertia of A and B.
+//!
+//! The turning ω of a body that deforms is that of its nodes as a whole, I⁻¹ Σ m_a r_a × v_a, and the moment
+//! acts on all of them as f_a = m_a (I⁻¹ M) × r_a. Both belong together: the power is M·ω for whatever motion of
+//! the nodes, so that the dashpot only dissipates; Σ f_a = 0 and Σ r_a × f_a = M, so that neither momentum nor
+//! angular momentum is made. It turns the body as if it were rigid and strains nothing, so that its rate, at
+//! most 2 ζ √(k_θ w), is that of a body and not that of an element: it costs hardly any step. (Dashpots between
+//! the nodes in contact would have the rate of the nodes, and at the same cost of step damp the rocking of a
+//! body a hundred times less.)
+
+use super::record::NodalState;
+use super::respond::{Mover, Pair};
+use super::sums::PatchStiffness;
+use crate::kernel::MEAN_OVER_RMS;
+use femdem_mesh::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// How a body that deforms turns as a whole.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Turning {
+    /// Masses of the nodes that forces move, kg, 0 for the others; 1 for all if forces move none.
+    weights: Vec<f64>,
+    /// Their centre, m.
+    centre: Vector3,
+    /// I⁻¹ of the weights, 1/(kg m^2).
+    inverse_inertia: Matrix3,
+    /// rad/s.
+    rate: Vector3,
+    /// Largest inverse moment of inertia, 1/(kg m^2), at most 7 % too large; 0 if forces move no node.
+    mobility: f64,
+}
+
+impl Turning {
+    /// `None` if the nodes that forces move lie on a line. The list of weights is that of `before`, if it
+    /// is given.
+    pub fn new(state: &NodalState, before: Option<Self>) -> Option<Self> {
+        let mut weights = before.map_or_else(Vec::new, |t| t.weights);
+        weights.clear();
+        let mass = |w: &f64| if *w > 0.0 { 1.0 / w } else { 0.0 };
+        weights.extend(state.inverse_masses.iter().map(mass));
+        let is_free = weights.iter().any(|m| *m > 0.0);
+        if !is_free {
+            weights.fill(1.0);
+        }
+        let (mut total, mut first) = (0.0, Vector3::zeros());
+        for (x, m) in state.positions.iter().zip(&weights) {
+            total += m;
+            first += x * *m;
+        }
+        let centre = first / total;
+        let (mut second, mut momentum) = (Matrix3::zeros(), Vector3::zeros());
+        for ((x, v), m) in state.positions.iter().zip(state.velocities).zip(&weights) {
+            let r = x - centre;
+            let weighted = r * *m;
+            second += weighted * r.transpose();
+            momentum += weighted.cross(v);
+        }
+        let trace = second.trace();
+        let inertia = Matrix3::from_diagonal_element(trace) - second;
+        // On a line one moment is zero, and I/trace has the determinant 0.
+        let least = 1e-9 * trace.powi(3);
+        if inertia.determinant().is_nan() || inertia.determinant() <= least {
+            return None;
+        }
+        let inverse_inertia = inertia.try_inverse()?;
+        Some(Self {
+            rate: inverse_inertia * momentum,
+            mobility: if is_free {
+                largest_eigenvalue(&inverse_inertia)
+            } else {
+                0.0
+            },
+            weights,
+            centre,
+            inverse_inertia,
+        })
+    }
+
+    /// Forces by which a moment (N m) acts on the nodes at given places, N.
+    pub fn forces<'a>(
+        &'a self,
+        moment: &Vector3,
+        positions: &'a [Vector3],
+    ) -> impl Iterator<Item = Vector3> + 'a {
+        let acceleration = self.inverse_inertia * moment;
+        let nodes = positions.iter().zip(&self.weights);
+        nodes.map(move |(x, m)| acceleration.cross(&(x - self.centre)) * *m)
+    }
+}
+
+/// Upper bound of the largest eigenvalue of a positive definite matrix, from its eighth power; at
+/// most 7 % above.
+fn largest_eigenvalue(m: &Matrix3) -> f64 {
+    let size = m.trace();
+    let unit = m / size;
+    let square = unit * unit;
+    let fourth = square * square;
+    size * (fourth * fourth).norm().sqrt().sqrt().sqrt()
+}
+
+/// The dashpot of a pair.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Rocking {
+    /// Moment on B, N m.
+    pub moment: Vector3,
+    /// c, N m s.
+    pub viscosity: f64,
+    /// Rates of A and B, for the step, 1/s.
+    pub rates: [f64; 2],
+    /// W.
+    pub power: f64,
+}
+
+impl Pair<'_> {
+    /// Turning of a side, rad/s, and its largest inverse moment of inertia, 1/(kg m^2).
+    fn turning(&self, side: usize) -> Option<(Vector3, f64)> {
+        match &self.movers[side] {
+            Mover::Rigid(motion) => Some((motion.angular_velocity, motion.inverse_inertia_max)),
+            Mover::Nodes(..) => self.turnings[side].map(|t| (t.rate, t.mobility)),
+        }
+    }
+
+    /// The dashpot of a patch that presses with a force (N, damping included) along `normal`.
+    pub fn rocking(&self, patch: &PatchStiffness, normal: &Vector3, force: f64) -> Rocking {
+        let (Some((of_a, w_a)), Some((of_b, w_b))) = (self.turning(0), self.turning(1)) else {
+            return Rocking::default();
+        };
+        let (second, w) = (patch.about_centre(), w_a + w_b);
+        let usable = second > 0.0 && w > 0.0;
+        if !usable {
+            return Rocking::default();
+        }
+        let viscosity = 2.0 * self.law.damping_ratio * (0.5 * second / w).sqrt();
+        let turn = of_b - of_a;
+        let turn = turn - normal * normal.dot(&turn);
+        // No tension: the centre of pressure stays within the patch.
+        let most = force * MEAN_OVER_RMS * (second / patch.total).sqrt();
+        let size = viscosity * turn.norm();
+        let part = if size > most { most / size } else { 1.0 };
+        let moment = turn * (-viscosity * part);
+        // (ω_B - ω_A)^2 <= 2 ω_A^2 + 2 ω_B^2, if both turn.
+        let both = if w_a > 0.0 && w_b > 0.0 { 2.0 } else { 1.0 };
+        Rocking {
+            moment,
+            viscosity,
+            rates: [w_a, w_b].map(|w| both * viscosity * w),
+            power: moment.dot(&turn),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+    use super::*;
+
+    /// Numbers between -1 and 1 without a pattern.
+    fn noise(count: usize, seed: f64) -> Vec<Vector3> {
+        let number = |i: usize, k: f64| (12.9898 * i as f64 + 78.233 * k + seed).sin();
+        let node = |i| Vector3::new(number(i, 1.0), number(i, 2.0), number(i, 3.0));
+        (0..count).map(node).collect()
+    }
+
+    /// Nodes with unequal masses, some of which no force moves.
+    fn nodes() -> ([Vec<Vector3>; 2], Vec<f64>) {
+        let inverse = |i: usize| {
+            if i % 5 == 3 {
+                0.0
+            } else {
+                0.1 + 0.05 * i as f64
+            }
+        };
+        (
+            [noise(17, 0.3), noise(17, 4.2)],
+            (0..17).map(inverse).collect(),
+        )
+    }
+
+    fn state<'a>(x: &'a [Vector3], v: &'a [Vector3], w: &'a [f64]) -> NodalState<'a> {
+        NodalState {
+            positions: x,
+            velocities: v,
+            inverse_masses: w,
+        }
+    }
+
+    /// A moment acts on the nodes as that moment, without force, and does the work of the turning, whatever
+    /// the nodes do; it leaves those alone that forces do not move.
+    #[test]
+    fn forces_are_those_of_the_moment() {
+        let ([x, v], w) = nodes();
+        let turning = Turning::new(&state(&x, &v, &w), None).unwrap();
+        let moment = Vector3::new(0.3, -1.2, 0.7);
+        let forces: Vec<Vector3> = turning.forces(&moment, &x).collect();
+        let sum = |f: &dyn Fn(usize) -> Vector3| (0..17).map(f).sum::<Vector3>();
+        assert!(sum(&|i| forces[i]).norm() < 1e-14);
+        assert!((sum(&|i| x[i].cross(&forces[i])) - moment).norm() < 1e-14);
+        let power: f64 = forces.iter().zip(&v).map(|(f, v)| f.dot(v)).sum();
+        assert!((power - moment.dot(&turning.rate)).abs() < 1e-14);
+        assert_eq!(forces[3], Vector3::zeros());
+    }
+
+    /// The turning of a rigid motion is its own; so is that of a body of which no node moves freely.
+    #[test]
+    fn rigid_motions_turn_as_they_do() {
+        let ([x, _], w) = nodes();
+        let spin = Vector3::new(2.0, -1.0, 0.5);
+        let rigid = |x: &Vector3| spin.cross(x) + Vector3::new(5.0, 1.0, -3.0);
+        let v: Vec<Vector3> = x.iter().map(rigid).collect();
+        for w in [w, vec![0.0; 17]] {
+            let turning = Turning::new(&state(&x, &v, &w), None).unwrap();
+            assert!((turning.rate - spin).norm() < 1e-13, "{}", turning.rate);
+            assert_eq!(turning.mobility > 0.0, w[0] > 0.0);
+        }
+    }
+
+    #[test]
+    fn the_largest_eigenvalue_is_bounded() {
+        for seed in 0..20 {
+            let [a, b, c] = [0.1, 0.5, 0.9].map(|k| noise(1, f64::from(seed) + k)[0]);
+            let root = Matrix3::from_columns(&[a, b, c]);
+            let m = root * root.transpose() + Matrix3::identity() * 0.1;
+            let ratio = largest_eigenvalue(&m) / m.symmetric_eigenvalues().max();
+            assert!((1.0 - 1e-12..1.08).contains(&ratio), "{ratio}");
+        }
+    }
+
+    /// Nodes on a line turn about it without moving.
+    #[test]
+    fn nodes_on_a_line_do_not_turn() {
+        let x: Vec<Vector3> = (0..5)
+            .map(|i| Vector3::new(1.0, 2.0, 3.0) * f64::from(i))
+            .collect();
+        let v = vec![Vector3::zeros(); 5];
+        assert_eq!(Turning::new(&state(&x, &v, &[1.0; 5]), None), None);
+    }
+}
