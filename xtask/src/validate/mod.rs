@@ -118,7 +118,7 @@ impl Case {
             Self::BouldersDeformable => soft_boulders::run(
                 workshop,
                 count.unwrap_or(288),
-                options.seconds.unwrap_or(4.0),
+                options.seconds.unwrap_or(5.5),
                 options.lines.as_deref(),
             ),
             Self::Pack500 | Self::All => pack::run(workshop, count.unwrap_or(500)),

@@ -160,8 +160,6 @@ impl Pair<'_> {
 
 #[cfg(test)]
 mod tests {
-    #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
-
     use super::*;
 
     /// Numbers between -1 and 1 without a pattern.

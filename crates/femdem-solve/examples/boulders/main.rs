@@ -3,7 +3,7 @@
 //!
 //! Prints lines of columns separated by tabs; each begins with the name of its table. Takes the simulated
 //! time (s), the number of threads, the number of boulders, the time (s) that they then spend in a medium
-//! that slows them down, and half as long without it, and a folder for their surfaces.
+//! that takes what rings inside them, and as long again without it, and a folder for their surfaces.
 
 mod pack;
 
@@ -65,7 +65,7 @@ fn run(seconds: f64, count: usize, settling: f64) -> Result<Pack, Box<dyn Error>
             pack.kinetic_energy()
         )?;
         pack.world.set_medium(Medium::default())?;
-        progress.until(seconds + 1.5 * settling, &mut pack, &mut out)?;
+        progress.until(seconds + 2.0 * settling, &mut pack, &mut out)?;
     }
     let (cpu, steps) = (processor_time()? - cpu, pack.world.steps());
     let ledger = pack.world.ledger();
