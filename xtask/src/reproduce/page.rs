@@ -40,7 +40,7 @@ fn missing(found: &[Found]) -> String {
         let label = &f.case.label;
         let (first, rest) = label.split_once(", ").unwrap_or((label, ""));
         let seeds = match (f.missing, f.case.jobs.len()) {
-            (lacking, all) if lacking < all => format!(" ({lacking} seeds of {all})"),
+            (lacking, all) if lacking < all => format!(" ({lacking} of {all} seeds)"),
             _ => String::new(),
         };
         named(named(&mut groups, rest), &seeds).push(first.to_owned());
@@ -128,7 +128,7 @@ mod tests {
             found("A5", 1, 1),
             found("P1", 3, 2),
         ];
-        assert_eq!(missing(&all), "drag, small: A1, P1 (2 seeds of 3); A5");
+        assert_eq!(missing(&all), "drag, small: A1, P1 (2 of 3 seeds); A5");
         assert_eq!(missing(&all[1..2]), "");
         let met: Vec<bool> = checks(&all).iter().map(|check| check.met).collect();
         assert_eq!(met, [false; 3]);
