@@ -2,7 +2,7 @@
 
 use femdem_mesh::{Point3, Vector3};
 
-use super::raster::DepthBuffer;
+use super::raster::{DepthBuffer, DepthMap};
 use super::view::{Seen, View};
 
 /// Points spread evenly over the unit disc (a sunflower: Vogel 1979).
@@ -37,14 +37,14 @@ impl Turn {
 /// The lamp and what it sees; what it does not see lies in shadow.
 pub(super) struct Lamp {
     view: View,
-    seen: DepthBuffer,
+    seen: DepthMap,
     samples: [[f64; 2]; 32],
     /// Radius of the penumbra \[pixels of the lamp\].
     blur: f64,
 }
 
 impl Lamp {
-    pub fn new(view: View, seen: DepthBuffer, penumbra: f64) -> Self {
+    pub fn new(view: View, seen: DepthMap, penumbra: f64) -> Self {
         let blur = (penumbra * view.scale).max(1.0);
         Self {
             view,
@@ -68,7 +68,7 @@ impl Lamp {
             let [dx, dy] = turn.apply(**sample);
             let (x, y) = (x + self.blur * dx, y + self.blur * dy);
             let blocker = self.seen.at(x.floor() as isize, y.floor() as isize);
-            blocker.is_none_or(|(_, near)| f64::from(near) <= nearness + lift)
+            blocker.is_none_or(|near| f64::from(near) <= nearness + lift)
         });
         lit.count() as f64 / self.samples.len() as f64
     }
@@ -144,7 +144,7 @@ mod tests {
             &mesh.points().collect::<Vec<_>>(),
             frame,
         );
-        let seen = DepthBuffer::of(&mesh, &view, 400, 400);
+        let seen = DepthMap::of(&mesh, &view, 400, 400);
         let lamp = Lamp::new(view, seen, 0.01);
         let share =
             |x, y, z| lamp.share(&Point3::new(x, y, z), &Vector3::z(), Turn::of_pixel(0, 0));

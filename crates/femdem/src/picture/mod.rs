@@ -40,7 +40,7 @@ pub use skin::{Skin, draw_skins};
 use crate::{BodyValues, Colouring, Drawing, Error, Snapshot};
 use colour::Srgb;
 use light::{Gaps, Lamp};
-use raster::DepthBuffer;
+use raster::{DepthBuffer, DepthMap};
 use scene::Mesh;
 pub(crate) use scene::{circle, sides};
 use view::{Frame, View};
@@ -247,7 +247,7 @@ fn lamp(mesh: &Mesh, extent: &[Point3], azimuth: f64, diameter: f64, size: usize
         bottom: edge - 1.0,
     };
     let view = View::fit(azimuth - 0.75, 0.9, f64::INFINITY, extent, frame);
-    let seen = DepthBuffer::of(mesh, &view, size, size);
+    let seen = DepthMap::of(mesh, &view, size, size);
     Lamp::new(view, seen, 0.045 * diameter)
 }
 

@@ -6,20 +6,24 @@ use super::view::{Seen, View};
 /// No facet.
 pub(super) const NOTHING: u32 = u32::MAX;
 
-/// For each pixel the nearest facet and how near it is, row by row from the top.
-pub(super) struct DepthBuffer {
+/// For each pixel how near the nearest facet is, row by row from the top; less than any number where there
+/// is none.
+pub(super) struct DepthMap {
     pub width: usize,
     pub height: usize,
     pub nearness: Vec<f32>,
+}
+
+/// For each pixel the nearest facet too.
+pub(super) struct DepthBuffer {
+    pub depth: DepthMap,
     pub facet: Vec<u32>,
 }
 
 impl DepthBuffer {
     fn new(width: usize, height: usize) -> Self {
         Self {
-            width,
-            height,
-            nearness: vec![f32::NEG_INFINITY; width * height],
+            depth: DepthMap::new(width, height),
             facet: vec![NOTHING; width * height],
         }
     }
@@ -27,31 +31,70 @@ impl DepthBuffer {
     /// What `view` sees of a mesh. Faces that are turned away are left out.
     pub fn of(mesh: &Mesh, view: &View, width: usize, height: usize) -> Self {
         let mut buffer = Self::new(width, height);
-        let mut seen: Vec<Seen> = Vec::new();
-        mesh.for_each_part(|points, triangles, first, normals| {
-            seen.clear();
-            seen.extend(points.iter().map(|p| view.see(p)));
-            for triangle in triangles {
-                let normal = &normals[triangle.facet as usize];
-                if view.faces(normal, &points[triangle.corners[0] as usize]) {
-                    let corners = triangle.corners.map(|i| seen[i as usize]);
-                    buffer.fill(corners, first + triangle.facet);
-                }
-            }
-        });
+        each_triangle(mesh, view, |corners, facet| buffer.fill(corners, facet));
         buffer
     }
 
     /// Facet and nearness at a pixel, or `None` outside the picture or where there is nothing.
     pub fn at(&self, x: isize, y: isize) -> Option<(u32, f32)> {
-        let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
-        let inside = x < self.width && y < self.height;
-        let i = inside.then_some(y * self.width + x)?;
-        (self.facet[i] != NOTHING).then(|| (self.facet[i], self.nearness[i]))
+        let i = self.depth.index(x, y)?;
+        (self.facet[i] != NOTHING).then(|| (self.facet[i], self.depth.nearness[i]))
     }
 
-    /// Fills the pixels whose centres lie in a triangle, where it is the nearest so far.
-    fn fill(&mut self, [a, b, c]: [Seen; 3], facet: u32) {
+    fn fill(&mut self, corners: [Seen; 3], number: u32) {
+        let facet = &mut self.facet;
+        self.depth.fill(corners, |i| facet[i] = number);
+    }
+}
+
+/// Calls `draw` with the corners, as `view` sees them, and the facet of each triangle of a mesh that is not
+/// turned away.
+fn each_triangle(mesh: &Mesh, view: &View, mut draw: impl FnMut([Seen; 3], u32)) {
+    let mut seen: Vec<Seen> = Vec::new();
+    mesh.for_each_part(|points, triangles, first, normals| {
+        seen.clear();
+        seen.extend(points.iter().map(|p| view.see(p)));
+        for triangle in triangles {
+            let normal = &normals[triangle.facet as usize];
+            if view.faces(normal, &points[triangle.corners[0] as usize]) {
+                let corners = triangle.corners.map(|i| seen[i as usize]);
+                draw(corners, first + triangle.facet);
+            }
+        }
+    });
+}
+
+impl DepthMap {
+    fn new(width: usize, height: usize) -> Self {
+        Self {
+            width,
+            height,
+            nearness: vec![f32::NEG_INFINITY; width * height],
+        }
+    }
+
+    /// How near `view` sees a mesh. Faces that are turned away are left out.
+    pub fn of(mesh: &Mesh, view: &View, width: usize, height: usize) -> Self {
+        let mut map = Self::new(width, height);
+        each_triangle(mesh, view, |corners, _| map.fill(corners, |_| {}));
+        map
+    }
+
+    /// Nearness at a pixel, or `None` outside the picture or where there is nothing.
+    pub fn at(&self, x: isize, y: isize) -> Option<f32> {
+        let near = self.nearness[self.index(x, y)?];
+        (near > f32::NEG_INFINITY).then_some(near)
+    }
+
+    fn index(&self, x: isize, y: isize) -> Option<usize> {
+        let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
+        let inside = x < self.width && y < self.height;
+        inside.then_some(y * self.width + x)
+    }
+
+    /// Fills the pixels whose centres lie in a triangle, where it is the nearest so far, and tells `at` which
+    /// they are.
+    fn fill(&mut self, [a, b, c]: [Seen; 3], mut at: impl FnMut(usize)) {
         let doubled_area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
         if doubled_area == 0.0 || !doubled_area.is_finite() {
             return;
@@ -74,7 +117,7 @@ impl DepthBuffer {
                     + of_c * (c.nearness - a.nearness);
                 if nearness as f32 > self.nearness[row + x] {
                     self.nearness[row + x] = nearness as f32;
-                    self.facet[row + x] = facet;
+                    at(row + x);
                 }
             }
         }

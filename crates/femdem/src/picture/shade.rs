@@ -28,18 +28,17 @@ const HAZE: f64 = 0.10;
 
 /// Lights what `gaps` sees of a mesh, and averages `sub` by `sub` pixels to one.
 pub(super) fn shade(mesh: &Mesh, lamp: &Lamp, gaps: &Gaps, sub: usize) -> Image {
-    let seen = gaps.seen;
+    let seen = &gaps.seen.depth;
     let width = seen.width / sub;
     let haze = Haze::of(gaps);
-    let rows: Vec<Vec<Srgb>> = (0..seen.height / sub)
-        .into_par_iter()
-        .map(|y| {
-            (0..width)
-                .map(|x| pixel(mesh, lamp, gaps, &haze, [x * sub, y * sub], sub))
-                .collect()
-        })
-        .collect();
-    Image::new(width, rows.into_iter().flatten().collect())
+    let mut pixels = vec![Srgb([0; 3]); width * (seen.height / sub)];
+    let rows = pixels.par_chunks_mut(width.max(1)).enumerate();
+    rows.for_each(|(y, row)| {
+        for (x, to) in row.iter_mut().enumerate() {
+            *to = pixel(mesh, lamp, gaps, &haze, [x * sub, y * sub], sub);
+        }
+    });
+    Image::new(width, pixels)
 }
 
 /// One pixel of the picture. Shadow and gaps are found once, at its first place that shows a body;
@@ -56,9 +55,9 @@ fn pixel(
     let mut sum: Light = [0.0; 3];
     for y in top..top + sub {
         for x in left..left + sub {
-            let i = y * gaps.seen.width + x;
+            let i = y * gaps.seen.depth.width + x;
             let light = if let Some(facet) = mesh.facet(gaps.seen.facet[i]) {
-                let nearness = f64::from(gaps.seen.nearness[i]);
+                let nearness = f64::from(gaps.seen.depth.nearness[i]);
                 let place = Seen {
                     x: x as f64 + 0.5,
                     y: y as f64 + 0.5,
@@ -92,7 +91,7 @@ fn pixel(
 
 /// What the lines leave of the light: 1 away from edges.
 fn ink(mesh: &Mesh, seen: &DepthBuffer, [x, y]: [usize; 2]) -> f32 {
-    let here = seen.facet[y * seen.width + x];
+    let here = seen.facet[y * seen.depth.width + x];
     let Some(Facet {
         normal,
         body: Some(body),
@@ -130,7 +129,7 @@ struct Haze {
 impl Haze {
     /// From the nearest to the most distant of the pixels.
     fn of(gaps: &Gaps) -> Self {
-        let depths = gaps.seen.nearness.iter().filter(|n| n.is_finite());
+        let depths = gaps.seen.depth.nearness.iter().filter(|n| n.is_finite());
         let (back, front) = depths.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &n| {
             (n.min(low), n.max(high))
         });

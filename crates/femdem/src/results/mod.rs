@@ -121,7 +121,7 @@ fn mean_diameter(world: &World, contact: &Contact) -> f64 {
 /// [`Error::Write`] with the file that could not be written, [`Error::Analysis`] if the pack cannot
 /// be measured.
 pub fn write(folder: &Path, packing: &Packing, usage: &Usage) -> Result<Summary, Error> {
-    let snapshot = snapshot(packing);
+    let mut snapshot = snapshot(packing);
     let summary = Summary::of(packing, &snapshot, usage)?;
     write_file(folder.join("bodies.csv"), |w| {
         csv::write_bodies(&snapshot, w)
@@ -138,6 +138,8 @@ pub fn write(folder: &Path, packing: &Packing, usage: &Usage) -> Result<Summary,
         let path = folder.join(surface::shape_file_name(&shape.name));
         write_file(path, |w| surface::write_shape_obj(&shape.polyhedron, w))?;
     }
+    // The picture takes most memory of all, and shows no contacts.
+    snapshot.contacts = Vec::new();
     let picture = draw(&snapshot, &PictureOptions::default())?;
     write_file(folder.join("pack.png"), |w| picture.write_png(w))?;
     write_file(folder.join("summary.json"), |w| summary.write_json(w))?;

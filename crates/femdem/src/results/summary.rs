@@ -90,7 +90,7 @@ pub struct Summary {
     pub residual: ResidualSummary,
     /// The energy ledger.
     pub energy: EnergySummary,
-    /// Largest resident memory \[bytes\].
+    /// Largest resident memory while the pack was made, before its results are written \[bytes\].
     pub peak_memory_bytes: Option<u64>,
     /// Fingerprint of all bits of the state, in 16 hexadecimal digits. Two runs agree when it agrees.
     pub state_hash: String,
