@@ -25,10 +25,12 @@ struct Options {
     settings: Vec<Setting>,
     /// Whether bodies may sleep: both, one after the other, or one of them.
     sleeping: Vec<bool>,
+    /// Multiples of the explicit limit for implicit steps of our own world, beside explicit ones.
+    implicit: Vec<f64>,
     csv: Option<String>,
 }
 
-const USAGE: &str = "options: --shapes P5,A1  --count N  --penetrations X,Y  --rapier 60,960:480  --sleeping true,false  --csv FILE";
+const USAGE: &str = "options: --shapes P5,A1  --count N  --penetrations X,Y  --rapier 60,960:480  --sleeping true,false  --implicit 6  --csv FILE";
 
 impl Options {
     fn read(mut words: impl Iterator<Item = String>) -> Result<Self> {
@@ -41,6 +43,7 @@ impl Options {
                 .into_iter()
                 .collect::<Result<_, _>>()?,
             sleeping: vec![true, false],
+            implicit: Vec::new(),
             csv: None,
         };
         while let Some(word) = words.next() {
@@ -57,6 +60,9 @@ impl Options {
                 "--rapier" => options.settings = parts.map(str::parse).collect::<Result<_, _>>()?,
                 "--sleeping" => {
                     options.sleeping = parts.map(str::parse).collect::<Result<_, _>>()?
+                }
+                "--implicit" => {
+                    options.implicit = parts.map(str::parse).collect::<Result<_, _>>()?;
                 }
                 "--csv" => options.csv = Some(value),
                 _ => bail!("unknown option {word}; {USAGE}"),
@@ -90,7 +96,10 @@ fn compare(shape: &str, count: u32, options: &Options, csv: &mut String) -> Resu
     for &penetration in &options.penetrations {
         let spec = settle::spec(shape, count, penetration)?;
         for &sleeps in &options.sleeping {
-            engines.push(Box::new(Ours::new(&spec, sleeps)?));
+            engines.push(Box::new(Ours::new(&spec, sleeps, None)?));
+            for &multiple in &options.implicit {
+                engines.push(Box::new(Ours::new(&spec, sleeps, Some(multiple))?));
+            }
         }
     }
     let spec = settle::spec(shape, count, settle::PROTOCOL.usual_penetration())?;

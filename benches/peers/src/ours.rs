@@ -4,7 +4,7 @@ use crate::settle::Engine;
 use anyhow::{Context, Result};
 use femdem_mesh::Pose;
 use femdem_pack::{PackSpec, Packing};
-use femdem_solve::World;
+use femdem_solve::{ImplicitStep, World};
 
 /// The world of a packing job, with all bodies at their starts.
 pub struct Ours {
@@ -12,12 +12,18 @@ pub struct Ours {
     diameter: f64,
     sleeps: bool,
     penalty: f64,
+    implicit: Option<f64>,
 }
 
 impl Ours {
-    /// All bodies at their starts, allowed to sleep or not.
-    pub fn new(spec: &PackSpec, sleeps: bool) -> Result<Self> {
+    /// All bodies at their starts, allowed to sleep or not; with implicit steps of a multiple of the
+    /// explicit limit, if there is one.
+    pub fn new(spec: &PackSpec, sleeps: bool, implicit: Option<f64>) -> Result<Self> {
         let mut spec = spec.clone();
+        spec.time_step.implicit = implicit.map(|multiple| ImplicitStep {
+            multiple,
+            ..ImplicitStep::default()
+        });
         spec.sleeping.enabled = sleeps;
         let penalty = spec.resolved_penalty()?;
         Ok(Self {
@@ -25,6 +31,7 @@ impl Ours {
             world: Packing::new(spec)?.into_world(),
             sleeps,
             penalty,
+            implicit,
         })
     }
 }
@@ -32,7 +39,10 @@ impl Ours {
 impl Engine for Ours {
     fn name(&self) -> String {
         let sleep = if self.sleeps { "sleeping" } else { "all awake" };
-        format!("femdem, {sleep}, penalty {:.2e} Pa", self.penalty)
+        let steps = self
+            .implicit
+            .map_or_else(String::new, |multiple| format!(", implicit x{multiple}"));
+        format!("femdem, {sleep}, penalty {:.2e} Pa{steps}", self.penalty)
     }
 
     fn advance(&mut self, until: f64) -> Result<()> {

@@ -3,7 +3,7 @@
 use crate::damping::Damped;
 use crate::friction::Friction;
 use crate::generalized::{Resistance, stable_step};
-use crate::kernel::Overlap;
+use crate::kernel::{MEAN_OVER_RMS, Overlap};
 use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -53,6 +53,9 @@ pub struct Contact {
     pub torsion: f64,
     /// Whether the patch slides.
     pub slides: bool,
+    /// Whether it lies at the end of the present step, as the velocities before the step would have it; only where a
+    /// host asks for it ([`ContactBatch::update_springs`](crate::ContactBatch::update_springs)).
+    pub foreseen: bool,
     /// Contact area, m^2.
     pub area: f64,
     /// Overlap volume, m^3.
@@ -74,15 +77,30 @@ pub struct Contact {
 
 /// Viscosities of a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Dashpots {
+pub struct Dashpots {
     /// Along the elastic wrench, N s/m.
-    normal: f64,
+    pub normal: f64,
     /// In the contact plane, N s/m.
-    tangential: f64,
+    pub tangential: f64,
     /// Turning about an axis in the contact plane, N m s.
-    rocking: f64,
+    pub rocking: f64,
     /// Turning about the normal, N m s.
-    torsion: f64,
+    pub torsion: f64,
+}
+
+/// Forces and moments of a contact on its side B, as an implicit step finds them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactForce {
+    /// Along the normal, N; the moment of the elastic wrench goes with it.
+    pub normal: f64,
+    /// Friction, N.
+    pub friction: Vector3,
+    /// Friction moment about the normal, N m.
+    pub torsion: f64,
+    /// Moment against rocking, N m.
+    pub rocking: Vector3,
+    /// Whether the patch slides.
+    pub slides: bool,
 }
 
 impl Dashpots {
@@ -140,6 +158,7 @@ pub(crate) fn assemble(
         friction: friction.force,
         torsion: friction.torsion,
         slides: friction.slides,
+        foreseen: false,
         area: overlap.area,
         volume: overlap.volume,
         energy: overlap.energy,
@@ -158,6 +177,29 @@ pub(crate) fn assemble(
 }
 
 impl Contact {
+    /// Viscosities of its dashpots.
+    pub fn dashpots(&self) -> &Dashpots {
+        &self.dashpots
+    }
+
+    /// Mean distance of the pressure from the contact point, m: a patch that spins has the friction
+    /// moment mu F times this radius.
+    pub fn torsion_radius(&self) -> f64 {
+        if self.stiffness > 0.0 {
+            MEAN_OVER_RMS * (self.stiffness_second / self.stiffness).max(0.0).sqrt()
+        } else {
+            0.0
+        }
+    }
+
+    pub(crate) fn set_force(&mut self, force: &ContactForce) {
+        self.normal_force = force.normal;
+        self.friction = force.friction;
+        self.torsion = force.torsion;
+        self.rocking = force.rocking;
+        self.slides = force.slides;
+    }
+
     /// Total force on B, N.
     pub fn force_on_b(&self) -> Vector3 {
         self.normal * self.normal_force + self.friction

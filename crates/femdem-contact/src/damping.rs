@@ -29,6 +29,14 @@ pub(crate) struct Damped {
     pub rocking_viscosity: f64,
 }
 
+impl Damped {
+    /// Takes the forces of the dashpots out; their viscosities stay.
+    pub fn leave_springs(&mut self) {
+        self.scale = 1.0;
+        self.rocking = Vector3::zeros();
+    }
+}
+
 /// Generalised inverse mass of one body for a unit force at the contact with its lever.
 fn inverse_mass(motion: &Motion, torque: &Vector3, magnitude: f64) -> f64 {
     let lever = torque / magnitude;

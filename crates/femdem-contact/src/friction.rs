@@ -29,6 +29,15 @@ pub struct FrictionState {
     torsion_stiffness: f64,
 }
 
+/// How the friction of one step is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Pace {
+    /// Time since the last call, s.
+    pub dt: f64,
+    /// Whether the dashpots beside the springs act; their viscosities are told either way.
+    pub dashpots: bool,
+}
+
 /// Friction of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Friction {
@@ -189,7 +198,7 @@ impl FrictionState {
 
     /// Advances the patch by one step and returns its friction.
     ///
-    /// `normal_force` is the total normal force, N; `dt` the time since the last call, s.
+    /// `normal_force` is the total normal force, N.
     pub(crate) fn update(
         &mut self,
         law: &ContactParameters,
@@ -197,7 +206,7 @@ impl FrictionState {
         normal_force: f64,
         a: &Motion,
         b: &Motion,
-        dt: f64,
+        pace: Pace,
     ) -> Friction {
         let n = overlap.normal;
         let spin = n.dot(&(b.angular_velocity - a.angular_velocity));
@@ -206,7 +215,7 @@ impl FrictionState {
             v - n * n.dot(&v)
         };
         let mut stretch = self.stretch(overlap, a, b);
-        let mut torsion = self.torsion + spin * dt;
+        let mut torsion = self.torsion + spin * pace.dt;
         // A body deep inside another has no stiffness but for rounding, of either sign.
         let k = law.tangential_ratio * overlap.stiffness.max(0.0);
         let k_theta = law.tangential_ratio * overlap.stiffness_second;
@@ -224,8 +233,10 @@ impl FrictionState {
             b.inverse_mass_at(&overlap.arm_b),
         ];
         let inverse_inertia = n.dot(&(a.inverse_inertia * n)) + n.dot(&(b.inverse_inertia * n));
-        let eta = dashpot(law.tangential_damping, k, inverse_mass[0] + inverse_mass[1]);
-        let eta_theta = dashpot(law.tangential_damping, k_theta, inverse_inertia);
+        let viscosity = dashpot(law.tangential_damping, k, inverse_mass[0] + inverse_mass[1]);
+        let torsion_viscosity = dashpot(law.tangential_damping, k_theta, inverse_inertia);
+        let acting = f64::from(u8::from(pace.dashpots));
+        let (eta, eta_theta) = (viscosity * acting, torsion_viscosity * acting);
         let mut force = -stretch * k - slip * eta;
         let mut moment = -k_theta * torsion - eta_theta * spin;
         let most = law.friction * normal_force;
@@ -264,8 +275,8 @@ impl FrictionState {
             torsion: moment,
             energy: 0.5 * (k * stretch.norm_squared() + k_theta * torsion * torsion),
             stiffness: k,
-            viscosity: eta,
-            torsion_viscosity: eta_theta,
+            viscosity,
+            torsion_viscosity,
             inverse_mass,
             slides,
         }
@@ -328,7 +339,11 @@ mod tests {
             let mut state = FrictionState::new(&overlap, &body, &moving);
             for _ in 0..3 {
                 let law = ContactParameters::default();
-                let friction = state.update(&law, &overlap, 1e-17, &body, &moving, 1e-3);
+                let pace = Pace {
+                    dt: 1e-3,
+                    dashpots: true,
+                };
+                let friction = state.update(&law, &overlap, 1e-17, &body, &moving, pace);
                 let size = friction.force.norm();
                 assert!(
                     size <= 1e-17 * law.friction * (1.0 + 1e-12),

@@ -114,8 +114,8 @@ mod shape;
 pub mod strategies;
 mod walls;
 
-pub use batch::{BatchTotals, ContactBatch};
-pub use contact::{BodyId, Contact, Load, Partner, Wrench};
+pub use batch::{BatchTotals, ContactBatch, Snapshot};
+pub use contact::{BodyId, Contact, ContactForce, Dashpots, Load, Partner, Wrench};
 pub use error::ContactError;
 pub use general::{Field, FieldMesh, Form, GeneralKernel, SolidWall};
 pub use generalized::{Generalized, Resistance, stable_step};

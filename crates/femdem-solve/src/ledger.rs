@@ -17,6 +17,8 @@ pub(crate) struct Flows {
     pub viscous_work: f64,
     /// Work of plastic flow inside bodies (negative: taken out).
     pub plastic_work: f64,
+    /// Energy that implicit steps took.
+    pub step_loss: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
 }
@@ -50,6 +52,9 @@ pub struct Ledger {
     pub dissipated_viscous: f64,
     /// Dissipated by plastic flow.
     pub dissipated_plastic: f64,
+    /// Dissipated by the step itself where it is [implicit](crate::ImplicitStep), as far as contacts are
+    /// springs of the stiffness they have at the end of each step.
+    pub dissipated_step: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
 }
@@ -67,6 +72,7 @@ impl Ledger {
             + self.dissipated_medium
             + self.dissipated_viscous
             + self.dissipated_plastic
+            + self.dissipated_step
             + self.frozen
     }
 

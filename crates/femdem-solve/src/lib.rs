@@ -116,7 +116,7 @@ pub use body::{BodySpec, Shape, ShapeId};
 pub use drive::Drive;
 pub use error::SolveError;
 pub use ledger::Ledger;
-pub use parameters::{Medium, SleepParameters, TimeStepParameters, WorldParameters};
+pub use parameters::{ImplicitStep, Medium, SleepParameters, TimeStepParameters, WorldParameters};
 pub use world::{
     ContactStiffness, Counters, Deformable, DeformableId, DeformableSpec, ModelId, Residuals,
     Stability, World, WorldRelaxation, WorldRelaxed,

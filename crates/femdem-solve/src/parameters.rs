@@ -39,6 +39,76 @@ pub struct TimeStepParameters {
     pub safety: f64,
     /// An upper limit of the step, s.
     pub largest: Option<f64>,
+    /// Steps linearly implicitly, with a larger step; explicitly if `None`, which is the default.
+    #[serde(default)]
+    pub implicit: Option<ImplicitStep>,
+}
+
+/// How a linearly implicit step is chosen and solved.
+///
+/// Contacts are evaluated where the bodies would be after the step with their present velocities, and the
+/// velocities at its end are those under forces that change linearly from there: one Newton step of the
+/// backward Euler method. It is stable whatever the stiffness, so the step can be many times the
+/// explicit one; in turn it takes energy from all motion that it does not resolve: impacts and
+/// vibrations shorter than a few steps. It is meant for bringing bodies to rest, not for impacts, waves or
+/// vibrations. For rigid bodies without [local damping](Medium::local_damping).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ImplicitStep {
+    /// The step over the explicit limit of one contact over a full face of the smallest body.
+    pub multiple: f64,
+    /// Most that a body may move in a step, over its bounding diameter; a smaller step is taken then.
+    pub reach: f64,
+    /// Relative tolerance of the linear systems.
+    pub tolerance: f64,
+    /// Most rounds of conjugate gradients for a linear system.
+    pub rounds: u32,
+    /// Most linear systems in a step: after each the friction follows its bound, and contacts
+    /// that would pull are left out.
+    pub systems: u32,
+}
+
+impl Default for ImplicitStep {
+    fn default() -> Self {
+        Self {
+            multiple: 6.0,
+            reach: 0.03,
+            tolerance: 3e-3,
+            rounds: 100,
+            systems: 3,
+        }
+    }
+}
+
+impl ImplicitStep {
+    fn validate(&self) -> Result<(), SolveError> {
+        let positive = |x: f64| x > 0.0;
+        check(
+            "time_step.implicit.multiple",
+            self.multiple,
+            positive(self.multiple),
+            "positive and finite; 6 is usual",
+        )?;
+        check(
+            "time_step.implicit.reach",
+            self.reach,
+            positive(self.reach) && self.reach <= 0.1,
+            "above 0 and at most 0.1",
+        )?;
+        check(
+            "time_step.implicit.tolerance",
+            self.tolerance,
+            positive(self.tolerance) && self.tolerance <= 0.01,
+            "above 0 and at most 0.01: bodies fly apart with a larger one",
+        )?;
+        for (name, count) in [
+            ("time_step.implicit.rounds", self.rounds),
+            ("time_step.implicit.systems", self.systems),
+        ] {
+            check(name, f64::from(count), count >= 1, "at least 1")?;
+        }
+        Ok(())
+    }
 }
 
 impl Default for TimeStepParameters {
@@ -46,6 +116,7 @@ impl Default for TimeStepParameters {
         Self {
             safety: 0.9,
             largest: None,
+            implicit: None,
         }
     }
 }
@@ -123,6 +194,15 @@ impl WorldParameters {
                 largest,
                 largest > 0.0,
                 "positive and finite, in s",
+            )?;
+        }
+        if let Some(implicit) = &t.implicit {
+            implicit.validate()?;
+            check(
+                "medium.local_damping with time_step.implicit",
+                self.medium.local_damping,
+                self.medium.local_damping == 0.0,
+                "0: local damping is not a function that an implicit step can follow",
             )?;
         }
         let s = &self.sleeping;

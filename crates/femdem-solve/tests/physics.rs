@@ -36,6 +36,7 @@ fn elastic_box_of_27_keeps_its_energy() {
     p.time_step = TimeStepParameters {
         safety: 0.1,
         largest: Some(1e-5),
+        implicit: None,
     };
     let mut world = World::new(p).unwrap();
     let d = 0.1;

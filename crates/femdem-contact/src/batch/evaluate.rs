@@ -4,7 +4,7 @@ use super::history::{PatchRecord, inherit};
 use super::pairs::{Cache, MeshPair, Pair, PairTable};
 use crate::contact::{BodyId, Contact, Partner, assemble};
 use crate::damping::{Whole, damp};
-use crate::friction::FrictionState;
+use crate::friction::{FrictionState, Pace};
 use crate::general::{FieldMesh, GeneralKernel, GeneralScratch, Patch};
 use crate::kernel::{CavityKernel, Overlap, PairKernel, Scratch};
 use crate::law::ContactParameters;
@@ -42,7 +42,7 @@ pub(crate) struct Context<'a> {
     pub wall_shapes: &'a [WallShape],
     pub bodies: &'a [Motion],
     pub walls: &'a [Motion],
-    pub dt: f64,
+    pub pace: Pace,
 }
 
 /// A body or wall A, a body B, and the rank of the patch.
@@ -219,43 +219,81 @@ impl Context<'_> {
         state: &mut FrictionState,
     ) -> Contact {
         let (a, b) = (self.motion_a(ids.0), &self.bodies[ids.1 as usize]);
-        let damped = damp(overlap, whole, a, b, self.parameters.damping_ratio);
+        let mut damped = damp(overlap, whole, a, b, self.parameters.damping_ratio);
+        if !self.pace.dashpots {
+            damped.leave_springs();
+        }
         let normal_force = overlap.force_magnitude() * damped.scale;
         let law = match ids.0 {
             Partner::Body(_) => &self.parameters,
             Partner::Wall(_) => &self.at_walls,
         };
-        let friction = state.update(law, overlap, normal_force, a, b, self.dt);
+        let friction = state.update(law, overlap, normal_force, a, b, self.pace);
         assemble(ids, overlap, &damped, &friction, [a, b])
+    }
+}
+
+/// The bodies as they are, and as they would be at the end of the step where that is asked for.
+#[derive(Clone, Copy)]
+pub(crate) struct Views<'a> {
+    pub now: &'a Context<'a>,
+    pub ahead: Option<&'a Context<'a>>,
+}
+
+impl Views<'_> {
+    /// Whether the caches alone tell that the pair is apart, now and ahead.
+    fn is_clear(&self, pair: &Pair) -> bool {
+        match self.ahead {
+            Some(ahead) => !pair.touches() && ahead.is_clear(pair),
+            None => self.now.is_clear(pair),
+        }
+    }
+
+    /// Evaluates one pair in place: as it is if it touches, else ahead.
+    fn evaluate(&self, pair: &mut Pair, work: &mut Workspace) {
+        let Some(ahead) = self.ahead else {
+            self.now.evaluate(pair, work);
+            return;
+        };
+        if pair.touches() {
+            self.now.evaluate(pair, work);
+            if pair.touches() {
+                return;
+            }
+        }
+        ahead.evaluate(pair, work);
+        for contact in pair.contacts_mut() {
+            contact.foreseen = true;
+        }
     }
 }
 
 /// Evaluates all pairs of the order. Each pair is written in its own slot, so neither the
 /// order nor the number of threads changes a bit.
-pub(crate) fn run(context: &Context, pairs: &mut PairTable) {
+pub(crate) fn run(views: Views, pairs: &mut PairTable) {
     let mut due = Vec::with_capacity(pairs.order_len());
     for k in 0..pairs.order_len() {
         let slot = pairs.order()[k];
         let pair = pairs.slot_mut(slot);
-        if context.is_clear(pair) {
+        if views.is_clear(pair) {
             pair.part();
         } else {
             due.push(slot);
         }
     }
     #[cfg(feature = "parallel")]
-    if rayon::current_num_threads() > 1 && hand_out(context, pairs, &mut due) {
+    if rayon::current_num_threads() > 1 && hand_out(views, pairs, &mut due) {
         return;
     }
     let mut work = Workspace::default();
     for slot in due {
-        context.evaluate(pairs.slot_mut(slot), &mut work);
+        views.evaluate(pairs.slot_mut(slot), &mut work);
     }
 }
 
 /// Evaluates the pairs on all threads, unless they are too few.
 #[cfg(feature = "parallel")]
-fn hand_out(context: &Context, pairs: &mut PairTable, due: &mut [u32]) -> bool {
+fn hand_out(views: Views, pairs: &mut PairTable, due: &mut [u32]) -> bool {
     use rayon::prelude::*;
     let is_mesh = |slot: &&u32| matches!(pairs.slot(**slot).cache, Cache::Mesh(_));
     let meshes = due.iter().filter(is_mesh).count();
@@ -268,7 +306,7 @@ fn hand_out(context: &Context, pairs: &mut PairTable, due: &mut [u32]) -> bool {
         .into_par_iter()
         .with_min_len(if meshes > 0 { 1 } else { MESH_PAIR })
         .for_each_init(Workspace::default, |work, pair| {
-            context.evaluate(pair, work);
+            views.evaluate(pair, work);
         });
     true
 }

@@ -201,6 +201,7 @@ mod tests {
     use super::*;
     use crate::contact::{Partner, assemble};
     use crate::damping::damp;
+    use crate::friction::Pace;
     use crate::law::ContactParameters;
     use crate::shape::Frame;
 
@@ -238,7 +239,11 @@ mod tests {
                 let mut now = before;
                 now.arm_b.x -= 1e-3;
                 let mut state = FrictionState::new(&before, body, body);
-                let friction = state.update(&law, &now, 1.0, body, &moved, 1.0);
+                let pace = Pace {
+                    dt: 1.0,
+                    dashpots: true,
+                };
+                let friction = state.update(&law, &now, 1.0, body, &moved, pace);
                 let damped = damp(&now, None, body, &moved, 0.0);
                 let ids = (Partner::Body(0), 1, i as u32);
                 let contact = assemble(ids, &now, &damped, &friction, [body, &moved]);

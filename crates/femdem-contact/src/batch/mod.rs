@@ -3,11 +3,13 @@
 
 mod evaluate;
 mod history;
+mod implicit;
 mod pairs;
 
 use crate::broadphase::Broadphase;
 use crate::contact::{BodyId, Contact, Load, Partner};
 use crate::error::ContactError;
+use crate::friction::Pace;
 use crate::general::{FieldMesh, Form, GeneralKernel};
 use crate::generalized::Resistance;
 use crate::kernel::{CavityKernel, PairKernel};
@@ -15,7 +17,8 @@ use crate::law::{ContactLaw, ContactParameters};
 use crate::motion::Motion;
 use crate::shape::BodyShape;
 use crate::walls::WallShape;
-use evaluate::Context;
+use evaluate::{Context, Views};
+pub use implicit::Snapshot;
 use pairs::PairTable;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -248,14 +251,26 @@ impl ContactBatch {
         walls: &[Motion],
         dt: f64,
     ) -> Result<(), ContactError> {
-        for (given, expected) in [
-            (bodies.len(), self.body_shapes.len()),
-            (walls.len(), self.walls.len()),
-        ] {
-            if given != expected {
-                return Err(ContactError::StateCount { given, expected });
+        self.advance(Snapshot { bodies, walls, dt }, None)
+    }
+
+    /// Contacts at the present places, or at present and ahead without dashpots.
+    fn advance<'a>(
+        &mut self,
+        now: Snapshot<'a>,
+        ahead: Option<Snapshot<'a>>,
+    ) -> Result<(), ContactError> {
+        for view in [Some(now), ahead].into_iter().flatten() {
+            for (given, expected) in [
+                (view.bodies.len(), self.body_shapes.len()),
+                (view.walls.len(), self.walls.len()),
+            ] {
+                if given != expected {
+                    return Err(ContactError::StateCount { given, expected });
+                }
             }
         }
+        let Snapshot { bodies, walls, .. } = ahead.unwrap_or(now);
         if std::mem::take(&mut self.awake_changed) {
             let awake = self.awake.iter().enumerate().filter(|x| *x.1);
             self.awake_list = awake.map(|(i, _)| i as BodyId).collect();
@@ -264,21 +279,37 @@ impl ContactBatch {
         self.search(bodies, walls)?;
         self.pairs.refresh_order(&self.awake, &self.awake_list);
         let parameters = *self.law.parameters();
-        let context = Context {
-            pair: PairKernel::new(parameters.penalty)?,
-            cavity: CavityKernel::new(parameters.penalty)?,
-            general: GeneralKernel::new(parameters.penalty, Form::Sum)?,
+        let pair = PairKernel::new(parameters.penalty)?;
+        let cavity = CavityKernel::new(parameters.penalty)?;
+        let general = GeneralKernel::new(parameters.penalty, Form::Sum)?;
+        let context = |view: Snapshot<'a>| Context {
+            // Who looks ahead steps far.
+            pair: if ahead.is_some() {
+                pair.for_large_steps()
+            } else {
+                pair
+            },
+            cavity,
+            general,
             parameters,
             at_walls: parameters.at_walls(),
             shapes: &self.shapes,
             fans: &self.fans,
             body_shapes: &self.body_shapes,
             wall_shapes: &self.walls,
-            bodies,
-            walls,
-            dt,
+            bodies: view.bodies,
+            walls: view.walls,
+            pace: Pace {
+                dt: view.dt,
+                dashpots: ahead.is_none(),
+            },
         };
-        evaluate::run(&context, &mut self.pairs);
+        let (now, ahead) = (context(now), ahead.map(context));
+        let views = Views {
+            now: &now,
+            ahead: ahead.as_ref(),
+        };
+        evaluate::run(views, &mut self.pairs);
         self.gather();
         Ok(())
     }

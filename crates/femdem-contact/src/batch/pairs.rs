@@ -36,6 +36,23 @@ impl Pair {
             .chain(patches.iter().map(|p| &p.contact))
     }
 
+    /// Whether a contact is on record.
+    pub fn touches(&self) -> bool {
+        self.contacts().next().is_some()
+    }
+
+    /// As [`contacts`](Self::contacts).
+    pub fn contacts_mut(&mut self) -> impl Iterator<Item = &mut Contact> {
+        let patches: &mut [PatchRecord] = match &mut self.cache {
+            Cache::Mesh(mesh) => &mut mesh.patches,
+            Cache::Body(_) | Cache::Wall(_) => &mut [],
+        };
+        self.contact
+            .as_deref_mut()
+            .into_iter()
+            .chain(patches.iter_mut().map(|p| &mut p.contact))
+    }
+
     /// Forgets contacts and friction: the two are apart.
     pub fn part(&mut self) {
         self.contact = None;

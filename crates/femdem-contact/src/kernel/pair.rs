@@ -10,12 +10,31 @@ use crate::shape::{ConvexShape, Frame};
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Candidate lists are made to last for this many evaluations at the present speed.
-const LASTS: f64 = 32.0;
+/// How long candidate lists last: a pair at rest gets short lists, a fast one lists that last a few
+/// evaluations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Lists {
+    /// Evaluations at the present speed that lists are made for.
+    lasts: f64,
+    /// Least and largest margin over the sum of the inradii.
+    margin: [f64; 2],
+}
 
-/// Least and largest margin of the lists over the sum of the inradii: a pair at rest gets
-/// short lists, a fast one lists that last a few steps.
-const MARGIN: [f64; 2] = [2e-4, 1e-2];
+impl Default for Lists {
+    fn default() -> Self {
+        Self {
+            lasts: 32.0,
+            margin: [2e-4, 1e-2],
+        }
+    }
+}
+
+/// Where bodies move far between evaluations lists are used a few times only, and short ones hardly
+/// more than once.
+const FAR_APART: Lists = Lists {
+    lasts: 8.0,
+    margin: [2e-4, 4e-2],
+};
 
 /// Buffers that the kernel reuses from call to call.
 #[derive(Debug, Default)]
@@ -55,6 +74,8 @@ pub(super) struct Near {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PairKernel {
     penalty: f64,
+    #[serde(skip)]
+    lists: Lists,
 }
 
 impl PairKernel {
@@ -69,12 +90,30 @@ impl PairKernel {
             penalty > 0.0,
             "positive and finite, in Pa",
         )?;
-        Ok(Self { penalty })
+        Ok(Self {
+            penalty,
+            lists: Lists::default(),
+        })
+    }
+
+    /// The same kernel for evaluations with large steps between them. Contacts are the same to
+    /// round-off.
+    pub fn for_large_steps(self) -> Self {
+        Self {
+            lists: FAR_APART,
+            ..self
+        }
     }
 
     /// The penalty, Pa.
     pub fn penalty(&self) -> f64 {
         self.penalty
+    }
+
+    /// How far apart the lists of a pair look that has moved by `moved` since the last evaluation, m.
+    fn margin(&self, a: &ConvexShape, b: &ConvexShape, moved: f64) -> f64 {
+        let [least, largest] = self.lists.margin.map(|m| m * (a.inradius() + b.inradius()));
+        (self.lists.lasts * moved).clamp(least, largest)
     }
 
     /// The contact of A and B, or `None` if they do not overlap.
@@ -117,7 +156,8 @@ impl PairKernel {
         let between = frame_b.position - frame_a.position;
         let offset = frame_a.rotation.tr_mul(&between);
         if expired {
-            cache.renew(a, b, &rotation, &offset, motion, scratch);
+            let margin = self.margin(a, b, motion - cache.last);
+            cache.renew(a, b, &rotation, &offset, motion, margin, scratch);
         }
         cache.last = motion;
         let near = cache.near.as_ref()?;
@@ -247,6 +287,10 @@ impl PairCache {
         self.near.is_none() && motion < self.until
     }
 
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "two shapes, their relative pose, the state of the cache"
+    )]
     fn renew(
         &mut self,
         a: &ConvexShape,
@@ -254,10 +298,9 @@ impl PairCache {
         rotation: &Matrix3,
         offset: &Vector3,
         motion: f64,
+        margin: f64,
         scratch: &mut Scratch,
     ) {
-        let [least, largest] = MARGIN.map(|m| m * (a.inradius() + b.inradius()));
-        let margin = (LASTS * (motion - self.last)).clamp(least, largest);
         if self.axis.norm_squared() < 0.5 {
             self.axis = offset
                 .try_normalize(1e-12 * a.radius())

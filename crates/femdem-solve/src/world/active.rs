@@ -226,6 +226,9 @@ impl World {
         body.velocity = Vector3::zeros();
         body.momentum = Vector3::zeros();
         self.motions[i] = body.motion();
+        if let Some(ahead) = self.ahead.get_mut(i) {
+            *ahead = self.motions[i];
+        }
     }
 
     /// Stops all awake bodies but driven ones. Their kinetic energy is booked as

@@ -6,7 +6,7 @@ use crate::checkpoint;
 use crate::drive::Drive;
 use crate::error::SolveError;
 use crate::ledger::Flows;
-use crate::parameters::WorldParameters;
+use crate::parameters::{TimeStepParameters, WorldParameters};
 use femdem_contact::{BodyId, ContactBatch, ContactParameters, Field, Frame, Motion, WallShape};
 use femdem_mesh::{Polyhedron, Pose, TetMesh};
 
@@ -22,6 +22,7 @@ impl World {
             shapes: Vec::new(),
             bodies: Vec::new(),
             motions: Vec::new(),
+            ahead: Vec::new(),
             wall_drives: Vec::new(),
             wall_motions: Vec::new(),
             batch: ContactBatch::new(law),
@@ -47,6 +48,33 @@ impl World {
             ..self.parameters
         };
         self.replace(parameters)
+    }
+
+    /// Replaces the control of the step size, and whether steps are implicit.
+    ///
+    /// # Errors
+    /// As [`World::new`].
+    pub fn set_time_step(&mut self, time_step: TimeStepParameters) -> Result<(), SolveError> {
+        let parameters = WorldParameters {
+            time_step,
+            ..self.parameters
+        };
+        self.replace(parameters)
+    }
+
+    /// Ends [implicit](crate::ImplicitStep) steps; does nothing where steps are explicit.
+    ///
+    /// # Errors
+    /// As [`World::new`].
+    pub fn step_explicitly(&mut self) -> Result<(), SolveError> {
+        let time_step = self.parameters.time_step;
+        if time_step.implicit.is_none() {
+            return Ok(());
+        }
+        self.set_time_step(TimeStepParameters {
+            implicit: None,
+            ..time_step
+        })
     }
 
     /// Replaces the damping of the medium.

@@ -4,6 +4,7 @@ mod active;
 mod build;
 mod deformables;
 mod hash;
+mod implicit;
 mod query;
 mod relax;
 mod stability;
@@ -36,6 +37,9 @@ pub struct World {
     shapes: Vec<Shape>,
     bodies: Vec<Body>,
     motions: Vec<Motion>,
+    /// Where implicit steps look ahead; those of sleeping bodies are their motions.
+    #[serde(skip)]
+    ahead: Vec<Motion>,
     /// Each with the pose it counts from.
     wall_drives: Vec<(Drive, Pose)>,
     wall_motions: Vec<Motion>,
@@ -65,6 +69,10 @@ pub struct Counters {
     pub touching_evaluations: u64,
     /// Sum over steps of the awake bodies.
     pub body_steps: u64,
+    /// Linear systems of implicit steps.
+    pub linear_systems: u64,
+    /// Rounds of conjugate gradients in them.
+    pub linear_rounds: u64,
     /// Wall-clock time in the contact stage.
     pub contact_time: Duration,
 }

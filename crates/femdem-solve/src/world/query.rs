@@ -249,6 +249,7 @@ impl World {
             dissipated_medium: -self.flows.medium_work,
             dissipated_viscous: -self.flows.viscous_work,
             dissipated_plastic: -self.flows.plastic_work,
+            dissipated_step: self.flows.step_loss,
             frozen: self.flows.frozen,
         }
     }

@@ -86,6 +86,7 @@ impl World {
         )?;
         let kept = self.parameters;
         let mut elastic = kept;
+        elastic.time_step.implicit = None;
         elastic.time_step.safety = kept.time_step.safety.min(SAFETY);
         elastic.contact.damping_ratio = 0.0;
         elastic.contact.tangential_damping = 0.0;

@@ -13,7 +13,7 @@ use femdem_mesh::Vector3;
 use std::time::Instant;
 
 /// A step that moves a body by more than this fraction of its bounding radius is a blow-up.
-const LARGEST_MOVE: f64 = 0.25;
+pub(super) const LARGEST_MOVE: f64 = 0.25;
 
 impl World {
     /// Advances the world by one step; the world chooses its size.
@@ -22,6 +22,9 @@ impl World {
     /// [`SolveError::BlowUp`] names the body, the step and the likely cause. The world is
     /// then of no further use; an earlier checkpoint is.
     pub fn step(&mut self) -> Result<(), SolveError> {
+        if let Some(rule) = self.parameters.time_step.implicit {
+            return self.step_implicit(&rule);
+        }
         if !self.loaded {
             self.evaluate(0.0)?;
             self.loaded = true;
@@ -80,7 +83,7 @@ impl World {
         self.kick_deformables(h);
     }
 
-    fn drift(&mut self, dt: f64) -> Result<(), SolveError> {
+    pub(super) fn drift(&mut self, dt: f64) -> Result<(), SolveError> {
         let end = self.time + dt;
         for k in 0..self.awake.len() {
             let i = self.awake[k] as usize;
@@ -163,18 +166,27 @@ impl World {
         }
         let start = Instant::now();
         let result = self.batch.update(&self.motions, &self.wall_motions, dt);
+        self.count_contacts(start, result)?;
+        self.evaluate_deformables(dt)
+    }
+
+    /// Counts the work of an update of the contacts, and names the body if it has failed.
+    pub(super) fn count_contacts(
+        &mut self,
+        start: Instant,
+        result: Result<(), ContactError>,
+    ) -> Result<(), SolveError> {
         self.counters.contact_time += start.elapsed();
         let totals = self.batch.totals();
         self.counters.pair_evaluations += totals.candidates as u64;
         self.counters.touching_evaluations += totals.touching as u64;
         match result {
-            Err(ContactError::NotFinite { body, .. }) => return Err(self.blow_up(body)),
-            other => other?,
+            Err(ContactError::NotFinite { body, .. }) => Err(self.blow_up(body)),
+            other => Ok(other?),
         }
-        self.evaluate_deformables(dt)
     }
 
-    fn blow_up(&self, i: usize) -> SolveError {
+    pub(super) fn blow_up(&self, i: usize) -> SolveError {
         let body = &self.bodies[i];
         let contacts = self.batch.contacts_of(i as u32);
         let deepest = contacts.map(|c| c.penetration()).fold(0.0, f64::max);

@@ -76,6 +76,14 @@ impl StepControl {
         self.cap = self.cap.min(bound);
     }
 
+    /// Takes an implicit step of a multiple of the cap, s, at most `most`.
+    pub(crate) fn choose_implicit(&mut self, multiple: f64, most: f64) -> f64 {
+        self.bound = f64::INFINITY;
+        self.patience = 0;
+        self.current = (multiple * self.cap).min(most);
+        self.current
+    }
+
     /// Chooses the step from the stability bound, s; `fine` where bodies deform.
     pub(crate) fn choose(
         &mut self,

@@ -1,0 +1,114 @@
+//! What an implicit step is told: springs without dashpots, contacts that are about to close, and the forces it
+//! hands back.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+mod common;
+
+use common::pack::{placed, shape};
+use femdem_contact::{
+    Contact, ContactBatch, ContactError, ContactForce, ContactLaw, ContactParameters, Motion,
+    Snapshot,
+};
+use femdem_mesh::nalgebra::{Matrix3, Vector3};
+
+/// Two cubes, B above A, that are `gap` apart and approach each other, sliding.
+fn cubes(gap: f64, damping: f64) -> (ContactBatch, Vec<Motion>) {
+    let law = ContactLaw::new(ContactParameters {
+        damping_ratio: damping,
+        tangential_damping: damping,
+        ..ContactParameters::default()
+    });
+    let mut batch = ContactBatch::new(law.unwrap());
+    let cube = shape("P5", 0.1);
+    let id = batch.add_shape((*cube).clone());
+    let edge = 0.1 / 3.0_f64.sqrt();
+    let bodies = [0.0, edge + gap].map(|z| {
+        batch.add_body(id).unwrap();
+        placed(&cube, Vector3::z() * z, Matrix3::identity())
+    });
+    let mut bodies = bodies.to_vec();
+    bodies[1].velocity = Vector3::new(0.1, 0.0, -0.5);
+    (batch, bodies)
+}
+
+/// The bodies after `dt`.
+fn ahead(bodies: &[Motion], dt: f64) -> Vec<Motion> {
+    let mut bodies = bodies.to_vec();
+    for body in &mut bodies {
+        body.frame.position += body.velocity * dt;
+        body.travelled += body.velocity.norm() * dt;
+    }
+    bodies
+}
+
+fn look(batch: &mut ContactBatch, bodies: &[Motion], dt: f64) -> Vec<Contact> {
+    let later = ahead(bodies, dt);
+    let view = |bodies| Snapshot {
+        bodies,
+        walls: &[],
+        dt,
+    };
+    batch.update_springs(view(bodies), view(&later)).unwrap();
+    batch.evaluated().copied().collect()
+}
+
+/// The forces are those of a law without dashpots, whose viscosities are told all the same.
+#[test]
+fn springs_come_without_dashpots() {
+    let (mut damped, bodies) = cubes(-1e-3, 0.6);
+    let (mut plain, _) = cubes(-1e-3, 0.0);
+    // In contact already.
+    damped.update(&bodies, &[], 0.0).unwrap();
+    plain.update(&bodies, &[], 0.0).unwrap();
+    assert!(damped.contacts()[0].normal_force > 1.1 * plain.contacts()[0].normal_force);
+    let found = look(&mut damped, &bodies, 1e-4)[0];
+    let expected = *plain.contacts()[0];
+    assert!(!found.foreseen);
+    assert!((found.normal_force / expected.normal_force - 1.0).abs() < 1e-12);
+    assert!((found.friction - expected.friction).norm() < 1e-12 * expected.normal_force);
+    let dashpots = found.dashpots();
+    assert!(dashpots.normal > 0.0 && dashpots.tangential > 0.0 && dashpots.rocking > 0.0);
+}
+
+/// A gap that closes within the step is seen, a larger one is not.
+#[test]
+fn contacts_are_foreseen() {
+    let (mut batch, bodies) = cubes(1e-3, 0.6);
+    assert!(look(&mut batch, &bodies, 1e-3).is_empty());
+    let found = look(&mut batch, &bodies, 3e-3);
+    assert_eq!(found.len(), 1);
+    assert!(found[0].foreseen);
+    assert!((found[0].penetration() - 0.5e-3).abs() < 0.5e-3);
+}
+
+/// Loads are the sums of the forces handed back; a wrong number of them is refused.
+#[test]
+fn forces_are_handed_back() {
+    let (mut batch, bodies) = cubes(-1e-3, 0.6);
+    look(&mut batch, &bodies, 1e-4);
+    let force = ContactForce {
+        normal: 7.0,
+        friction: Vector3::new(1.0, 2.0, 0.0),
+        torsion: 0.3,
+        rocking: Vector3::new(0.1, -0.2, 0.0),
+        slides: true,
+    };
+    batch.set_forces(&[force]).unwrap();
+    let expected = Vector3::new(1.0, 2.0, 7.0);
+    let loads = batch.loads();
+    assert!((loads[1].total.force - expected).norm() < 1e-12);
+    assert!((loads[0].total.force + expected).norm() < 1e-12);
+    let error = batch.set_forces(&[force; 2]).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            ContactError::StateCount {
+                given: 2,
+                expected: 1
+            }
+        ),
+        "{error}"
+    );
+    assert!((batch.loads()[1].total.force - expected).norm() < 1e-12);
+}

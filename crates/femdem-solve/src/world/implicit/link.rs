@@ -1,0 +1,412 @@
+//! A contact as the implicit step sees it: forces that change linearly with the velocities at the end of
+//! the step, within the bounds of a contact that neither pulls nor holds more than its friction.
+
+use super::system::Twist;
+use femdem_contact::{Contact, ContactForce};
+use femdem_mesh::nalgebra::{Matrix6, Vector6};
+use femdem_mesh::{Matrix3, Vector3};
+
+/// A change of a sliding friction, over its bound, that calls for another solution.
+const SETTLED: f64 = 0.02;
+
+/// How a contact takes part in a solution.
+#[derive(Debug, Clone, Copy)]
+enum Grip {
+    /// Its friction holds.
+    Holds,
+    /// It slides.
+    Slides(Slip),
+    /// The sides part within the step.
+    Parts,
+}
+
+/// Friction at its bound: it falls with the speed of the slip, so that it does not turn the slip round, and is
+/// what it should be where that speed does not change.
+#[derive(Debug, Clone, Copy)]
+struct Slip {
+    /// Friction (N) and torsion (N m) at the velocities before the step.
+    friction: Vector3,
+    torsion: f64,
+    /// How much they fall for each unit of velocity gained, N s/m and N m s.
+    slopes: [f64; 2],
+}
+
+/// Springs (N/m, N m) or dashpots (N s/m, N m s) of a patch.
+#[derive(Debug, Clone, Copy)]
+struct Slopes {
+    /// Along the elastic wrench.
+    normal: f64,
+    /// In the contact plane.
+    tangential: f64,
+    /// Turning about an axis in the contact plane.
+    rocking: f64,
+    /// Turning about the normal.
+    torsion: f64,
+}
+
+/// A contact of two sides A and B; motions and forces are those of B against A.
+#[derive(Debug)]
+pub(super) struct Link {
+    /// Places of A and B among the unknowns; none for what is not moved.
+    sides: [Option<u32>; 2],
+    /// Contact point from the origins of A and B, m.
+    arms: [Vector3; 2],
+    normal: Vector3,
+    /// Lever of the elastic wrench about the contact point, m.
+    lever: Vector3,
+    /// Velocity and turning before the step.
+    before: Twist,
+    /// Forces if the velocities did not change: elastic and damped along the normal, the others as
+    /// they would be if they held.
+    start: ContactForce,
+    springs: Slopes,
+    /// How much forces fall for each unit of velocity gained.
+    slopes: Slopes,
+    friction: f64,
+    /// Force of the normal spring where the contact was evaluated, N.
+    elastic: f64,
+    foreseen: bool,
+    /// m.
+    radius: f64,
+    dt: f64,
+    grip: Grip,
+}
+
+/// Energies of a contact over a step, J.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Works {
+    /// Of the dashpots.
+    pub damping: f64,
+    /// Of friction, springs included.
+    pub friction: f64,
+    /// That the normal spring took from the motion and does not hold.
+    pub step: f64,
+}
+
+impl Link {
+    /// `before` is the velocity and the turning of B against A at the contact point, `friction` Coulomb's
+    /// coefficient, `dt` the step, s. The contact has the forces of its springs alone, where the sides are
+    /// or, if it is foreseen, where they would be after `dt` with those velocities.
+    pub(super) fn new(
+        contact: &Contact,
+        sides: [Option<u32>; 2],
+        arms: [Vector3; 2],
+        before: Twist,
+        friction: f64,
+        dt: f64,
+    ) -> Self {
+        let (n, c) = (contact.normal, contact.dashpots());
+        let stiffness = contact.stiffness.max(0.0);
+        let second = contact.stiffness_second.max(0.0);
+        // Rocking by all of the polar second moment, as in the bound of the explicit step: less of it,
+        // and a block on an edge rocks without end.
+        let springs = Slopes {
+            normal: stiffness,
+            tangential: contact.tangential_stiffness,
+            rocking: second,
+            torsion: if stiffness > 0.0 {
+                second * contact.tangential_stiffness / stiffness
+            } else {
+                0.0
+            },
+        };
+        let lever = if contact.elastic_force > 0.0 {
+            contact.moment / contact.elastic_force
+        } else {
+            Vector3::zeros()
+        };
+        let opening = n.dot(&before.velocity) + lever.dot(&before.turning);
+        let across = |x: &Vector3| x - n * n.dot(x);
+        let slopes = Slopes {
+            normal: springs.normal * dt + c.normal,
+            tangential: springs.tangential * dt + c.tangential,
+            rocking: springs.rocking * dt + c.rocking,
+            torsion: springs.torsion * dt + c.torsion,
+        };
+        // Springs that the motion before the step has still to load, or has loaded already.
+        let ahead = if contact.foreseen {
+            Slopes {
+                normal: c.normal,
+                tangential: c.tangential,
+                rocking: c.rocking,
+                torsion: c.torsion,
+            }
+        } else {
+            slopes
+        };
+        let mut link = Self {
+            sides,
+            arms,
+            normal: n,
+            lever,
+            before,
+            start: ContactForce {
+                normal: contact.elastic_force - ahead.normal * opening,
+                friction: contact.friction - across(&before.velocity) * ahead.tangential,
+                torsion: contact.torsion - ahead.torsion * n.dot(&before.turning),
+                rocking: across(&before.turning) * -ahead.rocking,
+                slides: contact.slides,
+            },
+            springs,
+            slopes,
+            friction,
+            elastic: contact.elastic_force,
+            foreseen: contact.foreseen,
+            radius: contact.torsion_radius(),
+            dt,
+            grip: Grip::Holds,
+        };
+        if contact.slides {
+            // It goes on as it did.
+            link.grip = Grip::Slides(link.slip(&contact.friction, contact.torsion, [0.0; 2], 1.0));
+        }
+        link
+    }
+
+    /// Velocity and turning of B against A that belong to those of the bodies.
+    fn relative(&self, x: &[Twist]) -> Twist {
+        let mut apart = Twist::default();
+        if let Some(b) = self.sides[1] {
+            let x = &x[b as usize];
+            apart.velocity += x.velocity + x.turning.cross(&self.arms[1]);
+            apart.turning += x.turning;
+        }
+        if let Some(a) = self.sides[0] {
+            let x = &x[a as usize];
+            apart.velocity -= x.velocity + x.turning.cross(&self.arms[0]);
+            apart.turning -= x.turning;
+        }
+        apart
+    }
+
+    /// Adds a force and a moment on B, and the opposite on A.
+    fn add(&self, force: &Vector3, moment: &Vector3, out: &mut [Twist]) {
+        if let Some(b) = self.sides[1] {
+            let out = &mut out[b as usize];
+            out.velocity += force;
+            out.turning += moment + self.arms[1].cross(force);
+        }
+        if let Some(a) = self.sides[0] {
+            let out = &mut out[a as usize];
+            out.velocity -= force;
+            out.turning -= moment + self.arms[0].cross(force);
+        }
+    }
+
+    fn add_force(&self, f: &ContactForce, out: &mut [Twist]) {
+        let force = self.normal * f.normal + f.friction;
+        let moment = self.lever * f.normal + self.normal * f.torsion + f.rocking;
+        self.add(&force, &moment, out);
+    }
+
+    /// Adds the forces at the velocities before the step.
+    pub(super) fn add_start(&self, out: &mut [Twist]) {
+        match self.grip {
+            Grip::Holds => self.add_force(&self.start, out),
+            Grip::Slides(slip) => {
+                let sliding = ContactForce {
+                    friction: slip.friction,
+                    torsion: slip.torsion,
+                    ..self.start
+                };
+                self.add_force(&sliding, out);
+            }
+            Grip::Parts => {}
+        }
+    }
+
+    /// The slip that friction and torsion at their bound belong to after a change of velocity and spin;
+    /// `share` is the part of the torsional spring that is within the bound.
+    fn slip(&self, friction: &Vector3, torsion: f64, change: [f64; 2], share: f64) -> Slip {
+        let size = friction.norm();
+        // Speed that the friction opposes.
+        let speed = -friction.dot(&self.before.velocity) / size.max(f64::MIN_POSITIVE);
+        let slope = if speed > 0.0 {
+            (size / speed).min(self.slopes.tangential)
+        } else {
+            0.0
+        };
+        let turning = share * self.slopes.torsion;
+        Slip {
+            friction: *friction,
+            torsion: torsion + turning * change[1],
+            slopes: [slope, turning],
+        }
+    }
+
+    /// Slopes of friction and torsion.
+    fn held(&self) -> Option<[f64; 2]> {
+        match self.grip {
+            Grip::Holds => Some([self.slopes.tangential, self.slopes.torsion]),
+            Grip::Slides(slip) => Some(slip.slopes),
+            Grip::Parts => None,
+        }
+    }
+
+    /// Adds the product of the slopes with a change of the velocities.
+    pub(super) fn add_times(&self, x: &[Twist], out: &mut [Twist]) {
+        let Some([held, torsion]) = self.held() else {
+            return;
+        };
+        let (n, s) = (&self.normal, &self.slopes);
+        let x = self.relative(x);
+        let (along, spin) = (n.dot(&x.velocity), n.dot(&x.turning));
+        let pressed = s.normal * (along + self.lever.dot(&x.turning));
+        let force = n * (pressed - held * along) + x.velocity * held;
+        let moment =
+            self.lever * pressed + x.turning * s.rocking + n * (spin * (torsion - s.rocking));
+        self.add(&force, &moment, out);
+    }
+
+    /// Adds the blocks on the diagonal.
+    pub(super) fn add_blocks(&self, blocks: &mut [Matrix6<f64>]) {
+        let Some(held) = self.held() else {
+            return;
+        };
+        for (side, arm) in self.sides.iter().zip(&self.arms) {
+            if let Some(i) = side {
+                blocks[*i as usize] += self.block(arm, held);
+            }
+        }
+    }
+
+    fn block(&self, arm: &Vector3, [held, torsion]: [f64; 2]) -> Matrix6<f64> {
+        let (n, s) = (&self.normal, &self.slopes);
+        let mut block = Matrix6::zeros();
+        let mut add_along = |lever: &Vector3, value: f64| {
+            let x = Vector6::new(n.x, n.y, n.z, lever.x, lever.y, lever.z);
+            block += x * (x * value).transpose();
+        };
+        let turned = arm.cross(n);
+        add_along(&(turned + self.lever), s.normal);
+        add_along(&turned, -held);
+        let coupling = arm.cross_matrix() * held;
+        let turning = Matrix3::from_diagonal_element(held * arm.norm_squared() + s.rocking)
+            - arm * (arm * held).transpose()
+            + n * (n * (torsion - s.rocking)).transpose();
+        for i in 0..3 {
+            block[(i, i)] += held;
+            for j in 0..3 {
+                block[(3 + i, j)] += coupling[(i, j)];
+                block[(j, 3 + i)] += coupling[(i, j)];
+                block[(3 + i, 3 + j)] += turning[(i, j)];
+            }
+        }
+        block
+    }
+
+    /// The forces after a change of the velocities, within their bounds, and the part of friction and
+    /// torsion that was.
+    fn forces(&self, change: &Twist) -> (ContactForce, f64) {
+        let (n, s) = (&self.normal, &self.slopes);
+        let (along, spin) = (n.dot(&change.velocity), n.dot(&change.turning));
+        let normal = self.start.normal - s.normal * (along + self.lever.dot(&change.turning));
+        if normal <= 0.0 {
+            let none = ContactForce {
+                normal: 0.0,
+                friction: Vector3::zeros(),
+                torsion: 0.0,
+                rocking: Vector3::zeros(),
+                slides: false,
+            };
+            return (none, 1.0);
+        }
+        let (friction, torsion, [held, turning]) = match self.grip {
+            Grip::Slides(slip) => (slip.friction, slip.torsion, slip.slopes),
+            Grip::Holds | Grip::Parts => (
+                self.start.friction,
+                self.start.torsion,
+                [s.tangential, s.torsion],
+            ),
+        };
+        let friction = friction - (change.velocity - n * along) * held;
+        let torsion = torsion - spin * turning;
+        let share = self.share(&friction, torsion, normal);
+        let forces = ContactForce {
+            normal,
+            friction: friction * share,
+            torsion: torsion * share,
+            rocking: self.start.rocking - (change.turning - n * spin) * s.rocking,
+            slides: share < 1.0 || matches!(self.grip, Grip::Slides(_)),
+        };
+        (forces, share)
+    }
+
+    /// The part of friction and torsion within the ellipsoid limit surface of the friction law.
+    fn share(&self, friction: &Vector3, torsion: f64, normal: f64) -> f64 {
+        let most = self.friction * normal;
+        let turning = torsion / self.radius.max(f64::MIN_POSITIVE);
+        let load2 = friction.norm_squared() + turning * turning;
+        if load2 > most * most {
+            most / load2.sqrt()
+        } else {
+            1.0
+        }
+    }
+
+    /// Takes from a solution whether the friction holds and whether the sides part; tells whether that calls
+    /// for another one.
+    pub(super) fn follow(&mut self, x: &[Twist]) -> bool {
+        let x = self.relative(x);
+        let (found, within) = self.forces(&x);
+        let before = std::mem::replace(&mut self.grip, Grip::Holds);
+        let (held, share) = self.forces(&x);
+        if held.normal <= 0.0 {
+            self.grip = Grip::Parts;
+            return !matches!(before, Grip::Parts);
+        }
+        if share == 1.0 {
+            return !matches!(before, Grip::Holds);
+        }
+        let change = [0.0, self.normal.dot(&x.turning)];
+        let slip = self.slip(&held.friction, held.torsion, change, share);
+        self.grip = Grip::Slides(slip);
+        let size = held.friction.norm();
+        let off = (found.friction * (1.0 / within) - held.friction).norm();
+        let slowed = slip.slopes[0] * x.velocity.norm();
+        !matches!(before, Grip::Slides(_)) || off > SETTLED * size + slowed
+    }
+
+    /// The forces of a solution, added to `out`.
+    pub(super) fn answer(&self, x: &[Twist], out: &mut [Twist]) -> ContactForce {
+        let (forces, _) = self.forces(&self.relative(x));
+        self.add_force(&forces, out);
+        forces
+    }
+
+    /// What forces do while the velocities change by `x`. The mean of the velocities before and after tells
+    /// what a force does to the kinetic energy; a dashpot takes what it would at the velocities after, and
+    /// what else the normal force takes and the spring does not hold is the step's.
+    pub(super) fn works(&self, forces: &ContactForce, x: &[Twist]) -> Works {
+        let (n, dt) = (&self.normal, self.dt);
+        let change = self.relative(x);
+        let opening = |x: &Twist| n.dot(&x.velocity) + self.lever.dot(&x.turning);
+        let mean = Twist {
+            velocity: self.before.velocity + change.velocity * 0.5,
+            turning: self.before.turning + change.turning * 0.5,
+        };
+        let spring = self.springs.normal * dt;
+        let rate = [&self.before, &change].map(opening);
+        let dashpot = self.slopes.normal - spring;
+        let elastic = if forces.normal > 0.0 {
+            (forces.normal + dashpot * (rate[0] + rate[1])).max(0.0)
+        } else {
+            0.0
+        };
+        // The spring's force where the step began.
+        let began = if self.foreseen { spring * rate[0] } else { 0.0 };
+        let was = (self.elastic + began).max(0.0);
+        let held = if self.springs.normal > 0.0 {
+            0.5 * (elastic * elastic - was * was) / self.springs.normal
+        } else {
+            0.0
+        };
+        let viscous = (forces.normal - elastic) * (rate[0] + rate[1]) * dt;
+        Works {
+            damping: viscous + forces.rocking.dot(&mean.turning) * dt,
+            friction: (forces.friction.dot(&mean.velocity) + forces.torsion * n.dot(&mean.turning))
+                * dt,
+            step: -forces.normal * opening(&mean) * dt + viscous - held,
+        }
+    }
+}

@@ -1,0 +1,346 @@
+//! A linearly implicit step: all contacts at once, with the velocities at its end.
+//!
+//! One Newton step of the backward Euler method from the positions to which the present velocities would
+//! carry the bodies (after Baraff & Witkin 1998, "Large steps in cloth simulation", who begin at the
+//! present positions). Beginning at the end of the step shows contacts before they close, so that a
+//! body that falls is stopped at the surface and not inside it. With x the change of the velocities
+//! (M/dt + C + dt K) x = f, f the forces there with the dashpots at the present velocities, K and C the
+//! springs and dashpots of every contact ([`Link`]). What friction holds beyond its bound, and contacts
+//! that would pull, are corrected in further solutions. The forces that are applied keep their bounds in
+//! any case, and act in pairs.
+
+mod link;
+mod system;
+
+use super::World;
+use super::step::{LARGEST_MOVE, relaxation};
+use crate::body::Body;
+use crate::error::{SolveError, check};
+use crate::ledger::Flows;
+use crate::parameters::ImplicitStep;
+use crate::rotation;
+use femdem_contact::{BodyId, Contact, ContactForce, Motion, Partner, Snapshot, Wrench};
+use femdem_mesh::{Matrix3, Rotation, Vector3};
+use link::Link;
+use std::time::Instant;
+use system::{Inertia, System, Twist};
+
+/// Longest step over the time sqrt(d/g) in which a body falls by half its diameter.
+const FALL: f64 = 0.01;
+
+/// A free body before the step.
+struct Before {
+    position: Vector3,
+    orientation: Rotation,
+    velocity: Vector3,
+    momentum: Vector3,
+    turning: Vector3,
+}
+
+impl Before {
+    fn of(body: &Body) -> Self {
+        Self {
+            position: body.position,
+            orientation: body.orientation,
+            velocity: body.velocity,
+            momentum: body.momentum,
+            turning: body.angular_velocity(),
+        }
+    }
+}
+
+impl World {
+    pub(super) fn step_implicit(&mut self, rule: &ImplicitStep) -> Result<(), SolveError> {
+        let deformable = self.deformable_count();
+        check(
+            "deformable bodies with time_step.implicit",
+            deformable as f64,
+            deformable == 0,
+            "0: implicit steps are for rigid bodies",
+        )?;
+        let since = self.time_since_contacts();
+        let dt = self.choose_implicit_step(rule);
+        self.wake_for_drives(dt);
+        let before = self.look_ahead(since, dt)?;
+        let wrenches = self.answer_contacts(dt, &before, rule)?;
+        for (k, (before, wrench)) in before.iter().zip(&wrenches).enumerate() {
+            let i = self.awake[k] as usize;
+            if self.bodies[i].driven.is_none() {
+                self.move_on(i, dt, before, wrench)?;
+            } else {
+                self.motions[i] = self.ahead[i];
+            }
+        }
+        self.book_driven(dt);
+        self.time += dt;
+        self.steps += 1;
+        // The contacts on record are not those of the present positions.
+        self.loaded = false;
+        self.counters.body_steps += self.awake.len() as u64;
+        self.update_active_set();
+        Ok(())
+    }
+
+    /// Time since the torsion of the contacts was advanced, s.
+    fn time_since_contacts(&self) -> f64 {
+        if self.loaded {
+            0.0
+        } else {
+            self.step_control.current()
+        }
+    }
+
+    /// Evaluates the contacts that there are, and those that would close within the step. Leaves free bodies
+    /// where their present velocities would carry them, and returns where they were.
+    fn look_ahead(&mut self, since: f64, dt: f64) -> Result<Vec<Before>, SolveError> {
+        if self.ahead.len() != self.motions.len() {
+            self.ahead = self.motions.clone();
+        }
+        let mut before = Vec::with_capacity(self.awake.len());
+        for &i in &self.awake {
+            let body = &self.bodies[i as usize];
+            before.push(Before::of(body));
+            let motion = &mut self.motions[i as usize];
+            motion.velocity = body.velocity;
+            motion.angular_velocity = body.angular_velocity();
+        }
+        let walls = self.wall_motions.clone();
+        std::mem::swap(&mut self.motions, &mut self.ahead);
+        let drifted = self.drift(dt);
+        std::mem::swap(&mut self.motions, &mut self.ahead);
+        drifted?;
+        let start = Instant::now();
+        let now = Snapshot {
+            bodies: &self.motions,
+            walls: &walls,
+            dt: since,
+        };
+        let ahead = Snapshot {
+            bodies: &self.ahead,
+            walls: &self.wall_motions,
+            dt,
+        };
+        let result = self.batch.update_springs(now, ahead);
+        self.count_contacts(start, result)?;
+        Ok(before)
+    }
+
+    fn choose_implicit_step(&mut self, rule: &ImplicitStep) -> f64 {
+        let mut most = self.parameters.time_step.largest.unwrap_or(f64::INFINITY);
+        let gravity = self.parameters.gravity.norm();
+        for &i in &self.awake {
+            let body = &self.bodies[i as usize];
+            if gravity > 0.0 {
+                most = most.min(FALL * (2.0 * body.radius / gravity).sqrt());
+            }
+            let turning = body.momentum.component_div(&body.moments).norm();
+            let speed = body.velocity.norm().max(turning * body.radius);
+            if body.driven.is_none() && speed * most > 2.0 * rule.reach * body.radius {
+                most = 2.0 * rule.reach * body.radius / speed;
+            }
+        }
+        self.step_control.choose_implicit(rule.multiple, most)
+    }
+
+    /// Finds the forces of the contacts, puts them on record, and returns what they do to each
+    /// awake body in the step, about its centroid; `None` for one without contact.
+    fn answer_contacts(
+        &mut self,
+        dt: f64,
+        before: &[Before],
+        rule: &ImplicitStep,
+    ) -> Result<Vec<Option<Wrench>>, SolveError> {
+        let mut members = Vec::new();
+        let mut bodies = Vec::new();
+        for (k, &i) in self.awake.iter().enumerate() {
+            let touches = self.batch.loads()[i as usize].contacts > 0;
+            if touches && self.bodies[i as usize].driven.is_none() {
+                members.push(k);
+                bodies.push(i);
+            }
+        }
+        let mut wrenches = vec![None; before.len()];
+        if members.is_empty() {
+            return Ok(wrenches);
+        }
+        let (decay, reach) = relaxation(self.parameters.medium.drag, dt);
+        let mut system = System {
+            inertias: Vec::with_capacity(members.len()),
+            links: self
+                .batch
+                .evaluated()
+                .map(|c| self.link(c, &bodies, dt))
+                .collect(),
+        };
+        let mut others = Vec::with_capacity(members.len());
+        for &k in &members {
+            let (before, body) = (&before[k], &self.bodies[self.awake[k] as usize]);
+            let inertia = inertia(before, body, reach);
+            others.push(Twist {
+                velocity: self.parameters.gravity * body.mass
+                    + before.velocity * (inertia.mass * (decay - 1.0)),
+                turning: inertia.turning * before.turning * (decay - 1.0),
+            });
+            system.inertias.push(inertia);
+        }
+        // Links that part later stay in the preconditioner, which need not be exact.
+        let inverses = system.inverse_blocks();
+        let mut x = vec![Twist::default(); members.len()];
+        for round in 1..=rule.systems {
+            let rounds = system.solve(
+                &inverses,
+                others.clone(),
+                &mut x,
+                rule.tolerance,
+                rule.rounds,
+            );
+            self.counters.linear_systems += 1;
+            self.counters.linear_rounds += u64::from(rounds);
+            let mut changed = false;
+            for link in system.links.iter_mut().filter(|_| round < rule.systems) {
+                changed |= link.follow(&x);
+            }
+            if !changed {
+                break;
+            }
+        }
+        let mut sums = vec![Twist::default(); members.len()];
+        let answer = |link: &Link| link.answer(&x, &mut sums);
+        let forces: Vec<ContactForce> = system.links.iter().map(answer).collect();
+        // What the forces within their bounds really do.
+        for (((x, sum), other), inertia) in
+            x.iter_mut().zip(&sums).zip(&others).zip(&system.inertias)
+        {
+            *x = inertia.response(sum, other);
+        }
+        for (link, forces) in system.links.iter().zip(&forces) {
+            let works = link.works(forces, &x);
+            self.flows.damping_work += works.damping;
+            self.flows.friction_work += works.friction;
+            self.flows.step_loss += works.step;
+        }
+        self.batch.set_forces(&forces)?;
+        for (&k, sum) in members.iter().zip(&sums) {
+            wrenches[k] = Some(Wrench {
+                force: sum.velocity,
+                torque: sum.turning,
+            });
+        }
+        Ok(wrenches)
+    }
+
+    /// Both sides of a contact about the same point, so that the angular momentum of the two does not
+    /// change; that of a foreseen one goes with the mean of both. `members` are the free bodies, ascending.
+    fn link(&self, contact: &Contact, members: &[BodyId], dt: f64) -> Link {
+        let place = |i: BodyId| members.binary_search(&i).ok().map(|k| k as u32);
+        let (a, side_a): (&Motion, _) = match contact.a {
+            Partner::Body(i) => (&self.ahead[i as usize], place(i)),
+            Partner::Wall(w) => (&self.wall_motions[w as usize], None),
+        };
+        let (b, side_b) = (&self.ahead[contact.b as usize], place(contact.b));
+        let before = Twist {
+            velocity: b.velocity_at(&contact.arm_b) - a.velocity_at(&contact.arm_a),
+            turning: b.angular_velocity - a.angular_velocity,
+        };
+        let mut arms = [contact.arm_a, contact.arm_b];
+        if contact.foreseen && side_a.is_some() && side_b.is_some() {
+            let half = (b.velocity - a.velocity) * (0.5 * dt);
+            arms = [arms[0] - half, arms[1] + half];
+        }
+        let law = &self.parameters.contact;
+        let friction = match contact.a {
+            Partner::Body(_) => law.friction,
+            Partner::Wall(_) => law.at_walls().friction,
+        };
+        Link::new(contact, [side_a, side_b], arms, before, friction, dt)
+    }
+
+    /// Moves a free body from where it was before the step to its end.
+    fn move_on(
+        &mut self,
+        i: usize,
+        dt: f64,
+        before: &Before,
+        wrench: &Option<Wrench>,
+    ) -> Result<(), SolveError> {
+        let (decay, reach) = relaxation(self.parameters.medium.drag, dt);
+        let gravity = self.parameters.gravity;
+        let body = &mut self.bodies[i];
+        let contact = wrench.unwrap_or_default();
+        let force = contact.force + gravity * body.mass;
+        let energy = [before.kinetic_energy(body), {
+            body.velocity = before.velocity * decay + force * (reach / body.mass);
+            let torque = before.orientation.inverse_transform_vector(&contact.torque);
+            body.momentum = before.momentum * decay + torque * reach;
+            body.orientation = before.orientation;
+            body.kinetic_energy()
+        }];
+        let mean = (before.velocity + body.velocity) * 0.5;
+        let turning = body.angular_velocity();
+        let spin = (before.turning + turning) * 0.5;
+        if self.parameters.medium.drag != 0.0 {
+            let work = (force.dot(&mean) + contact.torque.dot(&spin)) * dt;
+            self.flows.medium_work += energy[1] - energy[0] - work;
+        }
+        // Falls freely as it should, and keeps to its contacts as it must.
+        let velocity = if wrench.is_some() {
+            body.velocity
+        } else {
+            mean
+        };
+        self.flows.step_loss += body.mass * gravity.dot(&(velocity - mean)) * dt;
+        body.position = before.position + velocity * dt;
+        rotation::drift(&mut body.orientation, &mut body.momentum, &body.moments, dt);
+        // From where the contacts were evaluated.
+        let apart = (velocity - before.velocity).norm()
+            + 1.5 * (turning - before.turning).norm() * body.radius;
+        body.travelled += apart * dt;
+        let moved = velocity.norm() * dt;
+        if !moved.is_finite() || moved > LARGEST_MOVE * body.radius {
+            return Err(self.blow_up(i));
+        }
+        self.motions[i] = self.bodies[i].motion();
+        Ok(())
+    }
+
+    /// Work of driven bodies and walls.
+    fn book_driven(&mut self, dt: f64) {
+        let mut flows = Flows::default();
+        let mut book = |wrench: &Wrench, motion: &Motion| {
+            flows.work_in -= wrench.power(&motion.velocity, &motion.angular_velocity) * dt;
+        };
+        for &i in &self.awake {
+            if self.bodies[i as usize].driven.is_some() {
+                let load = &self.batch.loads()[i as usize];
+                book(&load.total, &self.ahead[i as usize]);
+            }
+        }
+        for (load, motion) in self.batch.wall_loads().iter().zip(&self.wall_motions) {
+            book(&load.total, motion);
+        }
+        self.flows.work_in += flows.work_in;
+    }
+}
+
+impl Before {
+    fn kinetic_energy(&self, body: &Body) -> f64 {
+        0.5 * (body.mass * self.velocity.norm_squared()
+            + self
+                .momentum
+                .component_div(&body.moments)
+                .dot(&self.momentum))
+    }
+}
+
+/// Mass and inertia over the time that forces act.
+fn inertia(before: &Before, body: &Body, reach: f64) -> Inertia {
+    let axes = before.orientation.to_rotation_matrix().into_inner();
+    let moments = Matrix3::from_diagonal(&(body.moments / reach));
+    Inertia {
+        mass: body.mass / reach,
+        turning: axes * moments * axes.transpose(),
+        inverse: axes
+            * Matrix3::from_diagonal(&(body.moments / reach).map(|m| 1.0 / m))
+            * axes.transpose(),
+    }
+}

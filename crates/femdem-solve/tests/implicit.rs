@@ -1,0 +1,348 @@
+//! Linearly implicit steps: what they keep, what they take, and that they end where explicit ones do.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+mod common;
+
+use common::{
+    D, DENSITY, G, add_floor, add_heap, add_sides, at, half_edge, parameters, pose, run_until,
+    solid, weightless,
+};
+use femdem_contact::restitution;
+use femdem_mesh::nalgebra::Vector3;
+use femdem_mesh::{Rotation, TetMesh};
+use femdem_solve::{BodySpec, Drive, ImplicitStep, TimeStepParameters, World, WorldParameters};
+
+/// The same world stepped implicitly, `multiple` times the explicit limit of a face contact.
+fn implicit(mut p: WorldParameters, multiple: f64) -> WorldParameters {
+    p.time_step.implicit = Some(ImplicitStep {
+        multiple,
+        ..ImplicitStep::default()
+    });
+    p
+}
+
+/// A cube on the floor, at rest at a height of its centroid.
+fn cube_on_floor(p: WorldParameters, height: f64) -> World {
+    let mut world = World::new(p).unwrap();
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * height));
+    world.add_body(spec).unwrap();
+    world
+}
+
+/// Three bodies meet in free space, with friction: momentum and angular momentum to round-off.
+#[test]
+fn momentum_is_kept_to_round_off() {
+    let mut world = World::new(implicit(weightless(1e7, 0.5, 0.3), 6.0)).unwrap();
+    let shape = world.add_shape("A1", &solid("A1")).unwrap();
+    for i in 0..3 {
+        let angle = f64::from(i) * 2.1;
+        let out = Vector3::new(angle.cos(), angle.sin(), 0.1 * f64::from(i));
+        let mut spec = BodySpec::at_rest(shape, DENSITY, at(out * 0.12));
+        spec.velocity = -out + Vector3::new(0.1, 0.0, 0.0);
+        spec.angular_velocity = Vector3::new(1.0, f64::from(i), -2.0);
+        world.add_body(spec).unwrap();
+    }
+    let about = Vector3::new(0.3, 0.2, 0.1);
+    let (p0, l0) = (world.linear_momentum(), world.angular_momentum(&about));
+    let (mut touched, mut slid) = (false, false);
+    while world.time() < 0.4 {
+        world.step().unwrap();
+        touched |= !world.contacts().is_empty();
+        slid |= world.contacts().iter().any(|c| c.slides);
+    }
+    assert!(touched && slid);
+    let scale = world.mass(0).unwrap();
+    assert!((world.linear_momentum() - p0).norm() < 1e-12 * scale);
+    assert!((world.angular_momentum(&about) - l0).norm() < 1e-12 * scale);
+}
+
+/// Without contact a body falls as it should at any step, and keeps its angular momentum, whatever its
+/// moments of inertia.
+#[test]
+fn free_flight_is_exact() {
+    let mut world = World::new(implicit(parameters(1e5, 0.6, 0.6), 6.0)).unwrap();
+    let mesh = TetMesh::block([1, 1, 1], &Vector3::new(0.1, 0.06, 0.02)).unwrap();
+    let slab = mesh.surface().unwrap();
+    let shape = world.add_shape("slab", &slab).unwrap();
+    let mut spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::zeros()));
+    spec.velocity = Vector3::new(1.0, 0.0, 2.0);
+    spec.angular_velocity = Vector3::new(0.3, 8.0, 0.2);
+    let body = world.add_body(spec).unwrap();
+    let origin = world.position(body).unwrap();
+    let turn = |w: &World| w.angular_momentum(&w.position(body).unwrap());
+    let (start, energy) = (turn(&world), world.ledger().final_energy());
+    run_until(&mut world, 0.5);
+    let t = world.time();
+    let expected = origin + Vector3::new(t, 0.0, 2.0 * t - 0.5 * G * t * t);
+    assert!((world.position(body).unwrap() - expected).norm() < 1e-10);
+    assert!((turn(&world) - start).norm() < 1e-10 * start.norm());
+    let books = world.ledger();
+    assert!(
+        (books.final_energy() / energy - 1.0).abs() < 1e-5,
+        "{books:?}"
+    );
+    assert_eq!(books.dissipated(), 0.0);
+}
+
+/// Steps far below the limit give the motion of explicit ones: the restitution of a face, an edge and a
+/// vertex.
+#[test]
+fn small_steps_give_the_restitution_of_the_law() {
+    let edge = Rotation::from_scaled_axis(Vector3::x() * std::f64::consts::FRAC_PI_4);
+    let diagonal = Vector3::new(1.0, 1.0, 1.0).normalize();
+    let vertex = Rotation::rotation_between(&diagonal, &-Vector3::z()).unwrap();
+    for zeta in [0.1, 0.6] {
+        for rotation in [Rotation::identity(), edge, vertex] {
+            let mut world = World::new(implicit(weightless(1e7, 0.0, zeta), 0.005)).unwrap();
+            let shape = world.add_shape("P5", &solid("P5")).unwrap();
+            add_floor(&mut world, Drive::Fixed);
+            let mut spec = BodySpec::at_rest(shape, DENSITY, pose(Vector3::z() * 0.051, rotation));
+            spec.velocity.z = -1.0;
+            let body = world.add_body(spec).unwrap();
+            run_until(&mut world, 0.04);
+            assert!(world.contacts().is_empty());
+            let (got, want) = (world.velocity(body).unwrap().z, restitution(zeta));
+            assert!(
+                (got - want).abs() < 0.012,
+                "zeta {zeta}: {got} instead of {want}"
+            );
+        }
+    }
+}
+
+/// A cube dropped flat comes to rest at the depth at which its weight is carried, F = 2 p A delta/h, and the
+/// books tell where its energy went.
+#[test]
+fn a_cube_rests_at_its_depth() {
+    let penalty = 1e8;
+    let drop = 0.01;
+    let mut world = cube_on_floor(
+        implicit(parameters(penalty, 0.6, 0.6), 6.0),
+        half_edge() + drop,
+    );
+    run_until(&mut world, 1.0);
+    let weight = world.mass(0).unwrap() * G;
+    let depth = weight * half_edge() / (2.0 * penalty * 4.0 * half_edge() * half_edge());
+    let found = half_edge() - world.position(0).unwrap().z;
+    assert!((found / depth - 1.0).abs() < 1e-3, "{found:e} {depth:e}");
+    assert!(world.residuals().max_over_load < 1e-9);
+    assert!(world.kinetic_energy() < 1e-20);
+    let books = world.ledger();
+    assert!(
+        books.dissipated_step > 0.0 && books.dissipated_damping > 0.0,
+        "{books:?}"
+    );
+    assert!(books.error().abs() < 0.05 * weight * drop, "{books:?}");
+}
+
+/// A block on a slope under friction 0.6, gravity turned instead of the floor: its speed down
+/// the slope and its place.
+fn on_slope(slope: f64, times: [f64; 2]) -> [[f64; 3]; 2] {
+    let mut p = implicit(parameters(1e8, 0.6, 0.6), 6.0);
+    p.gravity = Vector3::new(G * slope.sin(), 0.0, -G * slope.cos());
+    let mut world = cube_on_floor(p, half_edge());
+    times.map(|time| {
+        run_until(&mut world, time);
+        let (x, v) = (world.position(0).unwrap().x, world.velocity(0).unwrap().x);
+        [world.time(), x, v]
+    })
+}
+
+#[test]
+fn a_block_sticks_below_the_friction_angle_and_slides_above() {
+    let angle = 0.6_f64.atan();
+    let [[_, from, _], [_, to, _]] = on_slope(0.9 * angle, [1.0, 6.0]);
+    assert!((to - from).abs() < 1e-12, "it crept by {:e} m", to - from);
+    let [[t0, _, v0], [t1, _, v1]] = on_slope(1.2 * angle, [0.5, 1.0]);
+    let (got, slope) = ((v1 - v0) / (t1 - t0), 1.2 * angle);
+    let want = G * (slope.sin() - 0.6 * slope.cos());
+    assert!((got / want - 1.0).abs() < 0.01, "{got} instead of {want}");
+}
+
+/// A floor that sets off sideways takes a block along: it slides until it has the floor's speed, and the
+/// books know the work of the drive.
+#[test]
+fn a_moving_floor_takes_a_block_along() {
+    let mut world = World::new(implicit(parameters(1e8, 0.6, 0.6), 6.0)).unwrap();
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let velocity = Vector3::x() * 0.3;
+    let drive = Drive::Linear {
+        velocity,
+        start: 0.2,
+        end: 1.0,
+    };
+    add_floor(&mut world, drive);
+    let spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * half_edge()));
+    world.add_body(spec).unwrap();
+    run_until(&mut world, 0.22);
+    let sliding = world.velocity(0).unwrap().x / (0.6 * G * (world.time() - 0.2));
+    assert!((sliding - 1.0).abs() < 0.1, "{sliding}");
+    run_until(&mut world, 0.9);
+    assert!((world.velocity(0).unwrap() - velocity).norm() < 1e-6);
+    let (books, mass) = (world.ledger(), world.mass(0).unwrap());
+    // Friction moves the block and rubs as much away again.
+    let expected = mass * velocity.norm_squared();
+    assert!((books.work_in / expected - 1.0).abs() < 0.05, "{books:?}");
+    assert!(books.error().abs() < 0.05 * expected, "{books:?}");
+}
+
+/// Ten cubes, aligned, set on each other: the stack stands, with their faces flat on each other.
+#[test]
+fn a_stack_of_ten_cubes_stands() {
+    let mut world = World::new(implicit(parameters(1e8, 0.6, 0.6), 6.0)).unwrap();
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    for k in 0..10 {
+        let z = half_edge() * (2.0 * f64::from(k) + 1.0);
+        let spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * z));
+        world.add_body(spec).unwrap();
+    }
+    let places = |w: &World| (0..10).map(|i| w.position(i).unwrap()).collect::<Vec<_>>();
+    run_until(&mut world, 1.0);
+    let settled = places(&world);
+    run_until(&mut world, 4.0);
+    for (now, then) in places(&world).iter().zip(&settled) {
+        assert!((now - then).norm() < 1e-6 * D, "{now} {then}");
+    }
+    assert!(world.residuals().max_over_load < 1e-3);
+}
+
+/// The drag of a medium: v = g/a (1 - e^(-a t)) at any step.
+#[test]
+fn drag_is_exact() {
+    let mut p = implicit(parameters(1e5, 0.6, 0.6), 6.0);
+    p.medium.drag = 5.0;
+    let mut world = cube_on_floor(p, 100.0);
+    run_until(&mut world, 0.7);
+    let fall = -G / 5.0 * (1.0 - (-5.0 * world.time()).exp());
+    let found = world.velocity(0).unwrap().z;
+    assert!((found / fall - 1.0).abs() < 1e-12, "{found} {fall}");
+}
+
+/// A heap with friction between walls, one of which moves, with sleep.
+fn heap(count: u64, wide: u64) -> World {
+    let mut p = implicit(parameters(1e8, 0.6, 0.6), 6.0);
+    p.sleeping.enabled = true;
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let side = (1.05 * wide as f64 + 0.1) * D;
+    add_sides(&mut world, side, Drive::Fixed);
+    add_heap(&mut world, count, wide);
+    world
+}
+
+/// A heap comes to rest under implicit steps; its books miss little; explicit steps, all
+/// bodies awake, then find it at rest where it is.
+#[test]
+fn a_heap_ends_in_an_equilibrium_of_explicit_steps() {
+    let mut world = heap(64, 4);
+    run_until(&mut world, 3.0);
+    let books = world.ledger();
+    assert!(books.error_relative().abs() < 0.06, "{books:?}");
+    assert!(
+        books.dissipated_step < 0.3 * books.dissipated(),
+        "{books:?}"
+    );
+    // Bodies that slept hold a part of their loads back.
+    world.set_sleeping(false);
+    run_until(&mut world, 4.0);
+    while world.residuals().kinetic_energy_over_mgd > 1e-9 && world.time() < 20.0 {
+        world.step().unwrap();
+    }
+    let places = |w: &World| (0..64).map(|i| w.position(i).unwrap()).collect::<Vec<_>>();
+    let before = places(&world);
+    world.set_time_step(TimeStepParameters::default()).unwrap();
+    for _ in 0..2000 {
+        world.step().unwrap();
+    }
+    let residuals = world.residuals();
+    assert!(residuals.max_over_load < 0.02, "{residuals:?}");
+    assert!(residuals.kinetic_energy_over_mgd < 1e-6, "{residuals:?}");
+    for (now, then) in places(&world).iter().zip(&before) {
+        assert!((now - then).norm() < 1e-3 * D, "{now} {then}");
+    }
+}
+
+/// Friction within its bound, no contact that pulls, at every step of a heap that falls together.
+#[test]
+fn contacts_keep_their_bounds() {
+    let mut world = heap(27, 3);
+    let mut slid = 0;
+    for _ in 0..600 {
+        world.step().unwrap();
+        for c in world.contacts() {
+            let most = 0.6 * c.normal_force * (1.0 + 1e-12);
+            assert!(c.normal_force >= 0.0 && c.friction.norm() <= most, "{c:?}");
+            assert!(
+                c.friction.dot(&c.normal).abs() <= 1e-9 * most.max(1e-9),
+                "{c:?}"
+            );
+            slid += u32::from(c.slides);
+        }
+    }
+    assert!(slid > 100, "{slid}");
+}
+
+/// A driven body presses a free one against the wall: what touches is pushed out of the way.
+#[test]
+fn a_driven_body_pushes_a_free_one() {
+    let mut world = World::new(implicit(weightless(1e8, 0.3, 0.6), 6.0)).unwrap();
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let pusher = BodySpec::at_rest(shape, DENSITY, at(Vector3::zeros()));
+    let velocity = Vector3::x() * 0.2;
+    let (start, end) = (0.0, 10.0);
+    let drive = Drive::Linear {
+        velocity,
+        start,
+        end,
+    };
+    world.add_driven_body(pusher, drive).unwrap();
+    let free = BodySpec::at_rest(shape, DENSITY, at(Vector3::x() * D));
+    let body = world.add_body(free).unwrap();
+    run_until(&mut world, 2.0);
+    let gap = world.position(body).unwrap().x - world.position(0).unwrap().x;
+    assert!(gap > 1.99 * half_edge(), "{gap}");
+    let books = world.ledger();
+    assert!(books.work_in > 0.0);
+    assert!(books.error().abs() < 0.05 * books.work_in, "{books:?}");
+}
+
+/// The same bits at any number of threads, and after a checkpoint in the middle.
+#[test]
+fn the_same_bits_with_threads_and_after_a_checkpoint() {
+    let advance = |threads: usize, mut world: World, break_at: u32| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            for step in 0..400 {
+                if step == break_at {
+                    world = World::from_bytes(&world.to_bytes().unwrap()).unwrap();
+                }
+                world.step().unwrap();
+            }
+            world.state_hash().unwrap()
+        })
+    };
+    let start = heap(125, 5);
+    let straight = advance(1, start.clone(), u32::MAX);
+    assert_eq!(advance(3, start.clone(), u32::MAX), straight);
+    assert_eq!(advance(2, start, 250), straight);
+}
+
+#[test]
+fn parameters_out_of_range_are_named() {
+    let refused = |change: fn(&mut WorldParameters, &mut ImplicitStep)| {
+        let (mut p, mut step) = (WorldParameters::default(), ImplicitStep::default());
+        change(&mut p, &mut step);
+        p.time_step.implicit = Some(step);
+        World::new(p).unwrap_err().to_string()
+    };
+    assert!(refused(|_, s| s.multiple = 0.0).contains("implicit.multiple = 0"));
+    assert!(refused(|_, s| s.reach = 0.5).contains("implicit.reach = 0.5"));
+    assert!(refused(|_, s| s.tolerance = f64::NAN).contains("implicit.tolerance = NaN"));
+    assert!(refused(|_, s| s.rounds = 0).contains("implicit.rounds = 0"));
+    assert!(refused(|_, s| s.systems = 0).contains("implicit.systems = 0"));
+    assert!(refused(|p, _| p.medium.local_damping = 0.6).contains("local_damping"));
+}
