@@ -158,8 +158,11 @@ fn csv_cell(text: &str) -> String {
     }
 }
 
-/// A number to four digits, with an exponent where that is shorter to read.
+/// A number to four digits, with an exponent where that is shorter to read; a dash for what is not known.
 pub(crate) fn short(value: f64) -> String {
+    if value.is_nan() {
+        return "-".to_owned();
+    }
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
         rounded.to_string()
@@ -199,6 +202,7 @@ mod tests {
             (4.3e-5, "4.3e-5"),
             (5.141_89e6, "5.142e6"),
             (0.004_228_7, "0.004229"),
+            (f64::NAN, "-"),
         ] {
             assert_eq!(short(value), text);
         }

@@ -1,9 +1,9 @@
 //! A linearly implicit step: all contacts at once, with the velocities at its end.
 //!
-//! One Newton step of the backward Euler method from the positions to which the present velocities would
-//! carry the bodies (after Baraff & Witkin 1998, "Large steps in cloth simulation", who begin at the
-//! present positions). Beginning at the end of the step shows contacts before they close, so that a
-//! body that falls is stopped at the surface and not inside it. With x the change of the velocities
+//! One Newton step of the backward Euler method (after Baraff & Witkin 1998, "Large steps in cloth
+//! simulation") from the present positions for the contacts that exist, and for the others from those to
+//! which the present velocities would carry the bodies: so contacts are seen before they close, and a body
+//! that falls is stopped at the surface and not inside it. With x the change of the velocities
 //! (M/dt + C + dt K) x = f, f the forces there with the dashpots at the present velocities, K and C the
 //! springs and dashpots of every contact ([`Link`]). What friction holds beyond its bound, and contacts
 //! that would pull, are corrected in further solutions. The forces that are applied keep their bounds in
