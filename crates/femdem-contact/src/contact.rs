@@ -75,6 +75,19 @@ pub struct Contact {
     pub(crate) dashpots: Dashpots,
 }
 
+/// Stiffnesses of a patch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Springs {
+    /// Along the normal, N/m.
+    pub normal: f64,
+    /// In the contact plane, N/m.
+    pub tangential: f64,
+    /// Turning about an axis in the contact plane, N m.
+    pub rocking: f64,
+    /// Turning about the normal, N m.
+    pub torsion: f64,
+}
+
 /// Viscosities of a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Dashpots {
@@ -103,7 +116,7 @@ pub struct ContactForce {
     pub slides: bool,
 }
 
-impl Dashpots {
+impl Springs {
     fn scaled(&self, share: f64) -> Self {
         Self {
             normal: self.normal * share,
@@ -114,16 +127,15 @@ impl Dashpots {
     }
 }
 
-/// Springs of a patch.
-struct Springs {
-    /// Along the normal, N/m.
-    normal: f64,
-    /// In the contact plane, N/m.
-    tangential: f64,
-    /// Turning about an axis in the contact plane, N m.
-    rocking: f64,
-    /// Turning about the normal, N m.
-    torsion: f64,
+impl Dashpots {
+    fn scaled(&self, share: f64) -> Self {
+        Self {
+            normal: self.normal * share,
+            tangential: self.tangential * share,
+            rocking: self.rocking * share,
+            torsion: self.torsion * share,
+        }
+    }
 }
 
 /// Puts the parts of one patch together.
@@ -177,6 +189,22 @@ pub(crate) fn assemble(
 }
 
 impl Contact {
+    /// Stiffnesses of its springs: those of the foundation spread over the patch. Rocking is at most its polar
+    /// second moment (all of it where the patch is long and narrow), torsion the tangential share of it.
+    pub fn springs(&self) -> Springs {
+        let (normal, rocking) = (self.stiffness.max(0.0), self.stiffness_second.max(0.0));
+        Springs {
+            normal,
+            tangential: self.tangential_stiffness,
+            rocking,
+            torsion: if normal > 0.0 {
+                rocking * self.tangential_stiffness / normal
+            } else {
+                0.0
+            },
+        }
+    }
+
     /// Viscosities of its dashpots.
     pub fn dashpots(&self) -> &Dashpots {
         &self.dashpots
@@ -211,24 +239,6 @@ impl Contact {
             self.volume / self.area
         } else {
             0.0
-        }
-    }
-
-    /// The springs of the patch, times a share.
-    fn springs(&self, share: f64) -> Springs {
-        let (normal, tangential) = (self.stiffness * share, self.tangential_stiffness * share);
-        // The foundation spread over the patch: rocking by at most its polar second moment (all
-        // of it where the patch is long and narrow), torsion by the tangential share of it.
-        let rocking = self.stiffness_second * share;
-        Springs {
-            normal,
-            tangential,
-            rocking,
-            torsion: if normal > 0.0 {
-                rocking * tangential / normal
-            } else {
-                0.0
-            },
         }
     }
 
@@ -374,7 +384,7 @@ impl Load {
 
 impl Traces {
     fn add(&mut self, contact: &Contact, arm: &Vector3, share: f64) {
-        let springs = contact.springs(share);
+        let springs = contact.springs().scaled(share);
         let (lever, square) = (
             arm.cross(&contact.normal).norm_squared(),
             arm.norm_squared(),
@@ -403,7 +413,7 @@ impl Resistance {
         let arm = [&contact.arm_a, &contact.arm_b][side];
         let share = contact.shares[side];
         let n = &contact.normal;
-        let springs = contact.springs(share);
+        let springs = contact.springs().scaled(share);
         // Springs along and across the normal, at the contact point.
         self.stiffness
             .add_along(n, &arm.cross(n), springs.normal - springs.tangential);

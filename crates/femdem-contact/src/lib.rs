@@ -115,7 +115,7 @@ pub mod strategies;
 mod walls;
 
 pub use batch::{BatchTotals, ContactBatch, Snapshot};
-pub use contact::{BodyId, Contact, ContactForce, Dashpots, Load, Partner, Wrench};
+pub use contact::{BodyId, Contact, ContactForce, Dashpots, Load, Partner, Springs, Wrench};
 pub use error::ContactError;
 pub use general::{Field, FieldMesh, Form, GeneralKernel, SolidWall};
 pub use generalized::{Generalized, Resistance, stable_step};

@@ -2,7 +2,7 @@
 //! the step, within the bounds of a contact that neither pulls nor holds more than its friction.
 
 use super::system::Twist;
-use femdem_contact::{Contact, ContactForce};
+use femdem_contact::{Contact, ContactForce, Dashpots, Springs};
 use femdem_mesh::nalgebra::{Matrix6, Vector6};
 use femdem_mesh::{Matrix3, Vector3};
 
@@ -31,7 +31,7 @@ struct Slip {
     slopes: [f64; 2],
 }
 
-/// Springs (N/m, N m) or dashpots (N s/m, N m s) of a patch.
+/// How much forces (N s/m) and moments (N m s) fall for each unit of velocity and turning gained.
 #[derive(Debug, Clone, Copy)]
 struct Slopes {
     /// Along the elastic wrench.
@@ -42,6 +42,18 @@ struct Slopes {
     rocking: f64,
     /// Turning about the normal.
     torsion: f64,
+}
+
+impl Slopes {
+    /// Of dashpots, and of springs that the motion loads for a time, s.
+    fn new(c: &Dashpots, springs: &Springs, time: f64) -> Self {
+        Self {
+            normal: springs.normal * time + c.normal,
+            tangential: springs.tangential * time + c.tangential,
+            rocking: springs.rocking * time + c.rocking,
+            torsion: springs.torsion * time + c.torsion,
+        }
+    }
 }
 
 /// A contact of two sides A and B; motions and forces are those of B against A.
@@ -59,8 +71,7 @@ pub(super) struct Link {
     /// Forces if the velocities did not change: elastic and damped along the normal, the others as
     /// they would be if they held.
     start: ContactForce,
-    springs: Slopes,
-    /// How much forces fall for each unit of velocity gained.
+    springs: Springs,
     slopes: Slopes,
     friction: f64,
     /// Force of the normal spring where the contact was evaluated, N.
@@ -95,21 +106,9 @@ impl Link {
         friction: f64,
         dt: f64,
     ) -> Self {
-        let (n, c) = (contact.normal, contact.dashpots());
-        let stiffness = contact.stiffness.max(0.0);
-        let second = contact.stiffness_second.max(0.0);
         // Rocking by all of the polar second moment, as in the bound of the explicit step: less of it,
         // and a block on an edge rocks without end.
-        let springs = Slopes {
-            normal: stiffness,
-            tangential: contact.tangential_stiffness,
-            rocking: second,
-            torsion: if stiffness > 0.0 {
-                second * contact.tangential_stiffness / stiffness
-            } else {
-                0.0
-            },
-        };
+        let (n, springs) = (contact.normal, contact.springs());
         let lever = if contact.elastic_force > 0.0 {
             contact.moment / contact.elastic_force
         } else {
@@ -117,23 +116,10 @@ impl Link {
         };
         let opening = n.dot(&before.velocity) + lever.dot(&before.turning);
         let across = |x: &Vector3| x - n * n.dot(x);
-        let slopes = Slopes {
-            normal: springs.normal * dt + c.normal,
-            tangential: springs.tangential * dt + c.tangential,
-            rocking: springs.rocking * dt + c.rocking,
-            torsion: springs.torsion * dt + c.torsion,
-        };
-        // Springs that the motion before the step has still to load, or has loaded already.
-        let ahead = if contact.foreseen {
-            Slopes {
-                normal: c.normal,
-                tangential: c.tangential,
-                rocking: c.rocking,
-                torsion: c.torsion,
-            }
-        } else {
-            slopes
-        };
+        let slopes = Slopes::new(contact.dashpots(), &springs, dt);
+        // What springs are foreseen to bear, they bear already.
+        let ahead = if contact.foreseen { 0.0 } else { dt };
+        let ahead = Slopes::new(contact.dashpots(), &springs, ahead);
         let mut link = Self {
             sides,
             arms,
