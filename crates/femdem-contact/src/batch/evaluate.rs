@@ -1,7 +1,7 @@
 //! Narrow phase of a batch: one outcome per pair, in fixed slots.
 
 use super::history::{PatchRecord, inherit};
-use super::pairs::{Cache, MeshPair, Pair, PairTable};
+use super::pairs::{Cache, MeshPair, Pair, PairTable, Touch};
 use crate::contact::{BodyId, Contact, Partner, assemble};
 use crate::damping::{Whole, damp};
 use crate::friction::{FrictionState, Pace};
@@ -99,17 +99,16 @@ impl Context<'_> {
             cache => self.evaluate_convex(pair.a, pair.b, cache, &mut work.convex),
         };
         let Some(overlap) = overlap else {
-            pair.contact = None;
-            pair.friction = None;
+            pair.touch = None;
             return;
         };
-        let state = pair
-            .friction
-            .get_or_insert_with(|| Box::new(FrictionState::new(&overlap, a, b)));
-        let contact = self.touch((pair.a, pair.b, 0), &overlap, None, state);
-        match &mut pair.contact {
-            Some(record) => **record = contact,
-            none => *none = Some(Box::new(contact)),
+        let key = (pair.a, pair.b, 0);
+        if let Some(Touch { friction, contact }) = pair.touch.as_deref_mut() {
+            *contact = self.touch(key, &overlap, None, friction);
+        } else {
+            let mut friction = FrictionState::new(&overlap, a, b);
+            let contact = self.touch(key, &overlap, None, &mut friction);
+            pair.touch = Some(Box::new(Touch { friction, contact }));
         }
     }
 

@@ -19,8 +19,14 @@ pub(crate) struct Pair {
     pub a: Partner,
     pub b: BodyId,
     pub cache: Cache,
-    pub friction: Option<Box<FrictionState>>,
-    pub contact: Option<Box<Contact>>,
+    pub touch: Option<Box<Touch>>,
+}
+
+/// A contact and the memory of its friction.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Touch {
+    pub friction: FrictionState,
+    pub contact: Contact,
 }
 
 impl Pair {
@@ -30,8 +36,9 @@ impl Pair {
             Cache::Mesh(mesh) => &mesh.patches,
             Cache::Body(_) | Cache::Wall(_) => &[],
         };
-        self.contact
+        self.touch
             .as_deref()
+            .map(|t| &t.contact)
             .into_iter()
             .chain(patches.iter().map(|p| &p.contact))
     }
@@ -47,16 +54,16 @@ impl Pair {
             Cache::Mesh(mesh) => &mut mesh.patches,
             Cache::Body(_) | Cache::Wall(_) => &mut [],
         };
-        self.contact
+        self.touch
             .as_deref_mut()
+            .map(|t| &mut t.contact)
             .into_iter()
             .chain(patches.iter_mut().map(|p| &mut p.contact))
     }
 
     /// Forgets contacts and friction: the two are apart.
     pub fn part(&mut self) {
-        self.contact = None;
-        self.friction = None;
+        self.touch = None;
         if let Cache::Mesh(mesh) = &mut self.cache {
             mesh.patches.clear();
         }
@@ -178,8 +185,7 @@ impl PairTable {
             a,
             b,
             cache,
-            friction: None,
-            contact: None,
+            touch: None,
         };
         let slot = if let Some(slot) = self.free.pop() {
             self.slots[slot as usize] = pair;

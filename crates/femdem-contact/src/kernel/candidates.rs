@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 /// A box in A's axes: rows of `axes` are its directions, the first the contact direction.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ContactBox {
     pub axes: [Vector3; 3],
     pub centre: Vector3,
@@ -32,6 +32,35 @@ impl ContactBox {
         FieldPlane {
             gradient: outward,
             level: outward.dot(&self.centre) + self.half[axis],
+        }
+    }
+}
+
+/// A [`ContactBox`] as a pair keeps it: the other two directions follow from the first.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct KeptBox {
+    axis: Vector3,
+    pub centre: Vector3,
+    half: Vector3,
+}
+
+impl KeptBox {
+    pub fn open(&self) -> ContactBox {
+        ContactBox {
+            axes: complete(&self.axis),
+            centre: self.centre,
+            half: self.half,
+        }
+    }
+}
+
+/// Of a box whose directions are those that complete the first.
+impl From<&ContactBox> for KeptBox {
+    fn from(region: &ContactBox) -> Self {
+        Self {
+            axis: region.axes[0],
+            centre: region.centre,
+            half: region.half,
         }
     }
 }

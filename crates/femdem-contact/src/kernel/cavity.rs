@@ -43,8 +43,9 @@ pub struct CavityCache {
 struct Near {
     /// Wall planes within reach, the deepest first.
     planes: SmallVec<[WallPlan; 2]>,
-    /// In the body's axes.
-    region: ContactBox,
+    /// Centre of the box of what the planes can meet, in the body's axes, and half its diagonal.
+    centre: Vector3,
+    reach: f64,
     body: Candidates,
 }
 
@@ -84,9 +85,9 @@ impl WallPlan {
 
 impl PosedPlane {
     /// Coordinates in the plane about the foot of the region's centre.
-    fn frame(&self, region: &ContactBox) -> PlaneFrame {
-        let height = self.normal.dot(&region.centre) + self.distance;
-        PlaneFrame::new(region.centre - self.normal * height, &self.normal)
+    fn frame(&self, centre: &Vector3) -> PlaneFrame {
+        let height = self.normal.dot(centre) + self.distance;
+        PlaneFrame::new(centre - self.normal * height, &self.normal)
     }
 
     /// The free side on the plane of a polygon.
@@ -195,7 +196,7 @@ impl CavityKernel {
         }
         let normal = force / magnitude;
         let centre = sums.pressure_moment / sums.pressure;
-        let arm_b = rotation * (near.region.centre + centre);
+        let arm_b = rotation * (near.centre + centre);
         let volume = normal.dot(&(sums.volume_tensor * normal)).max(0.0);
         let stiffness = p * sums.stiffness;
         let stiffness_centre = sums.stiffness_moment * (p / stiffness);
@@ -231,7 +232,7 @@ fn sections(view: &View, body: &ConvexShape, near: &Near, scratch: &mut Scratch)
     let bounding = usize::from(near.body.bounding);
     for (k, plane) in planes.iter().enumerate() {
         let section = Section {
-            frame: plane.frame(&near.region),
+            frame: plane.frame(&near.centre),
             plane,
             others: &planes,
             number: k,
@@ -273,7 +274,7 @@ impl Section<'_> {
     }
 
     fn corners(&self) -> [Point; 4] {
-        square(2.0 * self.near.region.half.norm())
+        square(2.0 * self.near.reach)
     }
 
     fn add_fast(
@@ -297,8 +298,8 @@ impl Section<'_> {
             }
         }
         let normal = &self.plane.normal;
-        let from = self.near.region.centre - frame.origin;
-        let origin = frame.point(&self.near.region.centre);
+        let from = self.near.centre - frame.origin;
+        let origin = frame.point(&self.near.centre);
         fast.place(frame, field, &plan.reach);
         let mut q = PlaneSums::default();
         fast.sum_cells(&plan.reach, field, normal, &origin, &mut q)?;
@@ -324,7 +325,7 @@ impl Section<'_> {
                 .all(|line| side.clipper.cut(&line) != Cut::Empty)
         {
             let (normal, lever) = (&self.plane.normal, -self.plane.distance);
-            let origin = &self.near.region.centre;
+            let origin = &self.near.centre;
             sums.add_polygon(&self.frame, normal, lever, &mut field, origin, side);
         }
     }
@@ -350,7 +351,7 @@ fn add_skin_behind(
                 .all(|p| clipper.cut(&p.free_side(&facet.frame)) != Cut::Empty)
         {
             let normal = &body.planes[usize::from(facet.plane)].normal;
-            sums.add_skin(clipper.polygon(), &facet.frame, normal, &near.region.centre);
+            sums.add_skin(clipper.polygon(), &facet.frame, normal, &near.centre);
         }
     }
 }
@@ -396,7 +397,7 @@ impl CavityCache {
                 let posed = view.plane(usize::from(k));
                 let place = Place {
                     corners: &square(2.0 * region.half.norm()),
-                    frame: &posed.frame(&region),
+                    frame: &posed.frame(&region.centre),
                     posed: &scratch.planes,
                     bounding: usize::from(list.bounding),
                 };
@@ -404,7 +405,8 @@ impl CavityCache {
             };
             Some(Box::new(Near {
                 planes: planes.iter().map(plan).collect(),
-                region,
+                centre: region.centre,
+                reach: region.half.norm(),
                 body: list,
             }))
         });

@@ -1,6 +1,6 @@
 //! The fast path against the general path, which knows nothing of plans.
 
-use super::candidates::{candidates, contact_box};
+use super::candidates::{KeptBox, candidates, contact_box};
 use super::pair::{Near, Pose, Scratch, find_near, sides};
 use super::plan::SidePlan;
 use super::side::SideSums;
@@ -24,7 +24,7 @@ fn find_general(
     let in_a = candidates(a, &region, 0.0, axis)?;
     let in_b = candidates(b, &region_b, margin, &-region_b.axes[0])?;
     Some(Near {
-        region,
+        region: KeptBox::from(&region),
         on_b: SidePlan::general(&in_b.facets, &in_a),
         on_a: SidePlan::general(&in_a.facets, &in_b),
     })

@@ -1,6 +1,6 @@
 //! The gauge-gauge pair kernel (sum form, exact polygons) with its cache.
 
-use super::candidates::{ContactBox, candidates, contact_box};
+use super::candidates::{ContactBox, KeptBox, candidates, contact_box};
 use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::plan::{Margins, PlanScratch, SidePlan};
 use super::separation::{gap_along, separate};
@@ -63,7 +63,7 @@ pub struct PairCache {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Near {
     /// In A's axes.
-    pub region: ContactBox,
+    pub region: KeptBox,
     /// A's field on B's skin.
     pub on_b: SidePlan,
     /// B's field on A's skin.
@@ -228,12 +228,13 @@ pub(super) fn sides(
     let Scratch { side, planes, .. } = scratch;
     let mut sums = [SideSums::default(); 2];
     let pose = Pose::new(rotation, offset);
+    let region = near.region.open();
     let skin_b = Skin {
         shape: b,
         plan: &near.on_b,
         field_centre: pose.a_in_b,
-        origin: pose.inverse * near.region.centre + pose.a_in_b,
-        region: Region::Posed(&near.region, &pose),
+        origin: pose.inverse * region.centre + pose.a_in_b,
+        region: Region::Posed(&region, &pose),
     };
     pose_planes(a, &near.on_b.planes, &pose.inverse, &pose.a_in_b, planes);
     integrate_side(&skin_b, planes, &mut sums[0], side);
@@ -241,8 +242,8 @@ pub(super) fn sides(
         shape: a,
         plan: &near.on_a,
         field_centre: *offset,
-        origin: near.region.centre,
-        region: Region::Here(&near.region),
+        origin: region.centre,
+        region: Region::Here(&region),
     };
     pose_planes(b, &near.on_a.planes, rotation, offset, planes);
     integrate_side(&skin_a, planes, &mut sums[1], side);
@@ -359,5 +360,11 @@ pub(super) fn find_near(
     pose_planes(b, &in_b.planes, rotation, offset, planes);
     let on_a = SidePlan::new(a, &in_a.facets, &in_b, planes, &region, margins(0.0), plan);
     let some = !(on_a.facets.is_empty() && on_b.facets.is_empty());
-    some.then(|| Box::new(Near { region, on_b, on_a }))
+    some.then(|| {
+        Box::new(Near {
+            region: KeptBox::from(&region),
+            on_b,
+            on_a,
+        })
+    })
 }

@@ -20,23 +20,23 @@ pub(crate) const MOST_PLANES: usize = u64::BITS as usize;
 /// Distances are compared with this much to spare, times the margin.
 const HAIR: f64 = 1e-6;
 
-/// A facet of the skin and the planes of the field that matter to it: a [`Reach`] with its fields
-/// laid out beside the facet, which takes a quarter less memory.
+/// A facet of the skin and the planes of the field that matter to it: a [`Reach`] in half the memory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FacetPlan {
     pub facet: u16,
     main: u8,
-    cut: u64,
-    own: u64,
+    cut: u32,
+    own: u32,
 }
 
 impl FacetPlan {
-    pub fn new(facet: u16, Reach { main, cut, own }: Reach) -> Self {
+    /// Every plane matters to it.
+    fn general(facet: u16) -> Self {
         Self {
             facet,
-            main,
-            cut,
-            own,
+            main: 0,
+            cut: 0,
+            own: 0,
         }
     }
 
@@ -44,8 +44,8 @@ impl FacetPlan {
     pub fn reach(&self) -> Reach {
         Reach {
             main: self.main,
-            cut: self.cut,
-            own: self.own,
+            cut: self.cut.into(),
+            own: self.own.into(),
         }
     }
 }
@@ -106,11 +106,7 @@ impl SidePlan {
         if posed.len() + BOX_FACES > MOST_PLANES {
             return Self::general(facets, planes);
         }
-        let mut plan = Self {
-            planes: planes.planes.iter().copied().collect(),
-            bounding: planes.bounding,
-            ..Self::default()
-        };
+        let mut reaches: SmallVec<[(u16, Reach); 16]> = SmallVec::new();
         for &facet in facets {
             let place = Place {
                 corners: skin.polygon(&skin.facets[usize::from(facet)]),
@@ -119,33 +115,35 @@ impl SidePlan {
                 bounding: usize::from(planes.bounding),
             };
             if let Some(reach) = place.plan(Some(region), margins, scratch) {
-                plan.facets.push(FacetPlan::new(facet, reach));
+                reaches.push((facet, reach));
             }
         }
-        plan.compact(posed.len());
-        plan
+        Self::compact(&reaches, planes, posed.len())
+            .unwrap_or_else(|| Self::general(facets, planes))
     }
 
     /// The plan that leaves nothing out.
     pub(crate) fn general(facets: &[u16], planes: &Candidates) -> Self {
-        let all = |&facet: &u16| FacetPlan::new(facet, Reach::default());
         Self {
             planes: planes.planes.iter().copied().collect(),
             bounding: planes.bounding,
             box_faces: 0,
             general: true,
-            facets: facets.iter().map(all).collect(),
+            facets: facets.iter().map(|&f| FacetPlan::general(f)).collect(),
         }
     }
 
-    /// Leaves out the planes that no facet needs.
-    fn compact(&mut self, planes: usize) {
-        let both = |f: &FacetPlan| f.cut | f.own;
-        let used = self.facets.iter().fold(0, |set, f| set | both(f));
+    /// The plan without the planes that no facet needs; `None` if more are needed than a facet's plan has
+    /// bits.
+    fn compact(reaches: &[(u16, Reach)], list: &Candidates, planes: usize) -> Option<Self> {
+        let used = reaches.iter().fold(0, |set, (_, r)| set | r.cut | r.own);
+        if used.count_ones() > u32::BITS {
+            return None;
+        }
         let is_used = |k: usize| used >> k & 1 == 1;
         let packed = |set: u64| {
             let mut out = 0;
-            let mut bit = 1_u64;
+            let mut bit = 1_u32;
             for k in 0..MOST_PLANES {
                 if is_used(k) {
                     out |= if set >> k & 1 == 1 { bit } else { 0 };
@@ -154,20 +152,27 @@ impl SidePlan {
             }
             out
         };
-        for f in &mut self.facets {
-            f.main = packed(1 << f.main).trailing_zeros() as u8;
-            (f.cut, f.own) = (packed(f.cut), packed(f.own));
-        }
-        let all = usize::from(self.bounding);
-        self.bounding = (0..all).filter(|&k| is_used(k)).count() as u16;
+        let facets = reaches.iter().map(|&(facet, reach)| FacetPlan {
+            facet,
+            main: packed(1 << reach.main).trailing_zeros() as u8,
+            cut: packed(reach.cut),
+            own: packed(reach.own),
+        });
+        let mut kept = list.planes.clone();
         let mut k = 0;
-        self.planes.retain(|_| {
+        kept.retain(|_| {
             k += 1;
             is_used(k - 1)
         });
-        self.planes.shrink_to_fit();
-        self.facets.shrink_to_fit();
-        self.box_faces = (used >> planes) as u8;
+        Some(Self {
+            planes: SmallVec::from_slice(&kept),
+            bounding: (0..usize::from(list.bounding))
+                .filter(|&k| is_used(k))
+                .count() as u16,
+            box_faces: (used >> planes) as u8,
+            general: false,
+            facets: facets.collect(),
+        })
     }
 }
 
