@@ -38,7 +38,7 @@ impl Packing {
             return Ok(());
         }
         if matches!(self.job.spec.protocol, Protocol::Sequential(_)) && self.is_relaxation_due() {
-            self.begin_relaxation();
+            self.begin_relaxation()?;
             return Ok(());
         }
         self.update_top();

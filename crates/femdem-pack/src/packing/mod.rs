@@ -115,8 +115,8 @@ struct Job {
     next_check: f64,
     /// Checks in a row that passed.
     passed: u32,
-    /// The try to verify that is going on.
-    trial: Option<settle::Trial>,
+    /// What the verification is at; `None` while those at rest sleep.
+    attempt: Option<settle::Attempt>,
     /// Tries to verify so far.
     tries: u32,
     verification: Option<Verification>,
@@ -178,7 +178,7 @@ impl Packing {
             top: 0.0,
             next_check: 0.0,
             passed: 0,
-            trial: None,
+            attempt: None,
             tries: 0,
             verification: None,
         };

@@ -11,13 +11,15 @@
 //! little and the longer it lasts the higher the pack is. A relaxation therefore damps kinetically: it
 //! stops all bodies whenever more of them slow down than speed up, which is where that oscillation
 //! passes its equilibrium. Nothing at rest is held by it, and the verification shows that they are.
+//! Its steps are implicit: loads that come down a column take time, not work, and what implicit steps do to
+//! impacts does not matter where there are none.
 
 use super::surface::positions;
 use super::{Packing, Stage};
 use crate::error::PackError;
 use crate::report::Relaxation;
 use femdem_mesh::Vector3;
-use femdem_solve::SleepParameters;
+use femdem_solve::{SleepParameters, TimeStepParameters};
 use serde::{Deserialize, Serialize};
 
 /// The pack grows by this factor between two relaxations.
@@ -71,7 +73,8 @@ impl Packing {
     }
 
     /// Wakes all bodies and keeps them awake.
-    pub(super) fn begin_relaxation(&mut self) {
+    pub(super) fn begin_relaxation(&mut self) -> Result<(), PackError> {
+        self.step_far()?;
         self.world.set_sleeping(false);
         self.job.relaxing = Some(Relaxing {
             began: self.world.time(),
@@ -80,6 +83,20 @@ impl Packing {
             from: positions(&self.world).map(|(_, p)| p).collect(),
         });
         self.wait_for_next_check();
+        Ok(())
+    }
+
+    /// Makes the steps implicit, where all bodies are awake and need but come to rest. Local damping, which
+    /// implicit steps do not have, goes on with explicit ones.
+    pub(super) fn step_far(&mut self) -> Result<(), PackError> {
+        let time_step = self.job.spec.time_step;
+        if self.world.parameters().medium.local_damping == 0.0 {
+            self.world.set_time_step(TimeStepParameters {
+                implicit: Some(time_step.implicit.unwrap_or_default()),
+                ..time_step
+            })?;
+        }
+        Ok(())
     }
 
     /// What follows a step of a relaxation.
@@ -116,6 +133,7 @@ impl Packing {
             self.job.relaxing = Some(Relaxing { calm, ..relaxing });
             return Ok(());
         }
+        self.world.set_time_step(self.job.spec.time_step)?;
         let (mean, max) = self.displacements(&relaxing.from);
         self.job.relaxation = Some(Relaxation {
             bodies: self.placed(),

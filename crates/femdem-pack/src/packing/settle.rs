@@ -15,7 +15,30 @@ const PASSES_WITHOUT_AIM: u32 = 3;
 /// the bodies are.
 const LARGEST_SHIFT: f64 = 1e-3;
 
-/// A try to verify: all bodies are awake, and steps are explicit.
+/// Calm checks in a row that end the calming.
+const CALM_CHECKS: u32 = 3;
+
+/// In a calm check no body has more than the residual aimed at, nor more than this part of the kinetic
+/// energy that it may have: the try that follows need not wait.
+const CALM: f64 = 0.1;
+
+/// What the verification is at; all bodies are awake.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) enum Attempt {
+    /// What the bodies that slept have held back comes to rest by implicit steps.
+    Calming(Calming),
+    /// A try.
+    Trial(Trial),
+}
+
+/// Checks of the calming, and how many in a row were calm.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Calming {
+    checks: u32,
+    calm: u32,
+}
+
+/// A try to verify: steps are explicit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trial {
     /// Simulated time at which it began, s.
@@ -42,27 +65,39 @@ impl Packing {
             self.fall_time() + self.job.spec.settling.longest_settling * self.job.spec.time_unit();
         if is_quiet || self.world.awake_count() == 0 || self.stage_time() > longest {
             if self.job.spec.sleeping.enabled && !self.job.is_relaxed {
-                self.begin_relaxation();
+                self.begin_relaxation()?;
             } else {
                 self.enter(Stage::Verifying);
-                self.begin_trial()?;
+                self.begin_attempt()?;
             }
         }
         Ok(())
     }
 
-    fn begin_trial(&mut self) -> Result<(), PackError> {
+    fn begin_attempt(&mut self) -> Result<(), PackError> {
         self.world.set_medium(Medium::default())?;
+        if !self.job.spec.sleeping.enabled {
+            return self.begin_trial();
+        }
+        self.step_far()?;
+        self.world.set_sleeping(false);
+        self.job.attempt = Some(Attempt::Calming(Calming::default()));
+        self.job.passed = 0;
+        self.wait_for_next_check();
+        Ok(())
+    }
+
+    fn begin_trial(&mut self) -> Result<(), PackError> {
         // Not by the steps that brought the bodies to rest: those take energy themselves.
         self.world.step_explicitly()?;
         self.world.set_sleeping(false);
-        self.job.trial = Some(Trial {
+        self.job.attempt = Some(Attempt::Trial(Trial {
             began: self.world.time(),
             first_step: self.world.steps(),
             checks: 0,
             from: positions(&self.world).map(|(_, p)| p).collect(),
             top: mean_top(&self.world, self.job.spec.diameter()),
-        });
+        }));
         self.job.tries += 1;
         self.job.passed = 0;
         self.wait_for_next_check();
@@ -74,18 +109,40 @@ impl Packing {
     /// are, too.
     pub(super) fn step_verification(&mut self) -> Result<(), PackError> {
         self.world.step()?;
-        let settling = self.job.spec.settling;
-        let longest = settling.longest_verification * self.job.spec.time_unit();
+        let longest = self.job.spec.settling.longest_verification * self.job.spec.time_unit();
         let is_over = self.stage_time() > longest;
-        let Some(mut trial) = self.job.trial.take() else {
-            if self.world.awake_count() == 0 || is_over {
-                self.begin_trial()?;
-            } else if self.world.time() >= self.job.next_check {
-                self.guard()?;
-                self.wait_for_next_check();
+        match self.job.attempt.take() {
+            Some(Attempt::Trial(trial)) => self.step_trial(trial, is_over),
+            _ if is_over => self.begin_trial(),
+            Some(Attempt::Calming(calming)) => self.step_calming(calming),
+            None if self.world.awake_count() == 0 => self.begin_attempt(),
+            None => {
+                if self.world.time() >= self.job.next_check {
+                    self.guard()?;
+                    self.wait_for_next_check();
+                }
+                Ok(())
             }
-            return Ok(());
-        };
+        }
+    }
+
+    fn step_calming(&mut self, mut calming: Calming) -> Result<(), PackError> {
+        if let Some(check) = self.check_if_due()? {
+            calming.checks += 1;
+            calming.calm = if check.calm { calming.calm + 1 } else { 0 };
+            if calming.calm >= CALM_CHECKS {
+                return self.begin_trial();
+            }
+            if calming.checks > self.job.spec.settling.checks && self.job.passed == 0 {
+                self.world.step_explicitly()?;
+                return self.let_those_at_rest_sleep();
+            }
+        }
+        self.job.attempt = Some(Attempt::Calming(calming));
+        Ok(())
+    }
+
+    fn step_trial(&mut self, mut trial: Trial, is_over: bool) -> Result<(), PackError> {
         if is_over {
             self.job.next_check = self.world.time();
         }
@@ -101,12 +158,12 @@ impl Packing {
                 self.enter(Stage::Done);
                 return Ok(());
             }
-            let has_failed = trial.checks > settling.checks && self.job.passed == 0;
+            let has_failed = trial.checks > self.job.spec.settling.checks && self.job.passed == 0;
             if has_failed && self.job.spec.sleeping.enabled {
                 return self.let_those_at_rest_sleep();
             }
         }
-        self.job.trial = Some(trial);
+        self.job.attempt = Some(Attempt::Trial(trial));
         Ok(())
     }
 
@@ -146,7 +203,9 @@ impl Packing {
             patient
         };
         let enough = self.job.passed >= needed;
-        Ok(Some(Check { enough }))
+        let calm = found.max_over_load <= settling.aim
+            && found.kinetic_energy_over_mgd <= CALM * settling.kinetic_energy;
+        Ok(Some(Check { enough, calm }))
     }
 
     pub(super) fn wait_for_next_check(&mut self) {
@@ -159,4 +218,6 @@ impl Packing {
 struct Check {
     /// Whether enough checks in a row have passed.
     enough: bool,
+    /// Whether all bodies are calm.
+    calm: bool,
 }
