@@ -27,10 +27,12 @@ struct Options {
     sleeping: Vec<bool>,
     /// Multiples of the explicit limit for implicit steps of our own world, beside explicit ones.
     implicit: Vec<f64>,
+    /// Seeds of the orientations.
+    seeds: Vec<u64>,
     csv: Option<String>,
 }
 
-const USAGE: &str = "options: --shapes P5,A1  --count N  --penetrations X,Y  --rapier 60,960:480  --sleeping true,false  --implicit 6  --csv FILE";
+const USAGE: &str = "options: --shapes P5,A1  --count N  --penetrations X,Y  --rapier 60,960:480  --sleeping true,false  --implicit 6  --seeds 1,2  --csv FILE";
 
 impl Options {
     fn read(mut words: impl Iterator<Item = String>) -> Result<Self> {
@@ -44,6 +46,7 @@ impl Options {
                 .collect::<Result<_, _>>()?,
             sleeping: vec![true, false],
             implicit: Vec::new(),
+            seeds: vec![1],
             csv: None,
         };
         while let Some(word) = words.next() {
@@ -64,6 +67,7 @@ impl Options {
                 "--implicit" => {
                     options.implicit = parts.map(str::parse).collect::<Result<_, _>>()?;
                 }
+                "--seeds" => options.seeds = parts.map(str::parse).collect::<Result<_, _>>()?,
                 "--csv" => options.csv = Some(value),
                 _ => bail!("unknown option {word}; {USAGE}"),
             }
@@ -76,25 +80,28 @@ fn main() -> Result<()> {
     let options = Options::read(env::args().skip(1))?;
     let mut csv = String::from(
         "shape,bodies,engine,rests,simulated_s,steps,processor_s,processor_s_per_simulated_s,\
-         penetration_max_over_d,penetration_mean_over_d,touching_pairs,density\n",
+         penetration_max_over_d,penetration_mean_over_d,touching_pairs,density,\
+         mean_height_over_d,seed\n",
     );
     for shape in &options.shapes {
         let count = options
             .count
             .unwrap_or(if shape == "P1" { 2000 } else { 500 });
-        compare(shape, count, &options, &mut csv)?;
-        if let Some(path) = &options.csv {
-            fs::write(path, &csv)?;
+        for &seed in &options.seeds {
+            compare(shape, count, seed, &options, &mut csv)?;
+            if let Some(path) = &options.csv {
+                fs::write(path, &csv)?;
+            }
         }
     }
     Ok(())
 }
 
 /// Runs all engines on one shape and prints how they compare.
-fn compare(shape: &str, count: u32, options: &Options, csv: &mut String) -> Result<()> {
+fn compare(shape: &str, count: u32, seed: u64, options: &Options, csv: &mut String) -> Result<()> {
     let mut engines: Vec<Box<dyn Engine>> = Vec::new();
     for &penetration in &options.penetrations {
-        let spec = settle::spec(shape, count, penetration)?;
+        let spec = settle::spec(shape, count, penetration, seed)?;
         for &sleeps in &options.sleeping {
             engines.push(Box::new(Ours::new(&spec, sleeps, None)?));
             for &multiple in &options.implicit {
@@ -102,23 +109,23 @@ fn compare(shape: &str, count: u32, options: &Options, csv: &mut String) -> Resu
             }
         }
     }
-    let spec = settle::spec(shape, count, settle::PROTOCOL.usual_penetration())?;
+    let spec = settle::spec(shape, count, settle::PROTOCOL.usual_penetration(), seed)?;
     for &setting in &options.settings {
         for &sleeps in &options.sleeping {
             engines.push(Box::new(Rapier::new(&spec, setting, sleeps)?));
         }
     }
-    println!("{count} bodies {shape}");
+    println!("{count} bodies {shape}, seed {seed}");
     println!(
-        "  {:44} {:>5} {:>6} {:>8} {:>7} {:>7} {:>7} {:>7}",
-        "engine", "rests", "sim s", "cpu s/s", "ratio", "max/d", "mean/d", "density"
+        "  {:53} {:>5} {:>6} {:>8} {:>7} {:>7} {:>7} {:>7} {:>6}",
+        "engine", "rests", "sim s", "cpu s/s", "ratio", "max/d", "mean/d", "density", "z/d"
     );
     let mut first = None;
     for (engine, cost) in settle::settle(&spec, engines)? {
         let found = measure::measure(&spec, &engine.poses()?)?;
         let ours = *first.get_or_insert(cost.ratio());
         println!(
-            "  {:44} {:>5} {:6.3} {:8.2} {:7.3} {:7.4} {:7.4} {:7.4}",
+            "  {:53} {:>5} {:6.3} {:8.2} {:7.3} {:7.4} {:7.4} {:7.4} {:6.3}",
             engine.name(),
             if cost.rests { "yes" } else { "no" },
             cost.simulated,
@@ -126,10 +133,11 @@ fn compare(shape: &str, count: u32, options: &Options, csv: &mut String) -> Resu
             cost.ratio() / ours,
             found.penetration_max,
             found.penetration_mean,
-            found.density
+            found.density,
+            found.mean_height
         );
         csv.push_str(&format!(
-            "{shape},{count},\"{}\",{},{:.4},{},{:.3},{:.3},{:.5},{:.5},{},{:.4}\n",
+            "{shape},{count},\"{}\",{},{:.4},{},{:.3},{:.3},{:.5},{:.5},{},{:.4},{:.4},{seed}\n",
             engine.name(),
             cost.rests,
             cost.simulated,
@@ -139,7 +147,8 @@ fn compare(shape: &str, count: u32, options: &Options, csv: &mut String) -> Resu
             found.penetration_max,
             found.penetration_mean,
             found.touching,
-            found.density
+            found.density,
+            found.mean_height
         ));
     }
     Ok(())

@@ -21,6 +21,8 @@ pub struct Measures {
     pub touching: usize,
     /// Solid volume over the volume of the core that `femdem pack` would choose.
     pub density: f64,
+    /// Mean height of the bodies' centroids over the floor, over d.
+    pub mean_height: f64,
 }
 
 /// Measures bodies of one shape at given poses in the container of a job.
@@ -44,6 +46,8 @@ pub fn measure(spec: &PackSpec, poses: &[Pose]) -> Result<Measures> {
         penetration_mean: depths.iter().sum::<f64>() / depths.len().max(1) as f64,
         touching: depths.len(),
         density: exact_density(&pack, &core.region)?.density,
+        mean_height: poses.iter().map(|p| p.translation.z).sum::<f64>()
+            / (poses.len().max(1) as f64 * spec.diameter()),
     })
 }
 

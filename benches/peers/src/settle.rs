@@ -73,12 +73,13 @@ impl Cost {
 }
 
 /// The job: `count` bodies of one shape, released at once.
-pub fn spec(shape: &str, count: u32, penetration: f64) -> Result<PackSpec> {
+pub fn spec(shape: &str, count: u32, penetration: f64, seed: u64) -> Result<PackSpec> {
     let polyhedron = shape.parse::<CatalogueShape>()?.polyhedron(DIAMETER)?;
     let width = WIDTH * DIAMETER;
     Ok(PackSpec {
         shapes: vec![PackShape::new(shape, polyhedron)],
         count,
+        seed,
         friction: 0.6,
         penalty: Penalty::Automatic { penetration },
         container: Container::Box {

@@ -80,7 +80,7 @@ impl Size {
 
     /// About 120 bodies, for a trial of the command.
     pub(super) fn quick(volume: f64) -> Self {
-        Self::cube(volume, 120.0, 3.5, 0.9)
+        Self::cube(volume, 120.0, 3.1, 0.8)
     }
 
     /// The options for a shape at a friction coefficient, with a seed and more options.

@@ -19,7 +19,7 @@ const FLAT: f64 = 0.15;
 const MEMORY: f64 = 4096.0;
 
 /// Packs of the program whose peak memories are compared.
-const PROGRAM: [u32; 2] = [250, 1000];
+const PROGRAM: [u32; 2] = [250, 2000];
 
 /// Quantities of the example, with their columns.
 const NUMBERS: [(&str, &str); 6] = [
