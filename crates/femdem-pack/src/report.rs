@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 pub struct Verification {
     /// Whether as many checks in a row passed as were asked for.
     pub passed: bool,
-    /// Tries it took. In each all bodies are woken; after one that failed those at rest sleep until
-    /// the others are at rest too; one that has moved a body by more than 1e-3 d is repeated. What
-    /// follows is of the last try.
+    /// Tries it took, with explicit steps. All bodies are awake, and have been brought to rest by implicit
+    /// steps before; after a try that failed those at rest sleep until the others are at rest too; one that
+    /// has moved a body by more than 1e-3 d is repeated. What follows is of the last try.
     pub tries: u32,
     /// Steps it took.
     pub steps: u64,
