@@ -252,23 +252,29 @@ fn friction_of_walls_and_stiffness_of_springs_are_those_asked_for() {
     }
 }
 
-/// The last relaxation takes a few quarters of the slowest oscillation, and the verification that
-/// follows it moves next to nothing, in a world without any medium.
+/// The last relaxation takes a few quarters of the slowest oscillation, by implicit steps, and the
+/// verification that follows it, by explicit ones, moves next to nothing, in a world without any medium.
 #[test]
 fn the_last_relaxation_is_short_and_leaves_nothing_to_the_verification() {
     let mut packing = Packing::new(cubes(24)).unwrap();
+    let mut took = 0.0;
     while !packing.is_done() {
+        let (stage, before) = (packing.progress().stage, packing.world().time());
         packing.advance(1).unwrap();
-        assert_eq!(packing.world().parameters().medium, Medium::default());
+        let parameters = packing.world().parameters();
+        assert_eq!(parameters.medium, Medium::default());
+        if stage == Stage::Settling && parameters.time_step.implicit.is_some() {
+            took += packing.world().time() - before;
+        }
     }
     let report = packing.report();
     assert_settled(&packing, &report);
+    assert_eq!(packing.world().parameters().time_step.implicit, None);
     // A few layers that sink in by a few hundredths of D each: the period is that of a pendulum as long
     // as the sag, 0.3 D at most.
     let period = 2.0 * std::f64::consts::PI * (0.3 * D / 9.81).sqrt();
-    let relaxation = report.relaxation.unwrap();
-    let took = relaxation.steps as f64 * packing.world().time_step();
-    assert!(took < 3.0 * period, "{took} s, {period} s");
+    assert!(report.relaxation.is_some());
+    assert!(took > 0.0 && took < 3.0 * period, "{took} s, {period} s");
     let verification = report.verification.unwrap();
     assert!(verification.passed && verification.tries >= 1);
     assert!(verification.max_displacement_over_d <= 1e-3, "{report:?}");
@@ -327,7 +333,7 @@ fn a_job_continues_from_a_checkpoint_with_the_same_bits() {
     let mut parts = whole.clone();
     let report = whole.run().unwrap();
     while !parts.is_done() {
-        parts.advance(777).unwrap();
+        parts.advance(97).unwrap();
         checkpoint::write_file(&path, "packing", &parts).unwrap();
         parts = checkpoint::read_file(&path, "packing").unwrap();
     }
