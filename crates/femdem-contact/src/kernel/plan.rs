@@ -307,3 +307,36 @@ impl Rows<'_> {
             .fold(0, |set, k| set | 1 << k)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reach(main: u8, cut: u64, own: u64) -> Reach {
+        Reach { main, cut, own }
+    }
+
+    #[test]
+    fn a_plan_names_the_planes_it_needs_and_no_more_than_it_has_bits() {
+        let list = Candidates {
+            planes: (0..40).map(|k| 100 + k).collect(),
+            bounding: 39,
+            facets: SmallVec::from_slice(&[7, 8]),
+        };
+        // Plane 39 only owns; the bit after the planes is a face of the box.
+        let reaches = [
+            (7, reach(39, 1 << 3 | 1 << 40, 1 << 39)),
+            (8, reach(3, 0, 1 << 3)),
+        ];
+        let plan = SidePlan::compact(&reaches, &list, 40).unwrap();
+        assert_eq!(plan.planes.as_slice(), [103, 139]);
+        assert_eq!((plan.bounding, plan.box_faces), (1, 1));
+        assert_eq!(plan.facets[0].reach(), reach(1, 0b101, 0b10));
+        assert_eq!(plan.facets[1].reach(), reach(0, 0, 1));
+
+        let first = |planes: u32| [(7, reach(0, (1 << planes) - 1, 1))];
+        let all = SidePlan::compact(&first(32), &list, 40).unwrap();
+        assert_eq!(all.facets[0].reach(), first(32)[0].1);
+        assert_eq!(SidePlan::compact(&first(33), &list, 40), None);
+    }
+}
