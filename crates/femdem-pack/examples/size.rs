@@ -9,6 +9,8 @@
 //! and y (`4x5`), steps that are not counted, rounds, steps in a round. One size per process, so that memory is
 //! that of this size alone.
 
+mod common;
+
 use femdem_contact::Wall;
 use femdem_mesh::{Pose, Vector3};
 use femdem_pack::{Container, PackSpec, Packing, Penalty, Protocol, Release};
@@ -26,13 +28,7 @@ const WIDTH: f64 = 5.3;
 const PENALTY: f64 = 5.2e6;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // On one thread, whose processor time is read.
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .use_current_thread()
-        .build()?;
-    pool.install(|| run().map_err(|e| e.to_string()))?;
-    Ok(())
+    common::on_one_thread(run)
 }
 
 fn run() -> Result<(), Box<dyn Error>> {

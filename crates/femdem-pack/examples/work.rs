@@ -5,6 +5,8 @@
 //! body, time per body in ms, steps, rounds of the linear systems. Arguments: bodies, seed, and `awake` for a
 //! run in which no body ever sleeps.
 
+mod common;
+
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_pack::{Container, PackShape, PackSpec, Packing, Penalty, Progress, Stage};
 use std::error::Error;
@@ -66,13 +68,7 @@ fn phase(at: &Progress) -> usize {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // On one thread, so that the clock tells its work.
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .use_current_thread()
-        .build()?;
-    pool.install(|| run().map_err(|e| e.to_string()))?;
-    Ok(())
+    common::on_one_thread(run)
 }
 
 fn run() -> Result<(), Box<dyn Error>> {

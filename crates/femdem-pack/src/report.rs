@@ -27,7 +27,7 @@ pub struct Verification {
 }
 
 /// An awake relaxation: what all bodies did when they were woken and kept awake until their mean
-/// net force was small, and stopped whenever more of them slowed down than sped up. While the
+/// net force was small, and stopped whenever more of them slowed down than sped up, by implicit steps unless the medium damps locally. While the
 /// pack grows that is done at numbers of bodies that follow a geometric series; the last one comes
 /// before the verification.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

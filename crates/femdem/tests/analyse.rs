@@ -31,18 +31,14 @@ fn columns(text: &str, keep: impl Fn(&str) -> bool) -> String {
     text.lines().map(|line| row(line) + "\n").collect()
 }
 
-/// Two numbers, or lists and maps of them, to 1e-6 of the larger; principal directions, which turn with the
-/// last digits of a table where the values are nearly equal, to 1e-2.
+/// Two numbers, or lists and maps of them, to 1e-6 of the larger. Principal directions turn with the last
+/// digits of a table where their values are nearly equal: those of `b` must belong to the tensor of `a`.
 fn agree(a: &Value, b: &Value, path: &str) {
     match (a, b) {
         (Value::Number(x), Value::Number(y)) => {
             let [x, y] = [x, y].map(|n| n.as_f64().unwrap());
-            let allowed = if path.contains("directions") {
-                1e-2
-            } else {
-                1e-6 * x.abs().max(y.abs()).max(1e-9)
-            };
-            assert!((x - y).abs() <= allowed, "{path}: {x} and {y}");
+            let scale = x.abs().max(y.abs()).max(1e-9);
+            assert!((x - y).abs() <= 1e-6 * scale, "{path}: {x} and {y}");
         }
         (Value::Array(x), Value::Array(y)) => {
             assert_eq!(x.len(), y.len(), "{path}");
@@ -52,11 +48,35 @@ fn agree(a: &Value, b: &Value, path: &str) {
         }
         (Value::Object(x), Value::Object(y)) => {
             assert!(x.keys().eq(y.keys()), "{path}");
-            for (key, x) in x {
-                agree(x, &y[key], &format!("{path}.{key}"));
+            let is_tensor = x.contains_key("tensor");
+            for (key, of_x) in x {
+                let path = format!("{path}.{key}");
+                if key == "directions" && is_tensor {
+                    assert_principal(a, &y[key], &path);
+                } else {
+                    agree(of_x, &y[key], &path);
+                }
             }
         }
         _ => assert_eq!(a, b, "{path}"),
+    }
+}
+
+/// Unit directions of the principal values of the symmetric part of a tensor, to 1e-6 of the largest value.
+fn assert_principal(of: &Value, directions: &Value, path: &str) {
+    let number = |x: &Value| x.as_f64().unwrap();
+    let t = |i: usize, j: usize| number(&of["tensor"][i][j]);
+    let largest = (0..3).map(|k| number(&of["principal"][k]).abs());
+    let largest = largest.fold(0.0, f64::max);
+    for k in 0..3 {
+        let d: Vec<f64> = (0..3).map(|i| number(&directions[k][i])).collect();
+        let norm2: f64 = d.iter().map(|x| x * x).sum();
+        assert!((norm2 - 1.0).abs() < 1e-9, "{path}[{k}]: {d:?}");
+        for i in 0..3 {
+            let row: f64 = (0..3).map(|j| 0.5 * (t(i, j) + t(j, i)) * d[j]).sum();
+            let left = row - number(&of["principal"][k]) * d[i];
+            assert!(left.abs() <= 1e-6 * largest, "{path}[{k}]: {left} left");
+        }
     }
 }
 

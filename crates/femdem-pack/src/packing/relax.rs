@@ -74,7 +74,7 @@ impl Packing {
 
     /// Wakes all bodies and keeps them awake.
     pub(super) fn begin_relaxation(&mut self) -> Result<(), PackError> {
-        self.step_far()?;
+        self.step_implicitly()?;
         self.world.set_sleeping(false);
         self.job.relaxing = Some(Relaxing {
             began: self.world.time(),
@@ -88,7 +88,7 @@ impl Packing {
 
     /// Makes the steps implicit, where all bodies are awake and need but come to rest. Local damping, which
     /// implicit steps do not have, goes on with explicit ones.
-    pub(super) fn step_far(&mut self) -> Result<(), PackError> {
+    pub(super) fn step_implicitly(&mut self) -> Result<(), PackError> {
         let time_step = self.job.spec.time_step;
         if self.world.parameters().medium.local_damping == 0.0 {
             self.world.set_time_step(TimeStepParameters {

@@ -20,7 +20,7 @@ const CALM_CHECKS: u32 = 3;
 
 /// In a calm check no body has more than the residual aimed at, nor more than this part of the kinetic
 /// energy that it may have: the try that follows need not wait.
-const CALM: f64 = 0.1;
+const CALM_ENERGY: f64 = 0.1;
 
 /// What the verification is at; all bodies are awake.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -79,7 +79,7 @@ impl Packing {
         if !self.job.spec.sleeping.enabled {
             return self.begin_trial();
         }
-        self.step_far()?;
+        self.step_implicitly()?;
         self.world.set_sleeping(false);
         self.job.attempt = Some(Attempt::Calming(Calming::default()));
         self.job.passed = 0;
@@ -204,7 +204,7 @@ impl Packing {
         };
         let enough = self.job.passed >= needed;
         let calm = found.max_over_load <= settling.aim
-            && found.kinetic_energy_over_mgd <= CALM * settling.kinetic_energy;
+            && found.kinetic_energy_over_mgd <= CALM_ENERGY * settling.kinetic_energy;
         Ok(Some(Check { enough, calm }))
     }
 
