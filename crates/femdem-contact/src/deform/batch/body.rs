@@ -1,6 +1,7 @@
 //! What the batch keeps of every deformable body.
 
 use super::evaluate::Context;
+use super::pairs::{SoftPair, Touching};
 use crate::deform::current::Operand;
 use crate::deform::record::NodalState;
 use crate::deform::respond::NodeLoad;
@@ -79,7 +80,7 @@ impl SoftBody {
         self.loaded = false;
     }
 
-    pub fn clear(&mut self) {
+    fn clear(&mut self) {
         // Most bodies of a pack in flight touch nothing.
         if !std::mem::take(&mut self.loaded) {
             return;
@@ -92,7 +93,7 @@ impl SoftBody {
     }
 
     /// Adds what a pair does to the nodes.
-    pub fn add(&mut self, nodes: &[NodeLoad]) {
+    fn add(&mut self, nodes: &[NodeLoad]) {
         self.loaded |= !nodes.is_empty();
         for load in nodes {
             let at = load.node as usize;
@@ -108,13 +109,13 @@ impl SoftBody {
     }
 
     /// Adds a moment of a pair against rocking, N m, and its rate, 1/s.
-    pub fn rock(&mut self, moment: &Vector3, rate: f64) {
+    fn rock(&mut self, moment: &Vector3, rate: f64) {
         self.rocking.0 += moment;
         self.rocking.1 += rate;
     }
 
     /// Lets the moments against rocking act on the nodes.
-    pub fn spread_rocking(&mut self) {
+    fn spread_rocking(&mut self) {
         let (moment, rate) = std::mem::take(&mut self.rocking);
         let Some(turning) = &self.turning else {
             return;
@@ -128,6 +129,21 @@ impl SoftBody {
             *damping += force;
         }
         self.rates.iter_mut().for_each(|r| *r += rate);
+    }
+
+    /// Sums what the pairs of a body do to it, in their order.
+    fn gather(&mut self, pairs: &[SoftPair], own: &[(u32, u8)]) {
+        self.clear();
+        for &(place, side) in own {
+            let outcome = &pairs[place as usize].outcome;
+            self.add(&outcome.nodes[usize::from(side)]);
+            let sign = if side == 0 { -1.0 } else { 1.0 };
+            self.rock(
+                &(outcome.moment * sign),
+                outcome.turning_rates[usize::from(side)],
+            );
+        }
+        self.spread_rocking();
     }
 
     /// Takes over where the nodes are now.
@@ -197,10 +213,17 @@ impl SoftBody {
 
 /// Takes over where all nodes are now.
 pub(crate) fn advance(bodies: &mut [SoftBody], states: &[NodalState]) -> Result<(), ContactError> {
-    for (i, (body, state)) in bodies.iter_mut().zip(states).enumerate() {
-        body.advance(i, state)?;
-    }
-    Ok(())
+    let advance = |i: usize, body: &mut SoftBody| {
+        let state = states.get(i);
+        state.map_or(Ok(()), |state| body.advance(i, state))
+    };
+    on_each(bodies, advance).into_iter().collect()
+}
+
+/// Sums what the pairs do to the bodies.
+pub(crate) fn gather(bodies: &mut [SoftBody], pairs: &[SoftPair]) {
+    let touching = Touching::new(pairs, bodies.len());
+    on_each(bodies, |i, body| body.gather(pairs, touching.of(i)));
 }
 
 /// What a body must know for the contacts of an update.
@@ -214,7 +237,7 @@ pub(crate) struct Wanted {
 
 /// Brings what is wanted of the bodies up to date.
 pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Context) {
-    let renew = |(i, body): (usize, &mut SoftBody)| {
+    on_each(bodies, |i, body| {
         let wanted = wanted.get(i).copied().unwrap_or_default();
         if wanted.tree
             && let Some(operand) = context.soft(i as u32, body)
@@ -227,16 +250,21 @@ pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Cont
         {
             body.turning = Turning::new(state, before);
         }
-    };
+    });
+}
+
+/// `work` on every body with its index, by the threads of the caller's pool; results in the order of the
+/// bodies.
+fn on_each<R: Send>(
+    bodies: &mut [SoftBody],
+    work: impl Fn(usize, &mut SoftBody) -> R + Sync + Send,
+) -> Vec<R> {
     #[cfg(feature = "parallel")]
     if rayon::current_num_threads() > 1 {
         use rayon::prelude::*;
-        bodies
-            .par_iter_mut()
-            .enumerate()
-            .with_min_len(4)
-            .for_each(renew);
-        return;
+        let bodies = bodies.par_iter_mut().enumerate().with_min_len(4);
+        return bodies.map(|(i, body)| work(i, body)).collect();
     }
-    bodies.iter_mut().enumerate().for_each(renew);
+    let bodies = bodies.iter_mut().enumerate();
+    bodies.map(|(i, body)| work(i, body)).collect()
 }

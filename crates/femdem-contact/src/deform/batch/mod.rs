@@ -281,30 +281,17 @@ impl DeformableBatch {
 
     /// Sums the forces in the order of the pairs.
     fn gather(&mut self) {
-        for body in &mut self.bodies {
-            body.clear();
-        }
+        let pairs = self.pairs.list();
+        body::gather(&mut self.bodies, pairs);
         self.rigid_loads.fill(Load::default());
         self.rigid_resistances.fill(Resistance::default());
         self.wall_loads.fill(Load::default());
         self.totals = DeformableTotals::default();
-        for pair in self.pairs.list() {
+        for pair in pairs {
             self.totals += &pair.totals();
-            let [of_a, of_b] = &pair.outcome.nodes;
-            let (moment, [rate_a, rate_b]) = (pair.outcome.moment, pair.outcome.turning_rates);
-            if let Some(body) = self.bodies.get_mut(pair.b as usize) {
-                body.add(of_b);
-                body.rock(&moment, rate_b);
-            }
             use DeformablePartner as Side;
             let total = match pair.a {
-                Side::Deformable(i) => {
-                    if let Some(body) = self.bodies.get_mut(i as usize) {
-                        body.add(of_a);
-                        body.rock(&-moment, rate_a);
-                    }
-                    None
-                }
+                Side::Deformable(_) => None,
                 Side::Rigid(i) => self.rigid_loads.get_mut(i as usize),
                 Side::Wall(w) => self.wall_loads.get_mut(w as usize),
             };
@@ -318,9 +305,6 @@ impl DeformableBatch {
             {
                 *total += resistance;
             }
-        }
-        for body in &mut self.bodies {
-            body.spread_rocking();
         }
     }
 

@@ -1,5 +1,6 @@
 //! Kicks of the deformable bodies.
 
+use super::each::on_each;
 use super::{Deformables, State};
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
@@ -41,17 +42,19 @@ impl World {
             gravity, medium, ..
         } = &self.parameters;
         let plain = *medium == Medium::default();
-        for (i, body) in bodies.iter_mut().enumerate() {
+        let flows = on_each(bodies, |i, body| {
             let contact = Contact::of(batch, i as u32);
-            let flows = if !plain || !body.boundary.is_free() {
+            if !plain || !body.boundary.is_free() {
                 let masses = models[body.model as usize].model.masses();
                 body.kick(&contact, masses, gravity, medium, h)
             } else if batch.touches(i as u32) {
                 body.kick_touching(&contact, gravity, h)
             } else {
                 body.kick_alone(gravity, h);
-                continue;
-            };
+                Flows::default()
+            }
+        });
+        for flows in flows {
             self.flows.damping_work += flows.damping_work;
             self.flows.friction_work += flows.friction_work;
             self.flows.work_in += flows.work_in;

@@ -1,6 +1,7 @@
 //! The deformable bodies of a world: their state, their half of the step, and their contacts.
 
 mod add;
+mod each;
 mod kick;
 mod query;
 mod step;

@@ -1,10 +1,11 @@
 //! Kick, drift and forces of the deformable bodies.
 
+use super::each::{of_each, on_each};
 use super::{Deformables, RENEW, Scratch, State};
 use crate::deformable::DeformableModel;
 use crate::error::SolveError;
 use crate::world::World;
-use femdem_contact::deform::NodalState;
+use femdem_contact::deform::{DeformableBatch, NodalState};
 use femdem_contact::{ContactBatch, ContactError, Load, Motion, stable_step};
 use femdem_mesh::Vector3;
 
@@ -31,27 +32,9 @@ impl World {
         let Some(deformables) = self.deformables.as_deref() else {
             return f64::INFINITY;
         };
-        let bodies = deformables.bodies.iter().enumerate();
-        bodies
-            .map(|(i, body)| {
-                if !deformables.batch.touches(i as u32) {
-                    return body.bound.critical_step();
-                }
-                // The frequencies of elements and contacts add at most.
-                let stiffness = deformables.batch.stiffness(i as u32);
-                let rates = deformables.batch.rates(i as u32);
-                let contact = stiffness
-                    .iter()
-                    .zip(&body.inverse_masses)
-                    .map(|(k, w)| 2.0 * k * w)
-                    .fold(0.0, f64::max);
-                let rate = rates.iter().copied().fold(0.0, f64::max);
-                stable_step(
-                    body.bound.frequency2 + contact,
-                    body.bound.viscous_rate + rate,
-                )
-            })
-            .fold(f64::INFINITY, f64::min)
+        let batch = &deformables.batch;
+        let steps = of_each(&deformables.bodies, |i, body| body.largest_step(batch, i));
+        steps.into_iter().fold(f64::INFINITY, f64::min)
     }
 
     /// Gives held and driven nodes their velocities of the step's end and books what that takes.
@@ -72,9 +55,7 @@ impl World {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
-        for body in &mut deformables.bodies {
-            body.drift(dt, end);
-        }
+        on_each(&mut deformables.bodies, |_, body| body.drift(dt, end));
         Ok(())
     }
 
@@ -125,11 +106,11 @@ impl Deformables {
         let models = &self.models;
         self.scratch
             .resize_with(self.bodies.len(), Scratch::default);
-        let each = |(body, scratch): (&mut State, &mut Scratch)| {
+        let mut tasks: Vec<_> = self.bodies.iter_mut().zip(&mut self.scratch).collect();
+        let results = on_each(&mut tasks, |_, (body, scratch)| {
             let model = &models[body.model as usize].model;
             body.strain(model, scratch, time, renew)
-        };
-        let results: Vec<_> = map_all(&mut self.bodies, &mut self.scratch, each);
+        });
         let mut each = results.into_iter().enumerate();
         each.try_for_each(|(i, result)| result.map_err(|error| (i, error)))
     }
@@ -167,28 +148,23 @@ impl Deformables {
     }
 }
 
-/// Applies `each` to all bodies with their buffers; results in the order of the bodies.
-#[cfg(feature = "parallel")]
-fn map_all<R: Send>(
-    bodies: &mut [State],
-    scratch: &mut [Scratch],
-    each: impl Fn((&mut State, &mut Scratch)) -> R + Sync + Send,
-) -> Vec<R> {
-    use rayon::prelude::*;
-    bodies.par_iter_mut().zip(scratch).map(each).collect()
-}
-
-/// Applies `each` to all bodies with their buffers; results in the order of the bodies.
-#[cfg(not(feature = "parallel"))]
-fn map_all<R>(
-    bodies: &mut [State],
-    scratch: &mut [Scratch],
-    each: impl Fn((&mut State, &mut Scratch)) -> R,
-) -> Vec<R> {
-    bodies.iter_mut().zip(scratch).map(each).collect()
-}
-
 impl State {
+    /// The largest step that is stable for body `i` with its contacts, s.
+    fn largest_step(&self, batch: &DeformableBatch, i: usize) -> f64 {
+        let i = i as u32;
+        if !batch.touches(i) {
+            return self.bound.critical_step();
+        }
+        // The frequencies of elements and contacts add at most.
+        let stiffness = batch.stiffness(i).iter().zip(&self.inverse_masses);
+        let contact = stiffness.map(|(k, w)| 2.0 * k * w).fold(0.0, f64::max);
+        let rate = batch.rates(i).iter().copied().fold(0.0, f64::max);
+        stable_step(
+            self.bound.frequency2 + contact,
+            self.bound.viscous_rate + rate,
+        )
+    }
+
     /// Forces of the elements and of the boundary; the history advances.
     fn strain(
         &mut self,

@@ -1,0 +1,39 @@
+//! Work on all bodies: with the feature `parallel` on the caller's thread pool. Results come in the order of
+//! the bodies, so that sums over them have the same bits on any number of threads.
+
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
+
+/// `work` of every item with its index.
+#[cfg(feature = "parallel")]
+pub(super) fn of_each<T: Sync, R: Send>(
+    items: &[T],
+    work: impl Fn(usize, &T) -> R + Sync + Send,
+) -> Vec<R> {
+    let items = items.par_iter().enumerate();
+    items.map(|(i, item)| work(i, item)).collect()
+}
+
+/// `work` on every item with its index.
+#[cfg(feature = "parallel")]
+pub(super) fn on_each<T: Send, R: Send>(
+    items: &mut [T],
+    work: impl Fn(usize, &mut T) -> R + Sync + Send,
+) -> Vec<R> {
+    let items = items.par_iter_mut().enumerate();
+    items.map(|(i, item)| work(i, item)).collect()
+}
+
+/// `work` of every item with its index.
+#[cfg(not(feature = "parallel"))]
+pub(super) fn of_each<T, R>(items: &[T], work: impl Fn(usize, &T) -> R) -> Vec<R> {
+    let items = items.iter().enumerate();
+    items.map(|(i, item)| work(i, item)).collect()
+}
+
+/// `work` on every item with its index.
+#[cfg(not(feature = "parallel"))]
+pub(super) fn on_each<T, R>(items: &mut [T], work: impl Fn(usize, &mut T) -> R) -> Vec<R> {
+    let items = items.iter_mut().enumerate();
+    items.map(|(i, item)| work(i, item)).collect()
+}
