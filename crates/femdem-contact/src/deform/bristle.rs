@@ -51,14 +51,32 @@ pub(crate) struct Touch<'a> {
     pub stiffness: f64,
     /// Velocity of B less that of A, m/s.
     pub slip: Vector3,
-    /// Of both, 1/kg.
-    pub inverse_mass: f64,
+    /// Of A and of B at the point, 1/kg.
+    pub inverse_masses: [f64; 2],
+    /// Of the whole contact, s: over half the damping ratio, the dashpot over the spring.
+    pub period: f64,
     /// The tetrahedra around, by number and as they are.
     pub hosts: [(u32, &'a Current); 2],
     /// Their places on the lists, and their shape functions at the point.
     pub places: [u32; 2],
     pub weights: [[f64; 4]; 2],
     pub origin: Vector3,
+}
+
+impl Touch<'_> {
+    /// Of both, 1/kg.
+    fn inverse_mass(&self) -> f64 {
+        let [a, b] = self.inverse_masses;
+        a + b
+    }
+
+    /// Parts c_A and c_B by which a dashpot between the points counts for either side:
+    /// |v_B - v_A|^2 <= c_A |v_A|^2 + c_B |v_B|^2, with the same rate for both.
+    pub fn shares(&self) -> [f64; 2] {
+        let both = self.inverse_mass();
+        self.inverse_masses
+            .map(|own| if own > 0.0 { both / own } else { 0.0 })
+    }
 }
 
 /// Friction of one triangle.
@@ -157,8 +175,11 @@ impl Bristle {
         } else if k >= HOLDS * self.stiffness {
             k = k.max(self.stiffness);
         }
-        let eta = if touch.inverse_mass > 0.0 {
-            2.0 * law.tangential_damping * (k / touch.inverse_mass).sqrt()
+        let inverse_mass = touch.inverse_mass();
+        let eta = if inverse_mass > 0.0 {
+            // The contact's own, but not more than for a spring that were alone.
+            let alone = (k / inverse_mass).sqrt();
+            2.0 * law.tangential_damping * alone.min(k * touch.period)
         } else {
             0.0
         };

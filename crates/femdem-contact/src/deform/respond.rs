@@ -74,9 +74,11 @@ pub(crate) struct Outcome {
 
 /// The dashpot of a pair.
 #[derive(Debug, Clone, Copy, Default)]
-struct Dashpot {
+pub(crate) struct Dashpot {
     /// Elastic plus viscous force over elastic force.
-    scale: f64,
+    pub scale: f64,
+    /// Of the contact along its force, 1/kg: sum |f_a|^2/m_a over |f|^2.
+    pub inverse_mass: f64,
     /// Its matrix is this times f f^T, with f the elastic force on all nodes and bodies.
     coefficient: f64,
     /// Rate of the nodes, 1/s.
@@ -110,7 +112,7 @@ impl Outcome {
         contact.rocking = rocking.moment;
         self.moment = rocking.moment;
         self.turning_rates = rocking.rates;
-        let friction = self.rub(pair, scratch, &mut contact, dashpot.scale);
+        let friction = self.rub(pair, scratch, &mut contact, &dashpot);
         for (side, members) in pair.near.sides.iter().enumerate() {
             scratch.sums.fold(side, &members.slaves);
         }
@@ -164,7 +166,7 @@ impl Outcome {
                 damping: elastic * (dashpot.scale - 1.0),
                 friction: force - elastic * dashpot.scale,
                 stiffness: stiffness * share,
-                rate: dashpot.rate + 2.0 * share * viscosity * weight,
+                rate: dashpot.rate + viscosity * weight,
             });
         }
     }
@@ -208,10 +210,12 @@ impl<'a> Pair<'a> {
         response += of_nodes;
         let zeta = self.law.damping_ratio;
         let scale = (2.0 * sums.energy * response).sqrt();
+        let inverse_mass = response / sums.wrench[1][0].norm_squared();
         let usable = zeta > 0.0 && scale > 0.0 && scale.is_finite();
         if !usable {
             return Dashpot {
                 scale: 1.0,
+                inverse_mass,
                 ..Dashpot::default()
             };
         }
@@ -219,6 +223,7 @@ impl<'a> Pair<'a> {
         let factor = (1.0 - coefficient * power).max(0.0);
         Dashpot {
             scale: factor,
+            inverse_mass,
             coefficient,
             rate: coefficient * of_nodes * if both { 2.0 } else { 1.0 },
             power: (factor - 1.0) * power,
@@ -316,7 +321,7 @@ impl<'a> Pair<'a> {
                     .add_everywhere(&arm, 2.0 * mark.stiffness);
                 resistance
                     .viscosity
-                    .add_everywhere(&arm, 2.0 * mark.viscosity);
+                    .add_everywhere(&arm, mark.viscosities[0]);
             }
         }
         Some(Box::new((load, resistance)))

@@ -4,7 +4,7 @@ use super::bristle::{Bristle, Touch};
 use super::current::Operand;
 use super::kernel::DeformableScratch;
 use super::record::DeformableContact;
-use super::respond::{FrictionStart, Mover, Outcome, Pair};
+use super::respond::{Dashpot, FrictionStart, Mover, Outcome, Pair};
 use super::sums::{PairSums, TriangleLoad};
 use crate::general::cells::NONE;
 use femdem_mesh::Vector3;
@@ -27,7 +27,8 @@ pub(crate) struct Mark {
     /// On B, N.
     force: Vector3,
     pub stiffness: f64,
-    pub viscosity: f64,
+    /// As it counts for the rates of A and of B, N s/m.
+    pub viscosities: [f64; 2],
 }
 
 impl Mark {
@@ -42,7 +43,7 @@ impl Mark {
                 *total += self.stiffness * w.abs();
             }
             if let Some(total) = sums.viscosity[side].get_mut(at) {
-                *total += self.viscosity * w.abs();
+                *total += self.viscosities[side] * w.abs();
             }
         }
     }
@@ -55,7 +56,7 @@ impl Outcome {
         pair: &Pair,
         scratch: &mut DeformableScratch,
         contact: &mut DeformableContact,
-        scale: f64,
+        dashpot: &Dashpot,
     ) -> Rubbing {
         let mut rubbing = Rubbing::default();
         let old = std::mem::take(&mut self.bristles);
@@ -64,14 +65,17 @@ impl Outcome {
         }
         let loads = std::mem::take(&mut scratch.sums.loads);
         let bearing = Bearing::new(&loads);
-        let touches: Vec<(u32, Touch)> = loads
+        let scale = dashpot.scale * bearing.share;
+        let mut touches: Vec<(u32, Touch)> = loads
             .iter()
             .filter(|load| bearing.holds(load))
-            .filter_map(|load| {
-                let touch = pair.touch(load, scratch, scale * bearing.share)?;
-                Some((load.triangle, touch))
-            })
+            .filter_map(|load| Some((load.triangle, pair.touch(load, scratch, scale)?)))
             .collect();
+        let stiffness: f64 = touches.iter().map(|(_, touch)| touch.stiffness).sum();
+        let period = 1.0 / (stiffness * dashpot.inverse_mass).sqrt();
+        for (_, touch) in &mut touches {
+            touch.period = period;
+        }
         let mut bristles = match &pair.begins {
             Some(start) if old.is_empty() => pair.begin(start, &touches),
             _ => pair.inherit(&old, &touches),
@@ -91,7 +95,7 @@ impl Outcome {
                 point: touch.point,
                 force: friction.force,
                 stiffness: friction.stiffness,
-                viscosity: friction.viscosity,
+                viscosities: touch.shares().map(|c| c * friction.viscosity),
             });
         }
         contact.slides = slides;
@@ -170,7 +174,8 @@ impl Pair<'_> {
             force: force * scale,
             stiffness: self.law.tangential_ratio * load.stiffness,
             slip: vb - va,
-            inverse_mass: wa + wb,
+            inverse_masses: [wa, wb],
+            period: f64::INFINITY,
             hosts,
             places: load.hosts,
             weights,

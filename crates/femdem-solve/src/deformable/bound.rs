@@ -14,6 +14,9 @@ pub struct FrequencyBound {
     pub frequency2: f64,
     /// Not less than the decay rate by viscosity of any motion, the largest eigenvalue of M^-1 C, 1/s.
     pub viscous_rate: f64,
+    /// The largest stiffness of an element over its wave modulus; infinite where an element's stiffness
+    /// comes from others, too, so that there is no bound node by node.
+    pub(crate) stiffening: f64,
 }
 
 impl FrequencyBound {
@@ -27,11 +30,12 @@ impl FrequencyBound {
         2.0 / omega * ((1.0 + xi * xi).sqrt() - xi)
     }
 
-    fn raise(&mut self, frequency2: f64, viscous_rate: f64) {
+    fn raise(&mut self, frequency2: f64, viscous_rate: f64, stiffening: f64) {
         // A bound that is not a number must not pass for a small one.
         let larger = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
         self.frequency2 = larger(self.frequency2, frequency2);
         self.viscous_rate = larger(self.viscous_rate, viscous_rate);
+        self.stiffening = larger(self.stiffening, stiffening);
     }
 }
 
@@ -76,7 +80,7 @@ impl DeformableModel {
                 return None;
             };
             let stiffness = law.stiffness_bound_within(strain.sqrt())?;
-            bound.raise(stiffness * coupling, 0.0);
+            bound.raise(stiffness * coupling, 0.0, stiffness / self.modulus(e));
         }
         Some(bound)
     }
@@ -109,7 +113,13 @@ impl DeformableModel {
                 stiffness = stiffness.max(own);
                 viscosity = viscosity.max(viscous);
             }
-            bound.raise(stiffness * self.couplings[e], viscosity * self.couplings[e]);
+            let stiffening = if bar {
+                f64::INFINITY
+            } else {
+                stiffness / self.modulus(e)
+            };
+            let coupling = self.couplings[e];
+            bound.raise(stiffness * coupling, viscosity * coupling, stiffening);
         }
         Ok(bound)
     }
@@ -137,7 +147,7 @@ impl DeformableModel {
         for (of, t) in averages.of.iter().zip(&self.couplings) {
             for &n in of {
                 let (stiffness, viscosity) = nodal[n as usize];
-                bound.raise(stiffness * t, viscosity * t);
+                bound.raise(stiffness * t, viscosity * t, f64::INFINITY);
             }
         }
         Ok(bound)

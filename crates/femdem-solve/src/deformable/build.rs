@@ -1,5 +1,6 @@
 //! How a model is made.
 
+use super::comparison::Comparison;
 use super::nodal::NodalAverages;
 use super::{DeformableModel, MaterialRegion};
 use crate::element::{Batch, BatchElement, Element};
@@ -132,6 +133,8 @@ impl Parts {
             volumes,
             mass_factors: self.mass_factors,
             couplings: Vec::new(),
+            comparison: Comparison::default(),
+            weights: Vec::new(),
             averages,
             batch: None,
             #[cfg(feature = "parallel")]

@@ -1,6 +1,7 @@
 //! Lumped masses, and the bound of an element's frequency by the masses that it is given.
 
 use super::DeformableModel;
+use super::comparison::Comparison;
 use crate::element::{T4, T10, Table, lumped};
 use crate::material::Material;
 use femdem_mesh::{Matrix3, Vector3};
@@ -26,11 +27,13 @@ impl DeformableModel {
             }
         }
         let own = self.couplings_by(|_| shares);
-        let given = if self.element.is_quadratic() {
-            self.shared(&T10)
+        self.comparison = if self.element.is_quadratic() {
+            Comparison::new(self, &T10)
         } else {
-            self.shared(&T4)
+            Comparison::new(self, &T4)
         };
+        self.weights = self.best_weights();
+        let given = self.shared();
         let width = shares.len();
         let shared = self.couplings_by(|e| &given[width * e..width * (e + 1)]);
         let worst = |couplings: &[f64]| {
@@ -57,43 +60,18 @@ impl DeformableModel {
     }
 
     /// How stiff an element is beside the others.
-    fn modulus(&self, e: usize) -> f64 {
+    pub(super) fn modulus(&self, e: usize) -> f64 {
         let modulus = self.material(e).wave_modulus();
         let usable = modulus > 0.0 && modulus.is_finite();
         if usable { modulus } else { 1.0 }
     }
 
-    /// Shares of the masses of the nodes for all elements, over the elements' own masses.
-    ///
-    /// With s_ea^2 the part of node a in the coupling of element e (times its stiffness), the worst
-    /// element is best when m_ea is in proportion to s_ea sum_b s_eb x_b, x being the eigenvector of
-    /// sum_e s_ea s_eb over the masses that belongs to the largest eigenvalue. Any positive x gives
-    /// a bound; that of a power iteration does not rise (L. Collatz, 1942).
-    fn shared<const N: usize, const Q: usize>(&self, table: &Table<N, Q>) -> Vec<f64> {
-        let (elements, _) = self.connectivity.as_chunks::<N>();
-        let size = |(e, inverse): (usize, &Matrix3)| {
-            let gradients: [[Vector3; N]; Q] =
-                std::array::from_fn(|q| table.shape_gradients(q, inverse));
-            let weight = self.modulus(e) * self.volumes[e] / Q as f64;
-            std::array::from_fn::<f64, N, _>(|a| {
-                let squares = gradients.iter().map(|g| g[a].norm_squared());
-                (weight * squares.sum::<f64>()).sqrt()
-            })
-        };
-        let sizes: Vec<[f64; N]> = self.inverses.iter().enumerate().map(size).collect();
+    /// The weights of the nodes that make the bound of [`NodalBound`](super::comparison::NodalBound) the best without contact.
+    fn best_weights(&self) -> Vec<f64> {
         let mut x = vec![1.0; self.masses.len()];
-        let mut next = x.clone();
-        for round in 0..=ROUNDS {
-            next.fill(0.0);
-            for (nodes, s) in elements.iter().zip(&sizes) {
-                let sum: f64 = nodes.iter().zip(s).map(|(&a, s)| s * x[a as usize]).sum();
-                for (&a, s) in nodes.iter().zip(s) {
-                    next[a as usize] += s * sum;
-                }
-            }
-            if round == ROUNDS {
-                break;
-            }
+        let mut next = Vec::new();
+        for _ in 0..ROUNDS {
+            self.comparison.apply(&self.connectivity, &x, &mut next);
             let mut largest = 0.0_f64;
             for (y, m) in next.iter_mut().zip(&self.masses) {
                 *y /= m;
@@ -104,13 +82,30 @@ impl DeformableModel {
                 *x = 0.5 * (*x + y / largest);
             }
         }
-        let mut shares = Vec::with_capacity(N * elements.len());
-        for (e, (nodes, s)) in elements.iter().zip(&sizes).enumerate() {
+        x
+    }
+
+    /// Shares of the masses of the nodes for all elements, over the elements' own masses.
+    ///
+    /// With the matrix C = sum_e s_e (x) s_e of [`Comparison`], the worst element is best when m_ea is in
+    /// proportion to s_ea sum_b s_eb x_b, x being the eigenvector of M^-1 C that belongs to the largest
+    /// eigenvalue. Any positive x gives a bound; that of a power iteration does not rise (L. Collatz, 1942).
+    fn shared(&self) -> Vec<f64> {
+        let x = &self.weights;
+        let mut sums = Vec::new();
+        self.comparison.apply(&self.connectivity, x, &mut sums);
+        let width = self.element.node_count();
+        let elements = self.connectivity.chunks_exact(width);
+        let mut shares = Vec::with_capacity(self.connectivity.len());
+        for (e, (nodes, s)) in elements
+            .zip(self.comparison.sizes.chunks_exact(width))
+            .enumerate()
+        {
             let sum: f64 = nodes.iter().zip(s).map(|(&a, s)| s * x[a as usize]).sum();
             let mass = self.density(e) * self.volumes[e];
             for (&a, s) in nodes.iter().zip(s) {
                 let a = a as usize;
-                shares.push(self.masses[a] * s * sum / (next[a] * mass));
+                shares.push(self.masses[a] * s * sum / (sums[a] * mass));
             }
         }
         shares

@@ -33,6 +33,7 @@ mod body;
 mod bound;
 mod boundary;
 mod build;
+mod comparison;
 mod coupling;
 mod forces;
 mod ledger;
@@ -57,6 +58,8 @@ pub use stress::{ElementStress, von_mises};
 use crate::element::{Batch, Element};
 use crate::error::SolveError;
 use crate::material::{AnyMaterial, Material};
+use comparison::Comparison;
+pub(crate) use comparison::NodalBound;
 use femdem_mesh::{Matrix3, TetMesh, Vector3};
 use nodal::NodalAverages;
 use serde::{Deserialize, Serialize};
@@ -96,6 +99,9 @@ pub struct DeformableModel {
     mass_factors: Vec<f64>,
     /// Per element t, m/kg, such that omega^2 <= c t for a material of stiffness bound c.
     couplings: Vec<f64>,
+    comparison: Comparison,
+    /// Of the nodes, for the comparison.
+    weights: Vec<f64>,
     /// Numbers of history per integration point.
     history_stride: usize,
     /// For averaged nodal pressures.

@@ -2,7 +2,7 @@
 
 use super::{ContactStiffness, DeformableId, DeformableSpec, Deformables, Model, ModelId, State};
 use crate::body::Body;
-use crate::deformable::{Boundary, DeformableModel};
+use crate::deformable::{Boundary, DeformableModel, NodalBound};
 use crate::error::{SolveError, check};
 use crate::material::{Deformation, Material};
 use crate::world::World;
@@ -169,6 +169,7 @@ impl State {
             boundary,
             internal: Default::default(),
             bound: Default::default(),
+            nodal: NodalBound::new(model),
         })
     }
 }

@@ -6,7 +6,9 @@ mod kick;
 mod query;
 mod step;
 
-use crate::deformable::{Boundary, DeformableModel, FrequencyBound, InternalState, Workspace};
+use crate::deformable::{
+    Boundary, DeformableModel, FrequencyBound, InternalState, NodalBound, Workspace,
+};
 use crate::error::SolveError;
 use femdem_contact::deform::{DeformableBatch, DeformableShape, Modulus};
 use femdem_contact::{Field, Load};
@@ -120,8 +122,9 @@ pub(crate) struct State {
     pub held_energy: f64,
     /// Energies at the present positions; that of a batch of elements is computed when asked for.
     pub internal: InternalState,
-    /// Bound of the elements, when it was last renewed.
+    /// Bound of the elements, when it was last renewed, and the same by nodes.
     pub bound: FrequencyBound,
+    pub nodal: NodalBound,
 }
 
 /// Buffers of one body.

@@ -33,7 +33,9 @@ impl World {
             return f64::INFINITY;
         };
         let batch = &deformables.batch;
-        let steps = of_each(&deformables.bodies, |i, body| body.largest_step(batch, i));
+        let steps = of_each(&deformables.bodies, |i, body| {
+            body.largest_step(batch, i as u32)
+        });
         steps.into_iter().fold(f64::INFINITY, f64::min)
     }
 
@@ -71,6 +73,9 @@ impl World {
             .strain(time, renew)
             .map_err(|(body, error)| error.in_body(body, self.steps, time))?;
         deformables.touch(&self.motions, &self.wall_motions)?;
+        if renew && dt > 0.0 {
+            deformables.adapt(dt);
+        }
         deformables.sum_loads(&self.batch);
         for body in &deformables.bodies {
             self.flows.viscous_work -= body.internal.viscous_power * dt;
@@ -133,6 +138,15 @@ impl Deformables {
         self.batch.update(&states, rigid, walls)
     }
 
+    /// Lets the bounds of the step follow the contacts, for steps of `dt` (s).
+    fn adapt(&mut self, dt: f64) {
+        let Self { models, batch, .. } = self;
+        on_each(&mut self.bodies, |i, body| {
+            let model = &models[body.model as usize].model;
+            body.adapt(model, batch, i as u32, dt);
+        });
+    }
+
     /// Adds the loads of both batches.
     fn sum_loads(&mut self, batch: &ContactBatch) {
         let sum = |into: &mut Vec<Load>, of: &[Load], and: &[Load]| {
@@ -150,19 +164,39 @@ impl Deformables {
 
 impl State {
     /// The largest step that is stable for body `i` with its contacts, s.
-    fn largest_step(&self, batch: &DeformableBatch, i: usize) -> f64 {
-        let i = i as u32;
+    fn largest_step(&self, batch: &DeformableBatch, i: u32) -> f64 {
         if !batch.touches(i) {
             return self.bound.critical_step();
         }
-        // The frequencies of elements and contacts add at most.
+        // The frequencies of elements and contacts add at most, even where they have nothing to do with
+        // each other.
         let stiffness = batch.stiffness(i).iter().zip(&self.inverse_masses);
         let contact = stiffness.map(|(k, w)| 2.0 * k * w).fold(0.0, f64::max);
         let rate = batch.rates(i).iter().copied().fold(0.0, f64::max);
-        stable_step(
+        let apart = stable_step(
             self.bound.frequency2 + contact,
             self.bound.viscous_rate + rate,
-        )
+        );
+        apart.max(self.nodal.step(&self.bound, self.contact(batch, i)))
+    }
+
+    /// Stiffness over mass of the nodes of body `i` by its contacts, 1/s^2, and their damping rates, 1/s.
+    fn contact<'a>(
+        &'a self,
+        batch: &'a DeformableBatch,
+        i: u32,
+    ) -> impl Fn(usize) -> (f64, f64) + 'a {
+        let (stiffness, rates) = (batch.stiffness(i), batch.rates(i));
+        move |a| (2.0 * stiffness[a] * self.inverse_masses[a], rates[a])
+    }
+
+    /// Lets the bound by nodes follow the contacts of body `i`, for steps of `dt` (s).
+    fn adapt(&mut self, model: &DeformableModel, batch: &DeformableBatch, i: u32, dt: f64) {
+        if batch.touches(i) {
+            let mut nodal = std::mem::take(&mut self.nodal);
+            nodal.adapt(model, &self.bound, self.contact(batch, i), dt);
+            self.nodal = nodal;
+        }
     }
 
     /// Forces of the elements and of the boundary; the history advances.

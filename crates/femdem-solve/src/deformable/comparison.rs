@@ -1,0 +1,247 @@
+//! Bounds of a body's frequencies node by node.
+
+use super::{DeformableModel, FrequencyBound};
+use crate::element::Table;
+use femdem_contact::stable_step;
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Less than this part of the largest weight no node ever has: each must be positive.
+const LEAST: f64 = 1e-100;
+
+/// A matrix without negative entries that bounds the stiffness of the elements: as
+/// |sum_a u_a (x) grad N_a| <= sum_a |u_a| |grad N_a|, for all nodal fields u
+///
+/// u.K u <= c sum_ab |u_a| C_ab |u_b|, C_ab = sum_e s_ea s_eb, s_ea^2 = E_e sum_q w_q |grad N_a|^2,
+///
+/// with the wave moduli E_e, where c is the largest stiffness of an element now over its wave modulus.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Comparison {
+    /// s_ea, in the order of the connectivity, (N/m)^(1/2).
+    pub sizes: Vec<f64>,
+    /// Nodes of an element.
+    width: usize,
+}
+
+impl Comparison {
+    pub fn new<const N: usize, const Q: usize>(
+        model: &DeformableModel,
+        table: &Table<N, Q>,
+    ) -> Self {
+        let mut sizes = Vec::with_capacity(model.connectivity.len());
+        for (e, inverse) in model.inverses.iter().enumerate() {
+            let gradients: [[Vector3; N]; Q] =
+                std::array::from_fn(|q| table.shape_gradients(q, inverse));
+            let weight = model.modulus(e) * model.volumes[e] / Q as f64;
+            sizes.extend((0..N).map(|a| {
+                let squares = gradients.iter().map(|g| g[a].norm_squared());
+                (weight * squares.sum::<f64>()).sqrt()
+            }));
+        }
+        Self { sizes, width: N }
+    }
+
+    /// sum_b C_ab x_b of all nodes.
+    pub fn apply(&self, connectivity: &[u32], x: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        out.resize(x.len(), 0.0);
+        let elements = connectivity.chunks_exact(self.width);
+        for (nodes, sizes) in elements.zip(self.sizes.chunks_exact(self.width)) {
+            let sum: f64 = nodes
+                .iter()
+                .zip(sizes)
+                .map(|(&a, s)| s * x[a as usize])
+                .sum();
+            for (&a, s) in nodes.iter().zip(sizes) {
+                out[a as usize] += s * sum;
+            }
+        }
+    }
+}
+
+/// Squared frequencies f_a = c sum_b C_ab x_b/(m_a x_a) of the nodes, for weights x > 0. For any such weights no
+/// frequency of the elements is above the largest of them (L. Collatz, 1942), and with springs k_a and
+/// dashpots r_a m_a at the nodes a step dt is stable if for all nodes
+///
+/// dt^2/4 (f_a + k_a/m_a) + dt/2 r_a <= 1.
+///
+/// So a contact costs step only as far as it acts where the elements leave none. The best weights are the
+/// eigenvector of that sum; they follow it by power iteration, a round at a time.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct NodalBound {
+    weights: Vec<f64>,
+    /// f_a/c, rad^2/s^2.
+    frequency2: Vec<f64>,
+}
+
+impl NodalBound {
+    /// With the best weights of a body that nothing touches.
+    pub fn new(model: &DeformableModel) -> Self {
+        let mut bound = Self {
+            weights: model.weights.clone(),
+            frequency2: Vec::new(),
+        };
+        bound.renew(model);
+        bound
+    }
+
+    fn renew(&mut self, model: &DeformableModel) {
+        let Self {
+            weights,
+            frequency2,
+        } = self;
+        let comparison = &model.comparison;
+        comparison.apply(&model.connectivity, weights, frequency2);
+        for ((f, x), m) in frequency2.iter_mut().zip(weights).zip(&model.masses) {
+            *f /= *m * *x;
+        }
+    }
+
+    /// Brings the weights nearer to the best ones for steps of `dt` (s). `contact` has the stiffness of every
+    /// node over its mass, 1/s^2, and its damping rate, 1/s.
+    pub fn adapt(
+        &mut self,
+        model: &DeformableModel,
+        elements: &FrequencyBound,
+        contact: impl Fn(usize) -> (f64, f64),
+        dt: f64,
+    ) {
+        let part = |(a, f): (usize, &f64)| {
+            let (stiffness, rate) = contact(a);
+            0.25 * dt * dt * (elements.stiffening * f + stiffness)
+                + 0.5 * dt * (elements.viscous_rate + rate)
+        };
+        let parts: Vec<f64> = self.frequency2.iter().enumerate().map(part).collect();
+        let top = parts.iter().copied().fold(0.0, f64::max);
+        if !(top > 0.0 && top.is_finite()) {
+            return;
+        }
+        // Half of the old weight, so that the iteration does not swing.
+        let weights = self.weights.iter_mut().zip(&parts);
+        weights.for_each(|(x, part)| *x *= 0.5 * (1.0 + part / top));
+        let largest = self.weights.iter().copied().fold(0.0, f64::max);
+        for x in &mut self.weights {
+            *x = (*x / largest).max(LEAST);
+        }
+        self.renew(model);
+    }
+
+    /// The largest stable step, s, with `contact` as for [`adapt`](Self::adapt); 0 for elements without such
+    /// a bound.
+    pub fn step(&self, elements: &FrequencyBound, contact: impl Fn(usize) -> (f64, f64)) -> f64 {
+        let mut step = f64::INFINITY;
+        for (a, f) in self.frequency2.iter().enumerate() {
+            let (stiffness, rate) = contact(a);
+            let frequency2 = elements.stiffening * f + stiffness;
+            let rate = elements.viscous_rate + rate;
+            let holds = 0.25 * step * step * frequency2 + 0.5 * step * rate <= 1.0;
+            if !holds {
+                step = stable_step(frequency2, rate);
+            }
+        }
+        step
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deformable::MaterialRegion;
+    use crate::element::Element;
+    use crate::material::NeoHookean;
+    use femdem_mesh::TetMesh;
+    use femdem_mesh::shapes::{Boulder, Shape};
+
+    fn boulder(seed: u64, element: Element) -> DeformableModel {
+        let boulder = Boulder {
+            seed,
+            angularity: 0.15,
+            ..Boulder::default()
+        };
+        let surface = Shape::from(boulder).polyhedron(0.3).unwrap();
+        let mesh = TetMesh::centroid_fan(&surface).unwrap();
+        let region = MaterialRegion {
+            material: NeoHookean::new(1e8, 0.2).unwrap().into(),
+            density: 2700.0,
+        };
+        DeformableModel::new(&mesh, element, vec![region], None).unwrap()
+    }
+
+    /// The largest eigenvalue of M^-1 (dt^2/4 (K + k) + dt/2 R), from below.
+    fn largest(model: &DeformableModel, dt: f64, contact: impl Fn(usize) -> (f64, f64)) -> f64 {
+        let (x, masses) = (model.nodes().to_vec(), model.masses());
+        let wave = |a: usize, k: f64| (7.31 * a as f64 + 1.7 * k).sin();
+        let at = |a| Vector3::new(wave(a, 1.0), wave(a, 2.0), wave(a, 3.0));
+        let mut shape: Vec<Vector3> = (0..x.len()).map(at).collect();
+        let mut out = shape.clone();
+        let mut value = 0.0;
+        for _ in 0..600 {
+            model.tangent_apply(&x, &[], &shape, &mut out).unwrap();
+            let (mut above, mut below) = (0.0, 0.0);
+            for (a, (s, f)) in shape.iter_mut().zip(&out).enumerate() {
+                let (stiffness, rate) = contact(a);
+                let next = f * (0.25 * dt * dt / masses[a])
+                    + *s * (0.25 * dt * dt * stiffness + 0.5 * dt * rate);
+                above += masses[a] * s.dot(&next);
+                below += masses[a] * s.norm_squared();
+                *s = next;
+            }
+            value = above / below;
+            let size = below.sqrt();
+            shape.iter_mut().for_each(|s| *s /= size);
+        }
+        value
+    }
+
+    /// Contacts at a few nodes. The bound is one for any weights, adapted or not; it is never smaller by much
+    /// than that which adds the largest of all, and where the worst elements are elsewhere, larger.
+    #[test]
+    fn contacts_count_where_they_are() {
+        let mut gained = 0;
+        for (seed, element) in [1, 2, 3, 4, 5]
+            .map(|s| (s, Element::T4))
+            .into_iter()
+            .chain([(6, Element::T10)])
+        {
+            let model = boulder(seed, element);
+            let elements = model.stable_frequency2(model.nodes(), &[]).unwrap();
+            let first = 5 * seed as usize;
+            let contact = |a: usize| {
+                let near = (first..first + 4).contains(&a);
+                let omega2 = elements.frequency2;
+                if near {
+                    (0.1 * omega2, 0.3 * omega2.sqrt())
+                } else {
+                    (0.0, 0.0)
+                }
+            };
+            let mut bound = NodalBound::new(&model);
+            let alone = bound.step(&elements, |_| (0.0, 0.0));
+            assert!(alone > 0.9 * elements.critical_step(), "{seed}: {alone}");
+            let before = bound.step(&elements, contact);
+            for _ in 0..100 {
+                bound.adapt(&model, &elements, contact, before);
+            }
+            let after = bound.step(&elements, contact);
+            for step in [before, after] {
+                let most = largest(&model, step, contact);
+                assert!(most < 1.0 + 1e-9, "{seed}: {most}");
+            }
+            let apart = stable_step(1.1 * elements.frequency2, 0.3 * elements.frequency2.sqrt());
+            assert!(after > 0.99 * apart, "{seed}: {after} {apart}");
+            gained += usize::from(after > 1.1 * apart);
+        }
+        assert!(gained >= 4, "{gained}");
+    }
+
+    /// Elements whose stiffness comes from others have no bound by nodes.
+    #[test]
+    fn averaged_elements_have_none() {
+        for element in [Element::T10Fbar, Element::T4NodalPressure] {
+            let model = boulder(1, element);
+            let elements = model.stable_frequency2(model.nodes(), &[]).unwrap();
+            let step = NodalBound::new(&model).step(&elements, |_| (0.0, 0.0));
+            assert_eq!(step, 0.0, "{element:?}");
+        }
+    }
+}
