@@ -19,7 +19,7 @@ pub enum Operand<'a> {
 }
 
 /// A tetrahedron posed about the origin of a pair.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Current {
     /// Its field is in Pa: the pressure at which it counts is in it.
     pub posed: Posed,
@@ -35,13 +35,15 @@ pub(crate) struct Inverted {
 }
 
 impl Current {
-    /// A tetrahedron of `corners` with the given field; `None` if its volume is not positive.
-    pub fn deformed(
+    /// Makes this a tetrahedron of `corners` with the given field; `false` if its volume is not positive.
+    #[must_use]
+    fn deform(
+        &mut self,
         corners: [Vector3; 4],
         values: &[f64; 4],
         pressure: f64,
         skin: u8,
-    ) -> Option<Self> {
+    ) -> bool {
         let [a, b, c, d] = &corners;
         let (ab, ac, ad) = (b - a, c - a, d - a);
         // Twice the area vectors, outwards; together they are zero.
@@ -49,7 +51,7 @@ impl Current {
         let of_a = -(of_b + of_c + of_d);
         let six_volumes = -of_d.dot(&ad);
         if six_volumes.is_nan() || six_volumes <= 0.0 {
-            return None;
+            return false;
         }
         let scale = -1.0 / six_volumes;
         let slopes = [of_a * scale, of_b * scale, of_c * scale, of_d * scale];
@@ -60,30 +62,28 @@ impl Current {
             + slopes[2] * (values[2] - values[0])
             + slopes[3] * (values[3] - values[0]))
             * pressure;
-        Some(Self {
-            levels: [
-                -slopes[0].dot(b),
-                -slopes[1].dot(c),
-                -slopes[2].dot(d),
-                -slopes[3].dot(a),
-            ],
-            slopes,
-            posed: Posed {
-                offsets: [
-                    normals[0].dot(b),
-                    normals[1].dot(c),
-                    normals[2].dot(d),
-                    normals[3].dot(a),
-                ],
-                level: values[0] * pressure - gradient.dot(a),
-                low: a.inf(b).inf(&c.inf(d)),
-                high: a.sup(b).sup(&c.sup(d)),
-                corners,
-                normals,
-                gradient,
-                skin,
-            },
-        })
+        let posed = &mut self.posed;
+        posed.offsets = [
+            normals[0].dot(b),
+            normals[1].dot(c),
+            normals[2].dot(d),
+            normals[3].dot(a),
+        ];
+        posed.level = values[0] * pressure - gradient.dot(a);
+        posed.low = a.inf(b).inf(&c.inf(d));
+        posed.high = a.sup(b).sup(&c.sup(d));
+        posed.gradient = gradient;
+        posed.normals = normals;
+        posed.skin = skin;
+        self.levels = [
+            -slopes[0].dot(b),
+            -slopes[1].dot(c),
+            -slopes[2].dot(d),
+            -slopes[3].dot(a),
+        ];
+        self.slopes = slopes;
+        posed.corners = corners;
+        true
     }
 
     fn rigid(mut posed: Posed, pressure: f64) -> Self {
@@ -111,15 +111,16 @@ impl Current {
 }
 
 impl Operand<'_> {
-    /// Tetrahedron `i` about `origin`, its field in units of `pressure`; `None` if there is none,
-    /// an error if it is turned inside out.
+    /// Puts tetrahedron `i` about `origin`, its field in units of `pressure`, into `room`; `None` if there is
+    /// none, an error if it is turned inside out.
     #[inline]
-    pub(crate) fn current(
+    pub(crate) fn pose(
         &self,
         i: u32,
         pressure: f64,
         origin: &Vector3,
-    ) -> Result<Option<Current>, Inverted> {
+        room: &mut Current,
+    ) -> Result<Option<()>, Inverted> {
         match self {
             Self::Deformable(shape, x) => {
                 let (Some(corners), Some(tet)) =
@@ -129,17 +130,20 @@ impl Operand<'_> {
                 };
                 let [a, b, c, d] = corners;
                 let corners = [a - origin, b - origin, c - origin, d - origin];
-                match Current::deformed(corners, &tet.values, pressure, tet.skin) {
-                    Some(tet) => Ok(Some(tet)),
-                    None => Err(Inverted { tet: i }),
+                if room.deform(corners, &tet.values, pressure, tet.skin) {
+                    Ok(Some(()))
+                } else {
+                    Err(Inverted { tet: i })
                 }
             }
             Self::Rigid(FieldMesh { cells, .. }, frame)
             | Self::Wall(SolidWall { cells }, frame) => {
-                let cell = cells.list.get(i as usize);
+                let Some(cell) = cells.list.get(i as usize) else {
+                    return Ok(None);
+                };
                 let offset = frame.position - origin;
-                let posed = cell.map(|cell| Posed::new(cell, &frame.rotation, &offset));
-                Ok(posed.map(|posed| Current::rigid(posed, pressure)))
+                *room = Current::rigid(Posed::new(cell, &frame.rotation, &offset), pressure);
+                Ok(Some(()))
             }
         }
     }

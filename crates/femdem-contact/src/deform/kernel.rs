@@ -243,16 +243,18 @@ pub(crate) fn run(
     for candidate in pairs {
         if motion >= candidate.clear {
             let [i, j] = candidate.places;
-            let mut pose = |side: usize, at: u32| {
+            let mut pose = |side: usize, at: u32, room: &mut Current| {
                 let tet = *members[side].tets.get(at as usize)?;
-                let posed = sides.operands[side].current(tet, law.pressures[side], origin);
+                let posed = sides.operands[side].pose(tet, law.pressures[side], origin, room);
                 posed.unwrap_or_else(|inverted| {
                     failure.get_or_insert((side, inverted));
                     None
                 })
             };
-            let (Some(a), Some(b)) = (list_a.get(i, || pose(0, i)), list_b.get(j, || pose(1, j)))
-            else {
+            let (Some(a), Some(b)) = (
+                list_a.get(i, |room| pose(0, i, room)),
+                list_b.get(j, |room| pose(1, j, room)),
+            ) else {
                 continue;
             };
             scratch.candidates += 1;

@@ -124,8 +124,10 @@ impl Search for Sides<'_> {
         let mut posed: [Vec<Current>; 2] = Default::default();
         for side in 0..2 {
             for &i in &tets[side] {
-                let tet = self.operands[side].current(i, 1.0, &origin);
-                posed[side].extend(tet.map_err(|inverted| (side, inverted))?);
+                let mut tet = Current::default();
+                let found = self.operands[side].pose(i, 1.0, &origin, &mut tet);
+                let found = found.map_err(|inverted| (side, inverted))?;
+                posed[side].extend(found.map(|()| tet));
             }
         }
         let posed = |[i, j]: [u32; 2]| {

@@ -205,8 +205,12 @@ impl GeneralKernel {
                     continue;
                 };
                 let (Some(a), Some(b)) = (
-                    scratch.in_a.get(i, || placed.pose_a(tet_a, &centre)),
-                    scratch.in_b.get(j, || placed.pose_b(tet_b, &centre)),
+                    scratch
+                        .in_a
+                        .get(i, |a| Some(*a = placed.pose_a(tet_a, &centre)?)),
+                    scratch
+                        .in_b
+                        .get(j, |b| Some(*b = placed.pose_b(tet_b, &centre)?)),
                 ) else {
                     continue;
                 };

@@ -4,7 +4,7 @@ use super::cells::{Cell, NONE};
 use femdem_mesh::{Matrix3, Vector3};
 
 /// A tetrahedron in local coordinates.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Posed {
     pub corners: [Vector3; 4],
     /// Outward unit normals, and n.x on the faces.
@@ -181,7 +181,9 @@ fn extent(corners: &[Vector3; 4], n: &Vector3) -> [f64; 2] {
 pub(crate) struct PosedList<T = Posed> {
     /// By place: where in the list it is, or [`NONE`].
     at: Vec<u32>,
+    /// The first `used` are posed; room for others is kept.
     list: Vec<T>,
+    used: usize,
 }
 
 impl<T> Default for PosedList<T> {
@@ -189,14 +191,15 @@ impl<T> Default for PosedList<T> {
         Self {
             at: Vec::new(),
             list: Vec::new(),
+            used: 0,
         }
     }
 }
 
-impl<T> PosedList<T> {
+impl<T: Default> PosedList<T> {
     /// Forgets all and makes room for `count` places.
     pub fn reset(&mut self, count: usize) {
-        self.list.clear();
+        self.used = 0;
         self.at.clear();
         self.at.resize(count, NONE);
     }
@@ -206,15 +209,18 @@ impl<T> PosedList<T> {
         self.list.get(*self.at.get(place as usize)? as usize)
     }
 
-    /// The tetrahedron of a place, posed if it is asked for the first time; `None` if there is
-    /// no such place or tetrahedron.
+    /// The tetrahedron of a place, posed in its own room if it is asked for the first time; `None` if there is
+    /// no such place, or `pose` finds no tetrahedron.
     #[inline]
-    pub fn get(&mut self, place: u32, pose: impl FnOnce() -> Option<T>) -> Option<&T> {
+    pub fn get(&mut self, place: u32, pose: impl FnOnce(&mut T) -> Option<()>) -> Option<&T> {
         let at = self.at.get_mut(place as usize)?;
         if *at == NONE {
-            let posed = pose()?;
-            *at = self.list.len() as u32;
-            self.list.push(posed);
+            if self.used == self.list.len() {
+                self.list.push(T::default());
+            }
+            pose(self.list.get_mut(self.used)?)?;
+            *at = self.used as u32;
+            self.used += 1;
         }
         self.list.get(*at as usize)
     }
