@@ -35,8 +35,10 @@ impl World {
         self.drift(dt)?;
         self.time += dt;
         self.steps += 1;
-        self.evaluate(dt)?;
+        self.advance_deformables(dt)?;
+        self.touch(dt)?;
         self.kick(0.5 * dt);
+        self.kick_deformables(0.5 * dt);
         self.hold_deformables();
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
@@ -55,7 +57,7 @@ impl World {
             .choose(bound, fine, &self.parameters.time_step)
     }
 
-    /// Adds the impulse of half a step to all awake bodies and books the work.
+    /// Adds the impulse of half a step to all awake rigid bodies and books the work.
     fn kick(&mut self, h: f64) {
         let loads = all_loads(&self.batch, self.deformables.as_deref());
         let mut flows = Flows::default();
@@ -80,7 +82,6 @@ impl World {
         self.flows.damping_work += flows.damping_work;
         self.flows.friction_work += flows.friction_work;
         self.flows.medium_work += flows.medium_work;
-        self.kick_deformables(h);
     }
 
     pub(super) fn drift(&mut self, dt: f64) -> Result<(), SolveError> {
@@ -121,7 +122,7 @@ impl World {
             }
         }
         self.drift_walls(dt);
-        self.drift_deformables(dt)
+        Ok(())
     }
 
     /// Moves the driven walls from the present time by `dt`.
@@ -153,8 +154,14 @@ impl World {
         }
     }
 
-    /// Contacts at the present positions. `dt` is the time since the last call.
+    /// All forces at the present positions. `dt` is the time since the last call.
     pub(super) fn evaluate(&mut self, dt: f64) -> Result<(), SolveError> {
+        self.strain_deformables()?;
+        self.touch(dt)
+    }
+
+    /// Contacts at the present positions. `dt` is the time since the last call.
+    fn touch(&mut self, dt: f64) -> Result<(), SolveError> {
         // The contact stage sees the velocities of the half step.
         for &i in &self.awake {
             let body = &self.bodies[i as usize];
@@ -167,7 +174,7 @@ impl World {
         let start = Instant::now();
         let result = self.batch.update(&self.motions, &self.wall_motions, dt);
         self.count_contacts(start, result)?;
-        self.evaluate_deformables(dt)
+        self.touch_deformables(dt)
     }
 
     /// Counts the work of an update of the contacts, and names the body if it has failed.

@@ -232,7 +232,6 @@ impl Deformables {
             batch,
             loads: Vec::new(),
             wall_loads: Vec::new(),
-            scratch: Vec::new(),
         })
     }
 

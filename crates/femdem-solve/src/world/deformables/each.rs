@@ -14,14 +14,18 @@ pub(super) fn of_each<T: Sync, R: Send>(
     items.map(|(i, item)| work(i, item)).collect()
 }
 
-/// `work` on every item with its index.
+/// `work` on every item with its index and with memory to be reused, which must not carry a value from one item
+/// to the next.
 #[cfg(feature = "parallel")]
-pub(super) fn on_each<T: Send, R: Send>(
+pub(super) fn on_each_with<T: Send, S, R: Send>(
     items: &mut [T],
-    work: impl Fn(usize, &mut T) -> R + Sync + Send,
+    memory: impl Fn() -> S + Sync + Send,
+    work: impl Fn(&mut S, usize, &mut T) -> R + Sync + Send,
 ) -> Vec<R> {
-    let items = items.par_iter_mut().enumerate();
-    items.map(|(i, item)| work(i, item)).collect()
+    let items = items.par_iter_mut().enumerate().with_min_len(4);
+    items
+        .map_init(memory, |memory, (i, item)| work(memory, i, item))
+        .collect()
 }
 
 /// `work` of every item with its index.
@@ -31,9 +35,23 @@ pub(super) fn of_each<T, R>(items: &[T], work: impl Fn(usize, &T) -> R) -> Vec<R
     items.map(|(i, item)| work(i, item)).collect()
 }
 
-/// `work` on every item with its index.
+/// `work` on every item with its index and with memory to be reused, which must not carry a value from one item
+/// to the next.
 #[cfg(not(feature = "parallel"))]
-pub(super) fn on_each<T, R>(items: &mut [T], work: impl Fn(usize, &mut T) -> R) -> Vec<R> {
+pub(super) fn on_each_with<T, S, R>(
+    items: &mut [T],
+    memory: impl Fn() -> S,
+    work: impl Fn(&mut S, usize, &mut T) -> R,
+) -> Vec<R> {
+    let mut memory = memory();
     let items = items.iter_mut().enumerate();
-    items.map(|(i, item)| work(i, item)).collect()
+    items.map(|(i, item)| work(&mut memory, i, item)).collect()
+}
+
+/// `work` on every item with its index.
+pub(super) fn on_each<T: Send, R: Send>(
+    items: &mut [T],
+    work: impl Fn(usize, &mut T) -> R + Sync + Send,
+) -> Vec<R> {
+    on_each_with(items, || (), |(), i, item| work(i, item))
 }

@@ -2,6 +2,7 @@
 
 use super::each::on_each;
 use super::{Deformables, State};
+use crate::deformable::DeformableModel;
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
 use crate::world::World;
@@ -26,6 +27,41 @@ impl<'a> Contact<'a> {
     }
 }
 
+/// What kicks bodies beside the forces on their nodes, and for how long.
+pub(super) struct Kick<'a> {
+    batch: &'a DeformableBatch,
+    gravity: &'a Vector3,
+    medium: &'a Medium,
+    /// s.
+    h: f64,
+}
+
+impl<'a> Kick<'a> {
+    pub fn new(batch: &'a DeformableBatch, parameters: &'a WorldParameters, h: f64) -> Self {
+        Self {
+            batch,
+            gravity: &parameters.gravity,
+            medium: &parameters.medium,
+            h,
+        }
+    }
+
+    /// Adds the impulse to the nodes of body `i`; returns the work.
+    pub fn apply(&self, i: usize, body: &mut State, model: &DeformableModel) -> Flows {
+        let i = i as u32;
+        let contact = Contact::of(self.batch, i);
+        let plain = *self.medium == Medium::default();
+        if !plain || !body.boundary.is_free() {
+            body.kick(&contact, model.masses(), self.gravity, self.medium, self.h)
+        } else if self.batch.touches(i) {
+            body.kick_touching(&contact, self.gravity, self.h)
+        } else {
+            body.kick_alone(self.gravity, self.h);
+            Flows::default()
+        }
+    }
+}
+
 impl World {
     /// Adds the impulse of half a step to all nodes and books the work.
     pub(in crate::world) fn kick_deformables(&mut self, h: f64) {
@@ -38,28 +74,20 @@ impl World {
             batch,
             ..
         } = deformables;
-        let WorldParameters {
-            gravity, medium, ..
-        } = &self.parameters;
-        let plain = *medium == Medium::default();
+        let kick = Kick::new(batch, &self.parameters, h);
         let flows = on_each(bodies, |i, body| {
-            let contact = Contact::of(batch, i as u32);
-            if !plain || !body.boundary.is_free() {
-                let masses = models[body.model as usize].model.masses();
-                body.kick(&contact, masses, gravity, medium, h)
-            } else if batch.touches(i as u32) {
-                body.kick_touching(&contact, gravity, h)
-            } else {
-                body.kick_alone(gravity, h);
-                Flows::default()
-            }
+            kick.apply(i, body, &models[body.model as usize].model)
         });
         for flows in flows {
-            self.flows.damping_work += flows.damping_work;
-            self.flows.friction_work += flows.friction_work;
-            self.flows.work_in += flows.work_in;
-            self.flows.medium_work += flows.medium_work;
+            self.book_kick(&flows);
         }
+    }
+
+    pub(super) fn book_kick(&mut self, flows: &Flows) {
+        self.flows.damping_work += flows.damping_work;
+        self.flows.friction_work += flows.friction_work;
+        self.flows.work_in += flows.work_in;
+        self.flows.medium_work += flows.medium_work;
     }
 }
 

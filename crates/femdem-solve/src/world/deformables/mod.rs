@@ -127,7 +127,7 @@ pub(crate) struct State {
     pub nodal: NodalBound,
 }
 
-/// Buffers of one body.
+/// Buffers for one body at a time.
 #[derive(Debug, Clone, Default)]
 struct Scratch {
     history: Vec<f64>,
@@ -143,6 +143,4 @@ pub(crate) struct Deformables {
     /// Loads of the rigid bodies and of the walls, by all contacts.
     loads: Vec<Load>,
     wall_loads: Vec<Load>,
-    #[serde(skip)]
-    scratch: Vec<Scratch>,
 }

@@ -1,6 +1,7 @@
 //! Kick, drift and forces of the deformable bodies.
 
-use super::each::{of_each, on_each};
+use super::each::{of_each, on_each, on_each_with};
+use super::kick::Kick;
 use super::{Deformables, RENEW, Scratch, State};
 use crate::deformable::DeformableModel;
 use crate::error::SolveError;
@@ -52,26 +53,60 @@ impl World {
         }
     }
 
-    pub(in crate::world) fn drift_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
-        let end = self.time + dt;
+    /// The first half of a step, to the present time: kick, drift, and the forces of the elements. Body by
+    /// body, so that each is read from memory once.
+    pub(in crate::world) fn advance_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
+        let (time, steps, renew) = (self.time, self.steps, self.renews_bounds());
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
-        on_each(&mut deformables.bodies, |_, body| body.drift(dt, end));
+        let Deformables {
+            models,
+            bodies,
+            batch,
+            ..
+        } = deformables;
+        let kick = Kick::new(batch, &self.parameters, 0.5 * dt);
+        let results = on_each_with(bodies, Scratch::default, |scratch, i, body| {
+            let model = &models[body.model as usize].model;
+            let flows = kick.apply(i, body, model);
+            body.drift(dt, time);
+            (flows, body.strain(model, scratch, time, renew))
+        });
+        for (body, (flows, strain)) in results.into_iter().enumerate() {
+            self.book_kick(&flows);
+            strain.map_err(|error| error.in_body(body, steps, time))?;
+        }
         Ok(())
     }
 
-    /// Forces of the elements and the contacts at the present positions. `dt` is the time since the
-    /// last call.
-    pub(in crate::world) fn evaluate_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
-        let renew = self.steps.is_multiple_of(RENEW) || !self.loaded;
-        let time = self.time;
+    /// Forces of the elements at the present positions.
+    pub(in crate::world) fn strain_deformables(&mut self) -> Result<(), SolveError> {
+        let (time, steps, renew) = (self.time, self.steps, self.renews_bounds());
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
-        deformables
-            .strain(time, renew)
-            .map_err(|(body, error)| error.in_body(body, self.steps, time))?;
+        let Deformables { models, bodies, .. } = deformables;
+        let results = on_each_with(bodies, Scratch::default, |scratch, _, body| {
+            let model = &models[body.model as usize].model;
+            body.strain(model, scratch, time, renew)
+        });
+        for (body, result) in results.into_iter().enumerate() {
+            result.map_err(|error| error.in_body(body, steps, time))?;
+        }
+        Ok(())
+    }
+
+    fn renews_bounds(&self) -> bool {
+        self.steps.is_multiple_of(RENEW) || !self.loaded
+    }
+
+    /// Forces of the contacts at the present positions. `dt` is the time since the last call.
+    pub(in crate::world) fn touch_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
+        let renew = self.renews_bounds();
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return Ok(());
+        };
         deformables.touch(&self.motions, &self.wall_motions)?;
         if renew && dt > 0.0 {
             deformables.adapt(dt);
@@ -106,20 +141,6 @@ impl World {
 }
 
 impl Deformables {
-    /// Forces of the elements of all bodies; the first failure otherwise.
-    fn strain(&mut self, time: f64, renew: bool) -> Result<(), (usize, SolveError)> {
-        let models = &self.models;
-        self.scratch
-            .resize_with(self.bodies.len(), Scratch::default);
-        let mut tasks: Vec<_> = self.bodies.iter_mut().zip(&mut self.scratch).collect();
-        let results = on_each(&mut tasks, |_, (body, scratch)| {
-            let model = &models[body.model as usize].model;
-            body.strain(model, scratch, time, renew)
-        });
-        let mut each = results.into_iter().enumerate();
-        each.try_for_each(|(i, result)| result.map_err(|error| (i, error)))
-    }
-
     /// Forces of the contacts.
     pub(in crate::world) fn touch(
         &mut self,
