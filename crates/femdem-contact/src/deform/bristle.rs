@@ -51,8 +51,8 @@ pub(crate) struct Touch<'a> {
     pub stiffness: f64,
     /// Velocity of B less that of A, m/s.
     pub slip: Vector3,
-    /// Of A and of B at the point, 1/kg.
-    pub inverse_masses: [f64; 2],
+    /// Of A and of B at the point.
+    pub mobilities: [Mobility; 2],
     /// Of the whole contact, s: over half the damping ratio, the dashpot over the spring.
     pub period: f64,
     /// The tetrahedra around, by number and as they are.
@@ -63,19 +63,56 @@ pub(crate) struct Touch<'a> {
     pub origin: Vector3,
 }
 
+/// How easily a point of a side moves.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Mobility {
+    /// 1/kg.
+    pub inverse_mass: f64,
+    /// By corner w_b^2/m_b, with the weights w_b of the point, 1/kg; zero of rigid sides. They add up to the
+    /// inverse mass.
+    pub corners: [f64; 4],
+}
+
+/// A corner whose part of the inverse mass is below this one of the largest takes part in the rate in
+/// proportion.
+const SMALL: f64 = 1.0 / 16.0;
+
+impl Mobility {
+    fn full(&self) -> f64 {
+        SMALL * self.corners.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// S of [`Touch::rates`].
+    fn sum(&self) -> f64 {
+        let full = self.full();
+        let moving = self.corners.iter().filter(|g| **g > 0.0);
+        let sum: f64 = moving.map(|g| g.max(full)).sum();
+        if full > 0.0 { sum } else { self.inverse_mass }
+    }
+}
+
 impl Touch<'_> {
     /// Of both, 1/kg.
     fn inverse_mass(&self) -> f64 {
-        let [a, b] = self.inverse_masses;
-        a + b
+        let [a, b] = self.mobilities;
+        a.inverse_mass + b.inverse_mass
     }
 
-    /// Parts c_A and c_B by which a dashpot between the points counts for either side:
-    /// |v_B - v_A|^2 <= c_A |v_A|^2 + c_B |v_B|^2, with the same rate for both.
-    pub fn shares(&self) -> [f64; 2] {
-        let both = self.inverse_mass();
-        self.inverse_masses
-            .map(|own| if own > 0.0 { both / own } else { 0.0 })
+    /// Rates of the corners of A and of B by a dashpot eta between the points, 1/s, and what counts of it for
+    /// a rigid A, N s/m.
+    ///
+    /// With the weights w_b of a point and any shares s_b > 0, by Cauchy, |sum w_b v_b|^2 <= S sum m_b s_b |v_b|^2,
+    /// S = sum w_b^2/(m_b s_b); and |v_B - v_A|^2 <= (S_A + S_B) (|v_A|^2/S_A + |v_B|^2/S_B). So both sides have the
+    /// rate eta (S_A + S_B) s_b. The shares are 1 but for corners that hardly matter.
+    pub fn rates(&self, eta: f64) -> ([[f64; 4]; 2], f64) {
+        let [of_a, of_b] = self.mobilities.map(|m| m.sum());
+        let rate = eta * (of_a + of_b);
+        let rates = self.mobilities.map(|mobility| {
+            let full = mobility.full();
+            let share = |g: f64| if g > 0.0 { (g / full).min(1.0) } else { 0.0 };
+            mobility.corners.map(|g| rate * share(g))
+        });
+        (rates, if of_a > 0.0 { rate / of_a } else { 0.0 })
     }
 }
 

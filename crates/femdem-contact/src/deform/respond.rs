@@ -146,16 +146,12 @@ impl Outcome {
     ) {
         let list = &mut self.nodes[side];
         list.clear();
-        let Mover::Nodes(state) = &pair.movers[side] else {
+        let Mover::Nodes(_) = &pair.movers[side] else {
             return;
         };
         let sums = &scratch.sums;
         for (at, &node) in pair.near.sides[side].nodes.iter().enumerate() {
-            let Some(weight) = state.inverse_masses.get(node as usize) else {
-                break;
-            };
             let (force, stiffness) = (sums.forces[side][at], sums.stiffness[side][at]);
-            let viscosity = sums.viscosity[side][at];
             if force == Vector3::zeros() && stiffness == 0.0 {
                 continue;
             }
@@ -166,7 +162,7 @@ impl Outcome {
                 damping: elastic * (dashpot.scale - 1.0),
                 friction: force - elastic * dashpot.scale,
                 stiffness: stiffness * share,
-                rate: dashpot.rate + viscosity * weight,
+                rate: dashpot.rate + sums.rates[side][at],
             });
         }
     }
@@ -319,9 +315,7 @@ impl<'a> Pair<'a> {
                 resistance
                     .stiffness
                     .add_everywhere(&arm, 2.0 * mark.stiffness);
-                resistance
-                    .viscosity
-                    .add_everywhere(&arm, mark.viscosities[0]);
+                resistance.viscosity.add_everywhere(&arm, mark.viscosity);
             }
         }
         Some(Box::new((load, resistance)))

@@ -1,6 +1,6 @@
 //! Friction of one pair: the springs of all its triangles.
 
-use super::bristle::{Bristle, Touch};
+use super::bristle::{Bristle, Mobility, Touch};
 use super::current::Operand;
 use super::kernel::DeformableScratch;
 use super::record::DeformableContact;
@@ -27,14 +27,16 @@ pub(crate) struct Mark {
     /// On B, N.
     force: Vector3,
     pub stiffness: f64,
-    /// As it counts for the rates of A and of B, N s/m.
-    pub viscosities: [f64; 2],
+    /// Rates of the corners, 1/s.
+    rates: [[f64; 4]; 2],
+    /// As it counts for a rigid A, N s/m.
+    pub viscosity: f64,
 }
 
 impl Mark {
     fn add_to(&self, sums: &mut PairSums, side: usize, nodes: &[u32; 4]) {
         let force = if side == 1 { self.force } else { -self.force };
-        for (&node, w) in nodes.iter().zip(self.weights[side]) {
+        for ((&node, w), rate) in nodes.iter().zip(self.weights[side]).zip(self.rates[side]) {
             let at = node as usize;
             if let Some(total) = sums.forces[side].get_mut(at) {
                 *total += force * w;
@@ -42,8 +44,8 @@ impl Mark {
             if let Some(total) = sums.stiffness[side].get_mut(at) {
                 *total += self.stiffness * w.abs();
             }
-            if let Some(total) = sums.viscosity[side].get_mut(at) {
-                *total += self.viscosities[side] * w.abs();
+            if let Some(total) = sums.rates[side].get_mut(at) {
+                *total += rate;
             }
         }
     }
@@ -78,7 +80,7 @@ impl Outcome {
         }
         let mut bristles = match &pair.begins {
             Some(start) if old.is_empty() => pair.begin(start, &touches),
-            _ => pair.inherit(&old, &touches),
+            _ => pair.inherit(old, &touches),
         };
         let mut marks: Vec<Mark> = Vec::with_capacity(touches.len());
         let mut slides = !touches.is_empty();
@@ -89,13 +91,15 @@ impl Outcome {
             contact.tangential_stiffness += friction.stiffness;
             rubbing.power += friction.force.dot(&touch.slip);
             slides &= friction.slides;
+            let (rates, viscosity) = touch.rates(friction.viscosity);
             marks.push(Mark {
                 places: touch.places,
                 weights: touch.weights,
                 point: touch.point,
                 force: friction.force,
                 stiffness: friction.stiffness,
-                viscosities: touch.shares().map(|c| c * friction.viscosity),
+                rates,
+                viscosity,
             });
         }
         contact.slides = slides;
@@ -166,15 +170,15 @@ impl Pair<'_> {
         let hosts = [host(0)?, host(1)?];
         let point = load.moment / load.pressure;
         let weights = hosts.map(|(_, current)| current.weights(&point));
-        let (va, wa) = self.motion_at(0, hosts[0].0, &weights[0], &point);
-        let (vb, wb) = self.motion_at(1, hosts[1].0, &weights[1], &point);
+        let (va, of_a) = self.motion_at(0, hosts[0].0, &weights[0], &point);
+        let (vb, of_b) = self.motion_at(1, hosts[1].0, &weights[1], &point);
         Some(Touch {
             point,
             normal: load.force / force,
             force: force * scale,
             stiffness: self.law.tangential_ratio * load.stiffness,
             slip: vb - va,
-            inverse_masses: [wa, wb],
+            mobilities: [of_a, of_b],
             period: f64::INFINITY,
             hosts,
             places: load.hosts,
@@ -183,33 +187,37 @@ impl Pair<'_> {
         })
     }
 
-    /// Velocity and inverse mass of a point of one side.
+    /// Velocity of a point of one side, and how easily it moves.
     fn motion_at(
         &self,
         side: usize,
         tet: u32,
         weights: &[f64; 4],
         point: &Vector3,
-    ) -> (Vector3, f64) {
+    ) -> (Vector3, Mobility) {
+        let mut mobility = Mobility::default();
+        let mut velocity = Vector3::zeros();
         match (&self.movers[side], &self.sides[side]) {
             (Mover::Rigid(motion), _) => {
                 let arm = point + self.near.origin - motion.frame.position;
-                (motion.velocity_at(&arm), motion.inverse_mass_at(&arm))
+                velocity = motion.velocity_at(&arm);
+                mobility.inverse_mass = motion.inverse_mass_at(&arm);
             }
             (Mover::Nodes(state), Operand::Deformable(shape, _)) => {
-                let (mut velocity, mut inverse_mass) = (Vector3::zeros(), 0.0);
                 let nodes = shape
                     .tets()
                     .get(tet as usize)
                     .map_or([NONE; 4], |t| t.nodes);
-                for (node, w) in nodes.into_iter().zip(weights) {
+                for ((node, w), corner) in nodes.into_iter().zip(weights).zip(&mut mobility.corners)
+                {
                     velocity += shape.place(node, state.velocities).unwrap_or_default() * *w;
-                    inverse_mass += shape.inverse_mass(node, state.inverse_masses) * w * w;
+                    *corner = shape.inverse_mass(node, state.inverse_masses) * w * w;
+                    mobility.inverse_mass += *corner;
                 }
-                (velocity, inverse_mass)
             }
-            _ => (Vector3::zeros(), 0.0),
+            _ => {}
         }
+        (velocity, mobility)
     }
 
     /// Springs that bear a given friction, in proportion to what presses on their triangles.
@@ -241,7 +249,11 @@ impl Pair<'_> {
     /// The springs of the triangles in contact now, from those of the last step. A triangle newly
     /// in contact takes over the stretch of those beside it, as far as springs that have died
     /// leave the energy for it.
-    fn inherit(&self, old: &[Bristle], touches: &[(u32, Touch)]) -> Vec<Bristle> {
+    fn inherit(&self, old: Vec<Bristle>, touches: &[(u32, Touch)]) -> Vec<Bristle> {
+        let kept = old.iter().zip(touches).all(|(b, t)| b.triangle == t.0);
+        if kept && old.len() == touches.len() {
+            return old;
+        }
         let origin = &self.near.origin;
         let known = |t: u32| {
             old.binary_search_by_key(&t, |b| b.triangle)

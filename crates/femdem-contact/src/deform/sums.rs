@@ -52,7 +52,8 @@ pub(crate) struct PairSums {
     /// The elastic part of `forces`, once it is kept.
     pub elastic: [Vec<Vector3>; 2],
     pub stiffness: [Vec<f64>; 2],
-    pub viscosity: [Vec<f64>; 2],
+    /// By friction, 1/s.
+    pub rates: [Vec<f64>; 2],
     pub loads: Vec<TriangleLoad>,
     pub energy: f64,
     pub volume: f64,
@@ -134,8 +135,8 @@ impl PairSums {
             self.forces[k].resize(count, Vector3::zeros());
             self.stiffness[k].clear();
             self.stiffness[k].resize(count, 0.0);
-            self.viscosity[k].clear();
-            self.viscosity[k].resize(count, 0.0);
+            self.rates[k].clear();
+            self.rates[k].resize(count, 0.0);
         }
         self.loads.clear();
         self.springs.clear();
@@ -323,9 +324,16 @@ impl PairSums {
     /// Hands what slaves bear to their masters.
     pub fn fold(&mut self, side: usize, slaves: &[(u32, [u32; 4])]) {
         for (slave, masters) in slaves {
-            hand_over(&mut self.forces[side], *slave, masters, Vector3::zeros());
-            hand_over(&mut self.stiffness[side], *slave, masters, 0.0);
-            hand_over(&mut self.viscosity[side], *slave, masters, 0.0);
+            hand_over(
+                &mut self.forces[side],
+                *slave,
+                masters,
+                Vector3::zeros(),
+                QUARTER,
+            );
+            hand_over(&mut self.stiffness[side], *slave, masters, 0.0, QUARTER);
+            // |sum v_m/4|^2 over the slave's inverse mass is at most sum m_m |v_m|^2: each has all of its rate.
+            hand_over(&mut self.rates[side], *slave, masters, 0.0, 1.0);
         }
     }
 
@@ -382,15 +390,18 @@ impl PolygonSums {
     }
 }
 
-/// A quarter of what the slave has goes to each of its masters; `nothing` is left.
-fn hand_over<T>(list: &mut [T], slave: u32, masters: &[u32; 4], nothing: T)
+/// What each of four masters bears of a slave's load.
+const QUARTER: f64 = 0.25;
+
+/// A part of what the slave has goes to each of its masters; `nothing` is left.
+fn hand_over<T>(list: &mut [T], slave: u32, masters: &[u32; 4], nothing: T, part: f64)
 where
     T: Copy + std::ops::Mul<f64, Output = T> + std::ops::AddAssign,
 {
     let Some(own) = list.get_mut(slave as usize) else {
         return;
     };
-    let share = std::mem::replace(own, nothing) * 0.25;
+    let share = std::mem::replace(own, nothing) * part;
     for &master in masters {
         if let Some(value) = list.get_mut(master as usize) {
             *value += share;

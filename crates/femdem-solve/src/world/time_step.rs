@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 /// Step sizes are the cap divided by powers of this, among rigid bodies.
 const LEVEL: f64 = 1.189_207_115_002_721;
 
-/// The same where bodies deform: their bound hardly changes, so that a coarse level would only lose.
-const FINE_LEVEL: f64 = 1.044_273_782_427_413_8;
+/// The same where bodies deform: their bound hardly changes, so that a coarse level would only lose. (Half a
+/// level is lost on average.)
+const FINE_LEVEL: f64 = 1.01;
 
 /// A larger step is taken only after this many steps that would all have allowed it.
 const PATIENCE: u32 = 25;
