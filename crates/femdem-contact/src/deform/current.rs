@@ -2,7 +2,7 @@
 
 use super::shape::DeformableShape;
 use crate::error::ContactError;
-use crate::general::posed::Posed;
+use crate::general::posed::{Posed, bounds, extent};
 use crate::general::{FieldMesh, SolidWall};
 use crate::shape::Frame;
 use femdem_mesh::Vector3;
@@ -70,8 +70,8 @@ impl Current {
             normals[3].dot(a),
         ];
         posed.level = values[0] * pressure - gradient.dot(a);
-        posed.low = a.inf(b).inf(&c.inf(d));
-        posed.high = a.sup(b).sup(&c.sup(d));
+        [posed.low, posed.high] = bounds(&corners);
+        posed.size = extent(&posed.low, &posed.high);
         posed.gradient = gradient;
         posed.normals = normals;
         posed.skin = skin;

@@ -241,7 +241,7 @@ impl PairSums {
     fn add_series(&mut self, sides: [Place; 2], nearest: u32, whole: &Moments, piece: &mut Piece) {
         let [a, b] = sides.map(|s| &s.tet.posed);
         let scale = a.gradient.norm().max(b.gradient.norm());
-        let least = SAME_VALUE * scale * a.size().max(b.size());
+        let least = SAME_VALUE * scale * a.size.max(b.size);
         let split = Split::new(a, b, least, whole, piece);
         let [in_a, in_b] = split.parts;
         self.energy += integral(a, &in_a) + integral(b, &in_b);

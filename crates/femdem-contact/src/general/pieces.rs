@@ -53,7 +53,7 @@ pub(crate) fn intersect(a: &Posed, b: &Posed, piece: &mut Piece) -> Option<bool>
     let (of_a, of_b) = (a.faces_across(b)?, b.faces_across(a)?);
     let flush = of_a.flush != 0 && of_b.flush != 0;
     // The smaller one is cut, so that round-off goes with the smaller one's size.
-    let (small, large, faces, labels) = if a.size() < b.size() {
+    let (small, large, faces, labels) = if a.size < b.size {
         (a, b, of_b, LABEL)
     } else {
         (b, a, of_a, [LABEL[1], LABEL[0]])
@@ -142,7 +142,7 @@ pub(crate) fn for_skins(
     mut skin: impl FnMut(u8, &[Vector3], f64),
 ) -> (Faces, Moments) {
     let skins = a.skin | b.skin << 4;
-    let least = FLAT * a.size().max(b.size());
+    let least = FLAT * a.size.max(b.size);
     let plane = |label: u8| {
         let tet = if label < LABEL[1] { a } else { b };
         (tet, usize::from(label % 4))

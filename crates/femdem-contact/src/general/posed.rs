@@ -15,6 +15,8 @@ pub(crate) struct Posed {
     pub level: f64,
     pub low: Vector3,
     pub high: Vector3,
+    /// Largest extent of the box, m.
+    pub size: f64,
     /// Bit k: face k lies on the skin.
     pub skin: u8,
 }
@@ -58,6 +60,7 @@ impl Posed {
         for (k, n) in cell.neighbours.iter().enumerate() {
             skin |= u8::from(*n == NONE) << k;
         }
+        let [low, high] = bounds(&corners);
         Self {
             offsets: [
                 normals[0].dot(b),
@@ -66,8 +69,9 @@ impl Posed {
                 normals[3].dot(a),
             ],
             level: cell.level - gradient.dot(a),
-            low: a.inf(b).inf(&c.inf(d)),
-            high: a.sup(b).sup(&c.sup(d)),
+            low,
+            high,
+            size: extent(&low, &high),
             corners,
             normals,
             gradient,
@@ -91,7 +95,7 @@ impl Posed {
     #[inline]
     pub fn faces_across(&self, other: &Self) -> Option<Across> {
         let mut across = Across::default();
-        let close = CLOSE * self.size().max(other.size());
+        let close = CLOSE * self.size.max(other.size);
         let [least, most] = self.depths(other);
         for k in 0..4 {
             if most[k] <= 0.0 {
@@ -148,7 +152,7 @@ impl Posed {
                 let axis = e.cross(&(other.corners[l] - other.corners[k]));
                 let square = axis.norm_squared();
                 if square > 0.0 {
-                    let (a, b) = (extent(&self.corners, &axis), extent(&other.corners, &axis));
+                    let (a, b) = (along(&self.corners, &axis), along(&other.corners, &axis));
                     let apart = (a[0] - b[1]).max(b[0] - a[1]);
                     if apart > 0.0 {
                         gap = gap.max(apart / square.sqrt());
@@ -158,12 +162,27 @@ impl Posed {
         }
         gap
     }
+}
 
-    /// Largest extent of the box, m.
-    #[inline]
-    pub fn size(&self) -> f64 {
-        (self.high - self.low).max()
+/// The corners of the box around four points that are finite. (Plain comparisons: those of `f64::min` look for
+/// NaN, too.)
+#[inline]
+pub(crate) fn bounds(corners: &[Vector3; 4]) -> [Vector3; 2] {
+    let [first, rest @ ..] = corners;
+    let (mut low, mut high) = (*first, *first);
+    for x in rest {
+        low.zip_apply(x, |l, x| *l = if x < *l { x } else { *l });
+        high.zip_apply(x, |h, x| *h = if x > *h { x } else { *h });
     }
+    [low, high]
+}
+
+/// Largest extent of a box.
+#[inline]
+pub(crate) fn extent(low: &Vector3, high: &Vector3) -> f64 {
+    let larger = |a: f64, b: f64| if b > a { b } else { a };
+    let d = high - low;
+    larger(larger(d.x, d.y), d.z)
 }
 
 /// The edges of a tetrahedron.
@@ -171,7 +190,7 @@ const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
 /// Least and largest n.x of four corners.
 #[inline]
-fn extent(corners: &[Vector3; 4], n: &Vector3) -> [f64; 2] {
+fn along(corners: &[Vector3; 4], n: &Vector3) -> [f64; 2] {
     let [a, b, c, d] = corners.map(|x| n.dot(&x));
     [a.min(b).min(c.min(d)), a.max(b).max(c.max(d))]
 }

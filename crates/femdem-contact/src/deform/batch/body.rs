@@ -168,8 +168,8 @@ impl SoftBody {
         let mut least = 0.0_f64;
         let mut sum = Vector3::zeros();
         for ((x, v), w) in positions.iter().zip(*velocities).zip(*inverse_masses) {
-            probe += (x.sum() + v.sum() + w) * 0.0;
-            least = least.min(*w);
+            probe += ((x.x + v.x) + (x.y + v.y) + (x.z + v.z) + w) * 0.0;
+            least = if *w < least { *w } else { least };
             sum += x;
         }
         let fine = probe == 0.0 && least >= 0.0;
@@ -185,9 +185,13 @@ impl SoftBody {
         }
         self.centre = sum / positions.len().max(1) as f64;
         if self.before.len() == positions.len() {
-            let step = |(x, y): (&Vector3, &Vector3)| (x - y).norm_squared();
+            // All are finite: no need to look for NaN, as f64::max does.
+            let longest = |most: f64, (x, y): (&Vector3, &Vector3)| {
+                let way = (x - y).norm_squared();
+                if way > most { way } else { most }
+            };
             let pairs = positions.iter().zip(&self.before);
-            self.travelled += pairs.map(step).fold(0.0, f64::max).sqrt();
+            self.travelled += pairs.fold(0.0, longest).sqrt();
         }
         self.before.clear();
         self.before.extend_from_slice(positions);
