@@ -319,6 +319,42 @@ fn cyclic_slip_dissipates_what_coulomb_says() {
     }
 }
 
+/// A body on one corner, which several triangles of its skin share, is damped along the ground as its springs
+/// together ask for: by the fraction zeta of critical for the mass that the contact's force moves, not by the
+/// sum over triangles each of which knows of no other.
+#[test]
+fn a_contact_of_several_triangles_has_one_dashpot() {
+    let zeta = 0.4;
+    let damped = ContactParameters {
+        tangential_damping: zeta,
+        friction: 1e3,
+        ..law()
+    };
+    let mut rig = Rig::new(damped, Ground::Floor);
+    let diagonal = Vector3::new(1.0, 1.0, 1.0);
+    let turn = UnitQuaternion::rotation_between(&diagonal, &Vector3::z()).unwrap();
+    let lowest = |x: &[Vector3<f64>]| x.iter().map(|x| x.z).fold(f64::INFINITY, f64::min);
+    rig.upper.x.iter_mut().for_each(|x| *x = turn * *x);
+    let up = Vector3::z() * (-5e-3 - lowest(&rig.upper.x));
+    rig.upper.x.iter_mut().for_each(|x| *x += up);
+    let slip = Vector3::new(0.6, -0.8, 0.0) * 1e-6;
+    rig.velocity.fill(slip);
+    let contact = rig.update();
+    let body = rig.upper_index();
+    let (all, friction) = (rig.batch.forces(body), rig.batch.friction_forces(body));
+    let elastic: Vec<Vector3<f64>> = all.iter().zip(friction).map(|(f, t)| f - t).collect();
+    let total: Vector3<f64> = elastic.iter().sum();
+    let responses = elastic.iter().zip(&rig.masses);
+    let response: f64 = responses.map(|(f, m)| f.norm_squared() / m).sum();
+    let mass = total.norm_squared() / response;
+    let critical = 2.0 * (contact.tangential_stiffness * mass).sqrt();
+    let share = -contact.friction.dot(&slip) / slip.norm_squared() / critical;
+    assert!(
+        (0.9 * zeta..zeta * (1.0 + 1e-9)).contains(&share),
+        "{share}"
+    );
+}
+
 /// Only a wall has the walls' friction: a body that deforms has that of bodies with others, rigid or not.
 #[test]
 fn walls_have_their_own_friction() {

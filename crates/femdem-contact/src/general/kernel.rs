@@ -7,7 +7,7 @@ use super::mesh::FieldMesh;
 use super::patch::{Patch, connect};
 use super::piece::Piece;
 use super::pieces::{Law, Record, distance, integrate, intersect};
-use super::posed::PosedList;
+use super::posed::{Posed, PosedList};
 use super::sums::Sums;
 use super::wall::SolidWall;
 use crate::error::{ContactError, check};
@@ -204,14 +204,16 @@ impl GeneralKernel {
                 else {
                     continue;
                 };
-                let (Some(a), Some(b)) = (
-                    scratch
-                        .in_a
-                        .get(i, |a| Some(*a = placed.pose_a(tet_a, &centre)?)),
-                    scratch
-                        .in_b
-                        .get(j, |b| Some(*b = placed.pose_b(tet_b, &centre)?)),
-                ) else {
+                let pose_a = |room: &mut Posed| {
+                    *room = placed.pose_a(tet_a, &centre)?;
+                    Some(())
+                };
+                let pose_b = |room: &mut Posed| {
+                    *room = placed.pose_b(tet_b, &centre)?;
+                    Some(())
+                };
+                let (Some(a), Some(b)) = (scratch.in_a.get(i, pose_a), scratch.in_b.get(j, pose_b))
+                else {
                     continue;
                 };
                 scratch.candidates += 1;
