@@ -1,7 +1,7 @@
 //! What the batch keeps of every deformable body.
 
 use super::evaluate::Context;
-use super::pairs::{SoftPair, Touching};
+use super::pairs::{Part, SoftPair, Touching};
 use crate::deform::current::Operand;
 use crate::deform::record::NodalState;
 use crate::deform::respond::NodeLoad;
@@ -132,16 +132,13 @@ impl SoftBody {
     }
 
     /// Sums what the pairs of a body do to it, in their order.
-    fn gather(&mut self, pairs: &[SoftPair], own: &[(u32, u8)]) {
+    fn gather(&mut self, pairs: &[SoftPair], own: &[Part]) {
         self.clear();
-        for &(place, side) in own {
-            let outcome = &pairs[place as usize].outcome;
-            self.add(&outcome.nodes[usize::from(side)]);
+        for part in own {
+            let (outcome, side) = (&pairs[part.place as usize].outcome, usize::from(part.side));
+            self.add(&outcome.nodes[side]);
             let sign = if side == 0 { -1.0 } else { 1.0 };
-            self.rock(
-                &(outcome.moment * sign),
-                outcome.turning_rates[usize::from(side)],
-            );
+            self.rock(&(outcome.moment * sign), outcome.turning_rates[side]);
         }
         self.spread_rocking();
     }
@@ -225,8 +222,7 @@ pub(crate) fn advance(bodies: &mut [SoftBody], states: &[NodalState]) -> Result<
 }
 
 /// Sums what the pairs do to the bodies.
-pub(crate) fn gather(bodies: &mut [SoftBody], pairs: &[SoftPair]) {
-    let touching = Touching::new(pairs, bodies.len());
+pub(crate) fn gather(bodies: &mut [SoftBody], pairs: &[SoftPair], touching: &Touching) {
     on_each(bodies, |i, body| body.gather(pairs, touching.of(i)));
 }
 

@@ -88,12 +88,21 @@ impl Context<'_> {
         }
     }
 
-    /// Evaluates one pair in place.
-    fn evaluate(&self, pair: &mut SoftPair, bodies: &[SoftBody], scratch: &mut DeformableScratch) {
+    /// Whether a pair must be evaluated: others do not touch.
+    fn is_due(&self, pair: &mut SoftPair, bodies: &[SoftBody]) -> bool {
         pair.failure = None;
         pair.counts = [0; 2];
+        let is_clear = pair.candidates.is_clear(self.motion(pair, bodies));
+        if is_clear {
+            pair.outcome.clear();
+        }
+        !is_clear
+    }
+
+    /// Evaluates one pair in place.
+    fn evaluate(&self, pair: &mut SoftPair, bodies: &[SoftBody], scratch: &mut DeformableScratch) {
         let motion = self.motion(pair, bodies);
-        if pair.candidates.is_clear(motion) || self.touch(pair, bodies, motion, scratch).is_none() {
+        if self.touch(pair, bodies, motion, scratch).is_none() {
             pair.outcome.clear();
         }
     }
@@ -195,22 +204,21 @@ pub(crate) fn run(
 }
 
 fn evaluate_all(context: &Context, bodies: &[SoftBody], list: &mut [SoftPair]) {
+    let due = list.iter_mut().filter_map(|pair| {
+        let is_due = context.is_due(pair, bodies);
+        is_due.then_some(pair)
+    });
     #[cfg(feature = "parallel")]
-    if rayon::current_num_threads() > 1 && list.len() >= SERIAL_BELOW {
+    if rayon::current_num_threads() > 1 {
         use rayon::prelude::*;
-        list.par_iter_mut()
-            .with_min_len(4)
+        // One by one: a pair that looks for candidates takes a hundred times as long as others.
+        let due: Vec<_> = due.collect();
+        due.into_par_iter()
             .for_each_init(DeformableScratch::default, |scratch, pair| {
                 context.evaluate(pair, bodies, scratch)
             });
         return;
     }
     let mut scratch = DeformableScratch::default();
-    for pair in list {
-        context.evaluate(pair, bodies, &mut scratch);
-    }
+    due.for_each(|pair| context.evaluate(pair, bodies, &mut scratch));
 }
-
-/// Fewer pairs than this are evaluated on the calling thread.
-#[cfg(feature = "parallel")]
-const SERIAL_BELOW: usize = 8;

@@ -20,7 +20,7 @@ use crate::walls::WallShape;
 use body::SoftBody;
 use evaluate::Context;
 use femdem_mesh::Vector3;
-use pairs::PairList;
+use pairs::{PairList, Part, Touching};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -282,30 +282,40 @@ impl DeformableBatch {
     /// Sums the forces in the order of the pairs.
     fn gather(&mut self) {
         let pairs = self.pairs.list();
-        body::gather(&mut self.bodies, pairs);
         self.rigid_loads.fill(Load::default());
         self.rigid_resistances.fill(Resistance::default());
         self.wall_loads.fill(Load::default());
         self.totals = DeformableTotals::default();
-        for pair in pairs {
+        let mut parts = Vec::with_capacity(2 * pairs.len());
+        for (place, pair) in (0..).zip(pairs) {
             self.totals += &pair.totals();
-            use DeformablePartner as Side;
-            let total = match pair.a {
-                Side::Deformable(_) => None,
-                Side::Rigid(i) => self.rigid_loads.get_mut(i as usize),
-                Side::Wall(w) => self.wall_loads.get_mut(w as usize),
-            };
-            let (Some(total), Some(found)) = (total, pair.outcome.load.as_deref()) else {
+            if pair.outcome.contact.is_none() {
                 continue;
-            };
-            let (load, resistance) = found;
-            *total += load;
-            if let Side::Rigid(i) = pair.a
-                && let Some(total) = self.rigid_resistances.get_mut(i as usize)
-            {
-                *total += resistance;
+            }
+            parts.push((pair.b, Part { place, side: 1 }));
+            let found = pair.outcome.load.as_deref();
+            match pair.a {
+                DeformablePartner::Deformable(i) => parts.push((i, Part { place, side: 0 })),
+                DeformablePartner::Rigid(i) => {
+                    let at = i as usize;
+                    if let (Some(total), Some((load, _))) = (self.rigid_loads.get_mut(at), found) {
+                        *total += load;
+                    }
+                    let total = self.rigid_resistances.get_mut(at);
+                    if let (Some(total), Some((_, resistance))) = (total, found) {
+                        *total += resistance;
+                    }
+                }
+                DeformablePartner::Wall(w) => {
+                    let total = self.wall_loads.get_mut(w as usize);
+                    if let (Some(total), Some((load, _))) = (total, found) {
+                        *total += load;
+                    }
+                }
             }
         }
+        let touching = Touching::new(&parts, self.bodies.len());
+        body::gather(&mut self.bodies, pairs, &touching);
     }
 
     /// Whether anything touches a body: where not, all of the following are zero.

@@ -184,52 +184,44 @@ impl PairList {
     }
 }
 
+/// A pair and the side that a body is in it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Part {
+    /// Of the pair in the list.
+    pub place: u32,
+    pub side: u8,
+}
+
 /// The touching pairs of each body, in their order.
 pub(crate) struct Touching {
     /// Where those of each body begin.
     starts: Vec<u32>,
-    /// Places in the list, and the side that the body is.
-    entries: Vec<(u32, u8)>,
+    parts: Vec<Part>,
 }
 
 impl Touching {
-    pub fn new(pairs: &[SoftPair], bodies: usize) -> Self {
+    /// By bodies, fewer than `bodies`, and their parts in the order of the pairs.
+    pub fn new(all: &[(u32, Part)], bodies: usize) -> Self {
+        let known = || all.iter().filter(|(body, _)| (*body as usize) < bodies);
         let mut starts = vec![0; bodies + 1];
-        for_sides(pairs, bodies, |body, _| starts[body + 1] += 1);
+        for (body, _) in known() {
+            starts[*body as usize + 1] += 1;
+        }
         for body in 0..bodies {
             starts[body + 1] += starts[body];
         }
         let mut next = starts.clone();
-        let mut entries = vec![(0, 0); starts[bodies] as usize];
-        for_sides(pairs, bodies, |body, entry| {
-            entries[next[body] as usize] = entry;
-            next[body] += 1;
-        });
-        Self { starts, entries }
+        let mut parts = vec![Part::default(); starts[bodies] as usize];
+        for (body, part) in known() {
+            let next = &mut next[*body as usize];
+            parts[*next as usize] = *part;
+            *next += 1;
+        }
+        Self { starts, parts }
     }
 
-    /// Places of the pairs of a body, and the side that it is in them.
-    pub fn of(&self, body: usize) -> &[(u32, u8)] {
-        &self.entries[self.starts[body] as usize..self.starts[body + 1] as usize]
-    }
-}
-
-/// Calls `each` with the deformable bodies (fewer than `bodies`) of all touching pairs, the pair's place and
-/// the side.
-fn for_sides(pairs: &[SoftPair], bodies: usize, mut each: impl FnMut(usize, (u32, u8))) {
-    for (place, pair) in (0..).zip(pairs) {
-        if pair.outcome.contact.is_none() {
-            continue;
-        }
-        let of_a = match pair.a {
-            DeformablePartner::Deformable(i) => Some((i, 0)),
-            _ => None,
-        };
-        for (body, side) in of_a.into_iter().chain([(pair.b, 1)]) {
-            if (body as usize) < bodies {
-                each(body as usize, (place, side));
-            }
-        }
+    pub fn of(&self, body: usize) -> &[Part] {
+        &self.parts[self.starts[body] as usize..self.starts[body + 1] as usize]
     }
 }
 

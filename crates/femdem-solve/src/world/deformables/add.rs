@@ -232,6 +232,7 @@ impl Deformables {
             batch,
             loads: Vec::new(),
             wall_loads: Vec::new(),
+            bound: None,
         })
     }
 

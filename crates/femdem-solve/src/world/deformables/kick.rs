@@ -63,7 +63,8 @@ impl<'a> Kick<'a> {
 }
 
 impl World {
-    /// Adds the impulse of half a step to all nodes and books the work.
+    /// The second half of a step: adds the impulse of `h` (s) to all nodes, books the work, and finds the largest
+    /// step that may come next, while the forces are at hand.
     pub(in crate::world) fn kick_deformables(&mut self, h: f64) {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return;
@@ -75,11 +76,14 @@ impl World {
             ..
         } = deformables;
         let kick = Kick::new(batch, &self.parameters, h);
-        let flows = on_each(bodies, |i, body| {
-            kick.apply(i, body, &models[body.model as usize].model)
+        let results = on_each(bodies, |i, body| {
+            let flows = kick.apply(i, body, &models[body.model as usize].model);
+            (flows, body.largest_step(batch, i as u32))
         });
-        for flows in flows {
-            self.book_kick(&flows);
+        let steps = results.iter().map(|(_, step)| *step);
+        deformables.bound = Some(steps.fold(f64::INFINITY, f64::min));
+        for (flows, _) in &results {
+            self.book_kick(flows);
         }
     }
 

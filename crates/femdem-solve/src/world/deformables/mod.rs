@@ -143,4 +143,7 @@ pub(crate) struct Deformables {
     /// Loads of the rigid bodies and of the walls, by all contacts.
     loads: Vec<Load>,
     wall_loads: Vec<Load>,
+    /// The largest stable step under the present forces, s, once it is known.
+    #[serde(skip)]
+    bound: Option<f64>,
 }

@@ -33,6 +33,9 @@ impl World {
         let Some(deformables) = self.deformables.as_deref() else {
             return f64::INFINITY;
         };
+        if let Some(bound) = deformables.bound {
+            return bound;
+        }
         let batch = &deformables.batch;
         let steps = of_each(&deformables.bodies, |i, body| {
             body.largest_step(batch, i as u32)
@@ -147,6 +150,7 @@ impl Deformables {
         rigid: &[Motion],
         walls: &[Motion],
     ) -> Result<(), ContactError> {
+        self.bound = None;
         let states: Vec<NodalState> = self
             .bodies
             .iter()
@@ -185,7 +189,7 @@ impl Deformables {
 
 impl State {
     /// The largest step that is stable for body `i` with its contacts, s.
-    fn largest_step(&self, batch: &DeformableBatch, i: u32) -> f64 {
+    pub(super) fn largest_step(&self, batch: &DeformableBatch, i: u32) -> f64 {
         if !batch.touches(i) {
             return self.bound.critical_step();
         }
