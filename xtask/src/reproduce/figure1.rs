@@ -15,6 +15,14 @@ use crate::validate::report::{Check, Report, markdown_table, short};
 /// Threads of the runs.
 const THREADS: [u32; 3] = [1, 2, 4];
 
+/// How often each is timed, in turns: of all times the least counts, since others use the machine too.
+fn turns(scale: Scale) -> u32 {
+    match scale {
+        Scale::Quick => 1,
+        Scale::Full => 3,
+    }
+}
+
 /// Boulders and simulated time, s.
 fn stretch(scale: Scale) -> (u32, f64) {
     match scale {
@@ -30,32 +38,36 @@ fn arguments(scale: Scale, threads: u32) -> String {
 }
 
 /// The file of a run, in the folder of runs.
-fn file(runs: &Path, scale: Scale, threads: u32) -> PathBuf {
+fn file(runs: &Path, scale: Scale, (turn, threads): Run) -> PathBuf {
     let (boulders, seconds) = stretch(scale);
     runs.join(format!(
-        "boulders_{boulders}_{seconds}s_threads{threads}.tsv"
+        "boulders_{boulders}_{seconds}s_threads{threads}_turn{turn}.tsv"
     ))
+}
+
+/// Its turn and its threads.
+type Run = (u32, u32);
+
+fn all_runs(scale: Scale) -> impl Iterator<Item = Run> {
+    (1..=turns(scale)).flat_map(|turn| THREADS.map(|threads| (turn, threads)))
 }
 
 /// The commands of the study, with the files that their results are looked for in.
 pub(super) fn commands(runs: &Path, scale: Scale) -> Vec<String> {
-    let command = |threads: u32| {
-        let file = file(runs, scale, threads);
-        let arguments = arguments(scale, threads);
+    let command = |run: Run| {
+        let file = file(runs, scale, run);
+        let arguments = arguments(scale, run.1);
         format!(
             "cargo run --release --locked {arguments} > {}",
             file.display()
         )
     };
-    THREADS.into_iter().map(command).collect()
+    all_runs(scale).map(command).collect()
 }
 
 /// What the example printed earlier, or prints now. `None`: it is not to be run.
-fn output(runs: &Runs, scale: Scale, threads: u32) -> Result<Option<Output>> {
-    let (file, arguments) = (
-        file(runs.folder(), scale, threads),
-        arguments(scale, threads),
-    );
+fn output(runs: &Runs, scale: Scale, run: Run) -> Result<Option<Output>> {
+    let (file, arguments) = (file(runs.folder(), scale, run), arguments(scale, run.1));
     if file.is_file() {
         let (output, _) = Output::read(&file, &arguments)?;
         // The hash is printed last.
@@ -83,13 +95,14 @@ struct Timing {
 /// # Errors
 /// When the example cannot be built or fails.
 pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
-    let mut timings = Vec::new();
+    let mut timings: Vec<Timing> = Vec::new();
     let mut hashes = std::collections::BTreeSet::new();
     let mut rows = Vec::new();
-    for threads in THREADS {
-        let Some(output) = output(runs, scale, threads)? else {
+    for run in all_runs(scale) {
+        let Some(output) = output(runs, scale, run)? else {
             continue;
         };
+        let (turn, threads) = run;
         let number = |name: &str| output.number("number", &[name], 1);
         let timing = Timing {
             threads: f64::from(threads),
@@ -98,15 +111,20 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
         };
         hashes.extend(output.rows("hash").filter_map(|row| row.first().cloned()));
         rows.push(vec![
+            turn.to_string(),
             threads.to_string(),
             short(timing.wall),
             short(timing.cpu),
             short(number("steps")),
             short(number("simulated seconds")),
-            format!("{:.2}", first_wall(&timings, timing) / timing.wall),
         ]);
-        timings.push(timing);
+        match timings.iter_mut().find(|t| t.threads == timing.threads) {
+            Some(best) if timing.wall < best.wall => *best = timing,
+            Some(_) => {}
+            None => timings.push(timing),
+        }
     }
+    let (found, wanted) = (rows.len(), all_runs(scale).count());
     let same = Check::holds(
         "state hashes",
         "all equal",
@@ -125,29 +143,17 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
             Check::holds(
                 "runs",
                 "all",
-                format!("{} of {}", timings.len(), THREADS.len()),
-                timings.len() == THREADS.len(),
+                format!("{found} of {wanted}"),
+                found == wanted,
             ),
             same,
         ],
-        columns: vec![
-            "threads",
-            "wall_s",
-            "cpu_s",
-            "steps",
-            "simulated_s",
-            "speedup",
-        ],
+        columns: vec!["turn", "threads", "wall_s", "cpu_s", "steps", "simulated_s"],
         rows,
         attachments: Vec::new(),
     };
     runs.attach(&mut report, "figure1.svg", &picture(&timings))?;
     Ok(report)
-}
-
-/// The time of one thread.
-fn first_wall(before: &[Timing], this: Timing) -> f64 {
-    before.first().map_or(this.wall, |first| first.wall)
 }
 
 /// The serial share s of Amdahl's law, T(n) = T(1) (s + (1 - s)/n), by least squares in T(n)/T(1).
@@ -211,7 +217,8 @@ fn text(boulders: u32, seconds: f64, timings: &[Timing]) -> String {
     let cpu = timings.first().map_or(f64::NAN, |t| t.cpu / seconds);
     format!(
         "{boulders} boulders of the scene of `cargo xtask validate boulders-deformable` fall into the founding \
-         paper's bin for {seconds} simulated seconds; the same bits on any number of threads. One thread takes {} s of \
+         paper's bin for {seconds} simulated seconds; the same bits on any number of threads. Of several turns (below) the fastest \
+         count. One thread takes {} s of \
          processor time per simulated second. The paper's Figure 1 is of 288 deformable rocks, 93.2 min on one thread; its \
          machine, elements and simulated time are other than ours, so speedups are compared and not times. The share of the time that does \
          not gain from threads, by least squares of Amdahl's law: **{}** here, {} in the paper. Speedups that \
