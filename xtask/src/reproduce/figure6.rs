@@ -50,7 +50,8 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
         "Figure 6 of Xiang, Latham and Farsi (DEM7, 2016), read off to {FIGURE6_ERROR}: truncated tetrahedra \
          (A1) at five friction coefficients. Readings of the paper's protocol and damping:\n\n{}\n\
          Cells are the density of the core with its standard error, and in brackets the difference to the \
-         paper, also in combined standard errors s.\n",
+         paper, also in combined standard errors s. Where a core is too small for an error of its own, the standard \
+         error is that of the scatter of two or three packs, which can be small by chance.\n",
         explained()
     );
     let mut pictures = Vec::new();
