@@ -53,7 +53,8 @@ pub(crate) struct Touch<'a> {
     pub slip: Vector3,
     /// Of A and of B at the point.
     pub mobilities: [Mobility; 2],
-    /// Of the whole contact, s: over half the damping ratio, the dashpot over the spring.
+    /// 1/sqrt(K w) of the whole contact, s, with the stiffness K of its springs and its inverse mass w along
+    /// the normal force: a spring k has the part 2 zeta k/sqrt(K w) of its dashpot.
     pub period: f64,
     /// The tetrahedra around, by number and as they are.
     pub hosts: [(u32, &'a Current); 2],

@@ -88,8 +88,9 @@ impl Context<'_> {
         }
     }
 
-    /// Whether a pair must be evaluated: others do not touch.
-    fn is_due(&self, pair: &mut SoftPair, bodies: &[SoftBody]) -> bool {
+    /// Forgets the last update of a pair. Whether it must be evaluated: one that is known to be clear does not
+    /// touch.
+    fn begin(&self, pair: &mut SoftPair, bodies: &[SoftBody]) -> bool {
         pair.failure = None;
         pair.counts = [0; 2];
         let is_clear = pair.candidates.is_clear(self.motion(pair, bodies));
@@ -205,7 +206,7 @@ pub(crate) fn run(
 
 fn evaluate_all(context: &Context, bodies: &[SoftBody], list: &mut [SoftPair]) {
     let due = list.iter_mut().filter_map(|pair| {
-        let is_due = context.is_due(pair, bodies);
+        let is_due = context.begin(pair, bodies);
         is_due.then_some(pair)
     });
     #[cfg(feature = "parallel")]
