@@ -66,7 +66,8 @@ impl DeformableModel {
         if usable { modulus } else { 1.0 }
     }
 
-    /// The weights of the nodes that make the bound of [`NodalBound`](super::comparison::NodalBound) the best without contact.
+    /// The weights of the nodes that make the bound of [`NodalBound`](super::comparison::NodalBound) the best
+    /// without contact.
     fn best_weights(&self) -> Vec<f64> {
         let mut x = vec![1.0; self.masses.len()];
         let mut next = Vec::new();
