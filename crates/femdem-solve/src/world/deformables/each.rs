@@ -4,16 +4,6 @@
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
-/// `work` of every item with its index.
-#[cfg(feature = "parallel")]
-pub(super) fn of_each<T: Sync, R: Send>(
-    items: &[T],
-    work: impl Fn(usize, &T) -> R + Sync + Send,
-) -> Vec<R> {
-    let items = items.par_iter().enumerate();
-    items.map(|(i, item)| work(i, item)).collect()
-}
-
 /// `work` on every item with its index and with memory to be reused, which must not carry a value from one item
 /// to the next.
 #[cfg(feature = "parallel")]
@@ -26,13 +16,6 @@ pub(super) fn on_each_with<T: Send, S, R: Send>(
     items
         .map_init(memory, |memory, (i, item)| work(memory, i, item))
         .collect()
-}
-
-/// `work` of every item with its index.
-#[cfg(not(feature = "parallel"))]
-pub(super) fn of_each<T, R>(items: &[T], work: impl Fn(usize, &T) -> R) -> Vec<R> {
-    let items = items.iter().enumerate();
-    items.map(|(i, item)| work(i, item)).collect()
 }
 
 /// `work` on every item with its index and with memory to be reused, which must not carry a value from one item

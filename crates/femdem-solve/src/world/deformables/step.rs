@@ -1,6 +1,6 @@
 //! Kick, drift and forces of the deformable bodies.
 
-use super::each::{of_each, on_each, on_each_with};
+use super::each::{on_each, on_each_with};
 use super::kick::Kick;
 use super::{Deformables, RENEW, Scratch, State};
 use crate::deformable::DeformableModel;
@@ -36,11 +36,10 @@ impl World {
         if let Some(bound) = deformables.bound {
             return bound;
         }
-        let batch = &deformables.batch;
-        let steps = of_each(&deformables.bodies, |i, body| {
-            body.largest_step(batch, i as u32)
-        });
-        steps.into_iter().fold(f64::INFINITY, f64::min)
+        // Before the first kick only.
+        let bodies = (0..).zip(&deformables.bodies);
+        let steps = bodies.map(|(i, body)| body.largest_step(&deformables.batch, i));
+        steps.fold(f64::INFINITY, f64::min)
     }
 
     /// Gives held and driven nodes their velocities of the step's end and books what that takes.
