@@ -267,41 +267,54 @@ impl Views<'_> {
     }
 }
 
-/// Evaluates all pairs of the order. Each pair is written in its own slot, so neither the
-/// order nor the number of threads changes a bit.
-pub(crate) fn run(views: Views, pairs: &mut PairTable) {
+/// Evaluates all pairs of the order and shows them to `seen` in that order. Each pair is written in its own
+/// slot, so the number of threads changes no bit.
+///
+/// One thread evaluates and shows a pair in one go: in a large pack each look at a pair that was not looked at just
+/// before waits for memory.
+pub(crate) fn run(views: Views, pairs: &mut PairTable, mut seen: impl FnMut(&Pair)) {
+    #[cfg(feature = "parallel")]
+    if rayon::current_num_threads() > 1 && hand_out(views, pairs) {
+        pairs.evaluated().for_each(seen);
+        return;
+    }
+    let mut work = Workspace::default();
+    for k in 0..pairs.order_len() {
+        let pair = pairs.slot_mut(pairs.order()[k]);
+        if views.is_clear(pair) {
+            pair.part();
+        } else {
+            views.evaluate(pair, &mut work);
+        }
+        seen(pair);
+    }
+}
+
+/// Evaluates the pairs on all threads, unless they are too few.
+#[cfg(feature = "parallel")]
+fn hand_out(views: Views, pairs: &mut PairTable) -> bool {
+    use rayon::prelude::*;
+    if !pairs.has_meshes() && pairs.order_len() < SERIAL_BELOW {
+        return false;
+    }
     let mut due = Vec::with_capacity(pairs.order_len());
+    let mut meshes = 0;
     for k in 0..pairs.order_len() {
         let slot = pairs.order()[k];
         let pair = pairs.slot_mut(slot);
         if views.is_clear(pair) {
             pair.part();
         } else {
+            meshes += usize::from(matches!(pair.cache, Cache::Mesh(_)));
             due.push(slot);
         }
     }
-    #[cfg(feature = "parallel")]
-    if rayon::current_num_threads() > 1 && hand_out(views, pairs, &mut due) {
-        return;
-    }
-    let mut work = Workspace::default();
-    for slot in due {
-        views.evaluate(pairs.slot_mut(slot), &mut work);
-    }
-}
-
-/// Evaluates the pairs on all threads, unless they are too few.
-#[cfg(feature = "parallel")]
-fn hand_out(views: Views, pairs: &mut PairTable, due: &mut [u32]) -> bool {
-    use rayon::prelude::*;
-    let is_mesh = |slot: &&u32| matches!(pairs.slot(**slot).cache, Cache::Mesh(_));
-    let meshes = due.iter().filter(is_mesh).count();
     if due.len() + MESH_PAIR * meshes < SERIAL_BELOW {
         return false;
     }
     due.sort_unstable();
     pairs
-        .slots_mut(due)
+        .slots_mut(&due)
         .into_par_iter()
         .with_min_len(if meshes > 0 { 1 } else { MESH_PAIR })
         .for_each_init(Workspace::default, |work, pair| {

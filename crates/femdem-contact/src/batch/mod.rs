@@ -2,6 +2,7 @@
 //! history; the host owns the bodies, their integration and the time step.
 
 mod evaluate;
+mod gather;
 mod history;
 mod implicit;
 mod pairs;
@@ -18,6 +19,7 @@ use crate::motion::Motion;
 use crate::shape::BodyShape;
 use crate::walls::WallShape;
 use evaluate::{Context, Views};
+use gather::Sums;
 pub use implicit::Snapshot;
 use pairs::PairTable;
 use serde::{Deserialize, Serialize};
@@ -309,8 +311,14 @@ impl ContactBatch {
             now: &now,
             ahead: ahead.as_ref(),
         };
-        evaluate::run(views, &mut self.pairs);
-        self.gather();
+        let mut sums = Sums::new(
+            &self.awake,
+            &self.awake_list,
+            &mut self.loads,
+            &mut self.wall_loads,
+            &mut self.totals,
+        );
+        evaluate::run(views, &mut self.pairs, |pair| sums.add(pair));
         Ok(())
     }
 
@@ -387,30 +395,14 @@ impl ContactBatch {
 
     /// Sums the loads of awake bodies and walls in the order of the pairs.
     fn gather(&mut self) {
-        for &i in &self.awake_list {
-            self.loads[i as usize] = Load::default();
-        }
-        self.wall_loads.fill(Load::default());
-        let mut totals = BatchTotals::default();
-        for pair in self.pairs.evaluated() {
-            totals.candidates += 1;
-            for contact in pair.contacts() {
-                totals.touching += usize::from(contact.patch == 0);
-                totals.energy += contact.energy;
-                totals.spring_energy += contact.spring_energy;
-                match contact.a {
-                    Partner::Body(a) if self.awake[a as usize] => {
-                        self.loads[a as usize].add(contact, 0);
-                    }
-                    Partner::Body(_) => {}
-                    Partner::Wall(w) => self.wall_loads[w as usize].add(contact, 0),
-                }
-                if self.awake[contact.b as usize] {
-                    self.loads[contact.b as usize].add(contact, 1);
-                }
-            }
-        }
-        self.totals = totals;
+        let mut sums = Sums::new(
+            &self.awake,
+            &self.awake_list,
+            &mut self.loads,
+            &mut self.wall_loads,
+            &mut self.totals,
+        );
+        self.pairs.evaluated().for_each(|pair| sums.add(pair));
     }
 
     /// Loads of all bodies; those of sleeping bodies are from when they fell asleep.

@@ -187,6 +187,9 @@ impl World {
 
     /// Frozen bodies that an awake one has hit.
     fn struck_bodies(&self) -> Vec<u32> {
+        if self.awake.len() == self.bodies.len() {
+            return Vec::new();
+        }
         let loads = self.batch.loads();
         self.batch
             .struck_sleepers(|i, force| force > STRUCK * self.scale(i as usize, &loads[i as usize]))
