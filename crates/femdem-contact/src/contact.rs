@@ -295,8 +295,8 @@ impl AddAssign<&Self> for Load {
         self.normal_sum += other.normal_sum;
         self.contacts += other.contacts;
         for k in 0..2 {
-            self.traces.stiffness[k] += other.traces.stiffness[k];
-            self.traces.viscosity[k] += other.traces.viscosity[k];
+            self.bounds.stiffness[k] += other.bounds.stiffness[k];
+            self.bounds.viscosity[k] += other.bounds.viscosity[k];
         }
     }
 }
@@ -314,20 +314,21 @@ pub struct Load {
     pub normal_sum: f64,
     /// Number of bodies and walls in contact; the patches of a pair count once.
     pub contacts: u32,
-    traces: Traces,
+    bounds: Bounds,
 }
 
-/// Traces of the body's [`Resistance`]: over its translations and its turnings.
+/// Upper bounds of the largest eigenvalues of the body's [`Resistance`], as sums over its contacts: what goes with its
+/// inverse mass, and with its largest inverse moment of inertia.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-struct Traces {
+struct Bounds {
     /// N/m and N m.
     stiffness: [f64; 2],
     /// N s/m and N m s.
     viscosity: [f64; 2],
 }
 
-/// Traces are sums of their own, which differ from those of the matrices by rounding.
-const TRACES_TO_SPARE: f64 = 1.0 + 1e-9;
+/// The bounds are sums of their own, which differ from the matrices by rounding.
+const BOUNDS_TO_SPARE: f64 = 1.0 + 1e-9;
 
 impl Load {
     /// Adds a contact; `side` 0 is A, 1 is B.
@@ -356,7 +357,7 @@ impl Load {
         );
         self.normal_sum += contact.normal_force;
         self.contacts += u32::from(contact.patch == 0);
-        self.traces.add(contact, arm, contact.shares[side]);
+        self.bounds.add(contact, arm, contact.shares[side]);
     }
 
     /// Adds what a body that deforms does to this one: elastic, damping and friction wrenches.
@@ -368,42 +369,36 @@ impl Load {
         self.friction += friction;
     }
 
-    /// Whether a step is stable by the traces alone, in which every stiffness and viscosity of the body
-    /// counts as if all acted on the same motion. Holds for most bodies at the step of the worst one.
+    /// Whether a step is stable even if all contacts of the body met the same motion of it. Holds for most
+    /// bodies at the step of the worst one.
     pub(crate) fn allows(&self, motion: &Motion, step: f64) -> bool {
         let weighted = |[translation, turning]: [f64; 2]| {
             motion.inverse_mass * translation + motion.inverse_inertia_max * turning
         };
-        let Traces {
+        let Bounds {
             stiffness,
             viscosity,
-        } = self.traces;
-        stable_step(weighted(stiffness), weighted(viscosity)) >= step * TRACES_TO_SPARE
+        } = self.bounds;
+        stable_step(weighted(stiffness), weighted(viscosity)) >= step * BOUNDS_TO_SPARE
     }
 }
 
-impl Traces {
+impl Bounds {
     fn add(&mut self, contact: &Contact, arm: &Vector3, share: f64) {
+        let square = arm.norm_squared();
         let springs = contact.springs().scaled(share);
-        let (lever, square) = (
-            arm.cross(&contact.normal).norm_squared(),
-            arm.norm_squared(),
-        );
-        // A spring along the normal, and two across it whose levers are the rest of the arm.
-        let across = 2.0 * square - lever;
-        self.stiffness[0] += springs.normal + 2.0 * springs.tangential;
-        self.stiffness[1] += springs.normal * lever
-            + springs.tangential * across
-            + springs.torsion
-            + 2.0 * springs.rocking;
+        // No motion of the contact point meets more than the stiffest of its springs.
+        let point = springs.normal.max(springs.tangential);
+        self.stiffness[0] += point;
+        self.stiffness[1] += point * square + springs.torsion.max(springs.rocking);
         let dashpots = contact.dashpots.scaled(share);
+        // The normal one acts along another line.
         if let Some(lever) = contact.elastic_lever(arm) {
             self.viscosity[0] += dashpots.normal;
             self.viscosity[1] += dashpots.normal * lever.norm_squared();
         }
-        self.viscosity[0] += 2.0 * dashpots.tangential;
-        self.viscosity[1] +=
-            dashpots.tangential * across + dashpots.torsion + 2.0 * dashpots.rocking;
+        self.viscosity[0] += dashpots.tangential;
+        self.viscosity[1] += dashpots.tangential * square + dashpots.torsion.max(dashpots.rocking);
     }
 }
 
