@@ -162,6 +162,42 @@ fn a_block_sticks_below_the_friction_angle_and_slides_above() {
     assert!((got / want - 1.0).abs() < 0.01, "{got} instead of {want}");
 }
 
+/// Mean distance over d that truncated dodecahedra, dropped in eight attitudes, roll down a slope of 20 degrees in
+/// half a second.
+fn rolled(p: WorldParameters) -> f64 {
+    let slope = 20_f64.to_radians();
+    let distance = |k: u32| {
+        let k = f64::from(k);
+        let turn = Vector3::new(
+            (1.7 * k).sin(),
+            (2.3 * k + 1.0).sin(),
+            (3.1 * k + 2.0).sin(),
+        );
+        let mut p = p;
+        p.gravity = Vector3::new(G * slope.sin(), 0.0, -G * slope.cos());
+        let mut world = World::new(p).unwrap();
+        let shape = world.add_shape("A10", &solid("A10")).unwrap();
+        add_floor(&mut world, Drive::Fixed);
+        let turn = Rotation::from_scaled_axis(turn * 3.0);
+        let spec = BodySpec::at_rest(shape, DENSITY, pose(Vector3::z() * D, turn));
+        world.add_body(spec).unwrap();
+        run_until(&mut world, 0.5);
+        world.position(0).unwrap().x / D
+    };
+    (0..8).map(distance).sum::<f64>() / 8.0
+}
+
+/// Contacts do not pull: a body that rolls over its edges is held back by no more than its dashpots.
+#[test]
+fn polyhedra_roll_as_far_as_with_explicit_steps() {
+    let explicit = parameters(1e7, 0.6, 0.6);
+    let (want, got) = (rolled(explicit), rolled(implicit(explicit, 6.0)));
+    assert!(
+        (got / want - 1.0).abs() < 0.1,
+        "{got} d instead of {want} d"
+    );
+}
+
 /// A floor that sets off sideways takes a block along: it slides until it has the floor's speed, and the
 /// books know the work of the drive.
 #[test]

@@ -6,7 +6,7 @@ use femdem_contact::{Contact, ContactForce, Dashpots, Springs};
 use femdem_mesh::nalgebra::{Matrix6, Vector6};
 use femdem_mesh::{Matrix3, Vector3};
 
-/// A change of a sliding friction, over its bound, that calls for another solution.
+/// A change of a friction or moment at its bound, over that bound, that calls for another solution.
 const SETTLED: f64 = 0.02;
 
 /// How a contact takes part in a solution.
@@ -29,6 +29,15 @@ struct Slip {
     torsion: f64,
     /// How much they fall for each unit of velocity gained, N s/m and N m s.
     slopes: [f64; 2],
+}
+
+/// A moment against rocking at its bound, which falls with the turning as friction does with the slip.
+#[derive(Debug, Clone, Copy)]
+struct Tilt {
+    /// At the velocities before the step, N m.
+    moment: Vector3,
+    /// How much it falls for each unit of turning gained, N m s.
+    slope: f64,
 }
 
 /// How much forces (N s/m) and moments (N m s) fall for each unit of velocity and turning gained.
@@ -81,6 +90,8 @@ pub(super) struct Link {
     radius: f64,
     dt: f64,
     grip: Grip,
+    /// While it rocks by more than its springs and dashpots can resist.
+    tilt: Option<Tilt>,
 }
 
 /// Energies of a contact over a step, J.
@@ -92,6 +103,18 @@ pub(super) struct Works {
     pub friction: f64,
     /// That the normal spring took from the motion and does not hold.
     pub step: f64,
+}
+
+/// How much a force at its bound falls for each unit of velocity gained, at most `most`: so that it has vanished
+/// when the velocity has that it opposes.
+fn slope_at_bound(force: &Vector3, velocity: &Vector3, most: f64) -> f64 {
+    let size = force.norm();
+    let speed = -force.dot(velocity) / size.max(f64::MIN_POSITIVE);
+    if speed > 0.0 {
+        (size / speed).min(most)
+    } else {
+        0.0
+    }
 }
 
 impl Link {
@@ -141,6 +164,7 @@ impl Link {
             radius: contact.torsion_radius(),
             dt,
             grip: Grip::Holds,
+            tilt: None,
         };
         if contact.slides {
             // It goes on as it did.
@@ -187,31 +211,33 @@ impl Link {
 
     /// Adds the forces at the velocities before the step.
     pub(super) fn add_start(&self, out: &mut [Twist]) {
+        let mut forces = ContactForce {
+            rocking: self.rocks().moment,
+            ..self.start
+        };
         match self.grip {
-            Grip::Holds => self.add_force(&self.start, out),
+            Grip::Holds => {}
             Grip::Slides(slip) => {
-                let sliding = ContactForce {
-                    friction: slip.friction,
-                    torsion: slip.torsion,
-                    ..self.start
-                };
-                self.add_force(&sliding, out);
+                forces.friction = slip.friction;
+                forces.torsion = slip.torsion;
             }
-            Grip::Parts => {}
+            Grip::Parts => return,
         }
+        self.add_force(&forces, out);
+    }
+
+    /// The moment against rocking.
+    fn rocks(&self) -> Tilt {
+        self.tilt.unwrap_or(Tilt {
+            moment: self.start.rocking,
+            slope: self.slopes.rocking,
+        })
     }
 
     /// The slip that friction and torsion at their bound belong to after a change of velocity and spin;
     /// `share` is the part of the torsional spring that is within the bound.
     fn slip(&self, friction: &Vector3, torsion: f64, change: [f64; 2], share: f64) -> Slip {
-        let size = friction.norm();
-        // Speed that the friction opposes.
-        let speed = -friction.dot(&self.before.velocity) / size.max(f64::MIN_POSITIVE);
-        let slope = if speed > 0.0 {
-            (size / speed).min(self.slopes.tangential)
-        } else {
-            0.0
-        };
+        let slope = slope_at_bound(friction, &self.before.velocity, self.slopes.tangential);
         let turning = share * self.slopes.torsion;
         Slip {
             friction: *friction,
@@ -234,13 +260,12 @@ impl Link {
         let Some([held, torsion]) = self.held() else {
             return;
         };
-        let (n, s) = (&self.normal, &self.slopes);
+        let (n, rocking) = (&self.normal, self.rocks().slope);
         let x = self.relative(x);
         let (along, spin) = (n.dot(&x.velocity), n.dot(&x.turning));
-        let pressed = s.normal * (along + self.lever.dot(&x.turning));
+        let pressed = self.slopes.normal * (along + self.lever.dot(&x.turning));
         let force = n * (pressed - held * along) + x.velocity * held;
-        let moment =
-            self.lever * pressed + x.turning * s.rocking + n * (spin * (torsion - s.rocking));
+        let moment = self.lever * pressed + x.turning * rocking + n * (spin * (torsion - rocking));
         self.add(&force, &moment, out);
     }
 
@@ -307,15 +332,24 @@ impl Link {
         };
         let friction = friction - (change.velocity - n * along) * held;
         let torsion = torsion - spin * turning;
+        let tilt = self.rocks();
+        let rocking = tilt.moment - (change.turning - n * spin) * tilt.slope;
         let share = self.share(&friction, torsion, normal);
         let forces = ContactForce {
             normal,
             friction: friction * share,
             torsion: torsion * share,
-            rocking: self.start.rocking - (change.turning - n * spin) * s.rocking,
+            rocking: self.at_edge(&rocking, normal).unwrap_or(rocking),
             slides: share < 1.0 || matches!(self.grip, Grip::Slides(_)),
         };
         (forces, share)
+    }
+
+    /// A moment against rocking that would move the centre of the pressure out of the patch, at its bound: the sides
+    /// do not pull.
+    fn at_edge(&self, moment: &Vector3, normal: f64) -> Option<Vector3> {
+        let (size, most) = (moment.norm(), normal * self.radius);
+        (size > most).then(|| moment * (most / size))
     }
 
     /// The part of friction and torsion within the ellipsoid limit surface of the friction law.
@@ -330,8 +364,8 @@ impl Link {
         }
     }
 
-    /// Takes from a solution whether the friction holds and whether the sides part; tells whether that calls
-    /// for another one.
+    /// Takes from a solution whether friction and rocking hold and whether the sides part; tells whether that
+    /// calls for another one.
     pub(super) fn follow(&mut self, x: &[Twist]) -> bool {
         let x = self.relative(x);
         let (found, within) = self.forces(&x);
@@ -341,16 +375,31 @@ impl Link {
             self.grip = Grip::Parts;
             return !matches!(before, Grip::Parts);
         }
+        let tilted = self.follow_tilt(&x, &found.rocking, held.normal);
         if share == 1.0 {
-            return !matches!(before, Grip::Holds);
+            return tilted || !matches!(before, Grip::Holds);
         }
         let change = [0.0, self.normal.dot(&x.turning)];
         let slip = self.slip(&held.friction, held.torsion, change, share);
         self.grip = Grip::Slides(slip);
         let size = held.friction.norm();
         let off = (found.friction * (1.0 / within) - held.friction).norm();
-        let slowed = slip.slopes[0] * x.velocity.norm();
-        !matches!(before, Grip::Slides(_)) || off > SETTLED * size + slowed
+        tilted || !matches!(before, Grip::Slides(_)) || off > SETTLED * size
+    }
+
+    /// The same for rocking; `found` is the moment that the solution had.
+    fn follow_tilt(&mut self, x: &Twist, found: &Vector3, normal: f64) -> bool {
+        let before = self.tilt.take();
+        let n = &self.normal;
+        let gained = x.turning - n * n.dot(&x.turning);
+        let held = self.start.rocking - gained * self.slopes.rocking;
+        let Some(moment) = self.at_edge(&held, normal) else {
+            return before.is_some();
+        };
+        let slope = slope_at_bound(&moment, &self.before.turning, self.slopes.rocking);
+        self.tilt = Some(Tilt { moment, slope });
+        let off = (found - moment).norm();
+        before.is_none() || off > SETTLED * moment.norm()
     }
 
     /// The forces of a solution, added to `out`.

@@ -5,9 +5,9 @@
 //! which the present velocities would carry the bodies: so contacts are seen before they close, and a body
 //! that falls is stopped at the surface and not inside it. With x the change of the velocities
 //! (M/dt + C + dt K) x = f, f the forces there with the dashpots at the present velocities, K and C the
-//! springs and dashpots of every contact ([`Link`]). What friction holds beyond its bound, and contacts
-//! that would pull, are corrected in further solutions. The forces that are applied keep their bounds in
-//! any case, and act in pairs.
+//! springs and dashpots of every contact ([`Link`]). What friction holds beyond its bound, moments against rocking
+//! that would take the pressure out of the patch, and contacts that would pull, are corrected in further
+//! solutions. The forces that are applied keep their bounds in any case, and act in pairs.
 
 mod link;
 mod system;
