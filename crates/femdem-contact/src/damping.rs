@@ -51,14 +51,17 @@ pub(crate) struct Whole {
     /// Inverse effective mass of the pair along its total gradient, 1/kg; larger where the patches
     /// press against each other.
     inverse_mass: f64,
+    /// N/m.
+    stiffness: f64,
 }
 
 impl Whole {
     pub fn new<'a>(patches: impl Iterator<Item = &'a Overlap>, a: &Motion, b: &Motion) -> Self {
-        let (mut energy, mut pressed) = (0.0, 0.0);
+        let (mut energy, mut pressed, mut stiffness) = (0.0, 0.0, 0.0);
         let mut total = [Vector3::zeros(); 3];
         for patch in patches {
             energy += patch.energy;
+            stiffness += patch.stiffness.max(0.0);
             pressed += patch.force_magnitude();
             total[0] += patch.force;
             total[1] += patch.torque_a();
@@ -71,6 +74,17 @@ impl Whole {
         Self {
             energy,
             inverse_mass: response * (pressed / square).powi(2),
+            stiffness,
+        }
+    }
+
+    /// What a patch has of the friction dashpots that it would have alone: together they are those of all
+    /// springs on the same bodies, shared out by stiffness.
+    pub fn friction_share(&self, patch: &Overlap) -> f64 {
+        if self.stiffness > 0.0 {
+            (patch.stiffness.max(0.0) / self.stiffness).sqrt()
+        } else {
+            1.0
         }
     }
 }

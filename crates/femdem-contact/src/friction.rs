@@ -36,6 +36,8 @@ pub(crate) struct Pace {
     pub dt: f64,
     /// Whether the dashpots beside the springs act; their viscosities are told either way.
     pub dashpots: bool,
+    /// What the patch has of the dashpots that it would have alone.
+    pub share: f64,
 }
 
 /// Friction of one step.
@@ -233,8 +235,9 @@ impl FrictionState {
             b.inverse_mass_at(&overlap.arm_b),
         ];
         let inverse_inertia = n.dot(&(a.inverse_inertia * n)) + n.dot(&(b.inverse_inertia * n));
-        let viscosity = dashpot(law.tangential_damping, k, inverse_mass[0] + inverse_mass[1]);
-        let torsion_viscosity = dashpot(law.tangential_damping, k_theta, inverse_inertia);
+        let zeta = law.tangential_damping * pace.share;
+        let viscosity = dashpot(zeta, k, inverse_mass[0] + inverse_mass[1]);
+        let torsion_viscosity = dashpot(zeta, k_theta, inverse_inertia);
         let acting = f64::from(u8::from(pace.dashpots));
         let (eta, eta_theta) = (viscosity * acting, torsion_viscosity * acting);
         let mut force = -stretch * k - slip * eta;
@@ -342,6 +345,7 @@ mod tests {
                 let pace = Pace {
                     dt: 1e-3,
                     dashpots: true,
+                    share: 1.0,
                 };
                 let friction = state.update(&law, &overlap, 1e-17, &body, &moving, pace);
                 let size = friction.force.norm();

@@ -12,6 +12,7 @@ use femdem_contact::{
     BodyShape, Contact, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Drum, Field,
     FieldMesh, Frame, MeshWall, Motion, Partner, Wall, WallShape,
 };
+use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
@@ -182,6 +183,25 @@ fn a_plane_given_as_planes_and_as_a_mesh() {
     assert!(compared > 300, "only {compared}");
 }
 
+/// A dolos on the floor, sunk in by `depth` with an edge of one bar and the end of the other.
+fn on_two_patches(mesh: &TetMesh, depth: f64) -> Motion {
+    // The line from one edge to the other is level.
+    let from = Vector3::new(1.0, 0.0, -0.5).normalize();
+    let tilt = UnitQuaternion::rotation_between(&from, &-Vector3::z()).unwrap();
+    let rotation = tilt.to_rotation_matrix().into_inner();
+    let heights = mesh.points().iter().map(|p| (rotation * p.coords).z);
+    let lowest = heights.fold(f64::INFINITY, f64::min);
+    let mut body = Motion::fixed(Frame {
+        position: Vector3::z() * (-lowest - depth),
+        rotation,
+    });
+    body.inverse_mass = 1.0;
+    body.inverse_inertia = Matrix3::identity();
+    body.inverse_inertia_max = 1.0;
+    body.travelled = depth;
+    body
+}
+
 /// A dolos lies on an edge of one bar and the end of the other: two patches. Their sum is the
 /// whole, and the pair counts once.
 #[test]
@@ -192,26 +212,9 @@ fn several_patches_are_one_partner() {
     let id = batch.add_shape(field);
     batch.add_body(id).unwrap();
     batch.add_wall(Wall::half_space("floor", Vector3::z(), 0.0).unwrap());
-    // Turned so that the line from one edge to the other is level.
-    let tilt =
-        UnitQuaternion::rotation_between(&Vector3::new(1.0, 0.0, -0.5).normalize(), &-Vector3::z())
-            .unwrap();
-    let rotation = tilt.to_rotation_matrix().into_inner();
-    let lowest = mesh
-        .points()
-        .iter()
-        .map(|p| (rotation * p.coords).z)
-        .fold(f64::INFINITY, f64::min);
     let mut found = 0;
     for depth in [0.01, 0.05, 0.1, 0.2] {
-        let mut body = Motion::fixed(Frame {
-            position: Vector3::z() * (-lowest - depth),
-            rotation,
-        });
-        body.inverse_mass = 1.0;
-        body.inverse_inertia = Matrix3::identity();
-        body.inverse_inertia_max = 1.0;
-        body.travelled = depth;
+        let body = on_two_patches(&mesh, depth);
         let still = Motion::fixed(Frame::identity());
         batch.update(&[body], &[still], 1e-3).unwrap();
         let contacts = batch.contacts();
@@ -227,6 +230,34 @@ fn several_patches_are_one_partner() {
         assert!((sum - load.total.force).norm() <= 1e-12 * sum.norm());
     }
     assert!(found >= 2, "{found} patches");
+}
+
+/// Two patches have together the friction dashpot of their springs together: not each that of a contact that is
+/// alone, which would make it larger by the square root of two.
+#[test]
+fn several_patches_share_the_friction_dashpot() {
+    let mesh = dolos(0.5);
+    let field = FieldMesh::new(&mesh, Vector3::zeros(), Field::Body).unwrap();
+    let zeta = 0.3;
+    let mut batch = batch(ContactParameters {
+        tangential_damping: zeta,
+        ..ContactParameters::default()
+    });
+    let id = batch.add_shape(field);
+    batch.add_body(id).unwrap();
+    batch.add_wall(Wall::half_space("floor", Vector3::z(), 0.0).unwrap());
+    let mut body = on_two_patches(&mesh, 0.05);
+    // No turning: the mass that a patch moves is that of the body.
+    body.inverse_inertia = Matrix3::zeros();
+    body.inverse_inertia_max = 0.0;
+    let still = Motion::fixed(Frame::identity());
+    batch.update(&[body], &[still], 1e-3).unwrap();
+    let contacts = batch.contacts();
+    assert!(contacts.len() >= 2);
+    let stiffness: f64 = contacts.iter().map(|c| c.tangential_stiffness).sum();
+    let viscosity: f64 = contacts.iter().map(|c| c.dashpots().tangential).sum();
+    let want = 2.0 * zeta * (stiffness / body.inverse_mass).sqrt();
+    assert!((viscosity / want - 1.0).abs() < 1e-12, "{viscosity} {want}");
 }
 
 /// A fixed block under a block on two feet, whose middle touches too when it is pressed deeper:

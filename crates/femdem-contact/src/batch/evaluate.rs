@@ -227,7 +227,9 @@ impl Context<'_> {
             Partner::Body(_) => &self.parameters,
             Partner::Wall(_) => &self.at_walls,
         };
-        let friction = state.update(law, overlap, normal_force, a, b, self.pace);
+        let share = whole.map_or(1.0, |all| all.friction_share(overlap));
+        let pace = Pace { share, ..self.pace };
+        let friction = state.update(law, overlap, normal_force, a, b, pace);
         assemble(ids, overlap, &damped, &friction, [a, b])
     }
 }

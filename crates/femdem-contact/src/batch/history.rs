@@ -242,6 +242,7 @@ mod tests {
                 let pace = Pace {
                     dt: 1.0,
                     dashpots: true,
+                    share: 1.0,
                 };
                 let friction = state.update(&law, &now, 1.0, body, &moved, pace);
                 let damped = damp(&now, None, body, &moved, 0.0);

@@ -304,6 +304,7 @@ impl ContactBatch {
             pace: Pace {
                 dt: view.dt,
                 dashpots: ahead.is_none(),
+                share: 1.0,
             },
         };
         let (now, ahead) = (context(now), ahead.map(context));
