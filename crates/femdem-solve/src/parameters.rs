@@ -51,7 +51,7 @@ pub struct TimeStepParameters {
 /// linearly from there: one Newton step of the backward Euler method. The step can be many times the
 /// explicit one; in turn it takes energy from all motion that it does not resolve: impacts and
 /// vibrations shorter than a few steps. It is meant for bringing bodies to rest, not for impacts, waves or
-/// vibrations: a column of aligned cubes that is dropped, not set down, rocks for seconds or falls.
+/// vibrations: a column of aligned cubes that is dropped, not set down, stands, but trembles for seconds.
 /// For rigid bodies without [local damping](Medium::local_damping).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
