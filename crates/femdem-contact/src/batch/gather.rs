@@ -3,51 +3,40 @@
 use super::BatchTotals;
 use super::pairs::Pair;
 use crate::contact::{BodyId, Load, Partner};
+use serde::{Deserialize, Serialize};
 
-/// Loads of awake bodies and of walls, and totals, from pairs that are added in their order.
-pub(super) struct Sums<'a> {
-    awake: &'a [bool],
-    loads: &'a mut [Load],
-    walls: &'a mut [Load],
-    totals: &'a mut BatchTotals,
+/// Loads of bodies and of walls, and totals, from pairs that are added in their order.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct Sums {
+    pub loads: Vec<Load>,
+    pub walls: Vec<Load>,
+    pub totals: BatchTotals,
 }
 
-impl<'a> Sums<'a> {
-    /// Without any pair; loads of sleeping bodies stay as they are.
-    pub fn new(
-        awake: &'a [bool],
-        awake_list: &[BodyId],
-        loads: &'a mut [Load],
-        walls: &'a mut [Load],
-        totals: &'a mut BatchTotals,
-    ) -> Self {
-        for &i in awake_list {
-            loads[i as usize] = Load::default();
+impl Sums {
+    /// Begins anew without any pair; loads of sleeping bodies stay as they are.
+    pub fn begin(&mut self, awake: &[BodyId]) {
+        for &i in awake {
+            self.loads[i as usize] = Load::default();
         }
-        walls.fill(Load::default());
-        *totals = BatchTotals::default();
-        Self {
-            awake,
-            loads,
-            walls,
-            totals,
-        }
+        self.walls.fill(Load::default());
+        self.totals = BatchTotals::default();
     }
 
-    pub fn add(&mut self, pair: &Pair) {
+    pub fn add(&mut self, awake: &[bool], pair: &Pair) {
         self.totals.candidates += 1;
         for contact in pair.contacts() {
             self.totals.touching += usize::from(contact.patch == 0);
             self.totals.energy += contact.energy;
             self.totals.spring_energy += contact.spring_energy;
             match contact.a {
-                Partner::Body(a) if self.awake[a as usize] => {
+                Partner::Body(a) if awake[a as usize] => {
                     self.loads[a as usize].add(contact, 0);
                 }
                 Partner::Body(_) => {}
                 Partner::Wall(w) => self.walls[w as usize].add(contact, 0),
             }
-            if self.awake[contact.b as usize] {
+            if awake[contact.b as usize] {
                 self.loads[contact.b as usize].add(contact, 1);
             }
         }

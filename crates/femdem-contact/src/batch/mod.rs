@@ -21,7 +21,7 @@ use crate::walls::WallShape;
 use evaluate::{Context, Views};
 use gather::Sums;
 pub use implicit::Snapshot;
-use pairs::PairTable;
+use pairs::{Pair, PairTable};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -65,9 +65,7 @@ pub struct ContactBatch {
     awake_changed: bool,
     broadphase: Broadphase,
     pairs: PairTable,
-    loads: Vec<Load>,
-    wall_loads: Vec<Load>,
-    totals: BatchTotals,
+    sums: Sums,
 }
 
 impl ContactBatch {
@@ -85,9 +83,7 @@ impl ContactBatch {
             awake_changed: false,
             broadphase: Broadphase::default(),
             pairs: PairTable::default(),
-            loads: Vec::new(),
-            wall_loads: Vec::new(),
-            totals: BatchTotals::default(),
+            sums: Sums::default(),
         }
     }
 
@@ -113,7 +109,7 @@ impl ContactBatch {
         self.body_shapes.push(shape);
         self.awake.push(true);
         self.awake_changed = true;
-        self.loads.push(Load::default());
+        self.sums.loads.push(Load::default());
         Ok(self.body_shapes.len() as u32 - 1)
     }
 
@@ -123,7 +119,7 @@ impl ContactBatch {
         self.pairs.add_wall(wall.is_mesh());
         self.walls.push(wall);
         self.wall_expires.push(f64::NEG_INFINITY);
-        self.wall_loads.push(Load::default());
+        self.sums.walls.push(Load::default());
         self.walls.len() as u32 - 1
     }
 
@@ -196,8 +192,8 @@ impl ContactBatch {
 
     /// Wakes a body with the load of its contacts on record.
     pub fn wake_with_load(&mut self, body: BodyId) {
-        if (body as usize) < self.loads.len() {
-            self.loads[body as usize] = self.load_of(body);
+        if (body as usize) < self.sums.loads.len() {
+            self.sums.loads[body as usize] = self.load_of(body);
             self.set_awake(body, true);
         }
     }
@@ -312,14 +308,9 @@ impl ContactBatch {
             now: &now,
             ahead: ahead.as_ref(),
         };
-        let mut sums = Sums::new(
-            &self.awake,
-            &self.awake_list,
-            &mut self.loads,
-            &mut self.wall_loads,
-            &mut self.totals,
-        );
-        evaluate::run(views, &mut self.pairs, |pair| sums.add(pair));
+        self.sums.begin(&self.awake_list);
+        let seen = |pair: &Pair| self.sums.add(&self.awake, pair);
+        evaluate::run(views, &mut self.pairs, seen);
         Ok(())
     }
 
@@ -396,24 +387,20 @@ impl ContactBatch {
 
     /// Sums the loads of awake bodies and walls in the order of the pairs.
     fn gather(&mut self) {
-        let mut sums = Sums::new(
-            &self.awake,
-            &self.awake_list,
-            &mut self.loads,
-            &mut self.wall_loads,
-            &mut self.totals,
-        );
-        self.pairs.evaluated().for_each(|pair| sums.add(pair));
+        self.sums.begin(&self.awake_list);
+        for pair in self.pairs.evaluated() {
+            self.sums.add(&self.awake, pair);
+        }
     }
 
     /// Loads of all bodies; those of sleeping bodies are from when they fell asleep.
     pub fn loads(&self) -> &[Load] {
-        &self.loads
+        &self.sums.loads
     }
 
     /// Loads on the walls from the evaluated pairs, about the walls' origins.
     pub fn wall_loads(&self) -> &[Load] {
-        &self.wall_loads
+        &self.sums.walls
     }
 
     /// The load of one body from all its contacts on record, evaluated or not.
@@ -443,7 +430,7 @@ impl ContactBatch {
         others: Option<&Resistance>,
         most: f64,
     ) -> f64 {
-        let load = self.loads.get(body as usize);
+        let load = self.sums.loads.get(body as usize);
         if others.is_none() && load.is_none_or(|load| load.allows(motion, most)) {
             return most;
         }
@@ -456,7 +443,7 @@ impl ContactBatch {
 
     /// Sums of the last update.
     pub fn totals(&self) -> &BatchTotals {
-        &self.totals
+        &self.sums.totals
     }
 
     /// All contacts on record, sorted by pair and patch.
