@@ -86,8 +86,8 @@ impl Packing {
         Ok(())
     }
 
-    /// Makes the steps implicit, where all bodies are awake and need but come to rest. Local damping, which
-    /// implicit steps do not have, goes on with explicit ones.
+    /// Makes the steps implicit, and as long as contacts allow, where all bodies are awake and need but come
+    /// to rest: nothing falls. Local damping, which implicit steps do not have, goes on with explicit ones.
     pub(super) fn step_implicitly(&mut self) -> Result<(), PackError> {
         let time_step = self.job.spec.time_step;
         if self.world.parameters().medium.local_damping == 0.0 {
@@ -133,7 +133,8 @@ impl Packing {
             self.job.relaxing = Some(Relaxing { calm, ..relaxing });
             return Ok(());
         }
-        self.world.set_time_step(self.job.spec.time_step)?;
+        self.world
+            .set_time_step(self.job.spec.falling_time_step())?;
         let (mean, max) = self.displacements(&relaxing.from);
         self.job.relaxation = Some(Relaxation {
             bodies: self.placed(),

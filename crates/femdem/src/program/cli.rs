@@ -177,6 +177,19 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "X")]
     local_damping: Option<f64>,
 
+    /// Implicit steps, X times the explicit limit of one contact; 6 without a number. They take a fraction of
+    /// the processor time, and packs come out looser by about 0.01; the verification stays explicit
+    /// [default: explicit steps]
+    #[arg(
+        long,
+        value_name = "X",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "6",
+        conflicts_with = "local_damping"
+    )]
+    implicit: Option<f64>,
+
     /// Gravity in m/s2 [default: 9.81]
     #[arg(long, value_name = "M/S2")]
     gravity: Option<f64>,
@@ -309,6 +322,7 @@ impl PackArgs {
         set(&mut scene.out, &self.out);
         set(&mut scene.checkpoint_every, &self.run.checkpoint_every);
         scene.wall_friction = self.wall_friction.or(scene.wall_friction);
+        scene.implicit = self.implicit.or(scene.implicit);
         scene.height = self.height.or(scene.height);
         scene.batch = self.batch.or(scene.batch);
         scene.penetration = self.penetration.or(scene.penetration);

@@ -73,6 +73,8 @@ pub struct Summary {
     pub steps: u64,
     /// Last time step \[s\].
     pub time_step: f64,
+    /// Implicit steps over the explicit limit of one contact; `null` if only relaxations were implicit.
+    pub implicit_multiple: Option<f64>,
     /// Time on the clock \[s\].
     pub wall_seconds: f64,
     /// Time of all processor cores \[s\].
@@ -215,6 +217,7 @@ impl Summary {
             simulated_time: world.time(),
             steps: world.steps(),
             time_step: world.time_step(),
+            implicit_multiple: spec.time_step.implicit.map(|step| step.multiple),
             wall_seconds: usage.wall_seconds,
             cpu_seconds: usage.cpu_seconds,
             contact_nanoseconds_per_pair: usage.contact_nanoseconds_per_pair(),

@@ -25,7 +25,7 @@ mod unit;
 use std::path::{Path, PathBuf};
 
 use femdem_pack::{Mixing, PackSpec, Penalty, Pour, Protocol, Release, Sequential};
-use femdem_solve::Medium;
+use femdem_solve::{ImplicitStep, Medium};
 use serde::{Deserialize, Serialize};
 
 pub use footprint::Footprint;
@@ -115,6 +115,9 @@ pub struct Scene {
     /// Cundall's local damping while the pack is made: the part of each component of a body's net force
     /// and moment that is taken off against the motion, 0 to below 1.
     pub local_damping: f64,
+    /// Makes the steps implicit, this many times as long as the explicit limit of one contact over a full
+    /// face: see [`ImplicitStep`]. `None`: explicit.
+    pub implicit: Option<f64>,
     /// Gravity \[m/s²\].
     pub gravity: f64,
     /// Kind of container.
@@ -171,6 +174,7 @@ impl Default for Scene {
             penetration: None,
             drag: 0.0,
             local_damping: 0.0,
+            implicit: None,
             gravity: spec.gravity,
             container: ContainerKind::Box,
             r#box: None,
@@ -267,6 +271,10 @@ impl Scene {
             drag: self.drag * (self.gravity.abs() / diameter).sqrt(),
             local_damping: self.local_damping,
         };
+        spec.time_step.implicit = self.implicit.map(|multiple| ImplicitStep {
+            multiple,
+            ..ImplicitStep::default()
+        });
         spec.validate()?;
         Ok((spec, notes))
     }
