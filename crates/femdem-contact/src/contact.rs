@@ -3,7 +3,7 @@
 use crate::damping::Damped;
 use crate::friction::Friction;
 use crate::generalized::{Resistance, stable_step};
-use crate::kernel::{MEAN_OVER_RMS, Overlap};
+use crate::kernel::Overlap;
 use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -70,6 +70,9 @@ pub struct Contact {
     pub tangential_stiffness: f64,
     /// Polar second moment of the normal stiffness over the patch, N m.
     pub stiffness_second: f64,
+    /// Mean distance of the pressure from the contact point, m: a patch that spins has the friction
+    /// moment mu F times this radius, and the dashpots against rocking hold at most F times it.
+    pub torsion_radius: f64,
     /// Shares of A and B in the stability bound; see [`Resistance::largest_step`].
     pub(crate) shares: [f64; 2],
     pub(crate) dashpots: Dashpots,
@@ -178,6 +181,7 @@ pub(crate) fn assemble(
         stiffness: overlap.stiffness,
         tangential_stiffness: friction.stiffness,
         stiffness_second: overlap.stiffness_second,
+        torsion_radius: overlap.torsion_radius,
         shares,
         dashpots: Dashpots {
             normal: damped.viscosity,
@@ -208,16 +212,6 @@ impl Contact {
     /// Viscosities of its dashpots.
     pub fn dashpots(&self) -> &Dashpots {
         &self.dashpots
-    }
-
-    /// Mean distance of the pressure from the contact point, m: a patch that spins has the friction
-    /// moment mu F times this radius.
-    pub fn torsion_radius(&self) -> f64 {
-        if self.stiffness > 0.0 {
-            MEAN_OVER_RMS * (self.stiffness_second / self.stiffness).max(0.0).sqrt()
-        } else {
-            0.0
-        }
     }
 
     pub(crate) fn set_force(&mut self, force: &ContactForce) {

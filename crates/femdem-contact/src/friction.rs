@@ -238,10 +238,8 @@ impl FrictionState {
         let zeta = law.tangential_damping * pace.share;
         let viscosity = dashpot(zeta, k, inverse_mass[0] + inverse_mass[1]);
         let torsion_viscosity = dashpot(zeta, k_theta, inverse_inertia);
-        let acting = f64::from(u8::from(pace.dashpots));
-        let (eta, eta_theta) = (viscosity * acting, torsion_viscosity * acting);
-        let mut force = -stretch * k - slip * eta;
-        let mut moment = -k_theta * torsion - eta_theta * spin;
+        let mut force = -stretch * k - slip * viscosity;
+        let mut moment = -k_theta * torsion - torsion_viscosity * spin;
         let most = law.friction * normal_force;
         let load = limit_surface(force.norm(), moment.abs(), most, overlap.torsion_radius);
         let slides = load > 1.0;
@@ -250,13 +248,13 @@ impl FrictionState {
             moment /= load;
             // The spring carries what the dashpot leaves of the bound; it never pushes
             // along the slip.
-            let spring = force + slip * eta;
+            let spring = force + slip * viscosity;
             stretch = if spring.dot(&force) > 0.0 {
                 -spring / k
             } else {
                 Vector3::zeros()
             };
-            let spring = moment + eta_theta * spin;
+            let spring = moment + torsion_viscosity * spin;
             torsion = if k_theta > 0.0 && spring * moment > 0.0 {
                 -spring / k_theta
             } else {
@@ -273,6 +271,10 @@ impl FrictionState {
         self.torsion = torsion;
         self.stiffness = k;
         self.torsion_stiffness = k_theta;
+        if !pace.dashpots {
+            force = -stretch * k;
+            moment = -k_theta * torsion;
+        }
         Friction {
             force,
             torsion: moment,

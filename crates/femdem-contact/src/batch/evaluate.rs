@@ -219,10 +219,10 @@ impl Context<'_> {
     ) -> Contact {
         let (a, b) = (self.motion_a(ids.0), &self.bodies[ids.1 as usize]);
         let mut damped = damp(overlap, whole, a, b, self.parameters.damping_ratio);
+        let normal_force = overlap.force_magnitude() * damped.scale;
         if !self.pace.dashpots {
             damped.leave_springs();
         }
-        let normal_force = overlap.force_magnitude() * damped.scale;
         let law = match ids.0 {
             Partner::Body(_) => &self.parameters,
             Partner::Wall(_) => &self.at_walls,

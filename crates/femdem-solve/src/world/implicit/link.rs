@@ -161,14 +161,19 @@ impl Link {
             friction,
             elastic: contact.elastic_force,
             foreseen: contact.foreseen,
-            radius: contact.torsion_radius(),
+            radius: contact.torsion_radius,
             dt,
             grip: Grip::Holds,
             tilt: None,
         };
         if contact.slides {
             // It goes on as it did.
-            link.grip = Grip::Slides(link.slip(&contact.friction, contact.torsion, [0.0; 2], 1.0));
+            let dashpots = contact.dashpots();
+            let friction = contact.friction - across(&before.velocity) * dashpots.tangential;
+            let torsion = contact.torsion - n.dot(&before.turning) * dashpots.torsion;
+            let share = link.share(&friction, torsion, link.start.normal.max(0.0));
+            link.grip =
+                Grip::Slides(link.slip(&(friction * share), torsion * share, [0.0; 2], share));
         }
         link
     }
