@@ -275,16 +275,20 @@ fn stack(gap: f64) -> World {
     world
 }
 
-/// Cubes that fall flat on each other stay upright; they tremble on.
+/// Cubes that fall flat on each other come to rest upright. The impacts shift and twist them a little.
 #[test]
 fn a_column_that_is_dropped_stands() {
     let mut world = stack(0.05);
-    run_until(&mut world, 2.0);
+    run_until(&mut world, 2.5);
     let height = 9.5 * 2.0 * half_edge();
     let top = world.position(9).unwrap();
-    assert!((top - Vector3::z() * height).norm() < 5e-3 * D, "{top}");
-    let tilt = |i: u32| world.pose(i).unwrap().rotation.angle();
-    assert!((0..10).all(|i| tilt(i) < 5e-3));
+    assert!((top - Vector3::z() * height).norm() < 0.02 * D, "{top}");
+    for i in 0..10 {
+        let up = world.pose(i).unwrap().rotation * Vector3::z();
+        assert!(up.xy().norm() < 1e-4, "cube {i} leans: {up}");
+    }
+    let energy = world.residuals().kinetic_energy_over_mgd;
+    assert!(energy < 1e-9, "it trembles: {energy} m g d");
 }
 
 /// Ten cubes, aligned, set on each other: the stack stands, with their faces flat on each other.
