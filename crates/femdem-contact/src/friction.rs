@@ -34,7 +34,8 @@ pub struct FrictionState {
 pub(crate) struct Pace {
     /// Time since the last call, s.
     pub dt: f64,
-    /// Whether the dashpots beside the springs act; their viscosities are told either way.
+    /// Whether the dashpots beside the springs act. If not, the springs carry what the dashpots would leave of
+    /// the bound, and the viscosities are told all the same.
     pub dashpots: bool,
     /// What the patch has of the dashpots that it would have alone.
     pub share: f64,

@@ -11,7 +11,7 @@ use femdem_pack::{
     Container, PackError, PackReport, PackShape, PackSpec, Packing, Penalty, Pour, Protocol,
     Release, Sequential, Stage,
 };
-use femdem_solve::{Medium, checkpoint};
+use femdem_solve::{ImplicitStep, Medium, checkpoint};
 
 const D: f64 = 0.02;
 
@@ -208,6 +208,59 @@ fn a_pack_made_in_a_medium_rests_without_it() {
         assert_eq!(packing.world().parameters().medium, Medium::default());
         assert!(!packing.world().parameters().sleeping.enabled);
         assert_eq!(packing.world().awake_count(), 5);
+    }
+}
+
+/// Packs of 150 cubes, which are relaxed once while they grow.
+fn relaxed_once() -> PackSpec {
+    let mut spec = cubes(150);
+    spec.container = Container::Box {
+        width: 5.0 * D,
+        depth: 5.0 * D,
+    };
+    spec
+}
+
+/// After a relaxation with implicit steps the steps are those of before, with their limit for falling bodies.
+#[test]
+fn a_relaxation_leaves_the_step_control_as_it_was() {
+    let mut packing = Packing::new(relaxed_once()).unwrap();
+    let first = packing.world().parameters().time_step;
+    assert!(first.largest.is_some());
+    let mut relaxed = false;
+    loop {
+        let at = packing.advance(1).unwrap();
+        if at.stage != Stage::Depositing {
+            break;
+        }
+        let now = packing.world().parameters().time_step;
+        relaxed |= now.implicit.is_some();
+        assert!(now.implicit.is_some() || now == first, "{now:?}");
+    }
+    assert!(relaxed);
+}
+
+/// Implicit steps pour, relax and settle; the verification is explicit.
+#[test]
+fn a_pack_made_with_implicit_steps_is_verified_with_explicit_ones() {
+    let mut spec = relaxed_once();
+    spec.penalty = Penalty::Given { pressure: 1e7 };
+    spec.time_step.implicit = Some(ImplicitStep::default());
+    for protocol in [
+        Protocol::Sequential(Sequential::default()),
+        Protocol::Release(Release::default()),
+    ] {
+        spec.protocol = protocol;
+        let mut packing = Packing::new(spec.clone()).unwrap();
+        let mut explicit = false;
+        while !packing.is_done() {
+            let at = packing.advance(1).unwrap();
+            explicit = packing.world().parameters().time_step.implicit.is_none();
+            assert!(!explicit || at.stage == Stage::Verifying || at.stage == Stage::Done);
+        }
+        let report = packing.report();
+        assert!(report.settled && explicit, "{report:?}");
+        assert_eq!(packing.world().awake_count(), 150);
     }
 }
 

@@ -50,8 +50,8 @@ pub struct TimeStepParameters {
 /// step with their present velocities; the velocities at its end are those under forces that change
 /// linearly from there: one Newton step of the backward Euler method. The step can be many times the
 /// explicit one; in turn it takes energy from all motion that it does not resolve: impacts and
-/// vibrations shorter than a few steps. It is meant for bringing bodies to rest, not for impacts, waves or
-/// vibrations: a column of aligned cubes that is dropped, not set down, stands, but trembles for seconds.
+/// vibrations shorter than a few steps. Small steps give the motion of explicit ones: the law of the contacts is the
+/// same. Large ones are meant for bringing bodies to rest, not for impacts, waves or vibrations.
 /// For rigid bodies without [local damping](Medium::local_damping).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

@@ -41,6 +41,15 @@ fn bad_options_say_what_is_allowed_and_leave_no_folder() {
             &["--local-damping", "1"],
             &["local_damping", "1", "below 1"],
         ),
+        (
+            &["--implicit=0"],
+            &["time_step.implicit.multiple = 0", "6 is usual"],
+        ),
+        (&["--implicit=NaN"], &["time_step.implicit.multiple = NaN"]),
+        (
+            &["--implicit", "--local-damping", "0.6"],
+            &["--implicit", "--local-damping", "cannot be used"],
+        ),
         (&["--box", "0.9x4"], &["width", "0.045"]),
         (&["--cylinder", "0.5"], &["diameter", "0.025"]),
         (&["--box", "6"], &["--box", "6x6"]),

@@ -19,7 +19,8 @@ pub struct Snapshot<'a> {
 
 impl ContactBatch {
     /// As [`update`](Self::update), with two differences. Dashpots exert no force: every contact has the
-    /// forces of its springs, and tells its viscosities ([`Contact::dashpots`]). And pairs that do not touch
+    /// forces of its springs, and tells its viscosities ([`Contact::dashpots`]); friction springs of a patch that
+    /// slides carry what the dashpots leave of the bound, as they do there. And pairs that do not touch
     /// are looked at ahead: where the bodies would be at the end of the step with their present
     /// velocities. A contact found there is [foreseen](Contact::foreseen).
     ///

@@ -340,6 +340,14 @@ mod tests {
     }
 
     #[test]
+    fn implicit_steps_go_into_the_job() {
+        let job = |text: &str| Scene::from_toml(text).unwrap().spec().unwrap();
+        assert_eq!(job("").time_step.implicit, None);
+        let step = job("implicit = 3.0").time_step.implicit;
+        assert_eq!(step.map(|step| step.multiple), Some(3.0));
+    }
+
+    #[test]
     fn unknown_keys_and_values_are_named_with_their_line() {
         let says = |text: &str| Scene::from_toml(text).unwrap_err().to_string();
         let message = says("count = 10\ncuont = 20\n");
