@@ -162,7 +162,7 @@ fn a_block_sticks_below_the_friction_angle_and_slides_above() {
     assert!((got / want - 1.0).abs() < 0.01, "{got} instead of {want}");
 }
 
-/// Mean distance over d that truncated dodecahedra, dropped in eight attitudes, roll down a slope of 20 degrees in
+/// Mean distance over d that truncated dodecahedra, dropped in 64 attitudes, roll down a slope of 20 degrees in
 /// half a second.
 fn rolled(p: WorldParameters) -> f64 {
     let slope = 20_f64.to_radians();
@@ -184,16 +184,17 @@ fn rolled(p: WorldParameters) -> f64 {
         run_until(&mut world, 0.5);
         world.position(0).unwrap().x / D
     };
-    (0..8).map(distance).sum::<f64>() / 8.0
+    (0..64).map(distance).sum::<f64>() / 64.0
 }
 
-/// Contacts do not pull: a body that rolls over its edges is held back by no more than its dashpots.
+/// Contacts do not pull: a body that rolls over its edges is held back by no more than its dashpots. Explicit steps of
+/// the default length carry it 1.3 % too far, these 1.5 % too little.
 #[test]
 fn polyhedra_roll_as_far_as_with_explicit_steps() {
     let explicit = parameters(1e7, 0.6, 0.6);
     let (want, got) = (rolled(explicit), rolled(implicit(explicit, 6.0)));
     assert!(
-        (got / want - 1.0).abs() < 0.1,
+        (got / want - 1.0).abs() < 0.04,
         "{got} d instead of {want} d"
     );
 }
