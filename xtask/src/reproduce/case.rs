@@ -4,6 +4,7 @@ use anyhow::Result;
 
 use super::job::{Job, Size};
 use super::readings::{READINGS, Reading};
+use super::record::Record;
 use super::run::{Analysis, Run};
 use super::runs::Runs;
 use super::statistics::{Estimate, estimate};
@@ -29,6 +30,8 @@ pub(super) struct Found {
     pub(super) commands: Vec<String>,
     /// Runs that are missing.
     pub(super) missing: usize,
+    /// Runs that are those of the last page.
+    pub(super) recorded: usize,
     /// Runs that are not settled.
     pub(super) restless: usize,
 }
@@ -64,6 +67,14 @@ impl Case {
 /// # Errors
 /// When the program fails.
 pub(super) fn find(runs: &Runs, cases: &[Case]) -> Result<Vec<Found>> {
+    find_recorded(runs, cases, &Record::default())
+}
+
+/// The same; runs that are missing, and not to be made, are taken from the record.
+///
+/// # Errors
+/// When the program fails, or the record lacks a column.
+pub(super) fn find_recorded(runs: &Runs, cases: &[Case], record: &Record) -> Result<Vec<Found>> {
     let jobs: Vec<Job> = cases.iter().flat_map(|case| case.jobs.clone()).collect();
     let made = runs.all(&jobs)?;
     cases
@@ -71,16 +82,21 @@ pub(super) fn find(runs: &Runs, cases: &[Case]) -> Result<Vec<Found>> {
         .map(|case| {
             let mut found = Found::none(case);
             for (job, seed) in case.jobs.iter().zip(1..) {
-                let Some(run) = made.get(&job.key()).cloned() else {
+                let label = format!("{}, seed {seed}", case.label);
+                let pack = if let Some(run) = made.get(&job.key()).cloned() {
+                    let analysis = run.analysis(runs.program(), case.inset)?;
+                    Pack { run, analysis }
+                } else if let Some(pack) = record.pack(&label, job)? {
+                    found.recorded += 1;
+                    pack
+                } else {
                     found.missing += 1;
                     continue;
                 };
                 found.commands.push(format!("femdem pack {}", job.options));
-                let analysis = run.analysis(runs.program(), case.inset)?;
-                let label = format!("{}, seed {seed}", case.label);
-                found.rows.push(run.row(&label, &analysis)?);
-                if run.summary.is_settled() {
-                    found.packs.push(Pack { run, analysis });
+                found.rows.push(pack.run.row(&label, &pack.analysis)?);
+                if pack.run.summary.is_settled() {
+                    found.packs.push(pack);
                 } else {
                     found.restless += 1;
                 }
@@ -99,6 +115,7 @@ impl Found {
             rows: Vec::new(),
             commands: Vec::new(),
             missing: 0,
+            recorded: 0,
             restless: 0,
         }
     }

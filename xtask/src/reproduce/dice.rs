@@ -3,12 +3,13 @@
 use anyhow::Result;
 
 use super::Scale;
-use super::case::{Case, Found, by_reading, find, with_error};
+use super::case::{Case, Found, by_reading, find_recorded, with_error};
 use super::dots::{Dot, Series, svg};
 use super::job::Size;
 use super::page::page;
 use super::paper::{DICE, DICE_ERROR, solid};
 use super::readings::{READINGS, Reading, explained};
+use super::record::Record;
 use super::runs::Runs;
 use super::statistics::Estimate;
 use crate::validate::report::{Report, markdown_table};
@@ -42,7 +43,8 @@ pub(super) fn cases(scale: Scale) -> Vec<Case> {
 /// # Errors
 /// When the program fails or a file cannot be written.
 pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
-    let all = find(runs, &cases(scale))?;
+    let record = Record::of(runs, "dice", scale)?;
+    let all = find_recorded(runs, &cases(scale), &record)?;
     let readings = by_reading(&all, DICE.len());
     let text = format!(
         "Platonic solids at friction {FRICTION} beside random loose and random close packs of plastic dice \

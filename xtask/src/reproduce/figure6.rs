@@ -3,12 +3,13 @@
 use anyhow::{Context, Result};
 
 use super::Scale;
-use super::case::{Case, Found, beside, by_reading, find};
+use super::case::{Case, Found, beside, by_reading, find_recorded};
 use super::dots::{Dot, Series, svg};
 use super::job::{Kind, Size, kinds};
 use super::page::{capital, page};
 use super::paper::{FIGURE6, FIGURE6_ERROR, solid};
 use super::readings::{READINGS, Reading, explained};
+use super::record::Record;
 use super::runs::Runs;
 use super::statistics::spread;
 use crate::validate::report::{Report, markdown_table};
@@ -45,7 +46,8 @@ pub(super) fn cases(scale: Scale) -> Vec<Case> {
 /// When the program fails or a file cannot be written.
 pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
     let volume = solid(SHAPE).context("the solid is not in the list")?.volume;
-    let all = find(runs, &cases(scale))?;
+    let record = Record::of(runs, "figure6", scale)?;
+    let all = find_recorded(runs, &cases(scale), &record)?;
     let mut text = format!(
         "Figure 6 of Xiang, Latham and Farsi (DEM7, 2016), read off to {FIGURE6_ERROR}: truncated tetrahedra \
          (A1) at five friction coefficients. Readings of the paper's protocol and damping:\n\n{}\n\

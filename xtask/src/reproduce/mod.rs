@@ -16,6 +16,7 @@ mod orientation;
 mod page;
 mod paper;
 mod readings;
+mod record;
 mod run;
 mod runs;
 mod sensitivity;
@@ -57,7 +58,8 @@ pub(crate) struct Options {
     #[arg(long)]
     list: bool,
 
-    /// Make the pages of the runs that are there, and start no others
+    /// Make the pages of the runs that are there, and start no others. Where the table of the last page
+    /// tells enough of a run, its folder may be gone (Table 1, Figure 6, dice)
     #[arg(long)]
     as_found: bool,
 }

@@ -18,14 +18,26 @@ pub(super) fn page(name: &'static str, title: String, text: String, found: &[Fou
         title,
         text: format!(
             "{text}\n\n{} Runs that were in the folder of runs already are used as they are; the last \
-             column of the table of runs names the commit and the machine of each.{gaps}",
-            cost(found)
+             column of the table of runs names the commit and the machine of each.{}{gaps}",
+            cost(found),
+            recorded(found)
         ),
         commands: found.iter().flat_map(|f| f.commands.clone()).collect(),
         checks: checks(found),
         columns: COLUMNS.to_vec(),
         rows: found.iter().flat_map(|f| f.rows.clone()).collect(),
         attachments: Vec::new(),
+    }
+}
+
+/// How many runs are those of the last page.
+fn recorded(found: &[Found]) -> String {
+    match found.iter().map(|f| f.recorded).sum::<usize>() {
+        0 => String::new(),
+        number => format!(
+            " {number} runs were there no more: their rows are those of the table of before, rounded as in it, \
+             where errors of the numbers of contacts may be missing."
+        ),
     }
 }
 

@@ -136,6 +136,7 @@ impl Run {
             found("core.inset_over_d"),
             found("coordination.mean"),
             found("core_coordination.mean"),
+            found("core_mean_coordination.standard_error"),
             number("penetration.mean_over_d")?,
             number("residual.max_over_weight")?,
             self.summary.is_settled().to_string(),
@@ -176,7 +177,7 @@ fn gravity(scene: &str) -> Option<f64> {
 }
 
 /// The columns of the table of runs.
-pub(super) const COLUMNS: [&str; 15] = [
+pub(super) const COLUMNS: [&str; 16] = [
     "run",
     "bodies",
     "density_exact",
@@ -185,6 +186,7 @@ pub(super) const COLUMNS: [&str; 15] = [
     "inset_over_d",
     "coordination",
     "core_coordination",
+    "core_coordination_error",
     "mean_penetration_over_d",
     "largest_residual_over_weight",
     "settled",
@@ -195,6 +197,14 @@ pub(super) const COLUMNS: [&str; 15] = [
 ];
 
 impl Analysis {
+    /// Of a run of which only these numbers are left.
+    pub(super) fn without_tables(values: Value) -> Self {
+        Self {
+            values,
+            tables: PathBuf::new(),
+        }
+    }
+
     fn read(out: &Path) -> Result<Self> {
         let path = out.join(ANALYSIS);
         let text =
@@ -247,10 +257,7 @@ impl Analysis {
 #[cfg(test)]
 impl Analysis {
     pub(super) fn of(text: &str) -> Self {
-        Self {
-            values: serde_json::from_str(text).unwrap(),
-            tables: PathBuf::new(),
-        }
+        Self::without_tables(serde_json::from_str(text).unwrap())
     }
 }
 

@@ -3,12 +3,13 @@
 use anyhow::Result;
 
 use super::Scale;
-use super::case::{Case, Found, beside, find, with_error};
+use super::case::{Case, Found, beside, find_recorded, with_error};
 use super::dots::{Dot, Series, svg};
 use super::job::{Kind, kinds};
 use super::page::{capital, page};
 use super::paper::{ROUNDING, SOLIDS, Solid};
 use super::readings::{READINGS, Reading, explained};
+use super::record::Record;
 use super::runs::Runs;
 use super::statistics::spread;
 use crate::validate::report::{Report, markdown_table};
@@ -56,10 +57,11 @@ pub(super) fn cases(scale: Scale) -> Vec<Case> {
 /// When the program fails or a file cannot be written.
 pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
     let mut found = Vec::new();
+    let record = Record::of(runs, "table1", scale)?;
     let columns = columns(scale);
     for column in &columns {
         let cases: Vec<Case> = column.cases.iter().map(|(_, case)| case.clone()).collect();
-        found.push(find(runs, &cases)?);
+        found.push(find_recorded(runs, &cases, &record)?);
     }
     let mut text = introduction();
     let mut pictures = Vec::new();
