@@ -35,8 +35,8 @@ fn recorded(found: &[Found]) -> String {
     match found.iter().map(|f| f.recorded).sum::<usize>() {
         0 => String::new(),
         number => format!(
-            " {number} runs were there no more: their rows are those of the table of before, rounded as in it, \
-             where errors of the numbers of contacts may be missing."
+            " {number} runs were there no more: their rows are those of the table of before, rounded as in it; \
+             errors of their numbers of contacts are missing, or the mean of the seeds of a pack."
         ),
     }
 }
