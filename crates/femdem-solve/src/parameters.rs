@@ -60,6 +60,9 @@ pub struct ImplicitStep {
     pub multiple: f64,
     /// Most that a body may move in a step, over its bounding diameter; a smaller step is taken then.
     pub reach: f64,
+    /// Longest step over sqrt(d/g), the time in which a body falls by half its diameter d. Twice the default will do
+    /// where nothing falls.
+    pub fall: f64,
     /// Relative tolerance of the linear systems.
     pub tolerance: f64,
     /// Most rounds of conjugate gradients for a linear system.
@@ -74,6 +77,7 @@ impl Default for ImplicitStep {
         Self {
             multiple: 6.0,
             reach: 0.03,
+            fall: 0.01,
             tolerance: 3e-3,
             rounds: 100,
             systems: 3,
@@ -95,6 +99,12 @@ impl ImplicitStep {
             self.reach,
             positive(self.reach) && self.reach <= 0.1,
             "above 0 and at most 0.1",
+        )?;
+        check(
+            "time_step.implicit.fall",
+            self.fall,
+            positive(self.fall) && self.fall <= 0.02,
+            "above 0 and at most 0.02: packs blew up with a larger one",
         )?;
         check(
             "time_step.implicit.tolerance",

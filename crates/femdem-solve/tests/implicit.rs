@@ -437,6 +437,7 @@ fn parameters_out_of_range_are_named() {
     };
     assert!(refused(|_, s| s.multiple = 0.0).contains("implicit.multiple = 0"));
     assert!(refused(|_, s| s.reach = 0.5).contains("implicit.reach = 0.5"));
+    assert!(refused(|_, s| s.fall = 0.03).contains("implicit.fall = 0.03"));
     assert!(refused(|_, s| s.tolerance = f64::NAN).contains("implicit.tolerance = NaN"));
     assert!(refused(|_, s| s.rounds = 0).contains("implicit.rounds = 0"));
     assert!(refused(|_, s| s.systems = 0).contains("implicit.systems = 0"));

@@ -19,7 +19,7 @@ use super::{Packing, Stage};
 use crate::error::PackError;
 use crate::report::Relaxation;
 use femdem_mesh::Vector3;
-use femdem_solve::{SleepParameters, TimeStepParameters};
+use femdem_solve::{ImplicitStep, SleepParameters, TimeStepParameters};
 use serde::{Deserialize, Serialize};
 
 /// The pack grows by this factor between two relaxations.
@@ -37,6 +37,9 @@ const CALM_AT_LAST: f64 = 0.25;
 /// The mean motion of a complete pack may have this part of the kinetic energy that a single body may
 /// have.
 const CREEP_AT_LAST: f64 = 0.1;
+
+/// Longest implicit step over sqrt(d/g): nothing falls.
+const LONGEST_STEP: f64 = 0.02;
 
 /// Calm checks in a row that end a relaxation: an oscillation has moments without force.
 const CALM_CHECKS: u32 = 2;
@@ -86,13 +89,16 @@ impl Packing {
         Ok(())
     }
 
-    /// Makes the steps implicit, and as long as contacts allow, where all bodies are awake and need but come
+    /// Makes the steps implicit, and longer than where bodies fall, where all bodies are awake and need but come
     /// to rest: nothing falls. Local damping, which implicit steps do not have, goes on with explicit ones.
     pub(super) fn step_implicitly(&mut self) -> Result<(), PackError> {
         let time_step = self.job.spec.time_step;
         if self.world.parameters().medium.local_damping == 0.0 {
             self.world.set_time_step(TimeStepParameters {
-                implicit: Some(time_step.implicit.unwrap_or_default()),
+                implicit: Some(ImplicitStep {
+                    fall: LONGEST_STEP,
+                    ..time_step.implicit.unwrap_or_default()
+                }),
                 ..time_step
             })?;
         }

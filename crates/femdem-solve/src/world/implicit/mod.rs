@@ -25,9 +25,6 @@ use link::Link;
 use std::time::Instant;
 use system::{Inertia, System, Twist};
 
-/// Longest step over the time sqrt(d/g) in which a body falls by half its diameter.
-const FALL: f64 = 0.01;
-
 /// A free body before the step.
 struct Before {
     position: Vector3,
@@ -131,7 +128,7 @@ impl World {
         for &i in &self.awake {
             let body = &self.bodies[i as usize];
             if gravity > 0.0 {
-                most = most.min(FALL * (2.0 * body.radius / gravity).sqrt());
+                most = most.min(rule.fall * (2.0 * body.radius / gravity).sqrt());
             }
             let turning = body.momentum.component_div(&body.moments).norm();
             let speed = body.velocity.norm().max(turning * body.radius);
