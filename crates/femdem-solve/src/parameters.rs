@@ -104,7 +104,7 @@ impl ImplicitStep {
             "time_step.implicit.fall",
             self.fall,
             positive(self.fall) && self.fall <= 0.02,
-            "above 0 and at most 0.02, where packs still blow up with multiples above 9",
+            "above 0 and at most 0.02, where packs blew up with a multiple of 12",
         )?;
         check(
             "time_step.implicit.tolerance",

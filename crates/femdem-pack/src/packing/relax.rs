@@ -93,11 +93,15 @@ impl Packing {
     /// to rest: nothing falls. Local damping, which implicit steps do not have, goes on with explicit ones.
     pub(super) fn step_implicitly(&mut self) -> Result<(), PackError> {
         let time_step = self.job.spec.time_step;
+        let usual = ImplicitStep::default();
+        let asked = time_step.implicit.unwrap_or(usual);
         if self.world.parameters().medium.local_damping == 0.0 {
             self.world.set_time_step(TimeStepParameters {
                 implicit: Some(ImplicitStep {
                     fall: LONGEST_STEP,
-                    ..time_step.implicit.unwrap_or_default()
+                    // With twice the usual multiple packs blew up at that length.
+                    multiple: asked.multiple.min(usual.multiple),
+                    ..asked
                 }),
                 ..time_step
             })?;
