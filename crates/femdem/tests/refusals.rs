@@ -43,7 +43,7 @@ fn bad_options_say_what_is_allowed_and_leave_no_folder() {
         ),
         (
             &["--implicit=0"],
-            &["time_step.implicit.multiple = 0", "6 is usual"],
+            &["time_step.implicit.multiple = 0", "9 is usual"],
         ),
         (&["--implicit=NaN"], &["time_step.implicit.multiple = NaN"]),
         (

@@ -41,6 +41,9 @@ const CREEP_AT_LAST: f64 = 0.1;
 /// Longest implicit step over sqrt(d/g): nothing falls.
 const LONGEST_STEP: f64 = 0.02;
 
+/// Largest multiple of the explicit limit: at twice as much bodies tremble on, and a pack takes longer to become calm.
+const LARGEST_MULTIPLE: f64 = 6.0;
+
 /// Calm checks in a row that end a relaxation: an oscillation has moments without force.
 const CALM_CHECKS: u32 = 2;
 
@@ -93,14 +96,12 @@ impl Packing {
     /// to rest: nothing falls. Local damping, which implicit steps do not have, goes on with explicit ones.
     pub(super) fn step_implicitly(&mut self) -> Result<(), PackError> {
         let time_step = self.job.spec.time_step;
-        let usual = ImplicitStep::default();
-        let asked = time_step.implicit.unwrap_or(usual);
+        let asked = time_step.implicit.unwrap_or_default();
         if self.world.parameters().medium.local_damping == 0.0 {
             self.world.set_time_step(TimeStepParameters {
                 implicit: Some(ImplicitStep {
                     fall: LONGEST_STEP,
-                    // With twice the usual multiple packs blew up at that length.
-                    multiple: asked.multiple.min(usual.multiple),
+                    multiple: asked.multiple.min(LARGEST_MULTIPLE),
                     ..asked
                 }),
                 ..time_step

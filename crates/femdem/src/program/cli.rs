@@ -177,7 +177,7 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "X")]
     local_damping: Option<f64>,
 
-    /// Implicit steps, X times the explicit limit of one contact; 6 without a number. With stiff contacts, as those
+    /// Implicit steps, X times the explicit limit of one contact; 9 without a number. With stiff contacts, as those
     /// of --protocol release, they take less than half of the processor time; packs come out looser by up to 0.01,
     /// and the energy ledger misses some percent. The verification stays explicit [default: explicit steps]
     #[arg(
@@ -185,7 +185,7 @@ pub(crate) struct PackArgs {
         value_name = "X",
         num_args = 0..=1,
         require_equals = true,
-        default_missing_value = "6",
+        default_missing_value = "9",
         conflicts_with = "local_damping"
     )]
     implicit: Option<f64>,

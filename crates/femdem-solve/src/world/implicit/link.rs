@@ -384,12 +384,34 @@ impl Link {
         if share == 1.0 {
             return tilted || !matches!(before, Grip::Holds);
         }
-        let change = [0.0, self.normal.dot(&x.turning)];
-        let slip = self.slip(&held.friction, held.torsion, change, share);
-        self.grip = Grip::Slides(slip);
+        self.grip = self.slides(&x, &held, share);
         let size = held.friction.norm();
         let off = (found.friction * (1.0 / within) - held.friction).norm();
         tilted || !matches!(before, Grip::Slides(_)) || off > SETTLED * size
+    }
+
+    /// Takes part again if it was left out as parting and closes in a solution; tells whether.
+    pub(super) fn close_again(&mut self, x: &[Twist]) -> bool {
+        if !matches!(self.grip, Grip::Parts) {
+            return false;
+        }
+        let x = self.relative(x);
+        let (held, share) = self.forces(&x);
+        if held.normal <= 0.0 {
+            return false;
+        }
+        self.grip = if share < 1.0 {
+            self.slides(&x, &held, share)
+        } else {
+            Grip::Holds
+        };
+        true
+    }
+
+    /// Slides with the forces that hold after a change of the velocities, of which `share` is within the bound.
+    fn slides(&self, x: &Twist, held: &ContactForce, share: f64) -> Grip {
+        let change = [0.0, self.normal.dot(&x.turning)];
+        Grip::Slides(self.slip(&held.friction, held.torsion, change, share))
     }
 
     /// The same for rocking; `found` is the moment that the solution had.
