@@ -179,7 +179,7 @@ pub(crate) struct PackArgs {
 
     /// Implicit steps, X times the explicit limit of one contact; 9 without a number. With stiff contacts, as those
     /// of --protocol release, they take less than half of the processor time; packs come out looser by up to 0.01,
-    /// and the energy ledger misses some percent. The verification stays explicit [default: explicit steps]
+    /// and the energy ledger misses up to a fifth. The verification stays explicit [default: explicit steps]
     #[arg(
         long,
         value_name = "X",
