@@ -421,6 +421,13 @@ mod tests {
     }
 
     #[test]
+    fn implicit_steps_without_a_number_have_the_usual_length() {
+        let usual = femdem::solve::ImplicitStep::default().multiple;
+        assert_eq!(scene("--implicit").implicit, Some(usual));
+        assert_eq!(scene("--implicit=3").implicit, Some(3.0));
+    }
+
+    #[test]
     fn the_size_of_a_cylinder_makes_the_container_one() {
         assert_eq!(scene("--cylinder 5").container, ContainerKind::Cylinder);
         let five = Length::Diameters(5.0);
