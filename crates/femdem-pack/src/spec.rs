@@ -330,9 +330,10 @@ impl PackSpec {
         (self.diameter() / self.gravity).sqrt()
     }
 
-    /// Step size control where bodies fall.
+    /// Step size control where bodies fall; implicit steps may have asked for a longer fall.
     pub(crate) fn falling_time_step(&self) -> TimeStepParameters {
-        let falling = LARGEST_STEP * self.time_unit();
+        let asked = self.time_step.implicit.map_or(LARGEST_STEP, |i| i.fall);
+        let falling = LARGEST_STEP.max(asked) * self.time_unit();
         TimeStepParameters {
             largest: Some(self.time_step.largest.unwrap_or(f64::INFINITY).min(falling)),
             ..self.time_step
@@ -379,6 +380,7 @@ impl Settling {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use femdem_solve::ImplicitStep;
 
     #[test]
     fn default_spec_is_valid_and_says_what_it_packs() {
@@ -424,6 +426,22 @@ mod tests {
         };
         assert_eq!(penalty(0.6, Some(0.2)), penalty(0.2, None));
         assert!(penalty(0.6, Some(0.0)) > 1.05 * penalty(0.6, None));
+    }
+
+    #[test]
+    fn falling_bodies_bound_the_step() {
+        let longest = |fall: Option<f64>| {
+            let mut spec = PackSpec::default();
+            spec.time_step.implicit = fall.map(|fall| ImplicitStep {
+                fall,
+                ..ImplicitStep::default()
+            });
+            spec.falling_time_step().largest.unwrap() / spec.time_unit()
+        };
+        for (fall, expected) in [(None, 0.01), (Some(0.005), 0.01), (Some(0.015), 0.015)] {
+            let got = longest(fall);
+            assert!((got - expected).abs() < 1e-12, "{fall:?}: {got}");
+        }
     }
 
     #[test]
