@@ -63,7 +63,8 @@ pub struct ImplicitStep {
     /// Longest step over sqrt(d/g), the time in which a body falls by half its diameter d. Twice the default will do
     /// where nothing falls.
     pub fall: f64,
-    /// Relative tolerance of the linear systems.
+    /// Relative tolerance of the last linear system of a step; those before, which tell how contacts take part, have three
+    /// times as much.
     pub tolerance: f64,
     /// Most rounds of conjugate gradients for a linear system.
     pub rounds: u32,
