@@ -222,7 +222,7 @@ fn relaxed_once() -> PackSpec {
 }
 
 /// After a relaxation with implicit steps the steps are those of before, with their limit for falling bodies. In it they
-/// are no longer than usual multiples make them, whatever is asked for.
+/// keep to six times the explicit limit, whatever is asked for.
 #[test]
 fn a_relaxation_leaves_the_step_control_as_it_was() {
     let long = ImplicitStep {
