@@ -53,8 +53,8 @@ pub struct Contact {
     pub torsion: f64,
     /// Whether the patch slides.
     pub slides: bool,
-    /// Whether it lies at the end of the present step, as the velocities before the step would have it; only where a
-    /// host asks for it ([`ContactBatch::update_springs`](crate::ContactBatch::update_springs)).
+    /// Whether it is that at the end of the present step, as the velocities before the step would have it: there was none,
+    /// or one that becomes much harder. Only where a host asks for it ([`ContactBatch::update_springs`](crate::ContactBatch::update_springs)).
     pub foreseen: bool,
     /// Contact area, m^2.
     pub area: f64,

@@ -10,7 +10,7 @@ use femdem_contact::{
     Contact, ContactBatch, ContactError, ContactForce, ContactLaw, ContactParameters, Motion,
     Snapshot,
 };
-use femdem_mesh::nalgebra::{Matrix3, Vector3};
+use femdem_mesh::nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Two cubes, B above A, that are `gap` apart and approach each other, sliding.
 fn cubes(gap: f64, damping: f64) -> (ContactBatch, Vec<Motion>) {
@@ -80,6 +80,53 @@ fn contacts_are_foreseen() {
     assert_eq!(found.len(), 1);
     assert!(found[0].foreseen);
     assert!((found[0].penetration() - 0.5e-3).abs() < 0.5e-3);
+}
+
+/// A cube B that tips about its edge, which lies in the top of A: at an angle to that face, turning with it.
+fn tipping(bodies: &[Motion], angle: f64, rate: f64) -> Vec<Motion> {
+    let half = 0.05 / 3.0_f64.sqrt();
+    let cube = shape("P5", 0.1);
+    let edge = Vector3::new(-half, 0.0, half - 1e-5);
+    let turn = *Rotation3::from_axis_angle(&-Vector3::y_axis(), angle).matrix();
+    let arm = turn * Vector3::new(half, 0.0, half);
+    let mut body = placed(&cube, edge + arm, turn);
+    body.angular_velocity = -Vector3::y() * rate;
+    body.velocity = body.angular_velocity.cross(&arm);
+    vec![bodies[0], body]
+}
+
+/// A face that comes down while its edge touches already is foreseen with the force that it will have. Where the
+/// body turns slowly the contact is the one that there is.
+#[test]
+fn a_face_that_comes_down_is_foreseen() {
+    let dt = 1e-3;
+    let tip = |rate: f64| {
+        let (mut batch, bodies) = cubes(0.0, 0.6);
+        let now = tipping(&bodies, 0.02, rate);
+        let mut later = tipping(&bodies, 0.02 + rate * dt, rate);
+        later[1].travelled = rate.abs() * dt * 0.1;
+        batch.update(&now, &[], 0.0).unwrap();
+        let view = |bodies| Snapshot {
+            bodies,
+            walls: &[],
+            dt,
+        };
+        batch.update_springs(view(&now), view(&later)).unwrap();
+        let found = *batch.contacts()[0];
+        let force = |bodies: &[Motion]| {
+            let (mut other, _) = cubes(0.0, 0.6);
+            other.update(bodies, &[], 0.0).unwrap();
+            other.contacts()[0].elastic_force
+        };
+        (found, force(&now), force(&later))
+    };
+    let (fast, now, later) = tip(-21.0);
+    assert!(later > 100.0 * now, "{now} N, then {later} N");
+    assert!(fast.foreseen);
+    assert!((fast.elastic_force / later - 1.0).abs() < 1e-9, "{fast:?}");
+    let (slow, now, _) = tip(-1e-3);
+    assert!(!slow.foreseen);
+    assert!((slow.elastic_force / now - 1.0).abs() < 1e-9, "{slow:?}");
 }
 
 /// Loads are the sums of the forces handed back; a wrong number of them is refused.

@@ -46,8 +46,8 @@ pub struct TimeStepParameters {
 
 /// How a linearly implicit step is chosen and solved.
 ///
-/// Contacts that exist are evaluated where the bodies are, the others where the bodies would be after the
-/// step with their present velocities; the velocities at its end are those under forces that change
+/// Contacts that exist are evaluated where the bodies are, the others and those that become much harder where the bodies
+/// would be after the step with their present velocities; the velocities at its end are those under forces that change
 /// linearly from there: one Newton step of the backward Euler method. The step can be many times the
 /// explicit one; in turn it takes energy from all motion that it does not resolve: impacts and
 /// vibrations shorter than a few steps. Small steps give the motion of explicit ones: the law of the contacts is the

@@ -27,6 +27,13 @@ pub(crate) struct Workspace {
     general: GeneralScratch,
 }
 
+/// A convex contact that moves by less than this many of its depths within a step is not looked at ahead: hardly any
+/// becomes [much harder](HARDER).
+const DEPTHS: f64 = 5.0;
+
+/// A convex contact is taken ahead if its force there is this many times what its stiffness tells.
+const HARDER: f64 = 2.0;
+
 /// What every pair of one update shares.
 pub(crate) struct Context<'a> {
     pub pair: PairKernel,
@@ -109,6 +116,32 @@ impl Context<'_> {
             let mut friction = FrictionState::new(&overlap, a, b);
             let contact = self.touch(key, &overlap, None, &mut friction);
             pair.touch = Some(Box::new(Touch { friction, contact }));
+        }
+    }
+
+    /// Takes a contact as foreseen ahead if it is much harder there than its stiffness tells: a body tips over an edge, and
+    /// a face comes down.
+    fn harden(&self, pair: &mut Pair, scratch: &mut Scratch) {
+        let (a, b) = (self.motion_a(pair.a), &self.bodies[pair.b as usize]);
+        let Some(Touch { friction, contact }) = pair.touch.as_deref_mut() else {
+            return;
+        };
+        let velocity = b.velocity_at(&contact.arm_b) - a.velocity_at(&contact.arm_a);
+        let turning = b.angular_velocity - a.angular_velocity;
+        let closing = -contact.normal.dot(&velocity) * self.pace.dt;
+        let tipping = contact.normal.cross(&turning).norm() * contact.arm_b.norm() * self.pace.dt;
+        if closing.max(0.0) + tipping <= DEPTHS * contact.penetration() {
+            return;
+        }
+        let expected = contact.elastic_force + contact.stiffness * closing.max(0.0);
+        let Some(overlap) = self.evaluate_convex(pair.a, pair.b, &mut pair.cache, scratch) else {
+            return;
+        };
+        if overlap.force_magnitude() > HARDER * expected {
+            // The friction that is remembered stays that of the present place.
+            let mut friction = *friction;
+            *contact = self.touch((pair.a, pair.b, 0), &overlap, None, &mut friction);
+            contact.foreseen = true;
         }
     }
 
@@ -250,7 +283,7 @@ impl Views<'_> {
         }
     }
 
-    /// Evaluates one pair in place: as it is if it touches, else ahead.
+    /// Evaluates one pair in place: as it is if it touches, unless it becomes much harder, else ahead.
     fn evaluate(&self, pair: &mut Pair, work: &mut Workspace) {
         let Some(ahead) = self.ahead else {
             self.now.evaluate(pair, work);
@@ -259,6 +292,7 @@ impl Views<'_> {
         if pair.touches() {
             self.now.evaluate(pair, work);
             if pair.touches() {
+                ahead.harden(pair, &mut work.convex);
                 return;
             }
         }

@@ -22,7 +22,8 @@ impl ContactBatch {
     /// forces of its springs, and tells its viscosities ([`Contact::dashpots`]); friction springs of a patch that
     /// slides carry what the dashpots leave of the bound, as they do there. And pairs that do not touch
     /// are looked at ahead: where the bodies would be at the end of the step with their present
-    /// velocities. A contact found there is [foreseen](Contact::foreseen).
+    /// velocities. A contact found there is [foreseen](Contact::foreseen); so is one of two convex bodies, or of one and a
+    /// wall of planes, that becomes much harder within the step, as where a body tips over an edge and a face comes down.
     ///
     /// This is for an implicit step, which finds the forces together with the velocities at its end
     /// and hands them back to [`set_forces`](Self::set_forces). `travelled` must not be less

@@ -1,6 +1,8 @@
 //! A contact as the implicit step sees it: forces that change linearly with the velocities at the end of
 //! the step, within the bounds of a contact that neither pulls nor holds more than its friction.
 
+mod works;
+
 use super::system::Twist;
 use femdem_contact::{Contact, ContactForce, Dashpots, Springs};
 use femdem_mesh::nalgebra::{Matrix6, Vector6};
@@ -31,13 +33,29 @@ struct Slip {
     slopes: [f64; 2],
 }
 
-/// A moment against rocking at its bound, which falls with the turning as friction does with the slip.
+/// Rocking at its bound: the pressure is at the edge of the patch, and it is there that the normal spring is pressed
+/// and let go. At the middle it would let go of energy that the contact keeps, since a body that tips over an edge opens
+/// the middle of the patch.
 #[derive(Debug, Clone, Copy)]
 struct Tilt {
-    /// At the velocities before the step, N m.
+    /// Where the normal force acts beside the elastic wrench, m.
+    lever: Vector3,
+    /// Moment beside that, at the velocities before the step, N m.
     moment: Vector3,
-    /// How much it falls for each unit of turning gained, N m s.
+    /// How much the moment falls for each unit of turning gained, N m s.
     slope: f64,
+}
+
+impl Tilt {
+    /// With a moment at its bound under a normal force; `spring` is the part of the spring in the slope of that force. Its
+    /// dashpot acts along the elastic wrench, as in explicit steps.
+    fn new(moment: &Vector3, normal: f64, spring: f64, slope: f64) -> Self {
+        Self {
+            lever: moment * (spring / normal),
+            moment: moment * (1.0 - spring),
+            slope,
+        }
+    }
 }
 
 /// How much forces (N s/m) and moments (N m s) fall for each unit of velocity and turning gained.
@@ -82,6 +100,8 @@ pub(super) struct Link {
     start: ContactForce,
     springs: Springs,
     slopes: Slopes,
+    /// How much less the normal force is at the start for each unit of velocity, N s/m.
+    eased: f64,
     friction: f64,
     /// Force of the normal spring where the contact was evaluated, N.
     elastic: f64,
@@ -92,17 +112,6 @@ pub(super) struct Link {
     grip: Grip,
     /// While it rocks by more than its springs and dashpots can resist.
     tilt: Option<Tilt>,
-}
-
-/// Energies of a contact over a step, J.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Works {
-    /// Of the dashpots.
-    pub damping: f64,
-    /// Of friction, springs included.
-    pub friction: f64,
-    /// That the normal spring took from the motion and does not hold.
-    pub step: f64,
 }
 
 /// How much a force at its bound falls for each unit of velocity gained, at most `most`: so that it has vanished
@@ -158,6 +167,7 @@ impl Link {
             },
             springs,
             slopes,
+            eased: ahead.normal,
             friction,
             elastic: contact.elastic_force,
             foreseen: contact.foreseen,
@@ -216,8 +226,11 @@ impl Link {
 
     /// Adds the forces at the velocities before the step.
     pub(super) fn add_start(&self, out: &mut [Twist]) {
+        let tilt = self.rocks();
+        let normal = self.normal_at_start(&tilt);
         let mut forces = ContactForce {
-            rocking: self.rocks().moment,
+            normal,
+            rocking: tilt.lever * normal + tilt.moment,
             ..self.start
         };
         match self.grip {
@@ -231,12 +244,18 @@ impl Link {
         self.add_force(&forces, out);
     }
 
-    /// The moment against rocking.
+    /// How rocking is resisted: by its spring and dashpot unless it is at its bound.
     fn rocks(&self) -> Tilt {
         self.tilt.unwrap_or(Tilt {
+            lever: Vector3::zeros(),
             moment: self.start.rocking,
             slope: self.slopes.rocking,
         })
+    }
+
+    /// The normal force at the velocities before the step, N.
+    fn normal_at_start(&self, tilt: &Tilt) -> f64 {
+        self.start.normal - self.eased * tilt.lever.dot(&self.before.turning)
     }
 
     /// The slip that friction and torsion at their bound belong to after a change of velocity and spin;
@@ -265,12 +284,13 @@ impl Link {
         let Some([held, torsion]) = self.held() else {
             return;
         };
-        let (n, rocking) = (&self.normal, self.rocks().slope);
+        let (n, tilt) = (&self.normal, self.rocks());
+        let (lever, rocking) = (self.lever + tilt.lever, tilt.slope);
         let x = self.relative(x);
         let (along, spin) = (n.dot(&x.velocity), n.dot(&x.turning));
-        let pressed = self.slopes.normal * (along + self.lever.dot(&x.turning));
+        let pressed = self.slopes.normal * (along + lever.dot(&x.turning));
         let force = n * (pressed - held * along) + x.velocity * held;
-        let moment = self.lever * pressed + x.turning * rocking + n * (spin * (torsion - rocking));
+        let moment = lever * pressed + x.turning * rocking + n * (spin * (torsion - rocking));
         self.add(&force, &moment, out);
     }
 
@@ -288,18 +308,20 @@ impl Link {
 
     fn block(&self, arm: &Vector3, [held, torsion]: [f64; 2]) -> Matrix6<f64> {
         let (n, s) = (&self.normal, &self.slopes);
+        let tilt = self.rocks();
+        let (lever, rocking) = (self.lever + tilt.lever, tilt.slope);
         let mut block = Matrix6::zeros();
-        let mut add_along = |lever: &Vector3, value: f64| {
-            let x = Vector6::new(n.x, n.y, n.z, lever.x, lever.y, lever.z);
+        let mut add_along = |turn: &Vector3, value: f64| {
+            let x = Vector6::new(n.x, n.y, n.z, turn.x, turn.y, turn.z);
             block += x * (x * value).transpose();
         };
         let turned = arm.cross(n);
-        add_along(&(turned + self.lever), s.normal);
+        add_along(&(turned + lever), s.normal);
         add_along(&turned, -held);
         let coupling = arm.cross_matrix() * held;
-        let turning = Matrix3::from_diagonal_element(held * arm.norm_squared() + s.rocking)
+        let turning = Matrix3::from_diagonal_element(held * arm.norm_squared() + rocking)
             - arm * (arm * held).transpose()
-            + n * (n * (torsion - s.rocking)).transpose();
+            + n * (n * (torsion - rocking)).transpose();
         for i in 0..3 {
             block[(i, i)] += held;
             for j in 0..3 {
@@ -316,7 +338,9 @@ impl Link {
     fn forces(&self, change: &Twist) -> (ContactForce, f64) {
         let (n, s) = (&self.normal, &self.slopes);
         let (along, spin) = (n.dot(&change.velocity), n.dot(&change.turning));
-        let normal = self.start.normal - s.normal * (along + self.lever.dot(&change.turning));
+        let tilt = self.rocks();
+        let opening = along + (self.lever + tilt.lever).dot(&change.turning);
+        let normal = self.normal_at_start(&tilt) - s.normal * opening;
         if normal <= 0.0 {
             let none = ContactForce {
                 normal: 0.0,
@@ -337,8 +361,8 @@ impl Link {
         };
         let friction = friction - (change.velocity - n * along) * held;
         let torsion = torsion - spin * turning;
-        let tilt = self.rocks();
-        let rocking = tilt.moment - (change.turning - n * spin) * tilt.slope;
+        let gained = change.turning - n * spin;
+        let rocking = tilt.lever * normal + tilt.moment - gained * tilt.slope;
         let share = self.share(&friction, torsion, normal);
         let forces = ContactForce {
             normal,
@@ -378,6 +402,7 @@ impl Link {
         let (held, share) = self.forces(&x);
         if held.normal <= 0.0 {
             self.grip = Grip::Parts;
+            self.tilt = None;
             return !matches!(before, Grip::Parts);
         }
         let tilted = self.follow_tilt(&x, &found.rocking, held.normal);
@@ -424,7 +449,8 @@ impl Link {
             return before.is_some();
         };
         let slope = slope_at_bound(&moment, &self.before.turning, self.slopes.rocking);
-        self.tilt = Some(Tilt { moment, slope });
+        let spring = self.springs.normal * self.dt / self.slopes.normal.max(f64::MIN_POSITIVE);
+        self.tilt = Some(Tilt::new(&moment, normal, spring, slope));
         let off = (found - moment).norm();
         before.is_none() || off > SETTLED * moment.norm()
     }
@@ -434,41 +460,5 @@ impl Link {
         let (forces, _) = self.forces(&self.relative(x));
         self.add_force(&forces, out);
         forces
-    }
-
-    /// What forces do while the velocities change by `x`. The mean of the velocities before and after tells
-    /// what a force does to the kinetic energy; a dashpot takes what it would at the velocities after, and
-    /// what else the normal force takes and the spring does not hold is the step's.
-    pub(super) fn works(&self, forces: &ContactForce, x: &[Twist]) -> Works {
-        let (n, dt) = (&self.normal, self.dt);
-        let change = self.relative(x);
-        let opening = |x: &Twist| n.dot(&x.velocity) + self.lever.dot(&x.turning);
-        let mean = Twist {
-            velocity: self.before.velocity + change.velocity * 0.5,
-            turning: self.before.turning + change.turning * 0.5,
-        };
-        let spring = self.springs.normal * dt;
-        let rate = [&self.before, &change].map(opening);
-        let dashpot = self.slopes.normal - spring;
-        let elastic = if forces.normal > 0.0 {
-            (forces.normal + dashpot * (rate[0] + rate[1])).max(0.0)
-        } else {
-            0.0
-        };
-        // The spring's force where the step began.
-        let began = if self.foreseen { spring * rate[0] } else { 0.0 };
-        let was = (self.elastic + began).max(0.0);
-        let held = if self.springs.normal > 0.0 {
-            0.5 * (elastic * elastic - was * was) / self.springs.normal
-        } else {
-            0.0
-        };
-        let viscous = (forces.normal - elastic) * (rate[0] + rate[1]) * dt;
-        Works {
-            damping: viscous + forces.rocking.dot(&mean.turning) * dt,
-            friction: (forces.friction.dot(&mean.velocity) + forces.torsion * n.dot(&mean.turning))
-                * dt,
-            step: -forces.normal * opening(&mean) * dt + viscous - held,
-        }
     }
 }

@@ -1,9 +1,9 @@
 //! A linearly implicit step: all contacts at once, with the velocities at its end.
 //!
 //! One Newton step of the backward Euler method (after Baraff & Witkin 1998, "Large steps in cloth
-//! simulation") from the present positions for the contacts that exist, and for the others from those to
-//! which the present velocities would carry the bodies: so contacts are seen before they close, and a body
-//! that falls is stopped at the surface and not inside it. With x the change of the velocities
+//! simulation") from the present positions for the contacts that exist and do not become much harder, and for the
+//! others from those to which the present velocities would carry the bodies: so contacts are seen before they close,
+//! and a body that falls or tips over is stopped at the surface and not inside it. With x the change of the velocities
 //! (M/dt + C + dt K) x = f, f the forces there with the dashpots at the present velocities, K and C the
 //! springs and dashpots of every contact ([`Link`]). What friction holds beyond its bound, moments against rocking
 //! that would take the pressure out of the patch, and contacts that would pull, are corrected in further

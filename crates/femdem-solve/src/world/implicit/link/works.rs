@@ -1,0 +1,57 @@
+//! What the forces of a contact do in an implicit step, for the books.
+
+use super::{Link, Twist};
+use femdem_contact::ContactForce;
+
+/// Energies of a contact over a step, J.
+#[derive(Debug, Clone, Copy, Default)]
+pub(in super::super) struct Works {
+    /// Of the dashpots.
+    pub damping: f64,
+    /// Of friction, springs included.
+    pub friction: f64,
+    /// That the normal spring took from the motion and does not hold.
+    pub step: f64,
+}
+
+impl Link {
+    /// What forces do while the velocities change by `x`. The mean of the velocities before and after tells
+    /// what a force does to the kinetic energy; a dashpot takes what it would at the velocities after, and
+    /// what else the normal force takes and the spring does not hold is the step's.
+    pub(in super::super) fn works(&self, forces: &ContactForce, x: &[Twist]) -> Works {
+        let (n, dt) = (&self.normal, self.dt);
+        let change = self.relative(x);
+        let edge = self.rocks().lever;
+        let lever = self.lever + edge;
+        let opening = |x: &Twist| n.dot(&x.velocity) + lever.dot(&x.turning);
+        let mean = Twist {
+            velocity: self.before.velocity + change.velocity * 0.5,
+            turning: self.before.turning + change.turning * 0.5,
+        };
+        let spring = self.springs.normal * dt;
+        let rate = [&self.before, &change].map(opening);
+        let dashpot = self.slopes.normal - spring;
+        let elastic = if forces.normal > 0.0 {
+            (forces.normal + dashpot * (rate[0] + rate[1])).max(0.0)
+        } else {
+            0.0
+        };
+        // The spring's force where the step began.
+        let began = if self.foreseen { spring * rate[0] } else { 0.0 };
+        let was = (self.elastic + began).max(0.0);
+        let held = if self.springs.normal > 0.0 {
+            0.5 * (elastic * elastic - was * was) / self.springs.normal
+        } else {
+            0.0
+        };
+        let viscous = (forces.normal - elastic) * (rate[0] + rate[1]) * dt;
+        // Beside what the normal force does at the edge.
+        let rocking = forces.rocking - edge * forces.normal;
+        Works {
+            damping: viscous + rocking.dot(&mean.turning) * dt,
+            friction: (forces.friction.dot(&mean.velocity) + forces.torsion * n.dot(&mean.turning))
+                * dt,
+            step: -forces.normal * opening(&mean) * dt + viscous - held,
+        }
+    }
+}
