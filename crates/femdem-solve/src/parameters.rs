@@ -52,6 +52,8 @@ pub struct TimeStepParameters {
 /// explicit one; in turn it takes energy from all motion that it does not resolve: impacts and
 /// vibrations shorter than a few steps. Small steps give the motion of explicit ones: the law of the contacts is the
 /// same. Large ones are meant for bringing bodies to rest, not for impacts, waves or vibrations.
+/// The elastic energy of the [`Ledger`](crate::Ledger) is that of the contacts where they were evaluated, so that its error tells
+/// something once the bodies are at rest.
 /// For rigid bodies without [local damping](Medium::local_damping).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
