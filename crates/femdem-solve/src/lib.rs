@@ -88,7 +88,7 @@
 //!   explicit ones; large ones keep momentum to round-off and the bounds of friction, stop falling bodies without rebound
 //!   unless the step resolves the impact, and take a tenth to a fifth of the energy themselves
 //!   ([`Ledger::dissipated_step`]); the ledger misses up to 6 % of a heap's. A column of aligned cubes that is
-//!   dropped comes to rest upright, shifted and twisted by up to a hundredth of d. Verify with explicit steps
+//!   dropped comes to rest upright, shifted by a hundredth of d and twisted by a hundredth of a radian on average. Verify with explicit steps
 //!   ([`World::step_explicitly`]); see `tests/implicit.rs`.
 //! - Deformable bodies without damping keep their energy to 1e-3 at half the critical step: a cube
 //!   between two walls, eight cubes in a box (`tests/deformable_world.rs`); a block sticks to a slope

@@ -121,19 +121,20 @@ impl Context<'_> {
 
     /// Takes a contact as foreseen ahead if it is much harder there than its stiffness tells: a body tips over an edge, and
     /// a face comes down.
-    fn harden(&self, pair: &mut Pair, scratch: &mut Scratch) {
+    fn foresee_if_harder(&self, pair: &mut Pair, scratch: &mut Scratch) {
         let (a, b) = (self.motion_a(pair.a), &self.bodies[pair.b as usize]);
         let Some(Touch { friction, contact }) = pair.touch.as_deref_mut() else {
             return;
         };
         let velocity = b.velocity_at(&contact.arm_b) - a.velocity_at(&contact.arm_a);
         let turning = b.angular_velocity - a.angular_velocity;
-        let closing = -contact.normal.dot(&velocity) * self.pace.dt;
-        let tipping = contact.normal.cross(&turning).norm() * contact.arm_b.norm() * self.pace.dt;
-        if closing.max(0.0) + tipping <= DEPTHS * contact.penetration() {
+        let dt = self.pace.dt;
+        let closing = (-contact.normal.dot(&velocity) * dt).max(0.0);
+        let tipping = contact.normal.cross(&turning).norm() * contact.arm_b.norm() * dt;
+        if closing + tipping <= DEPTHS * contact.penetration() {
             return;
         }
-        let expected = contact.elastic_force + contact.stiffness * closing.max(0.0);
+        let expected = contact.elastic_force + contact.stiffness * closing;
         let Some(overlap) = self.evaluate_convex(pair.a, pair.b, &mut pair.cache, scratch) else {
             return;
         };
@@ -292,7 +293,7 @@ impl Views<'_> {
         if pair.touches() {
             self.now.evaluate(pair, work);
             if pair.touches() {
-                ahead.harden(pair, &mut work.convex);
+                ahead.foresee_if_harder(pair, &mut work.convex);
                 return;
             }
         }

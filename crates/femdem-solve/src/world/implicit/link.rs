@@ -47,8 +47,8 @@ struct Tilt {
 }
 
 impl Tilt {
-    /// With a moment at its bound under a normal force; `spring` is the part of the spring in the slope of that force. Its
-    /// dashpot acts along the elastic wrench, as in explicit steps.
+    /// With a moment at its bound under a normal force. The lever is in proportion to `spring`, the part of the spring in the
+    /// slope of that force: the dashpot acts along the elastic wrench, as in explicit steps.
     fn new(moment: &Vector3, normal: f64, spring: f64, slope: f64) -> Self {
         Self {
             lever: moment * (spring / normal),

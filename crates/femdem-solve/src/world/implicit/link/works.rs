@@ -5,7 +5,7 @@ use femdem_contact::ContactForce;
 
 /// Energies of a contact over a step, J.
 #[derive(Debug, Clone, Copy, Default)]
-pub(in super::super) struct Works {
+pub(in crate::world::implicit) struct Works {
     /// Of the dashpots.
     pub damping: f64,
     /// Of friction, springs included.
@@ -18,7 +18,7 @@ impl Link {
     /// What forces do while the velocities change by `x`. The mean of the velocities before and after tells
     /// what a force does to the kinetic energy; a dashpot takes what it would at the velocities after, and
     /// what else the normal force takes and the spring does not hold is the step's.
-    pub(in super::super) fn works(&self, forces: &ContactForce, x: &[Twist]) -> Works {
+    pub(in crate::world::implicit) fn works(&self, forces: &ContactForce, x: &[Twist]) -> Works {
         let (n, dt) = (&self.normal, self.dt);
         let change = self.relative(x);
         let edge = self.rocks().lever;
