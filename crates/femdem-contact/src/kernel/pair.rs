@@ -1,6 +1,7 @@
 //! The gauge-gauge pair kernel (sum form, exact polygons) with its cache.
 
 use super::candidates::{ContactBox, KeptBox, candidates, contact_box};
+use super::mark::Mark;
 use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::plan::{Margins, PlanScratch, SidePlan};
 use super::separation::{gap_along, separate};
@@ -56,6 +57,8 @@ pub struct PairCache {
     until: f64,
     /// Motion at the last evaluation, m.
     last: f64,
+    /// Where the state was found, and how far from there it holds.
+    found: Mark,
     /// `None`: the bodies are apart.
     near: Option<Box<Near>>,
 }
@@ -155,7 +158,7 @@ impl PairKernel {
         let rotation = frame_a.rotation.tr_mul(&frame_b.rotation);
         let between = frame_b.position - frame_a.position;
         let offset = frame_a.rotation.tr_mul(&between);
-        if expired {
+        if expired && !cache.still_holds(&rotation, &offset, b.radius(), motion) {
             let margin = self.margin(a, b, motion - cache.last);
             cache.renew(a, b, &rotation, &offset, motion, margin, scratch);
         }
@@ -288,6 +291,22 @@ impl PairCache {
         self.near.is_none() && motion < self.until
     }
 
+    /// Whether the bodies are still where the state holds, though they may have travelled far together. Where they do
+    /// not touch, too, points of A matter only where B reaches them.
+    fn still_holds(
+        &mut self,
+        rotation: &Matrix3,
+        offset: &Vector3,
+        radius: f64,
+        motion: f64,
+    ) -> bool {
+        let left = self.found.left(rotation, offset, radius);
+        if left > 0.0 {
+            self.until = motion + left;
+        }
+        left > 0.0
+    }
+
     #[expect(
         clippy::too_many_arguments,
         reason = "two shapes, their relative pose, the state of the cache"
@@ -302,6 +321,21 @@ impl PairCache {
         margin: f64,
         scratch: &mut Scratch,
     ) {
+        let holds = self.look(a, b, rotation, offset, margin, scratch);
+        self.found = Mark::new(rotation, offset, holds);
+        self.until = motion + holds;
+    }
+
+    /// Finds the state, and returns how far the bodies may move before it has to be found anew, m.
+    fn look(
+        &mut self,
+        a: &ConvexShape,
+        b: &ConvexShape,
+        rotation: &Matrix3,
+        offset: &Vector3,
+        margin: f64,
+        scratch: &mut Scratch,
+    ) -> f64 {
         if self.axis.norm_squared() < 0.5 {
             self.axis = offset
                 .try_normalize(1e-12 * a.radius())
@@ -312,8 +346,7 @@ impl PairCache {
         if clear <= 0.25 * margin {
             self.near = find_near(a, b, rotation, offset, &self.axis, margin, scratch);
             if self.near.is_some() {
-                self.until = motion + margin;
-                return;
+                return margin;
             }
             clear = margin;
         }
@@ -324,7 +357,7 @@ impl PairCache {
             self.axis = better.axis;
             clear = better.gap;
         }
-        self.until = motion + clear;
+        clear
     }
 }
 
