@@ -108,6 +108,7 @@ pub mod general;
 mod generalized;
 pub mod kernel;
 mod law;
+mod mark;
 mod motion;
 mod shape;
 #[cfg(feature = "proptest")]

@@ -3,6 +3,7 @@
 use super::cells::Cells;
 use super::near_list::{Candidate, NearList, Search, Within, members, place};
 use super::posed::Posed;
+use crate::mark::Mark;
 use femdem_mesh::bvh::Aabb;
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -12,7 +13,13 @@ use std::convert::Infallible;
 /// never changes which contacts are found; a fresh cache gives the same result to round-off.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct GeneralCache {
+    /// By the motion of the two against each other.
     list: NearList<Near>,
+    /// How far they have moved against each other, m: less than both have travelled, where they go together.
+    moved: f64,
+    /// What they had travelled at the last look, m, and where they were then.
+    travelled: f64,
+    here: Mark,
 }
 
 /// Candidate pairs.
@@ -45,18 +52,30 @@ impl GeneralCache {
 
     /// Whether `motion` still lies within what the cache allows without a look at the pair.
     pub fn is_clear(&self, motion: f64) -> bool {
-        self.list.is_clear(motion)
+        self.list.is_clear(self.moved + (motion - self.travelled))
     }
 
-    /// The candidates, found anew if they have expired.
-    pub(crate) fn candidates(&mut self, placed: &Placed, motion: f64) -> Option<&mut Near> {
-        let Ok(near) = self.list.renewed(placed, motion);
+    /// Takes note of where the bodies are now, and returns how far they have moved against each other in all, m.
+    pub(crate) fn advance(&mut self, placed: &Placed, motion: f64) -> f64 {
+        let travelled = motion - self.travelled;
+        let moved = self
+            .here
+            .moved(&placed.rotation, &placed.offset, placed.b.radius);
+        self.moved += if moved < travelled { moved } else { travelled };
+        self.travelled = motion;
+        self.here = Mark::new(&placed.rotation, &placed.offset);
+        self.moved
+    }
+
+    /// The candidates, found anew if they have expired; `moved` as [`advance`](Self::advance) returns it.
+    pub(crate) fn candidates(&mut self, placed: &Placed, moved: f64) -> Option<&mut Near> {
+        let Ok(near) = self.list.renewed(placed, moved);
         near
     }
 
     /// Notes until when no candidate touches; to be called after a look at all of them.
-    pub(crate) fn set_clear(&mut self, motion: f64) {
-        self.list.set_clear(motion);
+    pub(crate) fn set_clear(&mut self, moved: f64) {
+        self.list.set_clear(moved);
     }
 }
 

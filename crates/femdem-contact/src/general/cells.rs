@@ -65,6 +65,8 @@ pub(crate) struct Cells {
     pub list: Vec<Cell>,
     pub boxes: Vec<Aabb>,
     pub tree: Bvh,
+    /// Largest distance of a corner from the origin, m.
+    pub radius: f64,
 }
 
 impl Cells {
@@ -88,7 +90,9 @@ impl Cells {
 
     fn of(list: Vec<Cell>) -> Self {
         let boxes: Vec<Aabb> = list.iter().map(Cell::aabb).collect();
+        let corners = list.iter().flat_map(|c| &c.corners);
         Self {
+            radius: corners.fold(0.0, |r, x| x.norm().max(r)),
             tree: Bvh::new(&boxes),
             boxes,
             list,

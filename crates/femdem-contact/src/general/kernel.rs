@@ -188,6 +188,7 @@ impl GeneralKernel {
             offset: frame_a.rotation.tr_mul(&between),
             scale: pair.lengths[0].max(pair.lengths[1]),
         };
+        let motion = cache.advance(&placed, motion);
         let Some(near) = cache.candidates(&placed, motion) else {
             return &scratch.patches;
         };

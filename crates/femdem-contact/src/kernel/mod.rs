@@ -6,7 +6,6 @@ mod cells;
 mod clip;
 mod fast;
 mod field;
-mod mark;
 #[cfg(test)]
 mod oracle;
 mod overlap;

@@ -1,12 +1,12 @@
 //! The gauge-gauge pair kernel (sum form, exact polygons) with its cache.
 
 use super::candidates::{ContactBox, KeptBox, candidates, contact_box};
-use super::mark::Mark;
 use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::plan::{Margins, PlanScratch, SidePlan};
 use super::separation::{gap_along, separate};
 use super::side::{FieldPlane, Region, SideScratch, SideSums, Skin, integrate_side, pose_planes};
 use crate::error::{ContactError, check};
+use crate::mark::Mark;
 use crate::shape::{ConvexShape, Frame};
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -57,8 +57,9 @@ pub struct PairCache {
     until: f64,
     /// Motion at the last evaluation, m.
     last: f64,
-    /// Where the state was found, and how far from there it holds.
+    /// Where the state was found, and how far from there it holds, m.
     found: Mark,
+    margin: f32,
     /// `None`: the bodies are apart.
     near: Option<Box<Near>>,
 }
@@ -300,7 +301,7 @@ impl PairCache {
         radius: f64,
         motion: f64,
     ) -> bool {
-        let left = self.found.left(rotation, offset, radius);
+        let left = f64::from(self.margin) - self.found.moved(rotation, offset, radius);
         if left > 0.0 {
             self.until = motion + left;
         }
@@ -322,7 +323,8 @@ impl PairCache {
         scratch: &mut Scratch,
     ) {
         let holds = self.look(a, b, rotation, offset, margin, scratch);
-        self.found = Mark::new(rotation, offset, holds);
+        self.found = Mark::new(rotation, offset);
+        self.margin = holds as f32;
         self.until = motion + holds;
     }
 

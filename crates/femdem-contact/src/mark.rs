@@ -12,35 +12,32 @@ const SINGLE: f64 = 8.0 * f32::EPSILON as f64;
 
 /// Where B was in A's axes, and how far it may move from there. Every pair has one, hence the single precision.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Mark {
+pub(crate) struct Mark {
     /// Unit quaternion: i, j, k, w.
     rotation: [f32; 4],
     /// m.
     offset: [f32; 3],
-    /// m; zero: nothing is known.
-    margin: f32,
 }
 
 impl Mark {
-    pub fn new(rotation: &Matrix3, offset: &Vector3, margin: f64) -> Self {
+    pub fn new(rotation: &Matrix3, offset: &Vector3) -> Self {
         let turned = Rotation::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
         Self {
             rotation: turned.coords.map(|x| x as f32).into(),
             offset: offset.map(|x| x as f32).into(),
-            margin: margin as f32,
         }
     }
 
-    /// How far any point of B, no further from its origin than `radius`, may still move in A's axes, and any such point of
-    /// A's in B's, m; not positive where nothing is known any more.
-    pub fn left(&self, rotation: &Matrix3, offset: &Vector3, radius: f64) -> f64 {
+    /// How far any point of B, no further from its origin than `radius`, has moved in A's axes, and any such point of
+    /// A in B's, m, at most; of no use (too large, or not a number) for a mark that was never made.
+    pub fn moved(&self, rotation: &Matrix3, offset: &Vector3, radius: f64) -> f64 {
         let turned = Quaternion::from(self.rotation.map(f64::from));
         let was = Rotation::new_unchecked(turned).to_rotation_matrix();
         // The spectral norm of the difference of two rotations.
         let turn = (rotation - was.matrix()).norm() * std::f64::consts::FRAC_1_SQRT_2;
         let shift = (offset - Vector3::from(self.offset.map(f64::from))).norm();
         let lost = SINGLE * (offset.norm() + radius) + f64::from(f32::MIN_POSITIVE);
-        f64::from(self.margin) - shift - turn * radius - lost
+        shift + turn * radius + lost
     }
 }
 
@@ -63,17 +60,16 @@ mod tests {
         /// No point of B moves further than told, and no point of A that B reaches; and no more is told than shift and turn
         /// of the farthest point together.
         #[test]
-        fn what_is_left_bounds_every_point(
+        fn every_point_has_moved_less(
             first in vector(3.0),
             turning in vector(0.1),
             offset in vector(2.0),
             shift in vector(0.1),
             point in vector(0.5),
         ) {
-            let (radius, margin) = (0.9, 1.0);
+            let radius = 0.9;
             let (was, now) = (matrix(&first), matrix(&turning) * matrix(&first));
-            let mark = Mark::new(&was, &offset, margin);
-            let moved = margin - mark.left(&now, &(offset + shift), radius);
+            let moved = Mark::new(&was, &offset).moved(&now, &(offset + shift), radius);
             let of_b = (now - was) * point + shift;
             prop_assert!(of_b.norm() <= moved, "{} {moved}", of_b.norm());
             // A point of A where that point of B is now.
@@ -84,10 +80,10 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_known_at_first_nor_about_what_is_too_large() {
-        let (rotation, offset) = (Matrix3::identity(), Vector3::new(0.1, 0.0, 0.0));
-        assert!(Mark::default().left(&rotation, &offset, 0.1) <= 0.0);
-        let mark = Mark::new(&rotation, &(offset * 1e300), 1e299);
-        assert!(mark.left(&rotation, &(offset * 1e300), 1e298).is_nan());
+    fn what_is_too_large_for_single_precision_is_not_known() {
+        let offset = Vector3::new(1e299, 0.0, 0.0);
+        let mark = Mark::new(&Matrix3::identity(), &offset);
+        let moved = mark.moved(&Matrix3::identity(), &offset, 1e298);
+        assert!(!moved.is_finite(), "{moved}");
     }
 }
