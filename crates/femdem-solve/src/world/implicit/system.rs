@@ -104,9 +104,12 @@ impl System {
         let mut direction = z.clone();
         let mut size = dot(&r, &z);
         for round in 0..rounds {
+            if size <= enough {
+                return round;
+            }
             self.times(&direction, &mut product);
             let curvature = dot(&direction, &product);
-            if size <= enough || curvature <= 0.0 {
+            if curvature <= 0.0 {
                 return round;
             }
             let length = size / curvature;
