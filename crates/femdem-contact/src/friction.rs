@@ -310,7 +310,8 @@ fn limit_surface(force: f64, moment: f64, most: f64, radius: f64) -> f64 {
             f64::INFINITY
         }
     };
-    part(force, most).hypot(part(moment, most * radius))
+    let (push, twist) = (part(force, most), part(moment, most * radius));
+    (push * push + twist * twist).sqrt()
 }
 
 #[cfg(test)]

@@ -8,9 +8,6 @@
 use femdem_mesh::nalgebra::{Quaternion, Unit};
 use femdem_mesh::{Rotation, Vector3};
 
-/// Weights and axes of the splitting.
-const SWEEP: [(usize, f64); 5] = [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)];
-
 /// Turns a free body by `dt`: `orientation` maps principal axes to the world, `momentum`
 /// is the angular momentum in principal axes, `moments` the principal moments of inertia.
 pub(crate) fn drift(
@@ -23,25 +20,37 @@ pub(crate) fn drift(
         return;
     }
     let mut q = orientation.into_inner();
-    for (axis, weight) in SWEEP {
-        // Half the angle of a rotation by the rate L_k / I_k over weight * dt.
-        let t = weight * dt * momentum[axis] / (4.0 * moments[axis]);
-        let scale = 1.0 / (1.0 + t * t);
-        let (c, s) = ((1.0 - t * t) * scale, 2.0 * t * scale);
-        let mut vector = Vector3::zeros();
-        vector[axis] = s;
-        q *= Quaternion::from_parts(c, vector);
-        // The momentum, fixed in the world, turns backwards in the body: by twice the
-        // angle of the half-angle pair (c, s).
-        let (cos, sin) = (c * c - s * s, 2.0 * c * s);
-        let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
-        let (lj, lk) = (momentum[j], momentum[k]);
-        momentum[j] = cos * lj + sin * lk;
-        momentum[k] = cos * lk - sin * lj;
-    }
+    // A quarter of the angle for each unit of momentum, over the whole of dt.
+    let [x, y, z] = (*moments * 4.0).map(|m| dt / m).into();
+    turn::<0>(&mut q, momentum, 0.5 * x);
+    turn::<1>(&mut q, momentum, 0.5 * y);
+    turn::<2>(&mut q, momentum, z);
+    turn::<1>(&mut q, momentum, 0.5 * y);
+    turn::<0>(&mut q, momentum, 0.5 * x);
     // One Newton step towards unit length.
     let norm2 = q.norm_squared();
     *orientation = Unit::new_unchecked(q * (0.5 * (3.0 - norm2)));
+}
+
+/// The plane rotation about one axis. `rate` is a quarter of the angle for each unit of momentum about it. The axis is
+/// known to the compiler, so that all numbers stay in registers.
+#[inline(always)]
+fn turn<const AXIS: usize>(q: &mut Quaternion<f64>, momentum: &mut Vector3, rate: f64) {
+    let (j, k) = ((AXIS + 1) % 3, (AXIS + 2) % 3);
+    let t = rate * momentum[AXIS];
+    let scale = 1.0 / (1.0 + t * t);
+    // Cosine and sine of half the angle.
+    let (c, s) = ((1.0 - t * t) * scale, 2.0 * t * scale);
+    let [qi, qj, qk, w] = [q.coords[AXIS], q.coords[j], q.coords[k], q.coords.w];
+    q.coords[AXIS] = c * qi + s * w;
+    q.coords[j] = c * qj + s * qk;
+    q.coords[k] = c * qk - s * qj;
+    q.coords.w = c * w - s * qi;
+    // The momentum, fixed in the world, turns backwards in the body.
+    let (cos, sin) = (c * c - s * s, 2.0 * c * s);
+    let (lj, lk) = (momentum[j], momentum[k]);
+    momentum[j] = cos * lj + sin * lk;
+    momentum[k] = cos * lk - sin * lj;
 }
 
 #[cfg(test)]
