@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Bound of what single precision loses, over the size of what is kept.
 const SINGLE: f64 = 8.0 * f32::EPSILON as f64;
 
-/// Where B was in A's axes, and how far it may move from there. Every pair has one, hence the single precision.
+/// Where B was in A's axes. Every pair has one, hence the single precision.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Mark {
     /// Unit quaternion: i, j, k, w.
@@ -29,7 +29,7 @@ impl Mark {
     }
 
     /// How far any point of B, no further from its origin than `radius`, has moved in A's axes, and any such point of
-    /// A in B's, m, at most; of no use (too large, or not a number) for a mark that was never made.
+    /// A in B's, m, at most; not finite where single precision does not reach.
     pub fn moved(&self, rotation: &Matrix3, offset: &Vector3, radius: f64) -> f64 {
         let turned = Quaternion::from(self.rotation.map(f64::from));
         let was = Rotation::new_unchecked(turned).to_rotation_matrix();

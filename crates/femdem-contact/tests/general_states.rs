@@ -48,7 +48,8 @@ fn a_warm_cache_changes_nothing() {
         ("dolos", tets::dolos()),
     ] {
         let body = tets::body(&mesh, Field::Body);
-        for form in [Form::Sum, Form::Min] {
+        // In the last case both travel much further together than against each other.
+        for (form, together) in [(Form::Sum, 0.0), (Form::Min, 0.0), (Form::Sum, 0.05)] {
             let kernel = GeneralKernel::new(PENALTY, form).unwrap();
             let fa = Frame {
                 position: stream.vector(),
@@ -72,7 +73,7 @@ fn a_warm_cache_changes_nothing() {
                 };
                 fb.position += velocity * h;
                 fb = turned(&fb, &axis, h);
-                motion += velocity.norm() * h + h * body.radius();
+                motion += together + velocity.norm() * h + h * body.radius();
                 let warm = kernel
                     .evaluate_cached(&body, &fa, &body, &fb, &mut cache, motion, &mut scratch)
                     .to_vec();
