@@ -83,8 +83,8 @@
 //! - The active set counts in steps, not in seconds: with a much smaller step lengthen
 //!   [`SleepParameters::window`] and [`SleepParameters::steps`] as much, or switch it off, or bodies
 //!   may be frozen before they have come to rest.
-//! - [Implicit steps](ImplicitStep) bring packs of rigid bodies to rest at a quarter of the cost of explicit ones;
-//!   500 bodies that are let go at once end 0.003 to 0.021 less dense (± 0.007). Small steps give the motion of
+//! - [Implicit steps](ImplicitStep) bring packs of rigid bodies to rest at a fifth of the cost of explicit ones;
+//!   500 bodies that are let go at once end 0.005 ± 0.003 less dense. Small steps give the motion of
 //!   explicit ones; large ones keep momentum to round-off and the bounds of friction, stop falling bodies without rebound
 //!   unless the step resolves the impact, and take a tenth to a fifth of the energy themselves
 //!   ([`Ledger::dissipated_step`]); the ledger misses up to 6 % of a heap's. A column of aligned cubes that is
