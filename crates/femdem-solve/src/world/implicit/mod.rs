@@ -164,12 +164,13 @@ impl World {
             return Ok(wrenches);
         }
         let (decay, reach) = relaxation(self.parameters.medium.drag, dt);
-        // A list that grows as it is filled would hold twice the memory for a moment.
-        let mut links = Vec::with_capacity(self.batch.evaluated().count());
-        links.extend(self.batch.evaluated().map(|c| self.link(c, &bodies, dt)));
         let mut system = System {
             inertias: Vec::with_capacity(members.len()),
-            links,
+            links: self
+                .batch
+                .evaluated()
+                .map(|c| self.link(c, &bodies, dt))
+                .collect(),
         };
         let mut others = Vec::with_capacity(members.len());
         for &k in &members {

@@ -74,10 +74,9 @@ impl System {
         for link in &self.links {
             link.add_blocks(&mut blocks);
         }
-        for block in &mut blocks {
-            *block = block.cholesky().map(|c| c.inverse()).unwrap_or_default();
-        }
-        blocks
+        let inverse = |block: Matrix6<f64>| block.cholesky().map(|c| c.inverse());
+        let all = blocks.into_iter().map(inverse);
+        all.map(Option::unwrap_or_default).collect()
     }
 
     /// Improves `x` by conjugate gradients (Hestenes & Stiefel 1952) with `inverses` of the blocks on the
