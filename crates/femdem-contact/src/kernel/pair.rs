@@ -292,8 +292,8 @@ impl PairCache {
         self.near.is_none() && motion < self.until
     }
 
-    /// Whether the bodies are still where the state holds, though they may have travelled far together. Where they do
-    /// not touch, too, points of A matter only where B reaches them.
+    /// Whether the bodies are still where the state holds, though they may have travelled far together. B's radius does
+    /// for both: points of A matter only where B reaches them.
     fn still_holds(
         &mut self,
         rotation: &Matrix3,
