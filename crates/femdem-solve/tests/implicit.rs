@@ -330,27 +330,25 @@ fn dropped(gap: f64) -> Dropped {
 }
 
 /// Cubes that fall flat on each other come to rest upright. The impacts shift and twist them a little; by how much hangs
-/// on rounding, so that eight drops are judged on average.
+/// on rounding, and one in a hundred drops shifts by several times the usual, so that all must stand and the median
+/// of 24 tells the rest. The bounds are twice the medians of 160 drops; of the energy, ten times.
 #[test]
 fn columns_that_are_dropped_stand() {
-    let (mut shifts, mut turns) = (0.0, 0.0);
-    for k in 0..8 {
-        let Dropped {
-            shift,
-            lean,
-            turn,
-            energy,
-        } = dropped(0.03 + 0.005 * f64::from(k));
-        assert!(
-            shift < 0.05 && lean < 1e-4 && turn < 0.15,
-            "drop {k}: {shift} d, {lean}, {turn}"
-        );
-        assert!(energy < 3e-8, "drop {k} trembles: {energy} m g d");
-        shifts += shift;
-        turns += turn;
+    let drops: Vec<Dropped> = (0..24)
+        .map(|k| dropped(0.03 + 0.0015 * f64::from(k)))
+        .collect();
+    for (k, Dropped { shift, lean, .. }) in drops.iter().enumerate() {
+        assert!(*shift < 0.2 && *lean < 2e-3, "drop {k}: {shift} d, {lean}");
     }
-    let (shift, turn) = (shifts / 8.0, turns / 8.0);
-    assert!(shift < 0.02 && turn < 0.015, "{shift} d, {turn}");
+    let median = |of: fn(&Dropped) -> f64| {
+        let mut values: Vec<f64> = drops.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        values[12]
+    };
+    let [shift, turn] = [median(|d| d.shift), median(|d| d.turn)];
+    assert!(shift < 0.014 && turn < 0.012, "{shift} d, {turn}");
+    let [lean, energy] = [median(|d| d.lean), median(|d| d.energy)];
+    assert!(lean < 3e-5 && energy < 1e-9, "{lean}, {energy} m g d");
 }
 
 /// Ten cubes, aligned, set on each other: the stack stands, with their faces flat on each other.
