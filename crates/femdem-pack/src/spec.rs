@@ -184,8 +184,8 @@ pub struct PackSpec {
     pub seed: u64,
     /// Damping by the medium; switched off when the pack is verified.
     pub medium: Medium,
-    /// Step size control. With [implicit](femdem_solve::ImplicitStep) steps a release with stiff contacts costs less
-    /// than half of the processor time and comes out looser by up to 0.01; the verification is explicit all the same.
+    /// Step size control. With [implicit](femdem_solve::ImplicitStep) steps a release with stiff contacts costs
+    /// about a third of the processor time and comes out looser by about 0.005; the verification is explicit all the same.
     pub time_step: TimeStepParameters,
     /// When bodies fall asleep while the pack is made.
     pub sleeping: SleepParameters,

@@ -178,8 +178,8 @@ pub(crate) struct PackArgs {
     local_damping: Option<f64>,
 
     /// Implicit steps, X times the explicit limit of one contact; 9 without a number. With stiff contacts, as those
-    /// of --protocol release, they take about half of the processor time or less; packs come out looser by up to
-    /// 0.02, and the energy ledger misses some per cent. The verification stays explicit [default: explicit steps]
+    /// of --protocol release, they take about a third of the processor time; packs come out looser by about
+    /// 0.005, and the energy ledger misses some per cent. The verification stays explicit [default: explicit steps]
     #[arg(
         long,
         value_name = "X",
