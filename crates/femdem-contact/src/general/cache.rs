@@ -150,7 +150,6 @@ impl Placed<'_> {
     }
 }
 
-/// The tetrahedra of one side of the pairs, ascending.
 /// Tells whether a box in A's axes and one in B's come within a margin, by the axes of both.
 pub(crate) struct BoxTest {
     rotation: Matrix3,
