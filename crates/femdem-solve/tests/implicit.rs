@@ -330,24 +330,41 @@ fn dropped(gap: f64) -> Dropped {
 }
 
 /// Cubes that fall flat on each other come to rest upright. The impacts shift and twist them a little; by how much hangs
-/// on rounding, and one in a hundred drops shifts by several times the usual, so that all must stand and the median
-/// of 24 tells the rest. The bounds are twice the medians of 160 drops; of the energy, ten times.
+/// on rounding. Of 160 drops 3 % tremble for longer than this or are shifted by several times the usual, so that all must
+/// stand, all but three be calm and in place, and means and medians tell the rest.
 #[test]
 fn columns_that_are_dropped_stand() {
     let drops: Vec<Dropped> = (0..24)
         .map(|k| dropped(0.03 + 0.0015 * f64::from(k)))
         .collect();
-    for (k, Dropped { shift, lean, .. }) in drops.iter().enumerate() {
-        assert!(*shift < 0.2 && *lean < 2e-3, "drop {k}: {shift} d, {lean}");
+    let mut calm = 0;
+    for (k, drop) in drops.iter().enumerate() {
+        let Dropped {
+            shift,
+            lean,
+            turn,
+            energy,
+        } = *drop;
+        assert!(
+            shift < 0.2 && lean < 2e-3 && turn < 0.15,
+            "drop {k}: {shift} d, {lean}, {turn}"
+        );
+        calm += usize::from(shift < 0.05 && lean < 1e-4 && energy < 3e-8);
     }
-    let median = |of: fn(&Dropped) -> f64| {
+    assert!(calm >= 21, "{calm} of 24 are calm and in place");
+    let values = |of: fn(&Dropped) -> f64| {
         let mut values: Vec<f64> = drops.iter().map(of).collect();
         values.sort_by(f64::total_cmp);
-        values[12]
+        (values[12], values.iter().sum::<f64>() / 24.0)
     };
-    let [shift, turn] = [median(|d| d.shift), median(|d| d.turn)];
+    let ((shift, mean_shift), (turn, mean_turn)) = (values(|d| d.shift), values(|d| d.turn));
+    assert!(
+        mean_shift < 0.02 && mean_turn < 0.015,
+        "{mean_shift} d, {mean_turn}"
+    );
+    // Twice the medians of 160 drops; of the energy, ten times.
     assert!(shift < 0.014 && turn < 0.012, "{shift} d, {turn}");
-    let [lean, energy] = [median(|d| d.lean), median(|d| d.energy)];
+    let (lean, energy) = (values(|d| d.lean).0, values(|d| d.energy).0);
     assert!(lean < 3e-5 && energy < 1e-9, "{lean}, {energy} m g d");
 }
 
