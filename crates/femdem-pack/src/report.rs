@@ -12,7 +12,8 @@ pub struct Verification {
     pub passed: bool,
     /// Tries it took, with explicit steps. All bodies are awake, and have been brought to rest by implicit
     /// steps before; after a try that failed those at rest sleep until the others are at rest too; one that
-    /// has moved a body by more than 1e-3 d is repeated. What follows is of the last try.
+    /// has moved a body by more than 1e-3 d is repeated. What follows is of the last try, and where the job's
+    /// steps are implicit also of those before it after which the checks passed: see [`Settling`](crate::Settling).
     pub tries: u32,
     /// Steps it took.
     pub steps: u64,

@@ -248,26 +248,34 @@ fn a_relaxation_leaves_the_step_control_as_it_was() {
     }
 }
 
-/// Implicit steps pour, relax and settle; the verification is explicit.
+/// Implicit steps pour, relax and settle, and begin the verification; explicit ones end it, after three checks at the least.
 #[test]
 fn a_pack_made_with_implicit_steps_is_verified_with_explicit_ones() {
     let mut spec = relaxed_once();
     spec.penalty = Penalty::Given { pressure: 1e7 };
     spec.time_step.implicit = Some(ImplicitStep::default());
+    let unit = (spec.diameter() / spec.gravity).sqrt();
     for protocol in [
         Protocol::Sequential(Sequential::default()),
         Protocol::Release(Release::default()),
     ] {
         spec.protocol = protocol;
         let mut packing = Packing::new(spec.clone()).unwrap();
-        let mut explicit = false;
+        let mut since = None;
         while !packing.is_done() {
             let at = packing.advance(1).unwrap();
-            explicit = packing.world().parameters().time_step.implicit.is_none();
-            assert!(!explicit || at.stage == Stage::Verifying || at.stage == Stage::Done);
+            let is_explicit = packing.world().parameters().time_step.implicit.is_none();
+            assert!(!is_explicit || at.stage == Stage::Verifying || at.stage == Stage::Done);
+            let now = packing.world().time();
+            since = is_explicit.then(|| since.unwrap_or(now));
         }
         let report = packing.report();
-        assert!(report.settled && explicit, "{report:?}");
+        assert_settled(&packing, &report);
+        let explicit = (packing.world().time() - since.unwrap()) / unit;
+        assert!(explicit > 0.29, "{explicit}");
+        // Ten passes in a row are nine intervals apart.
+        let all = report.verification.unwrap().time / unit;
+        assert!(all > 0.89 && all > 2.0 * explicit, "{all} {explicit}");
         assert_eq!(packing.world().awake_count(), 150);
     }
 }

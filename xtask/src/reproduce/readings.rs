@@ -31,7 +31,7 @@ pub(super) const READINGS: [Reading; 4] = [
     Reading {
         key: "release",
         meaning: "dashpot of the contact alone; all bodies released at once, at the penetration of the others",
-        options: "--protocol release --penetration 0.0035",
+        options: "--protocol release --penetration 0.0035 --explicit",
     },
 ];
 

@@ -51,7 +51,7 @@ const VARIANTS: [Variant; 28] = [
     ),
     also_quick(
         "all released at once",
-        "--protocol release --penetration 0.0035",
+        "--protocol release --penetration 0.0035 --explicit",
     ),
     variant("contact damping 0.1 of critical", "--damping 0.1"),
     variant("contact damping 0.3", "--damping 0.3"),
@@ -84,7 +84,7 @@ const VARIANTS: [Variant; 28] = [
     variant("gravity of the moon, 1.62 m/s²", "--gravity 1.62"),
     variant(
         "all released at once, drag 0.6",
-        "--protocol release --penetration 0.0035 --drag 0.6",
+        "--protocol release --penetration 0.0035 --explicit --drag 0.6",
     ),
 ];
 

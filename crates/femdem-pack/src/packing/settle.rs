@@ -18,6 +18,10 @@ const LARGEST_SHIFT: f64 = 1e-3;
 /// Calm checks in a row that end the calming.
 const CALM_CHECKS: u32 = 3;
 
+/// Of the checks that must pass in a row these are the last ones, and follow explicit steps, where the job asks for
+/// implicit steps; where it does not, all do.
+const EXPLICIT_CHECKS: u32 = 3;
+
 /// In a calm check no body has more than the residual aimed at, nor more than this part of the kinetic
 /// energy that it may have: the try that follows need not wait.
 const CALM_ENERGY: f64 = 0.1;
@@ -32,24 +36,33 @@ pub(super) enum Attempt {
 }
 
 /// Checks of the calming, and how many in a row were calm.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Calming {
     checks: u32,
     calm: u32,
+    /// From when on all checks have passed, if their passes count.
+    passing: Option<Start>,
 }
 
 /// A try to verify: steps are explicit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trial {
-    /// Simulated time at which it began, s.
-    began: f64,
-    /// Steps taken when it began.
-    first_step: u64,
-    /// Checks since.
+    /// From when on the bodies are to stay where they are.
+    start: Start,
+    /// Checks since the steps are explicit.
     checks: u32,
-    /// Centroids when it began, m.
+}
+
+/// Where the bodies were when they began to be verified.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Start {
+    /// Simulated time, s.
+    time: f64,
+    /// Steps taken.
+    step: u64,
+    /// Centroids, m.
     from: Vec<Vector3>,
-    /// Mean top when it began, m.
+    /// Mean top, m.
     top: f64,
 }
 
@@ -77,7 +90,7 @@ impl Packing {
     fn begin_attempt(&mut self) -> Result<(), PackError> {
         self.world.set_medium(Medium::default())?;
         if !self.job.spec.sleeping.enabled {
-            return self.begin_trial();
+            return self.begin_trial(None);
         }
         self.step_implicitly()?;
         self.world.set_sleeping(false);
@@ -87,21 +100,35 @@ impl Packing {
         Ok(())
     }
 
-    fn begin_trial(&mut self) -> Result<(), PackError> {
-        // Not by the steps that brought the bodies to rest: those take energy themselves.
+    /// Goes on by explicit steps; passes of the calming count where it is known since when.
+    fn begin_trial(&mut self, passing: Option<Start>) -> Result<(), PackError> {
+        // Not by the steps that brought the bodies to rest alone: those take energy themselves.
         self.world.step_explicitly()?;
         self.world.set_sleeping(false);
-        self.job.attempt = Some(Attempt::Trial(Trial {
-            began: self.world.time(),
-            first_step: self.world.steps(),
-            checks: 0,
-            from: positions(&self.world).map(|(_, p)| p).collect(),
-            top: mean_top(&self.world, self.job.spec.diameter()),
-        }));
+        let counted = self
+            .job
+            .spec
+            .settling
+            .checks
+            .saturating_sub(EXPLICIT_CHECKS);
+        self.job.passed = match passing {
+            Some(_) => self.job.passed.min(counted),
+            None => 0,
+        };
+        let start = passing.unwrap_or_else(|| self.start());
+        self.job.attempt = Some(Attempt::Trial(Trial { start, checks: 0 }));
         self.job.tries += 1;
-        self.job.passed = 0;
         self.wait_for_next_check();
         Ok(())
+    }
+
+    fn start(&self) -> Start {
+        Start {
+            time: self.world.time(),
+            step: self.world.steps(),
+            from: positions(&self.world).map(|(_, p)| p).collect(),
+            top: mean_top(&self.world, self.job.spec.diameter()),
+        }
     }
 
     /// Keeps all bodies awake until they pass the checks without having moved, or the time is over. If a
@@ -113,7 +140,7 @@ impl Packing {
         let is_over = self.stage_time() > longest;
         match self.job.attempt.take() {
             Some(Attempt::Trial(trial)) => self.step_trial(trial, is_over),
-            _ if is_over => self.begin_trial(),
+            _ if is_over => self.begin_trial(None),
             Some(Attempt::Calming(calming)) => self.step_calming(calming),
             None if self.world.awake_count() == 0 => self.begin_attempt(),
             None => {
@@ -128,12 +155,21 @@ impl Packing {
 
     fn step_calming(&mut self, mut calming: Calming) -> Result<(), PackError> {
         if let Some(check) = self.check_if_due()? {
+            let counts = self.job.spec.time_step.implicit.is_some();
+            let all = self.job.spec.settling.checks;
             calming.checks += 1;
             calming.calm = if check.calm { calming.calm + 1 } else { 0 };
-            if calming.calm >= CALM_CHECKS {
-                return self.begin_trial();
+            calming.passing = match calming.passing.take() {
+                _ if !counts || self.job.passed == 0 => None,
+                None => Some(self.start()),
+                passing => passing,
+            };
+            let is_calm = calming.calm >= CALM_CHECKS;
+            let has_passed = self.job.passed >= all.saturating_sub(EXPLICIT_CHECKS);
+            if is_calm && (has_passed || !counts) {
+                return self.begin_trial(calming.passing);
             }
-            if calming.checks > self.job.spec.settling.checks && self.job.passed == 0 {
+            if calming.checks > all && self.job.passed == 0 {
                 self.world.step_explicitly()?;
                 return self.let_those_at_rest_sleep();
             }
@@ -149,9 +185,9 @@ impl Packing {
         if let Some(check) = self.check_if_due()? {
             trial.checks += 1;
             if check.enough || is_over {
-                let found = self.verification(&trial);
+                let found = self.verification(&trial.start);
                 if found.max_displacement_over_d > LARGEST_SHIFT && !is_over {
-                    return self.begin_trial();
+                    return self.begin_trial(None);
                 }
                 self.job.verification = Some(found);
                 self.update_top();
@@ -167,19 +203,19 @@ impl Packing {
         Ok(())
     }
 
-    /// How far a try to verify has moved the bodies, and whether it was passed.
-    fn verification(&self, trial: &Trial) -> Verification {
+    /// How far the bodies have moved while they were verified, and whether it was passed.
+    fn verification(&self, start: &Start) -> Verification {
         let diameter = self.job.spec.diameter();
         let top = mean_top(&self.world, diameter);
-        let (mean, max) = self.displacements(&trial.from);
+        let (mean, max) = self.displacements(&start.from);
         Verification {
             passed: self.job.passed >= self.job.spec.settling.checks,
             tries: self.job.tries,
-            steps: self.world.steps() - trial.first_step,
-            time: self.world.time() - trial.began,
+            steps: self.world.steps() - start.step,
+            time: self.world.time() - start.time,
             mean_displacement_over_d: mean,
             max_displacement_over_d: max,
-            mean_top_change_over_d: (top - trial.top) / diameter,
+            mean_top_change_over_d: (top - start.top) / diameter,
         }
     }
 

@@ -75,6 +75,8 @@ pub struct Summary {
     pub time_step: f64,
     /// Implicit steps over the explicit limit of one contact; `null` if only relaxations were implicit.
     pub implicit_multiple: Option<f64>,
+    /// Whether bodies at rest slept while the pack was made.
+    pub sleeping: bool,
     /// Time on the clock \[s\].
     pub wall_seconds: f64,
     /// Time of all processor cores \[s\].
@@ -218,6 +220,7 @@ impl Summary {
             steps: world.steps(),
             time_step: world.time_step(),
             implicit_multiple: spec.time_step.implicit.map(|step| step.multiple),
+            sleeping: spec.sleeping.enabled,
             wall_seconds: usage.wall_seconds,
             cpu_seconds: usage.cpu_seconds,
             contact_nanoseconds_per_pair: usage.contact_nanoseconds_per_pair(),

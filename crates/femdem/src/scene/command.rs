@@ -15,8 +15,14 @@ impl Scene {
         let usual = table(&Self::default());
         let mut words = vec!["femdem pack".to_owned()];
         for (key, value) in table(self) {
-            if usual.get(&key) != Some(&value) {
-                words.extend(option(&key, &value));
+            if usual.get(&key) == Some(&value) {
+                continue;
+            }
+            match (key.as_str(), &value) {
+                ("implicit", toml::Value::Boolean(false)) => words.push("--explicit".to_owned()),
+                ("sleeping", _) => words.push("--awake".to_owned()),
+                ("implicit", multiple) => words.push(format!("--implicit={multiple}")),
+                _ => words.extend(option(&key, &value)),
             }
         }
         words.join(" ")
@@ -47,6 +53,7 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::StepKind;
     use std::path::PathBuf;
 
     #[test]
@@ -55,6 +62,7 @@ mod tests {
             shape: vec!["A10".to_owned(), "my stone's.stl".to_owned()],
             share: vec![1.0, 2.5],
             repair: true,
+            sleeping: false,
             r#box: Some(crate::scene::Footprint::diameters(4.0, 5.5)),
             out: PathBuf::from("out/x"),
             ..Scene::default()
@@ -64,11 +72,24 @@ mod tests {
             "--shape A10 --shape 'my stone'\\''s.stl'",
             "--share 1.0 --share 2.5",
             "--repair",
+            " --awake",
             "--box 4x5.5",
             "--out out/x",
         ] {
             assert!(command.contains(part), "{part}: {command}");
         }
         assert!(!command.contains("--friction"), "{command}");
+        for (kind, part) in [
+            (StepKind::Explicit, " --explicit"),
+            (StepKind::Implicit(6.0), " --implicit=6.0"),
+        ] {
+            let implicit = Some(kind);
+            let command = Scene {
+                implicit,
+                ..scene.clone()
+            }
+            .command();
+            assert!(command.contains(part), "{part}: {command}");
+        }
     }
 }
