@@ -145,7 +145,7 @@ impl Default for Settling {
             checks: 10,
             check_interval: 0.1,
             longest_settling: 200.0,
-            longest_verification: 60.0,
+            longest_verification: 120.0,
         }
     }
 }
