@@ -105,14 +105,8 @@ impl Packing {
         // Not by the steps that brought the bodies to rest alone: those take energy themselves.
         self.world.step_explicitly()?;
         self.world.set_sleeping(false);
-        let counted = self
-            .job
-            .spec
-            .settling
-            .checks
-            .saturating_sub(EXPLICIT_CHECKS);
         self.job.passed = match passing {
-            Some(_) => self.job.passed.min(counted),
+            Some(_) => self.job.passed.min(self.implicit_checks()),
             None => 0,
         };
         let start = passing.unwrap_or_else(|| self.start());
@@ -120,6 +114,12 @@ impl Packing {
         self.job.tries += 1;
         self.wait_for_next_check();
         Ok(())
+    }
+
+    /// Of the checks that must pass in a row, those that may follow implicit steps.
+    fn implicit_checks(&self) -> u32 {
+        let all = self.job.spec.settling.checks;
+        all.saturating_sub(EXPLICIT_CHECKS)
     }
 
     fn start(&self) -> Start {
@@ -156,7 +156,6 @@ impl Packing {
     fn step_calming(&mut self, mut calming: Calming) -> Result<(), PackError> {
         if let Some(check) = self.check_if_due()? {
             let counts = self.job.spec.time_step.implicit.is_some();
-            let all = self.job.spec.settling.checks;
             calming.checks += 1;
             calming.calm = if check.calm { calming.calm + 1 } else { 0 };
             calming.passing = match calming.passing.take() {
@@ -165,12 +164,12 @@ impl Packing {
                 passing => passing,
             };
             let is_calm = calming.calm >= CALM_CHECKS;
-            let has_passed = self.job.passed >= all.saturating_sub(EXPLICIT_CHECKS);
+            let has_passed = self.job.passed >= self.implicit_checks();
             if is_calm && (has_passed || !counts) {
                 return self.begin_trial(calming.passing);
             }
             // One that tips over slowly may stay within the limits for long.
-            if calming.checks > all && calming.calm == 0 {
+            if calming.checks > self.job.spec.settling.checks && calming.calm == 0 {
                 self.world.step_explicitly()?;
                 return self.let_those_at_rest_sleep();
             }
