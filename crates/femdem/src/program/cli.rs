@@ -195,7 +195,7 @@ pub(crate) struct PackArgs {
     #[arg(long)]
     explicit: bool,
 
-    /// Keep all bodies awake: several times the processor time; packs in sequence come out lower by about 1.8 %
+    /// Keep all bodies awake: several times the processor time; packs in sequence come out lower by about 1.5 %
     /// [default: bodies at rest sleep until something moves them]
     #[arg(long)]
     awake: bool,
