@@ -191,7 +191,7 @@ pub(crate) struct PackArgs {
     )]
     implicit: Option<f64>,
 
-    /// Explicit steps [default: where steps are not implicit]
+    /// Explicit steps, also where implicit ones are the default
     #[arg(long)]
     explicit: bool,
 

@@ -203,10 +203,7 @@ pub(super) fn run(summary: &Summary) -> Facts {
             summary.container.top, summary.container.mean_top
         ),
     );
-    row(
-        "simulated time",
-        format!("{:.3} s in {} steps", summary.simulated_time, summary.steps),
-    );
+    row("simulated time", summary.steps_text());
     row("last time step", format!("{:.3e} s", summary.time_step));
     let e = &summary.energy;
     row(

@@ -58,8 +58,10 @@ impl fmt::Display for Summary {
         line(
             "simulated",
             format!(
-                "{:.3} s in {} steps of {:.2e} s, penalty {:.3e} Pa",
-                self.simulated_time, self.steps, self.time_step, self.contact.penalty
+                "{}, the last of {:.2e} s, penalty {:.3e} Pa",
+                self.steps_text(),
+                self.time_step,
+                self.contact.penalty
             ),
         )?;
         line("cost", self.cost_text())?;
@@ -79,6 +81,14 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 impl Summary {
+    /// Simulated time and steps. Implicit ones explain why the ledger misses more.
+    pub(crate) fn steps_text(&self) -> String {
+        let kind = self.implicit_multiple.map_or(String::new(), |multiple| {
+            format!(", implicit (x{multiple}) up to the verification")
+        });
+        format!("{:.3} s in {} steps{kind}", self.simulated_time, self.steps)
+    }
+
     fn density_text(&self) -> String {
         let Some(density) = &self.packing_density else {
             return "none: the pack is too low to have a core".to_owned();
