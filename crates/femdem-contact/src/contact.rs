@@ -397,10 +397,11 @@ impl Bounds {
 }
 
 impl Resistance {
-    /// Adds the springs and dashpots of a contact; `side` 0 is A, 1 is B.
-    pub(crate) fn add(&mut self, contact: &Contact, side: usize) {
+    /// Adds the springs and dashpots of a contact; `side` 0 is A, 1 is B. `moves` tells whether the other
+    /// side does: only then does it take a part of the stable step.
+    pub(crate) fn add(&mut self, contact: &Contact, side: usize, moves: bool) {
         let arm = [&contact.arm_a, &contact.arm_b][side];
-        let share = contact.shares[side];
+        let share = if moves { contact.shares[side] } else { 1.0 };
         let n = &contact.normal;
         let springs = contact.springs().scaled(share);
         // Springs along and across the normal, at the contact point.

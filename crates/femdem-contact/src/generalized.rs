@@ -140,7 +140,8 @@ impl Resistance {
     ///
     /// The matrix of a pair is at most its own diagonal blocks times 1 + sqrt(w_j/w_i) and
     /// 1 + sqrt(w_i/w_j), w the inverse masses at the contact: the shares. A step that each
-    /// body's block allows is therefore allowed by the whole.
+    /// body's block allows is therefore allowed by the whole. The share is 1 beside what does not move: walls, and
+    /// bodies asleep.
     pub fn largest_step(&self, motion: &Motion, most: f64) -> f64 {
         largest_step(&self.stiffness, &self.viscosity, motion, most)
     }

@@ -13,7 +13,7 @@ use femdem_contact::{
     Contact, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Frame, Motion, Overlap,
     PairKernel, Partner, Wall,
 };
-use femdem_mesh::nalgebra::Vector3;
+use femdem_mesh::nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 const PENALTY: f64 = 1e3;
@@ -286,6 +286,40 @@ fn sleeping_pairs_stay_on_record() {
 
 /// Contacts and loads as bits.
 #[cfg(feature = "parallel")]
+/// Two equal bodies that oscillate against each other have sqrt(2) times the frequency of one that
+/// does so against the other asleep: it does not move.
+#[test]
+fn a_sleeping_partner_allows_a_larger_step() {
+    let law = ContactLaw::new(ContactParameters {
+        penalty: PENALTY,
+        damping_ratio: 0.0,
+        tangential_damping: 0.0,
+        ..ContactParameters::default()
+    });
+    let mut batch = ContactBatch::new(law.unwrap());
+    let cube = shape("P5", 1.0);
+    let id = batch.add_shape(cube.clone());
+    let edge = 1.0 / 3.0_f64.sqrt();
+    let bodies = [0.0, 0.99 * edge].map(|x| {
+        batch.add_body(id).unwrap();
+        placed(&cube, Vector3::new(x, 0.0, 0.0), Matrix3::identity())
+    });
+    let step_of = |batch: &mut ContactBatch| {
+        batch.update(&bodies, &[], 0.0).unwrap();
+        assert_eq!(batch.contacts().len(), 1);
+        batch.largest_step(0, &bodies[0], None, f64::INFINITY)
+    };
+    let both = step_of(&mut batch);
+    batch.set_awake(1, false);
+    let alone = step_of(&mut batch);
+    assert!(
+        (alone / both / 2.0_f64.sqrt() - 1.0).abs() < 1e-9,
+        "{both} {alone}"
+    );
+    batch.set_awake(1, true);
+    assert_eq!(step_of(&mut batch), both);
+}
+
 fn fingerprint(batch: &ContactBatch) -> Vec<u64> {
     let bits = |v: &Vector3<f64>| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     let mut all: Vec<u64> = Vec::new();

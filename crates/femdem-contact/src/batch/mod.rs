@@ -6,13 +6,13 @@ mod gather;
 mod history;
 mod implicit;
 mod pairs;
+mod stable;
 
 use crate::broadphase::Broadphase;
 use crate::contact::{BodyId, Contact, Load, Partner};
 use crate::error::ContactError;
 use crate::friction::Pace;
 use crate::general::{FieldMesh, Form, GeneralKernel};
-use crate::generalized::Resistance;
 use crate::kernel::{CavityKernel, PairKernel};
 use crate::law::{ContactLaw, ContactParameters};
 use crate::motion::Motion;
@@ -410,35 +410,6 @@ impl ContactBatch {
             load.add(contact, usize::from(contact.b == body));
         }
         load
-    }
-
-    /// The springs and dashpots of all contacts of a body on record.
-    pub fn resistance_of(&self, body: BodyId) -> Resistance {
-        let mut resistance = Resistance::default();
-        for contact in self.contacts_of(body) {
-            resistance.add(contact, usize::from(contact.b == body));
-        }
-        resistance
-    }
-
-    /// The largest step for which the contacts of a body are stable, at most `most`, s: that of
-    /// [`Resistance::largest_step`]. `others` is what opposes the body besides this batch.
-    pub fn largest_step(
-        &self,
-        body: BodyId,
-        motion: &Motion,
-        others: Option<&Resistance>,
-        most: f64,
-    ) -> f64 {
-        let load = self.sums.loads.get(body as usize);
-        if others.is_none() && load.is_none_or(|load| load.allows(motion, most)) {
-            return most;
-        }
-        let mut resistance = self.resistance_of(body);
-        if let Some(others) = others {
-            resistance += others;
-        }
-        resistance.largest_step(motion, most)
     }
 
     /// Sums of the last update.

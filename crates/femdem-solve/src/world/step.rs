@@ -52,9 +52,7 @@ impl World {
             self.batch
                 .largest_step(i, &self.motions[i as usize], others, most)
         });
-        let fine = self.deformable_count() > 0;
-        self.step_control
-            .choose(bound, fine, &self.parameters.time_step)
+        self.step_control.choose(bound, &self.parameters.time_step)
     }
 
     /// Adds the impulse of half a step to all awake rigid bodies and books the work.

@@ -5,12 +5,9 @@ use crate::parameters::TimeStepParameters;
 use femdem_contact::{BodyShape, ContactParameters, stable_step};
 use serde::{Deserialize, Serialize};
 
-/// Step sizes are the cap divided by powers of this, among rigid bodies.
-const LEVEL: f64 = 1.189_207_115_002_721;
-
-/// The same where bodies deform: their bound hardly changes, so that a coarse level would only lose. (Half a
-/// level is lost on average.)
-const FINE_LEVEL: f64 = 1.01;
+/// Step sizes are the cap divided by powers of this. A coarser ratio loses half of itself on average, and keeps energy
+/// no better.
+const LEVEL: f64 = 1.01;
 
 /// A larger step is taken only after this many steps that would all have allowed it.
 const PATIENCE: u32 = 25;
@@ -85,18 +82,12 @@ impl StepControl {
         self.current
     }
 
-    /// Chooses the step from the stability bound, s; `fine` where bodies deform.
-    pub(crate) fn choose(
-        &mut self,
-        bound: f64,
-        fine: bool,
-        parameters: &TimeStepParameters,
-    ) -> f64 {
+    /// Chooses the step from the stability bound, s.
+    pub(crate) fn choose(&mut self, bound: f64, parameters: &TimeStepParameters) -> f64 {
         let limit = parameters.largest.unwrap_or(f64::INFINITY);
         let top = (parameters.safety * self.cap).min(limit);
         self.bound = bound;
-        let level = if fine { FINE_LEVEL } else { LEVEL };
-        let allowed = on_level(top, level, parameters.safety * self.bound);
+        let allowed = on_level(top, parameters.safety * self.bound);
         if allowed <= self.current || self.current == 0.0 || self.current > top {
             self.current = allowed;
             self.patience = 0;
@@ -114,11 +105,11 @@ impl StepControl {
     }
 }
 
-/// The largest top / level^k that is at most `allowed`.
-fn on_level(top: f64, level: f64, allowed: f64) -> f64 {
+/// The largest top / LEVEL^k that is at most `allowed`.
+fn on_level(top: f64, allowed: f64) -> f64 {
     let mut step = top;
     while step > allowed && step > 0.0 {
-        step /= level;
+        step /= LEVEL;
     }
     step
 }

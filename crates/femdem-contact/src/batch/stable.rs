@@ -1,0 +1,48 @@
+//! The step for which the contacts on record are stable.
+
+use super::ContactBatch;
+use crate::contact::{BodyId, Contact, Partner};
+use crate::generalized::Resistance;
+use crate::motion::Motion;
+
+impl ContactBatch {
+    /// The springs and dashpots of all contacts of a body on record. Sleeping partners do not move.
+    pub fn resistance_of(&self, body: BodyId) -> Resistance {
+        let mut resistance = Resistance::default();
+        for contact in self.contacts_of(body) {
+            let side = usize::from(contact.b == body);
+            let moves = partner(contact, side).is_none_or(|other| self.is_awake(other));
+            resistance.add(contact, side, moves);
+        }
+        resistance
+    }
+
+    /// The largest step for which the contacts of a body are stable, at most `most`, s: that of
+    /// [`Resistance::largest_step`]. `others` is what opposes the body besides this batch.
+    pub fn largest_step(
+        &self,
+        body: BodyId,
+        motion: &Motion,
+        others: Option<&Resistance>,
+        most: f64,
+    ) -> f64 {
+        let load = self.sums.loads.get(body as usize);
+        if others.is_none() && load.is_none_or(|load| load.allows(motion, most)) {
+            return most;
+        }
+        let mut resistance = self.resistance_of(body);
+        if let Some(others) = others {
+            resistance += others;
+        }
+        resistance.largest_step(motion, most)
+    }
+}
+
+/// The body on the other side of a contact.
+fn partner(contact: &Contact, side: usize) -> Option<BodyId> {
+    match (contact.a, side) {
+        (Partner::Body(a), 1) => Some(a),
+        (Partner::Body(_), _) => Some(contact.b),
+        (Partner::Wall(_), _) => None,
+    }
+}
