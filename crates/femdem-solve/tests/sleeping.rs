@@ -399,3 +399,42 @@ fn sleep_can_be_forbidden() {
     run_until(&mut world, 2.0);
     assert_eq!(world.awake(), [0]);
 }
+
+/// While all sleep nothing limits the step. That in which a floor begins to shake is as small as if they
+/// had been awake.
+#[test]
+fn the_step_is_chosen_for_those_that_a_drive_wakes() {
+    let mut p = sleepy();
+    // Soft, so that the patches are large.
+    p.contact.penalty = 1e5;
+    let mut world = World::new(p).unwrap();
+    let start = 6.0;
+    let shake = Drive::Shake {
+        stroke: Vector3::z() * (0.1 * D),
+        frequency: 20.0,
+        start,
+        periods: 3,
+    };
+    add_floor(&mut world, shake);
+    add_sides(&mut world, 2.3 * D, Drive::Fixed);
+    add_heap(&mut world, 16, 2);
+    settle(&mut world, start - 0.1);
+    run_until(&mut world, start - 0.01);
+    let unlimited = world.time_step();
+    while world.awake_count() == 0 {
+        let mut awake = world.clone();
+        awake.wake_all();
+        awake.step().unwrap();
+        world.step().unwrap();
+        assert!(world.time() < start + 0.01, "nothing wakes");
+        if world.awake_count() > 0 {
+            assert_eq!(world.time_step(), awake.time_step());
+            assert!(
+                world.time_step() < 0.9 * unlimited,
+                "{} {}",
+                world.time_step(),
+                unlimited
+            );
+        }
+    }
+}

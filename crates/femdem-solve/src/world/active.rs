@@ -56,8 +56,9 @@ impl World {
         }
     }
 
-    /// Wakes everything when a wall or driven body is about to move.
-    pub(super) fn wake_for_drives(&mut self, ahead: f64) {
+    /// Wakes everything when a wall or driven body is about to move. Tells whether something slept: the step was not chosen for it.
+    #[must_use]
+    pub(super) fn wake_for_drives(&mut self, ahead: f64) -> bool {
         let moves = self
             .wall_drives
             .iter()
@@ -67,9 +68,11 @@ impl World {
                 .iter()
                 .filter_map(|&i| self.bodies[i as usize].driven.as_deref())
                 .any(|(d, _)| d.is_active(self.time, ahead));
-        if moves && self.awake.len() < self.bodies.len() {
+        let wakes = moves && self.awake.len() < self.bodies.len();
+        if wakes {
             self.wake_all();
         }
+        wakes
     }
 
     /// Load scale of a body, N.

@@ -29,8 +29,10 @@ impl World {
             self.evaluate(0.0)?;
             self.loaded = true;
         }
-        let dt = self.choose_step();
-        self.wake_for_drives(dt);
+        let mut dt = self.choose_step();
+        if self.wake_for_drives(dt) {
+            dt = self.choose_step();
+        }
         self.kick(0.5 * dt);
         self.drift(dt)?;
         self.time += dt;

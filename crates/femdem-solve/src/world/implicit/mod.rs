@@ -59,8 +59,10 @@ impl World {
             "0: implicit steps are for rigid bodies",
         )?;
         let since = self.time_since_contacts();
-        let dt = self.choose_implicit_step(rule);
-        self.wake_for_drives(dt);
+        let mut dt = self.choose_implicit_step(rule);
+        if self.wake_for_drives(dt) {
+            dt = self.choose_implicit_step(rule);
+        }
         let before = self.look_ahead(since, dt)?;
         let wrenches = self.answer_contacts(dt, &before, rule)?;
         for (k, (before, wrench)) in before.iter().zip(&wrenches).enumerate() {
