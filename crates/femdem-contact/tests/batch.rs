@@ -284,7 +284,6 @@ fn sleeping_pairs_stay_on_record() {
     assert!(kept > 100, "only {kept} sleeping contacts");
 }
 
-/// Contacts and loads as bits.
 /// Two equal bodies that oscillate against each other have sqrt(2) times the frequency of one that
 /// does so against the other asleep: it does not move.
 #[test]
@@ -319,6 +318,7 @@ fn a_sleeping_partner_allows_a_larger_step() {
     assert_eq!(step_of(&mut batch), both);
 }
 
+/// Contacts and loads as bits.
 #[cfg(feature = "parallel")]
 fn fingerprint(batch: &ContactBatch) -> Vec<u64> {
     let bits = |v: &Vector3<f64>| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
