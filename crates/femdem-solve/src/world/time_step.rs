@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 const LEVEL: f64 = 1.01;
 
 /// A larger step is taken only after this many steps that would all have allowed it.
-const PATIENCE: u32 = 25;
+const PATIENCE: u32 = 5;
 
 /// Fraction of its bounding radius that a body may move in a step at the speed it is added
 /// with.
