@@ -18,7 +18,7 @@ impl ContactBatch {
     }
 
     /// The largest step for which the contacts of a body are stable, at most `most`, s: that of
-    /// [`Resistance::largest_step`]. `others` is what opposes the body besides this batch.
+    /// [`Resistance::largest_step`], beside sleeping partners that do not move. `others` is what opposes the body besides this batch.
     pub fn largest_step(
         &self,
         body: BodyId,
