@@ -32,7 +32,7 @@ impl World {
     /// Measures the highest frequency at the present state by power iteration. Bodies asleep do not move.
     ///
     /// It looks at a copy of the world; the cost is about 60 evaluations of all contacts.
-    /// `None` where no contact is between bodies of which one can move.
+    /// `None` where no body that can move has a contact.
     ///
     /// # Errors
     /// [`SolveError`] if the contacts of the displaced state cannot be evaluated.
