@@ -111,6 +111,7 @@ mod law;
 mod mark;
 mod motion;
 mod shape;
+mod sides;
 #[cfg(feature = "proptest")]
 pub mod strategies;
 mod walls;

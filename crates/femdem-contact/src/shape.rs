@@ -3,6 +3,7 @@
 use crate::error::ContactError;
 use crate::general::{Field, FieldMesh};
 use crate::kernel::{Line, Point, complete, integrate};
+use crate::sides;
 use femdem_mesh::{Matrix3, Point3, Polyhedron, Pose, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -114,6 +115,7 @@ pub struct ConvexShape {
     centroid: Vector3,
     radius: f64,
     inradius: f64,
+    face_stiffness: f64,
 }
 
 impl ConvexShape {
@@ -155,10 +157,16 @@ impl ConvexShape {
             centroid,
             radius,
             inradius: f64::INFINITY,
+            face_stiffness: 0.0,
         };
         for (i, face) in polyhedron.faces().enumerate() {
             shape.push_face(i, face, polyhedron.face_normal(i))?;
         }
+        let facets = shape.facets.iter().map(|facet| {
+            let plane = &shape.planes[usize::from(facet.plane)];
+            (plane.normal, 2.0 * facet.area / plane.offset)
+        });
+        shape.face_stiffness = sides::stiffest(&facets.collect::<Vec<_>>());
         Ok(shape)
     }
 
@@ -217,13 +225,10 @@ impl ConvexShape {
         self.inradius
     }
 
-    /// Stiffness per unit penalty of a contact over the whole largest facet against an
-    /// equal body, m: 2 A/h.
+    /// Stiffness per unit penalty of a contact over the whole stiffest side against an equal body,
+    /// m: 2 A/h. Facets whose normals are within 18 degrees of one of them are one side.
     pub fn face_stiffness(&self) -> f64 {
-        self.facets
-            .iter()
-            .map(|f| 2.0 * f.area / self.planes[usize::from(f.plane)].offset)
-            .fold(0.0, f64::max)
+        self.face_stiffness
     }
 
     /// Vertices about the centroid, m.

@@ -3,6 +3,7 @@
 use super::cells::{Cells, NONE};
 use crate::error::ContactError;
 use crate::shape::ConvexShape;
+use crate::sides;
 use femdem_mesh::tet::FACES;
 use femdem_mesh::{Matrix3, Point3, Polyhedron, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};
@@ -250,12 +251,6 @@ fn skin_of(cells: &Cells) -> Vec<([Vector3; 3], u32)> {
     skin
 }
 
-/// Sides of at most this many triangles are looked at.
-const SIDES: usize = 256;
-
-/// Triangles whose normals differ by less than this cosine count as one side.
-const ONE_SIDE: f64 = 0.95;
-
 /// Twice the largest integral of |grad phi| over a side of the skin.
 fn face_stiffness(cells: &Cells, skin: &[([Vector3; 3], u32)]) -> f64 {
     let facets: Vec<(Vector3, f64)> = skin
@@ -264,16 +259,8 @@ fn face_stiffness(cells: &Cells, skin: &[([Vector3; 3], u32)]) -> f64 {
             let vector = (b - a).cross(&(c - a)) * 0.5;
             let area = vector.norm();
             let slope = cells.list[*tet as usize].gradient.norm();
-            (vector / area, area * slope)
+            (vector / area, 2.0 * area * slope)
         })
         .collect();
-    let stride = facets.len().div_ceil(SIDES).max(1);
-    facets
-        .iter()
-        .step_by(stride)
-        .map(|(n, _)| {
-            let part = |(m, k): &(Vector3, f64)| if n.dot(m) > ONE_SIDE { *k } else { 0.0 };
-            2.0 * facets.iter().map(part).sum::<f64>()
-        })
-        .fold(0.0, f64::max)
+    sides::stiffest(&facets)
 }
