@@ -196,6 +196,14 @@ impl Body {
         self.orientation * self.momentum.component_div(&self.moments)
     }
 
+    /// A bound of the speed of its points within a step, m/s.
+    pub fn fastest(&self) -> f64 {
+        // The rate of a free body varies within a step by its nutation; half as much again bounds
+        // it at any step a stable simulation takes.
+        let rate = self.momentum.component_div(&self.moments).norm();
+        self.velocity.norm() + 1.5 * rate * self.radius
+    }
+
     /// J.
     pub fn kinetic_energy(&self) -> f64 {
         0.5 * self.mass * self.velocity.norm_squared()

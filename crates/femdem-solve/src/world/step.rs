@@ -2,6 +2,7 @@
 
 use super::World;
 use super::deformables::{all_loads, all_wall_loads};
+use super::time_step::USUAL_MOVE;
 use crate::body::Body;
 use crate::drive::Drive;
 use crate::error::SolveError;
@@ -54,7 +55,13 @@ impl World {
             self.batch
                 .largest_step(i, &self.motions[i as usize], others, most)
         });
-        self.step_control.choose(bound, &self.parameters.time_step)
+        let free = self.awake.iter().map(|&i| &self.bodies[i as usize]);
+        let usual = free
+            .filter(|body| body.driven.is_none())
+            .map(|body| USUAL_MOVE * body.radius / body.fastest())
+            .fold(f64::INFINITY, f64::min);
+        self.step_control
+            .choose(bound, usual, &self.parameters.time_step)
     }
 
     /// Adds the impulse of half a step to all awake rigid bodies and books the work.
@@ -102,12 +109,10 @@ impl World {
                 body.follow(&driven, &to);
                 driven.way_from(&from, reach)
             } else {
-                let rate = body.momentum.component_div(&body.moments).norm();
+                let fastest = body.fastest();
                 body.position += body.velocity * dt;
                 rotation::drift(&mut body.orientation, &mut body.momentum, &body.moments, dt);
-                // The rate of a free body varies within a step by its nutation; half as
-                // much again bounds it at any step a stable simulation takes.
-                (body.velocity.norm() + 1.5 * rate * body.radius) * dt
+                fastest * dt
             };
             body.travelled += moved;
             let sound =
@@ -212,7 +217,7 @@ impl World {
                  more than a quarter of its radius; lower time_step.safety, or, for a body that \
                  was launched or fell to this speed, set time_step.largest below {:.1e} s",
                 self.step_control.current(),
-                LARGEST_MOVE * body.radius / body.velocity.norm()
+                LARGEST_MOVE * body.radius / body.fastest()
             )
         };
         SolveError::BlowUp {

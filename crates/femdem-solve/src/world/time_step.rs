@@ -12,9 +12,14 @@ const LEVEL: f64 = 1.01;
 /// A larger step is taken only after this many steps that would all have allowed it.
 const PATIENCE: u32 = 5;
 
-/// Fraction of its bounding radius that a body may move in a step at the speed it is added
-/// with.
-const LARGEST_LAUNCH_MOVE: f64 = 0.1;
+/// Fraction of its bounding radius that a body should move in a step at most.
+pub(super) const USUAL_MOVE: f64 = 0.1;
+
+/// Speed makes the step this many times shorter than stability does at most: what is faster still has blown up.
+const SHORTEST: f64 = 32.0;
+
+/// The step where nothing bounds it, as nothing is free to move, s.
+const UNBOUNDED: f64 = 1e-3;
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StepControl {
@@ -56,7 +61,7 @@ impl StepControl {
         *self = Self::default();
     }
 
-    /// Lowers the cap for a body: one contact over its largest face against an equal body.
+    /// Lowers the cap for a body: one contact over its stiffest side against an equal body.
     pub(crate) fn see(&mut self, shape: &BodyShape, body: &Body, law: &ContactParameters) {
         let stiffness = shape.face_stiffness() * law.penalty;
         let frequency2 = 2.0 * stiffness / body.mass;
@@ -65,8 +70,15 @@ impl StepControl {
         // A body launched fast may not cross a fraction of its own size in a step.
         let speed = body.velocity.norm();
         if speed > 0.0 {
-            self.cap = self.cap.min(LARGEST_LAUNCH_MOVE * body.radius / speed);
+            self.cap = self.cap.min(USUAL_MOVE * body.radius / speed);
         }
+    }
+
+    /// The largest step that may be chosen, s.
+    pub(crate) fn top(&self, parameters: &TimeStepParameters) -> f64 {
+        let limit = parameters.largest.unwrap_or(f64::INFINITY);
+        let top = (parameters.safety * self.cap).min(limit);
+        if top.is_finite() { top } else { UNBOUNDED }
     }
 
     /// Lowers the cap for a deformable body: the bound of its elements, s.
@@ -78,16 +90,22 @@ impl StepControl {
     pub(crate) fn choose_implicit(&mut self, multiple: f64, most: f64) -> f64 {
         self.bound = f64::INFINITY;
         self.patience = 0;
-        self.current = (multiple * self.cap).min(most);
+        let step = (multiple * self.cap).min(most);
+        self.current = if step.is_finite() { step } else { UNBOUNDED };
         self.current
     }
 
-    /// Chooses the step from the stability bound, s.
-    pub(crate) fn choose(&mut self, bound: f64, parameters: &TimeStepParameters) -> f64 {
-        let limit = parameters.largest.unwrap_or(f64::INFINITY);
-        let top = (parameters.safety * self.cap).min(limit);
+    /// Chooses the step from the stability bound, s, and the step in which no body moves [far](USUAL_MOVE), s.
+    pub(crate) fn choose(
+        &mut self,
+        bound: f64,
+        usual: f64,
+        parameters: &TimeStepParameters,
+    ) -> f64 {
+        let top = self.top(parameters);
         self.bound = bound;
-        let allowed = on_level(top, parameters.safety * self.bound);
+        let stable = top.min(parameters.safety * self.bound);
+        let allowed = on_level(top, stable.min(usual.max(stable / SHORTEST)));
         if allowed <= self.current || self.current == 0.0 || self.current > top {
             self.current = allowed;
             self.patience = 0;

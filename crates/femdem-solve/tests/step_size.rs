@@ -1,0 +1,99 @@
+//! Steps that contacts alone do not tell: of finely faceted bodies, of fast ones, and where nothing is free.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+mod common;
+
+use common::{D, DENSITY, G, add_floor, at, half_edge, parameters, run_until, solid};
+use femdem_mesh::nalgebra::Vector3;
+use femdem_mesh::shapes::{Shape, Sphere};
+use femdem_solve::{BodySpec, Drive, World};
+
+/// A sphere of 20 * 4^level facets, its centre at the given height over a floor.
+fn ball(level: u32, height: f64) -> World {
+    let surface = Shape::from(Sphere { level }).polyhedron(D).unwrap();
+    let mut p = parameters(1e6, 0.6, 0.0);
+    p.time_step.safety = 0.2;
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let shape = world.add_shape("sphere", &surface).unwrap();
+    let place = at(Vector3::z() * height);
+    world
+        .add_body(BodySpec::at_rest(shape, DENSITY, place))
+        .unwrap();
+    world
+}
+
+/// The step before any contact does not grow as facets get smaller, and the books of a fall and a bounce close.
+#[test]
+fn a_finely_faceted_body_steps_as_a_coarse_one() {
+    let mut first = Vec::new();
+    for level in 1..=4 {
+        let mut world = ball(level, 0.5 * D + 0.1);
+        world.step().unwrap();
+        first.push(world.time_step());
+        run_until(&mut world, 0.25);
+        let ledger = world.ledger();
+        let turned_over = DENSITY * D.powi(3) * std::f64::consts::FRAC_PI_6 * G * 0.1;
+        let missed = ledger.error().abs() / turned_over;
+        assert!(missed < 0.015, "level {level}: {missed}");
+    }
+    let (least, most) = first
+        .iter()
+        .skip(1)
+        .fold((f64::INFINITY, 0.0_f64), |(l, m), dt| {
+            (l.min(*dt), m.max(*dt))
+        });
+    assert!(most < 1.3 * least, "{first:?}");
+}
+
+/// What falls for long lands: its speed shortens the step before it crosses a part of its own size.
+#[test]
+fn a_long_fall_ends_on_the_floor() {
+    let mut world = World::new(parameters(1e6, 0.6, 0.6)).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let place = at(Vector3::z() * (half_edge() + 3.0));
+    world
+        .add_body(BodySpec::at_rest(shape, DENSITY, place))
+        .unwrap();
+    let slow = {
+        world.step().unwrap();
+        world.time_step()
+    };
+    run_until(&mut world, 0.7);
+    let speed = world.velocity(0).unwrap().norm();
+    assert!(world.time_step() < 0.9 * slow);
+    // A tenth of its radius, and a little for the step that has just ended.
+    assert!(speed * world.time_step() <= 0.101 * 0.5 * D);
+    run_until(&mut world, 3.0);
+    let height = world.position(0).unwrap().z;
+    assert!((height / half_edge() - 1.0).abs() < 0.02, "{height}");
+}
+
+/// A world in which nothing is free goes on in time.
+#[test]
+fn driven_bodies_alone() {
+    let mut world = World::new(parameters(1e6, 0.6, 0.6)).unwrap();
+    for _ in 0..3 {
+        world.step().unwrap();
+    }
+    assert!(world.time() > 0.0 && world.time().is_finite());
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let drive = Drive::Linear {
+        velocity: Vector3::z(),
+        start: 0.0,
+        end: 10.0,
+    };
+    let spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::zeros()));
+    world.add_driven_body(spec, drive).unwrap();
+    let start = world.time();
+    for _ in 0..20 {
+        world.step().unwrap();
+    }
+    let way = world.position(0).unwrap().z;
+    assert!(
+        way > 0.0 && (way / (world.time() - start) - 1.0).abs() < 1e-9,
+        "{way}"
+    );
+}
