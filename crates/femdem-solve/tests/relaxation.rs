@@ -3,12 +3,13 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use femdem_contact::Wall;
+use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::{Pose, TetMesh, Vector3};
 use femdem_solve::deformable::{DeformableModel, MaterialRegion};
 use femdem_solve::element::Element;
 use femdem_solve::material::NeoHookean;
 use femdem_solve::{
-    ContactStiffness, DeformableSpec, Drive, World, WorldParameters, WorldRelaxation,
+    BodySpec, ContactStiffness, DeformableSpec, Drive, World, WorldParameters, WorldRelaxation,
 };
 
 const SIDE: f64 = 0.1;
@@ -68,5 +69,59 @@ fn a_stack_carries_its_weight() {
                 "{k} {mean} {expected}"
             );
         }
+    }
+}
+
+/// A rigid cube that rests on a free deformable one: the relaxation ends with both at rest.
+#[test]
+fn a_rigid_body_on_a_deformable_one() {
+    let mut world = stack(1, 1e7, ContactStiffness::default());
+    let cube = "P5".parse::<CatalogueShape>().unwrap();
+    let cube = cube.polyhedron(SIDE * 3.0_f64.sqrt()).unwrap();
+    let shape = world.add_shape("P5", &cube).unwrap();
+    // The mesh's corner is at its origin.
+    let middle = SIDE / 2.0;
+    let place = Pose::translation(middle, middle, SIDE + middle - 2e-5);
+    let rigid = world
+        .add_body(BodySpec::at_rest(shape, DENSITY, place))
+        .unwrap();
+    let report = world.relax(&WorldRelaxation::default()).unwrap();
+    assert!(report.residual <= 1e-4, "{report:?}");
+    let weight = DENSITY * SIDE.powi(3) * 9.81;
+    let forces: Vec<f64> = world
+        .deformable_contacts()
+        .map(|c| c.normal_force / weight)
+        .collect();
+    assert_eq!(forces.len(), 2);
+    assert!(
+        (forces.iter().sum::<f64>() - 3.0).abs() < 1e-3,
+        "{forces:?}"
+    );
+    assert!(world.velocity(rigid).unwrap().norm() == 0.0);
+}
+
+/// What touches nothing at first falls until it does.
+#[test]
+fn a_stack_that_touches_nothing_yet() {
+    for gap in [0.0, 1e-4] {
+        let mut world = World::new(WorldParameters::default()).unwrap();
+        let floor = Wall::half_space("floor", Vector3::z(), -gap).unwrap();
+        world.add_wall(floor, Drive::Fixed).unwrap();
+        let lifted = stack(1, 1e7, ContactStiffness::default());
+        let body = lifted.deformable(0).unwrap();
+        let model = world
+            .add_model("cube", body.model().clone(), ContactStiffness::default())
+            .unwrap();
+        for k in 0..2 {
+            let place = Pose::translation(0.0, 0.0, f64::from(k) * (SIDE + gap));
+            world
+                .add_deformable(DeformableSpec::at_rest(model, place))
+                .unwrap();
+        }
+        let report = world.relax(&WorldRelaxation::default()).unwrap();
+        assert!(report.residual <= 1e-4, "{gap} {report:?}");
+        let weight = DENSITY * SIDE.powi(3) * 9.81;
+        let sum: f64 = world.deformable_contacts().map(|c| c.normal_force).sum();
+        assert!((sum / weight - 3.0).abs() < 1e-3, "{gap} {sum}");
     }
 }
