@@ -32,6 +32,11 @@ pub(crate) const EXPECTED_DENSITY: f64 = 0.57;
 /// Horizontal over vertical stress in a pack between walls (Janssen's constant).
 const STRESS_RATIO: f64 = 0.5;
 
+/// Shear over vertical stress that a wall can take up at most, however rough: the pack beside it
+/// yields first, at sin(f) cos(f)/(1 + sin^2(f)) for a friction angle f inside it, which nowhere
+/// exceeds 1/sqrt(8).
+const LARGEST_GRIP: f64 = std::f64::consts::SQRT_2 / 4.0;
+
 /// Penalty times (mean penetration/d)^3 over the mean stress. The exponent is that of vertex and
 /// crossed-edge contacts, which are the softest and set the mean; the factor is calibrated on
 /// settled packs of truncated dodecahedra at friction 0.6: 60, 100 and 300 bodies with penalties
@@ -61,10 +66,11 @@ pub struct PackLoad {
 impl PackLoad {
     /// Vertical stress at mid height, Pa: the weight above less what the walls carry (Janssen
     /// 1895), sigma = gamma l (1 - exp(-z/l)) with l = A/(K mu P) and K = 0.5; at least the
-    /// stress under one layer of bodies.
+    /// stress under one layer of bodies. K mu is at most 0.35, what a pack beside a rough wall bears.
     pub fn mean_stress(&self) -> f64 {
         let depth = (self.height / 2.0).max(self.diameter);
-        let grip = STRESS_RATIO * self.wall_friction * self.perimeter / self.floor_area;
+        let shear = (STRESS_RATIO * self.wall_friction).min(LARGEST_GRIP);
+        let grip = shear * self.perimeter / self.floor_area;
         let carried = if grip * depth > 1e-9 {
             -(-grip * depth).exp_m1() / grip
         } else {
@@ -104,6 +110,22 @@ mod tests {
     #[test]
     fn without_wall_friction_the_stress_is_the_weight_above() {
         assert!((LOAD.mean_stress() - 1500.0).abs() < 1e-9);
+    }
+
+    /// A wall rougher than the pack is no better than one as rough.
+    #[test]
+    fn walls_grip_no_more_than_the_pack() {
+        let stress = |wall_friction: f64| {
+            PackLoad {
+                wall_friction,
+                ..LOAD
+            }
+            .mean_stress()
+        };
+        assert!(stress(0.7) > stress(1.0));
+        for mu in [10.0, 1e300] {
+            assert_eq!(stress(mu), stress(1.0));
+        }
     }
 
     /// Janssen's differential equation d sigma/dz = gamma - K mu P/A sigma, integrated by Euler's
