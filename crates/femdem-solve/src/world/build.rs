@@ -38,16 +38,31 @@ impl World {
         })
     }
 
-    /// Replaces the contact law; contacts keep their friction history.
+    /// Replaces the contact law; contacts keep their friction history. Frozen bodies wake, and what
+    /// the contacts and their springs hold more than before is on the books as work.
     ///
     /// # Errors
-    /// As [`World::new`].
+    /// As [`World::new`], and the errors of [`World::step`].
     pub fn set_contact(&mut self, contact: ContactParameters) -> Result<(), SolveError> {
         let parameters = WorldParameters {
             contact,
             ..self.parameters
         };
-        self.replace(parameters)
+        parameters.validate()?;
+        self.wake_all();
+        if !self.loaded {
+            self.evaluate(0.0)?;
+        }
+        let before = self.ledger();
+        self.replace(parameters)?;
+        self.evaluate(0.0)?;
+        self.loaded = true;
+        let after = self.ledger();
+        let springs = after.friction_springs - before.friction_springs;
+        self.flows.work_in += after.elastic - before.elastic + springs;
+        // What friction has dissipated is its work less what its springs hold.
+        self.flows.friction_work -= springs;
+        Ok(())
     }
 
     /// Replaces the control of the step size, and whether steps are implicit.
@@ -94,7 +109,7 @@ impl World {
         self.parameters = parameters;
         self.batch.set_law(law);
         if let Some(deformables) = &mut self.deformables {
-            deformables.batch.set_law(law);
+            deformables.set_law(law)?;
         }
         self.loaded = false;
         self.step_control.forget();

@@ -9,7 +9,8 @@ use femdem_mesh::{Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// How far the bodies are from equilibrium. Net forces include gravity and are taken from
-/// all contacts on record; driven bodies are left out.
+/// all contacts on record; driven bodies are left out. Without gravity a body with a net force has
+/// an infinite one over its weight, one in balance 0.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Residuals {
     /// Mean over bodies of net force over weight.
@@ -128,7 +129,7 @@ impl World {
         self.body(id).map(Body::kinetic_energy)
     }
 
-    /// Kinetic energy of all bodies, J.
+    /// Kinetic energy of all bodies but driven ones, J.
     pub fn kinetic_energy(&self) -> f64 {
         let rigid = self.free_bodies().map(|(_, b)| b.kinetic_energy());
         rigid.sum::<f64>() + self.deformables().map(|d| d.kinetic_energy()).sum::<f64>()
@@ -141,13 +142,13 @@ impl World {
             .filter(|(_, b)| b.driven.is_none())
     }
 
-    /// Linear momentum of all bodies, kg m/s.
+    /// Linear momentum of all bodies but driven ones, kg m/s.
     pub fn linear_momentum(&self) -> Vector3 {
         let rigid = self.free_bodies().map(|(_, b)| b.velocity * b.mass);
         rigid.sum::<Vector3>() + self.deformables().map(|d| d.momentum()).sum::<Vector3>()
     }
 
-    /// Angular momentum of all bodies about a point, kg m^2/s.
+    /// Angular momentum of all bodies but driven ones about a point, kg m^2/s.
     pub fn angular_momentum(&self, about: &Vector3) -> Vector3 {
         let rigid = self.free_bodies().map(|(_, b)| {
             b.orientation * b.momentum + (b.position - about).cross(&(b.velocity * b.mass))
@@ -187,7 +188,8 @@ impl World {
         let body = self.body(id)?;
         let load = self.load_of(id);
         let weight = body.mass * self.parameters.gravity.norm();
-        Some(self.net_force(id as usize, &load).norm() / weight.max(mean_force(&load)))
+        let net = self.net_force(id as usize, &load).norm();
+        Some(over(net, weight.max(mean_force(&load))))
     }
 
     /// Residuals over all bodies.
@@ -205,16 +207,17 @@ impl World {
             let load = self.load_of(i as u32);
             let net = self.net_force(i, &load).norm();
             let weight = body.mass * g;
-            let over_load = net / weight.max(mean_force(&load));
+            let over_load = over(net, weight.max(mean_force(&load)));
             if r.worst_body.is_none() || over_load > r.max_over_load {
                 r.max_over_load = over_load;
                 r.worst_body = Some(i as u32);
             }
-            r.mean_over_weight += net / weight;
-            r.max_over_weight = r.max_over_weight.max(net / weight);
+            r.mean_over_weight += over(net, weight);
+            r.max_over_weight = r.max_over_weight.max(over(net, weight));
             let scale = weight * 2.0 * body.radius;
-            r.kinetic_energy_over_mgd =
-                r.kinetic_energy_over_mgd.max(body.kinetic_energy() / scale);
+            r.kinetic_energy_over_mgd = r
+                .kinetic_energy_over_mgd
+                .max(over(body.kinetic_energy(), scale));
             count += 1.0;
         }
         if count > 0.0 {
@@ -258,6 +261,11 @@ impl World {
     pub fn counters(&self) -> &Counters {
         &self.counters
     }
+}
+
+/// A part of a whole that may be 0: nothing is none of it.
+fn over(part: f64, whole: f64) -> f64 {
+    if part == 0.0 { 0.0 } else { part / whole }
 }
 
 /// Mean normal force over the partners of a body, N.

@@ -128,6 +128,25 @@ impl DeformableBatch {
         Ok(self.bodies.len() as u32 - 1)
     }
 
+    /// Replaces the modulus of a deformable body; its contacts keep their history.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] for an unknown body, [`ContactError::Parameter`] if the modulus is
+    /// not positive and finite.
+    pub fn set_modulus(&mut self, body: u32, modulus: Modulus) -> Result<(), ContactError> {
+        modulus.check()?;
+        let count = self.bodies.len();
+        let Some(soft) = self.bodies.get_mut(body as usize) else {
+            return Err(ContactError::NoSuch {
+                what: "deformable body",
+                index: body as usize,
+                count,
+            });
+        };
+        soft.modulus = modulus;
+        Ok(())
+    }
+
     /// Adds a rigid shape and returns its index.
     ///
     /// # Errors

@@ -154,12 +154,9 @@ impl State {
         let velocities: Vec<Vector3> = positions.iter().map(velocity).collect();
         let boundary = spec.boundary.posed(&spec.pose);
         boundary.check(model)?;
-        let held = |(a, i): (u32, usize)| {
-            0.5 * model.masses()[a as usize] * velocities[a as usize][i].powi(2)
-        };
         Ok(Self {
             model: spec.model,
-            held_energy: boundary.held().map(held).sum(),
+            held_energy: held_energy(&boundary, model.masses(), &velocities),
             velocities,
             inverse_masses: inverse_masses(model.masses(), &boundary),
             history: vec![0.0; model.history_len()],
@@ -172,6 +169,12 @@ impl State {
             nodal: NodalBound::new(model),
         })
     }
+}
+
+/// Kinetic energy of what is prescribed, J.
+pub(super) fn held_energy(boundary: &Boundary, masses: &[f64], velocities: &[Vector3]) -> f64 {
+    let held = |(a, i): (u32, usize)| 0.5 * masses[a as usize] * velocities[a as usize][i].powi(2);
+    boundary.held().map(held).sum()
 }
 
 /// 1/m of the nodes, 0 for those that are prescribed in all directions.
@@ -214,6 +217,18 @@ fn young(material: &dyn Material) -> f64 {
 }
 
 impl Deformables {
+    /// Replaces the contact law, which stiffnesses [by the law](super::ContactStiffness::Law) follow.
+    pub(in crate::world) fn set_law(&mut self, law: ContactLaw) -> Result<(), SolveError> {
+        self.batch.set_law(law);
+        let penalty = law.parameters().penalty;
+        for (i, body) in self.bodies.iter().enumerate() {
+            let shape = &self.batch.shapes()[body.model as usize];
+            let modulus = self.models[body.model as usize].modulus(shape, penalty);
+            self.batch.set_modulus(i as u32, modulus)?;
+        }
+        Ok(())
+    }
+
     /// Nothing that deforms yet, beside the rigid things of a world.
     fn new(law: ContactLaw, rigid: &ContactBatch, bodies: &[Body]) -> Result<Self, SolveError> {
         let mut batch = DeformableBatch::new(law, Form::Sum)?;

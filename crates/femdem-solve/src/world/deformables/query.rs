@@ -1,6 +1,6 @@
 //! Reading the deformable bodies of a world.
 
-use super::add::{centroid, inverse_masses};
+use super::add::{centroid, held_energy, inverse_masses};
 use super::{DeformableId, Model, ModelId, State};
 use crate::deformable::{Boundary, DeformableModel, ElementStress, InternalState};
 use crate::element::ElementFailure;
@@ -184,7 +184,8 @@ impl World {
     }
 
     /// Replaces what is prescribed at a deformable body. Motions count from the places that the
-    /// boundary was given (see [`Boundary::drive_from`]).
+    /// boundary was given (see [`Boundary::drive_from`]). What its nodes gain or lose in kinetic
+    /// energy by being held is on the books as work.
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown body, or a node that its model has not.
@@ -204,6 +205,7 @@ impl World {
         let model = &models[state.model as usize].model;
         boundary.check(model)?;
         state.inverse_masses = inverse_masses(model.masses(), &boundary);
+        state.held_energy = held_energy(&boundary, model.masses(), &state.velocities);
         state.boundary = boundary;
         state.loads.fill(Vector3::zeros());
         self.loaded = false;

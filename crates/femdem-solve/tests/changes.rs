@@ -1,0 +1,147 @@
+//! Worlds that are changed while they run, and the books about it.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+mod common;
+
+use common::{D, DENSITY, G, add_floor, at, half_edge, parameters, run_until, solid, weightless};
+use femdem_contact::{BodyId, ContactParameters};
+use femdem_mesh::{Pose, TetMesh, Vector3};
+use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
+use femdem_solve::element::Element;
+use femdem_solve::material::NeoHookean;
+use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, World, WorldRelaxation};
+
+fn add_cube(world: &mut World) -> BodyId {
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let place = at(Vector3::z() * half_edge());
+    world
+        .add_body(BodySpec::at_rest(shape, DENSITY, place))
+        .unwrap()
+}
+
+fn add_soft_cube(
+    world: &mut World,
+    stiffness: ContactStiffness,
+    spec: impl Fn(u32) -> DeformableSpec,
+) {
+    let mesh = TetMesh::block([2, 2, 2], &Vector3::repeat(D)).unwrap();
+    let region = MaterialRegion {
+        material: NeoHookean::new(1e7, 0.0).unwrap().into(),
+        density: DENSITY,
+    };
+    let model = DeformableModel::new(&mesh, Element::T4, vec![region], None).unwrap();
+    let model = world.add_model("cube", model, stiffness).unwrap();
+    world.add_deformable(spec(model)).unwrap();
+}
+
+fn with(world: &World, change: impl Fn(&mut ContactParameters)) -> ContactParameters {
+    let mut law = world.parameters().contact;
+    change(&mut law);
+    law
+}
+
+/// A cube at rest on a slope that its friction holds slides once the friction is less.
+#[test]
+fn a_new_law_wakes_what_sleeps() {
+    let mut p = parameters(1e7, 0.8, 0.6);
+    let angle = 0.4_f64;
+    p.gravity = Vector3::new(angle.sin(), 0.0, -angle.cos()) * G;
+    p.sleeping.enabled = true;
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let cube = add_cube(&mut world);
+    while !world.is_asleep(cube) {
+        world.step().unwrap();
+        assert!(world.time() < 5.0);
+    }
+    let law = with(&world, |law| law.friction = 0.1);
+    world.set_contact(law).unwrap();
+    let start = world.time();
+    run_until(&mut world, start + 0.2);
+    let expected = G * (angle.sin() - 0.1 * angle.cos()) * (world.time() - start);
+    let speed = world.velocity(cube).unwrap().x;
+    assert!((speed / expected - 1.0).abs() < 0.02, "{speed} {expected}");
+}
+
+/// Contacts that are made stiffer under load hold more energy, which is work; springs too.
+#[test]
+fn a_new_law_is_on_the_books() {
+    let mut p = parameters(1e6, 0.8, 0.6);
+    p.gravity = Vector3::new(0.3, 0.0, -1.0) * G;
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    add_cube(&mut world);
+    run_until(&mut world, 0.3);
+    let before = world.ledger();
+    let law = with(&world, |law| {
+        law.penalty *= 10.0;
+        law.tangential_ratio *= 0.5;
+    });
+    world.set_contact(law).unwrap();
+    let after = world.ledger();
+    assert!((after.elastic / before.elastic - 10.0).abs() < 1e-9);
+    assert!(after.work_in > before.work_in + 5.0 * before.elastic);
+    let missed = (after.error() - before.error()).abs();
+    assert!(missed < 1e-9 * after.elastic, "{missed} {}", after.elastic);
+    let dissipated = after.dissipated_friction - before.dissipated_friction;
+    assert!(dissipated.abs() < 1e-9 * after.elastic, "{dissipated}");
+}
+
+/// A deformable body whose contacts are as stiff as the law says sinks in by less when the law is stiffer.
+#[test]
+fn deformable_bodies_follow_a_new_law() {
+    let depth = |penalty: f64, later: f64| {
+        let mut world = World::new(parameters(penalty, 0.6, 0.6)).unwrap();
+        add_floor(&mut world, Drive::Fixed);
+        add_soft_cube(&mut world, ContactStiffness::Law, |model| {
+            DeformableSpec::at_rest(model, Pose::translation(0.0, 0.0, -1e-5))
+        });
+        let law = with(&world, |law| law.penalty = later);
+        world.set_contact(law).unwrap();
+        world.relax(&WorldRelaxation::default()).unwrap();
+        let body = world.deformable(0).unwrap();
+        let nodes = body.positions().iter().map(|x| x.z);
+        -nodes.fold(f64::INFINITY, f64::min)
+    };
+    let (changed, made_so) = (depth(1e5, 1e6), depth(1e6, 1e6));
+    assert!(
+        (changed / made_so - 1.0).abs() < 1e-2,
+        "{changed} {made_so}"
+    );
+    assert!(depth(1e5, 1e5) > 5.0 * made_so);
+}
+
+/// A moving body that is held all at once gives up its kinetic energy as work.
+#[test]
+fn holding_what_moves_is_on_the_books() {
+    let mut world = World::new(weightless(1e6, 0.6, 0.6)).unwrap();
+    add_soft_cube(&mut world, ContactStiffness::default(), |model| {
+        DeformableSpec {
+            velocity: Vector3::x(),
+            ..DeformableSpec::at_rest(model, Pose::identity())
+        }
+    });
+    for _ in 0..5 {
+        world.step().unwrap();
+    }
+    let body = world.deformable(0).unwrap();
+    let mut boundary = Boundary::default();
+    let places = body.positions().to_vec();
+    boundary
+        .drive_from(
+            body.model(),
+            &Selection::All,
+            [true; 3],
+            Drive::Fixed,
+            &places,
+        )
+        .unwrap();
+    world.set_boundary(0, boundary).unwrap();
+    for _ in 0..5 {
+        world.step().unwrap();
+    }
+    let (ledger, energy) = (world.ledger(), 0.5 * DENSITY * D.powi(3));
+    assert!((ledger.work_in / energy + 1.0).abs() < 1e-9, "{ledger:?}");
+    assert!(ledger.error().abs() < 1e-9 * energy, "{ledger:?}");
+}
