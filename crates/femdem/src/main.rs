@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use program::cli::{Cli, Command};
 use program::job::{self, Outcome};
-use program::{analyse, complain, picture, report, resolve, run, shapes};
+use program::{analyse, complain, described, picture, report, resolve, run, shapes};
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
@@ -24,7 +24,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Finished) => ExitCode::SUCCESS,
         Ok(Outcome::Interrupted) => ExitCode::from(program::INTERRUPTED),
         Err(error) => {
-            complain(&format!("error: {error:#}"));
+            complain(&format!("error: {}", described(&error)));
             ExitCode::FAILURE
         }
     }

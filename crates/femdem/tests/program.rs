@@ -137,6 +137,46 @@ fn interrupted(options: &[&str], out: &Path) -> i32 {
     code
 }
 
+/// A job that is forced into a folder leaves nothing there that would pass for its own.
+#[cfg(unix)]
+#[test]
+fn a_forced_job_forgets_the_one_before() {
+    let folder = tempdir().unwrap();
+    let (out, scene) = (folder.path().join("out"), folder.path().join("run.toml"));
+    fs::write(
+        &scene,
+        "duration = 0.001\n[material.m]\ndensity = 1000\n\
+         [[body]]\nshape = \"cube\"\ndiameter = 0.1\nmaterial = \"m\"\n",
+    )
+    .unwrap();
+    let scene_run = run(femdem("run").arg(&scene).arg("-q").arg("--out").arg(&out));
+    assert_eq!(code(&scene_run), 0, "{scene_run:?}");
+    let refused = run(femdem("pack")
+        .args(["--count", "0", "--force", "--out"])
+        .arg(&out));
+    assert_eq!(code(&refused), 1, "{refused:?}");
+    assert!(out.join("run.ckpt").is_file() && out.join("summary.json").is_file());
+
+    let long = ["--count", "60", "--batch", "1", "--force", "--report"];
+    let mut tries = 0..20;
+    while interrupted(&long, &out) != 130 {
+        assert!(tries.next().is_some(), "never interrupted before its end");
+        std::fs::remove_dir_all(&out).unwrap();
+    }
+    assert!(out.join("pack.ckpt").is_file());
+    assert!(!out.join("run.ckpt").exists() && !out.join("summary.json").exists());
+    let resumed = run(femdem("resume").arg(&out).args(["--report", "-q"]));
+    assert_eq!(code(&resumed), 0, "{resumed:?}");
+    assert_eq!(summary(&out)["count"], 60);
+    assert!(out.join("report.html").is_file());
+
+    // Nothing was left to do: looking again costs nothing.
+    let wall = summary(&out)["wall_seconds"].clone();
+    let again = run(femdem("resume").arg(&out).arg("-q"));
+    assert_eq!(code(&again), 0, "{again:?}");
+    assert_eq!(summary(&out)["wall_seconds"], wall);
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_resumes_to_the_same_bits() {

@@ -36,7 +36,18 @@ fn bad_options_say_what_is_allowed_and_leave_no_folder() {
         (&["--penalty", "0"], &["penalty = 0"]),
         (&["--penetration", "2"], &["penetration = 2"]),
         (&["--gravity", "0"], &["gravity = 0"]),
-        (&["--drag", "-1"], &["drag"]),
+        (&["--drag", "-1"], &["drag = -1", "sqrt(g/d)"]),
+        (&["--friction", "inf"], &["friction = inf", "finite"]),
+        (
+            &["--wall-friction", "inf"],
+            &["wall-friction = inf", "finite"],
+        ),
+        (
+            &["--container", "box", "--cylinder", "5"],
+            &["cylinder = 5 beside container = box"],
+        ),
+        (&["--rate", "50"], &["rate = 50", "pour"]),
+        (&["--height", "1m"], &["height = 1m", "pour"]),
         (
             &["--local-damping", "1"],
             &["local_damping", "1", "below 1"],
@@ -212,4 +223,61 @@ fn bad_scene_files_are_refused_with_their_name() {
         femdem("pack").arg(folder.path().join("none.toml")),
         &["cannot read", "none.toml"],
     );
+}
+
+#[test]
+fn refusals_of_the_other_commands_name_what_is_wrong() {
+    let folder = tempdir().unwrap();
+    let out = folder.path().join("out");
+    let made = run(femdem("pack").args(TINY).arg("--out").arg(&out));
+    assert_eq!(code(&made), 0, "{made:?}");
+    let before = fs::metadata(out.join("summary.json"))
+        .unwrap()
+        .modified()
+        .unwrap();
+    for (command, options, words) in [
+        (
+            "analyse",
+            ["--threshold", "nan"],
+            ["force_threshold", "NaN"],
+        ),
+        ("analyse", ["--core-inset", "nan"], ["inset", "NaN"]),
+        ("analyse", ["--axes", "faces:99"], ["direction", "faces"]),
+        ("resolve", ["--young", "-1"], ["young", "-1"]),
+        ("resolve", ["--poisson", "-3"], ["oisson", "-3"]),
+    ] {
+        fails(femdem(command).arg(&out).args(options), &words);
+    }
+    let after = fs::metadata(out.join("summary.json")).unwrap();
+    assert_eq!(after.modified().unwrap(), before);
+    for name in ["x.jpg", "x.svg", "x"] {
+        let picture = folder.path().join(name);
+        fails(
+            femdem("shapes").arg("--picture").arg(&picture),
+            &[name, ".png"],
+        );
+        assert!(!picture.exists());
+    }
+}
+
+#[test]
+fn scenes_have_at_least_one_thread() {
+    let folder = tempdir().unwrap();
+    let scene = folder.path().join("scene.toml");
+    for (command, text) in [
+        ("pack", "threads = 0\n"),
+        (
+            "run",
+            "threads = 0\n[material.m]\ndensity = 1000\n\
+             [[body]]\nshape = \"cube\"\ndiameter = 0.1\nmaterial = \"m\"\n",
+        ),
+    ] {
+        fs::write(&scene, text).unwrap();
+        let out = folder.path().join(command);
+        fails(
+            femdem(command).arg(&scene).arg("--out").arg(&out),
+            &["threads = 0", "1 or more"],
+        );
+        assert!(!out.exists());
+    }
 }

@@ -164,9 +164,12 @@ pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
             );
         }
         let saved = folder::load(&args.folder)?;
+        let snapshot = results::snapshot(&saved.packing);
+        // Options that cannot be met are refused before a file is written anew.
+        let tables = tables(args, &snapshot)?;
         let summary = results::write(&args.folder, &saved.packing, &saved.usage)?;
         report(&summary, &saved.packing, &args.folder, args.quiet)?;
-        tables(args, &results::snapshot(&saved.packing))
+        write(args, &tables, &snapshot)
     })
 }
 
@@ -185,10 +188,10 @@ fn foreign(args: &AnalyseArgs) -> Result<Outcome> {
             "{bodies} bodies {kind} with {contacts} contacts, from tables"
         ));
     }
-    tables(args, &snapshot)
+    write(args, &tables(args, &snapshot)?, &snapshot)
 }
 
-fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Outcome> {
+fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Tables> {
     let mut core = CoreOptions::default();
     if let Some(inset) = args.core_inset {
         core.inset_over_d = inset;
@@ -200,7 +203,10 @@ fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Outcome> {
         axes: args.axes.as_ref().map(|axes| axes.0.clone()),
         ..TableOptions::default()
     };
-    let tables = Tables::compute(snapshot, &options)?;
+    Ok(Tables::compute(snapshot, &options)?)
+}
+
+fn write(args: &AnalyseArgs, tables: &Tables, snapshot: &Snapshot) -> Result<Outcome> {
     let out: &Path = args.out.as_ref().unwrap_or(&args.folder);
     tables.write(snapshot, out)?;
     if !args.quiet {

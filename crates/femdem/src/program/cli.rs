@@ -44,7 +44,7 @@ The folder then holds
   bodies.csv, contacts.csv   poses; contact points, forces and areas
   pack.vtu, contacts.vtp     for ParaView
   pack.stl, shape-NAME.obj   surfaces
-  pack.png                   the pack from the front, coloured by sequence of placement
+  pack.png                   the pack from above the front, coloured by sequence of placement
   report.html, plots/*.svg   with --report: a page for the browser, and its plots
   scene.toml                 the options of this run
   pack.ckpt                  a checkpoint, for `femdem resume` and `femdem analyse`
@@ -74,14 +74,14 @@ pub(crate) enum Command {
     /// Continue a run of `pack` or `run` from the checkpoint in its folder
     Resume(ResumeArgs),
     /// Measure a pack in every way, without simulating: of a run, or from tables and shapes
-    #[command(after_help = super::analyse::HELP)]
+    #[command(after_help = super::analyse::HELP, allow_negative_numbers = true)]
     Analyse(AnalyseArgs),
     /// Write report.html, a page that shows the pack in a folder's checkpoint in any browser
     Report(ReportArgs),
     /// Draw the pack in a folder's checkpoint from any side, coloured by any quantity
     Picture(PictureArgs),
     /// Make the bodies of a pack deformable where they lie, and find the stresses inside them
-    #[command(after_help = super::resolve::HELP)]
+    #[command(after_help = super::resolve::HELP, allow_negative_numbers = true)]
     Resolve(ResolveArgs),
     /// List the shapes that --shape knows, with their parameters, or draw them
     Shapes(ShapesArgs),
@@ -257,7 +257,8 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Write into --out even if it holds files; those of the same names are replaced
+    /// Write into --out even if it holds files; those of the same names are replaced, and the summary
+    /// and the checkpoint of an earlier job go
     #[arg(long)]
     pub force: bool,
 
@@ -294,6 +295,10 @@ pub(crate) struct ResumeArgs {
     /// Folder of the run, which holds pack.ckpt or run.ckpt
     pub folder: PathBuf,
 
+    /// Write report.html of a pack too, as `femdem report` does
+    #[arg(long)]
+    pub report: bool,
+
     #[command(flatten)]
     pub run: RunArgs,
 }
@@ -325,7 +330,15 @@ impl PackArgs {
         set(&mut scene.drag, &self.drag);
         set(&mut scene.local_damping, &self.local_damping);
         set(&mut scene.gravity, &self.gravity);
-        self.set_container(&mut scene);
+        scene.take_container(&Scene {
+            container: self.container,
+            r#box: self.r#box,
+            cylinder: self.cylinder,
+            outlet: self.outlet,
+            cone: self.cone,
+            walls: self.walls.clone(),
+            ..Scene::default()
+        });
         set(&mut scene.protocol, &self.protocol);
         set(&mut scene.rate, &self.rate);
         set(&mut scene.seed, &self.seed);
@@ -367,28 +380,6 @@ impl PackArgs {
         set(&mut scene.unit, &self.unit);
         scene.repair |= self.repair;
         scene.mesh_size = self.mesh_size.or(scene.mesh_size);
-    }
-
-    /// The size of a container chooses its kind, unless the kind is named too.
-    fn set_container(&self, scene: &mut Scene) {
-        if self.r#box.is_some() {
-            scene.container = ContainerKind::Box;
-        }
-        if self.cylinder.is_some() {
-            scene.container = ContainerKind::Cylinder;
-        }
-        if self.outlet.is_some() || self.cone.is_some() {
-            scene.container = ContainerKind::Silo;
-        }
-        if self.walls.is_some() {
-            scene.container = ContainerKind::Walls;
-            scene.walls.clone_from(&self.walls);
-        }
-        set(&mut scene.container, &self.container);
-        set(&mut scene.outlet, &self.outlet);
-        set(&mut scene.cone, &self.cone);
-        scene.r#box = self.r#box.or(scene.r#box);
-        scene.cylinder = self.cylinder.or(scene.cylinder);
     }
 }
 
@@ -454,21 +445,16 @@ mod tests {
 
     #[test]
     fn the_size_of_a_cylinder_makes_the_container_one() {
-        assert_eq!(scene("--cylinder 5").container, ContainerKind::Cylinder);
+        let kind = |options: &str| scene(options).container_kind();
+        assert_eq!(kind("--cylinder 5").unwrap(), ContainerKind::Cylinder);
         let five = Length::Diameters(5.0);
         assert_eq!(scene("--cylinder 5").cylinder, Some(five));
+        assert_eq!(kind("--cylinder 5 --cone 40").unwrap(), ContainerKind::Silo);
         assert_eq!(
-            scene("--cylinder 5 --cone 40").container,
-            ContainerKind::Silo
-        );
-        assert_eq!(
-            scene("--container cylinder").container,
+            kind("--container cylinder").unwrap(),
             ContainerKind::Cylinder
         );
-        assert_eq!(
-            scene("--container box --cylinder 5").container,
-            ContainerKind::Box
-        );
+        assert!(kind("--container box --cylinder 5").is_err());
     }
 
     /// The command that a report shows makes the scene that it is of.
@@ -519,8 +505,8 @@ mod tests {
             ),
             format!("m/s2 [default: {}]", d.gravity),
             format!("second (pour) [default: {}]", d.rate),
-            format!("in m [default: {}]", d.outlet),
-            format!("degrees [default: {}]", d.cone),
+            format!("in m [default: {}]", femdem::scene::DEFAULT_OUTLET),
+            format!("degrees [default: {}]", femdem::scene::DEFAULT_CONE),
             format!("after it [default: {}]", d.variety),
             "[default: A10]".to_owned(),
             format!("empty [default: {}]", d.out.display()),

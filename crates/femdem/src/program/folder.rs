@@ -50,6 +50,22 @@ pub(crate) fn prepare(folder: &Path, force: bool) -> Result<()> {
     Ok(())
 }
 
+/// Name of the results in numbers.
+const SUMMARY: &str = "summary.json";
+
+/// Removes what an earlier job in the folder left that would pass for the present one's, which is not at
+/// its end: the results in numbers, and the checkpoint of the other kind.
+pub(crate) fn forget_other_jobs(folder: &Path, own: &str) -> Result<()> {
+    for name in [CHECKPOINT, RUN_CHECKPOINT, SUMMARY] {
+        let path = folder.join(name);
+        if name != own && path.is_file() {
+            fs::remove_file(&path)
+                .with_context(|| format!("cannot remove {}, of an earlier job", path.display()))?;
+        }
+    }
+    Ok(())
+}
+
 fn checkpoint_path(folder: &Path) -> PathBuf {
     folder.join(CHECKPOINT)
 }

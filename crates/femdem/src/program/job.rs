@@ -12,7 +12,7 @@ use femdem::{Scene, Summary, Usage, output, results};
 use super::cli::{PackArgs, ResumeArgs, RunArgs};
 use super::meter::Meter;
 use super::progress::Bar;
-use super::{complain, folder, say};
+use super::{complain, described, folder, say};
 
 /// How a command ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,6 +55,9 @@ pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
 
 pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
     if folder::holds_run(&args.folder) {
+        if args.report {
+            bail!("a run of a scene has no report: leave --report out");
+        }
         return super::run::resume(args);
     }
     if !args.folder.join(folder::CHECKPOINT).is_file() {
@@ -77,7 +80,7 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
             folder: args.folder.clone(),
             quiet,
             every,
-            page: false,
+            page: args.report,
         };
         run.to_end(saved.packing, saved.usage, threads)
     })
@@ -88,6 +91,9 @@ pub(crate) fn in_pool<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce(usize) -> Result<T> + Send,
 ) -> Result<T> {
+    if threads == Some(0) {
+        bail!("threads = 0 is not allowed: give 1 or more, or leave it out for one for each core");
+    }
     // 0 means one thread for each core.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
@@ -128,13 +134,16 @@ struct Run {
 impl Run {
     fn to_end(&self, mut packing: Packing, before: Usage, threads: usize) -> Result<Outcome> {
         let interrupted = watch_for_interrupt()?;
-        let meter = Meter::start(before, threads);
+        let meter = Meter::start(before, threads, packing.is_done());
         // At once, so that a folder that cannot be written to is found now and not after the work.
         folder::save(
             &self.folder,
             &packing,
             &meter.read(packing.world().counters()),
         )?;
+        if !packing.is_done() {
+            folder::forget_other_jobs(&self.folder, folder::CHECKPOINT)?;
+        }
         let bar = Bar::new(&packing.progress(), self.quiet)?;
         let advanced = self.advance(&mut packing, &meter, &bar, &interrupted);
         bar.clear();
@@ -145,10 +154,11 @@ impl Run {
         if !packing.is_done() {
             let at = packing.progress();
             complain(&format!(
-                "stopped with {} of {} bodies placed; continue with: femdem resume {}",
+                "stopped with {} of {} bodies placed; continue with: femdem resume {}{}",
                 at.placed,
                 at.count,
-                self.folder.display()
+                self.folder.display(),
+                if self.page { " --report" } else { "" }
             ));
             return Ok(Outcome::Interrupted);
         }
@@ -193,7 +203,7 @@ impl Run {
                     packing,
                     &meter.read(packing.world().counters()),
                 ) {
-                    bar.note(&format!("warning: {error:#}"));
+                    bar.note(&format!("warning: {}", described(&error)));
                 }
                 saved = Instant::now();
             }

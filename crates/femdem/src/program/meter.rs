@@ -15,11 +15,14 @@ pub(crate) struct Meter {
     started: Instant,
     cpu_at_start: Option<f64>,
     threads: usize,
+    /// Whether there is nothing left to do: looking at what was done costs nothing.
+    done: bool,
 }
 
 impl Meter {
-    pub(crate) fn start(before: Usage, threads: usize) -> Self {
+    pub(crate) fn start(before: Usage, threads: usize, done: bool) -> Self {
         Self {
+            done,
             before,
             started: Instant::now(),
             cpu_at_start: cpu_seconds(),
@@ -33,6 +36,9 @@ impl Meter {
 
     /// The cost until now. The counters of a world start at zero when it is made or read.
     pub(crate) fn read(&self, counters: &Counters) -> Usage {
+        if self.done {
+            return self.before;
+        }
         let cpu = cpu_seconds()
             .zip(self.cpu_at_start)
             .map(|(now, start)| now - start);

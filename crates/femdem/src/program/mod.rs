@@ -24,7 +24,39 @@ pub(crate) fn say(text: &str) {
     let _ = writeln!(std::io::stdout(), "{text}");
 }
 
+/// An error with its causes, each said once: many messages hold their cause already.
+pub(crate) fn described(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text
+}
+
 /// Writes a line to standard error.
 pub(crate) fn complain(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+
+    #[test]
+    fn a_cause_is_said_once() {
+        let source = std::io::Error::other("no room");
+        let path = "a.csv".into();
+        let error = Err::<(), _>(femdem::Error::Write { path, source })
+            .context("the table was not written")
+            .unwrap_err();
+        let text = described(&error);
+        assert_eq!(text.matches("no room").count(), 1, "{text}");
+        assert!(
+            text.starts_with("the table was not written: cannot write a.csv: no room"),
+            "{text}"
+        );
+    }
 }

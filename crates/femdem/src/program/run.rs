@@ -13,7 +13,7 @@ use super::cli::{ResumeArgs, RunArgs};
 use super::job::{BREATH, Outcome, checkpoint_interval, in_pool, watch_for_interrupt};
 use super::meter::Meter;
 use super::progress::Clock;
-use super::{check, complain, folder, say};
+use super::{check, complain, described, folder, say};
 
 /// Options of `femdem run`. Those left out are taken from the scene.
 #[derive(Debug, Args)]
@@ -25,7 +25,8 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 
-    /// Write into --out even if it holds files; those of the same names are replaced
+    /// Write into --out even if it holds files; those of the same names are replaced, and the summary
+    /// and the checkpoint of an earlier job go
     #[arg(long)]
     pub force: bool,
 
@@ -105,9 +106,13 @@ struct Part {
 impl Part {
     fn to_end(&self, mut run: Run, before: Usage, threads: usize) -> Result<Outcome> {
         let interrupted = watch_for_interrupt()?;
-        let meter = Meter::start(before, threads);
+        let done = run.ending().is_some();
+        let meter = Meter::start(before, threads, done);
         // At once, so that a folder that cannot be written to is found now and not after the work.
         self.save(&mut run, &meter)?;
+        if !done {
+            folder::forget_other_jobs(&self.folder, folder::RUN_CHECKPOINT)?;
+        }
         let clock = Clock::new(run.scenario().duration, run.simulation(), self.quiet)?;
         let advanced = self.advance(&mut run, &meter, &clock, &interrupted);
         clock.clear();
@@ -162,7 +167,7 @@ impl Part {
             if saved.elapsed() >= self.every {
                 // A full disk may have room again when the run ends; until then the last one stands.
                 if let Err(error) = self.save(run, meter) {
-                    clock.note(&format!("warning: {error:#}"));
+                    clock.note(&format!("warning: {}", described(&error)));
                 }
                 saved = Instant::now();
             }

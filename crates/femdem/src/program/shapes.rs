@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use femdem::mesh::catalogue::CatalogueShape;
 use femdem::mesh::shapes::Shape;
 use femdem::output;
@@ -133,6 +133,13 @@ fn list(rows: &[Row]) {
 
 /// Draws all shapes with their defaults.
 fn draw(path: &Path) -> Result<()> {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    if ending.as_deref() != Some("png") {
+        bail!(
+            "{} is no .png: give another file with --picture",
+            path.display()
+        );
+    }
     let shapes = all();
     let mut exhibits = Vec::with_capacity(shapes.len());
     for (k, shape) in shapes.iter().enumerate() {

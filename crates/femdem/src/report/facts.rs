@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::analysis::{Missing, Tables};
 use crate::plot::escape;
 use crate::results::short;
-use crate::scene::{ContainerKind, ProtocolKind, Unit};
+use crate::scene::{ContainerKind, DEFAULT_CONE, DEFAULT_OUTLET, ProtocolKind, Unit};
 use crate::{Scene, Summary};
 
 /// A number that stands at the head of the page.
@@ -140,12 +140,18 @@ const LABELS: [(&str, &str); 21] = [
 
 /// The options of a run that have a meaning for it.
 pub(super) fn parameters(scene: &Scene) -> Facts {
-    let table = toml::Table::try_from(scene).unwrap_or_default();
-    let silo = scene.container == ContainerKind::Silo;
+    let kind = scene.container_kind().ok();
+    let silo = kind == Some(ContainerKind::Silo);
+    let told = Scene {
+        container: kind,
+        outlet: scene.outlet.or(silo.then_some(DEFAULT_OUTLET)),
+        cone: scene.cone.or(silo.then_some(DEFAULT_CONE)),
+        ..scene.clone()
+    };
+    let table = toml::Table::try_from(told).unwrap_or_default();
     let pour = scene.protocol == ProtocolKind::Pour;
     let idle = |key: &str| match key {
         "out" | "threads" | "checkpoint-every" => true,
-        "outlet" | "cone" => !silo,
         "rate" => !pour,
         "repair" => !scene.repair,
         "unit" => scene.unit == Unit::default(),

@@ -1,11 +1,12 @@
 //! The container of a scene.
 
 use std::f64::consts::FRAC_PI_4;
+use std::fmt;
 
 use femdem_pack::{Container, MeshContainer, PackSpec};
 
 use super::bodies::{file_stem, read};
-use super::{ContainerKind, Footprint, Length, Scene};
+use super::{ContainerKind, DEFAULT_CONE, DEFAULT_OUTLET, Footprint, Length, Scene};
 use crate::Error;
 
 /// Packing density that the automatic size of a container counts on.
@@ -24,7 +25,7 @@ pub(super) fn container(scene: &Scene, spec: &PackSpec) -> Result<Container, Err
         let width = scene.cylinder.unwrap_or(Length::Diameters(width));
         width.metres(diameter)
     };
-    Ok(match scene.container {
+    Ok(match scene.container_kind()? {
         ContainerKind::Walls => {
             let path = scene.walls.as_ref().ok_or(Error::Option {
                 name: "container",
@@ -45,19 +46,197 @@ pub(super) fn container(scene: &Scene, spec: &PackSpec) -> Result<Container, Err
         ContainerKind::Cylinder => Container::Cylinder { diameter: round() },
         ContainerKind::Silo => Container::Silo {
             diameter: round(),
-            outlet: scene.outlet.metres(diameter),
-            half_angle: scene.cone,
+            outlet: scene.outlet.unwrap_or(DEFAULT_OUTLET).metres(diameter),
+            half_angle: scene.cone.unwrap_or(DEFAULT_CONE),
         },
     })
 }
 
 /// Height of the container's rim \[m\], if it has one.
 pub(super) fn rim(scene: &Scene, diameter: f64) -> Option<f64> {
-    let height = scene.r#box?.height?.metres(diameter);
-    (scene.container == ContainerKind::Box).then_some(height)
+    Some(scene.r#box?.height?.metres(diameter))
+}
+
+/// Kinds of container in the order of preference.
+const KINDS: [ContainerKind; 4] = [
+    ContainerKind::Box,
+    ContainerKind::Cylinder,
+    ContainerKind::Silo,
+    ContainerKind::Walls,
+];
+
+/// A size that is given: its key, its value, and the kinds of container that have it.
+type Size = (&'static str, String, &'static [ContainerKind]);
+
+impl Scene {
+    /// The kind of container: the one that is named, or else the one that has the sizes that are
+    /// given; a box without any.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Option`] for a size that the named kind, or that of another size, has not.
+    pub fn container_kind(&self) -> Result<ContainerKind, Error> {
+        let sizes = self.container_sizes();
+        let fits = |kind: &ContainerKind| sizes.iter().all(|size| size.2.contains(kind));
+        if let Some(kind) = self.container {
+            return match sizes.iter().find(|size| !size.2.contains(&kind)) {
+                Some(size) => Err(stray(size, "container", &kind.to_string())),
+                None => Ok(kind),
+            };
+        }
+        if let Some(kind) = KINDS.into_iter().find(fits) {
+            return Ok(kind);
+        }
+        let apart = |a: &Size, b: &Size| !a.2.iter().any(|kind| b.2.contains(kind));
+        for (n, a) in sizes.iter().enumerate() {
+            if let Some(b) = sizes[n + 1..].iter().find(|b| apart(a, b)) {
+                return Err(stray(b, a.0, &a.1));
+            }
+        }
+        // Not reached: sizes of which every two go together have a kind in common.
+        Ok(ContainerKind::default())
+    }
+
+    /// Takes over the container of `from` as far as it names one: sizes given there replace those
+    /// here, and if they do not belong to the kind here, those of the old kind go.
+    pub fn take_container(&mut self, from: &Self) {
+        let given = from.container_sizes();
+        let keeps = |kind: ContainerKind| {
+            from.container.is_none_or(|named| named == kind)
+                && given.iter().all(|size| size.2.contains(&kind))
+        };
+        if !self.container_kind().is_ok_and(keeps) {
+            use ContainerKind::{Cylinder, Silo};
+            let round = matches!(from.container_kind(), Ok(Cylinder | Silo));
+            self.cylinder = self.cylinder.filter(|_| round);
+            (self.container, self.r#box, self.walls) = (None, None, None);
+            (self.outlet, self.cone) = (None, None);
+        }
+        self.container = from.container.or(self.container);
+        self.r#box = from.r#box.or(self.r#box);
+        self.cylinder = from.cylinder.or(self.cylinder);
+        self.outlet = from.outlet.or(self.outlet);
+        self.cone = from.cone.or(self.cone);
+        self.walls = from.walls.clone().or_else(|| self.walls.take());
+    }
+
+    fn container_sizes(&self) -> Vec<Size> {
+        use ContainerKind::{Box, Cylinder, Silo, Walls};
+        let walls = self.walls.as_ref().map(|path| path.display().to_string());
+        let sizes: [(_, Option<String>, &'static [_]); 5] = [
+            ("box", self.r#box.map(|size| size.to_string()), &[Box]),
+            (
+                "cylinder",
+                self.cylinder.map(|size| size.to_string()),
+                &[Cylinder, Silo],
+            ),
+            ("outlet", self.outlet.map(|size| size.to_string()), &[Silo]),
+            ("cone", self.cone.map(|angle| angle.to_string()), &[Silo]),
+            ("walls", walls, &[Walls]),
+        ];
+        let given = |(key, value, kinds)| Some((key, value?, kinds));
+        sizes.into_iter().filter_map(given).collect()
+    }
+}
+
+impl fmt::Display for ContainerKind {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::Box => "box",
+            Self::Cylinder => "cylinder",
+            Self::Silo => "silo",
+            Self::Walls => "walls",
+        })
+    }
+}
+
+/// A size that does not go with another key.
+fn stray(size: &Size, key: &str, value: &str) -> Error {
+    Error::Option {
+        name: size.0,
+        value: format!("{} beside {key} = {value}", size.1),
+        allowed: "box has box; cylinder has cylinder; silo has cylinder, outlet and cone; walls has \
+                  walls: leave one of the two out",
+    }
 }
 
 /// Side of the cube of a volume, to the nearest half, and 3 at least.
 fn level_width(volume: f64) -> f64 {
     ((2.0 * volume.cbrt()).round() / 2.0).max(3.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kind(text: &str) -> Result<ContainerKind, String> {
+        let scene = Scene::from_toml(text).unwrap();
+        scene.container_kind().map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn sizes_tell_the_kind() {
+        use ContainerKind::{Box, Cylinder, Silo, Walls};
+        for (text, expected) in [
+            ("", Box),
+            ("box = \"4x5\"", Box),
+            ("cylinder = 5", Cylinder),
+            ("container = \"silo\"\ncylinder = 5", Silo),
+            ("cylinder = 5\noutlet = 2", Silo),
+            ("cone = 45", Silo),
+            ("walls = \"none.stl\"", Walls),
+        ] {
+            assert_eq!(kind(text), Ok(expected), "{text}");
+        }
+        let spec = Scene::from_toml("cylinder = 5").unwrap().spec().unwrap();
+        assert!(matches!(spec.container, Container::Cylinder { .. }));
+        let missing = Scene::from_toml("walls = \"none.stl\"").unwrap();
+        assert!(missing.spec().unwrap_err().to_string().contains("none.stl"));
+    }
+
+    #[test]
+    fn sizes_that_do_not_go_together_are_named() {
+        for (text, message) in [
+            (
+                "container = \"box\"\ncylinder = 5",
+                "cylinder = 5 beside container = box",
+            ),
+            (
+                "container = \"cylinder\"\nbox = \"4x4\"",
+                "box = 4x4 beside container = cylinder",
+            ),
+            ("box = \"4x4\"\ncone = 45", "cone = 45 beside box = 4x4"),
+            (
+                "walls = \"a.stl\"\ncylinder = 5",
+                "walls = a.stl beside cylinder = 5",
+            ),
+        ] {
+            assert!(kind(text).unwrap_err().contains(message), "{text}");
+        }
+    }
+
+    /// What is given on top of a scene keeps what still belongs to the container, and drops the rest.
+    #[test]
+    fn another_container_takes_the_place_of_the_old_one() {
+        for (text, over, expected) in [
+            ("box = \"4x4\"", "cylinder = 5", "cylinder = 5"),
+            ("cylinder = 5", "outlet = 2", "cylinder = 5\noutlet = 2"),
+            (
+                "cylinder = 5\noutlet = 2",
+                "outlet = 1",
+                "cylinder = 5\noutlet = 1",
+            ),
+            ("cylinder = 5\noutlet = 2", "box = \"4x4\"", "box = \"4x4\""),
+            (
+                "cylinder = 5\noutlet = 2",
+                "container = \"cylinder\"",
+                "container = \"cylinder\"\ncylinder = 5",
+            ),
+            ("box = \"4x4\"", "count = 3", "box = \"4x4\""),
+        ] {
+            let mut scene = Scene::from_toml(text).unwrap();
+            scene.take_container(&Scene::from_toml(over).unwrap());
+            assert_eq!(scene, Scene::from_toml(expected).unwrap(), "{text} {over}");
+        }
+    }
 }

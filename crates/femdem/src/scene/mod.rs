@@ -40,6 +40,12 @@ use crate::{Error, toml_file};
 /// Circumscribed diameter of a parametric shape where no size is given \[m\].
 pub const DEFAULT_DIAMETER: f64 = 0.05;
 
+/// Diameter of the closed outlet of a silo where none is given.
+pub const DEFAULT_OUTLET: Length = Length::Diameters(3.0);
+
+/// Angle between the cone of a silo and the vertical where none is given \[degrees\].
+pub const DEFAULT_CONE: f64 = 30.0;
+
 /// How bodies come into the container.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -124,17 +130,18 @@ pub struct Scene {
     pub sleeping: bool,
     /// Gravity \[m/s²\].
     pub gravity: f64,
-    /// Kind of container.
-    pub container: ContainerKind,
+    /// Kind of container. `None`: by the sizes that are given, see
+    /// [`container_kind`](Self::container_kind).
+    pub container: Option<ContainerKind>,
     /// Inner width and depth of the box, and height of its rim. `None`: as wide as the pack will be
     /// high.
     pub r#box: Option<Footprint>,
     /// Inner diameter of the cylinder or silo. `None`: as wide as the pack will be high.
     pub cylinder: Option<Length>,
-    /// Diameter of the closed outlet of a silo.
-    pub outlet: Length,
-    /// Angle between the cone of a silo and the vertical \[degrees\].
-    pub cone: f64,
+    /// Diameter of the closed outlet of a silo. `None`: [`DEFAULT_OUTLET`].
+    pub outlet: Option<Length>,
+    /// Angle between the cone of a silo and the vertical \[degrees\]. `None`: [`DEFAULT_CONE`].
+    pub cone: Option<f64>,
     /// Surface file of the solid that makes the walls.
     pub walls: Option<PathBuf>,
     /// How bodies come into the container.
@@ -181,11 +188,11 @@ impl Default for Scene {
             implicit: None,
             sleeping: spec.sleeping.enabled,
             gravity: spec.gravity,
-            container: ContainerKind::Box,
+            container: None,
             r#box: None,
             cylinder: None,
-            outlet: Length::Diameters(3.0),
-            cone: 30.0,
+            outlet: None,
+            cone: None,
             walls: None,
             protocol: ProtocolKind::Sequential,
             batch: None,
@@ -226,7 +233,9 @@ impl Scene {
     pub fn to_toml(&self) -> Result<String, Error> {
         let body = toml_file::write(self, Path::new("scene"))?;
         Ok(format!(
-            "# A scene for `femdem pack`: keys are its options, each may be left out.\n{body}"
+            "# A scene for `femdem pack`: keys are its options, each may be left out. Switches are keys \
+             too:\n# repair = true, implicit = true, implicit = false (--explicit), sleeping = false \
+             (--awake).\n{body}"
         ))
     }
 
@@ -260,6 +269,7 @@ impl Scene {
             seed: self.seed,
             ..PackSpec::default()
         };
+        self.check()?;
         let diameter = spec.diameter();
         spec.container = container::container(self, &spec)?;
         spec.rim = container::rim(self, diameter);
@@ -283,6 +293,40 @@ impl Scene {
         };
         spec.validate()?;
         Ok((spec, notes))
+    }
+
+    /// Refuses what would be converted, or would have no effect.
+    fn check(&self) -> Result<(), Error> {
+        let refuse = |name: &'static str, value: String, allowed: &'static str| {
+            Err(Error::Option {
+                name,
+                value,
+                allowed,
+            })
+        };
+        if !(self.drag.is_finite() && self.drag >= 0.0) {
+            let allowed = "0 or more and finite, in sqrt(g/d)";
+            return refuse("drag", self.drag.to_string(), allowed);
+        }
+        for (name, value) in [
+            ("friction", Some(self.friction)),
+            ("wall-friction", self.wall_friction),
+        ] {
+            // The automatic penalty would come to nothing before anyone looks at these.
+            if value == Some(f64::INFINITY) {
+                return refuse(name, "inf".to_owned(), "0 or more and finite");
+            }
+        }
+        if self.protocol != ProtocolKind::Pour {
+            let allowed = "it is for the protocol pour; leave it out";
+            if let Some(height) = self.height {
+                return refuse("height", height.to_string(), allowed);
+            }
+            if self.rate != Pour::default().rate {
+                return refuse("rate", self.rate.to_string(), allowed);
+            }
+        }
+        Ok(())
     }
 
     fn protocol(&self, diameter: f64) -> Protocol {
@@ -313,7 +357,7 @@ mod tests {
         let scene = Scene {
             shape: vec!["body.obj".to_owned()],
             diameter: Some(0.02),
-            container: ContainerKind::Cylinder,
+            container: Some(ContainerKind::Box),
             batch: Some(3),
             r#box: Some(Footprint::diameters(4.0, 5.5)),
             threads: Some(2),
@@ -399,7 +443,7 @@ mod tests {
     #[test]
     fn sizes_are_in_diameters() {
         let scene = Scene {
-            container: ContainerKind::Cylinder,
+            container: Some(ContainerKind::Cylinder),
             cylinder: Some(Length::Diameters(5.0)),
             ..Scene::default()
         };
@@ -418,7 +462,7 @@ mod tests {
         for container in [ContainerKind::Box, ContainerKind::Cylinder] {
             for count in [200, 1000, 20_000] {
                 let scene = Scene {
-                    container,
+                    container: Some(container),
                     count,
                     ..Scene::default()
                 };
