@@ -123,6 +123,10 @@ impl Scene {
     fn container_sizes(&self) -> Vec<Size> {
         use ContainerKind::{Box, Cylinder, Silo, Walls};
         let walls = self.walls.as_ref().map(|path| path.display().to_string());
+        // Before they could be left out, the usual ones were written into scenes of all kinds.
+        let counts = matches!(self.container, None | Some(Silo));
+        let outlet = self.outlet.filter(|x| counts || *x != DEFAULT_OUTLET);
+        let cone = self.cone.filter(|x| counts || *x != DEFAULT_CONE);
         let sizes: [(_, Option<String>, &'static [_]); 5] = [
             ("box", self.r#box.map(|size| size.to_string()), &[Box]),
             (
@@ -130,8 +134,8 @@ impl Scene {
                 self.cylinder.map(|size| size.to_string()),
                 &[Cylinder, Silo],
             ),
-            ("outlet", self.outlet.map(|size| size.to_string()), &[Silo]),
-            ("cone", self.cone.map(|angle| angle.to_string()), &[Silo]),
+            ("outlet", outlet.map(|size| size.to_string()), &[Silo]),
+            ("cone", cone.map(|angle| angle.to_string()), &[Silo]),
             ("walls", walls, &[Walls]),
         ];
         let given = |(key, value, kinds)| Some((key, value?, kinds));
@@ -185,6 +189,7 @@ mod tests {
             ("cylinder = 5\noutlet = 2", Silo),
             ("cone = 45", Silo),
             ("walls = \"none.stl\"", Walls),
+            ("container = \"box\"\noutlet = 3\ncone = 30", Box),
         ] {
             assert_eq!(kind(text), Ok(expected), "{text}");
         }
