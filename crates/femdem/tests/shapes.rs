@@ -5,6 +5,7 @@
 mod common;
 
 use common::{code, fails, femdem, run, stdout, summary};
+use femdem::input::InputOptions;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -130,6 +131,37 @@ fn mixtures_keep_their_shares_and_resume() {
     fs::remove_file(out.join("summary.json")).unwrap();
     assert_eq!(code(&run(femdem("analyse").arg(&out).arg("-q"))), 0);
     assert_eq!(summary(&out), first);
+}
+
+/// Names that differ in a replaced character only: each shape keeps its file, and is read from it.
+#[test]
+fn shapes_of_like_names_have_a_file_each() {
+    let folder = tempdir().unwrap();
+    let out = folder.path().join("out");
+    let mut command = femdem("pack");
+    for (name, text) in [
+        ("a_b", common::WEDGE.to_owned()),
+        ("a b", common::WEDGE.replace("0.1", "0.2")),
+    ] {
+        let path = folder.path().join(format!("{name}.obj"));
+        fs::write(&path, text).unwrap();
+        command.arg("--shape").arg(path);
+    }
+    let result = run(command
+        .args(["--count", "4", "--box", "3x3", "-q"])
+        .args(QUICK)
+        .arg("--out")
+        .arg(&out));
+    assert_eq!(code(&result), 0, "{result:?}");
+    let pack = femdem::input::read_folder(&out, &InputOptions::default()).unwrap();
+    let density = summary(&out)["density"].as_f64().unwrap();
+    for (body, mass) in pack.bodies.iter().zip(&pack.masses) {
+        let shape = &pack.shapes[body.shape as usize];
+        let wanted = density * shape.polyhedron.mass_properties().volume;
+        assert!((mass / wanted - 1.0).abs() < 1e-9, "{}", shape.name);
+    }
+    let names: BTreeSet<&str> = pack.shapes.iter().map(|s| s.name.as_str()).collect();
+    assert_eq!(names, BTreeSet::from(["a b", "a_b"]));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use femdem_mesh::{Pose, Rotation, io};
 
 use super::BODIES;
 use super::csv::{Record, Text};
-use crate::output::surface::shape_file_name;
+use crate::output::surface::{distinct_file_name, shape_file_name};
 use crate::{Body, Error, NamedShape, Snapshot};
 
 /// How far from 1 the length of a direction or a quaternion may be; it is then made 1.
@@ -85,11 +85,14 @@ fn rotation(record: &Record, [w, x, y, z]: [f64; 4]) -> Result<Rotation, Error> 
 }
 
 fn read_shape(folder: &Path, name: &str, record: &Record) -> Result<NamedShape, Error> {
-    let candidates = [
+    // A file of the first name is there only if another shape has the second.
+    let mut candidates = vec![
+        distinct_file_name(name),
         shape_file_name(name),
         format!("{name}.obj"),
         name.to_owned(),
     ];
+    candidates.dedup();
     let path = candidates
         .iter()
         .map(|file| folder.join(file))

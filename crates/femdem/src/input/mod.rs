@@ -6,8 +6,9 @@
 //! | `contacts.csv` | `i`, `j`, `x`, `y`, `z`, `nx`, `ny`, `nz`, `normal_force` | `tx`, `ty`, `tz`, `mx`, `my`, `mz`, `tangential_force`, `area`, `volume`, `class`, `patch` |
 //!
 //! The columns mean what [`output::csv`](crate::output::csv) writes, in SI units and in any order; others are
-//! ignored. The shape `NAME` is read from `shape-NAME.obj`, `NAME.obj`, or `NAME` itself if it is the name
-//! of a surface file (OBJ, STL, OFF, PLY). What the files do not tell is left open in the
+//! ignored. The shape `NAME` is read from `shape-NAME.obj` (see
+//! [`shape_file_names`](crate::output::surface::shape_file_names)), `NAME.obj`, or `NAME` itself if it is the
+//! name of a surface file (OBJ, STL, OFF, PLY). What the files do not tell is left open in the
 //! [`gaps`](Snapshot::gaps) of the snapshot.
 
 mod bodies;

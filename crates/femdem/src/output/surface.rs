@@ -41,14 +41,44 @@ fn as_io(error: MeshError) -> io::Error {
     }
 }
 
-/// Name of the file of a shape: `shape-<name>.obj`, with what file systems dislike replaced.
+/// Name of the file of a shape: `shape-<name>.obj`, where `_` stands for every character but letters,
+/// digits, `-`, `_` and `+`. Of a pack with several shapes see [`shape_file_names`].
 #[must_use]
 pub fn shape_file_name(name: &str) -> String {
+    file_name(name, |_| "_".to_owned())
+}
+
+/// [`shape_file_name`] with the UTF-8 bytes of each replaced character as `%XX` instead: no two names
+/// have one file.
+pub(crate) fn distinct_file_name(name: &str) -> String {
+    file_name(name, |c| {
+        let bytes = c.to_string().into_bytes();
+        bytes.iter().map(|byte| format!("%{byte:02X}")).collect()
+    })
+}
+
+/// Names of the files of the shapes of a pack: [`shape_file_name`], but where several shapes would share
+/// one, `%XX` stands for the bytes of each character replaced.
+#[must_use]
+pub fn shape_file_names(names: &[&str]) -> Vec<String> {
+    let short: Vec<String> = names.iter().map(|name| shape_file_name(name)).collect();
+    let shared = |file: &String| short.iter().filter(|other| *other == file).count() > 1;
+    let own = |(name, file): (&&str, &String)| {
+        if shared(file) {
+            distinct_file_name(name)
+        } else {
+            file.clone()
+        }
+    };
+    names.iter().zip(&short).map(own).collect()
+}
+
+fn file_name(name: &str, replaced: impl Fn(char) -> String) -> String {
     let safe = |c: char| {
         if c.is_alphanumeric() || "-_+".contains(c) {
-            c
+            c.to_string()
         } else {
-            '_'
+            replaced(c)
         }
     };
     format!("shape-{}.obj", name.chars().map(safe).collect::<String>())
@@ -82,5 +112,20 @@ mod tests {
     fn file_names_hold_no_separators() {
         assert_eq!(shape_file_name("../a b"), "shape-___a_b.obj");
         assert_eq!(shape_file_name("A10"), "shape-A10.obj");
+    }
+
+    /// The short name is left to one shape alone, so that a reader may look for the other first.
+    #[test]
+    fn shapes_of_a_pack_have_a_file_each() {
+        assert_eq!(
+            shape_file_names(&["a b", "P5", "a_b", "a.b", "sphere:level=3"]),
+            [
+                "shape-a%20b.obj",
+                "shape-P5.obj",
+                "shape-a_b.obj",
+                "shape-a%2Eb.obj",
+                "shape-sphere_level_3.obj"
+            ]
+        );
     }
 }

@@ -134,9 +134,15 @@ pub fn write(folder: &Path, packing: &Packing, usage: &Usage) -> Result<Summary,
     write_file(folder.join("pack.stl"), |w| {
         surface::write_pack_stl(&snapshot, w)
     })?;
-    for shape in &snapshot.shapes {
-        let path = folder.join(surface::shape_file_name(&shape.name));
-        write_file(path, |w| surface::write_shape_obj(&shape.polyhedron, w))?;
+    let names: Vec<&str> = snapshot.shapes.iter().map(|s| s.name.as_str()).collect();
+    for (shape, file) in snapshot
+        .shapes
+        .iter()
+        .zip(surface::shape_file_names(&names))
+    {
+        write_file(folder.join(file), |w| {
+            surface::write_shape_obj(&shape.polyhedron, w)
+        })?;
     }
     // The picture takes most memory of all, and shows no contacts.
     snapshot.contacts = Vec::new();
