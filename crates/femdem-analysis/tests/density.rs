@@ -64,11 +64,9 @@ fn overlapping_bodies_count_once_in_both() {
     };
     let result = packing_density(&pack, &region, &DensityOptions::default()).unwrap();
     let overlap = result.parts.overlap_volume / result.parts.region_volume;
-    assert!(overlap > 10.0 * result.grid_error, "{result:?}");
-    assert!(
-        (result.exact - result.grid).abs() < 4.0 * result.grid_error,
-        "{result:?}"
-    );
+    let (grid, error) = (result.grid.unwrap(), result.grid_error.unwrap());
+    assert!(overlap > 10.0 * error, "{result:?}");
+    assert!((result.exact - grid).abs() < 4.0 * error, "{result:?}");
     assert!(
         (result.exact - (result.parts.body_volume / result.parts.region_volume - overlap)).abs()
             < 1e-12
@@ -125,8 +123,27 @@ fn regions_beyond_the_pack_are_void() {
     let far = packing_density(&pack, &region(5.0, 15.0), &DensityOptions::default()).unwrap();
     assert_eq!(
         (far.exact, far.grid, far.standard_error),
-        (0.0, 0.0, Some(0.0))
+        (0.0, Some(0.0), Some(0.0))
     );
+}
+
+/// A region too wide for the grid still has its exact density.
+#[test]
+fn regions_too_wide_for_the_grid_have_the_exact_density_alone() {
+    let shape = cube(1.0);
+    let bodies = at([Vector3::zeros()]);
+    let pack = Pack::new(std::slice::from_ref(&shape), &bodies).unwrap();
+    let region = Region::Box {
+        min: Point3::new(-1000.0, -1000.0, -1.0),
+        max: Point3::new(1000.0, 1000.0, 1.0),
+    };
+    let wide = packing_density(&pack, &region, &DensityOptions::default()).unwrap();
+    assert!((wide.exact - 1.25e-7).abs() < 1e-15, "{wide:?}");
+    assert_eq!(
+        (wide.grid, wide.grid_spacing, wide.grid_error),
+        (None, None, None)
+    );
+    assert!(wide.standard_error.is_some());
 }
 
 #[test]
@@ -308,13 +325,13 @@ proptest! {
         let pack = Pack::new(&shapes, &bodies).unwrap();
         match packing_density(&pack, &region, &DensityOptions::default()) {
             Ok(result) => {
-                prop_assert!((0.0..=1.0).contains(&result.grid));
+                prop_assert!(result.grid.is_none_or(|grid| (0.0..=1.0).contains(&grid)));
                 // Coordinates of 1e12 resolve no better than 1e-4; the clipped volume follows.
                 let near = place.iter().chain(&low).all(|x| x.abs() < 10.0) && size.iter().all(|x| *x > 1e-3);
                 prop_assert!(result.exact.is_finite());
                 prop_assert!(!near || (-1e-9..=1.0 + 1e-9).contains(&result.exact), "{:?}", result);
             }
-            Err(AnalysisError::GridTooFine { .. } | AnalysisError::Region { .. }) => {}
+            Err(AnalysisError::Region { .. }) => {}
             Err(other) => prop_assert!(false, "{other}"),
         }
         let _ = femdem_analysis::pair_overlaps(&pack);

@@ -68,12 +68,13 @@ impl DensityOptions {
 pub struct PackingDensity {
     /// By exact clipping, overlaps subtracted.
     pub exact: f64,
-    /// By counting cells of a regular grid.
-    pub grid: f64,
+    /// By counting cells of a regular grid. `None` when there would be too many of them
+    /// ([`AnalysisError::GridTooFine`]), as then the two after it.
+    pub grid: Option<f64>,
     /// Distance of the grid's cell centres along x, y and z (m).
-    pub grid_spacing: [f64; 3],
+    pub grid_spacing: Option<[f64; 3]>,
     /// Standard deviation of `grid` from counting (see [`GridDensity::error`]).
-    pub grid_error: f64,
+    pub grid_error: Option<f64>,
     /// Standard error of `exact` as the density of a larger pack of the kind, by block bootstrap.
     /// `None` when the region is too small for two blocks.
     pub standard_error: Option<f64>,
@@ -96,8 +97,7 @@ pub struct PackingDensity {
 /// from pour to pour as a whole it cannot see, and with fewer than some 8 blocks it is rough and low.
 ///
 /// # Errors
-/// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`], [`AnalysisError::Option`],
-/// [`AnalysisError::GridTooFine`].
+/// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`], [`AnalysisError::Option`].
 pub fn packing_density(
     pack: &Pack,
     region: &Region,
@@ -106,7 +106,11 @@ pub fn packing_density(
     options.validate()?;
     region.validate()?;
     let diameter = pack.mean_diameter()?;
-    let grid = grid_density(pack, region, options.grid_spacing_over_d * diameter)?;
+    let grid = match grid_density(pack, region, options.grid_spacing_over_d * diameter) {
+        Ok(grid) => Some(grid),
+        Err(AnalysisError::GridTooFine { .. }) => None,
+        Err(other) => return Err(other),
+    };
     let measured = exact::Measured::new(pack, region);
     let parts = measured.density(region);
     let blocks = region.blocks(options.block_over_d * diameter);
@@ -120,9 +124,9 @@ pub fn packing_density(
     };
     Ok(PackingDensity {
         exact: parts.density,
-        grid: grid.density,
-        grid_spacing: grid.spacing,
-        grid_error: grid.error,
+        grid: grid.map(|grid| grid.density),
+        grid_spacing: grid.map(|grid| grid.spacing),
+        grid_error: grid.map(|grid| grid.error),
         standard_error: options.bootstrap().mean_error(&densities),
         blocks: blocks.len(),
         core: *region,

@@ -46,9 +46,12 @@ impl Tables {
         let error = density
             .standard_error
             .map_or(String::new(), |e| format!(" +- {e:.4}"));
+        let grid = density
+            .grid
+            .map_or(String::new(), |grid| format!(", {grid:.4} by grid"));
         Some(format!(
-            "{:.4}{error} exact, {:.4} by grid, of the core",
-            density.exact, density.grid
+            "{:.4}{error} exact{grid}, of the core",
+            density.exact
         ))
     }
 

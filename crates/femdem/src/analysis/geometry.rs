@@ -57,7 +57,12 @@ impl Tables {
     }
 
     fn add_core(&mut self, pack: &Pack, container: &Region, core: CoreRegion) -> Result<(), Error> {
-        self.density = Some(packing_density(pack, &core.region, &self.options.density)?);
+        let density = packing_density(pack, &core.region, &self.options.density)?;
+        if density.grid.is_none() {
+            let reason = "the core is too wide for counting cells; go by the exact density";
+            self.miss(&["density.grid"], reason);
+        }
+        self.density = Some(density);
         // Between the heights of the core, so that neither floor nor top weighs in.
         let (low, high) = core.region.corners();
         let middle = container.slab(low.z, high.z)?;

@@ -17,10 +17,10 @@ use crate::{Error, Snapshot};
 /// Version of the keys of `analysis.json`.
 pub const SCHEMA: u32 = 1;
 
-/// A table that could not be made.
+/// A table, or a number of one, that could not be found.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Missing {
-    /// Name of the table: its field in [`Tables`].
+    /// Name of the table: its field in [`Tables`]; for a number of it, its path there.
     pub table: String,
     /// Why, and what to give.
     pub reason: String,

@@ -29,7 +29,7 @@ pub(super) fn figures(summary: &Summary) -> Vec<Figure> {
         let error = density
             .standard_error
             .map_or(String::new(), |e| format!(" ± {e:.4}"));
-        let note = format!("{error} of the core; by grid {:.4}", density.grid);
+        let note = format!("{error} of the core{}", by_grid(density.grid));
         figures.push(figure(
             "Packing density",
             format!("{:.4}", density.exact),
@@ -76,7 +76,7 @@ pub(super) fn measured(tables: &Tables) -> Vec<Figure> {
         figures.push(Figure {
             label: "Packing density",
             value: format!("{:.4}", density.exact),
-            note: format!("{error}of the core; by grid {:.4}", density.grid),
+            note: format!("{error}of the core{}", by_grid(density.grid)),
         });
     }
     if let Some(z) = &tables.coordination {
@@ -87,6 +87,10 @@ pub(super) fn measured(tables: &Tables) -> Vec<Figure> {
         });
     }
     figures
+}
+
+fn by_grid(density: Option<f64>) -> String {
+    density.map_or(String::new(), |grid| format!("; by grid {grid:.4}"))
 }
 
 /// What could not be found, and why.

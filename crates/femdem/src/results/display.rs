@@ -98,10 +98,13 @@ impl Summary {
             None => String::new(),
         };
         let extent = |k: usize| (density.core.max[k] - density.core.min[k]) / self.diameter;
+        let grid = density.grid.map_or(
+            "none by grid (the core is too wide for it)".to_owned(),
+            |grid| format!("{grid:.4} by grid"),
+        );
         format!(
-            "{:.4}{error} exact, {:.4} by grid; core {:.1} x {:.1} x {:.1} d",
+            "{:.4}{error} exact, {grid}; core {:.1} x {:.1} x {:.1} d",
             density.exact,
-            density.grid,
             extent(0),
             extent(1),
             extent(2)

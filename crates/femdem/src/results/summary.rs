@@ -118,8 +118,8 @@ pub struct ContactLawSummary {
 pub struct DensitySummary {
     /// By exact clipping, overlaps subtracted.
     pub exact: f64,
-    /// By counting cells of a grid of d/20.
-    pub grid: f64,
+    /// By counting cells of a grid of d/20; `null` for a core too wide for it.
+    pub grid: Option<f64>,
     /// Of `exact`, by block bootstrap; `null` for a core too small for it.
     pub standard_error: Option<f64>,
     /// Where it was measured.
