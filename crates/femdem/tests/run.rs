@@ -5,6 +5,7 @@
 mod common;
 
 use common::{code, fails, femdem, run, stdout, summary};
+use femdem::Usage;
 use femdem::run::{MEMBER_COLUMNS, Run, Scenario};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -230,6 +231,34 @@ fn the_motion_does_not_depend_on_the_output() {
     assert_eq!(end("0.005"), end("0.0017"));
 }
 
+/// Neither intervals that do not divide the duration nor a step of many durations give a row twice.
+#[test]
+fn the_end_has_one_row_and_one_frame() {
+    for (times, frames) in [
+        ("duration = 0.03\nevery = 0.009\nhistory-every = 0.003", 5),
+        ("duration = 0.03\nevery = 0.01\nhistory-every = 0.007", 4),
+        ("duration = 1e-300\nevery = 1e-301", 2),
+    ] {
+        let folder = tempdir().unwrap();
+        let text = SCENE.replace("duration = 0.03\nevery = 0.005", times);
+        let mut job = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
+        job.advance(folder.path(), u64::MAX).unwrap();
+        // Nothing is due any more.
+        job.advance(folder.path(), 1).unwrap();
+        job.finish(folder.path(), &Usage::default()).unwrap();
+        assert_eq!(job.frames().len(), frames, "{times}");
+        let end = job.simulation().world.time();
+        assert_eq!(job.frames().last(), Some(&end), "{times}");
+        let history = fs::read_to_string(folder.path().join("history.csv")).unwrap();
+        let time = |row: &str| row.split(',').next().unwrap().parse::<f64>().unwrap();
+        let rows: Vec<f64> = history.lines().skip(1).map(time).collect();
+        assert!(rows.windows(2).all(|pair| pair[0] < pair[1]), "{rows:?}");
+        assert_eq!(rows.last(), Some(&end), "{times}");
+        let members = fs::read_to_string(folder.path().join("members.csv")).unwrap();
+        assert_eq!(members.lines().count(), 1 + 3 * rows.len(), "{times}");
+    }
+}
+
 #[test]
 fn bad_entries_are_refused_by_name_and_leave_no_folder() {
     let folder = tempdir().unwrap();
@@ -237,6 +266,21 @@ fn bad_entries_are_refused_by_name_and_leave_no_folder() {
     for (from, to, words) in [
         ("duration = 0.03", "duration = -1", &["duration = -1"][..]),
         ("every = 0.005", "evry = 0.005", &["evry"]),
+        (
+            "every = 0.005",
+            "every = 1e-30",
+            &["every = 0.000", "billionth"],
+        ),
+        (
+            "every = 0.005",
+            "every = 0.005\nhistory-every = 2e-11",
+            &["history-every = 0.00000000002", "billionth"],
+        ),
+        (
+            "duration = 0.03\nevery = 0.005",
+            "duration = 5e-324",
+            &["every = 0 ", "billionth"],
+        ),
         (
             "poisson = 0.3",
             "poisson = 0.5",

@@ -13,6 +13,10 @@ use super::geometry::Geometry;
 use super::{Behaviour, BodyEntry, MaterialEntry, Scenario};
 use crate::Error;
 
+/// Most frames, and most rows of the history: numbers of outputs are counted one by one and must not be
+/// lost to rounding.
+const MOST_OUTPUTS: f64 = 1e9;
+
 /// Where a body is in a world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum MemberId {
@@ -142,6 +146,19 @@ impl Scenario {
     ) -> Result<(Vec<MaterialRegion>, Vec<u32>), Error> {
         let mut regions = vec![self.region(&entry.material)?];
         let mut region_of = vec![0; mesh.tets().len()];
+        let intervals = [
+            ("every", self.frame_interval()),
+            ("history-every", self.history_interval()),
+        ];
+        for (name, interval) in intervals {
+            if self.duration / interval > MOST_OUTPUTS {
+                return Err(wrong(
+                    name,
+                    &interval.to_string(),
+                    "at least a billionth of the duration, in s",
+                ));
+            }
+        }
         for part in &entry.region {
             let index = regions.len() as u32;
             regions.push(self.region(&part.material)?);

@@ -111,13 +111,15 @@ impl Run {
     }
 
     /// Advances by at most `steps` steps, or to the end of the run, and writes frames and rows into
-    /// `folder` as they fall due.
+    /// `folder` as they fall due. The end has a frame and a row too.
     ///
     /// # Errors
     ///
     /// As [`Simulation::step`], and [`Error::Write`].
     pub fn advance(&mut self, folder: &Path, steps: u64) -> Result<(), Error> {
-        self.write_due(folder)?;
+        if self.ending.is_none() {
+            self.write_due(folder)?;
+        }
         for _ in 0..steps {
             if self.ending.is_some() {
                 break;
@@ -142,15 +144,14 @@ impl Run {
         Ok(())
     }
 
-    /// Writes what belongs to the end: the last frame if it is not of this moment, the picture, and
-    /// last of all `summary.json`.
+    /// Writes what belongs to the end: of a run that was stopped before, a frame of this moment; the
+    /// picture; and last of all `summary.json`.
     ///
     /// # Errors
     ///
     /// [`Error::Write`].
     pub fn finish(&mut self, folder: &Path, usage: &Usage) -> Result<RunSummary, Error> {
         if self.frames.last() != Some(&self.simulation.world.time()) {
-            self.write_row();
             self.write_frame(folder)?;
         }
         self.flush(folder)?;
@@ -181,14 +182,19 @@ impl Run {
         }
     }
 
+    /// Writes the row and the frame if they are due; at the end both are.
     fn write_due(&mut self, folder: &Path) -> Result<(), Error> {
-        let time = self.simulation.world.time();
-        if let Some(next) = due(time, self.scenario.history_interval(), self.next_row) {
-            self.next_row = next;
+        let ended = self.ending.is_some();
+        // The last step may be many intervals long, if the run is shorter than a step.
+        let time = self.simulation.world.time().min(self.scenario.duration);
+        let row = due(time, self.scenario.history_interval(), self.next_row);
+        if row.is_some() || ended {
+            self.next_row = row.unwrap_or(self.next_row);
             self.write_row();
         }
-        if let Some(next) = due(time, self.scenario.frame_interval(), self.next_frame) {
-            self.next_frame = next;
+        let frame = due(time, self.scenario.frame_interval(), self.next_frame);
+        if frame.is_some() || ended {
+            self.next_frame = frame.unwrap_or(self.next_frame);
             self.write_frame(folder)?;
             self.flush(folder)?;
         }
