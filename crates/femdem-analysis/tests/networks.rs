@@ -104,6 +104,9 @@ fn triangle_with_a_tail_and_a_ring() {
     assert_eq!(loops.len(), 2);
     assert_eq!(found.chain_bodies.mean, 6.0);
     assert_eq!(found.segment_links.mean, 4.0);
+    // No chain carries 0, not -0.
+    let none = chains_of(&bodies, &[(0, 1)]);
+    assert!(none.chains.is_empty() && none.share_of_force.is_sign_positive());
 }
 
 /// The factor times the mean of the largest F_c/W decides, with friction and with the mean weight of a

@@ -404,3 +404,18 @@ fn every_shipped_scene_is_read_and_checked() {
         assert!(stdout(&result).contains("steps for"), "{name}");
     }
 }
+
+/// Sums over no deformable body are 0, not -0.
+#[test]
+fn nothing_is_not_negative() {
+    let folder = tempdir().unwrap();
+    let text = "duration = 1e-3\n[material.stone]\ndensity = 2500\n[[body]]\nshape = \"cube\"\n\
+                size = 0.1\nmaterial = \"stone\"\n";
+    let mut job = Run::new(Scenario::from_toml(text).unwrap()).unwrap();
+    job.advance(folder.path(), u64::MAX).unwrap();
+    let summary = job.finish(folder.path(), &Usage::default()).unwrap();
+    assert!(!summary.to_string().contains("-0.000000e0"), "{summary}");
+    assert!(summary.energy.strain.is_sign_positive());
+    let history = fs::read_to_string(folder.path().join("history.csv")).unwrap();
+    assert!(!history.contains(",-0,"), "{history}");
+}

@@ -128,7 +128,8 @@ impl ChainNetwork {
                 .binary_search_by_key(&(*i, *j), |l| (l.first, l.second))
                 .is_ok()
         });
-        let carried: f64 = carried.map(|(_, _, p)| p.normal_force).sum();
+        // Not `sum`, which is -0 where there is no chain.
+        let carried = carried.fold(0.0, |sum, (_, _, p)| sum + p.normal_force);
         let long = || segments.iter().filter(|s| s.links >= 2);
         let turns = || long().flat_map(|s| s.turns.iter().map(move |angle| (s.centre, *angle)));
         Self {

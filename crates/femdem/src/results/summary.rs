@@ -341,7 +341,11 @@ fn law(packing: &Packing) -> &'static str {
 fn overlap_volume_fraction(snapshot: &Snapshot) -> f64 {
     let volume = |body| snapshot.shape_of(body).polyhedron.mass_properties().volume;
     let solid: f64 = snapshot.bodies.iter().map(volume).sum();
-    let overlap: f64 = snapshot.contacts.iter().map(|row| row.volume).sum();
+    // Not `sum`, which is -0 without contacts.
+    let overlap = snapshot
+        .contacts
+        .iter()
+        .fold(0.0, |sum, row| sum + row.volume);
     if solid > 0.0 { overlap / solid } else { 0.0 }
 }
 

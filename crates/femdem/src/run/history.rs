@@ -177,8 +177,9 @@ fn vector(v: &Vector3) -> [String; 3] {
     <[f64; 3]>::from(*v).map(number)
 }
 
-/// All digits; large and small ones by powers of ten.
+/// All digits; large and small ones by powers of ten, and no -0.
 fn number(value: f64) -> String {
+    let value = value + 0.0;
     let mut text = String::new();
     let size = value.abs();
     // Writing to a string cannot fail.

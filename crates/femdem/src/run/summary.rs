@@ -3,6 +3,7 @@
 use std::fmt;
 use std::io::{self, Write};
 
+use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::{Ending, MemberId, Run};
@@ -147,7 +148,7 @@ impl RunSummary {
         let walls = world.walls().iter().zip(&forces.walls).zip(run.peaks());
         let walls = walls.map(|((wall, force), peak)| WallSummary {
             name: wall.name().to_owned(),
-            force: (*force).into(),
+            force: (force + Vector3::zeros()).into(),
             peak_force: peak.force,
             peak_time: peak.time,
         });
@@ -167,7 +168,7 @@ impl RunSummary {
             frames: run.frames().len(),
             tetrahedra,
             energy: energy(&world.ledger()),
-            momentum: world.linear_momentum().into(),
+            momentum: (world.linear_momentum() + Vector3::zeros()).into(),
             strain: strain(run)?,
             contacts: contacts.len(),
             threads: usage.threads,
@@ -227,21 +228,23 @@ impl super::Simulation {
 }
 
 fn energy(ledger: &femdem_solve::Ledger) -> RunEnergy {
+    // A sum over no bodies is -0, which nobody wants to read.
+    let plain = |joules: f64| joules + 0.0;
     RunEnergy {
-        initial: ledger.initial,
-        work_in: ledger.work_in,
-        kinetic: ledger.kinetic,
-        potential: ledger.potential,
-        strain: ledger.strain,
-        contact: ledger.elastic,
-        friction_springs: ledger.friction_springs,
-        dissipated_friction: ledger.dissipated_friction,
-        dissipated_damping: ledger.dissipated_damping,
-        dissipated_medium: ledger.dissipated_medium,
-        dissipated_viscous: ledger.dissipated_viscous,
-        dissipated_plastic: ledger.dissipated_plastic,
-        frozen: ledger.frozen,
-        ledger_error_relative: ledger.error_relative(),
+        initial: plain(ledger.initial),
+        work_in: plain(ledger.work_in),
+        kinetic: plain(ledger.kinetic),
+        potential: plain(ledger.potential),
+        strain: plain(ledger.strain),
+        contact: plain(ledger.elastic),
+        friction_springs: plain(ledger.friction_springs),
+        dissipated_friction: plain(ledger.dissipated_friction),
+        dissipated_damping: plain(ledger.dissipated_damping),
+        dissipated_medium: plain(ledger.dissipated_medium),
+        dissipated_viscous: plain(ledger.dissipated_viscous),
+        dissipated_plastic: plain(ledger.dissipated_plastic),
+        frozen: plain(ledger.frozen),
+        ledger_error_relative: plain(ledger.error_relative()),
     }
 }
 
