@@ -62,6 +62,17 @@ pub enum AnalysisError {
     /// A set of directions without any.
     #[error("there is no direction to analyse; select bodies, and faces that they have")]
     NoDirections,
+    /// Faces with a number of sides that no face has.
+    #[error(
+        "no body has a face of {sides} sides; there are faces of {}",
+        listed(found)
+    )]
+    NoFaces {
+        /// Number of sides asked for.
+        sides: u32,
+        /// Numbers of sides that faces of the bodies have, ascending.
+        found: Vec<usize>,
+    },
     /// A direction that is not finite or has no length.
     #[error("direction {index} is {vector:?}; it must be finite and not zero")]
     Direction {
@@ -156,4 +167,15 @@ pub enum AnalysisError {
         /// Index of the first body without a weight.
         body: usize,
     },
+}
+
+/// Such as "3, 4 and 6 sides".
+fn listed(sides: &[usize]) -> String {
+    let words: Vec<String> = sides.iter().map(usize::to_string).collect();
+    match words.split_last() {
+        Some((last, before)) if !before.is_empty() => {
+            format!("{} and {last} sides", before.join(", "))
+        }
+        _ => format!("{} sides", words.concat()),
+    }
 }

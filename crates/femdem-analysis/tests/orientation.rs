@@ -239,7 +239,9 @@ fn axes_of_bodies() {
     );
     let faces = |sides| body_directions(&pack, &BodyAxes::FaceNormals { sides }, Some(&[0, 0]));
     assert_eq!(faces(None).unwrap().len(), 6);
-    assert_eq!(faces(Some(5)), Err(AnalysisError::NoDirections));
+    let refused = faces(Some(5)).unwrap_err();
+    let words = "no body has a face of 5 sides; there are faces of 4 sides";
+    assert_eq!(refused.to_string(), words);
     let fixed = |v| body_directions(&pack, &BodyAxes::Fixed(vec![v]), None);
     assert!(matches!(
         fixed([0.0; 3]),

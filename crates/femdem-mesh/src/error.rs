@@ -178,7 +178,7 @@ pub enum MeshError {
     /// The faces look inwards.
     #[error(
         "the surface is inside out (its volume is {volume:e} m^3): reverse the vertex loop of every \
-         face, so that loops run counter-clockwise seen from outside"
+         face, so that loops run counter-clockwise seen from outside, or ask for repair"
     )]
     InsideOut {
         /// The signed volume \[m^3\].
@@ -225,15 +225,23 @@ pub enum MeshError {
     },
     /// Facets have no area, or welding left them none.
     #[error(
-        "{facets} have no area: their vertices lie on a line within rounding or at the same place \
-         within the welding distance: remove them, or ask for repair"
+        "{facets} {}, as vertices lie on a line within rounding or at the same place within the welding \
+         distance: remove {}, or ask for repair",
+        facets.one_or_more("has no area", "have no area"),
+        facets.one_or_more("it", "them")
     )]
     DegenerateFacets {
         /// The facets.
         facets: FacetList,
     },
     /// Facets have the same vertices as earlier ones.
-    #[error("{facets} are copies of earlier ones: remove them, or ask for repair")]
+    #[error(
+        "{facets} {}, or ask for repair",
+        facets.one_or_more(
+            "is a copy of an earlier one: remove it",
+            "are copies of earlier ones: remove them"
+        )
+    )]
     DuplicateFacets {
         /// The copies.
         facets: FacetList,

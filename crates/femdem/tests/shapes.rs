@@ -349,7 +349,10 @@ fn damaged_files_are_mended_only_when_asked() {
         command.args(QUICK).arg("--out").arg(&out);
         command
     };
-    fails(&mut pack(), &["twice.obj", "facet 9", "repair"]);
+    fails(
+        &mut pack(),
+        &["twice.obj", "facet 9 is a copy of an earlier one", "repair"],
+    );
     assert!(!out.exists());
     let result = run(pack().arg("--repair"));
     assert_eq!(code(&result), 0, "{result:?}");

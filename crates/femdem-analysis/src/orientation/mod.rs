@@ -4,6 +4,8 @@ mod order;
 mod quartic;
 mod stereonet;
 
+use std::collections::BTreeSet;
+
 use femdem_mesh::{Polyhedron, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -58,7 +60,8 @@ pub struct BodyDirection {
 /// ```
 ///
 /// # Errors
-/// [`AnalysisError::NoDirections`], [`AnalysisError::Direction`] for a fixed axis, [`AnalysisError::BodyIndex`].
+/// [`AnalysisError::NoDirections`], [`AnalysisError::NoFaces`] for a number of sides that no face has,
+/// [`AnalysisError::Direction`] for a fixed axis, [`AnalysisError::BodyIndex`].
 pub fn body_directions(
     pack: &Pack,
     axes: &BodyAxes,
@@ -78,9 +81,27 @@ pub fn body_directions(
         );
     }
     if found.is_empty() {
-        return Err(AnalysisError::NoDirections);
+        return Err(no_directions(pack, axes));
     }
     Ok(found)
+}
+
+/// Why there is no axis: faces of another number of sides than asked for, or no bodies or axes at all.
+fn no_directions(pack: &Pack, axes: &BodyAxes) -> AnalysisError {
+    let faces = pack.shapes().iter().flat_map(|shape| {
+        let count = shape.face_count();
+        (0..count).map(|k| shape.face(k).len())
+    });
+    let found: BTreeSet<usize> = faces.collect();
+    match axes {
+        BodyAxes::FaceNormals { sides: Some(sides) } if !found.contains(&(*sides as usize)) => {
+            AnalysisError::NoFaces {
+                sides: *sides,
+                found: found.into_iter().collect(),
+            }
+        }
+        _ => AnalysisError::NoDirections,
+    }
 }
 
 /// The bodies listed, once each and ascending; all without a list.

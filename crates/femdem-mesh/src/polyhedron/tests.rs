@@ -132,6 +132,7 @@ fn an_inside_out_cube_is_refused_with_advice() {
     let error = error_of(|_, f| f.iter_mut().for_each(|face| face.reverse()));
     assert!(matches!(error, MeshError::InsideOut { volume } if (volume + 1.0).abs() < 1e-15));
     assert!(error.to_string().contains("reverse"), "{error}");
+    assert!(error.to_string().contains("repair"), "{error}");
 }
 
 #[test]

@@ -24,12 +24,17 @@ impl FacetList {
         first.truncate(NAMED);
         Self { first, count }
     }
+
+    /// The words that fit one facet, or several.
+    pub(crate) fn one_or_more<'a>(&self, one: &'a str, more: &'a str) -> &'a str {
+        if self.count == 1 { one } else { more }
+    }
 }
 
 impl fmt::Display for FacetList {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let more = self.count - self.first.len().min(self.count);
-        write!(f, "{}", if self.count == 1 { "facet" } else { "facets" })?;
+        write!(f, "{}", self.one_or_more("facet", "facets"))?;
         for (i, facet) in self.first.iter().enumerate() {
             let last = i > 0 && i + 1 == self.first.len() && more == 0;
             let before = match i {

@@ -438,6 +438,18 @@ mod tests {
         );
         assert!(says("box = \"6\"").contains("6x6"));
         assert!(says("count = -1").contains("count"));
+        for (text, expected) in [
+            ("shape = 5", "integer `5`, expected a string"),
+            ("shape = [\"P5\", 5]", "integer `5`, expected a string"),
+            ("share = \"x\"", "string \"x\", expected"),
+            ("share = true", "one value or a list"),
+        ] {
+            let message = says(text);
+            assert!(
+                message.contains(text) && message.contains(expected),
+                "{message}"
+            );
+        }
     }
 
     #[test]
