@@ -347,6 +347,64 @@ fn bad_entries_are_refused_by_name_and_leave_no_folder() {
     );
 }
 
+/// Every key is of use or refused.
+#[test]
+fn keys_without_effect_are_refused() {
+    let motion = "motion = { linear = { velocity = [0, 0, 1] } }";
+    let soft = "velocity = [0, 0, -1]\n\n[[body]]";
+    let boundary = |keys: &str| format!("[[body.boundary]]\nselect = \"all\"\n{keys}\n[[body]]");
+    let sides = "sides = [0.05, 0.05, 0.05]";
+    let block = |key: &str| format!("{sides}\n{key}");
+    let cube = |key: &str| format!("size = 0.04\n{key}");
+    for (from, to, words) in [
+        ("size = 0.04", cube("mesh-size = 0.3"), ["hard", "mesh-size = 0.3", "convex"]),
+        ("size = 0.04", cube("unit = \"mm\""), ["hard", "unit", "file"]),
+        ("size = 0.04", cube(motion), ["hard", "velocity", "motion"]),
+        (
+            "velocity = [0, 0, -1]\ncopies",
+            format!("spin = [0, 0, 1]\n{motion}\ncopies"),
+            ["hard", "spin", "motion"],
+        ),
+        (sides, block("size = 0.05"), ["soft", "size = 0.05", "shape only"]),
+        (sides, block("diameter = 1"), ["soft", "diameter = 1", "shape only"]),
+        (sides, block("mesh-size = 0.2"), ["soft", "mesh-size = 0.2", "shape only"]),
+        (sides, block("unit = \"cm\""), ["soft", "unit", "file"]),
+        (
+            "density = 2500",
+            "density = 2500\nyoung = 1e9".to_owned(),
+            ["material.stone", "young = 1000000000", "law"],
+        ),
+        (
+            "[material.stone]",
+            "[material.unused]\ndensity = -1\n[material.stone]".to_owned(),
+            ["material.unused", "no body", "take it out"],
+        ),
+        (
+            soft,
+            boundary("pressure = 10\ndirections = [true, false, true]"),
+            ["soft", "directions", "fix or motion"],
+        ),
+        (
+            soft,
+            boundary("fix = true\ndirections = [false, false, false]"),
+            ["soft", "directions = [false, false, false]", "at least one"],
+        ),
+        (
+            soft,
+            "[[body.region]]\nmaterial = \"clay\"\nwithin = { half-space = { normal = [0, 0, 0] } }\n[[body]]"
+                .to_owned(),
+            ["soft", "half-space.normal = zero", "above zero"],
+        ),
+    ] {
+        assert!(SCENE.contains(from), "{from}");
+        let scenario = Scenario::from_toml(&SCENE.replacen(from, &to, 1)).unwrap();
+        let message = scenario.build().unwrap_err().to_string();
+        for word in words {
+            assert!(message.contains(word), "{to}: {word:?} is not in: {message}");
+        }
+    }
+}
+
 /// A block that is driven inside out: the message names the body, the element, the step and what to
 /// do, and the checkpoint stays.
 #[test]

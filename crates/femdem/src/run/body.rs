@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use femdem_mesh::nalgebra::{Translation3, Unit};
+use femdem_mesh::shapes::Shape;
 use femdem_mesh::{Pose, Rotation, Vector3};
 use femdem_pack::{body_stream, random_rotation};
 use femdem_solve::element::Element;
@@ -128,8 +129,27 @@ pub struct BodyEntry {
 }
 
 impl BodyEntry {
-    /// Refuses keys that have no effect on a body of this behaviour.
+    /// Refuses keys that have no effect on such a body.
     pub(super) fn refuse_strangers(&self) -> Result<(), Error> {
+        self.refuse_by_behaviour()?;
+        self.refuse_by_source()?;
+        let moves = [
+            ("velocity", self.velocity != [0.0; 3]),
+            ("spin", self.spin != [0.0; 3]),
+        ];
+        for (name, given) in moves {
+            if given && self.motion.is_some() {
+                return Err(wrong(
+                    name,
+                    "given",
+                    "a body with a motion moves by that alone: take one of the two out",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn refuse_by_behaviour(&self) -> Result<(), Error> {
         let deforms = self.behaviour == Behaviour::Deformable;
         let of_deformable = [
             ("boundary", !self.boundary.is_empty()),
@@ -152,6 +172,30 @@ impl BodyEntry {
                 "motion",
                 "given",
                 "a deformable body has none: move nodes by a [[body.boundary]]",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Refuses keys of another way to say what the body is.
+    fn refuse_by_source(&self) -> Result<(), Error> {
+        let of_shape = [
+            ("diameter", self.diameter),
+            ("size", self.size),
+            ("mesh-size", self.mesh_size),
+        ];
+        for (name, value) in of_shape {
+            if let Some(value) = value.filter(|_| self.shape.is_none()) {
+                return Err(wrong(name, &value.to_string(), "give it with shape only"));
+            }
+        }
+        let parametric = |text: &String| text.parse::<Shape>().is_ok();
+        let reads_file = self.mesh.is_some() || self.shape.as_ref().is_some_and(|s| !parametric(s));
+        if self.unit != LengthUnit::default() && !reads_file {
+            return Err(wrong(
+                "unit",
+                "given",
+                "give it with a file only: other lengths are in m",
             ));
         }
         if self.sides.is_some() && self.block.is_none() {

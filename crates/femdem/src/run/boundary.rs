@@ -60,6 +60,20 @@ impl BoundaryEntry {
                 "give them with pressure or traction only",
             ));
         }
+        if loaded && self.directions != all() {
+            return Err(wrong(
+                "directions",
+                "given",
+                "give them with fix or motion only: a traction is a vector",
+            ));
+        }
+        if self.directions == [false; 3] {
+            return Err(wrong(
+                "directions",
+                "[false, false, false]",
+                "at least one true: the condition would hold nothing",
+            ));
+        }
         match (self.fix, &self.motion, &self.pressure, &self.traction) {
             (true, None, None, None) => boundary.fix(model, &selection, self.directions)?,
             (false, Some(motion), None, None) => {

@@ -105,7 +105,32 @@ impl Scenario {
         if simulation.members.is_empty() {
             return Err(wrong("body", "none", "give at least one [[body]]"));
         }
+        self.check_materials()?;
         Ok(simulation)
+    }
+
+    /// Refuses materials, and keys of them, that have no effect.
+    fn check_materials(&self) -> Result<(), Error> {
+        let parts = self.body.iter().flat_map(|body| &body.region);
+        let used: BTreeSet<&String> = self
+            .body
+            .iter()
+            .map(|body| &body.material)
+            .chain(parts.map(|part| &part.material))
+            .collect();
+        for (name, material) in &self.material {
+            let checked = if used.contains(name) {
+                material.check_without_law()
+            } else {
+                Err(wrong(
+                    "material",
+                    "unused",
+                    "no body is made of it: name it in one, or take it out",
+                ))
+            };
+            checked.map_err(in_entry(format!("material.{name}")))?;
+        }
+        Ok(())
     }
 
     fn check(&self) -> Result<(), Error> {
@@ -119,6 +144,19 @@ impl Scenario {
         for (name, value) in times {
             if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
                 return Err(wrong(name, &value.to_string(), "a positive, finite number"));
+            }
+        }
+        let intervals = [
+            ("every", self.frame_interval()),
+            ("history-every", self.history_interval()),
+        ];
+        for (name, interval) in intervals {
+            if self.duration / interval > MOST_OUTPUTS {
+                return Err(wrong(
+                    name,
+                    &interval.to_string(),
+                    "at least a billionth of the duration, in s",
+                ));
             }
         }
         Ok(())
@@ -146,22 +184,10 @@ impl Scenario {
     ) -> Result<(Vec<MaterialRegion>, Vec<u32>), Error> {
         let mut regions = vec![self.region(&entry.material)?];
         let mut region_of = vec![0; mesh.tets().len()];
-        let intervals = [
-            ("every", self.frame_interval()),
-            ("history-every", self.history_interval()),
-        ];
-        for (name, interval) in intervals {
-            if self.duration / interval > MOST_OUTPUTS {
-                return Err(wrong(
-                    name,
-                    &interval.to_string(),
-                    "at least a billionth of the duration, in s",
-                ));
-            }
-        }
         for part in &entry.region {
             let index = regions.len() as u32;
             regions.push(self.region(&part.material)?);
+            part.within.check()?;
             let mut empty = true;
             for (tet, region) in mesh.tets().iter().zip(&mut region_of) {
                 let corners = tet.map(|i| mesh.points()[i as usize].coords);

@@ -64,6 +64,16 @@ impl BodyEntry {
     fn of_surface(&self, text: &str) -> Result<Geometry, Error> {
         let (name, surface) = self.surface(text)?;
         let deforms = self.behaviour == Behaviour::Deformable;
+        if let Some(size) = self.mesh_size
+            && !deforms
+            && surface.is_convex()
+        {
+            return Err(wrong(
+                "mesh-size",
+                &size.to_string(),
+                "a rigid body that is convex has no tetrahedra: take it out",
+            ));
+        }
         let mesh = if deforms || !surface.is_convex() {
             let size = self.mesh_size.or(deforms.then_some(DEFAULT_MESH_SIZE));
             let options = MeshOptions {

@@ -101,13 +101,27 @@ impl MaterialEntry {
             }
             Law::J2 => self.plastic(young, poisson)?.into(),
             Law::DruckerPrager => {
-                let friction = needed("friction-angle", self.friction_angle)?.to_radians();
-                let dilatancy = self.dilatancy_angle.unwrap_or(0.0).to_radians();
+                let (friction, dilatancy) = self.angles()?;
                 let cohesion = needed("cohesion", self.cohesion)?;
                 DruckerPrager::new(young, poisson, cohesion, friction, dilatancy)?.into()
             }
         };
         Ok(material)
+    }
+
+    /// Angles of friction and dilatancy \[rad\]. They are checked here, in degrees as given.
+    fn angles(&self) -> Result<(f64, f64), Error> {
+        let friction = needed("friction-angle", self.friction_angle)?;
+        if !(0.0..90.0).contains(&friction) {
+            let allowed = "from 0 to below 90, in degrees";
+            return Err(wrong("friction-angle", &friction.to_string(), allowed));
+        }
+        let dilatancy = self.dilatancy_angle.unwrap_or(0.0);
+        if !(0.0..=friction).contains(&dilatancy) {
+            let allowed = "from 0 to the friction angle, in degrees";
+            return Err(wrong("dilatancy-angle", &dilatancy.to_string(), allowed));
+        }
+        Ok((friction.to_radians(), dilatancy.to_radians()))
     }
 
     fn plastic(&self, young: f64, poisson: f64) -> Result<J2, Error> {
@@ -131,19 +145,30 @@ impl MaterialEntry {
         Ok(AnyMaterial::from(Viscous::new(law, shear, bulk)?))
     }
 
+    /// Refuses the keys of laws in a material that has none.
+    pub(super) fn check_without_law(&self) -> Result<(), Error> {
+        let of_all = [
+            ("young", self.young),
+            ("poisson", self.poisson),
+            ("shear-viscosity", self.shear_viscosity),
+            ("bulk-viscosity", self.bulk_viscosity),
+        ];
+        let of_one = self.keys_of_one_law().map(|(name, value, _)| (name, value));
+        for (name, value) in of_all.into_iter().chain(of_one) {
+            if let Some(value) = value.filter(|_| self.law.is_none()) {
+                return Err(wrong(
+                    name,
+                    &value.to_string(),
+                    "a material without a law has its density only: take it out, or give a law",
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Refuses keys that the law does not have: they would be silently without effect.
     fn refuse_strangers(&self, law: Law) -> Result<(), Error> {
-        let owned = [
-            ("share", self.share, Law::MooneyRivlin),
-            ("yield-stress", self.yield_stress, Law::J2),
-            ("hardening", self.hardening, Law::J2),
-            ("saturation-stress", self.saturation_stress, Law::J2),
-            ("saturation-rate", self.saturation_rate, Law::J2),
-            ("cohesion", self.cohesion, Law::DruckerPrager),
-            ("friction-angle", self.friction_angle, Law::DruckerPrager),
-            ("dilatancy-angle", self.dilatancy_angle, Law::DruckerPrager),
-        ];
-        for (name, value, of) in owned {
+        for (name, value, of) in self.keys_of_one_law() {
             if let Some(value) = value.filter(|_| of != law) {
                 return Err(wrong(
                     name,
@@ -153,6 +178,20 @@ impl MaterialEntry {
             }
         }
         Ok(())
+    }
+
+    /// The keys that belong to one law, and which.
+    fn keys_of_one_law(&self) -> [(&'static str, Option<f64>, Law); 8] {
+        [
+            ("share", self.share, Law::MooneyRivlin),
+            ("yield-stress", self.yield_stress, Law::J2),
+            ("hardening", self.hardening, Law::J2),
+            ("saturation-stress", self.saturation_stress, Law::J2),
+            ("saturation-rate", self.saturation_rate, Law::J2),
+            ("cohesion", self.cohesion, Law::DruckerPrager),
+            ("friction-angle", self.friction_angle, Law::DruckerPrager),
+            ("dilatancy-angle", self.dilatancy_angle, Law::DruckerPrager),
+        ]
     }
 }
 
@@ -221,6 +260,15 @@ mod tests {
             (
                 "law = \"hencky\"\nyoung = 1e6\npoisson = 0.3\nshare = 0.1",
                 ["share = 0.1", "take it out"],
+            ),
+            (
+                "law = \"drucker-prager\"\nyoung = 1e6\npoisson = 0.3\ncohesion = 1\nfriction-angle = 95",
+                ["friction-angle = 95", "below 90, in degrees"],
+            ),
+            (
+                "law = \"drucker-prager\"\nyoung = 1e6\npoisson = 0.3\ncohesion = 1\nfriction-angle = 30\n\
+                 dilatancy-angle = 31",
+                ["dilatancy-angle = 31", "in degrees"],
             ),
         ] {
             let message = entry(text).unwrap_err().to_string();

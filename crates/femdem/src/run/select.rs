@@ -4,6 +4,9 @@ use femdem_mesh::{Point3, Vector3};
 use femdem_solve::deformable::Selection;
 use serde::{Deserialize, Serialize};
 
+use super::body::wrong;
+use crate::Error;
+
 /// Nodes of a deformable body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -110,6 +113,18 @@ pub enum Zone {
 }
 
 impl Zone {
+    /// Refuses a half-space without a direction.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        match self {
+            Self::HalfSpace { normal, .. } if Vector3::from(*normal).norm() == 0.0 => Err(wrong(
+                "region.within.half-space.normal",
+                "zero",
+                "a direction of a length above zero",
+            )),
+            _ => Ok(()),
+        }
+    }
+
     pub(super) fn holds(&self, point: &Point3) -> bool {
         match self {
             Self::Box { lower, upper } => {
