@@ -346,3 +346,18 @@ fn quiet_is_quiet_and_help_teaches() {
     }
     fails(&mut femdem("nonsense"), &["nonsense"]);
 }
+
+/// A core too wide for counting cells has no density by the grid, and all else.
+#[test]
+fn a_wide_box_has_its_results() {
+    let folder = tempdir().unwrap();
+    let out = folder.path().join("wide");
+    let result = run(femdem("pack")
+        .args(["--count", "5", "--box", "600x600", "--threads", "2"])
+        .arg("--out")
+        .arg(&out));
+    assert_eq!(code(&result), 0, "{result:?}");
+    assert!(stdout(&result).contains("none by grid"), "{result:?}");
+    let density = &summary(&out)["packing_density"];
+    assert!(density["grid"].is_null() && density["exact"].as_f64().unwrap() > 0.0);
+}
