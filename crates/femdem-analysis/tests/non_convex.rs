@@ -475,3 +475,40 @@ fn two_ways_to_cut_a_scan_agree() {
         assert!((found - volume_inside(&fine, &p, &cube).unwrap()).abs() < 1e-13);
     }
 }
+
+/// Two bodies that are not convex share in a sphere what their convex parts share there, however much of the
+/// overlap the sphere cuts.
+#[test]
+fn overlaps_in_spheres_are_the_sum_over_convex_parts() {
+    let (whole, parts) = comb();
+    let mut random = Random(38);
+    let mut cut = 0;
+    for _ in 0..60 {
+        let centred = Pose::translation(-2.5, -1.5, -0.5);
+        let poses = [random.pose(1.0) * centred, random.pose(1.0) * centred];
+        let region = Region::Sphere {
+            centre: (random.pose(1.5) * Point3::origin()),
+            radius: 0.9,
+        };
+        let body = |shape: usize, pose: &Pose| PosedBody {
+            shape: shape as u32,
+            pose: *pose,
+        };
+        let inside = |shapes: &[Polyhedron], bodies: &[PosedBody]| {
+            let pack = Pack::new(shapes, bodies).unwrap();
+            exact_density(&pack, &region).unwrap().overlap_volume
+        };
+        let found = inside(
+            std::slice::from_ref(&whole),
+            &poses.map(|pose| body(0, &pose)),
+        );
+        let sum: f64 = (0..parts.len())
+            .flat_map(|a| (0..parts.len()).map(move |b| (a, b)))
+            .map(|(a, b)| inside(&parts, &[body(a, &poses[0]), body(b, &poses[1])]))
+            .sum();
+        assert!((found - sum).abs() < 1e-11, "{found} {sum}");
+        let all = shared(&whole, &poses[0], &whole, &poses[1]);
+        cut += u32::from(sum > 1e-6 && sum < all - 1e-6);
+    }
+    assert!(cut > 20, "{cut}");
+}
