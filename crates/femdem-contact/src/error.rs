@@ -56,18 +56,23 @@ pub enum ContactError {
         /// How many exist.
         count: usize,
     },
-    /// The slice of body states does not match the bodies in the batch.
-    #[error("{given} body states were given for {expected} bodies: pass one state per added body")]
+    /// A slice of states does not match what is in the batch.
+    #[error(
+        "{given} {what} states were given, but {expected} were added: pass one for each {what}"
+    )]
     StateCount {
+        /// Body or wall.
+        what: &'static str,
         /// States given.
         given: usize,
-        /// Bodies in the batch.
+        /// Bodies or walls in the batch.
         expected: usize,
     },
-    /// A body's state is not finite.
+    /// A body's state is not finite, or an inverse mass of it negative.
     #[error(
-        "the state of body {body} is not finite (position {position:?}): \
-         the host's integration has blown up; reduce the time step"
+        "the state of body {body} is not finite, or has a negative inverse mass (position \
+         {position:?}): the host's integration has blown up, so reduce the time step, or its masses \
+         are not set"
     )]
     NotFinite {
         /// The body.

@@ -145,7 +145,8 @@ impl From<ContactLaw> for ContactParameters {
 
 /// Coefficient of restitution of a normal impact with damping ratio `zeta`, when the
 /// contact carries no tension (physics of a linear oscillator clipped at zero force;
-/// with the energy-based dashpot it holds for face, edge and vertex contacts alike).
+/// with the energy-based dashpot it holds for face, edge and vertex contacts alike). `zeta` is from 0
+/// to below 1; NaN or infinite outside.
 pub fn restitution(zeta: f64) -> f64 {
     let root = (1.0 - zeta * zeta).sqrt();
     let angle = std::f64::consts::PI - (2.0 * zeta * root).atan2(1.0 - 2.0 * zeta * zeta);

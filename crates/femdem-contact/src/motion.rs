@@ -50,11 +50,17 @@ impl Motion {
         self.inverse_mass + self.inverse_inertia_max * arm.norm_squared()
     }
 
-    pub(crate) fn is_finite(&self) -> bool {
+    /// Whether every number is finite, and none of the inverse masses negative.
+    pub(crate) fn is_sound(&self) -> bool {
         let all = |v: &Vector3| v.iter().all(|x| x.is_finite());
+        let inverse = |x: f64| x >= 0.0 && x.is_finite();
         all(&self.frame.position)
             && all(&self.velocity)
             && all(&self.angular_velocity)
             && self.frame.rotation.iter().all(|x| x.is_finite())
+            && inverse(self.inverse_mass)
+            && inverse(self.inverse_inertia_max)
+            && self.inverse_inertia.iter().all(|x| x.is_finite())
+            && self.travelled.is_finite()
     }
 }

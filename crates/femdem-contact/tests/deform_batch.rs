@@ -299,6 +299,7 @@ fn unusable_states_are_named() {
             s.rigid.clear();
         }),
         ContactError::StateCount {
+            what: "rigid body",
             given: 0,
             expected: 1
         }

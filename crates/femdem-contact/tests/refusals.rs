@@ -153,17 +153,33 @@ fn a_batch_refuses_what_does_not_fit_it() {
     assert_eq!(
         count,
         ContactError::StateCount {
+            what: "body",
             given: 1,
             expected: 2
         }
     );
-    let mut lost = still;
-    lost.frame.position.y = f64::NAN;
-    let text = batch
-        .update(&[still, lost], &[], 1e-4)
-        .unwrap_err()
-        .to_string();
-    assert!(text.contains("body 1 is not finite"), "{text}");
+    let says = |batch: &mut ContactBatch, bodies: [Motion; 2], walls: &[Motion], dt: f64| {
+        batch.update(&bodies, walls, dt).unwrap_err().to_string()
+    };
+    let spoilt: [fn(&mut Motion); 6] = [
+        |m| m.frame.position.y = f64::NAN,
+        |m| m.inverse_mass = f64::NAN,
+        |m| m.inverse_mass = -1.0,
+        |m| m.inverse_inertia[(0, 1)] = f64::INFINITY,
+        |m| m.inverse_inertia_max = f64::NAN,
+        |m| m.travelled = f64::NAN,
+    ];
+    for spoil in spoilt {
+        let mut lost = still;
+        spoil(&mut lost);
+        let text = says(&mut batch, [still, lost], &[], 1e-4);
+        assert!(text.contains("body 1 is not finite"), "{text}");
+    }
+    for dt in [f64::NAN, f64::INFINITY, -1e-4] {
+        assert!(says(&mut batch, [still; 2], &[], dt).contains("dt = "));
+    }
+    let text = says(&mut batch, [still; 2], &[still], 1e-4);
+    assert!(text.contains("1 wall states"), "{text}");
     // The batch is still of use.
     let mut apart = still;
     apart.frame.position.x = 5.0;

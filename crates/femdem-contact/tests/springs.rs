@@ -151,6 +151,7 @@ fn forces_are_handed_back() {
         matches!(
             error,
             ContactError::StateCount {
+                what: "contact",
                 given: 2,
                 expected: 1
             }

@@ -50,6 +50,7 @@ impl ContactBatch {
         let expected = self.evaluated().count();
         if forces.len() != expected {
             return Err(ContactError::StateCount {
+                what: "contact",
                 given: forces.len(),
                 expected,
             });

@@ -10,7 +10,7 @@ mod stable;
 
 use crate::broadphase::Broadphase;
 use crate::contact::{BodyId, Contact, Load, Partner};
-use crate::error::ContactError;
+use crate::error::{ContactError, check};
 use crate::friction::Pace;
 use crate::general::{FieldMesh, Form, GeneralKernel};
 use crate::kernel::{CavityKernel, PairKernel};
@@ -47,6 +47,10 @@ pub struct BatchTotals {
 ///
 /// Bodies are added once and then updated with one [`Motion`] each. Pairs of two bodies
 /// that are both asleep are not evaluated; their last contact stays on record.
+///
+/// Serialised it is for binary formats: its maps have keys of several numbers, and some numbers are
+/// infinite, which JSON has not. It is stored without its shapes: once read, it needs
+/// [`restore_shapes`](Self::restore_shapes).
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ContactBatch {
     law: ContactLaw,
@@ -241,7 +245,10 @@ impl ContactBatch {
     ///
     /// # Errors
     /// [`ContactError::StateCount`] if a slice has the wrong length,
-    /// [`ContactError::NotFinite`] if an awake body's state is not finite,
+    /// [`ContactError::NotFinite`] and [`ContactError::Wall`] if the state of an awake body or of a
+    /// wall is not finite or has a negative inverse mass, [`ContactError::Parameter`] for a
+    /// `dt` that is negative or not finite, [`ContactError::NoSuch`] if the batch was read from a
+    /// file and has not got its [shapes](Self::restore_shapes) back,
     /// [`ContactError::Mesh`] if a convex body among meshes is too flat for tetrahedra.
     pub fn update(
         &mut self,
@@ -259,14 +266,7 @@ impl ContactBatch {
         ahead: Option<Snapshot<'a>>,
     ) -> Result<(), ContactError> {
         for view in [Some(now), ahead].into_iter().flatten() {
-            for (given, expected) in [
-                (view.bodies.len(), self.body_shapes.len()),
-                (view.walls.len(), self.walls.len()),
-            ] {
-                if given != expected {
-                    return Err(ContactError::StateCount { given, expected });
-                }
-            }
+            self.check(&view)?;
         }
         let Snapshot { bodies, walls, .. } = ahead.unwrap_or(now);
         if std::mem::take(&mut self.awake_changed) {
@@ -314,6 +314,37 @@ impl ContactBatch {
         Ok(())
     }
 
+    /// Whether the states fit what was added.
+    fn check(&self, view: &Snapshot) -> Result<(), ContactError> {
+        for (what, given, expected) in [
+            ("body", view.bodies.len(), self.body_shapes.len()),
+            ("wall", view.walls.len(), self.walls.len()),
+        ] {
+            if given != expected {
+                return Err(ContactError::StateCount {
+                    what,
+                    given,
+                    expected,
+                });
+            }
+        }
+        let walls = self.walls.iter().zip(view.walls);
+        if let Some((wall, _)) = walls.into_iter().find(|(_, motion)| !motion.is_sound()) {
+            return Err(ContactError::Wall {
+                name: wall.name().to_owned(),
+                why: "its motion is not finite".to_owned(),
+            });
+        }
+        if self.shapes.is_empty() && !self.body_shapes.is_empty() {
+            return Err(ContactError::NoSuch {
+                what: "shape",
+                index: 0,
+                count: 0,
+            });
+        }
+        check("dt", view.dt, view.dt >= 0.0, "0 or more and finite, in s")
+    }
+
     /// Makes tetrahedra of the convex shapes, once a mesh can meet them.
     fn make_fans(&mut self) -> Result<(), ContactError> {
         if self.fans.len() < self.shapes.len() && self.pairs.has_meshes() {
@@ -340,7 +371,7 @@ impl ContactBatch {
         for k in 0..self.awake_list.len() {
             let i = self.awake_list[k] as usize;
             let motion = &bodies[i];
-            if !motion.is_finite() {
+            if !motion.is_sound() {
                 return Err(ContactError::NotFinite {
                     body: i,
                     position: motion.frame.position.into(),

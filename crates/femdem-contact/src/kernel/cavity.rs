@@ -134,7 +134,8 @@ impl CavityKernel {
         Ok(Self { penalty })
     }
 
-    /// The contact of a wall (A) with a body (B), or `None` if they do not overlap.
+    /// The contact of a wall (A) with a body (B), or `None` if they do not overlap, or
+    /// with no net force (the body wholly inside the wall).
     pub fn evaluate(
         &self,
         wall: &Wall,

@@ -120,7 +120,8 @@ impl PairKernel {
         (self.lists.lasts * moved).clamp(least, largest)
     }
 
-    /// The contact of A and B, or `None` if they do not overlap.
+    /// The contact of A and B, or `None` if they do not overlap, or
+    /// with no net force (one in the very middle of the other).
     pub fn evaluate(
         &self,
         a: &ConvexShape,

@@ -240,23 +240,26 @@ impl DeformableBatch {
         rigid: &[Motion],
         walls: &[Motion],
     ) -> Result<(), ContactError> {
-        for (given, expected) in [
-            (bodies.len(), self.bodies.len()),
-            (rigid.len(), self.rigid.len()),
-            (walls.len(), self.walls.len()),
+        for (what, given, expected) in [
+            ("deformable body", bodies.len(), self.bodies.len()),
+            ("rigid body", rigid.len(), self.rigid.len()),
+            ("wall", walls.len(), self.walls.len()),
         ] {
             if given != expected {
-                return Err(ContactError::StateCount { given, expected });
+                return Err(ContactError::StateCount {
+                    what,
+                    given,
+                    expected,
+                });
             }
         }
-        let usable = |m: &Motion| m.is_finite() && m.travelled.is_finite();
-        if let Some(body) = rigid.iter().position(|m| !usable(m)) {
+        if let Some(body) = rigid.iter().position(|m| !m.is_sound()) {
             return Err(ContactError::NotFinite {
                 body,
                 position: rigid[body].frame.position.into(),
             });
         }
-        if let Some(w) = walls.iter().position(|m| !usable(m)) {
+        if let Some(w) = walls.iter().position(|m| !m.is_sound()) {
             return Err(ContactError::Wall {
                 name: self.walls[w].name().to_owned(),
                 why: "its motion is not finite".to_owned(),
