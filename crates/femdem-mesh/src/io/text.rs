@@ -28,7 +28,8 @@ pub(super) struct Lines<'a> {
 impl<'a> Lines<'a> {
     pub(super) fn new(bytes: &'a [u8], comment: Option<u8>) -> Self {
         Self {
-            rest: bytes,
+            // Some editors begin a text with the mark of its byte order.
+            rest: bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes),
             comment,
             number: 0,
         }

@@ -143,3 +143,12 @@ proptest! {
         prop_assert!(parse(&text).is_err());
     }
 }
+
+/// Some editors begin a text with the mark of its byte order.
+#[test]
+fn a_byte_order_mark_is_passed_over() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    let body = parse(format!("\u{feff}{text}")).unwrap();
+    assert_eq!(body, parse(text).unwrap());
+    assert_eq!(body.vertices().len(), 4);
+}
