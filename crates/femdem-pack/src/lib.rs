@@ -50,7 +50,7 @@
 //! penetration. Settled means what [`Settling`] says, with every body awake and no medium; a pack
 //! that does not get there in the stated time is reported as not settled, never forced. What the
 //! verification moved is in the report too, and so is what the last awake relaxation before it
-//! moved ([`Relaxation`]): the loads that sleeping bodies had not passed on. Packs of 500 that slept are 1.8 % higher
+//! moved ([`Relaxation`]): the loads that sleeping bodies had not passed on. Packs of 500 that slept are 1.5 ± 0.3 % higher
 //! than packs that never did ([`PackSpec::sleeping`]), which cost seven times as much (`docs/validation/cost.md`).
 
 mod container;

@@ -84,7 +84,7 @@ fn encoding(why: String) -> SolveError {
     }
 }
 
-/// The checksum of the bytes that [`encode`] would give, without having them all at once.
+/// The checksum that [`encode`] would give, without having all bytes at once.
 ///
 /// # Errors
 /// [`SolveError::Encoding`] if the value cannot be encoded.
@@ -95,14 +95,16 @@ pub(crate) fn hash(value: &impl Serialize) -> Result<u64, SolveError> {
     Ok(tally.hash)
 }
 
-/// The bytes of a state, in bincode's fixed-width little-endian layout.
+/// The bytes of a state, in bincode's fixed-width little-endian layout, and their
+/// [`checksum`] in eight bytes more.
 ///
 /// # Errors
 /// [`SolveError::Encoding`] if the value cannot be encoded.
 pub fn encode(value: &impl Serialize) -> Result<Vec<u8>, SolveError> {
-    let bytes = bincode::serde::encode_to_vec(value, bincode::config::legacy())
+    let mut bytes = bincode::serde::encode_to_vec(value, bincode::config::legacy())
         .map_err(|e| encoding(e.to_string()))?;
     check_length(bytes.len() as u64)?;
+    bytes.extend_from_slice(&checksum(&bytes).to_le_bytes());
     Ok(bytes)
 }
 
@@ -119,8 +121,16 @@ fn check_length(length: u64) -> Result<(), SolveError> {
 /// The state of bytes made by [`encode`].
 ///
 /// # Errors
-/// [`SolveError::Encoding`] if the bytes do not hold such a value, or hold more.
+/// [`SolveError::Encoding`] if the bytes do not hold such a value, hold more, or have been altered.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, SolveError> {
+    let Some((bytes, sum)) = bytes.split_last_chunk::<8>() else {
+        return Err(undecoded("it ends before its checksum".to_owned()));
+    };
+    if checksum(bytes) != u64::from_le_bytes(*sum) {
+        return Err(undecoded(
+            "its checksum does not match: bytes are missing or were altered".to_owned(),
+        ));
+    }
     let (value, used) =
         bincode::serde::decode_from_slice(bytes, bincode::config::legacy().with_limit::<LIMIT>())
             .map_err(|e| undecoded(e.to_string()))?;

@@ -156,7 +156,8 @@ impl Drive {
     pub(crate) fn validate(&self) -> Result<(), SolveError> {
         let finite = |name, v: &Vector3| check(name, v.norm(), true, "finite");
         let time = |name, t: f64| check(name, t, true, "finite, in s");
-        let frequency = |f: f64| check("drive.frequency", f, f > 0.0, "positive, in 1/s");
+        let frequency =
+            |f: f64| check("drive.frequency", f, f > 0.0, "positive and finite, in 1/s");
         let direction = |v: &Vector3| {
             let length = v.norm();
             check("drive.axis", length, length > 0.0, "of a length above zero")
@@ -174,7 +175,7 @@ impl Drive {
                     "drive.end",
                     *end,
                     end >= start,
-                    "at least drive.start, in s",
+                    "finite and at least drive.start, in s",
                 )
             }
             Self::Shake {
@@ -219,7 +220,7 @@ impl Drive {
                     "drive.end",
                     *end,
                     end >= start,
-                    "at least drive.start, in s",
+                    "finite and at least drive.start, in s",
                 )
             }
             Self::Rock {

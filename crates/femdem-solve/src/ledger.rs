@@ -24,7 +24,8 @@ pub(crate) struct Flows {
 }
 
 /// Energies of a world, J. The sum of `final_energy` and everything dissipated equals
-/// `initial + work_in` up to the integration error.
+/// `initial + work_in` up to the integration error. Bodies that overlap as they are added bring elastic
+/// energy that is in neither.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// Kinetic and potential energy of all bodies when they were added.

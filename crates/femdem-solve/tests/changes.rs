@@ -5,7 +5,7 @@
 mod common;
 
 use common::{D, DENSITY, G, add_floor, at, half_edge, parameters, run_until, solid, weightless};
-use femdem_contact::{BodyId, ContactParameters};
+use femdem_contact::{BodyId, ContactParameters, Wall};
 use femdem_mesh::{Pose, TetMesh, Vector3};
 use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_solve::element::Element;
@@ -144,4 +144,43 @@ fn holding_what_moves_is_on_the_books() {
     let (ledger, energy) = (world.ledger(), 0.5 * DENSITY * D.powi(3));
     assert!((ledger.work_in / energy + 1.0).abs() < 1e-9, "{ledger:?}");
     assert!(ledger.error().abs() < 1e-9 * energy, "{ledger:?}");
+}
+
+/// A wall that is put where a body sleeps pushes it out.
+#[test]
+fn a_new_wall_wakes_what_sleeps() {
+    let mut p = parameters(1e6, 0.6, 0.6);
+    p.sleeping.enabled = true;
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let cube = add_cube(&mut world);
+    while !world.is_asleep(cube) {
+        world.step().unwrap();
+        assert!(world.time() < 5.0);
+    }
+    let side = Wall::half_space("side", Vector3::x(), 2e-3 - half_edge()).unwrap();
+    let side = world.add_wall(side, Drive::Fixed).unwrap();
+    world.step().unwrap();
+    let pushed = world.wall_load(side).unwrap().total.force.x;
+    assert!(pushed < 0.0, "{pushed}");
+    assert!(world.load(cube).unwrap().contacts == 2);
+    let start = world.time();
+    run_until(&mut world, start + 1.0);
+    assert!(world.position(cube).unwrap().x > 1.9e-3);
+}
+
+/// Where a driven wall is now.
+#[test]
+fn a_driven_wall_has_a_pose() {
+    let mut world = World::new(parameters(1e6, 0.6, 0.6)).unwrap();
+    let drive = Drive::Linear {
+        velocity: Vector3::new(0.5, 0.0, 0.0),
+        start: 0.0,
+        end: 10.0,
+    };
+    let floor = add_floor(&mut world, drive);
+    run_until(&mut world, 0.1);
+    let way = world.wall_pose(floor).unwrap().translation.vector;
+    assert!((way - Vector3::x() * (0.5 * world.time())).norm() < 1e-12);
+    assert!(world.wall_pose(floor + 1).is_none() && world.wall_load(floor + 1).is_none());
 }

@@ -342,6 +342,11 @@ fn bytes_that_hold_no_world_are_refused() {
             "{error}"
         );
     }
+    for at in (0..bytes.len()).step_by(7) {
+        let mut altered = bytes.clone();
+        altered[at] ^= 1 << (at % 8);
+        assert!(World::from_bytes(&altered).is_err(), "{at}");
+    }
     let mut long = bytes;
     long.push(0);
     assert!(World::from_bytes(&long).is_err());

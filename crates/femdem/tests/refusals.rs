@@ -242,7 +242,11 @@ fn refusals_of_the_other_commands_name_what_is_wrong() {
             ["force_threshold", "NaN"],
         ),
         ("analyse", ["--core-inset", "nan"], ["inset", "NaN"]),
-        ("analyse", ["--axes", "faces:99"], ["direction", "faces"]),
+        (
+            "analyse",
+            ["--axes", "faces:99"],
+            ["99 sides", "faces of 4"],
+        ),
         ("resolve", ["--young", "-1"], ["young", "-1"]),
         ("resolve", ["--poisson", "-3"], ["oisson", "-3"]),
     ] {

@@ -183,7 +183,14 @@ impl World {
                 count: self.shapes.len(),
             });
         };
-        let contact = &self.batch.shapes()[spec.shape as usize];
+        // A world that was read has no contact shapes before it is restored.
+        let Some(contact) = self.batch.shapes().get(spec.shape as usize) else {
+            return Err(SolveError::NoSuch {
+                what: "restored shape",
+                index: spec.shape as usize,
+                count: 0,
+            });
+        };
         let mut body = Body::new(&spec, shape, contact.radius())?;
         if let Some(drive) = drive {
             let (driven, place) = (drive.at(self.time), body.place());
@@ -208,7 +215,7 @@ impl World {
     }
 
     /// Adds a wall, of planes or a mesh, that is fixed or moves as prescribed, and returns its
-    /// index.
+    /// index. Frozen bodies wake: it may stand where one of them is.
     ///
     /// # Errors
     /// [`SolveError::Parameter`] for a drive out of range.
@@ -221,6 +228,7 @@ impl World {
         let base = drive.at(self.time).base_of(&Pose::identity());
         self.wall_drives.push((drive, base));
         self.wall_motions.push(Motion::fixed(Frame::identity()));
+        self.wake_all();
         self.loaded = false;
         let wall = wall.into();
         if let Some(deformables) = &mut self.deformables {
@@ -250,7 +258,7 @@ impl World {
         Ok(())
     }
 
-    /// The whole state as bytes.
+    /// The whole state as bytes, with a checksum.
     ///
     /// # Errors
     /// [`SolveError::Encoding`] if it cannot be encoded.
@@ -261,7 +269,7 @@ impl World {
     /// A world from the bytes of [`to_bytes`](Self::to_bytes).
     ///
     /// # Errors
-    /// [`SolveError::Encoding`] if the bytes hold no world.
+    /// [`SolveError::Encoding`] if the bytes hold no world, or are not those that were made.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SolveError> {
         let mut world: Self = checkpoint::decode(bytes)?;
         world.restore()?;

@@ -26,11 +26,16 @@ pub use query::Residuals;
 pub use relax::{WorldRelaxation, WorldRelaxed};
 pub use stability::Stability;
 
-/// Rigid bodies between walls, stepped explicitly.
+/// Rigid and deformable bodies between walls.
 ///
-/// The step is kick-drift-kick with one step size for all bodies. Its state after n steps
-/// is the same bits for any number of threads, with or without the feature `parallel`, and
-/// through [`to_bytes`](Self::to_bytes) and [`from_bytes`](Self::from_bytes).
+/// The step is kick-drift-kick with one step size for all bodies, or [implicit](crate::ImplicitStep)
+/// for rigid ones. Its state after n steps is the same bits for any number of threads, with or without
+/// the feature `parallel`, and through [`to_bytes`](Self::to_bytes) and
+/// [`from_bytes`](Self::from_bytes).
+///
+/// Serialised as part of something larger it is for binary formats: its maps have keys of several
+/// numbers, and some numbers are infinite, which JSON has not. Read so, it needs
+/// [`restore`](Self::restore) before it is used.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct World {
     parameters: WorldParameters,

@@ -1,10 +1,12 @@
 //! Reading a world.
 
+use super::deformables::all_wall_loads;
 use super::{Counters, Deformable, World};
 use crate::body::{Body, Shape, ShapeId};
 use crate::ledger::Ledger;
 use crate::parameters::WorldParameters;
 use femdem_contact::{BodyId, Contact, Load, WallShape};
+use femdem_mesh::nalgebra::{Rotation3, Translation3, UnitQuaternion};
 use femdem_mesh::{Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -120,7 +122,8 @@ impl World {
     pub fn bounds(&self, id: BodyId) -> Option<(Vector3, Vector3)> {
         let body = self.body(id)?;
         let frame = &self.motions[id as usize].frame;
-        let (low, high) = self.batch.shapes()[body.shape as usize].bounds(&frame.rotation);
+        let shape = self.batch.shapes().get(body.shape as usize)?;
+        let (low, high) = shape.bounds(&frame.rotation);
         Some((low + frame.position, high + frame.position))
     }
 
@@ -170,6 +173,28 @@ impl World {
     /// The walls, by index.
     pub fn walls(&self) -> &[WallShape] {
         self.batch.walls()
+    }
+
+    /// Where a wall is now: the coordinates it was given in -> world.
+    pub fn wall_pose(&self, wall: u32) -> Option<Pose> {
+        let frame = &self.wall_motions.get(wall as usize)?.frame;
+        let rotation = Rotation3::from_matrix_unchecked(frame.rotation);
+        Some(Pose::from_parts(
+            Translation3::from(frame.position),
+            UnitQuaternion::from_rotation_matrix(&rotation),
+        ))
+    }
+
+    /// The load on a wall, about its origin, from the contacts of the last step with bodies that were
+    /// awake, and with deformable ones.
+    pub fn wall_load(&self, wall: u32) -> Option<Load> {
+        let loads = all_wall_loads(&self.batch, self.deformables.as_deref());
+        loads.get(wall as usize).copied()
+    }
+
+    /// The load on a body, about its centroid, from all its contacts on record.
+    pub fn load(&self, id: BodyId) -> Option<Load> {
+        self.body(id).map(|_| self.load_of(id))
     }
 
     /// The load of a body from all its contacts on record, those with deformable bodies included.
