@@ -101,6 +101,9 @@ impl Scene {
     /// here, and if they do not belong to the kind here, those of the old kind go.
     pub fn take_container(&mut self, from: &Self) {
         let given = from.container_sizes();
+        if from.container.is_none() && given.is_empty() {
+            return;
+        }
         let keeps = |kind: ContainerKind| {
             from.container.is_none_or(|named| named == kind)
                 && given.iter().all(|size| size.2.contains(&kind))
@@ -243,5 +246,8 @@ mod tests {
             scene.take_container(&Scene::from_toml(over).unwrap());
             assert_eq!(scene, Scene::from_toml(expected).unwrap(), "{text} {over}");
         }
+        let mut wrong = Scene::from_toml("box = \"4x4\"\ncone = 45").unwrap();
+        wrong.take_container(&Scene::default());
+        assert!(wrong.container_kind().is_err());
     }
 }
