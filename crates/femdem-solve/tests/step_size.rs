@@ -97,3 +97,20 @@ fn driven_bodies_alone() {
         "{way}"
     );
 }
+
+/// What is launched spinning fast takes steps that its spin allows.
+#[test]
+fn a_spinning_launch() {
+    let mut world = World::new(parameters(1e6, 0.6, 0.6)).unwrap();
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let spec = BodySpec {
+        angular_velocity: Vector3::z() * 500.0,
+        ..BodySpec::at_rest(shape, DENSITY, at(Vector3::z()))
+    };
+    world.add_body(spec).unwrap();
+    run_until(&mut world, 0.05);
+    let spin = world.angular_velocity(0).unwrap();
+    assert!((spin - Vector3::z() * 500.0).norm() < 1e-9, "{spin}");
+    // A tenth of the radius, at one and a half times the speed of the farthest point.
+    assert!(world.time_step() <= 0.1 / (1.5 * 500.0));
+}
