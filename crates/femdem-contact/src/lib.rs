@@ -61,8 +61,8 @@
 //! - Friction: anchors in both bodies stretch a tangential spring, and a torsion spring twists about
 //!   the normal; the ellipsoid (f/μF)² + (M/M_max)² = 1 bounds both. Friction does not resist rolling. The
 //!   dashpot against rocking does, as a viscoelastic foundation would: to a patch, rolling is rocking.
-//!   Nothing at ζ = 0; at the default ζ a ball of 0.1 m that sinks in by some percent rolls at 0.5 m/s as with a
-//!   coefficient of 0.1, at 0.05 m/s of 0.02, less on stiffer contacts.
+//!   Nothing at ζ = 0; at the default ζ a ball of 0.1 m and 2560 kg/m³ at a penalty of 1 MPa rolls at 0.5 m/s as with
+//!   a coefficient of 0.13, at 0.05 m/s of 0.015 (test `rolling_is_resisted_by_the_dashpot_alone` of femdem-solve).
 //! - Patches: bodies that are not convex may touch in several, each a [`Contact`] with a friction
 //!   history of its own. A patch that splits leaves its springs to its heirs, merging ones become one
 //!   by least squares; neither makes energy, and what dies is dissipated. The dashpots of patches that

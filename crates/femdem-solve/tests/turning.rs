@@ -7,9 +7,12 @@ mod common;
 #[expect(dead_code, reason = "every test file uses its own part")]
 mod meshes;
 
-use common::{DENSITY, G, add_floor, add_mesh, parameters, pose, turned, weightless};
+use common::{
+    D, DENSITY, G, add_floor, add_mesh, at, parameters, pose, run_until, turned, weightless,
+};
 use femdem_contact::{Drum, MeshWall};
 use femdem_mesh::nalgebra::Vector3;
+use femdem_mesh::shapes::{Shape, Sphere};
 use femdem_mesh::{Pose, Rotation};
 use femdem_solve::{BodySpec, Drive, World};
 
@@ -227,4 +230,39 @@ fn a_drum_turns_its_filling_over() {
     let ledger = world.ledger();
     let error = ledger.error().abs() / ledger.dissipated();
     assert!(error < 0.01, "{error:e} {ledger:?}");
+}
+
+/// The dashpot against rocking resists the rolling of a ball as the crate docs of femdem-contact say; without
+/// damping nothing does.
+#[test]
+fn rolling_is_resisted_by_the_dashpot_alone() {
+    let roll = |damping: f64, speed: f64| {
+        let mut p = parameters(1e6, 0.8, damping);
+        p.time_step.largest = Some(2e-4);
+        let mut world = World::new(p).unwrap();
+        add_floor(&mut world, Drive::Fixed);
+        let ball = Shape::from(Sphere { level: 3 }).polyhedron(D).unwrap();
+        let shape = world.add_shape("ball", &ball).unwrap();
+        let radius = 0.5 * D;
+        let spec = BodySpec {
+            velocity: Vector3::x() * speed,
+            angular_velocity: Vector3::y() * (speed / radius),
+            ..BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * (0.97 * radius)))
+        };
+        world.add_body(spec).unwrap();
+        run_until(&mut world, 0.1);
+        let energy = |world: &World| world.body_kinetic_energy(0).unwrap();
+        let (before, from) = (energy(&world), world.position(0).unwrap().x);
+        run_until(&mut world, 0.3);
+        let way = world.position(0).unwrap().x - from;
+        (before - energy(&world)) / (world.mass(0).unwrap() * G * way)
+    };
+    for (damping, speed, low, high) in [
+        (0.0, 0.5, -0.005, 0.005),
+        (0.6, 0.5, 0.1, 0.17),
+        (0.6, 0.05, 0.01, 0.03),
+    ] {
+        let found = roll(damping, speed);
+        assert!((low..high).contains(&found), "{damping} {speed}: {found}");
+    }
 }

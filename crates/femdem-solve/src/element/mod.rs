@@ -8,8 +8,8 @@
 //! | [`Element::T10Fbar`] | 10 | 4 | the same without volumetric locking; not for bodies one element thick |
 //!
 //! T10Fbar takes the mean volume change of an element for that of all its points, and so a part of
-//! its bending for none: a cantilever of one element across bends 1.8 to 2.7 times as much as it should, of
-//! two 5 to 7 % too much (20 by 2 by 2, nu 0 and 0.3).
+//! its bending for none: a cantilever of 20 elements by one across bends 1.8 times as much as it should, of
+//! 20 by two by two 5 % too much (nu 0.3, test `fbar_wants_more_than_one_element_across`).
 //!
 //! All four have an energy, and their forces are minus its exact gradient: the last word of the
 //! integrators' conservation, of the static solvers' line search, and of every test here.

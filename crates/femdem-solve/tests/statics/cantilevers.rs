@@ -56,3 +56,17 @@ fn relaxation_finds_the_equilibrium_of_newton() {
         );
     }
 }
+
+/// With one element across, F-bar takes a part of the bending for a change of volume that it averages out; the
+/// table of elements says how much.
+#[test]
+fn fbar_wants_more_than_one_element_across() {
+    let bends = |cells| {
+        cantilever::run(Element::T10Fbar, cells, &newton(1e-7))
+            .unwrap()
+            .0
+    };
+    let (one, two) = (bends([20, 1, 1]), bends([20, 2, 2]));
+    assert!((1.7..1.9).contains(&one), "{one}");
+    assert!((1.03..1.07).contains(&two), "{two}");
+}
