@@ -71,7 +71,8 @@ pub fn contact_fabric(network: &ForceNetwork) -> ContactFabric {
         (length > 0.0).then(|| (line / length, length))
     };
     let branches: Vec<(Vector3, f64)> = network.body_pairs().filter_map(branch).collect();
-    let lengths: f64 = branches.iter().map(|b| b.1).sum();
+    // Not `sum`, which is -0 without branches.
+    let lengths = branches.iter().fold(0.0, |sum, branch| sum + branch.1);
     ContactFabric {
         normals: Fabric::of(between.clone().map(|c| (c.normal, 1.0))),
         forces: Fabric::of(between.map(|c| (c.normal, c.normal_force.max(0.0)))),

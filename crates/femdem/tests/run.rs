@@ -370,6 +370,17 @@ fn keys_without_effect_are_refused() {
         (sides, block("mesh-size = 0.2"), ["soft", "mesh-size = 0.2", "shape only"]),
         (sides, block("unit = \"cm\""), ["soft", "unit", "file"]),
         (
+            "name = \"floor\"",
+            "name = \"floor\"\nunit = \"mm\"".to_owned(),
+            ["floor", "unit", "file"],
+        ),
+        (
+            "copies = { count = [1, 1, 2], ",
+            "rotation = { axis = [0, 0, 1], angle = 10 }\ncopies = { seed = 1, count = [1, 1, 2], "
+                .to_owned(),
+            ["hard", "rotation", "seed"],
+        ),
+        (
             "density = 2500",
             "density = 2500\nyoung = 1e9".to_owned(),
             ["material.stone", "young = 1000000000", "law"],

@@ -116,7 +116,8 @@ impl Measured {
         Self {
             members,
             body_volume: volumes.iter().sum(),
-            overlap_volume: sharing.iter().map(|(_, volume)| volume).sum(),
+            // Not `sum`, which is -0 without pairs.
+            overlap_volume: sharing.iter().fold(0.0, |sum, (_, volume)| sum + volume),
             pairs: sharing.into_iter().map(|(pair, _)| pair).collect(),
         }
     }

@@ -133,6 +133,14 @@ impl BodyEntry {
     pub(super) fn refuse_strangers(&self) -> Result<(), Error> {
         self.refuse_by_behaviour()?;
         self.refuse_by_source()?;
+        let seeded = self.copies.as_ref().is_some_and(|c| c.seed.is_some());
+        if seeded && self.rotation.is_some() {
+            return Err(wrong(
+                "rotation",
+                "given",
+                "copies with a seed are turned by that alone: take one of the two out",
+            ));
+        }
         let moves = [
             ("velocity", self.velocity != [0.0; 3]),
             ("spin", self.spin != [0.0; 3]),

@@ -83,6 +83,13 @@ impl WallEntry {
     }
 
     fn shapes(&self, name: &str) -> Result<Vec<WallShape>, Error> {
+        if self.unit != Unit::default() && self.file.is_none() {
+            return Err(wrong(
+                "unit",
+                "given",
+                "give it with a file only: other lengths are in m",
+            ));
+        }
         match (&self.plane, &self.r#box, &self.cylinder, &self.file) {
             (Some(plane), None, None, None) => {
                 let normal = Vector3::from(plane.normal);
