@@ -44,6 +44,11 @@ impl Broadphase {
         }
     }
 
+    /// Whether a body was ever entered.
+    pub(crate) fn knows(&self, body: usize) -> bool {
+        matches!(self.entries.get(body), Some(Some(_)))
+    }
+
     /// Half skin of a shape, m: how far a body may travel before it is entered again.
     pub(crate) fn half_skin(shape: &BodyShape) -> f64 {
         0.5 * SKIN * shape.radius()

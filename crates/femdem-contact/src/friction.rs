@@ -231,6 +231,14 @@ impl FrictionState {
         if k_theta > self.torsion_stiffness && self.torsion_stiffness > 0.0 {
             torsion *= self.torsion_stiffness / k_theta;
         }
+        // One without stiffness holds nothing: it begins anew when it has some.
+        if k == 0.0 {
+            stretch = Vector3::zeros();
+            moved = true;
+        }
+        if k_theta == 0.0 {
+            torsion = 0.0;
+        }
         let inverse_mass = [
             a.inverse_mass_at(&overlap.arm_a),
             b.inverse_mass_at(&overlap.arm_b),
@@ -360,6 +368,52 @@ mod tests {
                 assert!(friction.torsion.abs() <= 1e-17 && friction.energy.is_finite());
             }
         }
+    }
+
+    /// A patch that had no stiffness for a while begins without stretch, however far the bodies went meanwhile.
+    #[test]
+    fn springs_without_stiffness_hold_nothing() {
+        let overlap = |stiffness: f64| Overlap {
+            force: Vector3::z(),
+            moment: Vector3::zeros(),
+            arm_a: Vector3::zeros(),
+            arm_b: Vector3::zeros(),
+            normal: Vector3::z(),
+            energy: 0.1,
+            volume: 1.0,
+            area: 1.0,
+            stiffness,
+            stiffness_second: stiffness,
+            torsion_radius: 0.5,
+        };
+        let law = ContactParameters {
+            friction: 10.0,
+            tangential_damping: 0.0,
+            ..ContactParameters::default()
+        };
+        let pace = Pace {
+            dt: 1e-3,
+            dashpots: true,
+            share: 1.0,
+        };
+        let fixed = Motion::fixed(Frame::identity());
+        let mut body = fixed;
+        let mut state = FrictionState::new(&overlap(1.0), &fixed, &body);
+        let mut push = |x: f64, stiffness: f64| {
+            body.frame.position.x = x;
+            // The patch stays where B's centre is.
+            let overlap = Overlap {
+                arm_a: Vector3::x() * x,
+                ..overlap(stiffness)
+            };
+            state.update(&law, &overlap, 1.0, &fixed, &body, pace)
+        };
+        let ratio = law.tangential_ratio;
+        assert!((push(0.1, 1.0).force.x / (-0.1 * ratio) - 1.0).abs() < 1e-12);
+        assert_eq!(push(0.3, 0.0).force, Vector3::zeros());
+        assert_eq!(push(0.4, 0.0).energy, 0.0);
+        assert_eq!(push(0.4, 1.0).force, Vector3::zeros());
+        assert!((push(0.5, 1.0).force.x / (-0.1 * ratio) - 1.0).abs() < 1e-9);
     }
 
     /// Bristles stretched by a rigid motion of their plane are taken apart and put together again

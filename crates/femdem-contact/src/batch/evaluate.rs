@@ -11,6 +11,7 @@ use crate::law::ContactParameters;
 use crate::motion::Motion;
 use crate::shape::{BodyShape, ConvexShape};
 use crate::walls::{Wall, WallShape};
+use femdem_mesh::Vector3;
 use std::sync::Arc;
 
 #[cfg(feature = "parallel")]
@@ -91,8 +92,25 @@ impl Context<'_> {
         match &pair.cache {
             Cache::Body(cache) => cache.is_clear(travelled),
             Cache::Wall(cache) => cache.is_clear(travelled),
-            Cache::Mesh(mesh) => mesh.cache.is_clear(travelled),
+            Cache::Mesh(mesh) => mesh.cache.is_clear(travelled) && self.sees_wall(pair, mesh),
         }
+    }
+
+    /// Whether what the cache of a pair with a mesh knows is all of the wall that the body can reach.
+    fn sees_wall(&self, pair: &Pair, mesh: &MeshPair) -> bool {
+        let Partner::Wall(w) = pair.a else {
+            return true;
+        };
+        let body = self.mesh(pair.b);
+        let local = self.planes(w).zip(body);
+        local.is_none_or(|(_, body)| mesh.local.holds(&self.in_wall(w, pair.b), body.radius()))
+    }
+
+    /// Where a body is, in the axes of a wall, m.
+    fn in_wall(&self, wall: u32, body: BodyId) -> Vector3 {
+        let frame = &self.walls[wall as usize].frame;
+        let from_wall = self.bodies[body as usize].frame.position - frame.position;
+        frame.rotation.tr_mul(&from_wall)
     }
 
     /// Evaluates one pair in place.
@@ -223,8 +241,7 @@ impl Context<'_> {
             Partner::Wall(w) => match &self.wall_shapes[w as usize] {
                 WallShape::Mesh(wall) => wall.solid_wall(),
                 WallShape::Planes(wall) => {
-                    let from_wall = frame_b.position - frame_a.position;
-                    let x = frame_a.rotation.tr_mul(&from_wall);
+                    let x = self.in_wall(w, b);
                     let (solid, renewed) = pair.local.near(wall, &x, body.radius());
                     if renewed {
                         *cache = Default::default();

@@ -6,6 +6,7 @@ mod gather;
 mod history;
 mod implicit;
 mod pairs;
+mod search;
 mod stable;
 
 use crate::broadphase::Broadphase;
@@ -272,6 +273,7 @@ impl ContactBatch {
         if std::mem::take(&mut self.awake_changed) {
             let awake = self.awake.iter().enumerate().filter(|x| *x.1);
             self.awake_list = awake.map(|(i, _)| i as BodyId).collect();
+            self.find_never_entered(bodies, walls)?;
         }
         self.make_fans()?;
         self.search(bodies, walls)?;
@@ -356,64 +358,6 @@ impl ContactBatch {
             }
         }
         Ok(())
-    }
-
-    /// Refreshes the neighbours of bodies and walls that have left their skins.
-    fn search(&mut self, bodies: &[Motion], walls: &[Motion]) -> Result<(), ContactError> {
-        let mut walls_moved = false;
-        for (w, motion) in walls.iter().enumerate() {
-            if motion.travelled >= self.wall_expires[w] {
-                self.wall_expires[w] = motion.travelled + self.wall_skin();
-                walls_moved = true;
-            }
-        }
-        let mut neighbours = Vec::new();
-        for k in 0..self.awake_list.len() {
-            let i = self.awake_list[k] as usize;
-            let motion = &bodies[i];
-            if !motion.is_sound() {
-                return Err(ContactError::NotFinite {
-                    body: i,
-                    position: motion.frame.position.into(),
-                });
-            }
-            if self.broadphase.is_expired(i, motion) {
-                let shape = &self.shapes[self.body_shapes[i] as usize];
-                self.broadphase.enter(i, shape, motion);
-                self.broadphase.neighbours(i, &mut neighbours);
-                self.pairs.set_neighbours(i as u32, &neighbours);
-                self.search_walls(i, motion, walls);
-            }
-        }
-        if walls_moved {
-            for (i, motion) in bodies.iter().enumerate() {
-                self.search_walls(i, motion, walls);
-            }
-        }
-        Ok(())
-    }
-
-    /// How far a wall may travel before the bodies near it are looked up again, m.
-    fn wall_skin(&self) -> f64 {
-        let largest = |m: f64, s: &BodyShape| m.max(Broadphase::half_skin(s));
-        self.shapes.iter().fold(0.0, largest)
-    }
-
-    fn search_walls(&mut self, body: usize, motion: &Motion, walls: &[Motion]) {
-        let shape = &self.shapes[self.body_shapes[body] as usize];
-        // The body may travel two half skins before this is asked again at the latest.
-        let reach = shape.radius() + 2.0 * Broadphase::half_skin(shape) + self.wall_skin();
-        let near: Vec<u32> = (0..self.walls.len())
-            .filter(|&w| {
-                let frame = &walls[w].frame;
-                let x = frame
-                    .rotation
-                    .tr_mul(&(motion.frame.position - frame.position));
-                self.walls[w].clearance(&x) < reach
-            })
-            .map(|w| w as u32)
-            .collect();
-        self.pairs.set_walls(body as u32, &near);
     }
 
     /// Sums the loads of awake bodies and walls in the order of the pairs.

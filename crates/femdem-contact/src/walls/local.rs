@@ -19,6 +19,8 @@ const SAME: f64 = 1e-9;
 pub(crate) struct LocalSolid {
     /// Where the body was when this was made, in the wall's axes, m.
     centre: Option<Vector3>,
+    /// The radius that it was made for, m.
+    radius: f64,
     /// Made from the wall and `centre`; `None` if no plane is within reach.
     #[serde(skip)]
     solid: Option<Box<SolidWall>>,
@@ -30,18 +32,24 @@ impl LocalSolid {
     /// The wall near a body of `radius` at `x` (in the wall's axes), and whether it is another
     /// solid than before.
     pub fn near(&mut self, wall: &Wall, x: &Vector3, radius: f64) -> (Option<&SolidWall>, bool) {
-        let stays = |c: &Vector3| (x - c).norm() <= LASTS * radius;
-        let fresh = !self.centre.as_ref().is_some_and(stays);
+        let fresh = !self.holds(x, radius);
         let centre = match self.centre {
             Some(c) if !fresh => c,
             _ => *x,
         };
         if fresh || !self.made {
             self.centre = Some(centre);
+            self.radius = radius;
             self.solid = build(wall, &centre, radius).map(Box::new);
             self.made = true;
         }
         (self.solid.as_deref(), fresh)
+    }
+
+    /// Whether a body of `radius` at `x` can reach nothing else of the wall.
+    pub fn holds(&self, x: &Vector3, radius: f64) -> bool {
+        let stays = |c: &Vector3| (x - c).norm() <= LASTS * radius;
+        radius == self.radius && self.centre.as_ref().is_some_and(stays)
     }
 }
 
@@ -60,11 +68,30 @@ fn build(wall: &Wall, centre: &Vector3, radius: f64) -> Option<SolidWall> {
     let mesh = match near.as_slice() {
         [] => None,
         [one] => half_space(one, reach),
-        _ => shell(&near, reach, SAME * radius).or_else(|| half_space(nearest(&near)?, reach)),
+        _ => shell(&near, reach, SAME * radius)
+            .or_else(|| shell(&enclosed(&near, reach), reach, SAME * radius))
+            .or_else(|| half_space(nearest(&near)?, reach)),
     }?;
     let back = mesh.points().iter().map(|p| p + centre).collect();
     let moved = TetMesh::new(back, mesh.tets().to_vec()).ok()?;
     Some(SolidWall::solid(&moved))
+}
+
+/// The planes with the sides of a box that the body cannot reach, which join faces that do not meet: those of a slot.
+fn enclosed(planes: &[WallPlane], reach: f64) -> Vec<WallPlane> {
+    planes.iter().copied().chain(sides(reach)).collect()
+}
+
+/// The sides of a box of half-width 2 `reach`.
+fn sides(reach: f64) -> impl Iterator<Item = WallPlane> {
+    (0..6).map(move |i| {
+        let mut normal = Vector3::zeros();
+        normal[i / 2] = if i % 2 == 0 { 1.0 } else { -1.0 };
+        WallPlane {
+            normal,
+            offset: -2.0 * reach,
+        }
+    })
 }
 
 /// The plane that the body is deepest behind.
@@ -168,16 +195,8 @@ fn face(planes: &[WallPlane], k: usize, reach: f64, same: f64) -> Vec<Vector3> {
         foot - (e1 + e2) * size,
         foot + (e1 - e2) * size,
     ];
-    let box_planes = (0..6).map(|i| {
-        let mut normal = Vector3::zeros();
-        normal[i / 2] = if i % 2 == 0 { 1.0 } else { -1.0 };
-        WallPlane {
-            normal,
-            offset: -2.0 * reach,
-        }
-    });
     let others = planes.iter().enumerate().filter(|(j, _)| *j != k);
-    for plane in others.map(|(_, p)| *p).chain(box_planes) {
+    for plane in others.map(|(_, p)| *p).chain(sides(reach)) {
         polygon = clip(&polygon, &plane, same);
     }
     polygon

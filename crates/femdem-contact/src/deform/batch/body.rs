@@ -12,6 +12,9 @@ use femdem_mesh::Vector3;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use serde::{Deserialize, Serialize};
 
+/// The reach of a body over the largest distance of its nodes from their middle: it may stretch that far.
+const STRETCH: f64 = 1.5;
+
 /// A deformable body of the batch.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct SoftBody {
@@ -23,6 +26,8 @@ pub(crate) struct SoftBody {
     before: Vec<Vector3>,
     /// Mean place of the nodes, m.
     pub centre: Vector3,
+    /// The nodes stay within this distance of it until pairs are looked for again, m.
+    pub reach: f64,
     /// How it turns, if anything may touch it.
     pub turning: Option<Turning>,
     /// The tree over the tetrahedra, as it was when it was last wanted.
@@ -54,6 +59,7 @@ impl SoftBody {
             travelled: 0.0,
             before: Vec::new(),
             centre: Vector3::zeros(),
+            reach: STRETCH * shape.radius(),
             turning: None,
             tree: None,
             forces: Vec::new(),
@@ -201,6 +207,14 @@ impl SoftBody {
         let square = |x: &Vector3| (x - self.centre).norm_squared();
         let radius = self.before.iter().map(square).fold(0.0, f64::max).sqrt();
         (Aabb::of_points(points), radius)
+    }
+
+    /// Takes note of the largest distance of the nodes from their middle, which may grow by `skin` (both m) before
+    /// the next time.
+    pub fn stretch_to(&mut self, radius: f64, skin: f64) {
+        if radius + skin > self.reach {
+            self.reach = STRETCH * radius;
+        }
     }
 
     fn refit(&mut self, operand: &Operand) {

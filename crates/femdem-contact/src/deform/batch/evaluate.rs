@@ -16,10 +16,6 @@ use crate::motion::Motion;
 use crate::walls::WallShape;
 use std::sync::Arc;
 
-/// Radius of the part of a wall that is looked at, over the largest distance of a body's nodes from
-/// their middle in the reference state: a body may stretch that far.
-const STRETCH: f64 = 1.5;
-
 /// What every pair of one update shares.
 pub(crate) struct Context<'a> {
     pub parameters: &'a ContactParameters,
@@ -79,11 +75,7 @@ impl Context<'_> {
             WallShape::Planes(wall) => {
                 let from = body.centre - motion.frame.position;
                 let x = motion.frame.rotation.tr_mul(&from);
-                let radius = self
-                    .shapes
-                    .get(body.shape as usize)
-                    .map_or(0.0, |s| s.radius());
-                pair_local.near(wall, &x, STRETCH * radius)
+                pair_local.near(wall, &x, body.reach)
             }
         }
     }

@@ -278,8 +278,9 @@ impl DeformableBatch {
             rigid,
             walls,
         };
-        self.pairs.search(&context, &self.bodies);
-        if !self.starts.is_empty() {
+        self.pairs.search(&context, &mut self.bodies);
+        let begins = !self.starts.is_empty();
+        if begins {
             for pair in self.pairs.list_mut() {
                 pair.begins = self.starts.remove(&pair.key());
             }
@@ -287,7 +288,13 @@ impl DeformableBatch {
         }
         let wanted = self.pairs.wanted(&context, &self.bodies);
         body::prepare(&mut self.bodies, &wanted, &context);
-        evaluate::run(&context, &self.bodies, &mut self.pairs)?;
+        let result = evaluate::run(&context, &self.bodies, &mut self.pairs);
+        if begins {
+            for pair in self.pairs.list_mut() {
+                pair.begins = None;
+            }
+        }
+        result?;
         self.gather();
         Ok(())
     }

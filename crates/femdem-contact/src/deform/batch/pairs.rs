@@ -82,7 +82,7 @@ impl PairList {
     }
 
     /// Finds the pairs anew if a body has moved too far since they were found.
-    pub fn search(&mut self, context: &Context, bodies: &[SoftBody]) {
+    pub fn search(&mut self, context: &Context, bodies: &mut [SoftBody]) {
         let travelled = [
             bodies.iter().map(|b| b.travelled).collect::<Vec<_>>(),
             context.rigid.iter().map(|m| m.travelled).collect(),
@@ -97,9 +97,12 @@ impl PairList {
         let extents: Vec<(Aabb, f64)> = bodies.iter().map(SoftBody::extent).collect();
         let mut boxes: Vec<Aabb> = Vec::with_capacity(bodies.len() + context.rigid.len());
         let mut skins = [Vec::with_capacity(bodies.len()), Vec::new(), Vec::new()];
-        for (bounds, radius) in &extents {
-            boxes.push(bounds.grown(HALF_SKIN * radius));
-            skins[0].push(HALF_SKIN * radius);
+        for (body, (bounds, radius)) in bodies.iter_mut().zip(&extents) {
+            let skin = HALF_SKIN * radius;
+            boxes.push(bounds.grown(skin));
+            skins[0].push(skin);
+            // A node may go one way as far as the middle goes the other.
+            body.stretch_to(*radius, 2.0 * skin);
         }
         for (motion, &kind) in context.rigid.iter().zip(context.rigid_kinds) {
             let Some(RigidShape { shape, .. }) = context.rigid_shapes.get(kind as usize) else {

@@ -1,0 +1,99 @@
+//! Which bodies and walls are near each other.
+
+use super::ContactBatch;
+use crate::broadphase::Broadphase;
+use crate::error::ContactError;
+use crate::motion::Motion;
+use crate::shape::BodyShape;
+
+impl ContactBatch {
+    /// Enters bodies that fell asleep before their first update: others must meet them.
+    pub(super) fn find_never_entered(
+        &mut self,
+        bodies: &[Motion],
+        walls: &[Motion],
+    ) -> Result<(), ContactError> {
+        let mut neighbours = Vec::new();
+        for (i, motion) in bodies.iter().enumerate() {
+            if self.awake[i] || self.broadphase.knows(i) {
+                continue;
+            }
+            if !motion.is_sound() {
+                return Err(not_finite(i, motion));
+            }
+            self.enter(i, motion, walls, &mut neighbours);
+        }
+        Ok(())
+    }
+
+    /// Enters a body and finds what is near it.
+    fn enter(&mut self, i: usize, motion: &Motion, walls: &[Motion], neighbours: &mut Vec<u32>) {
+        let shape = &self.shapes[self.body_shapes[i] as usize];
+        self.broadphase.enter(i, shape, motion);
+        self.broadphase.neighbours(i, neighbours);
+        self.pairs.set_neighbours(i as u32, neighbours);
+        self.search_walls(i, motion, walls);
+    }
+
+    /// Refreshes the neighbours of bodies and walls that have left their skins.
+    pub(super) fn search(
+        &mut self,
+        bodies: &[Motion],
+        walls: &[Motion],
+    ) -> Result<(), ContactError> {
+        let mut walls_moved = false;
+        for (w, motion) in walls.iter().enumerate() {
+            if motion.travelled >= self.wall_expires[w] {
+                self.wall_expires[w] = motion.travelled + self.wall_skin();
+                walls_moved = true;
+            }
+        }
+        let mut neighbours = Vec::new();
+        for k in 0..self.awake_list.len() {
+            let i = self.awake_list[k] as usize;
+            let motion = &bodies[i];
+            if !motion.is_sound() {
+                return Err(not_finite(i, motion));
+            }
+            if self.broadphase.is_expired(i, motion) {
+                self.enter(i, motion, walls, &mut neighbours);
+            }
+        }
+        if walls_moved {
+            for (i, motion) in bodies.iter().enumerate() {
+                self.search_walls(i, motion, walls);
+            }
+        }
+        Ok(())
+    }
+
+    /// How far a wall may travel before the bodies near it are looked up again, m.
+    fn wall_skin(&self) -> f64 {
+        let largest = |m: f64, s: &BodyShape| m.max(Broadphase::half_skin(s));
+        self.shapes.iter().fold(0.0, largest)
+    }
+
+    fn search_walls(&mut self, body: usize, motion: &Motion, walls: &[Motion]) {
+        let shape = &self.shapes[self.body_shapes[body] as usize];
+        // The body may travel two half skins before this is asked again at the latest.
+        let reach = shape.radius() + 2.0 * Broadphase::half_skin(shape) + self.wall_skin();
+        let near: Vec<u32> = (0..self.walls.len())
+            .filter(|&w| {
+                let frame = &walls[w].frame;
+                let x = frame
+                    .rotation
+                    .tr_mul(&(motion.frame.position - frame.position));
+                self.walls[w].clearance(&x) < reach
+            })
+            .map(|w| w as u32)
+            .collect();
+        self.pairs.set_walls(body as u32, &near);
+    }
+}
+
+fn not_finite(body: usize, motion: &Motion) -> ContactError {
+    ContactError::NotFinite {
+        body,
+        position: motion.frame.position.into(),
+    }
+}
