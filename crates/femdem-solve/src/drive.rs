@@ -144,6 +144,12 @@ impl Driven {
         self.velocity + self.angular_velocity().cross(&(position - self.point))
     }
 
+    /// Largest speed of its points within `radius` of a point, m/s.
+    pub(crate) fn fastest_near(&self, x: &Vector3, radius: f64) -> f64 {
+        let turning = self.rate.abs() * ((x - self.point).norm() + radius);
+        self.velocity.norm() + if self.rate == 0.0 { 0.0 } else { turning }
+    }
+
     /// Bound of the way of points up to `reach` from the point of the axis, from an earlier
     /// state, m.
     pub(crate) fn way_from(&self, earlier: &Self, reach: f64) -> f64 {

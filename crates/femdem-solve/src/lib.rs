@@ -75,8 +75,9 @@
 //! - Without friction and damping the energy has no trend: 27 bodies colliding in a closed box for 1 s
 //!   keep theirs to 1e-5 at a step of 1e-5 s, and momentum is kept to round-off (`tests/physics.rs`);
 //!   20 hollow pellets and dolosse keep theirs to 1e-4 at 2e-5 s (`tests/any_shape.rs`).
-//! - The step is shorter where a body would move by more than a tenth of its radius in it, down to a
-//!   thirty-second of the bound; what is faster still is reported as blown up.
+//! - The step is shorter where a body would move by more than a tenth of its radius in it (a node by a
+//!   tenth of the depth of its body), or what is driven against it, down to a thirty-second of the bound; what is
+//!   faster still, and was not when it was added, is reported as blown up.
 //! - The step is a fraction, [`TimeStepParameters::safety`], of a bound that is larger than the true
 //!   frequency; [`World::stability`] measures the true limit. At the default of 0.9 the impact of a
 //!   single flat face is resolved by few steps: the cube above then misses 9 % of its energy in the

@@ -535,3 +535,29 @@ fn parameters_out_of_range_are_named() {
     assert!(refused(|_, s| s.systems = 0).contains("implicit.systems = 0"));
     assert!(refused(|p, _| p.medium.local_damping = 0.6).contains("local_damping"));
 }
+
+/// Parameters that are set between steps to what they are change nothing: the springs of the contacts go on, those
+/// against torsion, too.
+#[test]
+fn parameters_set_between_steps() {
+    let run = |sets: bool| {
+        let mut world = cube_on_floor(implicit(parameters(1e7, 0.5, 0.3), 4.0), half_edge());
+        run_until(&mut world, 0.1);
+        let shape = world.shape_of(0).unwrap();
+        let above = at(Vector3::z() * (3.0 * half_edge()));
+        let spin = BodySpec {
+            angular_velocity: Vector3::z() * 2.0,
+            ..BodySpec::at_rest(shape, DENSITY, above)
+        };
+        world.add_body(spin).unwrap();
+        for _ in 0..100 {
+            world.step().unwrap();
+            if sets {
+                let medium = world.parameters().medium;
+                world.set_medium(medium).unwrap();
+            }
+        }
+        (world.pose(1).unwrap(), world.angular_velocity(1).unwrap())
+    };
+    assert_eq!(run(false), run(true));
+}

@@ -6,8 +6,14 @@ mod common;
 
 use common::{DENSITY, add_floor, at, half_edge, parameters, solid, weightless};
 use femdem_mesh::nalgebra::{Quaternion, Unit, Vector3};
-use femdem_mesh::{Point3, Polyhedron};
-use femdem_solve::{BodySpec, Drive, SolveError, World, WorldParameters};
+use femdem_mesh::{Point3, Polyhedron, TetMesh};
+use femdem_solve::checkpoint::{read_file, write_file};
+use femdem_solve::deformable::{DeformableModel, MaterialRegion};
+use femdem_solve::element::Element;
+use femdem_solve::material::NeoHookean;
+use femdem_solve::{
+    BodySpec, ContactStiffness, DeformableSpec, Drive, SolveError, World, WorldParameters,
+};
 
 #[test]
 fn parameters_out_of_range_are_named() {
@@ -350,4 +356,41 @@ fn bytes_that_hold_no_world_are_refused() {
     let mut long = bytes;
     long.push(0);
     assert!(World::from_bytes(&long).is_err());
+}
+
+/// A world that was read as a part of something else and not restored says so, whatever is asked of it.
+#[test]
+fn a_world_that_was_not_restored_is_refused() {
+    let (mut world, _) = cubes();
+    let mesh = TetMesh::block([1, 1, 1], &Vector3::repeat(0.1)).unwrap();
+    let region = MaterialRegion {
+        material: NeoHookean::new(1e6, 0.0).unwrap().into(),
+        density: DENSITY,
+    };
+    let model = DeformableModel::new(&mesh, Element::T4, vec![region], None).unwrap();
+    let soft = ContactStiffness::Law;
+    let id = world.add_model("soft", model.clone(), soft).unwrap();
+    let far = DeformableSpec::at_rest(id, at(Vector3::x() * 5.0));
+    world.add_deformable(far.clone()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("part");
+    write_file(&path, "part", &world).unwrap();
+    let read = || read_file::<World>(&path, "part").unwrap();
+    let (contact, medium) = (world.parameters().contact, world.parameters().medium);
+    type Ask<'a> = &'a dyn Fn(&mut World) -> Result<(), SolveError>;
+    let asked: [Ask; 6] = [
+        &|w| w.step(),
+        &|w| w.set_medium(medium),
+        &|w| w.set_contact(contact),
+        &|w| w.add_shape("P1", &solid("P1")).map(|_| ()),
+        &|w| w.add_model("soft", model.clone(), soft).map(|_| ()),
+        &|w| w.add_deformable(far.clone()).map(|_| ()),
+    ];
+    for ask in asked {
+        let error = ask(&mut read()).unwrap_err().to_string();
+        assert!(error.contains("shape"), "{error}");
+        let mut whole = read();
+        whole.restore().unwrap();
+        ask(&mut whole).unwrap();
+    }
 }

@@ -4,10 +4,14 @@
 
 mod common;
 
-use common::{D, DENSITY, G, add_floor, at, half_edge, parameters, run_until, solid};
+use common::{D, DENSITY, G, add_floor, at, half_edge, parameters, run_until, solid, weightless};
+use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::Vector3;
 use femdem_mesh::shapes::{Shape, Sphere};
-use femdem_solve::{BodySpec, Drive, World};
+use femdem_solve::deformable::{DeformableModel, MaterialRegion};
+use femdem_solve::element::Element;
+use femdem_solve::material::NeoHookean;
+use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, World};
 
 /// A sphere of 20 * 4^level facets, its centre at the given height over a floor.
 fn ball(level: u32, height: f64) -> World {
@@ -113,4 +117,120 @@ fn a_spinning_launch() {
     assert!((spin - Vector3::z() * 500.0).norm() < 1e-9, "{spin}");
     // A tenth of the radius, at one and a half times the speed of the farthest point.
     assert!(world.time_step() <= 0.1 / (1.5 * 500.0));
+}
+
+/// What was launched fast and was slowed down no longer shortens the step.
+#[test]
+fn a_launch_is_forgotten() {
+    let mut p = weightless(1e6, 0.6, 0.6);
+    p.medium.drag = 50.0;
+    let mut world = World::new(p).unwrap();
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::z()));
+    let slow = {
+        let mut still = World::new(p).unwrap();
+        let shape = still.add_shape("P5", &solid("P5")).unwrap();
+        still.add_body(BodySpec { shape, ..spec }).unwrap();
+        still.step().unwrap();
+        still.time_step()
+    };
+    let velocity = Vector3::x() * 2000.0;
+    world.add_body(BodySpec { velocity, ..spec }).unwrap();
+    world.step().unwrap();
+    // A tenth of its radius, although that is far below what stability asks for.
+    assert!(world.time_step() <= 0.1 * 0.5 * D / 2000.0);
+    run_until(&mut world, 0.5);
+    assert!(world.velocity(0).unwrap().norm() < 1e-3);
+    assert!((world.time_step() / slow - 1.0).abs() < 1e-12);
+}
+
+/// A body at rest that a fast wall comes to, or a driven body, is pushed and not passed.
+#[test]
+fn what_is_driven_fast_is_not_let_through() {
+    let drive = Drive::Linear {
+        velocity: Vector3::z() * 40.0,
+        start: 0.0,
+        end: 10.0,
+    };
+    for by_wall in [true, false] {
+        let mut world = World::new(weightless(1e7, 0.6, 0.6)).unwrap();
+        let shape = world.add_shape("P5", &solid("P5")).unwrap();
+        let far = at(Vector3::z() * -1.0);
+        if by_wall {
+            add_floor(&mut world, drive);
+        } else {
+            let paddle = BodySpec::at_rest(shape, DENSITY, far);
+            world.add_driven_body(paddle, drive).unwrap();
+        }
+        let body = world
+            .add_body(BodySpec::at_rest(
+                shape,
+                DENSITY,
+                at(Vector3::z() * (half_edge() + 1e-3)),
+            ))
+            .unwrap();
+        let mut pushed = false;
+        while world.time() < 0.1 {
+            world.step().unwrap();
+            assert!(world.time_step() * 40.0 <= 0.1 * 0.5 * D);
+            pushed |= world.velocity(body).unwrap().z > 39.0;
+        }
+        assert!(pushed, "{by_wall}");
+    }
+}
+
+/// A thin plate that is driven, whose field is steep, does not throw what it meets.
+#[test]
+fn the_first_contact_with_a_thin_plate() {
+    let mut p = weightless(1e7, 0.0, 0.0);
+    p.time_step.safety = 0.25;
+    let mut world = World::new(p).unwrap();
+    let cube = world.add_shape("P5", &solid("P5")).unwrap();
+    let body = world
+        .add_body(BodySpec {
+            velocity: -Vector3::z(),
+            ..BodySpec::at_rest(cube, DENSITY, at(Vector3::z() * (half_edge() + 2e-3)))
+        })
+        .unwrap();
+    world.step().unwrap();
+    let thick = world.time_step();
+    let plate = TetMesh::block([1, 1, 1], &Vector3::new(0.2, 0.2, 1e-3)).unwrap();
+    let plate = world.add_shape("plate", &plate.surface().unwrap()).unwrap();
+    let place = at(Vector3::new(-0.1, -0.1, -1e-3));
+    let spec = BodySpec::at_rest(plate, DENSITY, place);
+    world.add_driven_body(spec, Drive::Fixed).unwrap();
+    world.step().unwrap();
+    assert!(world.time_step() < 0.4 * thick);
+    run_until(&mut world, 0.02);
+    let speed = world.velocity(body).unwrap().z;
+    assert!((speed - 1.0).abs() < 0.02, "{speed}");
+}
+
+/// A soft body that is slow in itself and thrown fast at the floor comes back from it.
+#[test]
+fn fast_nodes_do_not_go_through_the_floor() {
+    let mut p = weightless(1e6, 0.0, 0.0);
+    p.time_step.safety = 0.5;
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let mesh = TetMesh::block([1, 1, 1], &Vector3::new(1.0, 1.0, 0.02)).unwrap();
+    let region = MaterialRegion {
+        material: NeoHookean::new(1e5, 0.0).unwrap().into(),
+        density: 1000.0,
+    };
+    let model = DeformableModel::new(&mesh, Element::T4, vec![region], None).unwrap();
+    let inradius = 0.01;
+    let model = world
+        .add_model("sheet", model, ContactStiffness::Penalty(1e6))
+        .unwrap();
+    let spec = DeformableSpec {
+        velocity: -Vector3::z() * 8.0,
+        ..DeformableSpec::at_rest(model, at(Vector3::z() * 0.03))
+    };
+    world.add_deformable(spec).unwrap();
+    world.step().unwrap();
+    assert!(world.time_step() * 8.0 <= 0.1 * inradius * 1.001);
+    run_until(&mut world, 0.05);
+    let body = world.deformable(0).unwrap();
+    assert!(body.momentum().z > 0.0 && body.centroid().z > 0.0);
 }

@@ -231,6 +231,22 @@ impl Boundary {
         posed
     }
 
+    /// The same with motions counted from time `t` (s): what is driven is then at the places that it was given, and
+    /// goes on from there by what is left of its motion.
+    #[must_use]
+    pub fn counted_from(&self, t: f64) -> Self {
+        let mut counted = self.clone();
+        let driven: Vec<_> = self.drives.iter().map(|drive| drive.at(t)).collect();
+        for hold in &mut counted.holds {
+            let here = Pose::from_parts(Translation3::from(hold.place), Rotation::identity());
+            hold.place = driven[hold.drive as usize]
+                .base_of(&here)
+                .translation
+                .vector;
+        }
+        counted
+    }
+
     /// Refuses conditions on nodes that a model has not.
     pub(crate) fn check(&self, model: &DeformableModel) -> Result<(), SolveError> {
         let count = model.nodes().len();

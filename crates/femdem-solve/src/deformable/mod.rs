@@ -214,6 +214,8 @@ impl DeformableModel {
             region.material.bind(laws)?;
         }
         self.history_stride = build::history_stride(&self.regions);
+        // Bounds of the step and weights of the nodes follow the laws' moduli.
+        self.lump();
         Ok(())
     }
 

@@ -9,6 +9,7 @@
 //! All decisions are functions of the state, so they are the same in every run.
 
 use super::World;
+use super::deformables::all_loads;
 use crate::body::Means;
 use crate::error::SolveError;
 use crate::parameters::{SleepParameters, WorldParameters};
@@ -256,7 +257,7 @@ impl World {
     /// Whether more of the awake bodies are losing kinetic energy than gaining it; driven ones do
     /// not count. A count instead of the total energy: a single body in motion does not decide.
     pub fn is_slowing(&self) -> bool {
-        let loads = self.batch.loads();
+        let loads = all_loads(&self.batch, self.deformables.as_deref());
         let balance: i64 = self
             .awake
             .iter()

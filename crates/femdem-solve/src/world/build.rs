@@ -31,6 +31,7 @@ impl World {
             steps: 0,
             step_control: super::time_step::StepControl::default(),
             loaded: false,
+            behind: 0.0,
             initial_energy: 0.0,
             flows: Flows::default(),
             deformables: None,
@@ -49,6 +50,7 @@ impl World {
             ..self.parameters
         };
         parameters.validate()?;
+        self.restored()?;
         self.wake_all();
         if !self.loaded {
             self.evaluate(0.0)?;
@@ -106,6 +108,7 @@ impl World {
 
     pub(super) fn replace(&mut self, parameters: WorldParameters) -> Result<(), SolveError> {
         let law = parameters.validate()?;
+        self.restored()?;
         self.parameters = parameters;
         self.batch.set_law(law);
         if let Some(deformables) = &mut self.deformables {
@@ -113,7 +116,7 @@ impl World {
         }
         self.loaded = false;
         self.step_control.forget();
-        self.shapes_to_step_control()?;
+        self.tell_step_control();
         Ok(())
     }
 
@@ -150,6 +153,7 @@ impl World {
 
     fn insert_shape(&mut self, shape: Shape) -> Result<ShapeId, SolveError> {
         let contact = shape.contact()?;
+        self.restored()?;
         self.shapes.push(shape);
         if let Some(deformables) = &mut self.deformables {
             deformables.batch.add_rigid_shape(contact.clone())?;
@@ -183,15 +187,10 @@ impl World {
                 count: self.shapes.len(),
             });
         };
-        // A world that was read has no contact shapes before it is restored.
-        let Some(contact) = self.batch.shapes().get(spec.shape as usize) else {
-            return Err(SolveError::NoSuch {
-                what: "restored shape",
-                index: spec.shape as usize,
-                count: 0,
-            });
-        };
+        self.restored()?;
+        let contact = &self.batch.shapes()[spec.shape as usize];
         let mut body = Body::new(&spec, shape, contact.radius())?;
+        let thinner = self.step_control.meet(contact);
         if let Some(drive) = drive {
             let (driven, place) = (drive.at(self.time), body.place());
             body.driven = Some(Box::new((drive, driven.base_of(&place))));
@@ -211,6 +210,9 @@ impl World {
         self.bodies.push(body);
         self.awake.push(id);
         self.loaded = false;
+        if thinner {
+            self.tell_step_control();
+        }
         Ok(id)
     }
 
@@ -293,8 +295,27 @@ impl World {
         Ok(())
     }
 
+    /// A world that was read has no contact shapes before it is restored.
+    pub(super) fn restored(&self) -> Result<(), SolveError> {
+        let deformables = self.deformables.as_deref();
+        let soft = deformables.map_or((0, 0), |d| (d.models.len(), d.batch.shapes().len()));
+        let rigid = (self.shapes.len(), self.batch.shapes().len());
+        match [rigid, soft].into_iter().find(|(all, made)| made < all) {
+            None => Ok(()),
+            Some((count, made)) => Err(SolveError::NoSuch {
+                what: "restored shape",
+                index: count - 1,
+                count: made,
+            }),
+        }
+    }
+
     /// Tells the step control about all bodies again.
-    fn shapes_to_step_control(&mut self) -> Result<(), SolveError> {
+    fn tell_step_control(&mut self) {
+        for body in &self.bodies {
+            self.step_control
+                .meet(&self.batch.shapes()[body.shape as usize]);
+        }
         for body in self.bodies.iter().filter(|b| b.driven.is_none()) {
             let contact = &self.batch.shapes()[body.shape as usize];
             self.step_control
@@ -304,6 +325,5 @@ impl World {
         for body in deformables.map_or(&[][..], |d| &d.bodies) {
             self.step_control.see_elements(body.bound.critical_step());
         }
-        Ok(())
     }
 }

@@ -57,6 +57,8 @@ pub struct World {
     step_control: time_step::StepControl,
     /// Whether the loads belong to the present positions.
     loaded: bool,
+    /// Time by which the friction of the contacts is behind, s: implicit steps advance it in the next one.
+    behind: f64,
     initial_energy: f64,
     flows: Flows,
     /// What deforms; absent from a world of rigid bodies.

@@ -135,7 +135,8 @@ impl World {
     /// Kinetic energy of all bodies but driven ones, J.
     pub fn kinetic_energy(&self) -> f64 {
         let rigid = self.free_bodies().map(|(_, b)| b.kinetic_energy());
-        rigid.sum::<f64>() + self.deformables().map(|d| d.kinetic_energy()).sum::<f64>()
+        // A sum of nothing is -0.
+        0.0 + rigid.sum::<f64>() + self.deformables().map(|d| d.kinetic_energy()).sum::<f64>()
     }
 
     pub(super) fn free_bodies(&self) -> impl Iterator<Item = (usize, &Body)> {
@@ -258,7 +259,9 @@ impl World {
         let friction_springs = contacts.iter().map(|c| c.spring_energy).sum::<f64>()
             + soft.map_or(0.0, |t| t.spring_energy);
         let g = self.parameters.gravity;
-        let deformable = |f: &dyn Fn(Deformable) -> f64| self.deformables().map(f).sum::<f64>();
+        // A sum of nothing is -0.
+        let deformable =
+            |f: &dyn Fn(Deformable) -> f64| 0.0 + self.deformables().map(f).sum::<f64>();
         Ledger {
             initial: self.initial_energy,
             work_in: self.flows.work_in,
@@ -272,11 +275,11 @@ impl World {
                 + soft.map_or(0.0, |t| t.energy),
             strain: deformable(&|d| d.internal().energy),
             friction_springs,
-            dissipated_friction: -self.flows.friction_work - friction_springs,
-            dissipated_damping: -self.flows.damping_work,
-            dissipated_medium: -self.flows.medium_work,
-            dissipated_viscous: -self.flows.viscous_work,
-            dissipated_plastic: -self.flows.plastic_work,
+            dissipated_friction: 0.0 - self.flows.friction_work - friction_springs,
+            dissipated_damping: 0.0 - self.flows.damping_work,
+            dissipated_medium: 0.0 - self.flows.medium_work,
+            dissipated_viscous: 0.0 - self.flows.viscous_work,
+            dissipated_plastic: 0.0 - self.flows.plastic_work,
             dissipated_step: self.flows.step_loss,
             frozen: self.flows.frozen,
         }

@@ -4,13 +4,13 @@ use super::World;
 use super::deformables::{all_loads, all_wall_loads};
 use super::time_step::USUAL_MOVE;
 use crate::body::Body;
-use crate::drive::Drive;
+use crate::drive::{Drive, Driven};
 use crate::error::SolveError;
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
 use crate::rotation;
 use femdem_contact::{ContactError, Frame, Load, Wrench};
-use femdem_mesh::Vector3;
+use femdem_mesh::{Pose, Vector3};
 use std::time::Instant;
 
 /// A step that moves a body by more than this fraction of its bounding radius is a blow-up.
@@ -23,6 +23,7 @@ impl World {
     /// [`SolveError::BlowUp`] names the body, the step and the likely cause. The world is
     /// then of no further use; an earlier checkpoint is.
     pub fn step(&mut self) -> Result<(), SolveError> {
+        self.restored()?;
         if let Some(rule) = self.parameters.time_step.implicit {
             return self.step_implicit(&rule);
         }
@@ -55,13 +56,33 @@ impl World {
             self.batch
                 .largest_step(i, &self.motions[i as usize], others, most)
         });
-        let free = self.awake.iter().map(|&i| &self.bodies[i as usize]);
-        let usual = free
-            .filter(|body| body.driven.is_none())
-            .map(|body| USUAL_MOVE * body.radius / body.fastest())
-            .fold(f64::INFINITY, f64::min);
+        let usual = self.usual_step();
         self.step_control
             .choose(bound, usual, &self.parameters.time_step)
+    }
+
+    /// The step in which nothing moves far against what it may meet, s.
+    fn usual_step(&self) -> f64 {
+        let awake = self.awake.iter().map(|&i| &self.bodies[i as usize]);
+        let driven = awake.clone().filter(|body| body.driven.is_some());
+        let driven = driven.map(Body::fastest).fold(0.0, f64::max);
+        let moving = |(drive, _): &&(Drive, Pose)| *drive != Drive::Fixed;
+        let walls: Vec<Driven> = self
+            .wall_drives
+            .iter()
+            .filter(moving)
+            .map(|(drive, _)| drive.at(self.time))
+            .collect();
+        let met = |x: &Vector3, radius: f64| {
+            let speeds = walls.iter().map(|wall| wall.fastest_near(x, radius));
+            speeds.fold(driven, f64::max)
+        };
+        let rigid = awake.filter(|body| body.driven.is_none()).map(|body| {
+            let speed = body.fastest() + met(&body.position, body.radius);
+            USUAL_MOVE * body.radius / speed
+        });
+        let soft = self.deformables.as_deref().map(|d| d.usual_step(met));
+        rigid.chain(soft).fold(f64::INFINITY, f64::min)
     }
 
     /// Adds the impulse of half a step to all awake rigid bodies and books the work.
@@ -132,6 +153,8 @@ impl World {
 
     /// Moves the driven walls from the present time by `dt`.
     fn drift_walls(&mut self, dt: f64) {
+        let deformables = self.deformables.as_deref();
+        let soft = deformables.map_or(&[][..], |d| &d.bodies);
         for (motion, (drive, base)) in self.wall_motions.iter_mut().zip(&self.wall_drives) {
             let (from, driven) = (drive.at(self.time), drive.at(self.time + dt));
             if *drive == Drive::Fixed {
@@ -145,8 +168,13 @@ impl World {
             let reach = if turn == 0.0 {
                 0.0
             } else {
-                let far = |b: &Body| (b.position - driven.point).norm() + b.radius;
-                1.1 * self.bodies.iter().map(far).fold(0.0, f64::max)
+                let rigid = self
+                    .bodies
+                    .iter()
+                    .map(|b| (b.position - driven.point).norm() + b.radius);
+                let nodes = soft.iter().flat_map(|b| &b.positions);
+                let far = rigid.chain(nodes.map(|x| (x - driven.point).norm()));
+                1.1 * far.fold(0.0, f64::max)
             };
             let at = to.translation.vector;
             motion.travelled += driven.way_from(&from, reach);
@@ -177,7 +205,8 @@ impl World {
             }
         }
         let start = Instant::now();
-        let result = self.batch.update(&self.motions, &self.wall_motions, dt);
+        let since = dt + std::mem::take(&mut self.behind);
+        let result = self.batch.update(&self.motions, &self.wall_motions, since);
         self.count_contacts(start, result)?;
         self.touch_deformables(dt)
     }

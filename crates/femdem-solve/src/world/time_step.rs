@@ -15,7 +15,8 @@ const PATIENCE: u32 = 5;
 /// Fraction of its bounding radius that a body should move in a step at most.
 pub(super) const USUAL_MOVE: f64 = 0.1;
 
-/// Speed makes the step this many times shorter than stability does at most: what is faster still has blown up.
+/// Speed makes the step this many times shorter than stability does at most: what is faster still, and was not when it
+/// was added, has blown up.
 const SHORTEST: f64 = 32.0;
 
 /// The step where nothing bounds it, as nothing is free to move, s.
@@ -31,6 +32,10 @@ pub(crate) struct StepControl {
     lowest: f64,
     /// The bound of the last step, s.
     bound: f64,
+    /// Shortest step that a body that was added may ask for, s: what is launched fast has not blown up.
+    launch: f64,
+    /// Smallest length scale of the fields of all shapes in use, m.
+    thinnest: f64,
 }
 
 impl Default for StepControl {
@@ -41,6 +46,8 @@ impl Default for StepControl {
             patience: 0,
             lowest: f64::INFINITY,
             bound: f64::INFINITY,
+            launch: f64::INFINITY,
+            thinnest: f64::INFINITY,
         }
     }
 }
@@ -61,17 +68,30 @@ impl StepControl {
         *self = Self::default();
     }
 
-    /// Lowers the cap for a body: one contact over its stiffest side against an equal body.
+    /// Takes note of a shape in use. Whether its field is steeper than all before: all bodies must then be
+    /// [seen](Self::see) again.
+    pub(crate) fn meet(&mut self, shape: &BodyShape) -> bool {
+        let length = shape.inradius();
+        let thinner = length < self.thinnest;
+        self.thinnest = self.thinnest.min(length);
+        thinner
+    }
+
+    /// Lowers the cap for a body: one contact over its stiffest side against an equal body, or one as thin as the
+    /// thinnest there is.
     pub(crate) fn see(&mut self, shape: &BodyShape, body: &Body, law: &ContactParameters) {
-        let stiffness = shape.face_stiffness() * law.penalty;
+        let length = shape.inradius();
+        let steeper = 0.5 * (1.0 + length / self.thinnest.min(length));
+        let stiffness = shape.face_stiffness() * steeper * law.penalty;
         let frequency2 = 2.0 * stiffness / body.mass;
         let rate = 2.0 * law.damping_ratio * frequency2.sqrt();
         self.cap = self.cap.min(stable_step(frequency2, rate));
-        // A body launched fast may not cross a fraction of its own size in a step.
-        let speed = body.velocity.norm();
-        if speed > 0.0 {
-            self.cap = self.cap.min(USUAL_MOVE * body.radius / speed);
-        }
+        self.see_launch(USUAL_MOVE * body.radius / body.fastest());
+    }
+
+    /// Allows steps as short as the speed of something new asks for, s.
+    pub(crate) fn see_launch(&mut self, usual: f64) {
+        self.launch = self.launch.min(usual);
     }
 
     /// The largest step that may be chosen, s.
@@ -105,7 +125,8 @@ impl StepControl {
         let top = self.top(parameters);
         self.bound = bound;
         let stable = top.min(parameters.safety * self.bound);
-        let allowed = on_level(top, stable.min(usual.max(stable / SHORTEST)));
+        let shortest = self.launch.min(stable / SHORTEST);
+        let allowed = on_level(top, stable.min(usual.max(shortest)));
         if allowed <= self.current || self.current == 0.0 || self.current > top {
             self.current = allowed;
             self.patience = 0;

@@ -6,6 +6,7 @@ use crate::deformable::{Boundary, DeformableModel, NodalBound};
 use crate::error::{SolveError, check};
 use crate::material::{Deformation, Material};
 use crate::world::World;
+use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, DeformablePartner};
 use femdem_contact::{BodyShape, ContactBatch, ContactLaw, Field, Form};
 use femdem_mesh::nalgebra::Matrix6;
@@ -64,7 +65,8 @@ impl World {
         Ok(deformables.models.len() as u32 - 1)
     }
 
-    /// Adds a deformable body and returns its index.
+    /// Adds a deformable body and returns its index. Motions of its boundary count from its pose at this moment,
+    /// as those of walls and driven bodies do.
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown model, [`SolveError::Parameter`] for a pose or velocity
@@ -82,7 +84,7 @@ impl World {
                 count,
             });
         };
-        let mut state = State::new(&spec, &model.model)?;
+        let mut state = State::new(&spec, &model.model, time)?;
         let body = deformables.bodies.len();
         state.bound = model
             .model
@@ -91,11 +93,14 @@ impl World {
         let masses = model.model.masses();
         let energy = state.kinetic_energy(masses) + state.potential(masses, &gravity);
         let bound = state.bound.critical_step();
-        let modulus = model.modulus(&deformables.batch.shapes()[spec.model as usize], penalty);
+        let shape = &deformables.batch.shapes()[spec.model as usize];
+        let launch = USUAL_MOVE * shape.inradius() / state.fastest;
+        let modulus = model.modulus(shape, penalty);
         let id = deformables.batch.add_body(spec.model, modulus)?;
         deformables.bodies.push(state);
         self.initial_energy += energy;
         self.step_control.see_elements(bound);
+        self.step_control.see_launch(launch);
         self.loaded = false;
         Ok(id)
     }
@@ -121,6 +126,7 @@ impl World {
 
     /// The deformable part, which knows all that is rigid.
     fn deformables_mut(&mut self) -> Result<&mut Deformables, SolveError> {
+        self.restored()?;
         let law = ContactLaw::new(self.parameters.contact)?;
         if self.deformables.is_none() {
             let new = Deformables::new(law, &self.batch, &self.bodies)?;
@@ -136,7 +142,7 @@ impl World {
 }
 
 impl State {
-    fn new(spec: &DeformableSpec, model: &DeformableModel) -> Result<Self, SolveError> {
+    fn new(spec: &DeformableSpec, model: &DeformableModel, time: f64) -> Result<Self, SolveError> {
         for (name, v) in [
             ("pose.translation", spec.pose.translation.vector),
             ("velocity", spec.velocity),
@@ -151,12 +157,14 @@ impl State {
         let positions: Vec<Vector3> = model.nodes().iter().map(place).collect();
         let centre = centroid(&positions, model.masses());
         let velocity = |x: &Vector3| spec.velocity + spec.angular_velocity.cross(&(x - centre));
-        let velocities: Vec<Vector3> = positions.iter().map(velocity).collect();
-        let boundary = spec.boundary.posed(&spec.pose);
+        let mut velocities: Vec<Vector3> = positions.iter().map(velocity).collect();
+        let boundary = spec.boundary.posed(&spec.pose).counted_from(time);
         boundary.check(model)?;
+        boundary.for_held(time, |a, i, _, velocity| velocities[a][i] = velocity);
         Ok(Self {
             model: spec.model,
             held_energy: held_energy(&boundary, model.masses(), &velocities),
+            fastest: velocities.iter().map(Vector3::norm).fold(0.0, f64::max),
             velocities,
             inverse_masses: inverse_masses(model.masses(), &boundary),
             history: vec![0.0; model.history_len()],

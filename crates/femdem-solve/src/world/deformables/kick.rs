@@ -122,7 +122,8 @@ impl State {
         flows
     }
 
-    /// Half a kick. Works are the forces times the mean of the velocities before and after.
+    /// Half a kick. Works are the forces times the mean of the velocities before and after. What is held or
+    /// driven keeps its velocity: its support takes up all that acts on it, and the medium does not.
     fn kick(
         &mut self,
         contact: &Contact,
@@ -132,36 +133,30 @@ impl State {
         h: f64,
     ) -> Flows {
         let mut flows = Flows::default();
-        let held: Vec<(usize, usize, f64)> = self
-            .boundary
-            .held()
-            .map(|(node, i)| (node as usize, i, self.velocities[node as usize][i]))
-            .collect();
+        let mut held = self.boundary.held().peekable();
         let (decay, reach) = relaxation(medium.drag, h);
         for (a, v) in self.velocities.iter_mut().enumerate() {
-            let before = *v;
-            let m = masses[a];
-            let force = self.strain_forces[a] + self.loads[a] + contact.forces[a] + gravity * m;
+            let (before, m) = (*v, masses[a]);
+            let mut force = self.strain_forces[a] + self.loads[a] + contact.forces[a] + gravity * m;
             if *medium == Medium::default() {
                 *v += force * (h / m);
             } else {
                 let resisted = resist(&force, &before, medium.local_damping);
                 *v = before * decay + resisted * (reach / m);
-                let gained = 0.5 * m * (v.norm_squared() - before.norm_squared());
-                flows.medium_work += gained - force.dot(&(before + *v)) * (0.5 * h);
+            }
+            while let Some((_, i)) = held.next_if(|&(node, _)| node as usize == a) {
+                v[i] = before[i];
+                flows.work_in -= force[i] * before[i] * h;
+                force[i] = 0.0;
             }
             let way = (before + *v) * (0.5 * h);
             flows.work_in += self.loads[a].dot(&way);
             flows.damping_work += contact.damping[a].dot(&way);
             flows.friction_work += contact.friction[a].dot(&way);
-        }
-        for (a, i, before) in held {
-            let (m, v) = (masses[a], self.velocities[a][i]);
-            let force =
-                self.strain_forces[a][i] + self.loads[a][i] + contact.forces[a][i] + gravity[i] * m;
-            // What the support takes up, and what the node's own load did less than was booked.
-            flows.work_in -= force * before * h + self.loads[a][i] * 0.5 * (v - before) * h;
-            self.velocities[a][i] = before;
+            if *medium != Medium::default() {
+                let gained = 0.5 * m * (v.norm_squared() - before.norm_squared());
+                flows.medium_work += gained - force.dot(&way);
+            }
         }
         flows
     }

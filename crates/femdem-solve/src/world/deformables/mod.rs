@@ -120,6 +120,8 @@ pub(crate) struct State {
     pub loads: Vec<Vector3>,
     /// Kinetic energy of prescribed nodes at the end of the last step, J.
     pub held_energy: f64,
+    /// Largest speed of a node in the last step, m/s.
+    pub fastest: f64,
     /// Energies at the present positions; that of a batch of elements is computed when asked for.
     pub internal: InternalState,
     /// Bound of the elements, when it was last renewed, and the same by nodes.

@@ -183,8 +183,9 @@ impl World {
         self.deformables.as_ref().map(|d| d.batch.totals())
     }
 
-    /// Replaces what is prescribed at a deformable body. Motions count from the places that the
-    /// boundary was given (see [`Boundary::drive_from`]). What its nodes gain or lose in kinetic
+    /// Replaces what is prescribed at a deformable body. Motions are at the places that the boundary was given (see
+    /// [`Boundary::drive_from`]) before they begin: one that has begun is ahead of them by now, unless it
+    /// is [counted from](Boundary::counted_from) this moment. What its nodes gain or lose in kinetic
     /// energy by being held is on the books as work.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ use super::{Deformables, RENEW, Scratch, State};
 use crate::deformable::DeformableModel;
 use crate::error::SolveError;
 use crate::world::World;
+use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, NodalState};
 use femdem_contact::{ContactBatch, ContactError, Load, Motion, stable_step};
 use femdem_mesh::Vector3;
@@ -15,7 +16,7 @@ pub(in crate::world) fn all_loads<'a>(
     batch: &'a ContactBatch,
     deformables: Option<&'a Deformables>,
 ) -> &'a [Load] {
-    deformables.map_or(batch.loads(), |d| &d.loads)
+    summed(batch, deformables).map_or(batch.loads(), |d| &d.loads)
 }
 
 /// Loads of the walls by all contacts.
@@ -23,7 +24,17 @@ pub(in crate::world) fn all_wall_loads<'a>(
     batch: &'a ContactBatch,
     deformables: Option<&'a Deformables>,
 ) -> &'a [Load] {
-    deformables.map_or(batch.wall_loads(), |d| &d.wall_loads)
+    summed(batch, deformables).map_or(batch.wall_loads(), |d| &d.wall_loads)
+}
+
+/// The deformable part, if its sums are of all that is there: not before the first evaluation of what was added.
+fn summed<'a>(
+    batch: &ContactBatch,
+    deformables: Option<&'a Deformables>,
+) -> Option<&'a Deformables> {
+    deformables.filter(|d| {
+        d.loads.len() == batch.loads().len() && d.wall_loads.len() == batch.wall_loads().len()
+    })
 }
 
 impl World {
@@ -71,6 +82,7 @@ impl World {
         let kick = Kick::new(batch, &self.parameters, 0.5 * dt);
         let results = on_each_with(bodies, Scratch::default, |scratch, i, body| {
             let model = &models[body.model as usize].model;
+            body.aim(dt, time);
             let flows = kick.apply(i, body, model);
             body.drift(dt, time);
             (flows, body.strain(model, scratch, time, renew))
@@ -143,6 +155,18 @@ impl World {
 }
 
 impl Deformables {
+    /// The step in which no node moves far over the depth of its body against what is `met` (speed, m/s, of what is
+    /// near a point, m, within a radius, m), s.
+    pub(in crate::world) fn usual_step(&self, met: impl Fn(&Vector3, f64) -> f64) -> f64 {
+        let bodies = self.bodies.iter().map(|body| {
+            let shape = &self.batch.shapes()[body.model as usize];
+            let centre = body.positions.first().copied().unwrap_or_default();
+            let speed = body.fastest + met(&centre, 2.0 * shape.radius());
+            USUAL_MOVE * shape.inradius() / speed
+        });
+        bodies.fold(f64::INFINITY, f64::min)
+    }
+
     /// Forces of the contacts.
     pub(in crate::world) fn touch(
         &mut self,
@@ -252,21 +276,30 @@ impl State {
         Ok(())
     }
 
+    /// Gives what is prescribed the mean velocity of its way to where it has to be at time `end`: both halves of
+    /// the step book the work on it along that way.
+    fn aim(&mut self, dt: f64, end: f64) {
+        let (positions, velocities) = (&self.positions, &mut self.velocities);
+        self.boundary.for_held(end, |a, i, place, _| {
+            velocities[a][i] = (place - positions[a][i]) / dt;
+        });
+    }
+
     /// Moves the nodes; those that are prescribed go where they have to be at time `end`.
     fn drift(&mut self, dt: f64, end: f64) {
         let Self {
-            boundary,
             positions,
             velocities,
             ..
         } = self;
-        boundary.for_held(end, |a, i, place, _| {
-            velocities[a][i] = (place - positions[a][i]) / dt;
-        });
+        let mut fastest2 = 0.0_f64;
         for (x, v) in positions.iter_mut().zip(velocities.iter()) {
             *x += v * dt;
+            fastest2 = fastest2.max(v.norm_squared());
         }
-        boundary.for_held(end, |a, i, place, _| positions[a][i] = place);
+        self.fastest = fastest2.sqrt();
+        self.boundary
+            .for_held(end, |a, i, place, _| self.positions[a][i] = place);
     }
 
     /// Velocities of prescribed nodes at time `time`; returns the kinetic energy that they gained

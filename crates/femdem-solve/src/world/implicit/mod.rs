@@ -58,7 +58,7 @@ impl World {
             deformable == 0,
             "0: implicit steps are for rigid bodies",
         )?;
-        let since = self.time_since_contacts();
+        let since = std::mem::take(&mut self.behind);
         let mut dt = self.choose_implicit_step(rule);
         if self.wake_for_drives(dt) {
             dt = self.choose_implicit_step(rule);
@@ -78,18 +78,10 @@ impl World {
         self.steps += 1;
         // The contacts on record are not those of the present positions.
         self.loaded = false;
+        self.behind = dt;
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
         Ok(())
-    }
-
-    /// Time since the torsion of the contacts was advanced, s.
-    fn time_since_contacts(&self) -> f64 {
-        if self.loaded {
-            0.0
-        } else {
-            self.step_control.current()
-        }
     }
 
     /// Evaluates the contacts that there are, and those that would close within the step. Leaves free bodies
