@@ -134,7 +134,7 @@ pub fn write(body: &Polyhedron, writer: impl Write) -> Result<(), MeshError> {
 ///
 /// # Errors
 ///
-/// If writing fails or a pose is not finite.
+/// If writing fails, or a pose is not finite or no rigid motion.
 pub fn write_posed<'a>(
     bodies: impl IntoIterator<Item = (&'a Polyhedron, &'a Pose)>,
     mut writer: impl Write,

@@ -117,7 +117,7 @@ pub fn write_binary(body: &Polyhedron, writer: impl Write) -> Result<(), MeshErr
 ///
 /// # Errors
 ///
-/// If writing fails, a pose is not finite, there are more than 2^32 - 1 triangles, or a coordinate is too large for
+/// If writing fails, a pose is not finite or no rigid motion, there are more than 2^32 - 1 triangles, or a coordinate is too large for
 /// single precision.
 pub fn write_binary_posed<'a>(
     bodies: impl IntoIterator<Item = (&'a Polyhedron, &'a Pose)>,
@@ -172,7 +172,7 @@ pub fn write_ascii(body: &Polyhedron, writer: impl Write) -> Result<(), MeshErro
 ///
 /// # Errors
 ///
-/// If writing fails or a pose is not finite.
+/// If writing fails, or a pose is not finite or no rigid motion.
 pub fn write_ascii_posed<'a>(
     bodies: impl IntoIterator<Item = (&'a Polyhedron, &'a Pose)>,
     mut writer: impl Write,

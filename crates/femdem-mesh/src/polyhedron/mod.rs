@@ -6,7 +6,7 @@ mod topology;
 mod triangulate;
 
 use crate::bvh::{Aabb, Bvh};
-use crate::{MassProperties, MeshError, Point3, Pose, Vector3, merge};
+use crate::{MassProperties, MeshError, Point3, Pose, Vector3, merge, unit_pose};
 pub(crate) use planes::Plane;
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
@@ -302,10 +302,12 @@ impl Polyhedron {
 
     /// The body after a rigid motion.
     ///
-    /// The pose is taken as it is: one that is not finite, or carries the body so far from the
-    /// origin that its coordinates lose their digits, gives a body that
-    /// [`new`](Self::new) would refuse.
+    /// A quaternion whose length differs from 1 by up to 1e-6 is made of unit length
+    /// ([`unit_pose`]). Otherwise the pose is taken as it is: one that is not finite
+    /// or no rotation, or carries the body so far from the origin that its coordinates lose their digits,
+    /// gives a body that [`new`](Self::new) would refuse, or one of another form.
     pub fn transformed(&self, pose: &Pose) -> Self {
+        let pose = unit_pose(pose).unwrap_or(*pose);
         let vertices = self.vertices.iter().map(|v| pose * v).collect();
         Self::from_valid(vertices, self.corners.clone(), self.starts.clone())
     }

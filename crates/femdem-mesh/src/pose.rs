@@ -1,0 +1,41 @@
+//! Poses that callers hand in.
+
+use crate::{Pose, Rotation};
+
+/// Largest amount by which the length of a quaternion may differ from 1.
+pub(crate) const QUATERNION_TOLERANCE: f64 = 1e-6;
+
+/// Squared lengths this near to 1 are those of unit quaternions to rounding.
+const EXACT: f64 = 1e-14;
+
+/// The pose as a rigid motion to rounding: with its quaternion made of unit length, or as it is, bit for
+/// bit, where it has it already. None if the pose is not finite, or the length of its quaternion
+/// differs from 1 by more than 1e-6.
+///
+/// Nothing makes sure of a [`Pose`] that was read from a file or made without a check, and one whose
+/// quaternion is too long or short distorts what it moves.
+///
+/// ```
+/// use femdem_mesh::nalgebra::{Quaternion, UnitQuaternion};
+/// use femdem_mesh::{Pose, unit_pose};
+///
+/// let mut pose = Pose::translation(1.0, 2.0, 3.0);
+/// assert_eq!(unit_pose(&pose), Some(pose));
+/// pose.rotation = UnitQuaternion::new_unchecked(Quaternion::new(1.0 + 1e-7, 0.0, 0.0, 0.0));
+/// assert_eq!(unit_pose(&pose), Some(Pose::translation(1.0, 2.0, 3.0)));
+/// pose.rotation = UnitQuaternion::new_unchecked(Quaternion::new(2.0, 0.0, 0.0, 0.0));
+/// assert_eq!(unit_pose(&pose), None);
+/// ```
+pub fn unit_pose(pose: &Pose) -> Option<Pose> {
+    let square = pose.rotation.coords.norm_squared();
+    // Written so that NaN fails it too.
+    let near = (square.sqrt() - 1.0).abs() <= QUATERNION_TOLERANCE;
+    if !near || pose.translation.vector.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    if (square - 1.0).abs() <= EXACT {
+        return Some(*pose);
+    }
+    let rotation = Rotation::new_normalize(*pose.rotation.quaternion());
+    Some(Pose::from_parts(pose.translation, rotation))
+}
