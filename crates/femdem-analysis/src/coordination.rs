@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::AnalysisError;
+use crate::network::check_threshold;
 use crate::table::{Cell, Table};
 
 /// What a body touches.
@@ -29,7 +30,7 @@ pub struct Touch {
 /// How [`coordination`] counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CoordinationOptions<'a> {
-    /// A pair counts when the sum of its normal forces is above this (N). Default 0.
+    /// A pair counts when the sum of its normal forces is above this (N); 0 or more. Default 0.
     pub force_threshold: f64,
     /// The bodies to average over, for instance those of
     /// [`Pack::bodies_in`](crate::Pack::bodies_in); repeats count once. `None`: all.
@@ -77,20 +78,13 @@ pub struct Coordination {
 ///
 /// # Errors
 /// [`AnalysisError::BodyIndex`], [`AnalysisError::SelfTouch`], [`AnalysisError::TouchForce`], and
-/// [`AnalysisError::Option`] for a threshold that is not finite.
+/// [`AnalysisError::Option`] for a threshold that is below zero or not finite.
 pub fn contact_counts(
     bodies: usize,
     touches: &[Touch],
     force_threshold: f64,
 ) -> Result<Vec<ContactCount>, AnalysisError> {
-    if !force_threshold.is_finite() {
-        let allowed = "finite (N)";
-        return Err(AnalysisError::Option {
-            name: "force_threshold",
-            value: force_threshold,
-            allowed,
-        });
-    }
+    check_threshold(force_threshold)?;
     let mut pairs = Vec::with_capacity(touches.len());
     for (index, touch) in touches.iter().enumerate() {
         check(index, touch, bodies)?;

@@ -26,10 +26,17 @@ pub enum AnalysisError {
         shapes: usize,
     },
     /// A pose holds NaN or infinity, or its rotation is not of unit length.
-    #[error("body {body} has a pose that is not finite or whose quaternion is not of unit length")]
+    #[error(
+        "body {body} has the translation {translation:?} m and a quaternion of length {length}; they must be finite \
+         and 1 to 1e-6"
+    )]
     Pose {
         /// Index of the body.
         body: usize,
+        /// Its translation (m).
+        translation: [f64; 3],
+        /// Length of its quaternion.
+        length: f64,
     },
     /// A region with NaN, infinity, or no volume.
     #[error("region: {name} = {value} is not allowed; it must be {allowed}")]
@@ -142,22 +149,26 @@ pub enum AnalysisError {
         force: f64,
     },
     /// A body of a force network with a number out of its range.
-    #[error("body {index}: its {name} is not allowed; it must be {allowed}")]
+    #[error("body {index}: its {name} = {value} is not allowed; it must be {allowed}")]
     Body {
         /// Index of the body.
         index: usize,
         /// Name of the quantity.
         name: &'static str,
+        /// Its value.
+        value: f64,
         /// What is allowed.
         allowed: &'static str,
     },
     /// A contact of a force network with a number out of its range.
-    #[error("contact {index}: its {name} is not allowed; it must be {allowed}")]
+    #[error("contact {index}: its {name} = {value} is not allowed; it must be {allowed}")]
     Contact {
         /// Index of the contact.
         index: usize,
         /// Name of the quantity.
         name: &'static str,
+        /// Its value.
+        value: f64,
         /// What is allowed.
         allowed: &'static str,
     },

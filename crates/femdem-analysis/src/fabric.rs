@@ -30,9 +30,10 @@ pub struct Fabric {
 /// Fabric of the touching pairs of bodies, walls left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactFabric {
-    /// Of the contact normals, one for each contact.
+    /// Of the contact normals, one for each contact: a pair that meets in several patches counts with each, however
+    /// weak it is.
     pub normals: Fabric,
-    /// Of the contact normals, each weighed with its normal force.
+    /// Of the same, each weighed with its normal force, or with 0 where it pulls.
     pub forces: Fabric,
     /// Of the branches, the lines from centre to centre, one for each touching pair.
     pub branches: Fabric,
@@ -61,10 +62,11 @@ pub struct ContactFabric {
 /// ```
 #[must_use]
 pub fn contact_fabric(network: &ForceNetwork) -> ContactFabric {
-    let between = network.contacts().iter().filter(|contact| {
-        matches!(contact.second, Partner::Body(_))
-            && contact.normal_force > network.force_threshold()
-    });
+    let between = || {
+        network
+            .touching_contacts()
+            .filter(|contact| matches!(contact.second, Partner::Body(_)))
+    };
     let branch = |(i, j, _): (u32, u32, _)| {
         let line = network.centre(j) - network.centre(i);
         let length = line.norm();
@@ -74,8 +76,8 @@ pub fn contact_fabric(network: &ForceNetwork) -> ContactFabric {
     // Not `sum`, which is -0 without branches.
     let lengths = branches.iter().fold(0.0, |sum, branch| sum + branch.1);
     ContactFabric {
-        normals: Fabric::of(between.clone().map(|c| (c.normal, 1.0))),
-        forces: Fabric::of(between.map(|c| (c.normal, c.normal_force.max(0.0)))),
+        normals: Fabric::of(between().map(|c| (c.normal, 1.0))),
+        forces: Fabric::of(between().map(|c| (c.normal, c.normal_force.max(0.0)))),
         mean_branch: lengths / (branches.len() as f64).max(1.0),
         branches: Fabric::of(branches.into_iter().map(|(line, _)| (line, 1.0))),
     }

@@ -35,7 +35,8 @@ pub struct PairOverlaps {
 impl PairOverlaps {
     /// Sum of the shared volumes (m³).
     pub fn total(&self) -> f64 {
-        self.pairs.iter().map(|p| p.volume).sum()
+        // Not `sum`, which is -0 without pairs.
+        self.pairs.iter().fold(0.0, |sum, pair| sum + pair.volume)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The input: shapes and posed bodies, checked once.
 
 use femdem_mesh::bvh::{Aabb, Bvh};
-use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
+use femdem_mesh::{Point3, Polyhedron, Pose, Vector3, unit_pose};
 use serde::{Deserialize, Serialize};
 
 use crate::bounds::Bounds;
@@ -55,12 +55,16 @@ const MOST_PLANES: usize = 64;
 pub struct Pack<'a> {
     shapes: &'a [Polyhedron],
     bodies: &'a [PosedBody],
+    /// Their poses, with quaternions of unit length to rounding.
+    poses: Vec<Pose>,
     data: Vec<ShapeData>,
     bounds: Vec<Bounds>,
 }
 
 impl<'a> Pack<'a> {
     /// Checks indices and poses. A pack without bodies is allowed here and refused by what needs one.
+    /// Quaternions that differ a little from unit length are made of it in all that follows, so that they turn
+    /// bodies without stretching them.
     ///
     /// # Errors
     /// [`AnalysisError::TooManyBodies`], [`AnalysisError::ShapeIndex`], or [`AnalysisError::Pose`]
@@ -71,6 +75,7 @@ impl<'a> Pack<'a> {
                 bodies: bodies.len(),
             });
         }
+        let mut poses = Vec::with_capacity(bodies.len());
         let mut bounds = Vec::with_capacity(bodies.len());
         for (i, body) in bodies.iter().enumerate() {
             let Some(shape) = shapes.get(body.shape as usize) else {
@@ -80,19 +85,21 @@ impl<'a> Pack<'a> {
                     shapes: shapes.len(),
                 });
             };
-            // Written so that NaN fails it too.
-            let unit = (body.pose.rotation.coords.norm() - 1.0).abs() <= 1e-6;
-            if !unit || body.pose.translation.vector.iter().any(|x| !x.is_finite()) {
-                return Err(AnalysisError::Pose { body: i });
-            }
-            bounds.push(Bounds::around(
-                shape.vertices().iter().map(|v| body.pose * v),
-            ));
+            let Some(pose) = unit_pose(&body.pose) else {
+                return Err(AnalysisError::Pose {
+                    body: i,
+                    translation: body.pose.translation.vector.into(),
+                    length: body.pose.rotation.coords.norm(),
+                });
+            };
+            poses.push(pose);
+            bounds.push(Bounds::around(shape.vertices().iter().map(|v| pose * v)));
         }
         let data = shapes.iter().map(ShapeData::new).collect();
         Ok(Self {
             shapes,
             bodies,
+            poses,
             data,
             bounds,
         })
@@ -158,8 +165,8 @@ impl<'a> Pack<'a> {
         &self.shapes[self.bodies[body].shape as usize]
     }
 
-    pub(crate) fn pose(&self, body: usize) -> &'a Pose {
-        &self.bodies[body].pose
+    pub(crate) fn pose(&self, body: usize) -> &Pose {
+        &self.poses[body]
     }
 
     pub(crate) fn bounds(&self, body: usize) -> &Bounds {

@@ -20,6 +20,9 @@ use crate::table::{Cell, Table};
 /// Most bins.
 const MOST_BINS: f64 = 10_000.0;
 
+/// Shortest and longest distances (m) whose cubes are numbers.
+const LENGTHS: std::ops::RangeInclusive<f64> = 1e-90..=1e90;
+
 /// How [`radial_distribution`] measures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -96,12 +99,14 @@ pub struct RadialDistribution {
 ///
 /// # Errors
 /// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`], [`AnalysisError::RegionKind`] for a region that is no box,
-/// [`AnalysisError::TooFewBodies`] for fewer than two in it, [`AnalysisError::Option`], also for more than 10,000 bins.
+/// [`AnalysisError::TooFewBodies`] for fewer than two in it, [`AnalysisError::Option`], also for more than 10,000 bins
+/// and for lengths beyond 1e-90 to 1e90 m.
 pub fn radial_distribution(
     pack: &Pack,
     region: &Region,
     options: &RadialOptions,
 ) -> Result<RadialDistribution, AnalysisError> {
+    region.validate()?;
     let diameter = pack.mean_diameter()?;
     let blocks = Blocks::over(region, diameter, options.bootstrap)?;
     let Region::Box { min, max } = *region else {
@@ -110,7 +115,7 @@ pub fn radial_distribution(
             instead: "a box",
         });
     };
-    let bins = options.bins()?;
+    let bins = options.bins(diameter)?;
     let width = options.reach_over_d * diameter / bins as f64;
     let centroids = pack.centroids();
     let points: Vec<Point3> = centroids
@@ -207,21 +212,33 @@ fn ball_in_box(clipper: &mut Clipper, centre: &Point3, radius: f64, bounds: &Bou
 }
 
 impl RadialOptions {
-    /// The number of bins.
-    fn bins(&self) -> Result<usize, AnalysisError> {
-        let bins = (self.reach_over_d / self.width_over_d).round().max(1.0);
+    /// The number of bins, with the mean diameter (m).
+    fn bins(&self, diameter: f64) -> Result<usize, AnalysisError> {
+        let refuse = |name, value, allowed| {
+            Err(AnalysisError::Option {
+                name,
+                value,
+                allowed,
+            })
+        };
         for (name, value) in [
             ("width_over_d", self.width_over_d),
             ("reach_over_d", self.reach_over_d),
         ] {
-            // Written so that NaN fails it too.
-            if !(value > 0.0 && value.is_finite() && bins <= MOST_BINS) {
-                return Err(AnalysisError::Option {
-                    name,
-                    value,
-                    allowed: "above zero, finite, and such that there are at most 10000 bins",
-                });
+            if !value.is_finite() || value <= 0.0 {
+                return refuse(name, value, "above zero and finite");
             }
+            if !LENGTHS.contains(&(value * diameter)) {
+                return refuse(name, value, "such that it is 1e-90 to 1e90 m");
+            }
+        }
+        let bins = (self.reach_over_d / self.width_over_d).round().max(1.0);
+        if bins > MOST_BINS {
+            return refuse(
+                "reach_over_d / width_over_d",
+                bins,
+                "at most 10000, the most bins",
+            );
         }
         Ok(bins as usize)
     }

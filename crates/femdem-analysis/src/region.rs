@@ -12,7 +12,7 @@ use crate::error::AnalysisError;
 ///
 /// The fields are plain data; every function that takes a region checks it first.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Region {
     /// Axis-aligned box.
     Box {

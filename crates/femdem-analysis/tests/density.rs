@@ -227,10 +227,10 @@ fn bad_input_is_refused() {
     };
     assert_eq!(Pack::new(&shapes, &missing).unwrap_err(), expected);
     let lost = [bodies[0], body(0, Pose::translation(0.0, f64::NAN, 0.0))];
-    assert_eq!(
+    assert!(matches!(
         Pack::new(&shapes, &lost).unwrap_err(),
-        AnalysisError::Pose { body: 1 }
-    );
+        AnalysisError::Pose { body: 1, .. }
+    ));
 }
 
 #[test]

@@ -195,13 +195,7 @@ pub(crate) fn by_stress(
         });
     }
     options.validate()?;
-    let mut touches = vec![false; network.bodies().len()];
-    for pair in network.pairs() {
-        touches[pair.first as usize] = true;
-        if let Partner::Body(second) = pair.second {
-            touches[second as usize] = true;
-        }
-    }
+    let touches = network.touches();
     let blocks = Blocks::of(network, options.bootstrap)?;
     let major = |body: usize| stresses.bodies[body].stress.principal[0];
     let touching = (0..touches.len()).filter(|body| touches[*body]);

@@ -115,8 +115,8 @@ impl Measured {
         let sharing = measure_pairs(pack, pairs, Some(region));
         Self {
             members,
-            body_volume: volumes.iter().sum(),
-            // Not `sum`, which is -0 without pairs.
+            // Not `sum`, which is -0 without bodies or pairs.
+            body_volume: volumes.iter().fold(0.0, |sum, volume| sum + volume),
             overlap_volume: sharing.iter().fold(0.0, |sum, (_, volume)| sum + volume),
             pairs: sharing.into_iter().map(|(pair, _)| pair).collect(),
         }

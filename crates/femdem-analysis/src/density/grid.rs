@@ -111,7 +111,8 @@ fn counting_error(
 ) -> Result<f64, AnalysisError> {
     let reaching =
         (0..pack.len()).filter(|&i| region.relation(pack.bounds(i)) != Relation::Outside);
-    let area: f64 = reaching.map(|i| pack.shape(i).area()).sum();
+    // Not `sum`, which is -0 without bodies.
+    let area = reaching.fold(0.0, |sum, i| sum + pack.shape(i).area());
     let mut variance = VOLUME_ERROR.powi(2) * step.powi(4) * area;
     match *region {
         Region::Box { .. } => {}

@@ -19,7 +19,7 @@ pub struct ForceMaxima {
     pub median: f64,
     /// The largest of all.
     pub largest: f64,
-    /// For each body; 0 for one that touches nothing.
+    /// For each body; 0 for one that touches nothing, or whose contacts with each partner cancel.
     pub bodies: Vec<f64>,
 }
 
@@ -49,14 +49,11 @@ pub fn force_maxima(
     network.need_weights()?;
     let blocks = Blocks::of(network, bootstrap)?;
     let bodies = largest_over_weight(network);
-    let touching = || bodies.iter().copied().filter(|f| *f > 0.0);
-    let centres = network.bodies().iter().map(|b| b.centre);
-    let mean = blocks.mean(
-        centres
-            .zip(bodies.iter().copied())
-            .filter(|(_, f)| *f > 0.0),
-    );
-    let mut sorted: Vec<f64> = touching().collect();
+    // Not by the force, which may be 0 where patches cancel.
+    let touches = network.touches();
+    let touching = || (0..bodies.len()).filter(|body| touches[*body]);
+    let mean = blocks.mean(touching().map(|body| (network.bodies()[body].centre, bodies[body])));
+    let mut sorted: Vec<f64> = touching().map(|body| bodies[body]).collect();
     sorted.sort_by(f64::total_cmp);
     let middle = sorted.len() / 2;
     let median = match sorted.len() {

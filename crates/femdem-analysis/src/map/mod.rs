@@ -107,7 +107,7 @@ pub fn density_map(
         .map(|extent| (extent / side).max(1.0))
         .product();
     // Written so that NaN fails it too.
-    if !(side > 0.0 && cells <= MOST_CELLS) {
+    if !(side > 0.0 && side.is_finite() && cells <= MOST_CELLS) {
         return Err(AnalysisError::Option {
             name: "cell_over_d",
             value: options.cell_over_d,

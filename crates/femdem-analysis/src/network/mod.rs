@@ -47,6 +47,7 @@ impl ForceBody {
 ///
 /// The force on `second` is `normal * normal_force + tangential`; on `first` its opposite.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ForceContact {
     /// Index of the body.
     pub first: u32,
@@ -71,6 +72,14 @@ impl ForceContact {
     #[must_use]
     pub fn force(&self) -> Vector3 {
         self.normal * self.normal_force + self.tangential
+    }
+
+    /// The two partners, as pairs have them.
+    fn pair(&self) -> (u32, Partner) {
+        match self.second {
+            Partner::Body(second) if second < self.first => (second, Partner::Body(self.first)),
+            second => (self.first, second),
+        }
     }
 }
 
@@ -113,7 +122,7 @@ impl<'a> ForceNetwork<'a> {
     ///
     /// # Errors
     /// [`AnalysisError::EmptyPack`], [`AnalysisError::TooManyBodies`], [`AnalysisError::BodyIndex`],
-    /// [`AnalysisError::SelfTouch`], [`AnalysisError::Option`] for a threshold that is not finite, and
+    /// [`AnalysisError::SelfTouch`], [`AnalysisError::Option`] for a threshold that is below zero or not finite, and
     /// [`AnalysisError::Body`] or [`AnalysisError::Contact`] naming a quantity out of its range.
     pub fn new(
         bodies: &'a [ForceBody],
@@ -128,13 +137,7 @@ impl<'a> ForceNetwork<'a> {
                 bodies: bodies.len(),
             });
         }
-        if !force_threshold.is_finite() {
-            return Err(AnalysisError::Option {
-                name: "force_threshold",
-                value: force_threshold,
-                allowed: "finite (N)",
-            });
-        }
+        check_threshold(force_threshold)?;
         for (index, body) in bodies.iter().enumerate() {
             body.check(index)?;
         }
@@ -197,6 +200,28 @@ impl<'a> ForceNetwork<'a> {
         })
     }
 
+    /// The contacts of touching pairs: every patch, however weak it is.
+    pub(crate) fn touching_contacts(&self) -> impl Iterator<Item = &'a ForceContact> {
+        self.contacts.iter().filter(|contact| {
+            let key = contact.pair();
+            self.pairs
+                .binary_search_by_key(&key, |pair| (pair.first, pair.second))
+                .is_ok()
+        })
+    }
+
+    /// Per body whether it touches anything.
+    pub(crate) fn touches(&self) -> Vec<bool> {
+        let mut touches = vec![false; self.bodies.len()];
+        for pair in &self.pairs {
+            touches[pair.first as usize] = true;
+            if let Partner::Body(second) = pair.second {
+                touches[second as usize] = true;
+            }
+        }
+        touches
+    }
+
     /// For each contact the bodies that it acts on, with the force and moment on them.
     pub(crate) fn loads(&self) -> impl Iterator<Item = Load<'a>> {
         self.contacts.iter().flat_map(|contact| {
@@ -230,6 +255,22 @@ impl<'a> ForceNetwork<'a> {
     }
 }
 
+/// Refuses a threshold of force (N) below which no pair could be, or that no number is above.
+pub(crate) fn check_threshold(force_threshold: f64) -> Result<(), AnalysisError> {
+    if force_threshold.is_finite() && force_threshold >= 0.0 {
+        return Ok(());
+    }
+    Err(AnalysisError::Option {
+        name: "force_threshold",
+        value: force_threshold,
+        allowed: "zero or more and finite (N)",
+    })
+}
+
+fn first_not_finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> Option<f64> {
+    numbers.into_iter().copied().find(|x| !x.is_finite())
+}
+
 /// What a contact does to one of its bodies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Load<'a> {
@@ -243,24 +284,25 @@ pub(crate) struct Load<'a> {
 
 impl ForceBody {
     fn check(&self, index: usize) -> Result<(), AnalysisError> {
-        let refuse = |name, allowed| {
+        let refuse = |name, value, allowed| {
             Err(AnalysisError::Body {
                 index,
                 name,
+                value,
                 allowed,
             })
         };
-        if self.centre.iter().any(|x| !x.is_finite()) {
-            return refuse("centre", "finite (m)");
+        if let Some(bad) = first_not_finite(self.centre.iter()) {
+            return refuse("centre", bad, "finite (m)");
         }
         if !self.volume.is_finite() || self.volume <= 0.0 {
-            return refuse("volume", "above zero and finite (m³)");
+            return refuse("volume", self.volume, "above zero and finite (m³)");
         }
         if !self.diameter.is_finite() || self.diameter <= 0.0 {
-            return refuse("diameter", "above zero and finite (m)");
+            return refuse("diameter", self.diameter, "above zero and finite (m)");
         }
         if !self.weight.is_finite() || self.weight < 0.0 {
-            return refuse("weight", "zero or more and finite (N)");
+            return refuse("weight", self.weight, "zero or more and finite (N)");
         }
         Ok(())
     }
@@ -268,10 +310,11 @@ impl ForceBody {
 
 impl ForceContact {
     fn check(&self, index: usize, bodies: usize) -> Result<(), AnalysisError> {
-        let refuse = |name, allowed| {
+        let refuse = |name, value, allowed| {
             Err(AnalysisError::Contact {
                 index,
                 name,
+                value,
                 allowed,
             })
         };
@@ -294,20 +337,23 @@ impl ForceContact {
                 });
             }
         }
-        if self.point.iter().any(|x| !x.is_finite()) {
-            return refuse("point", "finite (m)");
+        if let Some(bad) = first_not_finite(self.point.iter()) {
+            return refuse("point", bad, "finite (m)");
         }
         // Written so that NaN fails it too.
-        let unit = (self.normal.norm() - 1.0).abs() <= 1e-6;
+        let length = self.normal.norm();
+        let unit = (length - 1.0).abs() <= 1e-6;
         if !unit {
-            return refuse("normal", "of unit length to 1e-6");
+            return refuse("normal's length", length, "1 to 1e-6");
         }
-        let forces = self.tangential.iter().chain([&self.normal_force]);
-        if forces.into_iter().any(|x| !x.is_finite()) {
-            return refuse("force", "finite (N)");
+        if !self.normal_force.is_finite() {
+            return refuse("normal_force", self.normal_force, "finite (N)");
         }
-        if self.moment.iter().any(|x| !x.is_finite()) {
-            return refuse("moment", "finite (N m)");
+        if let Some(bad) = first_not_finite(self.tangential.iter()) {
+            return refuse("tangential", bad, "finite (N)");
+        }
+        if let Some(bad) = first_not_finite(self.moment.iter()) {
+            return refuse("moment", bad, "finite (N m)");
         }
         Ok(())
     }

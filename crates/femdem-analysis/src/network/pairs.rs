@@ -43,12 +43,8 @@ pub(super) fn of_contacts(contacts: &[ForceContact]) -> Vec<PairForce> {
 
 impl PairForce {
     fn of(contact: &ForceContact) -> Self {
-        let (first, second, sign) = match contact.second {
-            Partner::Body(second) if second < contact.first => {
-                (second, Partner::Body(contact.first), -1.0)
-            }
-            second => (contact.first, second, 1.0),
-        };
+        let (first, second) = contact.pair();
+        let sign = if first == contact.first { 1.0 } else { -1.0 };
         let class = contact.class.unwrap_or(ContactClass::Point);
         Self {
             first,

@@ -17,7 +17,7 @@ use crate::pack::Pack;
 
 /// Which directions of a body are looked at. All are axes: a direction and its opposite are the same.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum BodyAxes {
     /// The principal axis of least moment of inertia: the long axis. Without meaning for bodies of equal
     /// moments, such as the Platonic solids; take face normals for them.
@@ -70,15 +70,12 @@ pub fn body_directions(
     let of_shapes = axes_of_shapes(pack, axes)?;
     let mut found = Vec::new();
     for body in selected(pack, among)? {
-        let posed = &pack.bodies()[body as usize];
-        found.extend(
-            of_shapes[posed.shape as usize]
-                .iter()
-                .map(|axis| BodyDirection {
-                    body,
-                    direction: (posed.pose.rotation * axis).into(),
-                }),
-        );
+        let shape = pack.bodies()[body as usize].shape as usize;
+        let turn = pack.pose(body as usize).rotation;
+        found.extend(of_shapes[shape].iter().map(|axis| BodyDirection {
+            body,
+            direction: (turn * axis).into(),
+        }));
     }
     if found.is_empty() {
         return Err(no_directions(pack, axes));

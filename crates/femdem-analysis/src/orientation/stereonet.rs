@@ -66,13 +66,20 @@ pub struct Stereonet {
 
 /// Place of an axis on a Schmidt net: Lambert's equal-area projection of the lower hemisphere (z down) onto the
 /// unit disc, x to the east and y to the north. The vector need not be of unit length; a vector that points up stands
-/// for its opposite; zero is at the centre.
+/// for its opposite; zero, and what is not finite, is at the centre.
 ///
 /// ```
 /// assert_eq!(femdem_analysis::schmidt([0.0, 0.0, 1.0]), [0.0, 0.0]);
 /// assert_eq!(femdem_analysis::schmidt([2.0, 0.0, 0.0]), [1.0, 0.0]);
 /// ```
 pub fn schmidt(axis: [f64; 3]) -> [f64; 2] {
+    // Squares of lengths beyond these leave the range of numbers.
+    let largest = Vector3::from(axis).amax();
+    let axis = if (1e-100..=1e100).contains(&largest) {
+        axis
+    } else {
+        axis.map(|x| x / largest)
+    };
     let length = Vector3::from(axis).norm();
     let [x, y, z] = axis;
     // Axes that point up are turned over.

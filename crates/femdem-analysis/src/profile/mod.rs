@@ -160,7 +160,7 @@ fn profile(
     let (min, max) = region.corners();
     let bins = (max - min).amax() / width;
     // Written so that NaN fails it too.
-    if !(width > 0.0 && bins < MOST_BINS) {
+    if !(width > 0.0 && width.is_finite() && bins < MOST_BINS) {
         return Err(AnalysisError::Option {
             name: "width_over_d",
             value: options.width_over_d,

@@ -57,21 +57,8 @@ pub struct ContactClasses {
 /// ```
 #[must_use]
 pub fn contact_classes(network: &ForceNetwork) -> ContactClasses {
-    let touching = |first: u32, second: Partner| {
-        let key = match second {
-            Partner::Body(other) if other < first => (other, Partner::Body(first)),
-            _ => (first, second),
-        };
-        let pairs = network.pairs();
-        pairs
-            .binary_search_by_key(&key, |pair| (pair.first, pair.second))
-            .is_ok()
-    };
     let mut classes = ContactClasses::default();
-    for contact in network.contacts() {
-        if !touching(contact.first, contact.second) {
-            continue;
-        }
+    for contact in network.touching_contacts() {
         let side = match contact.second {
             Partner::Body(_) => &mut classes.bodies,
             Partner::Wall(_) => &mut classes.walls,

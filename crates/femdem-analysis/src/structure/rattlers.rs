@@ -9,7 +9,7 @@ use crate::network::graph::Graph;
 
 /// When a body counts as held.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SupportRule {
     /// By at least so many partners, walls among them. The usual rule for spheres; a stack of cubes
     /// fails it, from the top down.

@@ -137,7 +137,7 @@ pub fn set_voronoi(
         .map(|extent| (extent / root).max(1.0))
         .product();
     // Written so that NaN fails it too.
-    if !(root > 0.0 && roots <= MOST_ROOTS) {
+    if !(root > 0.0 && root.is_finite() && roots <= MOST_ROOTS) {
         return Err(AnalysisError::Option {
             name: "leaf_over_d",
             value: options.leaf_over_d,
@@ -178,7 +178,8 @@ pub fn set_voronoi(
     let blocks = Blocks::over(over, diameter, options.bootstrap)?;
     let mean = blocks.mean(counted().map(|c| (place(c), c.density)));
     let (density, standard_error) = blocks.ratio(counted().map(|c| (place(c), c.solid, c.volume)));
-    let squares: f64 = counted().map(|c| (c.density - mean.mean).powi(2)).sum();
+    // Not `sum`, which is -0 where no body counts.
+    let squares = counted().fold(0.0, |sum, c| sum + (c.density - mean.mean).powi(2));
     Ok(SetVoronoi {
         region: *region,
         leaf: axes.map(|a| a.step / f64::from(1_u32 << LEVELS)),
