@@ -14,10 +14,14 @@ use std::f64::consts::{PI, TAU};
 /// circle's.
 const MANTLE_FACETS: usize = 96;
 
+/// A container is wide enough for a body if it lacks no more than this part of the body's diameter, which is
+/// rounding; less than what layers of a lattice allow.
+const WIDTH_SLACK: f64 = 1e-10;
+
 /// What holds a pack. Inner dimensions in m; the floor is z = 0, the z axis is the container's
 /// axis, and the upright walls reach up without end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Container {
     /// Four walls: |x| <= width/2, |y| <= depth/2.
     Box {
@@ -46,15 +50,15 @@ pub enum Container {
 
 impl Container {
     /// Checks that the dimensions are positive and that a body of the given circumscribed
-    /// diameter fits in any orientation.
+    /// diameter (m) fits in any orientation, to rounding.
     ///
     /// # Errors
-    /// [`PackError::Parameter`] for a dimension that is not positive and finite,
-    /// [`PackError::ContainerTooNarrow`] for one smaller than a body.
+    /// [`PackError::Parameter`] for a dimension that is not positive and finite, or an outlet or angle of a silo out of
+    /// its range, [`PackError::ContainerTooNarrow`] for a dimension smaller than a body.
     pub fn validate(&self, body_diameter: f64) -> Result<(), PackError> {
         let check_side = |name: &'static str, side: &'static str, size: f64| {
             check_positive(name, size)?;
-            if size < body_diameter {
+            if size < body_diameter * (1.0 - WIDTH_SLACK) {
                 return Err(PackError::ContainerTooNarrow {
                     side,
                     size,

@@ -56,6 +56,31 @@ pub enum PackError {
         /// Lattice spacing, m.
         spacing: f64,
     },
+    /// No site of the rows asked for lies inside a round container.
+    #[error(
+        "of {} by {} bodies in a layer at a spacing of {spacing} m none lies inside the container, {diameter} m wide: \
+         rows of an even number have no site in the middle; change per_layer, or leave it out",
+        per_layer[0], per_layer[1]
+    )]
+    LayerOutside {
+        /// Bodies asked for along x and y.
+        per_layer: [u32; 2],
+        /// Lattice spacing, m.
+        spacing: f64,
+        /// Inner diameter of the container, m.
+        diameter: f64,
+    },
+    /// A layer of the release lattice has too many sites.
+    #[error(
+        "a layer of {} by {} bodies is above the limit of {most} sites: give a smaller per_layer",
+        sites[0], sites[1]
+    )]
+    LayerTooLarge {
+        /// Sites along x and y.
+        sites: [u32; 2],
+        /// Largest number of sites of a layer.
+        most: u64,
+    },
     /// A body has left the container.
     #[error(
         "body {body} has left the container through {through} (centroid at {position:?} m): \

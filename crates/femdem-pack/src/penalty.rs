@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// How the penalty of the contact law is found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Penalty {
     /// From the expected stress in the pack, by [`automatic_penalty`].
     Automatic {

@@ -13,6 +13,9 @@ use rand_chacha::ChaCha8Rng;
 /// Places tried for a body before its batch is closed without it.
 const TRIES: u32 = 200;
 
+/// Most sites of a layer of a lattice.
+const MOST_SITES: u64 = 10_000_000;
+
 /// The bounding circles of two bodies of a batch stay apart by this part of their radii.
 const APART: f64 = 1.01;
 
@@ -170,7 +173,7 @@ fn layer_sites(spec: &PackSpec, release: &Release) -> Result<Vec<[f64; 2]>, Pack
     let most = spec
         .container
         .half_extent()
-        .map(|h| ((2.0 * h - diameter) / spacing + 1e-9).max(0.0) as u32 + 1);
+        .map(|h| (((2.0 * h - diameter) / spacing + 1e-9).max(0.0) as u32).saturating_add(1));
     let counts = release.per_layer.unwrap_or(most);
     for ((axis, given), most) in ["x", "y"].into_iter().zip(counts).zip(most) {
         if given > most {
@@ -182,6 +185,12 @@ fn layer_sites(spec: &PackSpec, release: &Release) -> Result<Vec<[f64; 2]>, Pack
             });
         }
     }
+    if u64::from(counts[0]) * u64::from(counts[1]) > MOST_SITES {
+        return Err(PackError::LayerTooLarge {
+            sites: counts,
+            most: MOST_SITES,
+        });
+    }
     let margin = diameter / 2.0 * (1.0 - 1e-9);
     let sites = |[nx, ny]: [u32; 2]| -> Vec<[f64; 2]> {
         let centred = move |i: u32, n: u32| (f64::from(i) - 0.5 * f64::from(n - 1)) * spacing;
@@ -190,8 +199,19 @@ fn layer_sites(spec: &PackSpec, release: &Release) -> Result<Vec<[f64; 2]>, Pack
             .filter(|[x, y]| spec.container.contains(*x, *y, margin))
             .collect()
     };
+    if let Some(per_layer) = release.per_layer {
+        let layer = sites(per_layer);
+        if layer.is_empty() {
+            return Err(PackError::LayerOutside {
+                per_layer,
+                spacing,
+                diameter: 2.0 * spec.container.half_extent()[0],
+            });
+        }
+        return Ok(layer);
+    }
     // In a cylinder one row less may hold more bodies, and the middle always holds one.
-    let fewer = release.per_layer.unwrap_or(most.map(|n| (n - 1).max(1)));
+    let fewer = most.map(|n| (n - 1).max(1));
     let choices = [counts, fewer, [1, 1]].map(sites);
     let best = choices
         .into_iter()

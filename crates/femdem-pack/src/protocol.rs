@@ -100,7 +100,8 @@ impl Default for Pour {
 pub struct Release {
     /// Lattice spacing over the largest circumscribed diameter.
     pub spacing: f64,
-    /// Bodies along x and y in a layer; `None`: as many as fit.
+    /// Bodies along x and y in a layer; `None`: as many as fit. In a round container those that would lie outside the
+    /// circle are left out.
     pub per_layer: Option<[u32; 2]>,
 }
 

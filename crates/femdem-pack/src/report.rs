@@ -116,7 +116,9 @@ impl PackReport {
             residual_max_over_load: residuals.max_over_load,
             worst_body: residuals.worst_body,
             kinetic_energy_over_mgd: residuals.kinetic_energy_over_mgd,
-            penetration_mean_over_d: depths.iter().sum::<f64>() / depths.len().max(1) as f64,
+            // Not `sum`, which is -0 without contacts.
+            penetration_mean_over_d: depths.iter().fold(0.0, |sum, depth| sum + depth)
+                / depths.len().max(1) as f64,
             penetration_max_over_d: depths.iter().copied().fold(0.0, f64::max),
             relaxation: None,
             verification,

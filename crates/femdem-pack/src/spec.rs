@@ -24,6 +24,12 @@ const LARGEST_STEP: f64 = 0.01;
 /// Damping ratio from which on implicit steps are usual where the protocol suits them.
 const LEAST_DAMPING: f64 = 0.1;
 
+/// Shares allowed: their sums, and those of lengths and volumes weighed with them, are numbers.
+const SHARES: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+
+/// Longest interval of checks in units of sqrt(d/g), shorter than what a verification may take by default.
+const LONGEST_INTERVAL: f64 = 100.0;
+
 /// A shape to pack.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -35,7 +41,7 @@ pub struct PackShape {
     /// Tetrahedra of the same body, in the same coordinates; a body that is not convex needs them.
     #[serde(default)]
     pub mesh: Option<TetMesh>,
-    /// Relative number of bodies of this shape in a mixture (see [`Mixing`]).
+    /// Relative number of bodies of this shape in a mixture (see [`Mixing`]), from 1e-100 to 1e100.
     #[serde(default = "equal_share")]
     pub share: f64,
 }
@@ -128,7 +134,7 @@ pub struct Settling {
     pub kinetic_energy: f64,
     /// Checks in a row that must pass.
     pub checks: u32,
-    /// Time between checks, in units of sqrt(d/g).
+    /// Time between checks, in units of sqrt(d/g), at most 100.
     pub check_interval: f64,
     /// Longest settling after the last body has had time to fall, in units of sqrt(d/g).
     pub longest_settling: f64,
@@ -235,7 +241,7 @@ impl Default for PackSpec {
 
 impl PackSpec {
     /// Checks everything that can be checked before the first step, save what the world itself
-    /// checks when it is built (contact law, time step, sleeping, medium).
+    /// checks when it is built (contact law, safety of the time step and implicit steps, sleeping, medium).
     ///
     /// # Errors
     /// [`PackError::NoShapes`], [`PackError::NotConvex`] for a shape without the mesh it needs, [`PackError::Parameter`], [`PackError::ContainerTooNarrow`].
@@ -244,7 +250,12 @@ impl PackSpec {
             return Err(PackError::NoShapes);
         }
         for shape in &self.shapes {
-            check_positive("share of a shape", shape.share)?;
+            check(
+                "share of a shape",
+                shape.share,
+                SHARES.contains(&shape.share),
+                "between 1e-100 and 1e100",
+            )?;
             if shape.mesh.is_none() && !shape.polyhedron.is_convex() {
                 return Err(PackError::NotConvex {
                     name: shape.name.clone(),
@@ -273,6 +284,10 @@ impl PackSpec {
             check_positive("rim", rim)?;
         }
         self.protocol.validate()?;
+        // As given: falling bodies bound it in the world's parameters.
+        if let Some(largest) = self.time_step.largest {
+            check_positive("time_step.largest", largest)?;
+        }
         self.settling.validate()
     }
 
@@ -391,7 +406,12 @@ impl Settling {
             self.checks >= 1,
             "at least 1",
         )?;
-        check_positive("settling check_interval", self.check_interval)?;
+        check(
+            "settling check_interval",
+            self.check_interval,
+            self.check_interval > 0.0 && self.check_interval <= LONGEST_INTERVAL,
+            "above 0 and at most 100, in sqrt(d/g)",
+        )?;
         check_positive("settling longest_settling", self.longest_settling)?;
         check_positive("settling longest_verification", self.longest_verification)
     }

@@ -151,8 +151,8 @@ impl Packing {
     ///
     /// # Errors
     /// What [`PackSpec::validate`] refuses; [`PackError::Solve`] for a shape or a
-    /// parameter that the world refuses; [`PackError::LayerTooWide`] for a release lattice that
-    /// does not fit.
+    /// parameter that the world refuses; [`PackError::LayerTooWide`], [`PackError::LayerOutside`] or [`PackError::LayerTooLarge`]
+    /// for a release lattice that does not fit.
     pub fn new(spec: PackSpec) -> Result<Self, PackError> {
         let penalty = spec.resolved_penalty()?;
         let mut world = World::new(spec.world_parameters(penalty))?;
