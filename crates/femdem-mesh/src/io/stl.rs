@@ -6,7 +6,7 @@
 //! single precision: coordinates are good to 6e-8 of the largest. Normals and attributes are
 //! ignored; messages count facets as the file has them, from 0.
 
-use super::text::{Lines, point, problem, shortened, words};
+use super::text::{Lines, point, problem, shortened, without_mark, words};
 use super::{Facets, Format, MAX_FILE_BYTES, Options, posed_vertices, read_limited};
 use crate::{MeshError, Point3, Polyhedron, Pose, Vector3};
 use std::io::{Read, Write};
@@ -14,10 +14,13 @@ use std::io::{Read, Write};
 const HEADER_BYTES: usize = 80;
 const TRIANGLE_BYTES: usize = 50;
 
+/// Words that lines of a text may begin with and that say nothing of where the corners are.
+const OTHER_KEYWORDS: [&[u8]; 5] = [b"outer", b"endloop", b"endfacet", b"facet", b"solid"];
+
 /// Reads a body, ASCII or binary.
 ///
 /// A file is binary if its length is that of the number of triangles at byte 80, else ASCII if it
-/// starts with "solid".
+/// starts with "solid", in any case and after the mark of a byte order or without.
 ///
 /// # Errors
 ///
@@ -44,7 +47,7 @@ pub(super) fn facets(bytes: &[u8]) -> Result<Facets, MeshError> {
     let expected = |n: u32| (HEADER_BYTES + 4) as u64 + u64::from(n) * TRIANGLE_BYTES as u64;
     let points = match promised {
         Some(n) if expected(n) == bytes.len() as u64 => binary_corners(&bytes[HEADER_BYTES + 4..]),
-        _ if bytes.trim_ascii_start().starts_with(b"solid") => ascii_corners(bytes)?,
+        _ if is_text(bytes) => ascii_corners(bytes)?,
         Some(promised) => {
             return Err(MeshError::StlLength {
                 promised,
@@ -66,6 +69,12 @@ pub(super) fn facets(bytes: &[u8]) -> Result<Facets, MeshError> {
     Ok(Facets { points, loops })
 }
 
+fn is_text(bytes: &[u8]) -> bool {
+    let text = without_mark(bytes).trim_ascii_start();
+    text.get(..5)
+        .is_some_and(|start| start.eq_ignore_ascii_case(b"solid"))
+}
+
 fn binary_corners(triangles: &[u8]) -> Vec<Point3> {
     let float =
         |bytes: &[u8]| f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
@@ -83,18 +92,18 @@ fn ascii_corners(bytes: &[u8]) -> Result<Vec<Point3>, MeshError> {
     let mut lines = Lines::new(bytes, None);
     while let Some((line, content)) = lines.filled() {
         let mut words = words(content);
-        match words.next().unwrap_or_default() {
-            b"vertex" => corners.push(point(&mut words, line)?),
-            b"endfacet" if corners.len() % 3 != 0 => {
-                return Err(problem(line, "a facet ends that has not 3 vertices"));
-            }
-            b"endsolid" => ended = true,
-            b"outer" | b"endloop" | b"endfacet" | b"facet" | b"solid" => {}
-            word => {
-                let word = shortened(word);
-                let what = format!("\"{word}\" is not part of an ASCII STL file");
-                return Err(problem(line, what));
-            }
+        let word = words.next().unwrap_or_default();
+        let is = |keyword: &[u8]| word.eq_ignore_ascii_case(keyword);
+        if is(b"vertex") {
+            corners.push(point(&mut words, line)?);
+        } else if is(b"endfacet") && corners.len() % 3 != 0 {
+            return Err(problem(line, "a facet ends that has not 3 vertices"));
+        } else if is(b"endsolid") {
+            ended = true;
+        } else if !OTHER_KEYWORDS.iter().any(|keyword| is(keyword)) {
+            let word = shortened(word);
+            let what = format!("\"{word}\" is not part of an ASCII STL file");
+            return Err(problem(line, what));
         }
     }
     if !ended || corners.len() % 3 != 0 {

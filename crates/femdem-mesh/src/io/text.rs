@@ -9,6 +9,11 @@ pub(super) fn shortened(word: &[u8]) -> String {
     String::from_utf8_lossy(start).into_owned()
 }
 
+/// The text without the mark of its byte order, which some editors begin it with.
+pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
+}
+
 pub(super) fn problem(line: usize, problem: impl Into<String>) -> MeshError {
     MeshError::Parse {
         line,
@@ -28,8 +33,7 @@ pub(super) struct Lines<'a> {
 impl<'a> Lines<'a> {
     pub(super) fn new(bytes: &'a [u8], comment: Option<u8>) -> Self {
         Self {
-            // Some editors begin a text with the mark of its byte order.
-            rest: bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes),
+            rest: without_mark(bytes),
             comment,
             number: 0,
         }

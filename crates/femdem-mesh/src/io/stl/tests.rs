@@ -38,6 +38,21 @@ fn a_binary_file_that_starts_with_solid_is_still_binary() {
     assert_eq!(parse(&bytes).unwrap().face_count(), 6);
 }
 
+/// Texts with the mark of their byte order, in capitals, or both.
+#[test]
+fn a_text_is_read_with_a_byte_order_mark_and_in_capitals() {
+    let plain = ascii(&cube());
+    let expected = parse(plain.as_bytes()).unwrap();
+    let loud = plain.to_ascii_uppercase();
+    for text in [
+        format!("\u{feff}{plain}"),
+        format!("\u{feff}\n {loud}"),
+        loud,
+    ] {
+        assert_eq!(parse(text.as_bytes()).unwrap(), expected);
+    }
+}
+
 #[test]
 fn lengths_that_do_not_fit_are_refused_without_reserving_memory() {
     let mut bytes = binary(&cube());
