@@ -185,7 +185,9 @@ pub enum MeshError {
         volume: f64,
     },
     /// The surface encloses no volume.
-    #[error("the surface encloses a volume of {volume:e} m^3, which is zero to rounding")]
+    #[error(
+        "the surface encloses a volume of {volume:e} m^3, which is zero to rounding: move its vertices apart"
+    )]
     NoVolume {
         /// The signed volume \[m^3\].
         volume: f64,
@@ -264,6 +266,12 @@ pub enum MeshError {
     Tangled {
         /// Number of facets.
         facets: usize,
+    },
+    /// Too few points for a solid hull.
+    #[error("{points} points: a convex hull needs at least 4 that span a volume")]
+    TooFewPoints {
+        /// Number of points given.
+        points: usize,
     },
     /// Points from which no solid hull can be made: they coincide, or lie on a line or in a plane.
     #[error(

@@ -20,13 +20,12 @@ const RESOLUTION: f64 = 1e-9;
 ///
 /// # Errors
 ///
-/// If a coordinate is not finite, the points span no volume, or they are too small, too large or
+/// If there are fewer than four points, a coordinate is not finite, the points span no volume, or they are too small, too large or
 /// too far from the origin for the arithmetic.
 pub fn convex_hull(points: &[Point3]) -> Result<Polyhedron, MeshError> {
     if points.len() < 4 {
-        return Err(MeshError::TooFew {
-            vertices: points.len(),
-            faces: 0,
+        return Err(MeshError::TooFewPoints {
+            points: points.len(),
         });
     }
     if u32::try_from(points.len()).is_err() {
@@ -36,7 +35,14 @@ pub fn convex_hull(points: &[Point3]) -> Result<Polyhedron, MeshError> {
             allowed: u32::MAX as usize,
         });
     }
-    let extent = check_coordinates(points)?;
+    let extent = check_coordinates(points).map_err(|problem| match problem {
+        MeshError::Size { extent: 0.0 } => MeshError::FlatPoints {
+            points: points.len(),
+            span: "coincide",
+            tolerance: 0.0,
+        },
+        other => other,
+    })?;
     let largest = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
     let resolution = RESOLUTION * extent + 2.0 * f64::EPSILON * largest;
 

@@ -96,15 +96,23 @@ fn flat_points_are_refused_by_name() {
     assert_eq!(span(&line), "lie on a line");
     assert_eq!(span(&plane), "lie in a plane");
     let one_place = points(&[[1.0, 2.0, 3.0]; 5]);
-    assert!(matches!(
-        convex_hull(&one_place),
-        Err(MeshError::Size { .. })
-    ));
-    assert!(matches!(
-        convex_hull(&one_place[..3]),
-        Err(MeshError::TooFew { .. })
-    ));
-    assert!(matches!(convex_hull(&[]), Err(MeshError::TooFew { .. })));
+    assert_eq!(span(&[[1.0, 2.0, 3.0]; 5]), "coincide");
+    for few in [&one_place[..3], &[]] {
+        let says = convex_hull(few).unwrap_err().to_string();
+        assert!(says.contains(&format!("{} points", few.len())), "{says}");
+        assert!(!says.contains("face"), "{says}");
+    }
+}
+
+/// Squares of such sizes leave the range of numbers; the message has the size all the same.
+#[test]
+fn sizes_out_of_range_are_named() {
+    let corners = [[0., 0., 0.], [3., 0., 0.], [0., 4., 0.], [0., 0., 12.]];
+    for (scale, size) in [(1e200, "e201 m"), (1e-200, "e-199 m")] {
+        let refused = convex_hull(&points(&corners.map(|c| c.map(|x| x * scale)))).unwrap_err();
+        let says = refused.to_string();
+        assert!(says.contains(size), "{says}");
+    }
 }
 
 #[test]

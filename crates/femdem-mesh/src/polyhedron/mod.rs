@@ -360,6 +360,13 @@ pub(crate) fn check_coordinates(points: &[Point3]) -> Result<f64, MeshError> {
     let (low, high) = bounding_box(points);
     let extent = (high - low).norm();
     if !(1e-30..=1e30).contains(&extent) {
+        // Squares may have left the range of numbers: the length itself need not have.
+        let longest = (high - low).amax();
+        let extent = if longest > 0.0 && longest.is_finite() {
+            longest * ((high - low) / longest).norm()
+        } else {
+            longest
+        };
         return Err(MeshError::Size { extent });
     }
     let distance = low.coords.amax().max(high.coords.amax());
