@@ -428,3 +428,53 @@ fn tips_edges_and_bores_of_catalogue_shapes_are_kept() {
         assert!(mesh.every_tet_has_interior_point(), "{context}");
     }
 }
+
+/// A long thin body has no more nodes for being long in one direction only.
+#[test]
+fn slender_bodies_are_meshed() {
+    let channel = |x: i32| [[x, 0, 0], [x, 1, 0], [x, 2, 0], [x, 0, 1], [x, 2, 1]];
+    let body = cubes(&(0..80).flat_map(channel).collect::<Vec<_>>(), 1.0);
+    let options = MeshOptions {
+        edge_length: Some(0.35),
+        ..MeshOptions::default()
+    };
+    for body in [body.clone(), turned(&body, 3)] {
+        let (mesh, report) = mesh(&body, &options).unwrap();
+        assert_eq!(report.method, Method::Stuffing);
+        assert!(report.volume_error.abs() < 1e-6 && mesh.tets().len() < 300_000);
+    }
+}
+
+/// A lattice that is too large stays so when it is made finer.
+#[test]
+fn refinements_without_end_end() {
+    let options = MeshOptions {
+        edge_length: Some(1e-9),
+        refinements: u32::MAX,
+        ..MeshOptions::default()
+    };
+    let refused = mesh(&u_block(), &options).unwrap_err();
+    assert!(
+        matches!(refused, MeshError::OutOfRange { value, .. } if value == 1e-9),
+        "{refused}"
+    );
+}
+
+/// Refining keeps the angles of a fan: one that is refused is refused before it is made of millions.
+#[test]
+fn fans_of_bad_shape_are_not_refined() {
+    let plate = cubes(&[[0, 0, 0]], 1.0);
+    let flat = plate
+        .vertices()
+        .iter()
+        .map(|v| Point3::new(v.x, v.y, 1e-3 * v.z));
+    let faces = plate.faces().map(<[u32]>::to_vec).collect();
+    let plate = Polyhedron::new(flat.collect(), faces).unwrap();
+    let options = MeshOptions {
+        method: Some(Method::CentroidFan),
+        edge_length: Some(0.01),
+        ..MeshOptions::default()
+    };
+    let refused = mesh(&plate, &options).unwrap_err();
+    assert!(matches!(refused, MeshError::BadShape { .. }), "{refused}");
+}

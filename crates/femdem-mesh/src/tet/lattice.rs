@@ -30,15 +30,7 @@ impl Lattice {
     /// met exactly, in any orientation.
     pub(super) fn around(body: &Polyhedron, length: f64) -> Self {
         let axes = dominant_axes(body);
-        let extents = [0, 1, 2].map(|k| {
-            let along = body
-                .vertices()
-                .iter()
-                .map(|v| axes.column(k).dot(&v.coords));
-            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-                (low.min(x), high.max(x))
-            })
-        });
+        let extents = extents(body, &axes);
         let mut cell = Vector3::repeat(length);
         let mut low = Vector3::zeros();
         let mut size = [0; 3];
@@ -68,10 +60,12 @@ impl Lattice {
         2 * self.half()
     }
 
-    /// An upper bound for the number of nodes a lattice would have, before it is made.
+    /// The number of nodes a lattice would have, rather too high, before it is made.
     pub(super) fn estimate(body: &Polyhedron, length: f64) -> f64 {
-        let reach = 2.0 * body.bounding_radius() / (0.74 * length) + 2.0 * MARGIN + 2.0;
-        2.0 * reach.powi(3)
+        let layers = 2.0 * MARGIN + 2.0;
+        let along = |(low, high): (f64, f64)| (high - low) / (0.74 * length) + layers;
+        let counts = extents(body, &dominant_axes(body)).map(along);
+        2.0 * counts.iter().product::<f64>()
     }
 
     fn half(&self) -> usize {
@@ -148,6 +142,19 @@ impl Lattice {
             })
         })
     }
+}
+
+/// Where a body begins and ends along each axis \[m\].
+fn extents(body: &Polyhedron, axes: &Matrix3) -> [(f64, f64); 3] {
+    [0, 1, 2].map(|k| {
+        let along = body
+            .vertices()
+            .iter()
+            .map(|v| axes.column(k).dot(&v.coords));
+        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        })
+    })
 }
 
 /// Three perpendicular directions along which the largest flat faces look; where faces are small,

@@ -23,15 +23,15 @@ const SAMPLES: usize = 4;
 pub struct MeshOptions {
     /// The only way to be tried; none chooses.
     pub method: Option<Method>,
-    /// Length of edges that is aimed at \[m\]. None leaves fans unrefined, and takes twice the
+    /// Length of edges that is aimed at \[m\], positive and finite. None leaves fans unrefined, and takes twice the
     /// volume over the area of the surface for other bodies (half the width of a square bar).
     pub edge_length: Option<f64>,
-    /// Smallest dihedral angle allowed \[rad\]: meshes with smaller ones are refused.
+    /// Smallest dihedral angle allowed \[rad\], 0 or more and below 0.7: meshes with smaller ones are refused.
     pub min_dihedral: f64,
-    /// Largest error of the volume allowed, relative to the body's.
+    /// Largest error of the volume allowed, relative to the body's, 0 to 1.
     pub max_volume_error: f64,
     /// How often the length may be divided by the square root of 2 where a mesh with the length
-    /// asked for fails.
+    /// asked for fails; not beyond lattices of 2e7 nodes.
     pub refinements: u32,
 }
 
@@ -103,13 +103,22 @@ pub struct MeshReport {
 /// the refinements allowed: the error names what failed at the finest length tried.
 pub fn mesh(body: &Polyhedron, options: &MeshOptions) -> Result<(TetMesh, MeshReport), MeshError> {
     check(options)?;
-    let fan = match options.method {
-        Some(Method::Stuffing) => Err(MeshError::NotConvex),
-        Some(method) => return fan(method, body, options),
-        None if body.is_convex() => fan(Method::CentroidFan, body, options),
-        None => fan(Method::StarFan, body, options),
+    let least = options.min_dihedral;
+    // Where there is a length to keep, a fan of lesser shape is refined when stuffing has failed.
+    let good = match options.edge_length {
+        Some(_) => least.max(GOOD_FAN),
+        None => least,
     };
-    let fan = match fan {
+    let try_fan = |least: f64| match options.method {
+        Some(Method::Stuffing) => Err(MeshError::NotConvex),
+        Some(method) => fan(method, body, options, least),
+        None if body.is_convex() => fan(Method::CentroidFan, body, options, least),
+        None => fan(Method::StarFan, body, options, least),
+    };
+    if !matches!(options.method, None | Some(Method::Stuffing)) {
+        return try_fan(least);
+    }
+    let fan = match try_fan(good) {
         Ok((mesh, report))
             if options.edge_length.is_none() || report.quality.min_dihedral > GOOD_FAN =>
         {
@@ -125,14 +134,20 @@ pub fn mesh(body: &Polyhedron, options: &MeshOptions) -> Result<(TetMesh, MeshRe
     let mut length = first;
     let mut result = stuff(body, &prepared, length, options);
     for _ in 0..options.refinements {
-        if result.is_ok() {
+        let finer = length * std::f64::consts::FRAC_1_SQRT_2;
+        // A lattice that is too large stays so: what failed before says more.
+        if result.is_ok() || is_too_fine(body, finer) {
             break;
         }
-        length *= std::f64::consts::FRAC_1_SQRT_2;
+        length = finer;
         result = stuff(body, &prepared, length, options);
     }
+    let fan = || match fan {
+        Err(MeshError::BadShape { .. }) if good > least => try_fan(least),
+        other => other,
+    };
     result
-        .or_else(|problem| fan.map_err(|_| problem))
+        .or_else(|problem| fan().map_err(|_| problem))
         .map_err(|problem| match problem {
             MeshError::OutOfRange { .. } => problem,
             problem => MeshError::MeshingFailed {
@@ -143,16 +158,20 @@ pub fn mesh(body: &Polyhedron, options: &MeshOptions) -> Result<(TetMesh, MeshRe
         })
 }
 
-/// A fan, refined as often as the edge length asks, if it meets the options.
+/// A fan, refined as often as the edge length asks, if it meets the options and has no dihedral angle below
+/// `least` \[rad\] before.
 fn fan(
     method: Method,
     body: &Polyhedron,
     options: &MeshOptions,
+    least: f64,
 ) -> Result<(TetMesh, MeshReport), MeshError> {
     let mesh = match method {
         Method::StarFan => TetMesh::star_fan(body)?,
         Method::CentroidFan | Method::Stuffing => TetMesh::centroid_fan(body)?,
     };
+    // The corners of a tetrahedron that is cut have its shape, so that cutting makes no angle better.
+    check_shape(&mesh.quality(), least)?;
     let mesh = refine_to(mesh, options.edge_length)?;
     accept(mesh, body, method, None, options)
 }
@@ -207,6 +226,11 @@ fn refine_to(mut mesh: TetMesh, length: Option<f64>) -> Result<TetMesh, MeshErro
     Ok(mesh)
 }
 
+/// Whether a lattice of this length \[m\] would have too many nodes.
+fn is_too_fine(body: &Polyhedron, length: f64) -> bool {
+    Lattice::estimate(body, length) > MOST_NODES
+}
+
 fn too_fine(length: f64) -> MeshError {
     MeshError::OutOfRange {
         what: "the edge length",
@@ -235,7 +259,7 @@ fn stuff(
     length: f64,
     options: &MeshOptions,
 ) -> Result<(TetMesh, MeshReport), MeshError> {
-    if Lattice::estimate(polyhedron, length) > MOST_NODES {
+    if is_too_fine(polyhedron, length) {
         return Err(too_fine(length));
     }
     let lattice = Lattice::around(polyhedron, length);
@@ -288,13 +312,18 @@ fn accept(
             allowed: options.max_volume_error,
         });
     }
-    if report.quality.min_dihedral < options.min_dihedral {
+    check_shape(&report.quality, options.min_dihedral)?;
+    Ok((mesh, report))
+}
+
+fn check_shape(quality: &Quality, least: f64) -> Result<(), MeshError> {
+    if quality.min_dihedral < least {
         return Err(MeshError::BadShape {
-            dihedral: report.quality.min_dihedral,
-            allowed: options.min_dihedral,
+            dihedral: quality.min_dihedral,
+            allowed: least,
         });
     }
-    Ok((mesh, report))
+    Ok(())
 }
 
 fn measure(
