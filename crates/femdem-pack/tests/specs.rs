@@ -1,5 +1,7 @@
 //! What a job may ask for: numbers without meaning are refused by name, before anything is computed.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_pack::{
     Container, PackError, PackShape, PackSpec, Packing, Penalty, Pour, Protocol, Release,
