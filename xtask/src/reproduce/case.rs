@@ -60,6 +60,16 @@ impl Case {
                 .collect(),
         }
     }
+
+    /// Whether its options ask for a mean penetration above `limit`, over d.
+    pub(super) fn aims_deeper_than(&self, limit: f64) -> bool {
+        self.jobs.iter().any(|job| {
+            let mut words = job.options.split_whitespace();
+            let asked = words.find(|word| *word == "--penetration");
+            let depth = asked.and_then(|_| words.next()?.parse::<f64>().ok());
+            depth.is_some_and(|depth| depth > limit)
+        })
+    }
 }
 
 /// Finds or makes the runs of all cases, and measures them.
@@ -207,6 +217,16 @@ pub(super) fn cost(found: &[Found]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn packs_that_aim_deeper_are_told_apart() {
+        let aims = |options: &str| {
+            Case::new(String::new(), ("A1", Size::small(0.4)), 0.6, 2, options)
+                .aims_deeper_than(0.005)
+        };
+        assert!(aims("--penetration 0.01") && aims("--drag 0.6 --penetration 0.006 --explicit"));
+        assert!(!aims("") && !aims("--penetration 0.005") && !aims("--drag 0.6"));
+    }
 
     #[test]
     fn values_are_told_with_what_is_known() {
