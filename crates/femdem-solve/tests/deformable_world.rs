@@ -71,6 +71,32 @@ fn a_bouncing_cube_keeps_its_energy() {
     }
 }
 
+/// The first step in contact with a foundation much stiffer than the elements adds no energy.
+#[test]
+fn stiff_foundations_keep_the_energy() {
+    for ratio in [5.0, 50.0] {
+        let mut world = World::new(smooth(0.5)).unwrap();
+        let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+        world.add_wall(floor, Drive::Fixed).unwrap();
+        let model = block([2, 2, 2], [0.1; 3], Element::T4, 1e6);
+        let stiffness = ContactStiffness::Ratio(ratio);
+        let model = world.add_model("cube", model, stiffness).unwrap();
+        let spec = DeformableSpec {
+            velocity: -Vector3::z(),
+            ..DeformableSpec::at_rest(model, Pose::translation(0.0, 0.0, 0.0507))
+        };
+        world.add_deformable(spec).unwrap();
+        let start = total(&world);
+        let mut worst = 0.0_f64;
+        while world.time() < 0.02 {
+            world.step().unwrap();
+            worst = worst.max((total(&world) / start - 1.0).abs());
+        }
+        assert!(world.linear_momentum().z > 0.0);
+        assert!(worst < 0.02, "{ratio}: {worst}");
+    }
+}
+
 /// Two blocks that collide obliquely beside a rigid one keep momentum and angular momentum.
 #[test]
 fn collisions_keep_momentum() {

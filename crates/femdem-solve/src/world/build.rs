@@ -323,7 +323,8 @@ impl World {
         }
         let deformables = self.deformables.as_deref();
         for body in deformables.map_or(&[][..], |d| &d.bodies) {
-            self.step_control.see_elements(body.bound.critical_step());
+            let bound = body.bound.critical_step().min(body.contact_step);
+            self.step_control.see_elements(bound);
         }
     }
 }

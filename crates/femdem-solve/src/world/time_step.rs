@@ -101,7 +101,7 @@ impl StepControl {
         if top.is_finite() { top } else { UNBOUNDED }
     }
 
-    /// Lowers the cap for a deformable body: the bound of its elements, s.
+    /// Lowers the cap for a deformable body: the bound of its elements or of its contacts, s.
     pub(crate) fn see_elements(&mut self, bound: f64) {
         self.cap = self.cap.min(bound);
     }

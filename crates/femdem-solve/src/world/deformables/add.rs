@@ -92,10 +92,11 @@ impl World {
             .map_err(|failure| SolveError::from(failure).in_body(body, step, time))?;
         let masses = model.model.masses();
         let energy = state.kinetic_energy(masses) + state.potential(masses, &gravity);
-        let bound = state.bound.critical_step();
         let shape = &deformables.batch.shapes()[spec.model as usize];
         let launch = USUAL_MOVE * shape.inradius() / state.fastest;
         let modulus = model.modulus(shape, penalty);
+        state.contact_step = model.contact_step(shape, modulus);
+        let bound = state.bound.critical_step().min(state.contact_step);
         let id = deformables.batch.add_body(spec.model, modulus)?;
         deformables.bodies.push(state);
         self.initial_energy += energy;
@@ -174,6 +175,7 @@ impl State {
             boundary,
             internal: Default::default(),
             bound: Default::default(),
+            contact_step: f64::INFINITY,
             nodal: NodalBound::new(model),
         })
     }
@@ -229,9 +231,11 @@ impl Deformables {
     pub(in crate::world) fn set_law(&mut self, law: ContactLaw) -> Result<(), SolveError> {
         self.batch.set_law(law);
         let penalty = law.parameters().penalty;
-        for (i, body) in self.bodies.iter().enumerate() {
+        for (i, body) in self.bodies.iter_mut().enumerate() {
             let shape = &self.batch.shapes()[body.model as usize];
-            let modulus = self.models[body.model as usize].modulus(shape, penalty);
+            let model = &self.models[body.model as usize];
+            let modulus = model.modulus(shape, penalty);
+            body.contact_step = model.contact_step(shape, modulus);
             self.batch.set_modulus(i as u32, modulus)?;
         }
         Ok(())

@@ -11,7 +11,7 @@ use crate::deformable::{
 };
 use crate::error::SolveError;
 use femdem_contact::deform::{DeformableBatch, DeformableShape, Modulus};
-use femdem_contact::{Field, Load};
+use femdem_contact::{Field, Load, stable_step};
 use femdem_mesh::{Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -94,6 +94,27 @@ impl Model {
         Ok(DeformableShape::with_field(mesh, edges, self.field)?)
     }
 
+    /// The step that is stable for any node alone with all its share of the skin in contact, s: a wall that mirrors
+    /// the body is the stiffest that it may meet, four times as stiff as the foundation.
+    fn contact_step(&self, shape: &DeformableShape, modulus: Modulus) -> f64 {
+        let (nodes, masses) = (self.model.nodes(), self.model.masses());
+        let mut areas = vec![0.0; masses.len()];
+        for triangle in shape.skin() {
+            let corners = triangle.map(|i| nodes.get(i as usize).copied());
+            let [Some(a), Some(b), Some(c)] = corners else {
+                continue;
+            };
+            let share = (b - a).cross(&(c - a)).norm() / 6.0;
+            for &i in triangle {
+                areas[i as usize] += share;
+            }
+        }
+        let foundation = modulus.penalty(shape.inradius()) / shape.inradius();
+        let lightest = areas.iter().zip(masses).map(|(area, m)| area / m);
+        // As the step counts stiffness k on a node of mass m: 2 k/m.
+        stable_step(8.0 * foundation * lightest.fold(0.0, f64::max), 0.0)
+    }
+
     fn modulus(&self, shape: &DeformableShape, penalty: f64) -> Modulus {
         match self.stiffness {
             ContactStiffness::Law => Modulus::Penalty(penalty),
@@ -126,6 +147,8 @@ pub(crate) struct State {
     pub internal: InternalState,
     /// Bound of the elements, when it was last renewed, and the same by nodes.
     pub bound: FrequencyBound,
+    /// The step that contacts alone allow, however much of the skin they take, s.
+    pub contact_step: f64,
     pub nodal: NodalBound,
 }
 
