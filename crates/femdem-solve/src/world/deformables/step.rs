@@ -295,7 +295,9 @@ impl State {
         let mut fastest2 = 0.0_f64;
         for (x, v) in positions.iter_mut().zip(velocities.iter()) {
             *x += v * dt;
-            fastest2 = fastest2.max(v.norm_squared());
+            // No need to look for NaN, as f64::max does.
+            let speed2 = v.norm_squared();
+            fastest2 = if speed2 > fastest2 { speed2 } else { fastest2 };
         }
         self.fastest = fastest2.sqrt();
         self.boundary
