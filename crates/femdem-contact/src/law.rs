@@ -25,6 +25,7 @@ pub enum WallResponse {
 /// Parameters of the contact law. Every field has a documented default except the
 /// penalty, which depends on the load.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ContactParameters {
     /// Penalty p, Pa: the scale of the contact energy U = p int (phi_A + phi_B) dV.
     pub penalty: f64,

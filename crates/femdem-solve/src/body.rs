@@ -78,6 +78,7 @@ const MESH_VOLUME: f64 = 0.1;
 
 /// A body to add.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct BodySpec {
     /// Its shape.
     pub shape: ShapeId,

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 /// A motion prescribed in time. Displacements and angles count from where the wall or body
 /// was added.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Drive {
     /// Does not move.
     #[default]

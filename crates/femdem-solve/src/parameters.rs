@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Everything a world needs to know besides its bodies and walls.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct WorldParameters {
     /// Acceleration of gravity, m/s^2.
     pub gravity: Vector3,
@@ -34,6 +35,7 @@ impl Default for WorldParameters {
 
 /// How the step is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TimeStepParameters {
     /// Fraction of the stability bound that is used, above 0 and at most 1.
     pub safety: f64,
@@ -142,6 +144,7 @@ impl Default for TimeStepParameters {
 /// begin anew while it moves.
 /// Its load scale W is the larger of its weight and half the sum of its normal forces.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SleepParameters {
     /// Whether bodies may sleep at all.
     pub enabled: bool,
@@ -182,6 +185,7 @@ impl Default for SleepParameters {
 
 /// Damping by what surrounds the bodies; off by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Medium {
     /// Drag rate a, 1/s: force -a m v and moment -a I omega, integrated exactly.
     pub drag: f64,

@@ -394,3 +394,19 @@ fn a_world_that_was_not_restored_is_refused() {
         ask(&mut whole).unwrap();
     }
 }
+
+/// A misspelt key of a text with parameters is an error that names it, not a default.
+#[test]
+fn keys_that_mean_nothing_are_refused() {
+    let known = serde_json::to_value(WorldParameters::default()).unwrap();
+    assert!(serde_json::from_value::<WorldParameters>(known.clone()).is_ok());
+    for part in ["", "/contact", "/time_step", "/sleeping", "/medium"] {
+        let mut misspelt = known.clone();
+        misspelt.pointer_mut(part).unwrap()["largets"] = 1e-3.into();
+        let error = serde_json::from_value::<WorldParameters>(misspelt).unwrap_err();
+        assert!(error.to_string().contains("largets"), "{part}: {error}");
+    }
+    let drive = r#"{"turn": {"axis": [0, 0, 1], "point": [0, 0, 0], "rate": 1, "start": 0, "end": 1, "speed": 2}}"#;
+    let error = serde_json::from_str::<Drive>(drive).unwrap_err();
+    assert!(error.to_string().contains("speed"), "{error}");
+}

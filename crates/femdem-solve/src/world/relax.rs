@@ -28,6 +28,7 @@ const ROUNDS: u64 = 10;
 
 /// How a world is brought to rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct WorldRelaxation {
     /// Largest force left on a node or on a body as a whole, over the mean contact force.
     pub tolerance: f64,

@@ -30,6 +30,7 @@ const RENEW: u64 = 10;
 
 /// A deformable body to add.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DeformableSpec {
     /// Its model.
     pub model: ModelId,
