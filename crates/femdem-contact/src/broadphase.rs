@@ -1,8 +1,11 @@
-//! Candidate pairs: a grid over inflated bounding boxes, refreshed body by body.
+//! Candidate pairs: grids over inflated bounding boxes, refreshed body by body.
 //!
 //! Each body keeps the box it had when it was last entered, inflated by half a skin. It is
 //! entered again once the bound of its travel, rotation included, exceeds that half skin;
 //! bodies that do not move cost nothing.
+//!
+//! Bodies whose sizes differ by less than four to one share a grid, whose cells are as large as the largest of
+//! them; so a drum around ten thousand pellets does not put them all into one cell.
 
 use crate::motion::Motion;
 use crate::shape::BodyShape;
@@ -13,7 +16,13 @@ use std::collections::BTreeMap;
 /// Skin over bounding radius.
 const SKIN: f64 = 0.1;
 
+/// What a range of cells is widened by, of its half-width, so that rounding leaves none out.
+const SLACK: f64 = 1e-9;
+
 type Cell = [i32; 3];
+
+/// Sizes within four to one.
+type Level = u16;
 
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Entry {
@@ -22,17 +31,25 @@ struct Entry {
     centre: Vector3,
     /// Bounding radius plus half the skin, m.
     reach: f64,
+    level: Level,
     cell: Cell,
     /// `Motion::travelled` at which the entry expires, m.
     expires: f64,
 }
 
-/// The grid and the entries.
+/// The bodies of a level by cells.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+struct Grid {
+    /// Side of a cell, m: twice the largest reach.
+    size: f64,
+    cells: BTreeMap<Cell, Vec<u32>>,
+}
+
+/// The grids and the entries.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Broadphase {
-    size: f64,
     entries: Vec<Option<Entry>>,
-    cells: BTreeMap<Cell, Vec<u32>>,
+    grids: BTreeMap<Level, Grid>,
 }
 
 impl Broadphase {
@@ -58,21 +75,24 @@ impl Broadphase {
     pub(crate) fn enter(&mut self, body: usize, shape: &BodyShape, motion: &Motion) {
         let half_skin = Self::half_skin(shape);
         let reach = shape.radius() + half_skin;
-        if 2.0 * reach > self.size {
-            self.resize(2.0 * reach);
+        let level = level_of(2.0 * reach);
+        let grid = self.grids.entry(level).or_default();
+        if 2.0 * reach > grid.size {
+            grid.resize(2.0 * reach, level, &mut self.entries);
         }
         if self.entries.len() <= body {
             self.entries.resize(body + 1, None);
         }
         let centre = motion.frame.position;
         let (low, high) = shape.bounds(&motion.frame.rotation);
-        let cell = cell_of(&centre, self.size);
+        let cell = cell_of(&centre, grid.size);
+        // A body's shape, and so its level, is that which it was added with.
         if let Some(old) = self.entries[body].as_ref().map(|e| e.cell)
             && old != cell
         {
-            remove(&mut self.cells, &old, body as u32);
+            grid.remove(&old, body as u32);
         }
-        let members = self.cells.entry(cell).or_default();
+        let members = grid.cells.entry(cell).or_default();
         if !members.contains(&(body as u32)) {
             members.push(body as u32);
         }
@@ -81,6 +101,7 @@ impl Broadphase {
             high: (high + centre).add_scalar(half_skin),
             centre,
             reach,
+            level,
             cell,
             expires: motion.travelled + half_skin,
         });
@@ -92,20 +113,11 @@ impl Broadphase {
         let Some(Some(entry)) = self.entries.get(body) else {
             return;
         };
-        let [x, y, z] = entry.cell;
-        for dx in -1..=1 {
-            for dy in -1..=1 {
-                for dz in -1..=1 {
-                    let cell = [
-                        x.saturating_add(dx),
-                        y.saturating_add(dy),
-                        z.saturating_add(dz),
-                    ];
-                    if let Some(members) = self.cells.get(&cell) {
-                        out.extend(members.iter().filter(|&&j| self.meet(entry, body, j)));
-                    }
-                }
-            }
+        for grid in self.grids.values() {
+            // No body of the grid reaches farther than half a cell.
+            grid.visit(&entry.centre, entry.reach + 0.5 * grid.size, |members| {
+                out.extend(members.iter().filter(|&&j| self.meet(entry, body, j)));
+            });
         }
         out.sort_unstable();
         out.dedup();
@@ -120,30 +132,64 @@ impl Broadphase {
             && (0..3).all(|k| entry.low[k] <= e.high[k] && e.low[k] <= entry.high[k])
             && (entry.centre - e.centre).norm_squared() <= reach * reach
     }
+}
 
-    /// Changes the cell size; only when a larger body than any before comes.
-    fn resize(&mut self, size: f64) {
+impl Grid {
+    /// Calls `f` with the bodies of every cell that a box of the half-width `span` (m) about `centre` meets.
+    fn visit(&self, centre: &Vector3, span: f64, mut f: impl FnMut(&[u32])) {
+        let span = span * (1.0 + SLACK);
+        let low = cell_of(&centre.add_scalar(-span), self.size);
+        let high = cell_of(&centre.add_scalar(span), self.size);
+        let count: f64 = (0..3)
+            .map(|k| f64::from(high[k]) - f64::from(low[k]) + 1.0)
+            .product();
+        // A large body among small ones: there are fewer cells in use than places for them.
+        if count > self.cells.len() as f64 {
+            for (cell, members) in &self.cells {
+                if (0..3).all(|k| low[k] <= cell[k] && cell[k] <= high[k]) {
+                    f(members);
+                }
+            }
+            return;
+        }
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                let row = self.cells.range([x, y, low[2]]..=[x, y, high[2]]);
+                row.for_each(|(_, members)| f(members));
+            }
+        }
+    }
+
+    /// Changes the cell size; only when a larger body of the level than any before comes.
+    fn resize(&mut self, size: f64, level: Level, entries: &mut [Option<Entry>]) {
         self.size = size;
         self.cells.clear();
-        for (i, entry) in self.entries.iter_mut().enumerate() {
-            if let Some(e) = entry {
+        for (i, entry) in entries.iter_mut().enumerate() {
+            if let Some(e) = entry
+                && e.level == level
+            {
                 e.cell = cell_of(&e.centre, size);
                 self.cells.entry(e.cell).or_default().push(i as u32);
             }
         }
     }
+
+    fn remove(&mut self, cell: &Cell, body: u32) {
+        if let Some(members) = self.cells.get_mut(cell) {
+            members.retain(|&j| j != body);
+            if members.is_empty() {
+                self.cells.remove(cell);
+            }
+        }
+    }
+}
+
+/// The level of a size, m: half its binary exponent.
+fn level_of(size: f64) -> Level {
+    (size.to_bits() >> 53) as Level
 }
 
 /// The grid cell of a point. Far points share the outermost cells (the cast saturates).
 fn cell_of(x: &Vector3, size: f64) -> Cell {
     [0, 1, 2].map(|k| (x[k] / size).floor() as i32)
-}
-
-fn remove(cells: &mut BTreeMap<Cell, Vec<u32>>, cell: &Cell, body: u32) {
-    if let Some(members) = cells.get_mut(cell) {
-        members.retain(|&j| j != body);
-        if members.is_empty() {
-            cells.remove(cell);
-        }
-    }
 }

@@ -31,6 +31,12 @@ struct Pack {
 
 impl Pack {
     fn new(count: usize, seed: u64) -> Self {
+        // The largest come late, so that the grid has to grow.
+        Self::sized(count, seed, |part| 1.0 + 2.0 * part)
+    }
+
+    /// Bodies whose diameters follow from their place in the order, 0 to 1.
+    fn sized(count: usize, seed: u64, diameter: impl Fn(f64) -> f64) -> Self {
         let law = ContactLaw::new(ContactParameters {
             penalty: PENALTY,
             ..ContactParameters::default()
@@ -48,8 +54,7 @@ impl Pack {
         let ids = ["P1", "A10", "P5", "A1", "P3"];
         let (mut shapes, mut bodies) = (Vec::new(), Vec::new());
         for i in 0..count {
-            // The largest come late, so that the grid has to grow.
-            let d = 1.0 + 2.0 * i as f64 / count as f64;
+            let d = diameter(i as f64 / count as f64);
             shapes.push(shape(ids[i % ids.len()], d));
             let id = batch.add_shape(shapes[i].clone());
             batch.add_body(id).unwrap();
@@ -233,6 +238,22 @@ fn the_same_contacts_as_brute_force() {
                 seen += pack.check_contacts();
                 pack.check_loads();
                 pack.check_steps();
+            }
+        }
+        assert!(seen > 2000, "only {seen} contacts were compared");
+    }
+}
+
+/// Sizes of one to a hundred and fifty, growing or shrinking in the order of the bodies.
+#[test]
+fn sizes_that_differ_much() {
+    for (seed, low, high) in [(3, 0.05_f64, 7.5_f64), (4, 7.5, 0.05)] {
+        let mut pack = Pack::sized(60, seed, |part| low * (high / low).powf(part));
+        let mut seen = 0;
+        for step in 0..120 {
+            pack.advance();
+            if step % 7 == 0 {
+                seen += pack.check_contacts();
             }
         }
         assert!(seen > 2000, "only {seen} contacts were compared");
