@@ -28,6 +28,8 @@ pub(super) struct BodyProblem<'a> {
     internal: Vec<Vector3>,
     loads: Vec<Vector3>,
     scale: f64,
+    /// Largest norm of the internal forces at the start and at the ends of the load steps so far, N.
+    largest_internal: f64,
     noise: Noise,
     // Scratch space.
     positions: Vec<Vector3>,
@@ -73,6 +75,7 @@ impl<'a> BodyProblem<'a> {
             internal: zero.clone(),
             loads: zero.clone(),
             scale: 0.0,
+            largest_internal: 0.0,
             noise: Noise::default(),
             positions: start.x.clone(),
             change: zero.clone(),
@@ -80,7 +83,10 @@ impl<'a> BodyProblem<'a> {
             at_rest: zero,
             work: Workspace::default(),
         };
-        problem.measure_stiffness(&flat(&start.x))?;
+        let x = flat(&start.x);
+        problem.measure_stiffness(&x)?;
+        // No load acts yet: what counts are the stresses that the body brings along.
+        problem.see_internal_forces(&x)?;
         Ok(problem)
     }
 
@@ -116,9 +122,20 @@ impl<'a> BodyProblem<'a> {
     /// # Errors
     /// If an element has no stress at `x`.
     pub(super) fn commit(&mut self, x: &[f64]) -> Result<(), SolveError> {
+        self.see_internal_forces(x)?;
+        std::mem::swap(&mut self.old, &mut self.new);
+        Ok(())
+    }
+
+    /// Evaluates the forces at `x`, and lets the internal ones count in the scale from now on.
+    ///
+    /// # Errors
+    /// If an element has no stress at `x`.
+    fn see_internal_forces(&mut self, x: &[f64]) -> Result<(), SolveError> {
         let mut r = vec![0.0; x.len()];
         self.residual(x, &mut r)?;
-        std::mem::swap(&mut self.old, &mut self.new);
+        let squares: f64 = self.internal.iter().map(Vector3::norm_squared).sum();
+        self.largest_internal = self.largest_internal.max(squares.sqrt());
         Ok(())
     }
 
@@ -189,7 +206,8 @@ impl StaticProblem for BodyProblem<'_> {
             farthest = x.amax().max(farthest);
             *r = (total - reaction).into();
         }
-        self.scale = squares.sqrt();
+        // Once loads are taken off there may be nothing left to compare with: then what the body bore counts.
+        self.scale = squares.sqrt().max(self.largest_internal);
         // A coordinate is off by up to eps |x|, so a force by that times its stiffness, and the energy
         // by no more than |E'| |dx| <= sqrt(2 E) sqrt(dx . K dx). Elements sum terms of the size of
         // their moduli.

@@ -27,6 +27,10 @@ enum Solver {
 /// under balanced loads). The tangent leaves out that pressure turns with its faces, so Newton's method
 /// converges more slowly under pressures that are not small beside the moduli.
 ///
+/// Residuals are compared with the norm of loads and reactions, or with the largest norm of the nodes'
+/// internal forces at the start and at the ends of the load steps so far if that is larger. So a body that
+/// is let go, whose loads and reactions go back to zero, has a scale too.
+///
 /// ```
 /// use femdem_mesh::{TetMesh, Vector3};
 /// use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};

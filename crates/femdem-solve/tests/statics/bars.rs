@@ -4,11 +4,12 @@ use crate::planes::plane;
 use crate::{newton, solvers, with};
 use femdem_mesh::{TetMesh, Vector3};
 use femdem_solve::Drive;
-use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion};
+use femdem_solve::deformable::{Boundary, Curve, DeformableModel, MaterialRegion};
 use femdem_solve::element::Element;
 use femdem_solve::material::{AnyMaterial, DruckerPrager, J2, NeoHookean};
 use femdem_solve::statics::{
-    Method, RelaxOptions, StaticOptions, StaticSolution, StepReport, solve_static,
+    LoadPath, Method, RelaxOptions, StaticOptions, StaticSolution, StepReport, solve_static,
+    solve_static_from,
 };
 
 const LENGTH: f64 = 4.0;
@@ -168,6 +169,46 @@ fn a_bar_of_rock_is_crushed_at_its_strength() {
     let solution = pull(&model, -0.02 * LENGTH, &options);
     let ratio = -force(&model, &solution) / (strength / 0.98);
     assert!((ratio - 1.0).abs() < 1e-5, "{ratio}");
+}
+
+/// A bar of metal that a traction draws out plastically springs back once it is let go: its length is that
+/// of the plastic strain, and nothing pulls any more that a residual could be compared with.
+#[test]
+fn a_drawn_bar_springs_back_when_it_is_let_go() {
+    let (young, yield_stress, hardening) = (200e9, 400e6, 2e9);
+    let steel = J2::new(young, 0.3, yield_stress, hardening).unwrap();
+    let model = bar(Element::T4, steel.into());
+    let loaded = |table: Vec<[f64; 2]>| {
+        let mut boundary = symmetric(&model);
+        let traction = Vector3::new(450e6, 0.0, 0.0);
+        let end = plane(0, LENGTH);
+        boundary
+            .pull(&model, &end, traction, Curve::Table(table))
+            .unwrap();
+        boundary
+    };
+    let options = StaticOptions {
+        steps: 8,
+        path: LoadPath::InTime,
+        ..newton(1e-9)
+    };
+    let whole = loaded(vec![[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]]);
+    let whole = solve_static(&model, &whole, &options).unwrap();
+    // The same in two calls: the second begins where nothing holds the bar to its length.
+    let up = loaded(vec![[0.0, 0.0], [1.0, 1.0]]);
+    let up = solve_static(&model, &up, &options).unwrap();
+    let release = solve_static_from(&model, &symmetric(&model), &up.state, &newton(1e-9));
+    // All points are strained alike.
+    let alpha = whole.state.history.iter().copied().fold(0.0, f64::max);
+    assert!(alpha > 0.02, "{alpha}");
+    for solution in [whole, release.unwrap()] {
+        let longest = solution.state.x.iter().map(|x| x.x).fold(0.0, f64::max);
+        assert!((longest / (LENGTH * alpha.exp()) - 1.0).abs() < 1e-9);
+        let left = solution.reactions.iter().map(|f| f.norm()).sum::<f64>();
+        // Of 450 MN.
+        assert!(left < 10.0, "{left}");
+        assert!(solution.report.residual() < 1e-9);
+    }
 }
 
 /// A column of 10 x 1 x 1 compressed by 3 %, nearly four times the strain at which it buckles: the
