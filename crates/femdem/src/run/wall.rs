@@ -33,13 +33,13 @@ pub struct WallEntry {
     pub motion: Option<MotionEntry>,
 }
 
-/// A half-space of bodies: n·x ≥ offset.
+/// A half-space of bodies: n·x ≥ offset |n|.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct PlaneEntry {
     /// Normal n into the space for the bodies, of any length.
     pub normal: [f64; 3],
-    /// Distance from the origin along the normal \[m\].
+    /// Distance of the plane from the origin along the normal, whatever the length of that \[m\].
     #[serde(default)]
     pub offset: f64,
 }
@@ -91,12 +91,14 @@ impl WallEntry {
             ));
         }
         match (&self.plane, &self.r#box, &self.cylinder, &self.file) {
-            (Some(plane), None, None, None) => {
-                let normal = Vector3::from(plane.normal);
-                Ok(vec![Wall::half_space(name, normal, plane.offset)?.into()])
-            }
+            (Some(plane), None, None, None) => Ok(vec![plane.shape(name)?]),
             (None, Some(space), None, None) => space.shapes(name),
             (None, None, Some(cylinder), None) => {
+                let diameter = cylinder.diameter;
+                if !(diameter > 0.0 && diameter.is_finite()) {
+                    let allowed = "a positive, finite length, in m";
+                    return Err(wrong("cylinder.diameter", &diameter.to_string(), allowed));
+                }
                 let wall = Wall::cylinder(name, 0.5 * cylinder.diameter, cylinder.facets)?;
                 Ok(vec![wall.into()])
             }
@@ -112,6 +114,29 @@ impl WallEntry {
                 "give exactly one of plane, box, cylinder and file",
             )),
         }
+    }
+}
+
+impl PlaneEntry {
+    fn shape(&self, name: &str) -> Result<WallShape, Error> {
+        let normal = Vector3::from(self.normal);
+        let length = normal.norm();
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(wrong(
+                "plane.normal",
+                &format!("{:?}", self.normal),
+                "three finite numbers, not all zero: a direction into the space for the bodies",
+            ));
+        }
+        if !self.offset.is_finite() {
+            return Err(wrong(
+                "plane.offset",
+                &self.offset.to_string(),
+                "a finite distance from the origin along the normal, in m",
+            ));
+        }
+        // A wall has n·x ≥ offset with n as given.
+        Ok(Wall::half_space(name, normal, self.offset * length)?.into())
     }
 }
 
