@@ -8,8 +8,9 @@ use std::path::PathBuf;
 use femdem::run::{
     Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, ContactEntry, Copies,
     CylinderEntry, Ending, FocusEntry, HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry,
-    MediumEntry, MotionEntry, PlaneEntry, RegionEntry, RestEntry, RotationEntry, RunEnergy,
-    RunSummary, Scenario, SelectEntry, StepEntry, StrainSummary, WallEntry, WallSummary, Zone,
+    MediumEntry, MotionEntry, PenetrationSummary, PlaneEntry, ReactionSummary, RegionEntry,
+    RestEntry, RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry, StepEntry,
+    StrainSummary, WallEntry, WallSummary, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -84,6 +85,7 @@ fn region() -> RegionEntry {
 
 fn boundary() -> BoundaryEntry {
     BoundaryEntry {
+        name: "b".to_owned(),
         select: SelectEntry::All,
         fix: true,
         motion: Some(SHAKE),
@@ -420,7 +422,12 @@ fn every_column_and_key_of_the_results_is_documented() {
         }));
     }
     assert_eq!(found, wanted);
-    for key in keys(&summary.bodies[0]).union(&keys(&summary.walls[0])) {
+    let lists = [
+        keys(&summary.bodies[0]),
+        keys(&summary.walls[0]),
+        keys(&summary.reactions[0]),
+    ];
+    for key in lists.iter().flatten() {
         assert!(text.contains(&format!("`{key}`")), "{key}");
     }
 }
@@ -438,6 +445,7 @@ fn summary() -> RunSummary {
             tetrahedra: 0,
             centroid: V,
             velocity: V,
+            max_plastic_strain: Some(1.0),
         }],
         walls: vec![WallSummary {
             name: String::new(),
@@ -445,6 +453,20 @@ fn summary() -> RunSummary {
             peak_force: 1.0,
             peak_time: 1.0,
         }],
+        reactions: vec![ReactionSummary {
+            body: String::new(),
+            boundary: String::new(),
+            force: V,
+            peak_force: 1.0,
+            peak_time: 1.0,
+        }],
+        penetration: Some(PenetrationSummary {
+            now: 1.0,
+            peak: 1.0,
+            peak_time: 1.0,
+            peak_between: [String::new(), String::new()],
+        }),
+        duration: 1.0,
         simulated_time: 1.0,
         steps: 1,
         time_step: 1.0,

@@ -6,7 +6,7 @@ use anyhow::Result;
 use femdem::run::{BodySummary, Run};
 
 use super::progress::span;
-use super::say;
+use super::{complain, overlaps, say};
 
 /// Trial steps, and the time on the clock after which no more are taken.
 const TRIAL_STEPS: u64 = 50;
@@ -28,6 +28,9 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
         say(&format!("walls: {}", walls.join(", ")));
     }
     let began = Instant::now();
+    let first = simulation.step();
+    overlaps::warn(&simulation, complain);
+    first?;
     while simulation.world.steps() < TRIAL_STEPS && began.elapsed() < TRIAL_TIME {
         simulation.step()?;
     }

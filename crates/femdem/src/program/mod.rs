@@ -6,6 +6,7 @@ pub(crate) mod cli;
 mod folder;
 pub(crate) mod job;
 mod meter;
+mod overlaps;
 pub(crate) mod picture;
 mod progress;
 pub(crate) mod report;

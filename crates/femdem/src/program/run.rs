@@ -13,7 +13,7 @@ use super::cli::{ResumeArgs, RunArgs};
 use super::job::{BREATH, Outcome, checkpoint_interval, in_pool, watch_for_interrupt};
 use super::meter::Meter;
 use super::progress::Clock;
-use super::{check, complain, described, folder, say};
+use super::{check, complain, described, folder, overlaps, say};
 
 /// Options of `femdem run`. Those left out are taken from the scene.
 #[derive(Debug, Args)]
@@ -156,7 +156,13 @@ impl Part {
         let mut steps = 1;
         while run.ending().is_none() && !interrupted.load(Ordering::Relaxed) {
             let began = Instant::now();
-            run.advance(&self.folder, steps)?;
+            let first = run.simulation().world.steps() == 0;
+            let advanced = run.advance(&self.folder, steps);
+            if first {
+                // Above all if that step has failed.
+                overlaps::warn(run.simulation(), |text| clock.note(text));
+            }
+            advanced?;
             clock.show(run.simulation(), run.frames().len());
             // The run does not depend on how its steps are divided, so the clock may decide here.
             steps = if began.elapsed() < BREATH {

@@ -165,7 +165,11 @@ pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Erro
         ways.iter().copied().fold(0.0, f64::max),
     ];
     Ok(Resolved {
-        simulation: Simulation { world, members },
+        simulation: Simulation {
+            world,
+            members,
+            supports: Vec::new(),
+        },
         relaxed,
         bodies,
         moves,

@@ -71,6 +71,22 @@ pub struct Copies {
     pub seed: Option<u64>,
 }
 
+impl Copies {
+    /// Refuses copies that are nowhere, or all at one place.
+    fn check_spacing(&self) -> Result<(), Error> {
+        for (count, spacing) in self.count.iter().zip(&self.spacing) {
+            if !spacing.is_finite() || (*count > 1 && *spacing == 0.0) {
+                return Err(wrong(
+                    "copies.spacing",
+                    &format!("{:?}", self.spacing),
+                    "finite lengths in m, and other than 0 along an axis with several copies",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Most copies of a body.
 const MOST_COPIES: u64 = 1_000_000;
 
@@ -218,16 +234,30 @@ impl BodyEntry {
             None => Rotation::identity(),
             Some(turn) => {
                 let axis = Unit::try_new(Vector3::from(turn.axis), 0.0);
-                let axis = axis.ok_or_else(|| {
+                let axis = axis.filter(|axis| axis.norm() > 0.5).ok_or_else(|| {
                     wrong(
                         "rotation.axis",
-                        "zero",
-                        "a direction of a length above zero",
+                        &format!("{:?}", turn.axis),
+                        "a direction: three finite numbers, not all zero",
                     )
                 })?;
+                if !turn.angle.is_finite() {
+                    return Err(wrong(
+                        "rotation.angle",
+                        &turn.angle.to_string(),
+                        "a finite angle, in degrees",
+                    ));
+                }
                 Rotation::from_axis_angle(&axis, turn.angle.to_radians())
             }
         };
+        if !self.position.iter().all(|x| x.is_finite()) {
+            return Err(wrong(
+                "position",
+                &format!("{:?}", self.position),
+                "three finite numbers, in m",
+            ));
+        }
         let origin = Vector3::from(self.position);
         let Some(copies) = &self.copies else {
             return Ok(vec![Pose::from_parts(origin.into(), rotation)]);
@@ -241,6 +271,7 @@ impl BodyEntry {
                 "1 to 1,000,000 copies",
             ));
         }
+        copies.check_spacing()?;
         let cells =
             (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
         let pose = |(number, cell): (u32, [u32; 3])| {

@@ -13,6 +13,9 @@ use crate::Error;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct BoundaryEntry {
+    /// Name of what `fix` or `motion` holds, as its force appears in results; empty: by its number.
+    #[serde(default)]
+    pub name: String,
     /// Which nodes, such as `{ plane = { normal = [1, 0, 0] } }`.
     pub select: SelectEntry,
     /// Holds the nodes where they are.
@@ -44,6 +47,11 @@ fn all() -> [bool; 3] {
 }
 
 impl BoundaryEntry {
+    /// Whether it holds or moves nodes.
+    pub(super) fn holds(&self) -> bool {
+        self.fix || self.motion.is_some()
+    }
+
     /// Adds the condition for a body of this radius \[m\].
     pub(super) fn add_to(
         &self,
@@ -65,6 +73,13 @@ impl BoundaryEntry {
                 "directions",
                 "given",
                 "give them with fix or motion only: a traction is a vector",
+            ));
+        }
+        if loaded && !self.name.is_empty() {
+            return Err(wrong(
+                "boundary.name",
+                &format!("\"{}\"", self.name),
+                "give it with fix or motion only, whose forces are in the results",
             ));
         }
         if self.directions == [false; 3] {

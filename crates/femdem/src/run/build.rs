@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use super::body::wrong;
 use super::geometry::Geometry;
-use super::{Behaviour, BodyEntry, MaterialEntry, Scenario};
+use super::words::in_words_of_scenes;
+use super::{Behaviour, BodyEntry, MaterialEntry, Scenario, Support};
 use crate::Error;
 
 /// Most frames, and most rows of the history: numbers of outputs are counted one by one and must not be
@@ -45,6 +46,8 @@ pub struct Simulation {
     pub world: World,
     /// Its bodies, in the order of the scenario.
     pub members: Vec<Member>,
+    /// What is held or moved of deformable bodies, in the same order.
+    pub supports: Vec<Support>,
 }
 
 /// A simulation as read, before its world is made whole.
@@ -52,14 +55,24 @@ pub struct Simulation {
 struct Stored {
     world: World,
     members: Vec<Member>,
+    supports: Vec<Support>,
 }
 
 impl TryFrom<Stored> for Simulation {
     type Error = SolveError;
 
-    fn try_from(Stored { mut world, members }: Stored) -> Result<Self, SolveError> {
+    fn try_from(stored: Stored) -> Result<Self, SolveError> {
+        let Stored {
+            mut world,
+            members,
+            supports,
+        } = stored;
         world.restore()?;
-        Ok(Self { world, members })
+        Ok(Self {
+            world,
+            members,
+            supports,
+        })
     }
 }
 
@@ -72,9 +85,11 @@ impl Scenario {
     /// [`Error::Solve`] for what concerns the whole.
     pub fn build(&self) -> Result<Simulation, Error> {
         self.check()?;
+        let world = World::new(self.parameters());
         let mut simulation = Simulation {
-            world: World::new(self.parameters())?,
+            world: world.map_err(|error| in_words_of_scenes(error.into()))?,
             members: Vec::new(),
+            supports: Vec::new(),
         };
         let mut names = Names::default();
         for (number, wall) in (1..).zip(&self.wall) {
@@ -284,10 +299,21 @@ impl Simulation {
         for condition in &entry.boundary {
             condition.add_to(&mut boundary, &model, radius)?;
         }
-        let stiffness = ContactStiffness::Ratio(entry.contact_ratio.unwrap_or(1.0));
+        let supports = entry.supports(self.members.len(), &model, radius)?;
+        let ratio = entry.contact_ratio.unwrap_or(1.0);
+        if !(ratio > 0.0 && ratio.is_finite()) {
+            let allowed = "a positive, finite number: κ h/E";
+            return Err(wrong("contact-ratio", &ratio.to_string(), allowed));
+        }
+        let stiffness = ContactStiffness::Ratio(ratio);
         let model = self.world.add_model(name, model, stiffness)?;
         let mut ids = Vec::new();
-        for pose in entry.poses()? {
+        for (copy, pose) in entry.poses()?.into_iter().enumerate() {
+            let of_copy = supports.iter().cloned();
+            self.supports.extend(of_copy.map(|support| Support {
+                member: support.member + copy,
+                ..support
+            }));
             let id = self.world.add_deformable(DeformableSpec {
                 model,
                 pose,
@@ -339,7 +365,7 @@ impl Simulation {
 fn in_entry(entry: String) -> impl FnOnce(Error) -> Error {
     |fault| Error::Entry {
         entry,
-        fault: Box::new(fault),
+        fault: Box::new(in_words_of_scenes(fault)),
     }
 }
 

@@ -119,6 +119,13 @@ impl BodyEntry {
                 ));
             }
         };
+        let lengths = [("diameter", self.diameter), ("size", self.size)];
+        for (name, length) in lengths {
+            if let Some(length) = length.filter(|length| !(*length > 0.0 && length.is_finite())) {
+                let allowed = "a positive, finite length, in m";
+                return Err(wrong(name, &length.to_string(), allowed));
+            }
+        }
         Ok((name, own.scaled(by)?))
     }
 }

@@ -13,7 +13,7 @@ use super::{MemberId, Simulation};
 use crate::Error;
 use crate::output::csv::quoted;
 
-/// Columns of `history.csv` before those of the walls.
+/// Columns of `history.csv` before those of the walls and supports.
 pub const HISTORY_COLUMNS: [&str; 20] = [
     "time",
     "step",
@@ -101,10 +101,16 @@ pub(super) fn history_header(simulation: &Simulation) -> Vec<String> {
         ["fx", "fy", "fz"].map(|f| quoted(&format!("{f} {}", wall.name())))
     };
     let walls = simulation.world.walls().iter().flat_map(of_wall);
+    let of_support = |support| {
+        let name = simulation.support_name(support);
+        ["rx", "ry", "rz"].map(|r| quoted(&format!("{r} {name}")))
+    };
+    let supports = simulation.supports.iter().flat_map(of_support);
     HISTORY_COLUMNS
         .map(str::to_owned)
         .into_iter()
         .chain(walls)
+        .chain(supports)
         .collect()
 }
 
@@ -113,6 +119,7 @@ pub(super) fn history_row(
     simulation: &Simulation,
     contacts: usize,
     forces: &ContactForces,
+    reactions: &[Vector3],
 ) -> Vec<String> {
     let world = &simulation.world;
     let ledger = world.ledger();
@@ -140,6 +147,7 @@ pub(super) fn history_row(
     row.extend(numbers.map(number));
     row.push(contacts.to_string());
     row.extend(forces.walls.iter().flat_map(vector));
+    row.extend(reactions.iter().flat_map(vector));
     row
 }
 

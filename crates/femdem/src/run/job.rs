@@ -7,7 +7,7 @@ use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::history::{self, Table};
-use super::{RunSummary, Scenario, Simulation};
+use super::{RunSummary, Scenario, Side, Simulation};
 use crate::output::{vtu, write_file, write_pvd_parts};
 use crate::picture::PictureOptions;
 use crate::{Error, Usage};
@@ -25,13 +25,33 @@ pub enum Ending {
     Rest,
 }
 
-/// The largest force on a wall among the rows of the history.
+/// The largest force on a wall or of a support among the rows of the history.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Peak {
     /// N.
     pub force: f64,
     /// s.
     pub time: f64,
+}
+
+impl Peak {
+    fn see(&mut self, force: &Vector3, time: f64) {
+        let force = force.norm();
+        if force > self.force {
+            *self = Self { force, time };
+        }
+    }
+}
+
+/// The deepest contact among the rows of the history.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Deepest {
+    /// m.
+    pub depth: f64,
+    /// s.
+    pub time: f64,
+    /// Names of the two sides.
+    pub between: [String; 2],
 }
 
 /// A scenario that is being run. It can be saved and read back (it is serde's to write), and goes on
@@ -51,6 +71,8 @@ pub struct Run {
     history: Table,
     members: Table,
     peaks: Vec<Peak>,
+    reaction_peaks: Vec<Peak>,
+    deepest: Deepest,
     /// When the kinetic energy was last seen to fall below that of rest \[s\].
     quiet_since: Option<f64>,
     ending: Option<Ending>,
@@ -69,6 +91,8 @@ impl Run {
         members.row(history::MEMBER_COLUMNS.map(str::to_owned));
         Ok(Self {
             peaks: vec![Peak::default(); simulation.world.walls().len()],
+            reaction_peaks: vec![Peak::default(); simulation.supports.len()],
+            deepest: Deepest::default(),
             scenario,
             simulation,
             frames: Vec::new(),
@@ -108,6 +132,16 @@ impl Run {
     /// Largest force on each wall \[N\] and its time \[s\], among the rows of the history.
     pub(super) fn peaks(&self) -> &[Peak] {
         &self.peaks
+    }
+
+    /// The same of the supports' forces.
+    pub(super) fn reaction_peaks(&self) -> &[Peak] {
+        &self.reaction_peaks
+    }
+
+    /// The deepest contact among the rows of the history.
+    pub(super) fn deepest(&self) -> &Deepest {
+        &self.deepest
     }
 
     /// Advances by at most `steps` steps, or to the end of the run, and writes frames and rows into
@@ -205,13 +239,29 @@ impl Run {
         let contacts = self.simulation.contacts();
         let forces = self.simulation.forces(&contacts);
         let time = self.simulation.world.time();
+        let reactions = self.simulation.reactions();
         for (peak, force) in self.peaks.iter_mut().zip(&forces.walls) {
-            let force = Vector3::norm(force);
-            if force > peak.force {
-                *peak = Peak { force, time };
+            peak.see(force, time);
+        }
+        for (peak, force) in self.reaction_peaks.iter_mut().zip(&reactions) {
+            peak.see(force, time);
+        }
+        for contact in &contacts {
+            // The depth is at most the penetration, and dearer to find.
+            if contact.area > 0.0 && contact.penetration() <= self.deepest.depth {
+                continue;
+            }
+            let depth = self.simulation.depth_of(contact);
+            if depth > self.deepest.depth {
+                let sides = [contact.a, Side::Member(contact.b)];
+                self.deepest = Deepest {
+                    depth,
+                    time,
+                    between: sides.map(|side| self.simulation.name_of(side)),
+                };
             }
         }
-        let row = history::history_row(&self.simulation, contacts.len(), &forces);
+        let row = history::history_row(&self.simulation, contacts.len(), &forces, &reactions);
         self.history.row(row);
         if self.scenario.track {
             for row in history::member_rows(&self.simulation, &forces) {

@@ -45,11 +45,14 @@ mod history;
 mod job;
 mod material;
 mod motion;
+mod overlap;
 mod picture;
 mod select;
 mod settings;
 mod summary;
+mod support;
 mod wall;
+mod words;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -64,9 +67,14 @@ pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
 pub use job::{Ending, Run};
 pub use material::{Law, MaterialEntry};
 pub use motion::MotionEntry;
+pub use overlap::Overlap;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
-pub use summary::{BodySummary, RUN_SCHEMA, RunEnergy, RunSummary, StrainSummary, WallSummary};
+pub use summary::{
+    BodySummary, PenetrationSummary, RUN_SCHEMA, ReactionSummary, RunEnergy, RunSummary,
+    StrainSummary, WallSummary,
+};
+pub use support::Support;
 pub use wall::{BoxEntry, CylinderEntry, PlaneEntry, WallEntry};
 
 use crate::{Error, toml_file};

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{Ending, MemberId, Run};
+use super::{Ending, MemberId, Run, Side};
 use crate::{Error, Usage};
 
 /// Version of the keys of the summary of a run.
@@ -25,6 +25,12 @@ pub struct RunSummary {
     pub bodies: Vec<BodySummary>,
     /// The walls.
     pub walls: Vec<WallSummary>,
+    /// Forces of what is held or moved of deformable bodies.
+    pub reactions: Vec<ReactionSummary>,
+    /// How deep bodies and walls overlap; `null` if nothing touched.
+    pub penetration: Option<PenetrationSummary>,
+    /// Time that was asked for \[s\].
+    pub duration: f64,
     /// Simulated time \[s\].
     pub simulated_time: f64,
     /// Steps.
@@ -75,6 +81,8 @@ pub struct BodySummary {
     pub centroid: [f64; 3],
     /// Velocity of the centroid \[m/s\].
     pub velocity: [f64; 3],
+    /// Largest equivalent plastic strain of an element; `null` where no material has one.
+    pub max_plastic_strain: Option<f64>,
 }
 
 /// A wall of a run.
@@ -88,6 +96,34 @@ pub struct WallSummary {
     pub peak_force: f64,
     /// When that was \[s\].
     pub peak_time: f64,
+}
+
+/// The force of a support: of nodes of a body that are held or moved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReactionSummary {
+    /// Name of the body.
+    pub body: String,
+    /// Name of the boundary condition.
+    pub boundary: String,
+    /// Force of the support on the body now \[N\].
+    pub force: [f64; 3],
+    /// Largest size of that force among the rows of the history \[N\].
+    pub peak_force: f64,
+    /// When that was \[s\].
+    pub peak_time: f64,
+}
+
+/// Depths of contacts: overlap volume over area, at most the diameter of the smaller body \[m\].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PenetrationSummary {
+    /// Largest now; 0 where nothing touches.
+    pub now: f64,
+    /// Largest among the rows of the history.
+    pub peak: f64,
+    /// When that was \[s\].
+    pub peak_time: f64,
+    /// Names of the two that it was between.
+    pub peak_between: [String; 2],
 }
 
 /// Energies of a run \[J\].
@@ -152,6 +188,26 @@ impl RunSummary {
             peak_force: peak.force,
             peak_time: peak.time,
         });
+        let forces = simulation.reactions();
+        let supports = simulation.supports.iter().zip(&forces);
+        let reactions = supports.zip(run.reaction_peaks());
+        let reactions = reactions.map(|((support, force), peak)| ReactionSummary {
+            body: simulation.name_of(Side::Member(support.member)),
+            boundary: support.name.clone(),
+            force: (*force).into(),
+            peak_force: peak.force,
+            peak_time: peak.time,
+        });
+        let deepest = run.deepest();
+        let penetration = (deepest.depth > 0.0).then(|| PenetrationSummary {
+            now: contacts
+                .iter()
+                .map(|contact| simulation.depth_of(contact))
+                .fold(0.0, f64::max),
+            peak: deepest.depth,
+            peak_time: deepest.time,
+            peak_between: deepest.between.clone(),
+        });
         let bodies: Vec<_> = simulation.bodies();
         let tetrahedra = bodies.iter().map(|body| body.tetrahedra).sum();
         let steps = world.steps();
@@ -162,6 +218,9 @@ impl RunSummary {
             ending: run.ending(),
             bodies,
             walls: walls.collect(),
+            reactions: reactions.collect(),
+            penetration,
+            duration: run.scenario().duration,
             simulated_time: world.time(),
             steps,
             time_step: world.time_step(),
@@ -191,6 +250,18 @@ impl RunSummary {
     }
 }
 
+impl RunSummary {
+    /// Says by how much the last step went beyond the duration.
+    fn beyond(&self) -> String {
+        let beyond = self.simulated_time - self.duration;
+        if beyond > 0.0 {
+            format!(", {beyond:.1e} s beyond the duration")
+        } else {
+            String::new()
+        }
+    }
+}
+
 impl super::Simulation {
     /// What there is of each member, in the order of the scenario.
     #[must_use]
@@ -207,6 +278,7 @@ impl super::Simulation {
                     tetrahedra: 0,
                     centroid: world.position(id)?.into(),
                     velocity: world.velocity(id)?.into(),
+                    max_plastic_strain: None,
                 },
                 MemberId::Deformable(id) => {
                     let body = world.deformable(id)?;
@@ -219,12 +291,19 @@ impl super::Simulation {
                         tetrahedra: body.model().volumes().len(),
                         centroid: body.centroid().into(),
                         velocity: (body.momentum() / mass).into(),
+                        max_plastic_strain: max_plastic_strain(&body),
                     }
                 }
             })
         });
         summary.collect()
     }
+}
+
+fn max_plastic_strain(body: &femdem_solve::Deformable) -> Option<f64> {
+    // Only a history that is not the body's own could fail.
+    let strains = body.model().plastic_strains(body.history()).ok()??;
+    Some(strains.into_iter().fold(0.0, f64::max))
 }
 
 fn energy(ledger: &femdem_solve::Ledger) -> RunEnergy {
@@ -294,8 +373,11 @@ impl fmt::Display for RunSummary {
             f,
             "simulated",
             format!(
-                "{:.6} s in {} steps, the last of {:.3e} s",
-                self.simulated_time, self.steps, self.time_step
+                "{:.6} s in {} steps, the last of {:.3e} s{}",
+                self.simulated_time,
+                self.steps,
+                self.time_step,
+                self.beyond()
             ),
         )?;
         let e = &self.energy;
@@ -314,11 +396,28 @@ impl fmt::Display for RunSummary {
                 format!("at most {:.4e} Pa", strain.max_von_mises),
             )?;
         }
+        let strains = self.bodies.iter().filter_map(|b| b.max_plastic_strain);
+        if let Some(strain) = strains.reduce(f64::max) {
+            row(f, "plastic strain", format!("at most {strain:.4e}"))?;
+        }
+        if let Some(deep) = &self.penetration {
+            let [a, b] = &deep.peak_between;
+            let (peak, time) = (deep.peak, deep.peak_time);
+            let text = format!("at most {peak:.3e} m, of {a} and {b} at {time:.6} s");
+            row(f, "penetration", text)?;
+        }
         for wall in self.walls.iter().filter(|wall| wall.peak_force > 0.0) {
             row(
                 f,
                 &format!("peak on {}", wall.name),
                 format!("{:.5e} N at {:.6} s", wall.peak_force, wall.peak_time),
+            )?;
+        }
+        for support in &self.reactions {
+            row(
+                f,
+                &format!("peak of {} {}", support.body, support.boundary),
+                format!("{:.5e} N at {:.6} s", support.peak_force, support.peak_time),
             )?;
         }
         let each = self.nanoseconds_per_tet_step.map_or(String::new(), |each| {

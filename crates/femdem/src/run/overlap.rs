@@ -1,0 +1,133 @@
+//! Overlaps that are too deep for a contact.
+
+use std::collections::BTreeSet;
+
+use femdem_contact::WallShape;
+use femdem_mesh::{Point3, Vector3};
+
+use super::contacts::{ContactLine, Side};
+use super::{MemberId, Simulation};
+
+/// Depth over the circumscribed diameter of the smaller body from which an overlap is deep: contacts of
+/// bodies at rest are a few tenths of a percent deep.
+const DEEP: f64 = 0.02;
+
+/// Two bodies, or a body and a wall, that overlap deeply.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overlap {
+    /// Name of one side, a body or a wall.
+    pub a: String,
+    /// Name of the other, a body.
+    pub b: String,
+    /// Mean depth: overlap volume over contact area, at most the diameter of the smaller body \[m\].
+    pub depth: f64,
+    /// The depth over the circumscribed diameter of the smaller body.
+    pub share: f64,
+}
+
+impl Simulation {
+    /// What overlaps by more than 2 % of the circumscribed diameter of the smaller body, the deepest (by
+    /// that measure) first: bodies that were placed so burst apart, and those wholly in a wall, which do
+    /// not touch its surface, fall through it. Contacts are known after the first step, also if that has
+    /// failed.
+    #[must_use]
+    pub fn deep_overlaps(&self) -> Vec<Overlap> {
+        let (mut deep, mut touching) = (Vec::new(), BTreeSet::new());
+        let overlap = |a, b, depth: f64, size: f64| Overlap {
+            a: self.name_of(a),
+            b: self.name_of(Side::Member(b)),
+            depth,
+            share: depth / size,
+        };
+        for contact in self.contacts() {
+            if let Side::Wall(wall) = contact.a {
+                touching.insert((wall, contact.b));
+            }
+            let size = self.smaller_diameter(contact.a, contact.b);
+            let (depth, a) = (self.depth_of(&contact), contact.a);
+            if depth >= DEEP * size {
+                deep.push(overlap(a, contact.b, depth, size));
+            }
+        }
+        for (wall, shape) in self.world.walls().iter().enumerate() {
+            for member in 0..self.members.len() {
+                if !touching.contains(&(wall, member)) && self.is_beyond(wall, shape, member) {
+                    let size = self.smaller_diameter(Side::Wall(wall), member);
+                    deep.push(overlap(Side::Wall(wall), member, size, size));
+                }
+            }
+        }
+        deep.sort_by(|x, y| y.share.total_cmp(&x.share));
+        // Bodies that are not convex have several patches; the deepest stands for the pair.
+        let mut seen = BTreeSet::new();
+        deep.retain(|pair| seen.insert((pair.a.clone(), pair.b.clone())));
+        deep
+    }
+
+    /// Depth of a contact: its [`ContactLine::penetration`], and at most the circumscribed diameter of the
+    /// smaller body, as a body that is wholly in another or in a wall has hardly an area \[m\].
+    #[must_use]
+    pub fn depth_of(&self, contact: &ContactLine) -> f64 {
+        if contact.volume > 0.0 {
+            let most = self.smaller_diameter(contact.a, contact.b);
+            (contact.volume / contact.area).min(most)
+        } else {
+            0.0
+        }
+    }
+
+    /// Name of a side of a contact: of the body, or of the wall.
+    #[must_use]
+    pub fn name_of(&self, side: Side) -> String {
+        let name = match side {
+            Side::Member(member) => self.members.get(member).map(|member| &*member.name),
+            Side::Wall(wall) => self.world.walls().get(wall).map(|wall| wall.name()),
+        };
+        name.unwrap_or_default().to_owned()
+    }
+
+    /// Whether the centroid of a member lies in a wall of planes.
+    fn is_beyond(&self, wall: usize, shape: &WallShape, member: usize) -> bool {
+        let centroid = match self.members[member].id {
+            MemberId::Rigid(id) => self.world.position(id),
+            MemberId::Deformable(id) => self.world.deformable(id).map(|body| body.centroid()),
+        };
+        let (WallShape::Planes(planes), Some(centroid), Some(pose)) =
+            (shape, centroid, self.world.wall_pose(wall as u32))
+        else {
+            return false;
+        };
+        let x = pose.inverse_transform_point(&Point3::from(centroid)).coords;
+        let mut planes = planes.planes().iter();
+        planes.any(|plane| plane.normal.dot(&x) < plane.offset)
+    }
+
+    /// Circumscribed diameter of the smaller of two sides \[m\].
+    fn smaller_diameter(&self, a: Side, b: usize) -> f64 {
+        let a = match a {
+            Side::Member(member) => self.diameter(member),
+            Side::Wall(_) => None,
+        };
+        let sizes = [a, self.diameter(b)].into_iter().flatten();
+        sizes.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Circumscribed diameter of a member, as it was made \[m\].
+    fn diameter(&self, member: usize) -> Option<f64> {
+        let radius = match self.members.get(member)?.id {
+            MemberId::Rigid(id) => {
+                let shape = self.world.shape(self.world.shape_of(id)?)?;
+                shape.polyhedron.bounding_radius()
+            }
+            MemberId::Deformable(id) => {
+                let nodes = self.world.deformable(id)?.model().nodes();
+                let centre = nodes.iter().sum::<Vector3>() / nodes.len() as f64;
+                nodes
+                    .iter()
+                    .map(|x| (x - centre).norm())
+                    .fold(0.0, f64::max)
+            }
+        };
+        Some(2.0 * radius)
+    }
+}

@@ -1,0 +1,118 @@
+//! Supports: nodes of deformable bodies that are held or moved, and the forces that this takes.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use femdem_mesh::Vector3;
+use femdem_solve::deformable::{Boundary, DeformableModel};
+use serde::{Deserialize, Serialize};
+
+use super::body::wrong;
+use super::{BodyEntry, MemberId, Simulation};
+use crate::Error;
+
+/// What a boundary condition holds or moves of a body.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Support {
+    /// Number of the body among the members.
+    pub member: usize,
+    /// Name of the condition.
+    pub name: String,
+    /// Nodes and directions of the world (0 to 2), ascending.
+    pub holds: Vec<(u32, u8)>,
+}
+
+impl BodyEntry {
+    /// What each `fix` and `motion` holds of a body that gets the number `member`. Of several conditions on
+    /// a direction of a node the last counts, as in [`Boundary`].
+    pub(super) fn supports(
+        &self,
+        member: usize,
+        model: &DeformableModel,
+        body_radius: f64,
+    ) -> Result<Vec<Support>, Error> {
+        let mut owners = BTreeMap::new();
+        let mut supports = Vec::new();
+        let (mut names, sets) = (BTreeSet::new(), Boundary::default());
+        for (number, condition) in (1..).zip(&self.boundary) {
+            if !condition.holds() {
+                continue;
+            }
+            let name = match condition.name.as_str() {
+                "" => format!("boundary {number}"),
+                given => given.to_owned(),
+            };
+            if !names.insert(name.clone()) {
+                return Err(Error::Option {
+                    name: "boundary.name",
+                    value: format!("\"{name}\""),
+                    allowed: "another condition of the body has it: give each its own",
+                });
+            }
+            let selection = condition.select.selection(body_radius);
+            for node in model.select(&selection, sets.sets())? {
+                for direction in (0..3_u8).filter(|&k| condition.directions[usize::from(k)]) {
+                    owners.insert((node, direction), supports.len());
+                }
+            }
+            supports.push(Support {
+                member,
+                name,
+                holds: Vec::new(),
+            });
+        }
+        for (hold, owner) in owners {
+            supports[owner].holds.push(hold);
+        }
+        match supports.iter().find(|support| support.holds.is_empty()) {
+            Some(idle) => Err(wrong(
+                "boundary",
+                &format!("\"{}\"", idle.name),
+                "later conditions hold all its nodes in all its directions: take it out, or put it last",
+            )),
+            None => Ok(supports),
+        }
+    }
+}
+
+impl Simulation {
+    /// Name of a support in results: that of the body and that of the condition.
+    #[must_use]
+    pub fn support_name(&self, support: &Support) -> String {
+        let member = self.members.get(support.member);
+        let body = member.map_or("", |member| member.name.as_str());
+        format!("{body} {}", support.name)
+    }
+
+    /// Force of each support on its body now \[N\]: what balances the forces of elements, contacts, loads
+    /// and gravity on the nodes in the directions that it holds. What it takes to accelerate these nodes
+    /// themselves, and to move them through a medium, is not in it. Before the first step no force is
+    /// known, and all are zero.
+    #[must_use]
+    pub fn reactions(&self) -> Vec<Vector3> {
+        self.supports
+            .iter()
+            .map(|support| self.reaction(support).unwrap_or_default())
+            .collect()
+    }
+
+    fn reaction(&self, support: &Support) -> Option<Vector3> {
+        let world = &self.world;
+        let MemberId::Deformable(id) = self.members.get(support.member)?.id else {
+            return None;
+        };
+        if world.steps() == 0 {
+            return None;
+        }
+        let body = world.deformable(id)?;
+        let (masses, gravity) = (body.model().masses(), world.parameters().gravity);
+        let mut sum = Vector3::zeros();
+        for &(node, direction) in &support.holds {
+            let (node, k) = (node as usize, usize::from(direction));
+            let contact = body.contact_forces().get(node).map_or(0.0, |f| f[k]);
+            let inside = body.internal_forces()[node][k] + body.loads()[node][k];
+            sum[k] -= inside + contact + masses[node] * gravity[k];
+        }
+        // No -0.
+        Some(sum + Vector3::zeros())
+    }
+}

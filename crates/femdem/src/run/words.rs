@@ -1,0 +1,115 @@
+//! Numbers that the libraries refuse, by the keys that scenes have for them.
+
+use femdem_contact::ContactError;
+use femdem_solve::SolveError;
+
+use crate::Error;
+
+/// Names of the libraries, and keys of scenes.
+const KEYS: [(&str, &str); 22] = [
+    ("penalty", "contact.penalty"),
+    ("friction", "contact.friction"),
+    ("wall_friction", "contact.wall-friction"),
+    ("damping_ratio", "contact.damping"),
+    ("tangential_ratio", "contact.tangential-ratio"),
+    ("tangential_damping", "contact.tangential-damping"),
+    ("time_step.safety", "time-step.safety"),
+    ("time_step.largest", "time-step.largest"),
+    ("medium.local_damping", "medium.local-damping"),
+    ("angular_velocity", "spin"),
+    ("yield_stress", "yield-stress"),
+    ("drive.velocity", "motion.velocity"),
+    ("drive.start", "motion.start"),
+    ("drive.end", "motion.end"),
+    ("drive.frequency", "motion.frequency"),
+    ("drive.interval", "motion.interval"),
+    ("drive.axis", "motion.axis"),
+    ("drive.point", "motion.point"),
+    ("drive.rate", "motion.rate"),
+    ("drive.stroke", "motion: the stroke or angle"),
+    ("value of a curve", "pressure, or a factor of the table"),
+    ("rise of a ramp", "rise"),
+];
+
+/// The same error with the key of the scene.
+pub(super) fn in_words_of_scenes(error: Error) -> Error {
+    let (Error::Contact(ContactError::Parameter {
+        name,
+        value,
+        allowed,
+    })
+    | Error::Solve(
+        SolveError::Contact(ContactError::Parameter {
+            name,
+            value,
+            allowed,
+        })
+        | SolveError::Parameter {
+            name,
+            value,
+            allowed,
+        },
+    )) = &error
+    else {
+        return error;
+    };
+    match KEYS.iter().find(|(known, _)| known == name) {
+        Some((_, key)) => Error::Option {
+            name: key,
+            value: value.to_string(),
+            allowed,
+        },
+        None => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::run::Scenario;
+
+    #[test]
+    fn messages_have_the_keys_of_scenes() {
+        let base = "[material.clay]\ndensity = 1000\nlaw = \"j2\"\nyoung = 1e6\npoisson = 0.3\n\
+                    yield-stress = 5e3\n[[body]]\nblock = [1, 1, 1]\nsides = [1, 1, 1]\n\
+                    material = \"clay\"\nbehaviour = \"deformable\"\n";
+        let motion = |text: &str| {
+            format!("{base}[[wall]]\nplane = {{ normal = [0, 0, 1] }}\nmotion = {{ {text} }}\n")
+        };
+        for (text, words) in [
+            (
+                format!("contact.damping = 2\n{base}"),
+                "contact.damping = 2 is",
+            ),
+            (
+                format!("contact.wall-friction = -2\n{base}"),
+                "contact.wall-friction = -2 is",
+            ),
+            (
+                format!("time-step.safety = 2\n{base}"),
+                "time-step.safety = 2 is",
+            ),
+            (
+                format!("medium.local-damping = 2\n{base}"),
+                "medium.local-damping = 2 is",
+            ),
+            (base.replace("= 5e3", "= -5"), "yield-stress = -5 is"),
+            (format!("{base}spin = [inf, 0, 0]"), "spin = inf is"),
+            (
+                motion("linear = { velocity = [0, 0, 1], start = 2, end = 1 }"),
+                "motion.end = 1 is",
+            ),
+            (
+                motion("turn = { axis = [0, 0, 0], rate = 1 }"),
+                "motion.axis = 0 is",
+            ),
+            (
+                format!("{base}[[body.boundary]]\nselect = \"skin\"\npressure = 1\nrise = -1\n"),
+                "rise = -1 is",
+            ),
+        ] {
+            let scenario = Scenario::from_toml(&text).unwrap();
+            let message = scenario.build().unwrap_err().to_string();
+            assert!(message.contains(words), "{words:?} is not in: {message}");
+        }
+    }
+}
