@@ -85,8 +85,7 @@ impl Simulation {
 
     /// Force of each support on its body now \[N\]: what balances the forces of elements, contacts, loads
     /// and gravity on the nodes in the directions that it holds. What it takes to accelerate these nodes
-    /// themselves, and to move them through a medium, is not in it. Before the first step no force is
-    /// known, and all are zero.
+    /// themselves is not in it. Before the first step no force is known, and all are zero.
     #[must_use]
     pub fn reactions(&self) -> Vec<Vector3> {
         self.supports
