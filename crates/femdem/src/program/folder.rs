@@ -18,7 +18,7 @@ const KIND: &str = "pack";
 
 /// Name of the checkpoint of `femdem run`, and what it holds.
 pub(crate) const RUN_CHECKPOINT: &str = "run.ckpt";
-const RUN_KIND: &str = "run 2";
+const RUN_KIND: &str = "run";
 
 /// A job and its cost so far, as read.
 #[derive(Deserialize)]
