@@ -59,7 +59,7 @@ pub(crate) struct Options {
     list: bool,
 
     /// Make the pages of the runs that are there, and start no others. Where the table of the last page
-    /// tells enough of a run, its folder may be gone (Table 1, Figure 6, dice)
+    /// tells enough of a run, its folder may be gone (Table 1, Figure 6, dice, sensitivity)
     #[arg(long)]
     as_found: bool,
 }

@@ -43,6 +43,11 @@ impl Run {
         })
     }
 
+    /// Whether its tables are there, and not only what a page tells of it.
+    pub(super) fn has_tables(&self) -> bool {
+        self.folder.is_dir()
+    }
+
     /// Bodies in the container.
     ///
     /// # Errors

@@ -3,10 +3,11 @@
 use anyhow::Result;
 
 use super::Scale;
-use super::case::{Case, Found, find, with_error};
+use super::case::{Case, Found, find_recorded, with_error};
 use super::job::Size;
 use super::page::page;
 use super::paper::solid;
+use super::record::Record;
 use super::runs::Runs;
 use super::statistics::{Estimate, estimate, pooled, student};
 use crate::validate::report::{Report, markdown_table};
@@ -132,7 +133,8 @@ pub(super) fn cases(scale: Scale) -> Vec<Case> {
 /// # Errors
 /// When the program fails.
 pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
-    let all = find(runs, &cases(scale))?;
+    let record = Record::of(runs, "sensitivity", scale)?;
+    let all = find_recorded(runs, &cases(scale), &record)?;
     let blocks: Vec<&[Found]> = all.chunks(variants(scale).len()).collect();
     let text = format!(
         "{}\n{}\n## The inset of the core\n\nThe default packs, measured with other distances of the core \
@@ -228,6 +230,7 @@ fn insets(runs: &Runs, blocks: &[&[Found]], scale: Scale) -> Result<String> {
             let values = base
                 .packs
                 .iter()
+                .filter(|pack| pack.run.has_tables())
                 .map(|pack| {
                     let analysis = pack.run.analysis(runs.program(), inset)?;
                     let kept = analysis.number("core.inset_over_d");
@@ -236,7 +239,12 @@ fn insets(runs: &Runs, blocks: &[&[Found]], scale: Scale) -> Result<String> {
                 .collect::<Result<Vec<_>>>()?;
             let values: Vec<(f64, f64)> = values.into_iter().flatten().collect();
             let found: Option<Estimate> = estimate(&values);
-            row.push(found.map_or_else(|| "too narrow".to_owned(), |f| with_error(Some(f), 3)));
+            let none = if base.packs.iter().any(|pack| pack.run.has_tables()) {
+                "too narrow"
+            } else {
+                "tables gone"
+            };
+            row.push(found.map_or_else(|| none.to_owned(), |f| with_error(Some(f), 3)));
         }
         rows.push(row);
     }
