@@ -9,8 +9,8 @@ use femdem::run::{
     Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, ContactEntry, Copies,
     CylinderEntry, Ending, FocusEntry, HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry,
     MediumEntry, MotionEntry, PenetrationSummary, PlaneEntry, ReactionSummary, RegionEntry,
-    RestEntry, RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry, StepEntry,
-    StrainSummary, WallEntry, WallSummary, Zone,
+    RelaxEntry, RelaxSummary, RestEntry, RotationEntry, RunEnergy, RunSummary, Scenario,
+    SelectEntry, StepEntry, StrainSummary, WallEntry, WallSummary, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -41,6 +41,7 @@ fn body() -> BodyEntry {
         mesh_size: Some(0.1),
         focus: Some(focus()),
         contact_ratio: Some(1.0),
+        mass_scaling: Some(1.0),
         position: V,
         rotation: Some(rotation()),
         velocity: V,
@@ -173,6 +174,7 @@ fn scenario() -> Scenario {
         track: true,
         pictures: true,
         rest: Some(rest()),
+        relax: Some(RelaxEntry::default()),
         gravity: V,
         contact: ContactEntry::default(),
         time_step: step(),
@@ -246,6 +248,7 @@ fn every_key_of_every_table_is_documented_and_no_other() {
     for (heading, wanted) in [
         ("## The scene", keys(&scenario())),
         ("## `[rest]`", keys(&rest())),
+        ("## `[relax]`", keys(&RelaxEntry::default())),
         ("## `[contact]`", keys(&ContactEntry::default())),
         ("## `[time-step]`", keys(&step())),
         ("## `[medium]`", keys(&MediumEntry::default())),
@@ -437,10 +440,12 @@ fn summary() -> RunSummary {
         schema: 1,
         title: String::new(),
         ending: Some(Ending::Time),
+        relaxed: Some(RelaxSummary::default()),
         bodies: vec![BodySummary {
             name: String::new(),
             behaviour: String::new(),
             mass: 1.0,
+            added_mass: 1.0,
             nodes: 0,
             tetrahedra: 0,
             centroid: V,

@@ -70,5 +70,11 @@ fn list(bodies: &[BodySummary]) {
         say(&format!("and {} more", bodies.len() - LISTED));
     }
     let mass: f64 = bodies.iter().map(|body| body.mass).sum();
-    say(&format!("{} bodies, {mass:.5e} kg", bodies.len()));
+    let added: f64 = bodies.iter().map(|body| body.added_mass).sum();
+    let scaled = if added > 0.0 {
+        format!(", of which mass scaling has added {added:.5e} kg")
+    } else {
+        String::new()
+    };
+    say(&format!("{} bodies, {mass:.5e} kg{scaled}", bodies.len()));
 }

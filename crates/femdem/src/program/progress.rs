@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use femdem::pack::{Progress, Stage};
-use femdem::run::Simulation;
+use femdem::run::{Run, Simulation};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Shows how far a job is, on a terminal; elsewhere nothing.
@@ -91,8 +91,16 @@ impl Clock {
         })
     }
 
-    pub(crate) fn show(&self, at: &Simulation, frames: usize) {
-        let world = &at.world;
+    pub(crate) fn show(&self, run: &Run) {
+        let (world, frames) = (&run.simulation().world, run.frames().len());
+        if let Some(so_far) = run.relaxation() {
+            self.bar.set_position(TICKS as u64);
+            self.bar.set_message(format!(
+                "relaxing: {} steps, residual {:.1e}",
+                so_far.steps, so_far.residual
+            ));
+            return;
+        }
         let share = (world.time() / self.duration).min(1.0);
         let left = time_left(share, self.share_at_start, self.started);
         let left = left.map_or(String::new(), |left| format!(", {} left", span(left)));

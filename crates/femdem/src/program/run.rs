@@ -163,7 +163,7 @@ impl Part {
                 overlaps::warn(run.simulation(), |text| clock.note(text));
             }
             advanced?;
-            clock.show(run.simulation(), run.frames().len());
+            clock.show(run);
             // The run does not depend on how its steps are divided, so the clock may decide here.
             steps = if began.elapsed() < BREATH {
                 (steps * 2).min(1 << 16)

@@ -128,6 +128,9 @@ pub struct BodyEntry {
     /// Contact stiffness of a deformable body, κ h/E: the modulus of its contact foundation times the
     /// edge length of its skin over Young's modulus. `None`: 1.
     pub contact_ratio: Option<f64>,
+    /// Mass is added to the elements of a deformable body whose critical step is shorter than this, just enough
+    /// to bring it there \[s\]; inertia and weight grow with it. `None`: none is.
+    pub mass_scaling: Option<f64>,
     /// Where the shape's origin lies \[m\].
     pub position: [f64; 3],
     /// How the body is turned about the shape's origin.
@@ -179,6 +182,7 @@ impl BodyEntry {
             ("boundary", !self.boundary.is_empty()),
             ("region", !self.region.is_empty()),
             ("contact-ratio", self.contact_ratio.is_some()),
+            ("mass-scaling", self.mass_scaling.is_some()),
             ("focus", self.focus.is_some()),
             ("element", self.element != Element::default()),
         ];

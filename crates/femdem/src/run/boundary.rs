@@ -52,6 +52,12 @@ impl BoundaryEntry {
         self.fix || self.motion.is_some()
     }
 
+    /// From when on its load is constant \[s\].
+    pub(super) fn settled_from(&self) -> f64 {
+        let table = self.table.iter().flatten().map(|[time, _]| *time);
+        table.chain(self.rise).fold(0.0, f64::max)
+    }
+
     /// Adds the condition for a body of this radius \[m\].
     pub(super) fn add_to(
         &self,

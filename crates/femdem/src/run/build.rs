@@ -121,6 +121,7 @@ impl Scenario {
             return Err(wrong("body", "none", "give at least one [[body]]"));
         }
         self.check_materials()?;
+        self.check_relaxation()?;
         Ok(simulation)
     }
 
@@ -293,7 +294,10 @@ impl Simulation {
         mesh: &TetMesh,
     ) -> Result<Vec<(MemberId, Pose)>, Error> {
         let (regions, region_of) = scenario.regions(entry, mesh)?;
-        let model = DeformableModel::new(mesh, entry.element, regions, Some(region_of))?;
+        let mut model = DeformableModel::new(mesh, entry.element, regions, Some(region_of))?;
+        if let Some(step) = entry.mass_scaling {
+            model = model.with_mass_scaling(step)?;
+        }
         let radius = model.nodes().iter().map(|x| x.norm()).fold(0.0, f64::max);
         let mut boundary = Boundary::default();
         for condition in &entry.boundary {
@@ -333,18 +337,20 @@ impl Simulation {
     /// [`Error::Entry`] with the name of the body at fault: an element that is turned inside out or
     /// has no stress, a body that blew up. The world is then of no further use.
     pub fn step(&mut self) -> Result<(), Error> {
-        let stepped = self.world.step();
-        stepped.map_err(|source| {
-            let id = match &source {
-                SolveError::BodyFailed { body, .. } => MemberId::Deformable(*body as u32),
-                SolveError::BlowUp { body, .. } => MemberId::Rigid(*body as u32),
-                _ => return source.into(),
-            };
-            match self.members.iter().find(|member| member.id == id) {
-                Some(member) => in_entry(format!("body \"{}\"", member.name))(source.into()),
-                None => source.into(),
-            }
-        })
+        self.world.step().map_err(|source| self.named(source))
+    }
+
+    /// The same error with the name of the body at fault.
+    pub(super) fn named(&self, source: SolveError) -> Error {
+        let id = match &source {
+            SolveError::BodyFailed { body, .. } => MemberId::Deformable(*body as u32),
+            SolveError::BlowUp { body, .. } => MemberId::Rigid(*body as u32),
+            _ => return source.into(),
+        };
+        match self.members.iter().find(|member| member.id == id) {
+            Some(member) => in_entry(format!("body \"{}\"", member.name))(source.into()),
+            None => source.into(),
+        }
     }
 
     /// The deformable bodies with their names.

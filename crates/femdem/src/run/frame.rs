@@ -3,8 +3,8 @@
 //! Deformable bodies are tetrahedra (VTK type 10) or quadratic tetrahedra (24), all in one grid.
 //! Point data: `displacement` (m, from where the body was placed), `velocity` (m/s). Cell data: `body`
 //! (number among the members), `region`, `von_mises`, `pressure` (Pa, positive in compression),
-//! `principal_stress` (Pa, three components, largest first), `volume_ratio`, and `plastic_strain` where
-//! a material has one.
+//! `principal_stress` (Pa, three components, largest first), `stress` (Pa, the components xx, yy, zz, xy, yz
+//! and xz, tension positive), `volume_ratio`, and `plastic_strain` where a material has one.
 
 use std::io::{self, Write};
 
@@ -165,6 +165,7 @@ fn cell_data<'a>(out: &mut Document<'a>, bodies: &'a [Strained]) {
         3,
         stresses().flat_map(ElementStress::principal),
     );
+    out.floats("stress", 6, stresses().flat_map(components));
     out.floats("volume_ratio", 1, stresses().map(|s| s.volume_ratio));
     if bodies.iter().any(|b| b.plastic_strains.is_some()) {
         let strains = |b: &Strained| {
@@ -173,6 +174,11 @@ fn cell_data<'a>(out: &mut Document<'a>, bodies: &'a [Strained]) {
         };
         out.floats("plastic_strain", 1, bodies.iter().flat_map(strains));
     }
+}
+
+/// The stress in VTK's order of a symmetric tensor.
+fn components(stress: &ElementStress) -> [f64; 6] {
+    [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)].map(|place| stress.cauchy[place])
 }
 
 fn write_points(contacts: &[ContactLine], writer: impl Write) -> io::Result<()> {

@@ -7,7 +7,7 @@ use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::history::{self, Table};
-use super::{RunSummary, Scenario, Side, Simulation};
+use super::{RelaxSummary, RunSummary, Scenario, Side, Simulation};
 use crate::output::{vtu, write_file, write_pvd_parts};
 use crate::picture::PictureOptions;
 use crate::{Error, Usage};
@@ -75,6 +75,8 @@ pub struct Run {
     deepest: Deepest,
     /// When the kinetic energy was last seen to fall below that of rest \[s\].
     quiet_since: Option<f64>,
+    /// Why the motion ended, and how far the relaxation after it is.
+    relaxing: Option<(Ending, RelaxSummary)>,
     ending: Option<Ending>,
 }
 
@@ -101,6 +103,7 @@ impl Run {
             history,
             members,
             quiet_since: None,
+            relaxing: None,
             ending: None,
         })
     }
@@ -129,6 +132,12 @@ impl Run {
         self.ending
     }
 
+    /// How the relaxation after the motion goes; `None` before it, and without one.
+    #[must_use]
+    pub fn relaxation(&self) -> Option<&RelaxSummary> {
+        self.relaxing.as_ref().map(|(_, so_far)| so_far)
+    }
+
     /// Largest force on each wall \[N\] and its time \[s\], among the rows of the history.
     pub(super) fn peaks(&self) -> &[Peak] {
         &self.peaks
@@ -145,7 +154,8 @@ impl Run {
     }
 
     /// Advances by at most `steps` steps, or to the end of the run, and writes frames and rows into
-    /// `folder` as they fall due. The end has a frame and a row too.
+    /// `folder` as they fall due. The end has a frame and a row too. A relaxation
+    /// goes on in parts of up to 4,000 steps, and has neither frames nor rows before its end.
     ///
     /// # Errors
     ///
@@ -154,12 +164,16 @@ impl Run {
         if self.ending.is_none() {
             self.write_due(folder)?;
         }
-        for _ in 0..steps {
-            if self.ending.is_some() {
-                break;
-            }
-            self.simulation.step()?;
-            self.look();
+        let mut left = steps;
+        while left > 0 && self.ending.is_none() {
+            let taken = if self.relaxing.is_some() {
+                self.relax_on()?
+            } else {
+                self.simulation.step()?;
+                self.look();
+                1
+            };
+            left = left.saturating_sub(taken);
             self.write_due(folder)?;
         }
         Ok(())
@@ -196,24 +210,50 @@ impl Run {
         Ok(summary)
     }
 
-    /// Judges whether the run is over.
+    /// Does a part of the relaxation; returns its steps.
+    fn relax_on(&mut self) -> Result<u64, Error> {
+        let entry = self.scenario.relax.unwrap_or_default();
+        let Some((ending, so_far)) = &mut self.relaxing else {
+            return Ok(1);
+        };
+        let before = so_far.steps;
+        *so_far = self.simulation.relax_on(&entry, so_far)?;
+        if so_far.is_done(&entry) {
+            self.ending = Some(*ending);
+        }
+        Ok((so_far.steps - before).max(1))
+    }
+
+    /// Judges whether the motion is over, and with it the run if nothing is to relax.
     fn look(&mut self) {
+        let Some(ending) = self.end_of_motion() else {
+            return;
+        };
+        if self.scenario.relax.is_some() {
+            self.relaxing = Some((ending, RelaxSummary::default()));
+        } else {
+            self.ending = Some(ending);
+        }
+    }
+
+    fn end_of_motion(&mut self) -> Option<Ending> {
         let world = &self.simulation.world;
+        if world.time() >= self.scenario.duration {
+            return Some(Ending::Time);
+        }
         if let Some(rest) = self.scenario.rest
             && world.steps().is_multiple_of(STEPS_BETWEEN_LOOKS)
         {
             if world.kinetic_energy() < rest.energy {
                 let since = *self.quiet_since.get_or_insert(world.time());
                 if world.time() - since >= rest.time {
-                    self.ending = Some(Ending::Rest);
+                    return Some(Ending::Rest);
                 }
             } else {
                 self.quiet_since = None;
             }
         }
-        if world.time() >= self.scenario.duration {
-            self.ending = Some(Ending::Time);
-        }
+        None
     }
 
     /// Writes the row and the frame if they are due; at the end both are.

@@ -47,6 +47,7 @@ mod material;
 mod motion;
 mod overlap;
 mod picture;
+mod relaxation;
 mod select;
 mod settings;
 mod summary;
@@ -68,6 +69,7 @@ pub use job::{Ending, Run};
 pub use material::{Law, MaterialEntry};
 pub use motion::MotionEntry;
 pub use overlap::Overlap;
+pub use relaxation::{RelaxEntry, RelaxSummary};
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
 pub use summary::{
@@ -97,6 +99,8 @@ pub struct Scenario {
     pub pictures: bool,
     /// Ends the run before its time once all is at rest.
     pub rest: Option<RestEntry>,
+    /// Brings all bodies to rest after its time, under what then acts on them. `None`: it ends in motion.
+    pub relax: Option<RelaxEntry>,
     /// Acceleration of gravity \[m/s²\].
     pub gravity: [f64; 3],
     /// The contact law, for all bodies.
@@ -131,6 +135,7 @@ impl Default for Scenario {
             track: false,
             pictures: false,
             rest: None,
+            relax: None,
             gravity: [0.0, 0.0, -9.81],
             contact: ContactEntry::default(),
             time_step: StepEntry::default(),

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{Ending, MemberId, Run, Side};
+use super::{Ending, MemberId, RelaxSummary, Run, Side};
 use crate::{Error, Usage};
 
 /// Version of the keys of the summary of a run.
@@ -21,6 +21,8 @@ pub struct RunSummary {
     pub title: String,
     /// Why the run ended; `null` if it has not.
     pub ending: Option<Ending>,
+    /// How the bodies were brought to rest after that; `null` if they were not.
+    pub relaxed: Option<RelaxSummary>,
     /// The bodies by entry of the scenario.
     pub bodies: Vec<BodySummary>,
     /// The walls.
@@ -71,8 +73,10 @@ pub struct BodySummary {
     pub name: String,
     /// "rigid" or "deformable".
     pub behaviour: String,
-    /// Mass \[kg\].
+    /// Mass \[kg\], with what mass scaling has added.
     pub mass: f64,
+    /// What mass scaling has added to it \[kg\].
+    pub added_mass: f64,
     /// Nodes; 0 for a rigid body.
     pub nodes: usize,
     /// Tetrahedra; 0 for a rigid body.
@@ -216,6 +220,7 @@ impl RunSummary {
             schema: RUN_SCHEMA,
             title: run.scenario().title.clone(),
             ending: run.ending(),
+            relaxed: run.relaxation().copied(),
             bodies,
             walls: walls.collect(),
             reactions: reactions.collect(),
@@ -254,7 +259,7 @@ impl RunSummary {
     /// Says by how much the last step went beyond the duration.
     fn beyond(&self) -> String {
         let beyond = self.simulated_time - self.duration;
-        if beyond > 0.0 {
+        if beyond > 0.0 && self.relaxed.is_none() {
             format!(", {beyond:.1e} s beyond the duration")
         } else {
             String::new()
@@ -274,6 +279,7 @@ impl super::Simulation {
                     name,
                     behaviour: "rigid".to_owned(),
                     mass: world.mass(id)?,
+                    added_mass: 0.0,
                     nodes: 0,
                     tetrahedra: 0,
                     centroid: world.position(id)?.into(),
@@ -287,6 +293,7 @@ impl super::Simulation {
                         name,
                         behaviour: "deformable".to_owned(),
                         mass,
+                        added_mass: body.model().added_mass(),
                         nodes: body.model().nodes().len(),
                         tetrahedra: body.model().volumes().len(),
                         centroid: body.centroid().into(),
@@ -380,6 +387,27 @@ impl fmt::Display for RunSummary {
                 self.beyond()
             ),
         )?;
+        if let Some(relaxed) = &self.relaxed {
+            let RelaxSummary {
+                converged,
+                residual,
+                steps,
+            } = relaxed;
+            let missed = if *converged { "" } else { " NOT" };
+            let text = format!(
+                "{missed} in equilibrium after {steps} more steps: {residual:.1e} of the mean contact force is left"
+            );
+            row(f, "relaxed", text.trim_start().to_owned())?;
+        }
+        let added: f64 = self.bodies.iter().map(|body| body.added_mass).sum();
+        if added > 0.0 {
+            let mass: f64 = self.bodies.iter().map(|body| body.mass).sum();
+            let text = format!(
+                "{added:.4e} kg added by scaling, {:.2} % of all",
+                100.0 * added / mass
+            );
+            row(f, "mass", text)?;
+        }
         let e = &self.energy;
         row(
             f,

@@ -6,7 +6,7 @@ use femdem_solve::SolveError;
 use crate::Error;
 
 /// Names of the libraries, and keys of scenes.
-const KEYS: [(&str, &str); 22] = [
+const KEYS: [(&str, &str); 23] = [
     ("penalty", "contact.penalty"),
     ("friction", "contact.friction"),
     ("wall_friction", "contact.wall-friction"),
@@ -18,6 +18,7 @@ const KEYS: [(&str, &str); 22] = [
     ("medium.local_damping", "medium.local-damping"),
     ("angular_velocity", "spin"),
     ("yield_stress", "yield-stress"),
+    ("step of mass scaling", "mass-scaling"),
     ("drive.velocity", "motion.velocity"),
     ("drive.start", "motion.start"),
     ("drive.end", "motion.end"),

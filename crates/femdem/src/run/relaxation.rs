@@ -1,0 +1,153 @@
+//! The static end of a run: all bodies brought to rest under what then acts on them.
+
+use femdem_solve::{SolveError, WorldRelaxation};
+use serde::{Deserialize, Serialize};
+
+use super::body::wrong;
+use super::{BoundaryEntry, MotionEntry, Scenario, Simulation};
+use crate::Error;
+
+/// Steps after which a run looks up from its relaxation. It does not depend on the clock: each part begins from
+/// rest.
+const PART: u64 = 4000;
+
+/// How bodies are brought to rest after the duration.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RelaxEntry {
+    /// Largest force left on a node or a body, over the mean contact force.
+    pub tolerance: f64,
+    /// Most steps.
+    pub steps: u64,
+}
+
+impl Default for RelaxEntry {
+    fn default() -> Self {
+        let WorldRelaxation { tolerance, steps } = WorldRelaxation::default();
+        Self { tolerance, steps }
+    }
+}
+
+/// How a relaxation went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RelaxSummary {
+    /// Whether the tolerance was reached.
+    pub converged: bool,
+    /// Largest force left on a node or a body, over the mean contact force (over the weight of the lightest body
+    /// where nothing touches).
+    pub residual: f64,
+    /// Steps that were taken.
+    pub steps: u64,
+}
+
+impl RelaxSummary {
+    /// Whether it is over.
+    pub(super) fn is_done(&self, entry: &RelaxEntry) -> bool {
+        self.converged || self.steps >= entry.steps
+    }
+}
+
+impl Simulation {
+    /// A part of the relaxation after those of which `so_far` tells.
+    pub(super) fn relax_on(
+        &mut self,
+        entry: &RelaxEntry,
+        so_far: &RelaxSummary,
+    ) -> Result<RelaxSummary, Error> {
+        let part = WorldRelaxation {
+            tolerance: entry.tolerance,
+            steps: PART.min(entry.steps.saturating_sub(so_far.steps)),
+        };
+        let before = so_far.steps;
+        match self.world.relax(&part) {
+            Ok(report) => Ok(RelaxSummary {
+                converged: true,
+                residual: report.residual,
+                steps: before + report.steps.iter().sum::<u64>(),
+            }),
+            Err(SolveError::NotConverged { residual, .. }) => Ok(RelaxSummary {
+                converged: false,
+                residual,
+                steps: before + part.steps,
+            }),
+            Err(error) => Err(self.named(error)),
+        }
+    }
+}
+
+impl Scenario {
+    /// Refuses a relaxation under what still moves or grows.
+    pub(super) fn check_relaxation(&self) -> Result<(), Error> {
+        let Some(RelaxEntry { tolerance, steps }) = self.relax else {
+            return Ok(());
+        };
+        if !(tolerance > 0.0 && tolerance.is_finite()) {
+            let allowed = "a positive, finite number, such as 1e-4";
+            return Err(wrong("relax.tolerance", &tolerance.to_string(), allowed));
+        }
+        if steps == 0 {
+            return Err(wrong("relax.steps", "0", "at least 1"));
+        }
+        let conditions = || self.body.iter().flat_map(|body| &body.boundary);
+        let walls = self.wall.iter().filter_map(|wall| wall.motion);
+        let bodies = self.body.iter().filter_map(|body| body.motion);
+        let nodes = conditions().filter_map(|condition| condition.motion);
+        let motions = walls.chain(bodies).chain(nodes).map(|motion| motion.end());
+        let loads = conditions().map(BoundaryEntry::settled_from);
+        let ends = [
+            ("motion", motions.fold(0.0, f64::max)),
+            ("rise or table", loads.fold(0.0, f64::max)),
+        ];
+        for (name, end) in ends {
+            // Periods need not add up to the last bit.
+            if end > self.duration * (1.0 + 1e-9) {
+                let value = if end < f64::MAX {
+                    format!("to {end} s")
+                } else {
+                    "without end".to_owned()
+                };
+                let allowed =
+                    "with [relax] all motions and changes of loads end within the duration";
+                return Err(wrong(name, &value, allowed));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl MotionEntry {
+    /// When it is over \[s\].
+    fn end(&self) -> f64 {
+        match *self {
+            Self::Linear { end, .. } | Self::Turn { end, .. } => end,
+            Self::Shake {
+                frequency,
+                start,
+                periods,
+                ..
+            }
+            | Self::Rock {
+                frequency,
+                start,
+                periods,
+                ..
+            } => start + lasting(periods, 1.0 / frequency, 0.0),
+            Self::Tap {
+                frequency,
+                interval,
+                start,
+                taps,
+                ..
+            } => start + lasting(taps, interval, 1.0 / frequency - interval),
+        }
+    }
+}
+
+/// How long so many repetitions last \[s\], with what is different of the last one.
+fn lasting(count: u32, each: f64, more: f64) -> f64 {
+    match count {
+        0 => 0.0,
+        u32::MAX => f64::MAX,
+        _ => f64::from(count) * each + more,
+    }
+}
