@@ -125,3 +125,20 @@ fn a_stack_that_touches_nothing_yet() {
         assert!((sum / weight - 3.0).abs() < 1e-3, "{gap} {sum}");
     }
 }
+
+/// Without friction all that is turned over is on the books: what bodies had at the start, and what
+/// is taken from them when they are stopped, as wholes and element by element.
+#[test]
+fn the_books_of_a_relaxation_close() {
+    let mut world = stack(3, 1e6, ContactStiffness::default());
+    let mut contact = world.parameters().contact;
+    contact.friction = 0.0;
+    world.set_contact(contact).unwrap();
+    for _ in 0..300 {
+        world.step().unwrap();
+    }
+    assert!(world.kinetic_energy() > 0.0);
+    world.relax(&WorldRelaxation::default()).unwrap();
+    let error = world.ledger().error_relative();
+    assert!(error.abs() < 0.02, "{error}");
+}

@@ -120,6 +120,8 @@ fn a_relaxed_body_stands_on_the_floor_with_its_weight() {
     let pushed = -summary.walls[0].force[2];
     assert!((pushed / weight - 1.0).abs() < 1e-3, "{pushed} {weight}");
     assert_eq!(summary.energy.kinetic, 0.0);
+    assert!(summary.time_step > 0.0);
+    assert!(summary.energy.ledger_error_relative.abs() < 0.02);
     assert!(summary.to_string().contains("in equilibrium after"));
     assert!(!summary.to_string().contains("NOT"));
     // One row at the end of the motion, and one of the equilibrium.

@@ -177,7 +177,8 @@ impl DeformableModel {
         let added = |(e, factor): (usize, &f64)| {
             (factor - 1.0) * self.volumes[e] * self.regions[self.region_of[e] as usize].density
         };
-        self.mass_factors.iter().enumerate().map(added).sum()
+        // A sum over no elements is -0.
+        0.0 + self.mass_factors.iter().enumerate().map(added).sum::<f64>()
     }
 
     /// The materials.

@@ -72,8 +72,8 @@ struct Whole {
 impl World {
     /// Brings the world to rest under its walls, its gravity and what is prescribed. Friction is as
     /// in motion: springs that slide at their limit. Frozen bodies wake. The time goes on, and
-    /// the ledger counts the kinetic energy removed as frozen; what the friction of bodies moved as
-    /// a whole takes out is not on its books.
+    /// the ledger counts the kinetic energy removed as frozen, and with it all that bodies lose while
+    /// they are moved as wholes, by friction too.
     ///
     /// # Errors
     /// [`SolveError::NotConverged`] if the steps do not suffice, and the errors of
@@ -94,6 +94,7 @@ impl World {
         elastic.sleeping.enabled = false;
         self.wake_all();
         self.replace(elastic)?;
+        self.halt();
         let result = self.relax_in_turns(options);
         self.halt();
         self.replace(kept)?;
@@ -168,6 +169,7 @@ impl World {
         if held.iter().all(|&h| h) {
             return Ok(());
         }
+        let books = self.ledger().error();
         let (mut dt, mut before) = (0.0, 0.0);
         for step in 0.. {
             if step % LOOK == 0 {
@@ -192,7 +194,10 @@ impl World {
             }
         }
         self.halt();
-        self.evaluate(0.0)
+        self.evaluate(0.0)?;
+        // The stops, and what friction and loads have done meanwhile.
+        self.flows.frozen += books - self.ledger().error();
+        Ok(())
     }
 
     /// The largest stable step of bodies moved as wholes, s.

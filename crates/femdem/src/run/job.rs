@@ -7,6 +7,7 @@ use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::history::{self, Table};
+use super::relaxation::Relaxing;
 use super::{RelaxSummary, RunSummary, Scenario, Side, Simulation};
 use crate::output::{vtu, write_file, write_pvd_parts};
 use crate::picture::PictureOptions;
@@ -75,8 +76,7 @@ pub struct Run {
     deepest: Deepest,
     /// When the kinetic energy was last seen to fall below that of rest \[s\].
     quiet_since: Option<f64>,
-    /// Why the motion ended, and how far the relaxation after it is.
-    relaxing: Option<(Ending, RelaxSummary)>,
+    relaxing: Option<Relaxing>,
     ending: Option<Ending>,
 }
 
@@ -135,7 +135,13 @@ impl Run {
     /// How the relaxation after the motion goes; `None` before it, and without one.
     #[must_use]
     pub fn relaxation(&self) -> Option<&RelaxSummary> {
-        self.relaxing.as_ref().map(|(_, so_far)| so_far)
+        self.relaxing.as_ref().map(|relaxing| &relaxing.so_far)
+    }
+
+    /// The last step of the motion \[s\].
+    pub(super) fn time_step(&self) -> f64 {
+        let of_motion = self.relaxing.as_ref().map(|relaxing| relaxing.time_step);
+        of_motion.unwrap_or_else(|| self.simulation.world.time_step())
     }
 
     /// Largest force on each wall \[N\] and its time \[s\], among the rows of the history.
@@ -213,7 +219,7 @@ impl Run {
     /// Does a part of the relaxation; returns its steps.
     fn relax_on(&mut self) -> Result<u64, Error> {
         let entry = self.scenario.relax.unwrap_or_default();
-        let Some((ending, so_far)) = &mut self.relaxing else {
+        let Some(Relaxing { ending, so_far, .. }) = &mut self.relaxing else {
             return Ok(1);
         };
         let before = so_far.steps;
@@ -230,7 +236,11 @@ impl Run {
             return;
         };
         if self.scenario.relax.is_some() {
-            self.relaxing = Some((ending, RelaxSummary::default()));
+            self.relaxing = Some(Relaxing {
+                ending,
+                time_step: self.simulation.world.time_step(),
+                so_far: RelaxSummary::default(),
+            });
         } else {
             self.ending = Some(ending);
         }

@@ -4,7 +4,7 @@ use femdem_solve::{SolveError, WorldRelaxation};
 use serde::{Deserialize, Serialize};
 
 use super::body::wrong;
-use super::{BoundaryEntry, MotionEntry, Scenario, Simulation};
+use super::{BoundaryEntry, Ending, MotionEntry, Scenario, Simulation};
 use crate::Error;
 
 /// Steps after which a run looks up from its relaxation. It does not depend on the clock: each part begins from
@@ -38,6 +38,16 @@ pub struct RelaxSummary {
     pub residual: f64,
     /// Steps that were taken.
     pub steps: u64,
+}
+
+/// A run after its motion.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Relaxing {
+    /// Why the motion ended.
+    pub ending: Ending,
+    /// Its last step \[s\].
+    pub time_step: f64,
+    pub so_far: RelaxSummary,
 }
 
 impl RelaxSummary {

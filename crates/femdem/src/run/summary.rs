@@ -228,7 +228,7 @@ impl RunSummary {
             duration: run.scenario().duration,
             simulated_time: world.time(),
             steps,
-            time_step: world.time_step(),
+            time_step: run.time_step(),
             frames: run.frames().len(),
             tetrahedra,
             energy: energy(&world.ledger()),
