@@ -43,6 +43,12 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
         "time step: {step:.3e} s, {steps:.0} steps for {} s",
         scenario.duration
     ));
+    if let Some(relax) = scenario.relax {
+        say(&format!(
+            "then at most {} steps to equilibrium, which the cost does not have",
+            relax.steps
+        ));
+    }
     say(&format!(
         "output: {:.0} frames, {tetrahedra} tetrahedra each",
         scenario.duration / scenario.frame_interval() + 1.0
