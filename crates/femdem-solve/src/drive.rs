@@ -181,7 +181,7 @@ impl Drive {
                     "drive.end",
                     *end,
                     end >= start,
-                    "finite and at least drive.start, in s",
+                    "finite and at least the start, in s",
                 )
             }
             Self::Shake {
@@ -226,7 +226,7 @@ impl Drive {
                     "drive.end",
                     *end,
                     end >= start,
-                    "finite and at least drive.start, in s",
+                    "finite and at least the start, in s",
                 )
             }
             Self::Rock {

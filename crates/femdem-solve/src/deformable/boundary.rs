@@ -28,6 +28,7 @@ use serde::{Deserialize, Serialize};
 /// # Ok::<(), femdem_solve::SolveError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(try_from = "Stored")]
 pub struct Boundary {
     gravity: Vector3,
     sets: NodeSets,
@@ -35,6 +36,51 @@ pub struct Boundary {
     /// Sorted by node and component.
     holds: Vec<Hold>,
     loads: Vec<Load>,
+}
+
+/// A boundary as read, before its numbers are checked.
+#[derive(Deserialize)]
+struct Stored {
+    gravity: Vector3,
+    sets: NodeSets,
+    drives: Vec<Drive>,
+    holds: Vec<Hold>,
+    loads: Vec<Load>,
+}
+
+impl TryFrom<Stored> for Boundary {
+    type Error = SolveError;
+
+    fn try_from(stored: Stored) -> Result<Self, SolveError> {
+        let Stored {
+            gravity,
+            sets,
+            drives,
+            holds,
+            loads,
+        } = stored;
+        for hold in &holds {
+            if hold.drive as usize >= drives.len() {
+                return Err(SolveError::NoSuch {
+                    what: "drive",
+                    index: hold.drive as usize,
+                    count: drives.len(),
+                });
+            }
+            let component = f64::from(hold.component);
+            check("component", component, component < 3.0, "0 to 2")?;
+        }
+        for drive in &drives {
+            drive.validate()?;
+        }
+        Ok(Self {
+            gravity,
+            sets,
+            drives,
+            holds: in_order(holds),
+            loads,
+        })
+    }
 }
 
 /// A component of a node's position that is prescribed.
@@ -45,6 +91,21 @@ struct Hold {
     drive: u32,
     /// Where the node's motion counts from, m.
     place: Vector3,
+}
+
+/// Sorted by node and component, where the last of equal ones counts.
+fn in_order(mut holds: Vec<Hold>) -> Vec<Hold> {
+    let key = |hold: &Hold| (hold.node, hold.component);
+    // Stable: of equal keys the last is the newest.
+    holds.sort_by_key(key);
+    let mut kept: Vec<Hold> = Vec::with_capacity(holds.len());
+    for hold in holds {
+        match kept.last_mut() {
+            Some(last) if key(last) == key(&hold) => *last = hold,
+            _ => kept.push(hold),
+        }
+    }
+    kept
 }
 
 impl Boundary {
@@ -155,17 +216,7 @@ impl Boundary {
                 });
             }
         }
-        // Stable: of equal keys the last is the newest.
-        self.holds.sort_by_key(|hold| (hold.node, hold.component));
-        let mut kept: Vec<Hold> = Vec::with_capacity(self.holds.len());
-        for hold in self.holds.drain(..) {
-            let key = |h: &Hold| (h.node, h.component);
-            match kept.last_mut() {
-                Some(last) if key(last) == key(&hold) => *last = hold,
-                _ => kept.push(hold),
-            }
-        }
-        self.holds = kept;
+        self.holds = in_order(std::mem::take(&mut self.holds));
         Ok(nodes.len())
     }
 

@@ -286,4 +286,15 @@ fn models_and_boundaries_are_serialised() {
     assert!(serde_json::from_str::<DeformableModel>(&text).is_ok());
     let broken = text.replacen("\"density\":1000.0", "\"density\":-1.0", 1);
     assert!(serde_json::from_str::<DeformableModel>(&broken).is_err());
+    // Numbers of drives and directions that there are not.
+    let text = serde_json::to_string(&boundary).unwrap();
+    assert!(serde_json::from_str::<Boundary>(&text).is_ok());
+    for (good, bad) in [
+        ("\"drive\":0", "\"drive\":9"),
+        ("\"component\":0", "\"component\":3"),
+    ] {
+        let broken = text.replacen(good, bad, 1);
+        assert_ne!(broken, text);
+        assert!(serde_json::from_str::<Boundary>(&broken).is_err(), "{bad}");
+    }
 }
