@@ -5,7 +5,7 @@
 mod common;
 
 use common::{DENSITY, add_floor, at, parameters, run_until, solid, weightless};
-use femdem_mesh::{Matrix3, Pose, TetMesh, Vector3};
+use femdem_mesh::{Pose, TetMesh, Vector3};
 use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_solve::element::Element;
 use femdem_solve::material::{
@@ -177,7 +177,7 @@ fn a_turning_wall_meets_what_deforms() {
 /// A model without a body changes nothing.
 #[test]
 fn a_model_alone() {
-    let mut hashes = Vec::new();
+    let mut places = Vec::new();
     for with_model in [false, true] {
         let mut world = World::new(parameters(1e6, 0.5, 0.6)).unwrap();
         add_floor(&mut world, Drive::Fixed);
@@ -192,9 +192,9 @@ fn a_model_alone() {
         }
         assert!(!world.is_slowing() && world.wall_load(0).is_some());
         run_until(&mut world, 0.05);
-        hashes.push(world.position(0).unwrap());
+        places.push(world.position(0).unwrap());
     }
-    assert_eq!(hashes[0], hashes[1]);
+    assert_eq!(places[0], places[1]);
 }
 
 /// A rigid body that a deformable one brakes is slowing.
@@ -328,6 +328,4 @@ fn a_custom_law_goes_on_from_bytes() {
     }
     assert_eq!(world.time_step(), read.time_step());
     assert_eq!(world.state_hash().unwrap(), read.state_hash().unwrap());
-    let at_rest = Deformation::at_rest(Matrix3::identity());
-    assert!(law().tangent(&at_rest, &[]).is_some());
 }
