@@ -31,7 +31,7 @@
 //! ```
 //!
 //! # What is where
-//! - [`Pack`], [`PosedBody`]: the input. [`Region`]: where to measure.
+//! - [`Pack`], [`PosedBody`]: the input. [`Region`]: where to measure. [`mesh`]: femdem-mesh, for shapes and poses.
 //! - [`choose_core`], [`top_plane`], [`Region::inset`]: the core region away from walls, floor and top.
 //! - [`packing_density`]; its parts [`exact_density`] and [`grid_density`].
 //! - [`height_profile`], [`wall_profile`]: packing density and layers against height and wall distance.
@@ -111,6 +111,8 @@ mod tensor;
 mod top;
 mod triangle;
 mod voronoi;
+
+pub use femdem_mesh as mesh;
 
 pub use blocks::Estimate;
 pub use bootstrap::BlockBootstrap;

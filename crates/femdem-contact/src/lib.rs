@@ -43,6 +43,8 @@
 //!    batch also bounds the stable step ([`ContactBatch::largest_step`]).
 //! 3. `World`, in femdem-solve: owns the bodies and steps them.
 //!
+//! Vectors, polyhedra and tetrahedra are those of femdem-mesh, which is re-exported as [`mesh`].
+//!
 //! For bodies that deform, layer 1 is [`deform::DeformableKernel`] and layer 2
 //! [`deform::DeformableBatch`]: nodal positions in, nodal forces out, beside a [`ContactBatch`] for
 //! what is rigid.
@@ -118,6 +120,8 @@ mod sides;
 #[cfg(feature = "proptest")]
 pub mod strategies;
 mod walls;
+
+pub use femdem_mesh as mesh;
 
 pub use batch::{BatchTotals, ContactBatch, Snapshot};
 pub use contact::{BodyId, Contact, ContactForce, Dashpots, Load, Partner, Springs, Wrench};

@@ -34,6 +34,8 @@
 //!   back at any step, and ends with a [`PackReport`].
 //! - [`Penalty`], [`automatic_penalty`]: the stiffness of the contacts from the penetration allowed.
 //! - [`body_stream`], [`random_rotation`]: the random numbers.
+//! - [`solve`], [`contact`] and [`mesh`]: the crates whose types stand in the interfaces, such as the
+//!   [`solve::World`] that a finished job holds ([`Packing::world`]).
 //!
 //! # Units
 //! SI. Gravity acts along -z; the floor is z = 0 and the container stands about the z axis. d is the
@@ -62,6 +64,10 @@ mod protocol;
 mod random;
 mod report;
 mod spec;
+
+pub use femdem_contact as contact;
+pub use femdem_mesh as mesh;
+pub use femdem_solve as solve;
 
 pub use container::{Container, MeshContainer};
 pub use error::PackError;

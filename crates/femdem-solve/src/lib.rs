@@ -47,8 +47,8 @@
 //!   about an axis.
 //! - [`material`]: laws of deformable matter behind one trait, and how to add one.
 //! - [`Ledger`]: where every joule came from and went.
-//! - [`statics`]: equilibrium by relaxation or by Newton's method.
 //! - [`checkpoint`]: files that survive crashes; [`World::to_bytes`] and [`World::state_hash`].
+//! - [`contact`] and [`mesh`]: femdem-contact and femdem-mesh, whose types stand in the interfaces.
 //!
 //! # How a step goes
 //!
@@ -65,8 +65,9 @@
 //!
 //! # Features
 //!
-//! - `parallel` (default): contacts are evaluated on the caller's rayon pool. The state is the same
-//!   bits with any number of threads, without the feature, and through a checkpoint.
+//! - `parallel` (default): contacts, and what is done for each deformable body, are computed on the caller's
+//!   rayon pool. The state is the same bits with any number of threads, without the feature, and through a
+//!   checkpoint.
 //! - `implicit`: sparse Cholesky factorisation ([`statics::Linear::Cholesky`]), for which the crate faer
 //!   and what it needs are built.
 //!
@@ -122,6 +123,9 @@ mod parameters;
 mod rotation;
 pub mod statics;
 mod world;
+
+pub use femdem_contact as contact;
+pub use femdem_mesh as mesh;
 
 pub use body::{BodySpec, Shape, ShapeId};
 pub use drive::Drive;
