@@ -107,9 +107,13 @@ impl Simulation {
         let mut sum = Vector3::zeros();
         for &(node, direction) in &support.holds {
             let (node, k) = (node as usize, usize::from(direction));
-            let contact = body.contact_forces().get(node).map_or(0.0, |f| f[k]);
-            let inside = body.internal_forces()[node][k] + body.loads()[node][k];
-            sum[k] -= inside + contact + masses[node] * gravity[k];
+            // A support that a caller made may name nodes and directions that there are not.
+            let (Some(sum), Some(mass)) = (sum.get_mut(k), masses.get(node)) else {
+                continue;
+            };
+            let on_node = |forces: &[Vector3]| forces.get(node).map_or(0.0, |f| f[k]);
+            let inside = on_node(body.internal_forces()) + on_node(body.loads());
+            *sum -= inside + on_node(body.contact_forces()) + mass * gravity[k];
         }
         // No -0.
         Some(sum + Vector3::zeros())
