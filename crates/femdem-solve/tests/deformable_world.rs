@@ -275,6 +275,54 @@ fn blocks_stick_and_slide_on_slopes() {
     }
 }
 
+/// A cube comes down on another that sleeps, with or without a deformable body far away from both: where they are after
+/// the first has struck, and what it has dissipated. The step is that of a limit.
+fn strike_a_sleeper(far: bool) -> (Vec<Vector3>, f64, f64) {
+    let mut p = WorldParameters::default();
+    p.time_step.largest = Some(1e-4);
+    let mut world = World::new(p).unwrap();
+    let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+    world.add_wall(floor, Drive::Fixed).unwrap();
+    let cube = "P5".parse::<CatalogueShape>().unwrap();
+    let cube = cube.polyhedron(0.1 * 3_f64.sqrt()).unwrap();
+    let shape = world.add_shape("cube", &cube).unwrap();
+    let at = |x, z| BodySpec::at_rest(shape, 2000.0, Pose::translation(x, 0.0, z));
+    let below = world.add_body(at(0.0, 0.05)).unwrap();
+    if far {
+        let model = block([1; 3], [0.1; 3], Element::T4, 1e4);
+        let model = world
+            .add_model("far", model, ContactStiffness::Ratio(0.1))
+            .unwrap();
+        let place = Pose::translation(50.0, 0.0, 1e3);
+        world
+            .add_deformable(DeformableSpec::at_rest(model, place))
+            .unwrap();
+    }
+    while !world.is_asleep(below) {
+        world.step().unwrap();
+        assert!(world.time() < 1.0, "it does not sleep");
+    }
+    let fall = BodySpec {
+        velocity: Vector3::new(0.1, 0.0, -1.0),
+        ..at(0.03, 0.151)
+    };
+    let above = world.add_body(fall).unwrap();
+    let until = world.time() + 0.02;
+    while world.time() < until {
+        world.step().unwrap();
+    }
+    let places = [below, above].map(|i| world.position(i).unwrap());
+    let ledger = world.ledger();
+    let dissipated = ledger.dissipated_damping + ledger.dissipated_friction;
+    (places.to_vec(), dissipated, world.time())
+}
+
+/// What a body that wakes is kicked by is what its contacts do to it then, not what they did as it fell asleep.
+#[test]
+fn a_deformable_body_far_away_changes_nothing() {
+    assert_eq!(strike_a_sleeper(false), strike_a_sleeper(true));
+}
+
 /// A world of deformable and rigid bodies goes on bit for bit after a checkpoint, and with any
 /// number of threads.
 #[test]

@@ -216,6 +216,9 @@ impl World {
         }
         for &i in list {
             self.batch.wake_with_load(i);
+            if let Some(deformables) = &mut self.deformables {
+                deformables.sum_load(i, &self.batch);
+            }
             let body = &mut self.bodies[i as usize];
             body.quiet_steps = 0;
             // The means of force and moment go on: begun at zero they would let the body sleep

@@ -8,7 +8,7 @@ use crate::error::SolveError;
 use crate::world::World;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, NodalState};
-use femdem_contact::{ContactBatch, ContactError, Load, Motion, stable_step};
+use femdem_contact::{BodyId, ContactBatch, ContactError, Load, Motion, stable_step};
 use femdem_mesh::Vector3;
 
 /// Loads of the rigid bodies by all contacts.
@@ -207,6 +207,16 @@ impl Deformables {
         sum(&mut self.loads, batch.loads(), self.batch.rigid_loads());
         let walls = batch.wall_loads();
         sum(&mut self.wall_loads, walls, self.batch.wall_loads());
+    }
+
+    /// Adds the loads of both batches on a rigid body that wakes: the sum was of what it bore as it fell asleep.
+    pub(in crate::world) fn sum_load(&mut self, body: BodyId, batch: &ContactBatch) {
+        let i = body as usize;
+        let parts = batch.loads().get(i).zip(self.batch.rigid_loads().get(i));
+        if let (Some(sum), Some((load, other))) = (self.loads.get_mut(i), parts) {
+            *sum = *load;
+            *sum += other;
+        }
     }
 }
 
