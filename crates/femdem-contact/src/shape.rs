@@ -245,10 +245,7 @@ impl ConvexShape {
 
     /// Largest n.x over the vertices, for any direction n in body axes.
     pub fn support(&self, direction: &Vector3) -> f64 {
-        self.vertices
-            .iter()
-            .map(|v| direction.dot(v))
-            .fold(f64::NEG_INFINITY, f64::max)
+        support(&self.vertices, direction)
     }
 
     /// The vertex farthest along a direction in body axes, and how far it is.
@@ -285,18 +282,31 @@ impl ConvexShape {
         &self.corners[start..start + usize::from(facet.len)]
     }
 
-    /// Half-widths of the axis-aligned box about the origin of this shape under a rotation,
-    /// as (lowest, highest) corner relative to the centroid, m.
+    /// The axis-aligned box around this shape under a rotation, as (lowest, highest) corner
+    /// relative to the centroid, m.
     pub fn bounds(&self, rotation: &Matrix3) -> (Vector3, Vector3) {
-        let mut low = Vector3::zeros();
-        let mut high = Vector3::zeros();
-        for axis in 0..3 {
-            let direction = rotation.row(axis).transpose();
-            high[axis] = self.support(&direction);
-            low[axis] = -self.support(&-direction);
-        }
-        (low, high)
+        bounds(&self.vertices, rotation)
     }
+}
+
+/// Largest n.x over points, for a direction n.
+pub(crate) fn support(points: &[Vector3], direction: &Vector3) -> f64 {
+    points
+        .iter()
+        .map(|v| direction.dot(v))
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The axis-aligned box around points under a rotation about their origin: lowest and highest corner.
+pub(crate) fn bounds(points: &[Vector3], rotation: &Matrix3) -> (Vector3, Vector3) {
+    let mut low = Vector3::zeros();
+    let mut high = Vector3::zeros();
+    for axis in 0..3 {
+        let direction = rotation.row(axis).transpose();
+        high[axis] = support(points, &direction);
+        low[axis] = -support(points, &-direction);
+    }
+    (low, high)
 }
 
 /// A shape of a batch, of either kind. Pairs of convex bodies take the convex kernel, pairs with

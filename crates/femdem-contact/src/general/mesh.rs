@@ -2,7 +2,7 @@
 
 use super::cells::{Cells, NONE};
 use crate::error::ContactError;
-use crate::shape::ConvexShape;
+use crate::shape::{self, ConvexShape};
 use crate::sides;
 use femdem_mesh::tet::FACES;
 use femdem_mesh::{Matrix3, Point3, Polyhedron, TetMesh, Vector3};
@@ -181,23 +181,13 @@ impl FieldMesh {
 
     /// Largest n.x over the body, for any direction n in body axes.
     pub fn support(&self, direction: &Vector3) -> f64 {
-        self.vertices
-            .iter()
-            .map(|v| direction.dot(v))
-            .fold(f64::NEG_INFINITY, f64::max)
+        shape::support(&self.vertices, direction)
     }
 
-    /// The axis-aligned box about the origin of this body under a rotation, as (lowest, highest)
-    /// corner relative to the centroid, m.
+    /// The axis-aligned box around this body under a rotation, as (lowest, highest) corner
+    /// relative to the centroid, m.
     pub fn bounds(&self, rotation: &Matrix3) -> (Vector3, Vector3) {
-        let mut low = Vector3::zeros();
-        let mut high = Vector3::zeros();
-        for axis in 0..3 {
-            let direction = rotation.row(axis).transpose();
-            high[axis] = self.support(&direction);
-            low[axis] = -self.support(&-direction);
-        }
-        (low, high)
+        shape::bounds(&self.vertices, rotation)
     }
 }
 

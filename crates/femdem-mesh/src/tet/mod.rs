@@ -294,6 +294,16 @@ pub(crate) fn six_volumes([a, b, c, d]: [Point3; 4]) -> f64 {
     (b - a).dot(&(c - a).cross(&(d - a)))
 }
 
+/// The tetrahedron with its last two points in the order that gives it a positive volume.
+pub(crate) fn oriented(tet: [u32; 4], points: &[Point3]) -> [u32; 4] {
+    let [a, b, c, d] = tet;
+    if six_volumes(tet.map(|i| points[i as usize])) < 0.0 {
+        [a, b, d, c]
+    } else {
+        tet
+    }
+}
+
 /// The six edges of a tetrahedron, as pairs of its points.
 pub(crate) const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 

@@ -1,7 +1,7 @@
 //! Red refinement: every tetrahedron into eight.
 
 use super::quality::radius_ratio;
-use super::{EDGES, TetMesh, six_volumes};
+use super::{EDGES, TetMesh, oriented};
 use crate::{MeshError, Point3};
 
 /// Per diagonal of the inner octahedron: its two ends and the ring around it, as edges of the
@@ -64,15 +64,6 @@ fn best_octahedron(middles: [u32; 6], points: &[Point3]) -> [[u32; 4]; 4] {
     let [first, second, third] = DIAGONALS.each_ref().map(cut);
     let better = |a, b| if worst(&b) > worst(&a) { b } else { a };
     better(better(first, second), third)
-}
-
-fn oriented(tet: [u32; 4], points: &[Point3]) -> [u32; 4] {
-    let [a, b, c, d] = tet;
-    if six_volumes(tet.map(|i| points[i as usize])) < 0.0 {
-        [a, b, d, c]
-    } else {
-        tet
-    }
 }
 
 fn sorted(a: u32, b: u32) -> [u32; 2] {

@@ -1,6 +1,6 @@
 //! Structured meshes of simple bodies.
 
-use super::{TetMesh, six_volumes};
+use super::{TetMesh, oriented};
 use crate::{MeshError, Point3, Vector3};
 
 /// The six paths along the edges of a cell from its first corner to the opposite one, as the two
@@ -116,15 +116,6 @@ fn direction(steps: [u32; 3], around: u32) -> Vector3 {
         }
     });
     Vector3::from(sines).normalize()
-}
-
-fn oriented(tet: [u32; 4], points: &[Point3]) -> [u32; 4] {
-    let [a, b, c, d] = tet;
-    if six_volumes(tet.map(|i| points[i as usize])) < 0.0 {
-        [a, b, d, c]
-    } else {
-        tet
-    }
 }
 
 fn positive(what: &'static str, value: f64) -> Result<(), MeshError> {
