@@ -3,6 +3,10 @@
 use std::io;
 use std::path::PathBuf;
 
+use femdem_contact::ContactError;
+use femdem_pack::PackError;
+use femdem_solve::SolveError;
+
 /// Everything that the files, pictures and scenes of this crate can refuse.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -100,17 +104,71 @@ pub enum Error {
     },
     /// A wall was refused.
     #[error(transparent)]
-    Contact(#[from] femdem_contact::ContactError),
+    Contact(#[from] ContactError),
     /// A shape or a surface file was refused.
     #[error(transparent)]
     Mesh(#[from] femdem_mesh::MeshError),
     /// A packing job was refused or failed.
     #[error(transparent)]
-    Pack(#[from] femdem_pack::PackError),
+    Pack(#[from] PackError),
     /// A world or a checkpoint was refused.
     #[error(transparent)]
-    Solve(#[from] femdem_solve::SolveError),
+    Solve(#[from] SolveError),
     /// A pack could not be measured.
     #[error(transparent)]
     Analysis(#[from] femdem_analysis::AnalysisError),
+}
+
+impl Error {
+    /// The same error; if a library refused a number of a name among `keys`, with the key of a scene that
+    /// stands beside it.
+    pub(crate) fn by_keys(self, keys: &[(&str, &'static str)]) -> Self {
+        let refused = match &self {
+            Self::Contact(error) | Self::Pack(PackError::Contact(error)) => by_contact(error),
+            Self::Solve(error) | Self::Pack(PackError::Solve(error)) => by_solve(error),
+            Self::Pack(PackError::Parameter {
+                name,
+                value,
+                allowed,
+            }) => Some((*name, *value, *allowed)),
+            _ => None,
+        };
+        let Some((name, value, allowed)) = refused else {
+            return self;
+        };
+        match keys.iter().find(|(known, _)| *known == name) {
+            Some((_, key)) => Self::Option {
+                name: key,
+                value: value.to_string(),
+                allowed,
+            },
+            None => self,
+        }
+    }
+}
+
+/// Name and value of a number that was refused, and what is allowed.
+type Refused = (&'static str, f64, &'static str);
+
+fn by_contact(error: &ContactError) -> Option<Refused> {
+    match error {
+        ContactError::Parameter {
+            name,
+            value,
+            allowed,
+        } => Some((*name, *value, *allowed)),
+        _ => None,
+    }
+}
+
+fn by_solve(error: &SolveError) -> Option<Refused> {
+    match error {
+        SolveError::Contact(error) => by_contact(error),
+        SolveError::Parameter {
+            name,
+            value,
+            allowed,
+        } => Some((*name, *value, *allowed)),
+        _ => None,
+    }
 }

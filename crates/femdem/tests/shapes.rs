@@ -261,7 +261,7 @@ fn bad_shapes_say_what_is_allowed() {
             &["mesh-size = 0"],
         ),
         (&["--box", "5x5x0m"], &["--box", "5.26x5.3x3.87m"]),
-        (&["--cylinder", "4", "--cone", "95"], &["half_angle = 95"]),
+        (&["--cylinder", "4", "--cone", "95"], &["cone = 95"]),
     ] {
         fails(femdem("pack").args(options).arg("--out").arg(&out), words);
         assert!(!out.exists(), "{options:?}");

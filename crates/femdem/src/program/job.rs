@@ -34,13 +34,12 @@ pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
     let every = checkpoint_interval(Some(scene.checkpoint_every))?;
     in_pool(scene.threads, |threads| {
         // Everything that can be refused is refused before the folder is touched.
-        let (spec, notes) = scene.prepare()?;
+        let (packing, notes) = scene.packing()?;
         if !args.run.quiet {
             for note in notes.iter().filter(|note| note.is_news()) {
                 say(&note.to_string());
             }
         }
-        let packing = Packing::new(spec)?;
         folder::prepare(&scene.out, args.force)?;
         write_scene(&scene)?;
         let run = Run {

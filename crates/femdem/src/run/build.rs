@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::body::wrong;
 use super::geometry::Geometry;
-use super::words::in_words_of_scenes;
+use super::words::KEYS;
 use super::{Behaviour, BodyEntry, MaterialEntry, Scenario, Support};
 use crate::Error;
 
@@ -87,7 +87,7 @@ impl Scenario {
         self.check()?;
         let world = World::new(self.parameters());
         let mut simulation = Simulation {
-            world: world.map_err(|error| in_words_of_scenes(error.into()))?,
+            world: world.map_err(|error| Error::from(error).by_keys(&KEYS))?,
             members: Vec::new(),
             supports: Vec::new(),
         };
@@ -371,7 +371,7 @@ impl Simulation {
 fn in_entry(entry: String) -> impl FnOnce(Error) -> Error {
     |fault| Error::Entry {
         entry,
-        fault: Box::new(in_words_of_scenes(fault)),
+        fault: Box::new(fault.by_keys(&KEYS)),
     }
 }
 

@@ -1,12 +1,7 @@
 //! Numbers that the libraries refuse, by the keys that scenes have for them.
 
-use femdem_contact::ContactError;
-use femdem_solve::SolveError;
-
-use crate::Error;
-
 /// Names of the libraries, and keys of scenes.
-const KEYS: [(&str, &str); 23] = [
+pub(super) const KEYS: [(&str, &str); 23] = [
     ("penalty", "contact.penalty"),
     ("friction", "contact.friction"),
     ("wall_friction", "contact.wall-friction"),
@@ -31,38 +26,6 @@ const KEYS: [(&str, &str); 23] = [
     ("value of a curve", "pressure, or a factor of the table"),
     ("rise of a ramp", "rise"),
 ];
-
-/// The same error with the key of the scene.
-pub(super) fn in_words_of_scenes(error: Error) -> Error {
-    let (Error::Contact(ContactError::Parameter {
-        name,
-        value,
-        allowed,
-    })
-    | Error::Solve(
-        SolveError::Contact(ContactError::Parameter {
-            name,
-            value,
-            allowed,
-        })
-        | SolveError::Parameter {
-            name,
-            value,
-            allowed,
-        },
-    )) = &error
-    else {
-        return error;
-    };
-    match KEYS.iter().find(|(known, _)| known == name) {
-        Some((_, key)) => Error::Option {
-            name: key,
-            value: value.to_string(),
-            allowed,
-        },
-        None => error,
-    }
-}
 
 #[cfg(test)]
 mod tests {

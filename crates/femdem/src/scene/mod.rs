@@ -22,10 +22,11 @@ mod list;
 mod note;
 mod step_kind;
 mod unit;
+mod words;
 
 use std::path::{Path, PathBuf};
 
-use femdem_pack::{Mixing, PackSpec, Penalty, Pour, Protocol, Release, Sequential};
+use femdem_pack::{Mixing, PackSpec, Packing, Penalty, Pour, Protocol, Release, Sequential};
 use femdem_solve::Medium;
 use serde::{Deserialize, Serialize};
 
@@ -291,8 +292,19 @@ impl Scene {
             Some(kind) => kind.step(),
             None => spec.usual_step(),
         };
-        spec.validate()?;
+        spec.validate().map_err(words::in_words_of_scenes)?;
         Ok((spec, notes))
+    }
+
+    /// The packing job, ready to be run, and how its shapes were read and meshed.
+    ///
+    /// # Errors
+    ///
+    /// As [`spec`](Self::spec), and what the job itself refuses.
+    pub fn packing(&self) -> Result<(Packing, Vec<ShapeNote>), Error> {
+        let (spec, notes) = self.prepare()?;
+        let packing = Packing::new(spec).map_err(words::in_words_of_scenes)?;
+        Ok((packing, notes))
     }
 
     /// Refuses what would be converted, or would have no effect.

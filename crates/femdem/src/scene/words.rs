@@ -1,0 +1,27 @@
+//! Numbers that the libraries refuse, by the keys that scenes have for them.
+
+use femdem_pack::PackError;
+
+use crate::Error;
+
+/// Names of the libraries, and keys of scenes, which are the options of `femdem pack` too.
+const KEYS: [(&str, &str); 10] = [
+    ("wall_friction", "wall-friction"),
+    ("damping_ratio", "damping"),
+    ("tangential_ratio", "tangential-stiffness"),
+    ("medium.local_damping", "local-damping"),
+    (
+        "medium.local_damping with time_step.implicit",
+        "local-damping with implicit steps",
+    ),
+    ("time_step.implicit.multiple", "implicit"),
+    ("silo outlet", "outlet"),
+    ("silo half_angle", "cone"),
+    ("protocol rate", "rate"),
+    ("protocol batch", "batch"),
+];
+
+/// The error with the key of the scene.
+pub(super) fn in_words_of_scenes(error: PackError) -> Error {
+    Error::from(error).by_keys(&KEYS)
+}
