@@ -168,7 +168,7 @@ fn damaged_and_missing_checkpoints_are_refused() {
     fails(femdem("resume").arg(&out), &["there is no", "pack.ckpt"]);
     fails(
         femdem("analyse").arg(folder.path().join("nowhere")),
-        &["there is no", "pack.ckpt"],
+        &["there is no", "pack.ckpt", "bodies.csv"],
     );
 }
 

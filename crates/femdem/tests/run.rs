@@ -107,6 +107,10 @@ fn a_run_leaves_every_file() {
         .arg(&drawn));
     assert_eq!(code(&picture), 0, "{picture:?}");
     assert!(fs::read(&drawn).unwrap().starts_with(b"\x89PNG"));
+    fails(
+        femdem("picture").arg(&out).args(["--colour", "force"]),
+        &["--colour", "coloured by its stresses"],
+    );
     let soft = fs::read_to_string(out.join("frames/deformable-00006.vtu")).unwrap();
     assert!(soft.contains("NumberOfPoints=\"27\" NumberOfCells=\"48\""));
     assert!(soft.contains("Name=\"plastic_strain\""));

@@ -3,18 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::Args;
-use femdem::analysis::{BodyAxes, CoreOptions, FOLDER, JSON, Region, TableOptions, Tables};
-use femdem::input::{self, InputOptions};
-use femdem::mesh::Point3;
+use femdem::analysis::{BodyAxes, CoreOptions, FOLDER, JSON, TableOptions, Tables};
 use femdem::{Snapshot, results};
 
 use super::job::{Outcome, in_pool, report};
-use super::{folder, say};
-
-/// Gravity where nothing else is said \[m/s²\].
-const GRAVITY: f64 = 9.81;
+use super::say;
+use super::source::{self, ForeignArgs};
 
 /// Extent of the core that an inset asked for leaves at least, in d.
 const SMALLEST_CORE: f64 = 0.5;
@@ -55,18 +51,8 @@ pub(crate) struct AnalyseArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 
-    /// Density of the bodies in kg/m3, of a pack from elsewhere without a column mass
-    #[arg(long, value_name = "KG/M3")]
-    pub density: Option<f64>,
-
-    /// Gravity in m/s2, of a pack from elsewhere [default: 9.81]
-    #[arg(long, value_name = "M/S2")]
-    pub gravity: Option<f64>,
-
-    /// Inside of the container in m, of a pack from elsewhere: a box as X0,Y0,Z0,X1,Y1,Z1, or
-    /// cylinder:X,Y,RADIUS,Z0,Z1
-    #[arg(long, value_name = "REGION", allow_hyphen_values = true)]
-    pub inside: Option<Inside>,
+    #[command(flatten)]
+    pub foreign: ForeignArgs,
 
     /// Threads, 1 or more [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
@@ -75,46 +61,6 @@ pub(crate) struct AnalyseArgs {
     /// No summary on the terminal; errors are still shown
     #[arg(long, short)]
     pub quiet: bool,
-}
-
-/// The inside of a container, as the command line has it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Inside(Region);
-
-impl Inside {
-    pub(crate) fn region(self) -> Region {
-        self.0
-    }
-}
-
-impl FromStr for Inside {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let form = "give X0,Y0,Z0,X1,Y1,Z1 or cylinder:X,Y,RADIUS,Z0,Z1, in m";
-        let (round, list) = match text.strip_prefix("cylinder:") {
-            Some(list) => (true, list),
-            None => (false, text),
-        };
-        let numbers: Result<Vec<f64>, _> = list.split(',').map(|x| x.trim().parse()).collect();
-        let region = match (round, numbers.as_deref()) {
-            (false, Ok(&[x0, y0, z0, x1, y1, z1])) => Region::Box {
-                min: Point3::new(x0, y0, z0),
-                max: Point3::new(x1, y1, z1),
-            },
-            (true, Ok(&[x, y, radius, z_min, z_max])) => Region::Cylinder {
-                centre: [x, y],
-                radius,
-                z_min,
-                z_max,
-            },
-            _ => return Err(form.to_owned()),
-        };
-        region
-            .validate()
-            .map_err(|error| format!("{error}; {form}"))?;
-        Ok(Self(region))
-    }
 }
 
 /// Axes of bodies, as the command line has them.
@@ -152,43 +98,21 @@ fn directions(text: &str) -> Option<Vec<[f64; 3]>> {
 
 pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
-        let is_foreign = !folder::has_checkpoint(&args.folder);
-        if is_foreign && args.folder.join(input::BODIES).is_file() {
-            return foreign(args);
-        }
-        if args.density.or(args.gravity).is_some() || args.inside.is_some() {
-            bail!(
-                "--density, --gravity and --inside are for a pack from elsewhere; {} is to be \
-                 measured from its checkpoint, which knows them",
-                args.folder.display()
-            );
-        }
-        let saved = folder::load(&args.folder)?;
-        let snapshot = results::snapshot(&saved.packing);
+        let (snapshot, saved) = source::read(&args.folder, &args.foreign)?;
         // Options that cannot be met are refused before a file is written anew.
         let tables = tables(args, &snapshot)?;
-        let summary = results::write(&args.folder, &saved.packing, &saved.usage)?;
-        report(&summary, &saved.packing, &args.folder, args.quiet)?;
+        if let Some(saved) = saved {
+            let summary = results::write(&args.folder, &saved.packing, &saved.usage)?;
+            report(&summary, &saved.packing, &args.folder, args.quiet)?;
+        } else if !args.quiet {
+            let (bodies, contacts) = (snapshot.bodies.len(), snapshot.contacts.len());
+            let kind = snapshot.shape_name();
+            say(&format!(
+                "{bodies} bodies {kind} with {contacts} contacts, from tables"
+            ));
+        }
         write(args, &tables, &snapshot)
     })
-}
-
-/// A pack from elsewhere.
-fn foreign(args: &AnalyseArgs) -> Result<Outcome> {
-    let options = InputOptions {
-        density: args.density,
-        gravity: args.gravity.unwrap_or(GRAVITY),
-        container: args.inside.map(|inside| inside.0),
-    };
-    let snapshot = input::read_folder(&args.folder, &options)?;
-    if !args.quiet {
-        let (bodies, contacts) = (snapshot.bodies.len(), snapshot.contacts.len());
-        let kind = snapshot.shape_name();
-        say(&format!(
-            "{bodies} bodies {kind} with {contacts} contacts, from tables"
-        ));
-    }
-    write(args, &tables(args, &snapshot)?, &snapshot)
 }
 
 fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Tables> {
@@ -237,26 +161,5 @@ mod tests {
                 "{bad}"
             );
         }
-    }
-
-    #[test]
-    fn insides_are_boxes_or_cylinders() {
-        let parse = |text: &str| text.parse::<Inside>();
-        let cube = Region::Box {
-            min: Point3::new(-1.0, 0.0, 0.0),
-            max: Point3::new(1.0, 2.0, 3.5),
-        };
-        assert_eq!(parse("-1,0, 0,1,2,3.5"), Ok(Inside(cube)));
-        let drum = Region::Cylinder {
-            centre: [0.0, 1.0],
-            radius: 2.0,
-            z_min: 0.0,
-            z_max: 4.0,
-        };
-        assert_eq!(parse("cylinder:0,1,2,0,4"), Ok(Inside(drum)));
-        for bad in ["", "1,2,3", "cylinder:1,2,3", "0,0,0,1,1,x"] {
-            assert!(parse(bad).is_err_and(|e| e.contains("X0,Y0")), "{bad}");
-        }
-        assert!(parse("0,0,0,1,1,-1").is_err_and(|e| e.contains("max.z - min.z")));
     }
 }

@@ -57,9 +57,9 @@ pub(crate) struct PictureArgs {
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub elevation: Option<f64>,
 
-    /// What the bodies are coloured by
-    #[arg(long, value_enum, alias = "color", default_value = "sequence")]
-    pub colour: Colouring,
+    /// What the bodies of a pack are coloured by [default: sequence]
+    #[arg(long, value_enum, alias = "color")]
+    pub colour: Option<Colouring>,
 
     /// Width and height in pixels, 16 to 8192 each
     #[arg(long, value_name = "WxH", default_value = "1200x1200", value_parser = size)]
@@ -93,25 +93,30 @@ pub(crate) fn run(args: &PictureArgs) -> Result<Outcome> {
     let vector = is_svg(&args.out)?;
     in_pool(args.threads.map(usize::from), |_| {
         if folder::holds_run(&args.folder) {
+            if args.colour.is_some() || args.foreign.is_given() {
+                bail!(
+                    "{} is a run of a scene, which is coloured by its stresses: leave out --colour, --density, \
+                     --gravity and --inside, which are for packs",
+                    args.folder.display()
+                );
+            }
             let image = folder::load_run(&args.folder)?
                 .run
                 .picture(&args.options())?;
             return args.write(&image, vector);
         }
         let (snapshot, _) = source::read(&args.folder, &args.foreign)?;
-        let cells = match args.colour {
+        let colour = args.colour.unwrap_or_default();
+        let cells = match colour {
             Colouring::Density => Tables::compute(&snapshot, &TableOptions::default())?.set_voronoi,
             _ => None,
         };
-        let values = args
-            .colour
-            .values(&snapshot, cells.as_ref())?
-            .with_context(|| {
-                format!(
-                    "the pack does not hold what the colour {} needs: choose another with --colour",
-                    args.colour.name()
-                )
-            })?;
+        let values = colour.values(&snapshot, cells.as_ref())?.with_context(|| {
+            format!(
+                "the pack does not hold what the colour {} needs: choose another with --colour",
+                colour.name()
+            )
+        })?;
         let image = draw_by(&snapshot, &values, &args.options())?;
         args.write(&image, vector)
     })

@@ -61,7 +61,7 @@ pub(crate) struct ResolveArgs {
     pub threads: Option<u16>,
 
     /// No summary on the terminal; errors are still shown
-    #[arg(long)]
+    #[arg(long, short)]
     pub quiet: bool,
 }
 
