@@ -55,7 +55,7 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     ));
     let time = Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX);
     say(&format!(
-        "cost: about {} on {threads} threads, if the run goes on as its first {taken} steps",
+        "cost: about {} on {threads} threads, files not counted, if the run goes on as its first {taken} steps",
         span(time)
     ));
     Ok(())

@@ -54,7 +54,7 @@ Ctrl-C stops cleanly, with a checkpoint.";
 const RUN_HELP: &str = "\
 The folder then holds
   summary.json               the result in numbers
-  history.csv                energies, momentum and wall forces over time
+  history.csv                energies, momentum, forces of walls and supports over time
   members.csv                places, velocities and forces of the bodies, with `track = true`
   run.pvd, contacts.pvd      time series for ParaView, of the files in frames/
   run.png                    the end, deformable bodies coloured by von Mises stress
@@ -76,9 +76,9 @@ pub(crate) enum Command {
     /// Measure a pack in every way, without simulating: of a run, or from tables and shapes
     #[command(after_help = super::analyse::HELP, allow_negative_numbers = true)]
     Analyse(AnalyseArgs),
-    /// Write report.html, a page that shows the pack in a folder's checkpoint in any browser
+    /// Write report.html, a page that shows a pack in any browser
     Report(ReportArgs),
-    /// Draw the pack in a folder's checkpoint from any side, coloured by any quantity
+    /// Draw a pack, or the end of a run, from any side, coloured by any quantity
     Picture(PictureArgs),
     /// Make the bodies of a pack deformable where they lie, and find the stresses inside them
     #[command(after_help = super::resolve::HELP, allow_negative_numbers = true)]
@@ -153,7 +153,7 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "RATIO")]
     tangential_stiffness: Option<f64>,
 
-    /// Fraction of critical damping of normal contact, 0 to 0.7; 0.6 gives a coefficient of
+    /// Fraction of critical damping of normal contact, 0 to below 0.707; 0.6 gives a coefficient of
     /// restitution of 0.25 [default: 0.6]
     #[arg(long, value_name = "ZETA")]
     damping: Option<f64>,
@@ -179,7 +179,7 @@ pub(crate) struct PackArgs {
 
     /// Implicit steps, X times the explicit limit of one contact; 9 without a number. With stiff contacts they take about
     /// a fifth of the processor time until all is at rest; packs come out looser by about 0.005, and the energy ledger
-    /// misses some per cent. The verification ends with explicit steps [default: with --protocol release, friction
+    /// misses a few percent. The verification ends with explicit steps [default: with --protocol release, friction
     /// and a --damping of 0.1 or more]
     #[arg(
         long,
