@@ -267,6 +267,40 @@ fn faces_that_are_not_convex_are_cut_without_overlap() {
     }
 }
 
+/// Corners on a straight side, which rounding puts a little to one side or the other: no ear is cut
+/// along that side, which would leave triangles without area.
+#[test]
+fn faces_with_corners_on_their_sides_are_cut_into_triangles_with_area() {
+    let outlines: [&[[f64; 2]]; 3] = [
+        &[[1., 1.], [0., 0.], [1., 0.], [2., 0.]],
+        &[[0., 3.], [0., 2.], [0., 0.], [1., 0.], [2., 0.], [3., 0.]],
+        &[
+            [0., 2.],
+            [0., 1.],
+            [0., 0.],
+            [1., 0.],
+            [2., 0.],
+            [3., 0.],
+            [3., 1.],
+            [2., 1.],
+            [1., 1.],
+            [1., 2.],
+        ],
+    ];
+    for (outline, k) in outlines.iter().flat_map(|o| (0..60).map(move |k| (o, k))) {
+        let turn = Vector3::new(0.3, 0.1 * f64::from(k), 0.7);
+        let body = prism(outline).transformed(&Pose::new(Vector3::zeros(), turn));
+        let triangles = body.triangles();
+        let least = triangles.iter().map(|&t| triangle_area(&body, t));
+        let least = least.fold(f64::INFINITY, f64::min);
+        assert!(least > 0.1, "{least} in {outline:?}, turn {k}");
+        assert_eq!(body.self_intersections(1), [[0; 2]; 0]);
+        let mut stl = Vec::new();
+        crate::io::stl::write_ascii(&body, &mut stl).unwrap();
+        crate::io::stl::parse(&stl).unwrap();
+    }
+}
+
 #[test]
 fn a_ring_has_euler_characteristic_zero() {
     // Square ring: outer and inner square, top and bottom, each quadrant a trapezium.

@@ -56,9 +56,22 @@ pub(crate) fn triangulate(
             let others = remaining.iter().filter(|&&p| p != a && p != b && p != c);
             turn([a, b, c]) > 0.0 && others.copied().all(|p| !inside(p))
         };
+        // Whether a corner of the rest lies on the side that the ear leaves, where rounding may hide it from the
+        // search for ears: a triangle of that side would have no area.
+        let leaves_area = |i: usize| {
+            let [a, b, c] = corner(i);
+            let between = |p: u32| {
+                let [a, c, p] = [a, c, p].map(|i| vertices[i as usize]);
+                (p - a).dot(&(c - a)) > 0.0 && (p - c).dot(&(a - c)) > 0.0
+            };
+            let on_side = |p: u32| !is_sharp([a, p, c]) && !is_sharp([c, p, a]) && between(p);
+            let others = remaining.iter().filter(|&&p| p != a && p != b && p != c);
+            !others.copied().any(on_side)
+        };
         // A simple polygon always has an ear; rounding or a loop that cuts itself may hide it.
         let ear = (at..at + n)
-            .find(|&i| is_sharp(corner(i)) && is_ear(i))
+            .find(|&i| is_sharp(corner(i)) && is_ear(i) && leaves_area(i))
+            .or_else(|| (at..at + n).find(|&i| is_sharp(corner(i)) && is_ear(i)))
             .or_else(|| (at..at + n).find(|&i| is_ear(i)))
             .unwrap_or(at);
         triangles.push(corner(ear));
