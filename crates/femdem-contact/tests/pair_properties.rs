@@ -5,9 +5,10 @@
 mod common;
 
 use common::{Stream, solids};
-use femdem_contact::kernel::Scratch;
+use femdem_contact::kernel::{PairCache, Scratch};
 use femdem_contact::{ConvexShape, Frame, Overlap, PairKernel};
 use femdem_mesh::Polyhedron;
+use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 use std::sync::LazyLock;
@@ -295,4 +296,41 @@ fn coincident_bodies() {
             "{name}: {energy:e} instead of {want:e} J"
         );
     }
+}
+
+/// How often bodies of circumscribed diameter `size` are looked at that go by each other without a touch: by how much
+/// they are known to be apart follows their size.
+fn looks(size: f64) -> u32 {
+    let kernel = PairKernel::new(1.0).unwrap();
+    let mut scratch = Scratch::default();
+    let solid = "A10".parse::<CatalogueShape>().unwrap();
+    let shape = ConvexShape::new(&solid.polyhedron(size).unwrap()).unwrap();
+    let mut stream = Stream(5);
+    let mut count = 0;
+    for _ in 0..20 {
+        let [a, b] = [0, 1].map(|_| Frame {
+            position: Vector3::zeros(),
+            rotation: stream.rotation(),
+        });
+        let mut cache = PairCache::default();
+        for k in 0..1024 {
+            let way = (f64::from(k) / 512.0 - 1.0) * size;
+            let beside = Frame {
+                position: Vector3::new(way, 0.75 * size, 0.625 * size),
+                ..b
+            };
+            let motion = way + size;
+            count += u32::from(!cache.is_clear(motion));
+            kernel.evaluate_cached(
+                &shape, &a, &shape, &beside, &mut cache, motion, &mut scratch,
+            );
+        }
+    }
+    count
+}
+
+#[test]
+fn large_bodies_are_looked_at_as_seldom_as_small_ones() {
+    let [small, large] = [1.0, 2.0_f64.powi(20)].map(looks);
+    assert_eq!(small, large);
 }

@@ -56,7 +56,9 @@ pub(crate) fn separate(
         let (ia, _) = a.support_vertex(&axis);
         let w = rotation * b.vertices()[ib] + offset - a.vertices()[ia];
         let gap = axis.dot(&w);
-        if gap > 0.0 && (gap >= 0.5 * norm || simplex.contains(&w)) {
+        // The hint has no length: the distance is known once there is a simplex.
+        let close = !simplex.is_empty() && gap >= 0.5 * norm;
+        if gap > 0.0 && (close || simplex.contains(&w)) {
             return Some(Separation { axis, gap });
         }
         if simplex.contains(&w) {
