@@ -55,6 +55,30 @@ fn cube_on_a_plate(plate: Plate, at: Vector3<f64>, drive: Drive) -> (World, u32)
     (world, body)
 }
 
+/// A plane that rocks takes a cube along in the same way wherever the origin is.
+#[test]
+fn a_rocking_plane_far_from_the_origin() {
+    let ridden = |shift: Vector3<f64>| {
+        let drive = Drive::Rock {
+            axis: Vector3::y(),
+            point: shift - Vector3::x() * 0.2,
+            stroke: 0.1,
+            frequency: 10.0,
+            start: 0.0,
+            periods: 1,
+        };
+        let (mut world, body) = cube_on_a_plate(Plate::Plane, shift, drive);
+        run_until(&mut world, 0.1);
+        let l = world.ledger();
+        let place = world.position(body).unwrap() - shift;
+        (place, l.dissipated_friction + l.dissipated_damping)
+    };
+    let (here, far) = (ridden(Vector3::zeros()), ridden(Vector3::x() * 1000.0));
+    let off = (here.0 - far.0).norm();
+    assert!(off < 1e-8, "{off:e} m");
+    assert!((far.1 / here.1 - 1.0).abs() < 1e-6, "{here:?} {far:?}");
+}
+
 /// A cube on a plate that swings smoothly about an axis beside it goes with it, without slip, and
 /// comes back; and the books close.
 #[test]

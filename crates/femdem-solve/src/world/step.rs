@@ -185,8 +185,15 @@ impl World {
             };
             let at = to.translation.vector;
             motion.travelled += driven.way_from(&from, reach);
-            motion.velocity = (at - motion.frame.position) / dt;
-            motion.angular_velocity = driven.axis * (turn / dt);
+            // As seen from the axis: the chord of a wall's origin far from it is off its tangent by more than
+            // bodies near the axis move.
+            let mean = Driven {
+                velocity: (driven.displacement - from.displacement) / dt,
+                rate: turn / dt,
+                ..driven
+            };
+            motion.velocity = mean.velocity_at(&at);
+            motion.angular_velocity = mean.angular_velocity();
             motion.frame.position = at;
             if turn != 0.0 {
                 motion.frame = Frame::from(&to);
