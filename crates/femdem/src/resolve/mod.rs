@@ -29,7 +29,7 @@ use std::collections::BTreeMap;
 
 use femdem_contact::deform::DeformablePartner;
 use femdem_contact::{Field, Partner, WallResponse};
-use femdem_mesh::tet::{self, MeshOptions};
+use femdem_mesh::tet::{self, MeshOptions, Method};
 use femdem_mesh::{Matrix3, TetMesh, Vector3};
 use femdem_solve::deformable::{DeformableModel, MaterialRegion};
 use femdem_solve::element::Element;
@@ -226,7 +226,18 @@ fn mesh_of(shape: &Shape, size: f64) -> Result<(TetMesh, Field), Error> {
         edge_length: Some(edge),
         ..MeshOptions::default()
     };
-    let (mesh, _) = tet::mesh(&shape.polyhedron, &options)?;
+    let (mesh, report) = tet::mesh(&shape.polyhedron, &options)?;
+    if report.method == Method::CentroidFan || mesh.surface()?.is_convex() {
+        return Ok((mesh, Field::Gauge));
+    }
+    // A lattice that is fitted to a round body or to many faces is not convex, as the gauge needs it. About the
+    // centroid the skin is the body's own, whatever the shapes of the tetrahedra.
+    let fan = MeshOptions {
+        method: Some(Method::CentroidFan),
+        min_dihedral: 0.0,
+        ..options
+    };
+    let (mesh, _) = tet::mesh(&shape.polyhedron, &fan)?;
     Ok((mesh, Field::Gauge))
 }
 
