@@ -322,7 +322,13 @@ fn looks(size: f64) -> u32 {
             let motion = way + size;
             count += u32::from(!cache.is_clear(motion));
             kernel.evaluate_cached(
-                &shape, &a, &shape, &beside, &mut cache, motion, &mut scratch,
+                &shape,
+                &a,
+                &shape,
+                &beside,
+                &mut cache,
+                motion,
+                &mut scratch,
             );
         }
     }
