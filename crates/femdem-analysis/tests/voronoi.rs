@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Random, at, body, cube, solid, turned_lattice};
+use common::{Random, at, body, cube, moved, solid, turned_lattice};
 use femdem_analysis::*;
 use femdem_mesh::shapes::{Dolos, Shape};
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
@@ -60,6 +60,28 @@ fn cells_sum_to_the_region() {
         assert!(
             found.cells.iter().any(|c| c.at_boundary) && found.cells.iter().any(|c| !c.at_boundary)
         );
+    }
+}
+
+/// What is left of a leaf by rounding is no part of a cell: the same cells reach the boundary wherever the pack is.
+#[test]
+fn cells_reach_the_boundary_wherever_the_pack_is() {
+    let shapes = [solid("A1", 1.0)];
+    let bodies = turned_lattice(&mut Random(5), 1, 6, 0.75);
+    let found = |by: Vector3| {
+        let moved = moved(&bodies, &Pose::translation(by.x, by.y, by.z));
+        let pack = Pack::new(&shapes, &moved).unwrap();
+        let [min, max] = [[0.2; 3], [3.6; 3]].map(|p| Point3::from(p) + by);
+        set_voronoi(&pack, &Region::Box { min, max }, &options(0.125)).unwrap()
+    };
+    let reaching = |found: &SetVoronoi| -> Vec<(u32, bool)> {
+        let cells = found.cells.iter();
+        cells.map(|c| (c.body, c.at_boundary)).collect()
+    };
+    let here = reaching(&found(Vector3::zeros()));
+    for k in 1..8 {
+        let there = found(Vector3::new(0.1, -0.2, 0.7) * f64::from(k));
+        assert_eq!(reaching(&there), here, "{k}");
     }
 }
 

@@ -8,6 +8,9 @@ use crate::bounds::Bounds;
 use crate::clip::Clipper;
 use crate::region::{Region, Relation};
 
+/// Parts of a cube up to this share of it are no parts of a cell, but what rounding leaves of a cube that others own.
+const ROUNDING: f64 = 1e-10;
+
 /// A body that may own a part of a cube, with its distance from the cube's centre and its gradient.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
@@ -178,7 +181,7 @@ impl Octree<'_> {
     }
 
     fn give(&self, memory: &mut Memory, cube: &Bounds, body: usize, volume: f64) {
-        if volume > 0.0 {
+        if volume > ROUNDING * (cube.max - cube.min).product() {
             let at_boundary = !self.is_interior(cube);
             memory.shares.push(Share {
                 body,
