@@ -328,6 +328,12 @@ fn a_container_comes_from_a_file() {
     let opening = container["diameter"].as_f64().unwrap();
     assert!((opening - 0.4).abs() < 1e-3, "{opening}");
     assert_eq!(container["above_rim"], 0);
+    assert!(summary["packing_density"].is_null());
+    let said = stdout(&result);
+    assert!(
+        said.contains("none: what a container from a file encloses is not known"),
+        "{said}"
+    );
     let rows = table(&out.join("contacts.csv"));
     assert!(rows.iter().any(|row| row[1] == "funnel"));
     for row in table(&out.join("bodies.csv")) {

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::Summary;
+use super::parts::SOLID;
 
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -91,7 +92,11 @@ impl Summary {
 
     fn density_text(&self) -> String {
         let Some(density) = &self.packing_density else {
-            return "none: the pack is too low to have a core".to_owned();
+            let reason = match self.container.kind.as_str() {
+                SOLID => "what a container from a file encloses is not known",
+                _ => "the pack is too low to have a core",
+            };
+            return format!("none: {reason}");
         };
         let error = match density.standard_error {
             Some(error) => format!(" +- {error:.4}"),

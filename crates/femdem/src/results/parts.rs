@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::Snapshot;
 
+/// Kind of a container from a surface file.
+pub(super) const SOLID: &str = "solid";
+
 /// A shape of a pack.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShapeSummary {
@@ -89,7 +92,7 @@ impl ContainerSummary {
         };
         match packing.spec().container {
             Container::Mesh(ref mesh) => {
-                "solid".clone_into(&mut summary.kind);
+                SOLID.clone_into(&mut summary.kind);
                 summary.diameter = Some(2.0 * mesh.opening());
                 summary.rim = Some(mesh.height());
                 let above = highest().filter(|(_, high)| high.z > mesh.height());

@@ -84,7 +84,7 @@ pub struct Summary {
     /// Time on the clock in the contact stage (search, kernel, friction, gather), over evaluations of
     /// touching pairs \[ns\].
     pub contact_nanoseconds_per_pair: Option<f64>,
-    /// Packing density of the core; `null` if the pack is too low to have one.
+    /// Packing density of the core; `null` if the pack is too low to have one, and in a container from a file.
     pub packing_density: Option<DensitySummary>,
     /// Coordination number: bodies and walls that push on a body, each counted once; over all bodies.
     pub coordination: CoordinationSummary,
@@ -266,7 +266,7 @@ impl Usage {
     }
 }
 
-/// Density of the core, or none where the pack is too low to have one.
+/// Density of the core, or none where the pack is too low to have one, or the container is from a file.
 fn density(snapshot: &Snapshot) -> Result<Option<DensitySummary>, Error> {
     use femdem_analysis::AnalysisError::{NoPackInContainer, Region};
     let shapes: Vec<Polyhedron> = snapshot
