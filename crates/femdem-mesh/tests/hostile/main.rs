@@ -366,22 +366,6 @@ fn a_scan_of_two_thousand_triangles() {
     assert_eq!(report.facets_flipped, 2048_usize.div_ceil(7));
 }
 
-#[test]
-fn time_grows_as_the_file_does() {
-    // The slowest of the checks is the search for cuts: sixteen times the triangles, about sixteen
-    // times the time; eighty is far below the square.
-    let time = |levels| {
-        let (points, triangles) = scan::stone(levels);
-        let bytes = scan::binary_stl(&points, &triangles);
-        let start = Instant::now();
-        default(&bytes, Format::Stl).unwrap();
-        start.elapsed().as_secs_f64()
-    };
-    time(4);
-    let (small, large) = (time(4), time(6));
-    assert!(large < 80.0 * small, "{small} s, {large} s");
-}
-
 proptest! {
     #[test]
     fn no_changed_byte_panics(

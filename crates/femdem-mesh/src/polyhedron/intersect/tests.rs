@@ -1,5 +1,6 @@
 use super::*;
 use crate::catalogue::CatalogueShape;
+use crate::shapes::{Shape, Sphere};
 use crate::strategies::{catalogue_shapes, convex_polyhedra, poses};
 use crate::{Polyhedron, Vector3, convex_hull};
 use proptest::prelude::*;
@@ -128,6 +129,16 @@ fn a_spike_through_the_far_side_names_the_faces() {
     assert!(found.iter().all(|pair| pair.contains(&base)), "{found:?}");
     assert_eq!(body.self_intersections(1).len(), 1);
     assert_eq!(body.self_intersections_within(100, 3), None);
+}
+
+/// Of triangles of one size each has so many near it, however many there are.
+#[test]
+fn comparisons_grow_as_the_triangles_do() {
+    for level in [2, 3, 4] {
+        let body = Shape::from(Sphere { level }).polyhedron(1.0).unwrap();
+        let budget = 12 * body.face_count() as u64;
+        assert_eq!(body.self_intersections_within(1, budget), Some(Vec::new()));
+    }
 }
 
 #[test]
