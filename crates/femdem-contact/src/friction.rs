@@ -11,9 +11,13 @@ use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// The anchors follow the contact point once it has moved by this fraction of the
-/// larger of the patch radius and the arms' length scale.
+/// The anchors follow the contact point once it has moved by this fraction of the arm
+/// of B, or of that of A where A is much smaller.
 const RECENTRE: f64 = 0.02;
+
+/// A is smaller than B, and its arm counts, if B's is more than this many times as long. Arms of equal bodies differ by
+/// less.
+const SMALLER: f64 = 4.0;
 
 /// Friction history of one patch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -274,7 +278,10 @@ impl FrictionState {
         let drift = overlap.arm_b - b.frame.rotation * self.anchor_b;
         let drift = drift - n * n.dot(&drift);
         let reach = RECENTRE * overlap.arm_b.norm();
-        if moved || drift.norm_squared() > reach * reach {
+        // A small body A rolls over many of its own arms on a large one; a wall has no arm.
+        let rolls = a.inverse_mass > 0.0
+            && drift.norm_squared() > (SMALLER * RECENTRE).powi(2) * overlap.arm_a.norm_squared();
+        if moved || rolls || drift.norm_squared() > reach * reach {
             self.place(overlap, a, b, &stretch);
         }
         self.torsion = torsion;

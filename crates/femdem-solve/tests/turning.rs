@@ -11,6 +11,7 @@ use common::{
     D, DENSITY, G, add_floor, add_mesh, at, parameters, pose, run_until, turned, weightless,
 };
 use femdem_contact::{Drum, MeshWall};
+use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::Vector3;
 use femdem_mesh::shapes::{Shape, Sphere};
 use femdem_mesh::{Pose, Rotation};
@@ -289,4 +290,38 @@ fn rolling_is_resisted_by_the_dashpot_alone() {
         let found = roll(damping, speed);
         assert!((low..high).contains(&found), "{damping} {speed}: {found}");
     }
+}
+
+/// Friction gives no energy to a ball that rolls on a block thirty times as large, whichever of the two was added first.
+#[test]
+fn a_small_ball_rolls_on_a_large_block() {
+    let roll = |ball_first: bool| {
+        let mut p = parameters(1e7, 0.6, 0.3);
+        p.time_step.safety = 0.3;
+        let mut world = World::new(p).unwrap();
+        let ball = Shape::from(Sphere { level: 3 }).polyhedron(D).unwrap();
+        let side = 30.0 * D;
+        let block = "P5".parse::<CatalogueShape>().unwrap();
+        let block = block.polyhedron(side * 3.0_f64.sqrt()).unwrap();
+        let [ball, block] = [("ball", ball), ("block", block)]
+            .map(|(name, surface)| world.add_shape(name, &surface).unwrap());
+        let radius = 0.5 * D;
+        let rolling = BodySpec {
+            velocity: Vector3::x(),
+            angular_velocity: Vector3::y() / radius,
+            ..BodySpec::at_rest(ball, DENSITY, at(Vector3::z() * (0.999 * radius)))
+        };
+        let ground = BodySpec::at_rest(block, DENSITY, at(Vector3::z() * (-0.5 * side)));
+        if ball_first {
+            world.add_body(rolling).unwrap();
+        }
+        world.add_driven_body(ground, Drive::Fixed).unwrap();
+        if !ball_first {
+            world.add_body(rolling).unwrap();
+        }
+        run_until(&mut world, 0.4);
+        world.ledger().dissipated_friction
+    };
+    let [first, second] = [true, false].map(roll);
+    assert!(first > 0.0 && second > 0.0, "{first:e} {second:e} J");
 }
