@@ -207,7 +207,7 @@ impl Drive {
                 check(
                     "drive.interval",
                     *interval,
-                    *interval * f >= 1.0,
+                    *interval >= 1.0 / f,
                     "at least one period, 1/frequency, in s",
                 )
             }
@@ -451,6 +451,19 @@ mod tests {
             end: 1.0,
         };
         assert!(flat.validate().unwrap_err().to_string().contains("axis"));
+    }
+
+    /// A tap right after the other: 1/49 times 49 is below 1.
+    #[test]
+    fn taps_without_a_pause_are_allowed() {
+        let drive = Drive::Tap {
+            stroke: Vector3::z(),
+            frequency: 49.0,
+            start: 0.0,
+            interval: 1.0 / 49.0,
+            taps: 2,
+        };
+        drive.validate().unwrap();
     }
 
     #[test]
