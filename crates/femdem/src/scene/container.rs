@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_4;
 use std::fmt;
+use std::path::Path;
 
 use femdem_pack::{Container, MeshContainer, PackSpec};
 
@@ -11,6 +12,9 @@ use crate::Error;
 
 /// Packing density that the automatic size of a container counts on.
 const EXPECTED_DENSITY: f64 = 0.6;
+
+/// Name of the floor among the walls of every container.
+const FLOOR: &str = "floor";
 
 /// The container for the bodies of `spec`.
 ///
@@ -33,7 +37,7 @@ pub(super) fn container(scene: &Scene, spec: &PackSpec) -> Result<Container, Err
                 allowed: "give the surface file of the walls with --walls",
             })?;
             let (surface, _) = read(path, scene)?;
-            Container::Mesh(Box::new(MeshContainer::new(file_stem(path), &surface)?))
+            Container::Mesh(Box::new(MeshContainer::new(wall_name(path), &surface)?))
         }
         ContainerKind::Box => {
             let side = level_width(pack);
@@ -55,6 +59,17 @@ pub(super) fn container(scene: &Scene, spec: &PackSpec) -> Result<Container, Err
 /// Height of the container's rim \[m\], if it has one.
 pub(super) fn rim(scene: &Scene, diameter: f64) -> Option<f64> {
     Some(scene.r#box?.height?.metres(diameter))
+}
+
+/// The file's name without its ending, unless that is the floor's name or, as contacts have it, a body's number.
+fn wall_name(path: &Path) -> String {
+    let stem = file_stem(path);
+    let name = stem.trim();
+    if name.is_empty() || name == FLOOR || name.parse::<i64>().is_ok() {
+        format!("walls-{name}")
+    } else {
+        name.to_owned()
+    }
 }
 
 /// Kinds of container in the order of preference.
@@ -220,6 +235,20 @@ mod tests {
             ),
         ] {
             assert!(kind(text).unwrap_err().contains(message), "{text}");
+        }
+    }
+
+    /// In the list of contacts a wall has a name of its own, which is no number.
+    #[test]
+    fn walls_from_a_file_are_told_from_the_floor_and_from_bodies() {
+        for (path, name) in [
+            ("a/hopper.stl", "hopper"),
+            ("floor.obj", "walls-floor"),
+            ("12.obj", "walls-12"),
+            ("a/ -3 .obj", "walls--3"),
+            ("12a.obj", "12a"),
+        ] {
+            assert_eq!(wall_name(Path::new(path)), name);
         }
     }
 
