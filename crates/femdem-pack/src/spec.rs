@@ -21,8 +21,9 @@ const DEFAULT_DIAMETER: f64 = 0.02;
 /// soft contacts would allow more.
 const LARGEST_STEP: f64 = 0.01;
 
-/// Damping ratio from which on implicit steps are usual where the protocol suits them.
-const LEAST_DAMPING: f64 = 0.1;
+/// Damping ratio from which on contacts damp well: implicit steps are usual where the protocol suits them, and bodies
+/// come to rest without a medium.
+pub(crate) const LEAST_DAMPING: f64 = 0.1;
 
 /// Shares allowed: their sums, and those of lengths and volumes weighed with them, are numbers.
 const SHARES: std::ops::RangeInclusive<f64> = 1e-100..=1e100;

@@ -25,7 +25,8 @@ pub enum Stage {
     /// All bodies are in; waiting for them to come to rest.
     Settling,
     /// All bodies are kept awake, and the medium is switched off, to see that they stay at rest. If
-    /// some do not, the others sleep until they do, and all are woken again.
+    /// some do not, the others sleep until they do, and all are woken again; where contacts hardly damp, the
+    /// medium acts meanwhile.
     Verifying,
     /// Finished.
     Done,

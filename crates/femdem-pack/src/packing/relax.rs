@@ -18,6 +18,7 @@ use super::surface::positions;
 use super::{Packing, Stage};
 use crate::error::PackError;
 use crate::report::Relaxation;
+use crate::spec::LEAST_DAMPING;
 use femdem_mesh::Vector3;
 use femdem_solve::{ImplicitStep, SleepParameters, TimeStepParameters};
 use serde::{Deserialize, Serialize};
@@ -169,8 +170,12 @@ impl Packing {
     }
 
     /// Allows sleep by the limits of the verification, so that bodies still in motion go on without
-    /// the rest being computed, and hardly anything is held back from it.
+    /// the rest being computed, and hardly anything is held back from it. Where contacts hardly damp, bodies come to rest
+    /// in the medium or not at all: there it acts until the next try. Elsewhere it would but hold up what tips over.
     pub(super) fn let_those_at_rest_sleep(&mut self) -> Result<(), PackError> {
+        if self.job.spec.damping_ratio < LEAST_DAMPING {
+            self.world.set_medium(self.job.spec.medium)?;
+        }
         let (rule, settling) = (self.job.spec.sleeping, &self.job.spec.settling);
         let tolerance = rule.tolerance.min(settling.aim);
         let rate = |usual: f64, limit: f64| usual.min(limit).max(f64::MIN_POSITIVE);
