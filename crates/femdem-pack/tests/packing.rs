@@ -211,25 +211,43 @@ fn a_pack_made_in_a_medium_rests_without_it() {
     }
 }
 
-/// Smooth elastic bodies never come to rest without a medium: what moves in the verification does so in the job's own.
+/// Smooth elastic bodies in a medium that damps locally.
+fn elastic(seed: u64) -> PackSpec {
+    let mut spec = PackSpec {
+        shapes: vec![PackShape::new("A10", solid(Solid::A10))],
+        friction: 0.0,
+        damping_ratio: 0.0,
+        seed,
+        ..cubes(20)
+    };
+    spec.container = Container::Box {
+        width: 3.0 * D,
+        depth: 3.0 * D,
+    };
+    spec.medium.local_damping = 0.6;
+    spec
+}
+
+/// Elastic bodies never come to rest without a medium: what moves in the verification does so in the job's own.
 #[test]
 fn what_the_verification_sets_in_motion_rests_in_the_medium() {
     for seed in [1, 2] {
-        let mut spec = PackSpec {
-            shapes: vec![PackShape::new("A10", solid(Solid::A10))],
-            friction: 0.0,
-            damping_ratio: 0.0,
-            seed,
-            ..cubes(20)
-        };
-        spec.container = Container::Box {
-            width: 3.0 * D,
-            depth: 3.0 * D,
-        };
-        spec.medium.local_damping = 0.6;
-        let mut packing = Packing::new(spec).unwrap();
+        let mut packing = Packing::new(elastic(seed)).unwrap();
         let report = packing.run().unwrap();
         assert_settled(&packing, &report);
+        assert_eq!(packing.world().parameters().medium, Medium::default());
+    }
+}
+
+/// What is reported of a pack whose time is over between two tries is without the medium, too.
+#[test]
+fn a_pack_out_of_time_is_reported_without_the_medium() {
+    for longest in [1.5, 2.0, 3.0] {
+        let mut spec = elastic(1);
+        spec.settling.longest_verification = longest;
+        let mut packing = Packing::new(spec).unwrap();
+        let report = packing.run().unwrap();
+        assert!(!report.settled, "{longest}");
         assert_eq!(packing.world().parameters().medium, Medium::default());
     }
 }

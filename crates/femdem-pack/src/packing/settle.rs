@@ -140,7 +140,10 @@ impl Packing {
         let is_over = self.stage_time() > longest;
         match self.job.attempt.take() {
             Some(Attempt::Trial(trial)) => self.step_trial(trial, is_over),
-            _ if is_over => self.begin_trial(None),
+            _ if is_over => {
+                self.world.set_medium(Medium::default())?;
+                self.begin_trial(None)
+            }
             Some(Attempt::Calming(calming)) => self.step_calming(calming),
             None if self.world.awake_count() == 0 => self.begin_attempt(),
             None => {
