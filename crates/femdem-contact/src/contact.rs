@@ -3,7 +3,7 @@
 use crate::damping::Damped;
 use crate::friction::Friction;
 use crate::generalized::{Resistance, stable_step};
-use crate::kernel::Overlap;
+use crate::kernel::{Overlap, mean_penetration};
 use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -229,11 +229,7 @@ impl Contact {
 
     /// Penetration estimate, m: overlap volume over contact area.
     pub fn penetration(&self) -> f64 {
-        if self.area > 0.0 {
-            self.volume / self.area
-        } else {
-            0.0
-        }
+        mean_penetration(self.volume, self.area)
     }
 
     /// Lever of the elastic wrench, whose dashpot acts along it, about the origin that `arm` begins at, m.

@@ -128,7 +128,7 @@ pub use contact::{BodyId, Contact, ContactForce, Dashpots, Load, Partner, Spring
 pub use error::ContactError;
 pub use general::{Field, FieldMesh, Form, GeneralKernel, SolidWall};
 pub use generalized::{Generalized, Resistance, stable_step};
-pub use kernel::{Overlap, PairKernel};
+pub use kernel::{Overlap, PairKernel, mean_penetration};
 pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};
 pub use motion::Motion;
 pub use shape::{BodyShape, ConvexShape, Frame};

@@ -49,6 +49,9 @@ pub enum Container {
 }
 
 impl Container {
+    /// Name of the floor's wall, which every container has.
+    pub const FLOOR: &str = "floor";
+
     /// Checks that the dimensions are positive and that a body of the given circumscribed
     /// diameter (m) fits in any orientation, to rounding.
     ///
@@ -98,13 +101,13 @@ impl Container {
         }
     }
 
-    /// The walls, in the order in which a pack adds them: "floor", then "x-", "x+", "y-", "y+"
+    /// The walls, in the order in which a pack adds them: [`FLOOR`](Self::FLOOR), then "x-", "x+", "y-", "y+"
     /// or "mantle", and "cone", or a solid of its own name.
     ///
     /// # Errors
     /// [`PackError::Contact`] if a dimension cannot bound a wall.
     pub fn walls(&self) -> Result<Vec<WallShape>, PackError> {
-        let mut walls = vec![Wall::half_space("floor", Vector3::z(), 0.0)?];
+        let mut walls = vec![Wall::half_space(Self::FLOOR, Vector3::z(), 0.0)?];
         match *self {
             Self::Mesh(ref mesh) => {
                 let floor = walls.into_iter().map(WallShape::from);

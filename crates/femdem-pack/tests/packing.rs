@@ -239,6 +239,20 @@ fn what_the_verification_sets_in_motion_rests_in_the_medium() {
     }
 }
 
+/// So it is where no body ever sleeps.
+#[test]
+fn a_pack_made_awake_rests_in_the_medium_too() {
+    for seed in [1, 2] {
+        let mut spec = elastic(seed);
+        spec.sleeping.enabled = false;
+        let mut packing = Packing::new(spec).unwrap();
+        let report = packing.run().unwrap();
+        assert!(report.settled, "{report:?}");
+        assert!(report.verification.unwrap().tries > 1, "{report:?}");
+        assert_eq!(packing.world().parameters().medium, Medium::default());
+    }
+}
+
 /// What is reported of a pack whose time is over between two tries is without the medium, too.
 #[test]
 fn a_pack_out_of_time_is_reported_without_the_medium() {

@@ -5,6 +5,7 @@
 use std::fmt;
 
 use femdem_analysis::{ContactClass, Region, Touch, contact_counts};
+use femdem_contact::mean_penetration;
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
 
 use crate::Error;
@@ -280,10 +281,6 @@ impl ContactRow {
     /// Mean depth of the overlap \[m\]: its volume over its area, 0 without an area.
     #[must_use]
     pub fn penetration(&self) -> f64 {
-        if self.area > 0.0 {
-            self.volume / self.area
-        } else {
-            0.0
-        }
+        mean_penetration(self.volume, self.area)
     }
 }

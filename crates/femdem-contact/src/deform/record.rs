@@ -1,6 +1,7 @@
 //! What the batch of deformable bodies reports.
 
 use crate::contact::BodyId;
+use crate::kernel::mean_penetration;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -58,11 +59,7 @@ impl DeformableContact {
 
     /// Penetration estimate, m: overlap volume over contact area.
     pub fn penetration(&self) -> f64 {
-        if self.area > 0.0 {
-            self.volume / self.area
-        } else {
-            0.0
-        }
+        mean_penetration(self.volume, self.area)
     }
 }
 

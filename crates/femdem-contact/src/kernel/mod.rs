@@ -16,7 +16,7 @@ mod separation;
 mod side;
 
 pub use cavity::{CavityCache, CavityKernel};
-pub use overlap::Overlap;
+pub use overlap::{Overlap, mean_penetration};
 pub use pair::{PairCache, PairKernel, Scratch};
 
 pub(crate) use candidates::complete;

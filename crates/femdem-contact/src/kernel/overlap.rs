@@ -56,10 +56,11 @@ impl Overlap {
 
     /// Penetration estimate, m: overlap volume over contact area.
     pub fn penetration(&self) -> f64 {
-        if self.area > 0.0 {
-            self.volume / self.area
-        } else {
-            0.0
-        }
+        mean_penetration(self.volume, self.area)
     }
+}
+
+/// Mean depth of an overlap, m: its volume (m^3) over the area of the contact (m^2), 0 without an area.
+pub fn mean_penetration(volume: f64, area: f64) -> f64 {
+    if area > 0.0 { volume / area } else { 0.0 }
 }

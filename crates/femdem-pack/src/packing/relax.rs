@@ -20,7 +20,7 @@ use crate::error::PackError;
 use crate::report::Relaxation;
 use crate::spec::LEAST_DAMPING;
 use femdem_mesh::Vector3;
-use femdem_solve::{ImplicitStep, SleepParameters, TimeStepParameters};
+use femdem_solve::{ImplicitStep, Medium, SleepParameters, TimeStepParameters};
 use serde::{Deserialize, Serialize};
 
 /// The pack grows by this factor between two relaxations.
@@ -156,7 +156,7 @@ impl Packing {
         });
         if is_complete {
             self.job.is_relaxed = true;
-            return self.let_those_at_rest_sleep();
+            return self.rest_between_tries();
         }
         self.world.set_sleeping(true);
         Ok(())
@@ -169,12 +169,21 @@ impl Packing {
         residuals.sum::<f64>() / f64::from(self.placed().max(1))
     }
 
-    /// Allows sleep by the limits of the verification, so that bodies still in motion go on without
-    /// the rest being computed, and hardly anything is held back from it. Where contacts hardly damp, bodies come to rest
-    /// in the medium or not at all: there it acts until the next try. Elsewhere it would but hold up what tips over.
-    pub(super) fn let_those_at_rest_sleep(&mut self) -> Result<(), PackError> {
-        if self.job.spec.damping_ratio < LEAST_DAMPING {
+    /// Whether bodies come to rest in the medium or not at all, since contacts hardly damp. Elsewhere it would but
+    /// hold up what tips over.
+    pub(super) fn rests_in_the_medium(&self) -> bool {
+        self.job.spec.damping_ratio < LEAST_DAMPING && self.job.spec.medium != Medium::default()
+    }
+
+    /// What goes on until the next try: the medium acts where nothing else brings to rest, and if bodies may sleep at
+    /// all they do so by the limits of the verification, so that those still in motion go on without
+    /// the rest being computed, and hardly anything is held back from it.
+    pub(super) fn rest_between_tries(&mut self) -> Result<(), PackError> {
+        if self.rests_in_the_medium() {
             self.world.set_medium(self.job.spec.medium)?;
+        }
+        if !self.job.spec.sleeping.enabled {
+            return Ok(());
         }
         let (rule, settling) = (self.job.spec.sleeping, &self.job.spec.settling);
         let tolerance = rule.tolerance.min(settling.aim);

@@ -132,7 +132,7 @@ impl Packing {
     }
 
     /// Keeps all bodies awake until they pass the checks without having moved, or the time is over. If a
-    /// check fails after there have been enough for all to pass, those at rest sleep until the others
+    /// check fails after there have been enough for all to pass, those at rest sleep, if they may, until the others
     /// are, too.
     pub(super) fn step_verification(&mut self) -> Result<(), PackError> {
         self.world.step()?;
@@ -147,11 +147,12 @@ impl Packing {
             Some(Attempt::Calming(calming)) => self.step_calming(calming),
             None if self.world.awake_count() == 0 => self.begin_attempt(),
             None => {
-                if self.world.time() >= self.job.next_check {
-                    self.guard()?;
-                    self.wait_for_next_check();
+                // Where none may sleep they are at rest when they pass the checks.
+                let may_sleep = self.job.spec.sleeping.enabled;
+                match self.check_if_due()? {
+                    Some(check) if check.enough && !may_sleep => self.begin_attempt(),
+                    _ => Ok(()),
                 }
-                Ok(())
             }
         }
     }
@@ -174,7 +175,7 @@ impl Packing {
             // One that tips over slowly may stay within the limits for long.
             if calming.checks > self.job.spec.settling.checks && calming.calm == 0 {
                 self.world.step_explicitly()?;
-                return self.let_those_at_rest_sleep();
+                return self.rest_between_tries();
             }
         }
         self.job.attempt = Some(Attempt::Calming(calming));
@@ -198,8 +199,8 @@ impl Packing {
                 return Ok(());
             }
             let has_failed = trial.checks > self.job.spec.settling.checks && self.job.passed == 0;
-            if has_failed && self.job.spec.sleeping.enabled {
-                return self.let_those_at_rest_sleep();
+            if has_failed && (self.job.spec.sleeping.enabled || self.rests_in_the_medium()) {
+                return self.rest_between_tries();
             }
         }
         self.job.attempt = Some(Attempt::Trial(trial));

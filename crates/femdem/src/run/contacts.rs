@@ -1,7 +1,7 @@
 //! Contacts of a simulation: of rigid and deformable bodies and walls, in one list.
 
-use femdem_contact::Partner;
 use femdem_contact::deform::DeformablePartner;
+use femdem_contact::{Partner, mean_penetration};
 use femdem_mesh::Vector3;
 
 use super::{MemberId, Simulation};
@@ -46,11 +46,7 @@ impl ContactLine {
     /// Mean depth of the overlap \[m\]; 0 without an area.
     #[must_use]
     pub fn penetration(&self) -> f64 {
-        if self.area > 0.0 {
-            self.volume / self.area
-        } else {
-            0.0
-        }
+        mean_penetration(self.volume, self.area)
     }
 }
 

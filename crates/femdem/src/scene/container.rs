@@ -13,9 +13,6 @@ use crate::Error;
 /// Packing density that the automatic size of a container counts on.
 const EXPECTED_DENSITY: f64 = 0.6;
 
-/// Name of the floor among the walls of every container.
-const FLOOR: &str = "floor";
-
 /// The container for the bodies of `spec`.
 ///
 /// # Errors
@@ -65,7 +62,7 @@ pub(super) fn rim(scene: &Scene, diameter: f64) -> Option<f64> {
 fn wall_name(path: &Path) -> String {
     let stem = file_stem(path);
     let name = stem.trim();
-    if name.is_empty() || name == FLOOR || name.parse::<i64>().is_ok() {
+    if name.is_empty() || name == Container::FLOOR || name.parse::<i64>().is_ok() {
         format!("walls-{name}")
     } else {
         name.to_owned()
