@@ -24,11 +24,11 @@ pub(crate) struct Flows {
 }
 
 /// Energies of a world, J. The sum of `final_energy` and everything dissipated equals
-/// `initial + work_in` up to the integration error. Bodies that overlap as they are added bring elastic
-/// energy that is in neither.
+/// `initial + work_in` up to the integration error. Bodies that overlap as they are added, and walls where bodies are,
+/// bring elastic energy: `initial` has it from the next step on, unless that is [implicit](crate::ImplicitStep).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
-    /// Kinetic and potential energy of all bodies when they were added.
+    /// Kinetic and potential energy of all bodies when they were added, and elastic energy of their overlaps.
     pub initial: f64,
     /// Work done on the bodies by driven walls and bodies, and by what is prescribed at deformable
     /// ones.

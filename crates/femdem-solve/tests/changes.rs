@@ -184,3 +184,43 @@ fn a_driven_wall_has_a_pose() {
     assert!((way - Vector3::x() * (0.5 * world.time())).norm() < 1e-12);
     assert!(world.wall_pose(floor + 1).is_none() && world.wall_load(floor + 1).is_none());
 }
+
+/// Cubes are set into the floor, beside each other, and a soft one into a cube: what they overlap with drives
+/// them apart, and all of it was there at the start. A wall put where cubes are brings its own.
+#[test]
+fn overlaps_of_what_is_added_are_on_the_books() {
+    let mut p = parameters(1e7, 0.0, 0.0);
+    p.gravity = Vector3::zeros();
+    p.time_step.safety = 0.05;
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let rigid = |x: f64, z: f64| BodySpec::at_rest(shape, DENSITY, at(Vector3::new(x, 0.0, z)));
+    let deep = 0.05 * half_edge();
+    let two = 2.0 * half_edge() - deep;
+    world.add_body(rigid(0.0, half_edge() - deep)).unwrap();
+    world.add_body(rigid(0.0, half_edge() + two)).unwrap();
+    let check = |world: &mut World, from: f64| {
+        let time = world.time();
+        run_until(world, time + 0.02);
+        let ledger = world.ledger();
+        assert!(ledger.initial > from, "{ledger:?}");
+        assert!(ledger.error().abs() < 1e-3 * ledger.initial, "{ledger:?}");
+        ledger.initial
+    };
+    let first = check(&mut world, 0.0);
+    world.add_body(rigid(0.3, half_edge() - deep)).unwrap();
+    let corner = at(Vector3::new(
+        0.3 - 0.5 * D,
+        -0.5 * D,
+        2.0 * half_edge() - 2.0 * deep,
+    ));
+    add_soft_cube(&mut world, ContactStiffness::default(), |model| {
+        DeformableSpec::at_rest(model, corner)
+    });
+    let second = check(&mut world, first);
+    let front = world.position(0).unwrap().x - half_edge() + deep;
+    let wall = Wall::half_space("x-", Vector3::x(), front).unwrap();
+    world.add_wall(wall, Drive::Fixed).unwrap();
+    check(&mut world, second);
+}

@@ -31,6 +31,7 @@ impl World {
             steps: 0,
             step_control: super::time_step::StepControl::default(),
             loaded: false,
+            met: super::newcomers::Met::default(),
             behind: 0.0,
             initial_energy: 0.0,
             flows: Flows::default(),
@@ -52,9 +53,7 @@ impl World {
         parameters.validate()?;
         self.restored()?;
         self.wake_all();
-        if !self.loaded {
-            self.evaluate(0.0)?;
-        }
+        self.evaluate_if_due()?;
         let before = self.ledger();
         self.replace(parameters)?;
         self.evaluate(0.0)?;

@@ -5,6 +5,7 @@ mod build;
 mod deformables;
 mod hash;
 mod implicit;
+mod newcomers;
 mod query;
 mod relax;
 mod stability;
@@ -57,6 +58,8 @@ pub struct World {
     step_control: time_step::StepControl,
     /// Whether the loads belong to the present positions.
     loaded: bool,
+    /// What there was when the contacts were last evaluated.
+    met: newcomers::Met,
     /// Time by which the friction of the contacts is behind, s: implicit steps advance it in the next one.
     behind: f64,
     initial_energy: f64,

@@ -103,8 +103,7 @@ impl World {
 
     fn relax_in_turns(&mut self, options: &WorldRelaxation) -> Result<WorldRelaxed, SolveError> {
         let mut report = WorldRelaxed::default();
-        self.evaluate(0.0)?;
-        self.loaded = true;
+        self.evaluate_if_due()?;
         loop {
             self.relax_wholes(options, &mut report)?;
             self.relax_elements(options, &mut report)?;

@@ -27,10 +27,7 @@ impl World {
         if let Some(rule) = self.parameters.time_step.implicit {
             return self.step_implicit(&rule);
         }
-        if !self.loaded {
-            self.evaluate(0.0)?;
-            self.loaded = true;
-        }
+        self.evaluate_if_due()?;
         let mut dt = self.choose_step();
         if self.wake_for_drives(dt) {
             dt = self.choose_step();

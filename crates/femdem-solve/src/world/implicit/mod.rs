@@ -78,6 +78,7 @@ impl World {
         self.steps += 1;
         // The contacts on record are not those of the present positions.
         self.loaded = false;
+        self.meet_newcomers();
         self.behind = dt;
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
