@@ -157,3 +157,12 @@ pub(crate) fn check(
         })
     }
 }
+
+/// Stiffnesses whose products with lengths and volumes are numbers, in SI units.
+pub(crate) const STIFFNESSES: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+
+/// Returns an error unless `value` is a usable pressure, Pa.
+pub(crate) fn check_pressure(name: &'static str, value: f64) -> Result<(), ContactError> {
+    let allowed = "between 1e-100 and 1e100 Pa";
+    check(name, value, STIFFNESSES.contains(&value), allowed)
+}

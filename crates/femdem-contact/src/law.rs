@@ -1,6 +1,6 @@
 //! The parameters of a contact law, named and validated.
 
-use crate::error::{ContactError, check};
+use crate::error::{ContactError, check, check_pressure};
 use serde::{Deserialize, Serialize};
 
 /// How a wall, which has no field, meets a body that deforms.
@@ -27,7 +27,7 @@ pub enum WallResponse {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactParameters {
-    /// Penalty p, Pa: the scale of the contact energy U = p int (phi_A + phi_B) dV.
+    /// Penalty p, 1e-100 to 1e100 Pa: the scale of the contact energy U = p int (phi_A + phi_B) dV.
     pub penalty: f64,
     /// Coulomb friction coefficient mu between bodies, and between bodies and walls where
     /// `wall_friction` is `None`.
@@ -83,12 +83,7 @@ impl ContactLaw {
     /// [`ContactError::Parameter`] names the first parameter out of its range.
     pub fn new(parameters: ContactParameters) -> Result<Self, ContactError> {
         let p = &parameters;
-        check(
-            "penalty",
-            p.penalty,
-            p.penalty > 0.0,
-            "positive and finite, in Pa",
-        )?;
+        check_pressure("penalty", p.penalty)?;
         check(
             "friction",
             p.friction,

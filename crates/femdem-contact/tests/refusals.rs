@@ -123,7 +123,7 @@ fn walls_that_mean_nothing_are_refused_by_name() {
 
 #[test]
 fn a_penalty_that_is_no_stiffness_is_refused() {
-    for penalty in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+    for penalty in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e308, 1e-300] {
         let text = PairKernel::new(penalty).unwrap_err().to_string();
         assert!(text.contains(&format!("penalty = {penalty}")), "{text}");
     }

@@ -1,6 +1,6 @@
 //! Contact meshes of bodies that deform.
 
-use crate::error::{ContactError, check};
+use crate::error::{ContactError, STIFFNESSES, check, check_pressure};
 use crate::general::cells::NONE;
 use crate::general::{Field, gauge};
 use femdem_mesh::bvh::{Aabb, Bvh};
@@ -384,9 +384,9 @@ fn distance_squared(p: &Point3, [a, b, c]: &[Point3; 3]) -> f64 {
 /// How stiff the field of a deformable body is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Modulus {
-    /// Penalty p, Pa: U = p int phi dV.
+    /// Penalty p, 1e-100 to 1e100 Pa: U = p int phi dV.
     Penalty(f64),
-    /// Foundation modulus kappa = p/h0, Pa/m: pressure over depth.
+    /// Foundation modulus kappa = p/h0, 1e-100 to 1e100 Pa/m: pressure over depth.
     Foundation(f64),
 }
 
@@ -407,11 +407,15 @@ impl Modulus {
 
     /// Checks that it is usable.
     pub(crate) fn check(&self) -> Result<(), ContactError> {
-        let (name, value, allowed) = match *self {
-            Self::Penalty(p) => ("penalty", p, "positive and finite, in Pa"),
-            Self::Foundation(k) => ("foundation modulus", k, "positive and finite, in Pa/m"),
-        };
-        check(name, value, value > 0.0, allowed)
+        match *self {
+            Self::Penalty(p) => check_pressure("penalty", p),
+            Self::Foundation(k) => check(
+                "foundation modulus",
+                k,
+                STIFFNESSES.contains(&k),
+                "between 1e-100 and 1e100 Pa/m",
+            ),
+        }
     }
 
     /// Pressures at which the fields of A and B count, Pa: U = int (p_A phi_A + p_B phi_B) dV.

@@ -10,7 +10,7 @@ use super::pieces::{Law, Record, distance, integrate, intersect};
 use super::posed::{Posed, PosedList};
 use super::sums::Sums;
 use super::wall::SolidWall;
-use crate::error::{ContactError, check};
+use crate::error::{ContactError, check_pressure};
 use crate::shape::Frame;
 use serde::{Deserialize, Serialize};
 
@@ -55,14 +55,9 @@ impl GeneralKernel {
     /// A kernel with penalty `p` in Pa.
     ///
     /// # Errors
-    /// [`ContactError::Parameter`] unless the penalty is positive and finite.
+    /// [`ContactError::Parameter`] unless the penalty is between 1e-100 and 1e100 Pa.
     pub fn new(penalty: f64, form: Form) -> Result<Self, ContactError> {
-        check(
-            "penalty",
-            penalty,
-            penalty > 0.0,
-            "positive and finite, in Pa",
-        )?;
+        check_pressure("penalty", penalty)?;
         Ok(Self { penalty, form })
     }
 

@@ -9,7 +9,7 @@
 
 use super::cells::Cell;
 use super::mesh::FieldMesh;
-use crate::error::{ContactError, check};
+use crate::error::{ContactError, check_pressure};
 use crate::shape::Frame;
 use femdem_mesh::bvh::Aabb;
 use femdem_mesh::{Matrix3, Point3, Vector3};
@@ -52,10 +52,9 @@ impl SkinPath {
     /// The skin path with penalty `p` in Pa.
     ///
     /// # Errors
-    /// [`ContactError::Parameter`] unless the penalty is positive and finite.
+    /// [`ContactError::Parameter`] unless the penalty is between 1e-100 and 1e100 Pa.
     pub fn new(penalty: f64) -> Result<Self, ContactError> {
-        let allowed = "positive and finite, in Pa";
-        check("penalty", penalty, penalty > 0.0, allowed)?;
+        check_pressure("penalty", penalty)?;
         Ok(Self { penalty })
     }
 

@@ -13,7 +13,7 @@ use super::pair::Scratch;
 use super::plan::{MOST_PLANES, Margins, Place, PlanScratch, Reach};
 use super::polygon::TooMany;
 use super::side::{FieldPlane, SideScratch, SideSums, cut_by_field};
-use crate::error::{ContactError, check};
+use crate::error::{ContactError, check_pressure};
 use crate::shape::{ConvexShape, Frame, PlaneFrame};
 use crate::walls::Wall;
 use femdem_mesh::{Matrix3, Vector3};
@@ -123,14 +123,9 @@ impl CavityKernel {
     /// A kernel for bodies with penalty `p` in Pa among themselves.
     ///
     /// # Errors
-    /// [`ContactError::Parameter`] unless the penalty is positive and finite.
+    /// [`ContactError::Parameter`] unless the penalty is between 1e-100 and 1e100 Pa.
     pub fn new(penalty: f64) -> Result<Self, ContactError> {
-        check(
-            "penalty",
-            penalty,
-            penalty > 0.0,
-            "positive and finite, in Pa",
-        )?;
+        check_pressure("penalty", penalty)?;
         Ok(Self { penalty })
     }
 

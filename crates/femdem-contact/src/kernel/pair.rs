@@ -5,7 +5,7 @@ use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::plan::{Margins, PlanScratch, SidePlan};
 use super::separation::{gap_along, separate};
 use super::side::{FieldPlane, Region, SideScratch, SideSums, Skin, integrate_side, pose_planes};
-use crate::error::{ContactError, check};
+use crate::error::{ContactError, check_pressure};
 use crate::mark::Mark;
 use crate::shape::{ConvexShape, Frame};
 use femdem_mesh::{Matrix3, Vector3};
@@ -86,14 +86,9 @@ impl PairKernel {
     /// A kernel with penalty `p` in Pa.
     ///
     /// # Errors
-    /// [`ContactError::Parameter`] unless the penalty is positive and finite.
+    /// [`ContactError::Parameter`] unless the penalty is between 1e-100 and 1e100 Pa.
     pub fn new(penalty: f64) -> Result<Self, ContactError> {
-        check(
-            "penalty",
-            penalty,
-            penalty > 0.0,
-            "positive and finite, in Pa",
-        )?;
+        check_pressure("penalty", penalty)?;
         Ok(Self {
             penalty,
             lists: Lists::default(),

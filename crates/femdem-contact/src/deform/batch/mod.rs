@@ -117,7 +117,7 @@ impl DeformableBatch {
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if the shape was never added, [`ContactError::Parameter`] if the
-    /// modulus is not positive and finite.
+    /// modulus is out of its range.
     pub fn add_body(&mut self, shape: u32, modulus: Modulus) -> Result<u32, ContactError> {
         modulus.check()?;
         let Some(kind) = self.shapes.get(shape as usize) else {
@@ -132,7 +132,7 @@ impl DeformableBatch {
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] for an unknown body, [`ContactError::Parameter`] if the modulus is
-    /// not positive and finite.
+    /// out of its range.
     pub fn set_modulus(&mut self, body: u32, modulus: Modulus) -> Result<(), ContactError> {
         modulus.check()?;
         let count = self.bodies.len();
