@@ -203,6 +203,30 @@ impl FrictionState {
         self.anchor_b = b.frame.rotation.tr_mul(&(overlap.arm_b + half));
     }
 
+    /// A stretch (m) with the tangential stiffness `k` (N/m) that the patch has now, and whether that changes it: a stiffer
+    /// patch keeps its force, a softer one its stretch, so that neither makes energy. One without
+    /// stiffness holds nothing: it begins anew when it has some.
+    fn carried(&self, stretch: Vector3, k: f64) -> (Vector3, bool) {
+        if k == 0.0 {
+            (Vector3::zeros(), true)
+        } else if k > self.stiffness && self.stiffness > 0.0 {
+            (stretch * (self.stiffness / k), true)
+        } else {
+            (stretch, false)
+        }
+    }
+
+    /// As [`carried`](Self::carried), for the torsion (rad) and its stiffness (N m/rad).
+    fn carried_torsion(&self, torsion: f64, k: f64) -> f64 {
+        if k == 0.0 {
+            0.0
+        } else if k > self.torsion_stiffness && self.torsion_stiffness > 0.0 {
+            torsion * (self.torsion_stiffness / k)
+        } else {
+            torsion
+        }
+    }
+
     /// Advances the patch by one step and returns its friction.
     ///
     /// `normal_force` is the total normal force, N.
@@ -221,28 +245,11 @@ impl FrictionState {
             let v = b.velocity_at(&overlap.arm_b) - a.velocity_at(&overlap.arm_a);
             v - n * n.dot(&v)
         };
-        let mut stretch = self.stretch(overlap, a, b);
-        let mut torsion = self.torsion + spin * pace.dt;
         // A body deep inside another has no stiffness but for rounding, of either sign.
         let k = law.tangential_ratio * overlap.stiffness.max(0.0);
         let k_theta = law.tangential_ratio * overlap.stiffness_second;
-        let mut moved = false;
-        // A stiffer patch keeps its force, a softer one its stretch: neither makes energy.
-        if k > self.stiffness && self.stiffness > 0.0 {
-            stretch *= self.stiffness / k;
-            moved = true;
-        }
-        if k_theta > self.torsion_stiffness && self.torsion_stiffness > 0.0 {
-            torsion *= self.torsion_stiffness / k_theta;
-        }
-        // One without stiffness holds nothing: it begins anew when it has some.
-        if k == 0.0 {
-            stretch = Vector3::zeros();
-            moved = true;
-        }
-        if k_theta == 0.0 {
-            torsion = 0.0;
-        }
+        let (mut stretch, mut moved) = self.carried(self.stretch(overlap, a, b), k);
+        let mut torsion = self.carried_torsion(self.torsion + spin * pace.dt, k_theta);
         let inverse_mass = [
             a.inverse_mass_at(&overlap.arm_a),
             b.inverse_mass_at(&overlap.arm_b),
@@ -259,20 +266,8 @@ impl FrictionState {
         if slides {
             force /= load;
             moment /= load;
-            // The spring carries what the dashpot leaves of the bound; it never pushes
-            // along the slip.
-            let spring = force + slip * viscosity;
-            stretch = if spring.dot(&force) > 0.0 {
-                -spring / k
-            } else {
-                Vector3::zeros()
-            };
-            let spring = moment + torsion_viscosity * spin;
-            torsion = if k_theta > 0.0 && spring * moment > 0.0 {
-                -spring / k_theta
-            } else {
-                0.0
-            };
+            stretch = sliding_stretch(&force, &(slip * viscosity), k);
+            torsion = sliding_torsion(moment, torsion_viscosity * spin, k_theta);
             moved = true;
         }
         let drift = overlap.arm_b - b.frame.rotation * self.anchor_b;
@@ -301,6 +296,27 @@ impl FrictionState {
             inverse_mass,
             slides,
         }
+    }
+}
+
+/// Stretch (m) of a spring that slides under the bound `force` (N): it carries what the dashpot, which resists
+/// with `drag` (N), leaves of the bound, and never pushes along the slip.
+fn sliding_stretch(force: &Vector3, drag: &Vector3, k: f64) -> Vector3 {
+    let spring = force + drag;
+    if spring.dot(force) > 0.0 {
+        -spring / k
+    } else {
+        Vector3::zeros()
+    }
+}
+
+/// As [`sliding_stretch`], for the torsion (rad) under a moment (N m).
+fn sliding_torsion(moment: f64, drag: f64, k: f64) -> f64 {
+    let spring = moment + drag;
+    if k > 0.0 && spring * moment > 0.0 {
+        -spring / k
+    } else {
+        0.0
     }
 }
 
