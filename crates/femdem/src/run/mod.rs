@@ -48,6 +48,7 @@ mod motion;
 mod overlap;
 mod picture;
 mod relaxation;
+mod rows;
 mod select;
 mod settings;
 mod summary;

@@ -1,6 +1,5 @@
 //! `summary.json` of a run.
 
-use std::fmt;
 use std::io::{self, Write};
 
 use femdem_mesh::Vector3;
@@ -255,18 +254,6 @@ impl RunSummary {
     }
 }
 
-impl RunSummary {
-    /// Says by how much the last step went beyond the duration.
-    fn beyond(&self) -> String {
-        let beyond = self.simulated_time - self.duration;
-        if beyond > 0.0 && self.relaxed.is_none() {
-            format!(", {beyond:.1e} s beyond the duration")
-        } else {
-            String::new()
-        }
-    }
-}
-
 impl super::Simulation {
     /// What there is of each member, in the order of the scenario.
     #[must_use]
@@ -350,114 +337,4 @@ fn strain(run: &Run) -> Result<Option<StrainSummary>, Error> {
         min_volume_ratio: so_far.min_volume_ratio.min(s.volume_ratio),
         max_volume_ratio: so_far.max_volume_ratio.max(s.volume_ratio),
     })))
-}
-
-impl fmt::Display for RunSummary {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let deformable = self.bodies.iter().filter(|b| b.tetrahedra > 0).count();
-        let rigid = self.bodies.len() - deformable;
-        let row = |f: &mut fmt::Formatter<'_>, name: &str, text: String| {
-            writeln!(f, "  {name:<20} {text}")
-        };
-        let title = if self.title.is_empty() {
-            "run"
-        } else {
-            &self.title
-        };
-        let end = match self.ending {
-            Some(Ending::Time) => "to its end",
-            Some(Ending::Rest) => "to rest",
-            None => "not finished",
-        };
-        writeln!(f, "{title}: {end}")?;
-        let tets = self.tetrahedra;
-        row(
-            f,
-            "bodies",
-            format!("{deformable} deformable ({tets} tetrahedra), {rigid} rigid"),
-        )?;
-        row(
-            f,
-            "simulated",
-            format!(
-                "{:.6} s in {} steps, the last of {:.3e} s{}",
-                self.simulated_time,
-                self.steps,
-                self.time_step,
-                self.beyond()
-            ),
-        )?;
-        if let Some(relaxed) = &self.relaxed {
-            let RelaxSummary {
-                converged,
-                residual,
-                steps,
-            } = relaxed;
-            let missed = if *converged { "" } else { " NOT" };
-            let text = format!(
-                "{missed} in equilibrium after {steps} more steps: {residual:.1e} of the mean contact force is left"
-            );
-            row(f, "relaxed", text.trim_start().to_owned())?;
-        }
-        let added: f64 = self.bodies.iter().map(|body| body.added_mass).sum();
-        if added > 0.0 {
-            let mass: f64 = self.bodies.iter().map(|body| body.mass).sum();
-            let text = format!(
-                "{added:.4e} kg added by scaling, {:.2} % of all",
-                100.0 * added / mass
-            );
-            row(f, "mass", text)?;
-        }
-        let e = &self.energy;
-        row(
-            f,
-            "energy",
-            format!(
-                "{:.6e} J in motion, {:.6e} J of strain; the books miss {:.1e} of what was turned over",
-                e.kinetic, e.strain, e.ledger_error_relative
-            ),
-        )?;
-        if let Some(strain) = &self.strain {
-            row(
-                f,
-                "von Mises stress",
-                format!("at most {:.4e} Pa", strain.max_von_mises),
-            )?;
-        }
-        let strains = self.bodies.iter().filter_map(|b| b.max_plastic_strain);
-        if let Some(strain) = strains.reduce(f64::max) {
-            row(f, "plastic strain", format!("at most {strain:.4e}"))?;
-        }
-        if let Some(deep) = &self.penetration {
-            let [a, b] = &deep.peak_between;
-            let (peak, time) = (deep.peak, deep.peak_time);
-            let text = format!("at most {peak:.3e} m, of {a} and {b} at {time:.6} s");
-            row(f, "penetration", text)?;
-        }
-        for wall in self.walls.iter().filter(|wall| wall.peak_force > 0.0) {
-            row(
-                f,
-                &format!("peak on {}", wall.name),
-                format!("{:.5e} N at {:.6} s", wall.peak_force, wall.peak_time),
-            )?;
-        }
-        for support in &self.reactions {
-            row(
-                f,
-                &format!("peak of {} {}", support.body, support.boundary),
-                format!("{:.5e} N at {:.6} s", support.peak_force, support.peak_time),
-            )?;
-        }
-        let each = self.nanoseconds_per_tet_step.map_or(String::new(), |each| {
-            format!(", {each:.1} ns per tetrahedron and step")
-        });
-        row(
-            f,
-            "cost",
-            format!(
-                "{:.1} s on {} threads{each}",
-                self.wall_seconds, self.threads
-            ),
-        )
-    }
 }

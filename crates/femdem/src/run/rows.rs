@@ -1,0 +1,129 @@
+//! The summary of a run as rows of text.
+
+use std::fmt;
+
+use super::{Ending, RelaxSummary, RunSummary};
+
+/// A name, and what is said of it.
+type Row = (String, String);
+
+impl fmt::Display for RunSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let title = if self.title.is_empty() {
+            "run"
+        } else {
+            &self.title
+        };
+        let end = match self.ending {
+            Some(Ending::Time) => "to its end",
+            Some(Ending::Rest) => "to rest",
+            None => "not finished",
+        };
+        writeln!(f, "{title}: {end}")?;
+        let rows = self.rows_of_the_course().into_iter();
+        for (name, text) in rows.chain(self.rows_of_loads()).chain([self.row_of_cost()]) {
+            writeln!(f, "  {name:<20} {text}")?;
+        }
+        Ok(())
+    }
+}
+
+impl RunSummary {
+    /// What took part, how long, and the energy.
+    fn rows_of_the_course(&self) -> Vec<Row> {
+        let deformable = self.bodies.iter().filter(|b| b.tetrahedra > 0).count();
+        let rigid = self.bodies.len() - deformable;
+        let tets = self.tetrahedra;
+        let bodies = format!("{deformable} deformable ({tets} tetrahedra), {rigid} rigid");
+        let simulated = format!(
+            "{:.6} s in {} steps, the last of {:.3e} s{}",
+            self.simulated_time,
+            self.steps,
+            self.time_step,
+            self.beyond()
+        );
+        let e = &self.energy;
+        let energy = format!(
+            "{:.6e} J in motion, {:.6e} J of strain; the books miss {:.1e} of what was turned over",
+            e.kinetic, e.strain, e.ledger_error_relative
+        );
+        let mut rows = vec![row("bodies", bodies), row("simulated", simulated)];
+        rows.extend(self.relaxed.as_ref().map(|r| row("relaxed", relaxed(r))));
+        rows.extend(self.added_mass().map(|text| row("mass", text)));
+        rows.push(row("energy", energy));
+        rows
+    }
+
+    /// Stresses, strains, depths and forces.
+    fn rows_of_loads(&self) -> Vec<Row> {
+        let stress = self.strain.as_ref().map(|strain| {
+            let text = format!("at most {:.4e} Pa", strain.max_von_mises);
+            row("von Mises stress", text)
+        });
+        let strains = self.bodies.iter().filter_map(|b| b.max_plastic_strain);
+        let plastic = strains
+            .reduce(f64::max)
+            .map(|strain| row("plastic strain", format!("at most {strain:.4e}")));
+        let depth = self.penetration.as_ref().map(|deep| {
+            let [a, b] = &deep.peak_between;
+            let (peak, time) = (deep.peak, deep.peak_time);
+            let text = format!("at most {peak:.3e} m, of {a} and {b} at {time:.6} s");
+            row("penetration", text)
+        });
+        let peak = |force: f64, time: f64| format!("{force:.5e} N at {time:.6} s");
+        let walls = self.walls.iter().filter(|wall| wall.peak_force > 0.0);
+        let walls = walls.map(|wall| {
+            let text = peak(wall.peak_force, wall.peak_time);
+            (format!("peak on {}", wall.name), text)
+        });
+        let supports = self.reactions.iter().map(|support| {
+            let name = format!("peak of {} {}", support.body, support.boundary);
+            (name, peak(support.peak_force, support.peak_time))
+        });
+        let body = [stress, plastic, depth].into_iter().flatten();
+        body.chain(walls).chain(supports).collect()
+    }
+
+    fn row_of_cost(&self) -> Row {
+        let each = self.nanoseconds_per_tet_step.map_or(String::new(), |each| {
+            format!(", {each:.1} ns per tetrahedron and step")
+        });
+        let (wall, threads) = (self.wall_seconds, self.threads);
+        row("cost", format!("{wall:.1} s on {threads} threads{each}"))
+    }
+
+    /// By how much the last step went beyond the duration.
+    fn beyond(&self) -> String {
+        let beyond = self.simulated_time - self.duration;
+        if beyond > 0.0 && self.relaxed.is_none() {
+            format!(", {beyond:.1e} s beyond the duration")
+        } else {
+            String::new()
+        }
+    }
+
+    /// What mass scaling has added, if anything.
+    fn added_mass(&self) -> Option<String> {
+        let added: f64 = self.bodies.iter().map(|body| body.added_mass).sum();
+        let mass: f64 = self.bodies.iter().map(|body| body.mass).sum();
+        let share = 100.0 * added / mass;
+        let text = format!("{added:.4e} kg added by scaling, {share:.2} % of all");
+        (added > 0.0).then_some(text)
+    }
+}
+
+fn row(name: &str, text: String) -> Row {
+    (name.to_owned(), text)
+}
+
+fn relaxed(found: &RelaxSummary) -> String {
+    let RelaxSummary {
+        converged,
+        residual,
+        steps,
+    } = found;
+    let missed = if *converged { "" } else { "NOT " };
+    format!(
+        "{missed}in equilibrium after {steps} more steps: {residual:.1e} of the mean contact force is left"
+    )
+}
