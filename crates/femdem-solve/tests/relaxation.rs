@@ -5,7 +5,7 @@
 use femdem_contact::Wall;
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::{Pose, TetMesh, Vector3};
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
+use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_solve::element::Element;
 use femdem_solve::material::NeoHookean;
 use femdem_solve::{
@@ -141,4 +141,50 @@ fn the_books_of_a_relaxation_close() {
     world.relax(&WorldRelaxation::default()).unwrap();
     let error = world.ledger().error_relative();
     assert!(error.abs() < 0.02, "{error}");
+}
+
+/// A cube that is held at one side and pulled at the other, nothing else acting on it: of whatever size and under
+/// whatever load, it comes to its equilibrium to the tolerance, not to a number of newtons.
+#[test]
+fn what_is_left_is_compared_with_the_loads() {
+    for (side, stress) in [(1e-4, 1e2), (0.1, 1e4), (100.0, 1e5)] {
+        let mesh = TetMesh::block([2, 2, 2], &Vector3::repeat(side)).unwrap();
+        let young = 1e7;
+        let region = MaterialRegion {
+            material: NeoHookean::new(young, 0.0).unwrap().into(),
+            density: DENSITY,
+        };
+        let model = DeformableModel::new(&mesh, Element::T4, vec![region], None).unwrap();
+        let end = |offset: f64| Selection::Plane {
+            normal: Vector3::x(),
+            offset,
+            tolerance: 1e-6 * side,
+        };
+        let mut boundary = Boundary::new(Vector3::zeros()).unwrap();
+        boundary.fix(&model, &end(0.0), [true; 3]).unwrap();
+        let pull = Vector3::x() * stress;
+        boundary.pull(&model, &end(side), pull, 1.0).unwrap();
+        let gravity = Vector3::zeros();
+        let parameters = WorldParameters {
+            gravity,
+            ..WorldParameters::default()
+        };
+        let mut world = World::new(parameters).unwrap();
+        let model = world
+            .add_model("cube", model, ContactStiffness::default())
+            .unwrap();
+        let spec = DeformableSpec {
+            boundary,
+            ..DeformableSpec::at_rest(model, Pose::identity())
+        };
+        world.add_deformable(spec).unwrap();
+        let found = world.relax(&WorldRelaxation::default()).unwrap();
+        assert!(found.residual <= 1e-4, "{found:?}");
+        let compared = found.mean_contact_force / (stress * side * side);
+        assert!((compared - 1.0).abs() < 0.01, "{found:?}");
+        let body = world.deformable(0).unwrap();
+        let longest = body.positions().iter().map(|x| x.x).fold(0.0, f64::max);
+        let strain = longest / side - 1.0;
+        assert!((strain * young / stress - 1.0).abs() < 0.02, "{strain}");
+    }
 }

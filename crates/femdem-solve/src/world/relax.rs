@@ -6,8 +6,10 @@
 //! a whole, with a step that the contacts allow, and then with all their nodes, which by then hardly
 //! changes the contacts.
 
+mod residual;
+
+use super::World;
 use super::deformables::{Deformables, State, centroid};
-use super::{Deformable, World};
 use crate::error::{SolveError, check};
 use femdem_contact::stable_step;
 use femdem_mesh::{Matrix3, Rotation, Vector3};
@@ -30,7 +32,9 @@ const ROUNDS: u64 = 10;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldRelaxation {
-    /// Largest force left on a node or on a body as a whole, over the mean contact force.
+    /// Largest force left on a node or on a body as a whole, over the mean contact force. Where nothing touches, over
+    /// what gravity, loads and supports do to the body that they do least to: the larger of the sum of the norms of
+    /// gravity and loads and that of the reactions, 1 N if there are none.
     pub tolerance: f64,
     /// Most steps, those of bodies as a whole and those of elements counted alike.
     pub steps: u64,
@@ -48,11 +52,11 @@ impl Default for WorldRelaxation {
 /// How a world came to rest.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct WorldRelaxed {
-    /// Largest force left on a node or a body over the mean contact force.
+    /// Largest force left on a node or a body, over what [`WorldRelaxation::tolerance`] is.
     pub residual: f64,
     /// The part of bodies as a whole.
     pub body_residual: f64,
-    /// Mean normal force of the contacts, N.
+    /// Mean normal force of the contacts, or what stands for it, N.
     pub mean_contact_force: f64,
     /// Steps of bodies as a whole, and of elements.
     pub steps: [u64; 2],
@@ -121,33 +125,6 @@ impl World {
                 });
             }
         }
-    }
-
-    /// Residuals now; returns that of the deformable bodies as wholes.
-    fn measure(&self, report: &mut WorldRelaxed) -> f64 {
-        let rigid = self.batch.contacts().into_iter().map(|c| c.normal_force);
-        let forces: Vec<f64> = rigid
-            .chain(self.deformable_contacts().map(|c| c.normal_force))
-            .collect();
-        let weight = self.lightest_weight();
-        report.mean_contact_force = if forces.is_empty() {
-            weight
-        } else {
-            forces.iter().sum::<f64>() / forces.len() as f64
-        };
-        let (mut rigid, mut whole, mut node) = (0.0_f64, 0.0_f64, 0.0_f64);
-        for (i, _) in self.free_bodies() {
-            rigid = rigid.max(self.net_force(i, &self.load_of(i as u32)).norm());
-        }
-        for (i, net) in self.nodal_net_forces().iter().enumerate() {
-            node = net.iter().map(Vector3::norm).fold(node, f64::max);
-            if !self.is_held(i) {
-                whole = whole.max(net.iter().sum::<Vector3>().norm());
-            }
-        }
-        report.body_residual = rigid.max(whole) / report.mean_contact_force;
-        report.residual = report.body_residual.max(node / report.mean_contact_force);
-        whole / report.mean_contact_force
     }
 }
 
@@ -335,41 +312,6 @@ impl World {
     fn is_held(&self, i: usize) -> bool {
         let body = self.deformables.as_deref().and_then(|d| d.bodies.get(i));
         body.is_some_and(|b| b.boundary.held().next().is_some())
-    }
-
-    /// Net forces on the nodes of each deformable body, N; zero where they are prescribed.
-    fn nodal_net_forces(&self) -> Vec<Vec<Vector3>> {
-        let gravity = self.parameters.gravity;
-        let net = |d: Deformable| {
-            let masses = d.model().masses();
-            let mut net: Vec<Vector3> = (0..masses.len())
-                .map(|a| {
-                    d.internal_forces()[a]
-                        + d.loads()[a]
-                        + d.contact_forces()[a]
-                        + gravity * masses[a]
-                })
-                .collect();
-            for (node, i) in d.boundary().held() {
-                net[node as usize][i] = 0.0;
-            }
-            net
-        };
-        self.deformables().map(net).collect()
-    }
-
-    /// Weight of the lightest body, N, or 1 N: what forces are compared with where nothing touches.
-    fn lightest_weight(&self) -> f64 {
-        let g = self.parameters.gravity.norm();
-        let deformable = self.deformables().map(|d| d.model().masses().iter().sum());
-        let rigid = self.bodies.iter().map(|b| b.mass);
-        let mass: f64 = deformable.chain(rigid).fold(f64::INFINITY, f64::min);
-        let weight = mass * g;
-        if weight > 0.0 && weight.is_finite() {
-            weight
-        } else {
-            1.0
-        }
     }
 }
 

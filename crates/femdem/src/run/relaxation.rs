@@ -33,8 +33,8 @@ impl Default for RelaxEntry {
 pub struct RelaxSummary {
     /// Whether the tolerance was reached.
     pub converged: bool,
-    /// Largest force left on a node or a body, over the mean contact force (over the weight of the lightest body
-    /// where nothing touches).
+    /// Largest force left on a node or a body, over the mean contact force or, where nothing touches, over the
+    /// loads (see [`WorldRelaxation::tolerance`]).
     pub residual: f64,
     /// Steps that were taken.
     pub steps: u64,

@@ -48,7 +48,15 @@ impl RunSummary {
             e.kinetic, e.strain, e.ledger_error_relative
         );
         let mut rows = vec![row("bodies", bodies), row("simulated", simulated)];
-        rows.extend(self.relaxed.as_ref().map(|r| row("relaxed", relaxed(r))));
+        let of = match self.contacts {
+            0 => "loads",
+            _ => "mean contact force",
+        };
+        rows.extend(
+            self.relaxed
+                .as_ref()
+                .map(|r| row("relaxed", relaxed(r, of))),
+        );
         rows.extend(self.added_mass().map(|text| row("mass", text)));
         rows.push(row("energy", energy));
         rows
@@ -116,14 +124,13 @@ fn row(name: &str, text: String) -> Row {
     (name.to_owned(), text)
 }
 
-fn relaxed(found: &RelaxSummary) -> String {
+/// `of` is what the residual is compared with.
+fn relaxed(found: &RelaxSummary, of: &str) -> String {
     let RelaxSummary {
         converged,
         residual,
         steps,
     } = found;
     let missed = if *converged { "" } else { "NOT " };
-    format!(
-        "{missed}in equilibrium after {steps} more steps: {residual:.1e} of the mean contact force is left"
-    )
+    format!("{missed}in equilibrium after {steps} more steps: {residual:.1e} of the {of} is left")
 }

@@ -1,0 +1,74 @@
+//! What is left of the forces, and what it is compared with.
+
+use super::WorldRelaxed;
+use crate::world::{Deformable, World};
+use femdem_mesh::Vector3;
+
+/// Forces on the nodes of a deformable body.
+struct Nodal {
+    /// Net forces, N; zero where nodes are prescribed.
+    net: Vec<Vector3>,
+    /// Sum of the norms of gravity and loads, or of the reactions if that is larger, N.
+    given: f64,
+}
+
+impl World {
+    /// Residuals now; returns that of the deformable bodies as wholes.
+    pub(super) fn measure(&self, report: &mut WorldRelaxed) -> f64 {
+        let nodal: Vec<Nodal> = self.deformables().map(|d| self.nodal_forces(d)).collect();
+        report.mean_contact_force = self
+            .mean_contact_force()
+            .or_else(|| self.least_given(&nodal))
+            .unwrap_or(1.0);
+        let (mut rigid, mut whole, mut node) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for (i, _) in self.free_bodies() {
+            rigid = rigid.max(self.net_force(i, &self.load_of(i as u32)).norm());
+        }
+        for (i, Nodal { net, .. }) in nodal.iter().enumerate() {
+            node = net.iter().map(Vector3::norm).fold(node, f64::max);
+            if !self.is_held(i) {
+                whole = whole.max(net.iter().sum::<Vector3>().norm());
+            }
+        }
+        report.body_residual = rigid.max(whole) / report.mean_contact_force;
+        report.residual = report.body_residual.max(node / report.mean_contact_force);
+        whole / report.mean_contact_force
+    }
+
+    /// Mean normal force of the contacts, N, if anything is pressed.
+    fn mean_contact_force(&self) -> Option<f64> {
+        let rigid = self.batch.contacts().into_iter().map(|c| c.normal_force);
+        let soft = self.deformable_contacts().map(|c| c.normal_force);
+        let each = rigid.chain(soft);
+        let (sum, count) = each.fold((0.0, 0.0), |(sum, count), force| (sum + force, count + 1.0));
+        (sum > 0.0).then_some(sum / count)
+    }
+
+    /// What gravity, loads and supports do to the body that they do least to, N, if they do anything.
+    fn least_given(&self, nodal: &[Nodal]) -> Option<f64> {
+        let g = self.parameters.gravity.norm();
+        let rigid = self.free_bodies().map(|(_, body)| body.mass * g);
+        let all = rigid.chain(nodal.iter().map(|forces| forces.given));
+        all.filter(|force| *force > 0.0).reduce(f64::min)
+    }
+
+    fn nodal_forces(&self, d: Deformable) -> Nodal {
+        let gravity = self.parameters.gravity;
+        let (mut net, mut given) = (Vec::new(), 0.0);
+        for (a, mass) in d.model().masses().iter().enumerate() {
+            let load = d.loads()[a] + gravity * *mass;
+            given += load.norm();
+            net.push(d.internal_forces()[a] + d.contact_forces()[a] + load);
+        }
+        let mut reactions = vec![Vector3::zeros(); net.len()];
+        for (node, i) in d.boundary().held() {
+            let node = node as usize;
+            reactions[node][i] = std::mem::take(&mut net[node][i]);
+        }
+        let supported = reactions.iter().map(Vector3::norm).sum();
+        Nodal {
+            net,
+            given: f64::max(given, supported),
+        }
+    }
+}
