@@ -21,11 +21,22 @@ pub enum Operand<'a> {
 /// A tetrahedron posed about the origin of a pair.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Current {
-    /// Its field is in Pa: the pressure at which it counts is in it.
-    pub posed: Posed,
-    /// Shape functions of the corners, `levels[k]` + `slopes[k]`.x; 0 for rigid tetrahedra.
+    pub corners: [Vector3; 4],
+    /// The field at the corners, Pa: the pressure at which it counts is in it.
+    pub values: [f64; 4],
+    /// Its gradient, Pa/m.
+    pub gradient: Vector3,
+    /// Shape functions of the corners, `levels[k]` + `slopes[k]`.x.
     pub levels: [f64; 4],
     pub slopes: [Vector3; 4],
+    /// m^3.
+    pub six_volumes: f64,
+    pub low: Vector3,
+    pub high: Vector3,
+    /// Largest extent of the box, m.
+    pub size: f64,
+    /// Bit k: the face opposite corner k lies on the skin.
+    pub skin: u8,
 }
 
 /// What can be wrong with a tetrahedron.
@@ -34,9 +45,13 @@ pub(crate) struct Inverted {
     pub tet: u32,
 }
 
+/// Values of a rigid body's field at corners, over its change across the tetrahedron, that are zero.
+const NO_FIELD: f64 = 1e-12;
+
 impl Current {
     /// Makes this a tetrahedron of `corners` with the given field; `false` if its volume is not positive.
     #[must_use]
+    #[inline(always)]
     fn deform(
         &mut self,
         corners: [Vector3; 4],
@@ -54,46 +69,83 @@ impl Current {
             return false;
         }
         let scale = -1.0 / six_volumes;
-        let slopes = [of_a * scale, of_b * scale, of_c * scale, of_d * scale];
-        let unit = |s: &Vector3| s * (1.0 / s.norm());
-        let normals = [unit(&of_a), unit(&of_b), unit(&of_c), unit(&of_d)];
-        // The slopes add up to zero, so that only differences of values count.
-        let gradient = (slopes[1] * (values[1] - values[0])
-            + slopes[2] * (values[2] - values[0])
-            + slopes[3] * (values[3] - values[0]))
-            * pressure;
-        let posed = &mut self.posed;
-        posed.offsets = [
-            normals[0].dot(b),
-            normals[1].dot(c),
-            normals[2].dot(d),
-            normals[3].dot(a),
-        ];
-        posed.level = values[0] * pressure - gradient.dot(a);
-        [posed.low, posed.high] = bounds(&corners);
-        posed.size = extent(&posed.low, &posed.high);
-        posed.gradient = gradient;
-        posed.normals = normals;
-        posed.skin = skin;
+        self.slopes = [of_a * scale, of_b * scale, of_c * scale, of_d * scale];
         self.levels = [
-            -slopes[0].dot(b),
-            -slopes[1].dot(c),
-            -slopes[2].dot(d),
-            -slopes[3].dot(a),
+            -self.slopes[0].dot(b),
+            -self.slopes[1].dot(c),
+            -self.slopes[2].dot(d),
+            -self.slopes[3].dot(a),
         ];
-        self.slopes = slopes;
-        posed.corners = corners;
+        // The slopes add up to zero, so that only differences of values count.
+        self.gradient = (self.slopes[1] * (values[1] - values[0])
+            + self.slopes[2] * (values[2] - values[0])
+            + self.slopes[3] * (values[3] - values[0]))
+            * pressure;
+        self.values = values.map(|v| v * pressure);
+        self.six_volumes = six_volumes;
+        [self.low, self.high] = bounds(&corners);
+        self.size = extent(&self.low, &self.high);
+        self.skin = skin;
+        self.corners = corners;
         true
     }
 
-    fn rigid(mut posed: Posed, pressure: f64) -> Self {
-        posed.gradient *= pressure;
-        posed.level *= pressure;
-        Self {
-            posed,
-            levels: [0.0; 4],
-            slopes: [Vector3::zeros(); 4],
+    fn rigid(posed: &Posed, pressure: f64) -> Self {
+        let [a, b, c, d] = &posed.corners;
+        let mut current = Self {
+            corners: posed.corners,
+            gradient: posed.gradient * pressure,
+            six_volumes: (b - a).cross(&(c - a)).dot(&(d - a)),
+            low: posed.low,
+            high: posed.high,
+            size: posed.size,
+            skin: posed.skin,
+            ..Self::default()
+        };
+        let least = NO_FIELD * posed.gradient.norm() * posed.size;
+        for (k, corner) in posed.corners.iter().enumerate() {
+            // What is left of zero is round-off.
+            let value = posed.level + posed.gradient.dot(corner);
+            current.values[k] = if value > least { value * pressure } else { 0.0 };
+            let inverse_height = 1.0 / posed.depth(k, corner);
+            current.levels[k] = posed.offsets[k] * inverse_height;
+            current.slopes[k] = posed.normals[k] * -inverse_height;
         }
+        current
+    }
+
+    /// The same with the planes of its faces.
+    pub fn planes(&self) -> Posed {
+        let normals = [0, 1, 2, 3].map(|k| self.normal(k));
+        let [a, b, c, d] = &self.corners;
+        Posed {
+            corners: self.corners,
+            offsets: [
+                normals[0].dot(b),
+                normals[1].dot(c),
+                normals[2].dot(d),
+                normals[3].dot(a),
+            ],
+            normals,
+            gradient: self.gradient,
+            level: self.values[0] - self.gradient.dot(a),
+            low: self.low,
+            high: self.high,
+            size: self.size,
+            skin: self.skin,
+        }
+    }
+
+    /// The outward normal of a face.
+    #[inline(always)]
+    pub fn normal(&self, face: usize) -> Vector3 {
+        self.slopes[face] * (-1.0 / self.slopes[face].norm())
+    }
+
+    /// Whether the boxes overlap.
+    #[inline(always)]
+    pub fn is_near(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 
     /// The shape functions at a point.
@@ -113,7 +165,7 @@ impl Current {
 impl Operand<'_> {
     /// Puts tetrahedron `i` about `origin`, its field in units of `pressure`, into `room`; `None` if there is
     /// none, an error if it is turned inside out.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn pose(
         &self,
         i: u32,
@@ -142,7 +194,7 @@ impl Operand<'_> {
                     return Ok(None);
                 };
                 let offset = frame.position - origin;
-                *room = Current::rigid(Posed::new(cell, &frame.rotation, &offset), pressure);
+                *room = Current::rigid(&Posed::new(cell, &frame.rotation, &offset), pressure);
                 Ok(Some(()))
             }
         }

@@ -1,15 +1,16 @@
 //! The pair kernel of bodies that deform.
 
+use super::add_up::run;
 use super::current::{Current, Inverted, Operand};
 use super::near::{Candidates, Failure, Near, Sides, Tree};
 use super::shape::Modulus;
-use super::sums::{Gradient, PairLaw, PairSums, Place, Triangles};
+use super::skins::SkinScratch;
+use super::sums::{Gradient, PairLaw, PairSums};
 use crate::contact::Wrench;
 use crate::error::ContactError;
 use crate::general::Form;
 use crate::general::piece::Piece;
-use crate::general::pieces::{distance, intersect};
-use crate::general::posed::PosedList;
+use crate::general::posed::{Posed, PosedList};
 use crate::law::WallResponse;
 use femdem_mesh::Vector3;
 use femdem_mesh::bvh::{Aabb, Bvh};
@@ -19,13 +20,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Default)]
 pub struct DeformableScratch {
     pub(crate) tets: [PosedList<Current>; 2],
-    piece: Piece,
+    /// The same with planes, for pieces.
+    pub(crate) planes: [PosedList<Posed>; 2],
+    pub(crate) piece: Piece,
     pub(crate) sums: PairSums,
-    candidates: usize,
+    pub(crate) skins: SkinScratch,
+    pub(crate) candidates: usize,
 }
 
 impl DeformableScratch {
-    /// Pairs of tetrahedra that the last evaluation looked at, and how many of them overlap.
+    /// Pairs of tetrahedra that the last evaluation looked at, and of how many one has a skin in the other (form Min:
+    /// how many overlap).
     pub fn counts(&self) -> [usize; 2] {
         [self.candidates, self.sums.pieces]
     }
@@ -206,100 +211,6 @@ impl crate::general::cells::Cells {
         Tree {
             tree: &self.tree,
             boxes: &self.boxes,
-        }
-    }
-}
-
-/// Sums up the pair in the scratch; whether there is an overlap. `motion` is the running bound of
-/// the distance that any point of A or B has travelled (the sum of both), m.
-pub(crate) fn run(
-    sides: &Sides,
-    law: &PairLaw,
-    candidates: &mut Candidates,
-    motion: f64,
-    scratch: &mut DeformableScratch,
-) -> Result<bool, Failure> {
-    scratch.candidates = 0;
-    scratch.sums.reset([0, 0]);
-    if candidates.is_clear(motion) {
-        return Ok(false);
-    }
-    let Some(near) = candidates.renewed(sides, motion)? else {
-        return Ok(false);
-    };
-    let Near {
-        origin,
-        sides: members,
-        pairs,
-    } = near;
-    scratch
-        .sums
-        .reset([members[0].nodes.len(), members[1].nodes.len()]);
-    scratch.tets[0].reset(members[0].tets.len());
-    scratch.tets[1].reset(members[1].tets.len());
-    let [list_a, list_b] = &mut scratch.tets;
-    let mut clear = f64::INFINITY;
-    let mut failure = None;
-    for candidate in pairs {
-        if motion >= candidate.clear {
-            let [i, j] = candidate.places;
-            let mut pose = |side: usize, at: u32, room: &mut Current| {
-                let tet = *members[side].tets.get(at as usize)?;
-                let posed = sides.operands[side].pose(tet, law.pressures[side], origin, room);
-                posed.unwrap_or_else(|inverted| {
-                    failure.get_or_insert((side, inverted));
-                    None
-                })
-            };
-            let (Some(a), Some(b)) = (
-                list_a.get(i, |room| pose(0, i, room)),
-                list_b.get(j, |room| pose(1, j, room)),
-            ) else {
-                continue;
-            };
-            scratch.candidates += 1;
-            match intersect(&a.posed, &b.posed, &mut scratch.piece) {
-                None => candidate.clear = motion + distance(&a.posed, &b.posed),
-                Some(flush) => {
-                    let places = [(a, i, 0), (b, j, 1)].map(|(tet, place, side)| Place {
-                        tet,
-                        place,
-                        nodes: members[side].corners.get(place as usize),
-                    });
-                    let triangles = sides.operands[1].triangles(members[1].tets[j as usize]);
-                    scratch
-                        .sums
-                        .add(law, places, &triangles, flush, &mut scratch.piece);
-                }
-            }
-        }
-        clear = clear.min(candidate.clear);
-    }
-    if let Some(failure) = failure {
-        return Err(failure);
-    }
-    for (side, members) in members.iter().enumerate() {
-        scratch.sums.fold(side, &members.slaves);
-    }
-    candidates.set_clear(clear);
-    Ok(scratch.sums.volume > 0.0)
-}
-
-impl Operand<'_> {
-    /// Triangles of the skin at a tetrahedron of a body that deforms.
-    fn triangles(&self, tet: u32) -> Triangles {
-        let none = Triangles {
-            faces: [0; 4],
-            nearest: 0,
-        };
-        match self {
-            Self::Deformable(shape, _) => {
-                shape.tets().get(tet as usize).map_or(none, |t| Triangles {
-                    faces: t.triangles,
-                    nearest: t.nearest,
-                })
-            }
-            _ => none,
         }
     }
 }

@@ -4,6 +4,7 @@ use super::current::{Current, Inverted, Operand};
 use crate::general::cache::{BoxTest, gap_along_axes};
 use crate::general::cells::NONE;
 use crate::general::near_list::{Candidate, NearList, Search, Within, members, place};
+use crate::general::posed::Posed;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -121,18 +122,18 @@ impl Search for Sides<'_> {
             return Ok(None);
         };
         let tets = [0, 1].map(|side| members(&pairs, side));
-        let mut posed: [Vec<Current>; 2] = Default::default();
+        let mut posed: [Vec<Posed>; 2] = Default::default();
         for side in 0..2 {
             for &i in &tets[side] {
                 let mut tet = Current::default();
                 let found = self.operands[side].pose(i, 1.0, &origin, &mut tet);
                 let found = found.map_err(|inverted| (side, inverted))?;
-                posed[side].extend(found.map(|()| tet));
+                posed[side].extend(found.map(|()| tet.planes()));
             }
         }
         let posed = |[i, j]: [u32; 2]| {
-            let a = &posed[0].get(place(&tets[0], i))?.posed;
-            Some([a, &posed[1].get(place(&tets[1], j))?.posed])
+            let a = posed[0].get(place(&tets[0], i))?;
+            Some([a, posed[1].get(place(&tets[1], j))?])
         };
         let Some(within) = Within::new(&pairs, margin, posed) else {
             return Ok(None);

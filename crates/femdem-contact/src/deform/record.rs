@@ -81,7 +81,7 @@ pub struct DeformableTotals {
     pub touching: usize,
     /// Pairs of tetrahedra looked at.
     pub candidates: usize,
-    /// Overlapping ones among them.
+    /// Those among them of which one has a skin in the other (form Min: that overlap).
     pub pieces: usize,
 }
 

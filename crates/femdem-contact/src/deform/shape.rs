@@ -203,7 +203,7 @@ impl DeformableShape {
     }
 
     /// The corners of tetrahedron `i`, m.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn corners(&self, i: u32, x: &[Vector3]) -> Option<[Vector3; 4]> {
         let [a, b, c, d] = self.tets.get(i as usize)?.nodes;
         if self.slaves.is_empty() {

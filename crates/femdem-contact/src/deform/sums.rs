@@ -1,4 +1,4 @@
-//! What the pieces of a pair add up to: nodal forces, wrenches, and loads by triangle.
+//! What a pair adds up to, and how the common parts of tetrahedra do: nodal forces, wrenches, and loads by triangle.
 
 use super::current::Current;
 use crate::general::piece::{Moments, Piece, SURFACE};
@@ -120,12 +120,13 @@ pub(crate) struct Triangles {
 }
 
 /// Integrals over a plane polygon.
-struct PolygonSums {
-    area: f64,
-    first: Vector3,
-    second: f64,
-    pressure: f64,
-    moment: Vector3,
+#[derive(Debug, Default)]
+pub(crate) struct PolygonSums {
+    pub area: f64,
+    pub first: Vector3,
+    pub second: f64,
+    pub pressure: f64,
+    pub moment: Vector3,
 }
 
 impl PairSums {
@@ -153,11 +154,11 @@ impl PairSums {
         &mut self,
         law: &PairLaw,
         sides: [Place; 2],
+        [a, b]: [&Posed; 2],
         triangles: &Triangles,
         flush: bool,
         piece: &mut Piece,
     ) {
-        let [a, b] = sides.map(|s| &s.tet.posed);
         let presses = law.form != Form::Min;
         let (_, whole) = for_skins([a, b], flush, piece, |label, polygon, counts| {
             let (k, own) = (usize::from(label % 4), label < 4);
@@ -203,7 +204,7 @@ impl PairSums {
             self.add_side(0, &sides[0], &whole, &gradient, integral(b, &whole), law);
             self.add_side(1, &sides[1], &whole, &-gradient, integral(a, &whole), law);
         } else {
-            self.add_series(sides, triangles.nearest, &whole, piece);
+            self.add_series(sides, [a, b], triangles.nearest, &whole, piece);
         }
     }
 
@@ -238,8 +239,14 @@ impl PairSums {
     }
 
     /// U = int min(phi_A, phi_B): the part where A's field is the smaller one, and the rest.
-    fn add_series(&mut self, sides: [Place; 2], nearest: u32, whole: &Moments, piece: &mut Piece) {
-        let [a, b] = sides.map(|s| &s.tet.posed);
+    fn add_series(
+        &mut self,
+        sides: [Place; 2],
+        [a, b]: [&Posed; 2],
+        nearest: u32,
+        whole: &Moments,
+        piece: &mut Piece,
+    ) {
         let scale = a.gradient.norm().max(b.gradient.norm());
         let least = SAME_VALUE * scale * a.size.max(b.size);
         let split = Split::new(a, b, least, whole, piece);
@@ -265,7 +272,7 @@ impl PairSums {
 
     /// Adds a polygon that carries pressure along `normal` (on B) to a triangle; returns its
     /// centroid, if it carries any.
-    fn add_polygon(
+    pub fn add_polygon(
         &mut self,
         sides: &[Place; 2],
         triangle: u32,
@@ -291,7 +298,7 @@ impl PairSums {
     }
 
     /// Adds a polygon's stiffness to the nodes of one side, or to the springs of a rigid one.
-    fn stiffen(
+    pub fn stiffen(
         &mut self,
         side: usize,
         place: &Place,
@@ -361,14 +368,8 @@ impl PairSums {
 
 impl PolygonSums {
     /// Integrals of 1, x, |x|^2, p and x p over a plane convex polygon with the field p, exactly.
-    fn new(polygon: &[Vector3], normal: &Vector3, field: &Posed) -> Self {
-        let mut sums = Self {
-            area: 0.0,
-            first: Vector3::zeros(),
-            second: 0.0,
-            pressure: 0.0,
-            moment: Vector3::zeros(),
-        };
+    pub fn new(polygon: &[Vector3], normal: &Vector3, field: &Posed) -> Self {
+        let mut sums = Self::default();
         let Some((x, rest)) = polygon.split_first() else {
             return sums;
         };

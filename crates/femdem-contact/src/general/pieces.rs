@@ -16,7 +16,7 @@ pub(crate) const SAME_FIELD: f64 = 1e-6;
 const SAME_NORMAL: f64 = 1.0 - 1e-12;
 
 /// Coinciding planes are this near, over the size of the tetrahedra.
-const FLAT: f64 = 1e-12;
+pub(crate) const FLAT: f64 = 1e-12;
 
 /// Fields that differ by less than this on a piece are equal there.
 pub(crate) const SAME_VALUE: f64 = 1e-10;

@@ -166,7 +166,7 @@ impl Posed {
 
 /// The corners of the box around four points that are finite. (Plain comparisons: those of `f64::min` look for
 /// NaN, too.)
-#[inline]
+#[inline(always)]
 pub(crate) fn bounds(corners: &[Vector3; 4]) -> [Vector3; 2] {
     let [first, rest @ ..] = corners;
     let (mut low, mut high) = (*first, *first);
@@ -178,7 +178,7 @@ pub(crate) fn bounds(corners: &[Vector3; 4]) -> [Vector3; 2] {
 }
 
 /// Largest extent of a box.
-#[inline]
+#[inline(always)]
 pub(crate) fn extent(low: &Vector3, high: &Vector3) -> f64 {
     let larger = |a: f64, b: f64| if b > a { b } else { a };
     let d = high - low;

@@ -3,8 +3,9 @@
 use super::RigidShape;
 use super::body::SoftBody;
 use super::pairs::{PairList, SoftPair};
+use crate::deform::add_up::run as run_kernel;
 use crate::deform::current::Operand;
-use crate::deform::kernel::{DeformableKernel, DeformableScratch, run as run_kernel};
+use crate::deform::kernel::{DeformableKernel, DeformableScratch};
 use crate::deform::near::{Sides, Tree};
 use crate::deform::record::{DeformablePartner, NodalState};
 use crate::deform::respond::{Mover, Pair};

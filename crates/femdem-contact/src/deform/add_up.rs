@@ -1,0 +1,236 @@
+//! The sums of a pair: by skins where they tell all, else by pieces.
+
+use super::kernel::DeformableScratch;
+use super::near::{Candidates, Failure, Near, Sides};
+use super::skins::{Met, SkinScratch};
+use super::sums::{PairLaw, PairSums, Place, Triangles};
+use super::walk::{Meet, Walk};
+use crate::general::piece::Piece;
+use crate::general::pieces::intersect;
+use crate::general::posed::{Posed, PosedList};
+
+/// Sums up the pair in the scratch; whether there is an overlap. `motion` is the running bound of
+/// the distance that any point of A or B has travelled (the sum of both), m.
+pub(crate) fn run(
+    sides: &Sides,
+    law: &PairLaw,
+    candidates: &mut Candidates,
+    motion: f64,
+    scratch: &mut DeformableScratch,
+) -> Result<bool, Failure> {
+    scratch.candidates = 0;
+    scratch.sums.reset([0, 0]);
+    if candidates.is_clear(motion) {
+        return Ok(false);
+    }
+    let Some(near) = candidates.renewed(sides, motion)? else {
+        return Ok(false);
+    };
+    let found = match law.is_told_by_skins() {
+        true => by_skins(sides, law, near, motion, scratch, false)?,
+        false => None,
+    };
+    let clear = match found {
+        Some(clear) => clear,
+        None => by_pieces(sides, law, near, motion, scratch)?,
+    };
+    for (side, members) in near.sides.iter().enumerate() {
+        scratch.sums.fold(side, &members.slaves);
+    }
+    candidates.set_clear(clear);
+    Ok(scratch.sums.energy > 0.0)
+}
+
+/// Adds up the skins of either body in the other: see [`skins`](super::skins). Returns up to which motion no
+/// candidates touch; `None` if they have to be added up by pieces. `plain`: without the instructions that not
+/// every processor has.
+fn by_skins(
+    sides: &Sides,
+    law: &PairLaw,
+    near: &mut Near,
+    motion: f64,
+    scratch: &mut DeformableScratch,
+    plain: bool,
+) -> Result<Option<f64>, Failure> {
+    let DeformableScratch {
+        tets,
+        sums,
+        skins,
+        candidates,
+        ..
+    } = scratch;
+    sums.reset(near.node_counts());
+    skins.reset(near.tet_counts());
+    let walk = Walk {
+        sides,
+        law,
+        near,
+        motion,
+        tets,
+        candidates,
+    };
+    let task = &mut SkinsOf { sums, skins };
+    let clear = if plain {
+        walk.all(task)?
+    } else {
+        walk.all_at_once(task)?
+    };
+    if clear.is_some() {
+        sums.close_skins(skins, |side, place| {
+            Some(Place {
+                tet: tets[side].known(place)?,
+                place,
+                nodes: near.sides[side].corners.get(place as usize),
+            })
+        });
+    }
+    Ok(clear)
+}
+
+/// Adds up the common parts of tetrahedra. Returns up to which motion no candidates touch.
+fn by_pieces(
+    sides: &Sides,
+    law: &PairLaw,
+    near: &mut Near,
+    motion: f64,
+    scratch: &mut DeformableScratch,
+) -> Result<f64, Failure> {
+    let DeformableScratch {
+        tets,
+        planes,
+        piece,
+        sums,
+        candidates,
+        ..
+    } = scratch;
+    sums.reset(near.node_counts());
+    for (list, count) in planes.iter_mut().zip(near.tet_counts()) {
+        list.reset(count);
+    }
+    let walk = Walk {
+        sides,
+        law,
+        near,
+        motion,
+        tets,
+        candidates,
+    };
+    let task = &mut PiecesOf {
+        law,
+        planes,
+        piece,
+        sums,
+    };
+    Ok(walk.all(task)?.unwrap_or(motion))
+}
+
+struct SkinsOf<'a> {
+    sums: &'a mut PairSums,
+    skins: &'a mut SkinScratch,
+}
+
+impl Meet for SkinsOf<'_> {
+    #[inline(always)]
+    fn meet(&mut self, places: &[Place; 2], triangles: &Triangles) -> Met {
+        self.sums.add_skins(places, triangles, self.skins)
+    }
+}
+
+struct PiecesOf<'a> {
+    law: &'a PairLaw,
+    planes: &'a mut [PosedList<Posed>; 2],
+    piece: &'a mut Piece,
+    sums: &'a mut PairSums,
+}
+
+impl Meet for PiecesOf<'_> {
+    fn meet(&mut self, places: &[Place; 2], triangles: &Triangles) -> Met {
+        let [planes_a, planes_b] = &mut *self.planes;
+        let planes_of = |place: &Place, room: &mut Posed| {
+            *room = place.tet.planes();
+            Some(())
+        };
+        let (Some(a), Some(b)) = (
+            planes_a.get(places[0].place, |room| planes_of(&places[0], room)),
+            planes_b.get(places[1].place, |room| planes_of(&places[1], room)),
+        ) else {
+            return Met::Inside;
+        };
+        match intersect(a, b, self.piece) {
+            None => Met::Apart,
+            Some(flush) => {
+                self.sums
+                    .add(self.law, *places, [a, b], triangles, flush, self.piece);
+                Met::Skins
+            }
+        }
+    }
+}
+
+impl Near {
+    fn node_counts(&self) -> [usize; 2] {
+        [0, 1].map(|side| self.sides[side].nodes.len())
+    }
+
+    fn tet_counts(&self) -> [usize; 2] {
+        [0, 1].map(|side| self.sides[side].tets.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::current::Operand;
+    use super::super::near::Tree;
+    use super::super::shape::DeformableShape;
+    use super::super::sums::Gradient;
+    use super::*;
+    use crate::general::Form;
+    use femdem_mesh::catalogue::{CatalogueShape, Solid};
+    use femdem_mesh::{TetMesh, Vector3};
+
+    /// The sums of two dodecahedra by skins, by plain instructions or the best that there are.
+    fn sums(plain: bool) -> PairSums {
+        let solid = CatalogueShape::from(Solid::P4).polyhedron(1.0).unwrap();
+        let mesh = TetMesh::centroid_fan(&solid).unwrap();
+        let shape = DeformableShape::new(&mesh).unwrap();
+        let at =
+            |by: Vector3| -> Vec<Vector3> { mesh.points().iter().map(|p| p.coords + by).collect() };
+        let places = [at(Vector3::zeros()), at(Vector3::new(0.4, 0.31, 0.23))];
+        let operands = [0, 1].map(|k| Operand::Deformable(&shape, &places[k]));
+        let own = operands.map(|operand| {
+            let mut boxes = Vec::new();
+            operand.boxes(&mut boxes);
+            let mut tree = shape.tree().clone();
+            tree.refit(&boxes);
+            (tree, boxes)
+        });
+        let trees = [0, 1].map(|k| Tree {
+            tree: &own[k].0,
+            boxes: &own[k].1,
+        });
+        let sides = Sides { operands, trees };
+        let law = PairLaw {
+            form: Form::Sum,
+            gradient: Gradient::Exact,
+            pressures: [3.0, 2.0],
+        };
+        let mut list = Candidates::default();
+        let near = list.renewed(&sides, 0.0).unwrap().unwrap();
+        let mut scratch = DeformableScratch::default();
+        by_skins(&sides, &law, near, 0.0, &mut scratch, plain)
+            .unwrap()
+            .unwrap();
+        scratch.sums
+    }
+
+    #[test]
+    fn every_processor_gives_the_same_bits() {
+        let (plain, best) = (sums(true), sums(false));
+        assert!(plain.pieces > 4 && plain.energy > 0.0);
+        assert_eq!(plain.forces, best.forces);
+        assert_eq!(plain.stiffness, best.stiffness);
+        assert_eq!(plain.loads, best.loads);
+        assert_eq!(plain.wrench, best.wrench);
+        assert_eq!([plain.energy, plain.volume], [best.energy, best.volume]);
+    }
+}

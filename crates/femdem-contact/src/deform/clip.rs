@@ -1,0 +1,299 @@
+//! The part of a triangle of skin that lies in a tetrahedron.
+
+use super::current::Current;
+use super::row::Row;
+use super::sums::PolygonSums;
+use femdem_mesh::Vector3;
+use femdem_mesh::tet::FACES;
+
+/// Room for corners: a triangle cut by four planes has seven at most, and one more is written over. A power of
+/// two, so that places are found by their low bits.
+const ROOM: usize = 8;
+
+/// Shape functions that differ from zero by no more than this are left to round-off.
+const NOISE: f64 = 1e-11;
+
+/// Polygons that come this near to a node with pressure are left to the pieces: the flux about the node has a
+/// pole. A shape function's distance from 1.
+const POLE: f64 = 1e-3;
+
+/// Sizes of tetrahedra that differ by more than this factor differ much.
+const LARGE: f64 = 4.0;
+
+/// Shape functions of one tetrahedron at the corners of another, by corner.
+pub(crate) type Depths = [Row; 4];
+
+/// A corner: the four shape functions of the tetrahedron that it lies in, and its place (m) with the field there
+/// (Pa). All of them are affine, and cut alike.
+#[derive(Debug, Clone, Copy, Default)]
+struct Corner {
+    shares: Row,
+    place: Row,
+}
+
+/// What is left of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Left {
+    Nothing,
+    Polygon,
+    /// It lies in a face inside the other body, so that round-off would decide whose it is.
+    Unclear,
+}
+
+/// A plane convex polygon, in one of two buffers.
+#[derive(Debug, Default)]
+pub(crate) struct Clip {
+    count: usize,
+    at: [[Corner; ROOM]; 2],
+    now: usize,
+    /// 1 if its corners are in counter-clockwise order seen from outside, else -1.
+    turn: f64,
+}
+
+/// Shape functions of `tet` at the corners of another one.
+#[inline(always)]
+pub(crate) fn depths(tet: &Current, other: &Current) -> Depths {
+    let [a, b, c, d] = &tet.slopes;
+    let x = Row([a.x, b.x, c.x, d.x]);
+    let y = Row([a.y, b.y, c.y, d.y]);
+    let z = Row([a.z, b.z, c.z, d.z]);
+    let level = Row(tet.levels);
+    let at = |p: &Vector3| level + (x * p.x + y * p.y + z * p.z);
+    let [p, q, r, s] = &other.corners;
+    [at(p), at(q), at(r), at(s)]
+}
+
+/// Whether all corners are outside of one face.
+#[inline(always)]
+pub(crate) fn is_outside([a, b, c, d]: &Depths) -> bool {
+    a.max(*b).max(c.max(*d)).least() <= 0.0
+}
+
+/// The corners of `tet` with pressure that lie in the other tetrahedron, as bits.
+#[inline(always)]
+pub(crate) fn sunken(tet: &Current, depths: &Depths) -> u8 {
+    let mut bits = 0;
+    for (c, depths) in depths.iter().enumerate() {
+        if tet.values[c] != 0.0 {
+            bits |= u8::from(depths.least() >= -NOISE) << c;
+        }
+    }
+    bits
+}
+
+impl Clip {
+    /// Makes this the part of face `face` of `own` that lies in `host`. `in_host` are the host's shape functions
+    /// at the corners of `own`, `of_host` those of `own` at the corners of the host.
+    #[inline(always)]
+    pub fn load(
+        &mut self,
+        (own, face, in_host): (&Current, usize, &Depths),
+        (host, of_host): (&Current, &Depths),
+    ) -> Left {
+        let [i, j, k] = FACES[face];
+        let [p, q, r] = [in_host[i], in_host[j], in_host[k]];
+        let (low, high) = (p.min(q).min(r), p.max(q).max(r));
+        if high.least() <= NOISE {
+            // In the skin of the host there is no pressure.
+            let outside = high.bits(|x| x <= NOISE);
+            let flat = low.bits(|x| x >= -NOISE);
+            return if outside & (!flat | host.skin) != 0 {
+                Left::Nothing
+            } else {
+                Left::Unclear
+            };
+        }
+        self.now = 0;
+        // Of a much larger one the host's section is cut, so that round-off goes with the smaller one's size.
+        if own.size > LARGE * host.size {
+            return self.load_section(own, face, host, of_host);
+        }
+        self.turn = 1.0;
+        self.count = 3;
+        for (room, (shares, c)) in self.at[0].iter_mut().zip([(p, i), (q, j), (r, k)]) {
+            *room = Corner::new(shares, &own.corners[c], host);
+        }
+        let cut = low.bits(|x| x < 0.0);
+        for k in 0..4 {
+            if cut >> k & 1 == 1 && !self.cut(|x| x.shares.0[k]) {
+                return Left::Nothing;
+            }
+        }
+        Left::Polygon
+    }
+
+    /// The same, beginning with where the plane of the face cuts the host.
+    #[inline(never)]
+    fn load_section(
+        &mut self,
+        own: &Current,
+        face: usize,
+        host: &Current,
+        of_host: &Depths,
+    ) -> Left {
+        let depth = of_host.map(|d| d.0[face]);
+        if !self.section(&depth, host) {
+            return Left::Nothing;
+        }
+        let at = |c: usize| self.at[0][c].point();
+        let (x, y, z) = (at(0), at(1), at(2));
+        let area = (y - x).cross(&(z - x)) + (z - x).cross(&(at(self.count - 1) - x));
+        let inwards = area.dot(&own.slopes[face]) > 0.0;
+        self.turn = if inwards { -1.0 } else { 1.0 };
+        for k in (0..4).filter(|k| *k != face && of_host.iter().any(|d| d.0[*k] < 0.0)) {
+            let (level, slope) = (own.levels[k], own.slopes[k]);
+            if !self.cut(|x| level + slope.dot(&x.point())) {
+                return Left::Nothing;
+            }
+        }
+        Left::Polygon
+    }
+
+    /// Makes this where a plane cuts a tetrahedron whose corners lie as deep under it as `depth` says; `false` if
+    /// it does not.
+    fn section(&mut self, depth: &[f64; 4], host: &Current) -> bool {
+        let mut order = [0, 1, 2, 3];
+        order.sort_by_key(|c| depth[*c] < 0.0);
+        let [i, j, k, l] = order;
+        let inside = depth.iter().filter(|d| **d >= 0.0).count();
+        let edges = match inside {
+            1 => [[i, j], [i, k], [i, l], [i, l]],
+            2 => [[i, k], [i, l], [j, l], [j, k]],
+            3 => [[i, l], [j, l], [k, l], [k, l]],
+            _ => return false,
+        };
+        self.count = if inside == 2 { 4 } else { 3 };
+        let end = |c: usize| {
+            let mut shares = Row::default();
+            shares.0[c] = 1.0;
+            Corner::new(shares, &host.corners[c], host)
+        };
+        for (room, [from, to]) in self.at[0].iter_mut().zip(edges) {
+            let share = depth[from] / (depth[from] - depth[to]);
+            *room = end(from).towards(&end(to), share);
+        }
+        true
+    }
+
+    /// Keeps the part where `depth` (affine) is at least 0; `false` if none is left.
+    #[inline(always)]
+    fn cut(&mut self, depth: impl Fn(&Corner) -> f64) -> bool {
+        let [first, second] = &mut self.at;
+        let (old, new) = if self.now == 0 {
+            (&*first, second)
+        } else {
+            (&*second, first)
+        };
+        let mut depths = [0.0; ROOM];
+        let mut inside = 0;
+        for (d, x) in depths.iter_mut().zip(old).take(self.count) {
+            *d = depth(x);
+            inside += usize::from(*d >= 0.0);
+        }
+        if inside == self.count || inside == 0 {
+            return inside > 0;
+        }
+        let mut last = (self.count - 1) % ROOM;
+        let mut count = 0;
+        for at in 0..self.count.min(ROOM) {
+            // Both are written and the next ones put over what does not count: there is nothing to foretell.
+            let (dx, dy) = (depths[last], depths[at]);
+            new[count % ROOM] = old[last].towards(&old[at], dx / (dx - dy));
+            count += usize::from((dx >= 0.0) != (dy >= 0.0));
+            new[count % ROOM] = old[at];
+            count += usize::from(dy >= 0.0);
+            last = at;
+        }
+        self.count = count;
+        self.now = 1 - self.now;
+        count >= 3
+    }
+
+    /// Integrals over the polygon with the given unit normal, and the flux through it: what ∫ p φ dV over the part
+    /// of the host behind it has by it, J. `None` if it comes too near to a node with pressure.
+    #[inline(always)]
+    pub fn integrate(&self, normal: &Vector3, host: &Current) -> Option<(PolygonSums, f64)> {
+        let corners = self.at[self.now].get(..self.count)?;
+        let (x, rest) = corners.split_first()?;
+        // Areas by the two axes that the normal is least along.
+        let size = normal.abs();
+        let axis = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let (u, v) = ([1, 2, 0][axis], [2, 0, 1][axis]);
+        let scale = self.turn / normal[axis];
+        // Integrals of place and field, of field times both, and of the squares of both.
+        let (mut first, mut moment, mut second) = (Row::default(), Row::default(), Row::default());
+        let (mut area, mut flux) = (0.0, Row::default());
+        let mut nearest = x.shares;
+        for edge in rest.windows(2) {
+            let (y, z) = (&edge[0], &edge[1]);
+            let (p, q, r) = (x.place, y.place, z.place);
+            let (along, across) = (q - p, r - p);
+            let doubled = (along.0[u] * across.0[v] - along.0[v] * across.0[u]) * scale;
+            let sum = p + q + r;
+            area += doubled;
+            first += sum * doubled;
+            moment += (sum * sum.0[3] + p * p.0[3] + q * q.0[3] + r * r.0[3]) * doubled;
+            second += (sum * sum + p * p + q * q + r * r) * doubled;
+            flux += flux_of(x.shares, y.shares, z.shares) * doubled;
+            nearest = nearest.max(y.shares).max(z.shares);
+        }
+        let mut total = 0.0;
+        for k in 0..4 {
+            if host.values[k] != 0.0 {
+                if nearest.0[k] > 1.0 - POLE {
+                    return None;
+                }
+                let height = normal.dot(&(x.point() - host.corners[k]));
+                total -= host.values[k] * height * flux.0[k];
+            }
+        }
+        let vector = |row: Row, by: f64| Vector3::new(row.0[0], row.0[1], row.0[2]) * by;
+        let sums = PolygonSums {
+            area: area / 2.0,
+            first: vector(first, 1.0 / 6.0),
+            second: (second.0[0] + second.0[1] + second.0[2]) / 24.0,
+            pressure: first.0[3] / 6.0,
+            moment: vector(moment, 1.0 / 24.0),
+        };
+        Some((sums, total / 24.0))
+    }
+}
+
+/// (e_1² - e_2 + e_3 - e_1 e_2 + e_1 e_3)/((1 - a)(1 - b)(1 - c)), see [`skins`](super::skins).
+#[inline(always)]
+fn flux_of(a: Row, b: Row, c: Row) -> Row {
+    let one = Row::all(1.0);
+    let (e1, e2, e3) = (a + b + c, a * b + b * c + c * a, a * b * c);
+    (e1 * e1 - e2 + e3 + e1 * (e3 - e2)) / ((one - a) * (one - b) * (one - c))
+}
+
+impl Corner {
+    #[inline(always)]
+    fn new(shares: Row, x: &Vector3, host: &Current) -> Self {
+        let Row([a, b, c, d]) = shares * Row(host.values);
+        Self {
+            shares,
+            place: Row([x.x, x.y, x.z, a + b + c + d]),
+        }
+    }
+
+    #[inline(always)]
+    fn point(&self) -> Vector3 {
+        let Row([x, y, z, _]) = self.place;
+        Vector3::new(x, y, z)
+    }
+
+    #[inline(always)]
+    fn towards(&self, other: &Self, share: f64) -> Self {
+        Self {
+            shares: self.shares + (other.shares - self.shares) * share,
+            place: self.place + (other.place - self.place) * share,
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! The sum form by the skins: what every triangle of one skin has in the tetrahedra of the other body.
+//!
+//! With U_A = ∫ p φ_A dV over the overlap, the nodes of B's skin have -p ∫ φ_A N_b n_B dS over the part of it
+//! that is in A, those of A the opposite with their own shape functions, and -I_i grad N_a in each of A's
+//! tetrahedra i, where I_i = ∫ p φ_A dV over the part of i that is in B. Likewise U_B.
+//!
+//! I_i needs no volume to be cut out. φ is Σ φ_k N_k over the corners k. With g = 1 - N_k the field
+//! w = (x - x_k) (1/3 - g/4 - 1/(12 g³)) has the divergence N_k but at x_k; it lies in the three faces that meet
+//! in x_k and is zero on the fourth. So ∫ N_k dV is its flux through the triangles of B's skin in i, and a
+//! quarter of i's volume if x_k lies in B. Over a triangle of area T the means of g and of 1/g³ are the mean
+//! and 1/(g_1 g_2 g_3) of those at its corners; with the elementary symmetric polynomials e of a_c = N_k there
+//!
+//! flux = -(x - x_k)·n T/12 (e_1² - e_2 + e_3 - e_1 e_2 + e_1 e_3)/((1 - a_1)(1 - a_2)(1 - a_3)),
+//!
+//! in which nothing cancels where the overlap is slight.
+
+use super::clip::{Clip, Left, depths, is_outside, sunken};
+use super::sums::{PairLaw, PairSums, Place, PolygonSums, Triangles};
+use crate::general::Form;
+use femdem_mesh::{Matrix3, Vector3};
+
+/// How a pair of tetrahedra met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Met {
+    /// They are apart, or neither has a skin in the other.
+    Apart,
+    /// They may overlap, but neither has a skin.
+    Inside,
+    /// The skin of one is in the other.
+    Skins,
+    /// Round-off would decide: a skin lies in a face inside the other body, or at a node with pressure.
+    Unclear,
+}
+
+/// What the skin of the other body does to one tetrahedron.
+#[derive(Debug, Clone, Copy, Default)]
+struct HostSums {
+    /// Force, N, and the sum of its parts (columns) times the points (rows) where they act, N m.
+    force: Vector3,
+    moment: Matrix3,
+    /// ∫ p φ dV over what is in the other body, J.
+    flux: f64,
+    /// Stiffness, N/m, and with the points where it acts, N.
+    stiffness: f64,
+    first: Vector3,
+}
+
+/// What the other body does to one face of a skin.
+#[derive(Debug, Clone, Copy, Default)]
+struct FaceSums {
+    /// Integrals of 1 and x over what is in the other body, m^2 and m^3.
+    area: f64,
+    place: Vector3,
+    /// Of p φ and x p φ, N and N m.
+    pressure: f64,
+    moment: Vector3,
+    /// Stiffness, N/m, and with the points where it acts, N.
+    stiffness: f64,
+    first: Vector3,
+}
+
+/// Buffers of the sums by skins.
+#[derive(Debug, Default)]
+pub(crate) struct SkinScratch {
+    /// By side and place.
+    hosts: [Vec<HostSums>; 2],
+    faces: [Vec<[FaceSums; 4]>; 2],
+    /// What there is of a tetrahedron, as bits: corners that lie in the other body, [`OF_FACE`] and [`OF_HOST`].
+    /// Sums without their bit are left from another pair.
+    met: [Vec<u16>; 2],
+    clip: Clip,
+}
+
+/// Sums of face 0, and of the faces after it by the bits above.
+const OF_FACE: u16 = 1 << 4;
+
+/// Sums as a host.
+const OF_HOST: u16 = 1 << 8;
+
+impl SkinScratch {
+    pub fn reset(&mut self, counts: [usize; 2]) {
+        for (side, count) in counts.into_iter().enumerate() {
+            self.hosts[side].resize(count, HostSums::default());
+            self.faces[side].resize(count, [FaceSums::default(); 4]);
+            self.met[side].clear();
+            self.met[side].resize(count, 0);
+        }
+    }
+
+    /// Notes what there is of a tetrahedron; returns what there was.
+    #[inline(always)]
+    fn note(&mut self, side: usize, place: u32, bits: u16) -> u16 {
+        let met = self.met[side].get_mut(place as usize);
+        met.map_or(0, |met| std::mem::replace(met, *met | bits))
+    }
+}
+
+impl PairLaw {
+    /// Whether the skins tell all: not with the form Min, whose contact surface is inside, and not without the
+    /// part of the gradient that the flux gives.
+    pub fn is_told_by_skins(&self) -> bool {
+        self.form == Form::Sum && self.gradient == super::Gradient::Exact
+    }
+}
+
+impl PairSums {
+    /// Adds what the skins of two tetrahedra do in each other.
+    #[inline(always)]
+    pub fn add_skins(
+        &mut self,
+        sides: &[Place; 2],
+        triangles: &Triangles,
+        scratch: &mut SkinScratch,
+    ) -> Met {
+        let [a, b] = sides.map(|s| s.tet);
+        if !a.is_near(b) {
+            return Met::Apart;
+        }
+        let depths = [depths(b, a), depths(a, b)];
+        if is_outside(&depths[0]) || is_outside(&depths[1]) {
+            return Met::Apart;
+        }
+        let mut met = if a.skin | b.skin == 0 {
+            Met::Inside
+        } else {
+            Met::Apart
+        };
+        for side in 0..2 {
+            let (own, host) = (&sides[side], &sides[1 - side]);
+            scratch.note(side, own.place, u16::from(sunken(own.tet, &depths[side])));
+            for face in (0..4).filter(|k| own.tet.skin >> k & 1 == 1) {
+                let clip = &mut scratch.clip;
+                match clip.load(
+                    (own.tet, face, &depths[side]),
+                    (host.tet, &depths[1 - side]),
+                ) {
+                    Left::Nothing => continue,
+                    Left::Polygon => {}
+                    Left::Unclear => return Met::Unclear,
+                }
+                let normal = own.tet.normal(face);
+                let Some(found) = clip.integrate(&normal, host.tet) else {
+                    return Met::Unclear;
+                };
+                let triangle = if side == 0 {
+                    triangles.nearest
+                } else {
+                    triangles.faces[face]
+                };
+                self.add_skin(sides, (side, face), &normal, found, triangle, scratch);
+                met = Met::Skins;
+            }
+        }
+        self.pieces += usize::from(met == Met::Skins);
+        met
+    }
+
+    /// Adds a polygon of a face of the skin of a side in the other side's tetrahedron, with its flux.
+    #[inline(always)]
+    fn add_skin(
+        &mut self,
+        sides: &[Place; 2],
+        (side, face): (usize, usize),
+        normal: &Vector3,
+        (sums, flux): (PolygonSums, f64),
+        triangle: u32,
+        scratch: &mut SkinScratch,
+    ) {
+        let (own, host) = (&sides[side], &sides[1 - side]);
+        let weight = normal.dot(&host.tet.gradient).max(0.0);
+        let stiffness = weight * sums.area;
+        let first = sums.first * weight;
+        let known = scratch.note(side, own.place, OF_FACE << face);
+        if let Some(faces) = scratch.faces[side].get_mut(own.place as usize) {
+            let of_face = &mut faces[face];
+            if known & OF_FACE << face == 0 {
+                *of_face = FaceSums::default();
+            }
+            of_face.area += sums.area;
+            of_face.place += sums.first;
+            of_face.pressure += sums.pressure;
+            of_face.moment += sums.moment;
+            of_face.stiffness += stiffness;
+            of_face.first += first;
+        }
+        let on_b = if side == 0 { *normal } else { -normal };
+        let Some(centre) = self.add_polygon(sides, triangle, &on_b, weight, &sums) else {
+            return;
+        };
+        for place in sides.iter().filter(|place| place.nodes.is_none()) {
+            self.stiffen(0, place, &centre, &on_b, stiffness);
+        }
+        let known = scratch.note(1 - side, host.place, OF_HOST);
+        if let Some(of_host) = scratch.hosts[1 - side].get_mut(host.place as usize) {
+            if known & OF_HOST == 0 {
+                *of_host = HostSums::default();
+            }
+            of_host.force += normal * sums.pressure;
+            of_host.moment += sums.moment * normal.transpose();
+            of_host.flux += flux;
+            of_host.stiffness += stiffness;
+            of_host.first += first;
+        }
+    }
+
+    /// Hands what the skins do to the tetrahedra over to their nodes. `tet` finds the one of a side and place.
+    pub fn close_skins<'a>(
+        &mut self,
+        scratch: &SkinScratch,
+        tet: impl Fn(usize, u32) -> Option<Place<'a>>,
+    ) {
+        let mut closed = Matrix3::zeros();
+        for (side, met) in scratch.met.iter().enumerate() {
+            for (at, &met) in met.iter().enumerate().filter(|(_, met)| **met != 0) {
+                let Some(place) = tet(side, at as u32) else {
+                    continue;
+                };
+                let mut sums = HostSums::default();
+                if met & OF_HOST != 0 {
+                    sums = scratch.hosts[side][at];
+                }
+                for (face, of_face) in scratch.faces[side][at].iter().enumerate() {
+                    if met & OF_FACE << face == 0 {
+                        continue;
+                    }
+                    let normal = place.tet.normal(face);
+                    closed += normal * of_face.place.transpose();
+                    let on_b = if side == 0 { normal } else { -normal };
+                    self.area += on_b * of_face.area;
+                    sums.force -= normal * of_face.pressure;
+                    sums.moment -= of_face.moment * normal.transpose();
+                    sums.stiffness += of_face.stiffness;
+                    sums.first += of_face.first;
+                }
+                // Corners in the other body have a quarter of the volume each.
+                let sunken = (0..4).filter(|k| met >> k & 1 == 1);
+                let pressure: f64 = sunken.map(|k| place.tet.values[k]).sum();
+                sums.flux += pressure * place.tet.six_volumes / 24.0;
+                self.add_tet(side, &place, &sums);
+            }
+        }
+        // The volume that the skins close: along the force, as skins at right angles to it that coincide are counted
+        // or not by chance. There is no force on a body that is inside a wall.
+        let force = self.wrench[1][0];
+        let square = force.norm_squared();
+        let volume = if square > 0.0 {
+            force.dot(&(closed * force)) / square
+        } else {
+            closed.trace() / 3.0
+        };
+        self.volume = volume.max(0.0);
+    }
+
+    fn add_tet(&mut self, side: usize, place: &Place, sums: &HostSums) {
+        let tet = place.tet;
+        self.energy += sums.flux;
+        let m = &sums.moment;
+        self.wrench[side][0] += sums.force;
+        self.wrench[side][1] += Vector3::new(m.m23 - m.m32, m.m31 - m.m13, m.m12 - m.m21);
+        for (k, &node) in place.nodes.into_iter().flatten().enumerate() {
+            let (level, slope) = (tet.levels[k], &tet.slopes[k]);
+            if let Some(total) = self.forces[side].get_mut(node as usize) {
+                *total += sums.force * level + m.tr_mul(slope) - slope * sums.flux;
+            }
+            if let Some(total) = self.stiffness[side].get_mut(node as usize) {
+                *total += (sums.stiffness * level + slope.dot(&sums.first)).max(0.0);
+            }
+        }
+    }
+}
