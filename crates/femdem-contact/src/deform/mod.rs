@@ -78,8 +78,8 @@
 //! - Restitution of an impact along the forces: within 2 % of the formula.
 //! - Sums over skins and over common parts are the same to 1e-11, in random poses and where faces or nodes of one
 //!   body lie in skins of the other (`tests/deform_skins.rs`).
-//! - Cost: about 0.6 µs for a pair of tetrahedra of which one has a skin in the other, all included, 1.6 times less
-//!   than by common parts (example `deform_cost`); 1 to 2 ns per tetrahedron and step for bodies that touch nothing.
+//! - Cost: 0.6 to 0.9 µs for a pair of tetrahedra of which one has a skin in the other, all included, 0.6 to 0.7 of what
+//!   common parts take (example `deform_cost`); 1 to 2 ns per tetrahedron and step for bodies that touch nothing.
 //!   Light contacts of boulders have 10 to 20 such pairs each.
 //! - Quadratic tetrahedra meet as eight linear ones each; curved faces are replaced by their
 //!   nodes' triangles.
