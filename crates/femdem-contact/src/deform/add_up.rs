@@ -26,9 +26,10 @@ pub(crate) fn run(
     let Some(near) = candidates.renewed(sides, motion)? else {
         return Ok(false);
     };
-    let found = match law.is_told_by_skins() {
-        true => by_skins(sides, law, near, motion, scratch, false)?,
-        false => None,
+    let found = if law.is_told_by_skins() {
+        by_skins(sides, law, near, motion, scratch, false)?
+    } else {
+        None
     };
     let clear = match found {
         Some(clear) => clear,

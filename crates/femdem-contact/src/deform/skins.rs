@@ -167,26 +167,27 @@ impl PairSums {
         scratch: &mut SkinScratch,
     ) {
         let (own, host) = (&sides[side], &sides[1 - side]);
-        let weight = normal.dot(&host.tet.gradient).max(0.0);
-        let stiffness = weight * sums.area;
-        let first = sums.first * weight;
         let known = scratch.note(side, own.place, OF_FACE << face);
-        if let Some(faces) = scratch.faces[side].get_mut(own.place as usize) {
-            let of_face = &mut faces[face];
-            if known & OF_FACE << face == 0 {
-                *of_face = FaceSums::default();
-            }
-            of_face.area += sums.area;
-            of_face.place += sums.first;
-            of_face.pressure += sums.pressure;
-            of_face.moment += sums.moment;
-            of_face.stiffness += stiffness;
-            of_face.first += first;
+        let faces = scratch.faces[side].get_mut(own.place as usize);
+        let Some(of_face) = faces.map(|faces| &mut faces[face]) else {
+            return;
+        };
+        if known & OF_FACE << face == 0 {
+            *of_face = FaceSums::default();
         }
+        of_face.area += sums.area;
+        of_face.place += sums.first;
         let on_b = if side == 0 { *normal } else { -normal };
+        let weight = normal.dot(&host.tet.gradient).max(0.0);
         let Some(centre) = self.add_polygon(sides, triangle, &on_b, weight, &sums) else {
             return;
         };
+        let stiffness = weight * sums.area;
+        let first = sums.first * weight;
+        of_face.pressure += sums.pressure;
+        of_face.moment += sums.moment;
+        of_face.stiffness += stiffness;
+        of_face.first += first;
         for place in sides.iter().filter(|place| place.nodes.is_none()) {
             self.stiffen(0, place, &centre, &on_b, stiffness);
         }
