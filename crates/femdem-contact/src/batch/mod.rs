@@ -5,6 +5,7 @@ mod evaluate;
 mod gather;
 mod history;
 mod implicit;
+mod layout;
 mod pairs;
 mod search;
 mod stable;

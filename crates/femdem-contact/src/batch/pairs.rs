@@ -88,17 +88,17 @@ pub(crate) struct MeshPair {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-struct Neighbour {
-    code: u32,
-    slot: u32,
+pub(super) struct Neighbour {
+    pub code: u32,
+    pub slot: u32,
 }
 
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct PairTable {
-    slots: Vec<Pair>,
-    free: Vec<u32>,
-    neighbours: Vec<Vec<Neighbour>>,
-    order: Vec<u32>,
+    pub(super) slots: Vec<Pair>,
+    pub(super) free: Vec<u32>,
+    pub(super) neighbours: Vec<Vec<Neighbour>>,
+    pub(super) order: Vec<u32>,
     changed: bool,
     /// Whether a body or a wall is a mesh.
     mesh_bodies: Vec<bool>,
@@ -243,6 +243,7 @@ impl PairTable {
         keyed.sort_unstable();
         self.order.clear();
         self.order.extend(keyed.iter().map(|k| k.1));
+        self.lay_out();
     }
 
     pub fn order(&self) -> &[u32] {
