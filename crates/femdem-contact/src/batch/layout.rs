@@ -92,7 +92,7 @@ mod tests {
         let pairs = evaluated(&table);
         assert!(pairs.is_sorted());
 
-        // With a sleeper whose neighbours sleep not all are evaluated: nothing moves, nothing is lost.
+        // With sleepers whose neighbours sleep not all are evaluated: nothing moves, nothing is lost.
         let mut asleep = scrambled(BODIES);
         let mut awake = [true; BODIES as usize];
         awake[..20].fill(false);
