@@ -324,3 +324,54 @@ fn unusable_states_are_named() {
     }
     assert!(scene.batch.restore_shapes(Vec::new(), Vec::new()).is_err());
 }
+
+/// What is between sleepers stays as it is, and what they are to awake bodies is what they would be awake.
+#[test]
+fn sleepers_at_rest_have_the_forces_of_awake_bodies() {
+    let mut awake = Scene::heap(Form::Sum, &mut Stream(5));
+    let mut trace = Vec::new();
+    for _ in 0..10 {
+        advance(&mut awake, &mut trace);
+    }
+    for v in awake.velocities.iter_mut().flatten() {
+        *v = Vector3::zeros();
+    }
+    for motion in awake.rigid.iter_mut().chain(&mut awake.walls) {
+        *motion = Motion::fixed(motion.frame);
+    }
+    // What may touch a rigid body is looked at.
+    awake.rigid[0].frame.position.z += 50.0;
+    awake.rigid[0].travelled += 50.0;
+    let mut asleep = awake.clone();
+    let count = asleep.bodies.len() as u32;
+    (0..count).for_each(|i| asleep.batch.set_awake(i, false));
+    let both = |scenes: [&mut Scene; 2]| {
+        let [a, b] = scenes.map(|scene| {
+            scene.update().unwrap();
+            scene.forces()
+        });
+        assert!(a.iter().any(|f| f.norm() > 0.0));
+        let largest = a.iter().map(Vector3::norm).fold(0.0, f64::max);
+        // Springs that are followed where nothing moves change their last bits.
+        let alike = |(x, y): (&Vector3<f64>, &Vector3<f64>)| (x - y).norm() < 1e-12 * largest;
+        assert!(largest > 0.0 && a.iter().zip(&b).all(alike));
+    };
+    for _ in 0..3 {
+        both([&mut awake, &mut asleep]);
+    }
+    assert!((0..count).any(|i| !asleep.batch.is_stirred(i) && asleep.batch.touches(i)));
+    // One that moves through the others.
+    asleep.batch.set_awake(0, true);
+    assert!(asleep.batch.is_awake(0) && !asleep.batch.is_awake(1));
+    for _ in 0..20 {
+        for scene in [&mut awake, &mut asleep] {
+            scene.velocities[0].fill(Vector3::new(0.3, 0.2, 0.1));
+            scene.drift(0.02);
+        }
+        both([&mut awake, &mut asleep]);
+    }
+    let stiffer = law(|p| p.penalty *= 2.0);
+    awake.batch.set_law(stiffer);
+    asleep.batch.set_law(stiffer);
+    both([&mut awake, &mut asleep]);
+}

@@ -56,7 +56,8 @@
 //! rational plane rotations of the DLM splitting, without a trigonometric call. Then, at fixed step
 //! numbers, bodies at rest are frozen and disturbed ones woken: a body is
 //! judged by means of its net force, moment and velocities at rest, since every impact rings through a
-//! pack and only a lasting imbalance has a mean ([`SleepParameters`]). Frozen bodies cost nothing.
+//! pack and only a lasting imbalance has a mean ([`SleepParameters`]). Frozen bodies cost nothing. Deformable bodies are frozen
+//! if it is asked for ([`SleepParameters::deformables`]).
 //!
 //! # Units
 //!
@@ -96,12 +97,12 @@
 //!   dropped comes to rest upright, shifted by a hundredth of d and twisted by a hundredth of a radian on average. Verify with explicit steps
 //!   ([`World::step_explicitly`]); see `tests/implicit.rs`.
 //! - Deformable bodies without damping keep their energy to 1e-3 at half the critical step: a cube
-//!   between two walls, eight cubes in a box (`tests/deformable_world.rs`); a block sticks to a slope
+//!   between two walls, eight cubes in a box (`tests/deformable_world`); a block sticks to a slope
 //!   without creep and slides on it with the right acceleration to 2 %, on a wall, on a rigid and on a
 //!   deformable body.
 //! - Freezing removes kinetic energy, which the ledger states. A frozen body holds an imbalance of up to
 //!   [`SleepParameters::wake`] of its load, so a pack that grew while it slept passes new loads down too
-//!   late. For a final state, and from time to time before, wake all bodies
+//!   late; a deformable one up to twice [`SleepParameters::tolerance`]. For a final state, and from time to time before, wake all bodies
 //!   ([`World::set_sleeping`]) and let them come to rest.
 //! - The same bits on one machine and build; platforms that round `f64` arithmetic alike agree too, as
 //!   long as no medium (which calls `exp`) and no shaking or turning (which call `cos`) is used.

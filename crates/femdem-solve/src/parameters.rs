@@ -148,6 +148,13 @@ impl Default for TimeStepParameters {
 pub struct SleepParameters {
     /// Whether bodies may sleep at all.
     pub enabled: bool,
+    /// Whether deformable bodies may sleep too, those without anything prescribed. One that has rested for the window and
+    /// the steps below is stopped where its kinetic energy begins to fall, and stays if the forces left on
+    /// its nodes are below `tolerance` of what bears on them, both as sums of norms, and what is left of net force and
+    /// moment is below `tolerance` as above; it wakes when one exceeds twice as much. Off by default: what sleeps does not follow loads that change by less, nor do its stresses.
+    /// Rigid bodies that touch a deformable one stay awake.
+    #[serde(default)]
+    pub deformables: bool,
     /// Mean net force, and mean net moment over d, below this fraction of W count as
     /// balanced.
     pub tolerance: f64,
@@ -172,6 +179,7 @@ impl Default for SleepParameters {
     fn default() -> Self {
         Self {
             enabled: true,
+            deformables: false,
             tolerance: 0.03,
             wake: 0.25,
             creep: 3e-6,

@@ -180,6 +180,7 @@ fn scenario() -> Scenario {
         time_step: step(),
         medium: MediumEntry::default(),
         sleeping: true,
+        sleeping_deformables: true,
         material: BTreeMap::from([("m".to_owned(), material())]),
         wall: vec![wall()],
         body: vec![body()],

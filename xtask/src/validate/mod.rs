@@ -46,7 +46,7 @@ pub(crate) struct Options {
     seconds: Option<f64>,
 
     /// Folder with what the example of hertz (plane.tsv, two.tsv), spheres (glass.tsv, aluminium.tsv) or
-    /// boulders-deformable (rest.tsv, 1.tsv, 2.tsv, 4.tsv, and the folder pack) printed earlier, instead of
+    /// boulders-deformable (rest.tsv, frozen.tsv, 1.tsv, 2.tsv, 4.tsv, and the folder pack) printed earlier, instead of
     /// running it
     #[arg(long, value_name = "DIR")]
     lines: Option<PathBuf>,

@@ -21,6 +21,9 @@ const SHORT: f64 = 0.5;
 /// Simulated seconds in the medium at the end of the long run, and as many without it.
 const SETTLING: f64 = 0.5;
 
+/// Simulated seconds before all are woken where boulders at rest are frozen, over those of the run in which they are not.
+const FROZEN: f64 = 8.0 / 11.0;
+
 /// Kinetic energy over m g d of a boulder that counts as rest.
 const REST: f64 = 1e-6;
 
@@ -41,9 +44,9 @@ const NUMBERS: [&str; 13] = [
     "ledger error",
 ];
 
-/// Dumps `count` boulders on two threads for a simulated time, s, and lets them settle; then again for a
-/// short time at 1, 2 and 4 threads. `earlier` is a folder with what the example printed before
-/// (rest.tsv, 1.tsv, 2.tsv, 4.tsv) and the boulders that it wrote (pack).
+/// Dumps `count` boulders on two threads for a simulated time, s, and lets them settle; then with boulders at rest
+/// frozen; then for a short time at 1, 2 and 4 threads. `earlier` is a folder with what the example printed before
+/// (rest.tsv, frozen.tsv, 1.tsv, 2.tsv, 4.tsv) and the boulders that it wrote (pack).
 ///
 /// # Errors
 /// When the example or the program cannot be built or fails, or a file cannot be read.
@@ -59,7 +62,9 @@ pub(crate) fn run(
     };
     let place = format!(" {}", folder.display());
     let rest = format!("{seconds} {REST_THREADS} {count} {SETTLING}{place}");
-    let mut runs = vec![("rest".to_owned(), rest)];
+    let frozen = FROZEN * seconds;
+    let frozen = format!("{frozen} {REST_THREADS} {count} {SETTLING} sleep");
+    let mut runs = vec![("rest".to_owned(), rest), ("frozen".to_owned(), frozen)];
     runs.extend(THREADS.map(|n| (n.to_string(), format!("{SHORT} {n} {count}"))));
     let mut outputs = Vec::new();
     let mut commands = Vec::new();
@@ -77,12 +82,13 @@ pub(crate) fn run(
     Ok(Report {
         name: "boulders-deformable",
         title: format!("{count} deformable boulders in a bin of 5.26 m x 5.3 m x 3.87 m"),
-        text: text(&outputs[0]) + &growth(&outputs[0]) + note(earlier),
+        text: text(&outputs[0]) + &growth(&outputs[0]) + &asleep(&outputs[1]) + note(earlier),
         commands,
         checks: checks(&outputs),
         columns: vec![
             "quantity",
             "to rest, 2 threads",
+            "frozen at rest, 2 threads",
             "1 thread",
             "2 threads",
             "4 threads",
@@ -135,39 +141,73 @@ fn hash(output: &Output) -> String {
 }
 
 fn text(first: &Output) -> String {
-    let progress: String = first
-        .rows("progress")
-        .map(|row| format!("| {} |\n", row.join(" | ")))
-        .collect();
     format!(
         "Boulders of 40 kg, 50 different ones in turn, with {} linear neo-Hookean tetrahedra in all (each about \
          a boulder's centroid, under a triangle of its surface), E = 1e8 Pa, nu = 0.2, density 2700 \
          kg/m^3, kappa h/E = 1, friction and damping as by default. They start at rest on a lattice of 8 x 6 x \
-         6 with random orientations and fall all at once. All bodies are in motion in every step: \
-         deformable ones do not freeze. Whole boulders come to rest without a medium; what still rings inside \
+         6 with random orientations and fall all at once. All bodies are in motion in every step of \
+         the first run. Whole boulders come to rest without a medium; what still rings inside \
          them, whose material has no viscosity, is taken for {SETTLING} s by a medium (drag 10 1/s). The last {SETTLING} s, \
          at the end of which the boulders must be at rest, are without it. Processor time is that of all threads; the time of the elements is the least of 200 evaluations of all bodies in their last state on one thread.\n\n\
          ![The pack](boulders-deformable.png)\n\n\
-         The run to rest; rates are those of the time since the line above:\n\n\
-         | time, s | steps | step, s | processor seconds | per simulated second | ns per tet-step | touching \
-         pairs | candidate tetrahedra | overlapping | kinetic energy over m g d |\n\
-         | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n{progress}",
+         The run to rest; rates are those of the time since the line above:\n\n{}",
         number(first, "tets"),
+        progress(first)
+    )
+}
+
+/// The lines of progress of a run.
+fn progress(of: &Output) -> String {
+    let lines = of.rows("progress");
+    let lines: String = lines
+        .map(|row| format!("| {} |\n", row.join(" | ")))
+        .collect();
+    format!(
+        "| time, s | steps | step, s | processor seconds | per simulated second | ns per tet-step | touching \
+         pairs | candidate tetrahedra | overlapping | awake | kinetic energy over m g d |\n\
+         | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n{lines}"
+    )
+}
+
+/// What a page says of the run in which boulders at rest are frozen.
+fn asleep(of: &Output) -> String {
+    format!(
+        "\nThe same with boulders at rest frozen (`sleeping.deformables`), without a medium. For the last {SETTLING} s \
+         all are awake again, so that what is at rest there rests by itself:\n\n{}",
+        progress(of)
     )
 }
 
 fn checks(outputs: &[Output]) -> Vec<Check> {
     let one = &outputs[0];
-    let hashes: BTreeSet<String> = outputs.iter().skip(1).map(hash).collect();
-    let energy = number(one, "kinetic energy over m g d");
+    let frozen = &outputs[1];
+    let hashes: BTreeSet<String> = outputs.iter().skip(2).map(hash).collect();
+    let energy = |of| number(of, "kinetic energy over m g d");
     let most =
         |name: &str, limit: f64, unit: &str| Check::at_most(name, number(one, name), limit, unit);
     vec![
-        Check::at_most("kinetic energy over m g d at the end", energy, REST, ""),
+        Check::at_most(
+            "kinetic energy over m g d at the end",
+            energy(one),
+            REST,
+            "",
+        ),
+        Check::at_most(
+            "kinetic energy over m g d at the end, frozen at rest and woken",
+            energy(frozen),
+            REST,
+            "",
+        ),
         most("above the rim", 0.0, ""),
         most("processor seconds per simulated second", 80.0, "s"),
         most("elements ns per tet-step", 10.0, "ns"),
         most("all-in ns per tet-step", 25.0, "ns"),
+        Check::at_most(
+            "all-in ns per tet-step, at rest and frozen",
+            at_rest(frozen),
+            25.0,
+            "ns",
+        ),
         Check::holds(
             "state hashes at 1, 2 and 4 threads",
             "all equal",
@@ -175,6 +215,13 @@ fn checks(outputs: &[Output]) -> Vec<Check> {
             hashes.len() == 1 && !hashes.contains(""),
         ),
     ]
+}
+
+/// The all-in time of the last line of progress in which boulders are frozen, ns.
+fn at_rest(of: &Output) -> f64 {
+    let all = number(of, "boulders");
+    let frozen = of.rows("progress").filter(|row| cell(row, 9) < all);
+    frozen.last().map_or(f64::NAN, |row| cell(row, 5))
 }
 
 fn rows(outputs: &[Output]) -> Vec<Vec<String>> {
@@ -185,7 +232,7 @@ fn rows(outputs: &[Output]) -> Vec<Vec<String>> {
     let hashes = std::iter::once("state hash".to_owned()).chain(outputs.iter().map(hash));
     let mut rows: Vec<Vec<String>> = NUMBERS.iter().map(line).collect();
     rows.push(hashes.collect());
-    // The whole table of progress of one thread is on the page; the last rate is the settled pack's.
+    // The last rate is the settled pack's.
     let last = |output: &Output| {
         output
             .rows("progress")
@@ -220,19 +267,26 @@ mod tests {
 
     #[test]
     fn one_hash_and_all_figures_or_a_report_missed() {
-        let text = |hash: &str| {
+        let text = |hash: &str, rate: u32| {
             format!(
                 "number\tkinetic energy over m g d\t1e-8\nnumber\tabove the rim\t0\n\
                  number\tprocessor seconds per simulated second\t79\n\
-                 number\telements ns per tet-step\t9\nnumber\tall-in ns per tet-step\t26\nhash\t{hash}\n"
+                 number\telements ns per tet-step\t9\nnumber\tall-in ns per tet-step\t26\n\
+                 number\tboulders\t9\nprogress\t1\t2\t3\t4\t5\t{rate}\t6\t7\t8\t2\nhash\t{hash}\n"
             )
         };
         let met = |hashes: [&str; 2]| {
-            let outputs =
-                ["of a longer run", hashes[0], hashes[1]].map(|h| Output::parse(&text(h)));
+            let all = [
+                ("longer", 26),
+                ("frozen", 9),
+                (hashes[0], 26),
+                (hashes[1], 26),
+            ];
+            let outputs = all.map(|(hash, rate)| Output::parse(&text(hash, rate)));
             checks(&outputs).iter().map(|c| c.met).collect::<Vec<_>>()
         };
-        assert_eq!(met(["a", "a"]), [true, true, true, true, false, true]);
-        assert_eq!(met(["a", "b"]), [true, true, true, true, false, false]);
+        let figures = [true, true, true, true, true, false, true];
+        assert_eq!(met(["a", "a"]), [&figures[..], &[true]].concat());
+        assert_eq!(met(["a", "b"]), [&figures[..], &[false]].concat());
     }
 }

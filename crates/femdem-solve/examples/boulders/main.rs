@@ -3,7 +3,8 @@
 //!
 //! Prints lines of columns separated by tabs; each begins with the name of its table. Takes the simulated
 //! time (s), the number of threads, the number of boulders, the time (s) that they then spend in a medium
-//! that takes what rings inside them, and as long again without it, and a folder for their surfaces.
+//! that takes what rings inside them, and as long again without it, and a folder for their surfaces. With `sleep` among
+//! the arguments boulders at rest are frozen instead, and all are awake in the last part.
 
 mod pack;
 
@@ -24,24 +25,27 @@ const DRAG: f64 = 10.0;
 const REPEATS: usize = 200;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let (flags, arguments): (Vec<String>, Vec<String>) = std::env::args()
+        .skip(1)
+        .partition(|argument| argument == "sleep");
     let number = |i: usize, default: f64| arguments.get(i).map_or(Ok(default), |a| a.parse());
     let (seconds, threads, count) = (number(0, 4.0)?, number(1, 1.0)?, number(2, 288.0)?);
     let settling = number(3, 0.0)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads as usize)
         .build()?;
-    let pack =
-        pool.install(|| run(seconds, count as usize, settling).map_err(|e| e.to_string()))?;
+    let sleep = !flags.is_empty();
+    let run = || run(seconds, count as usize, settling, sleep);
+    let pack = pool.install(|| run().map_err(|e| e.to_string()))?;
     if let Some(folder) = arguments.get(4) {
         pack.write(Path::new(folder))?;
     }
     Ok(())
 }
 
-fn run(seconds: f64, count: usize, settling: f64) -> Result<Pack, Box<dyn Error>> {
+fn run(seconds: f64, count: usize, settling: f64, sleep: bool) -> Result<Pack, Box<dyn Error>> {
     let mut out = std::io::stdout().lock();
-    let mut pack = Pack::new(count)?;
+    let mut pack = Pack::new(count, sleep)?;
     writeln!(out, "number\tboulders\t{count}")?;
     writeln!(out, "number\ttets\t{}", pack.tets)?;
     let (start, cpu) = (Instant::now(), processor_time()?);
@@ -52,7 +56,10 @@ fn run(seconds: f64, count: usize, settling: f64) -> Result<Pack, Box<dyn Error>
         "number\tkinetic energy over m g d without a medium\t{:.6e}",
         pack.kinetic_energy()
     )?;
-    if settling > 0.0 {
+    if settling > 0.0 && sleep {
+        pack.world.set_sleeping(false);
+        progress.until(seconds + settling, &mut pack, &mut out)?;
+    } else if settling > 0.0 {
         let drag = Medium {
             drag: DRAG,
             ..Medium::default()
@@ -137,7 +144,7 @@ impl Progress {
         let totals = pack.world.deformable_totals().copied().unwrap_or_default();
         writeln!(
             out,
-            "progress\t{:.2}\t{}\t{:.3e}\t{:.2}\t{:.2}\t{:.1}\t{}\t{}\t{}\t{:.3e}",
+            "progress\t{:.2}\t{}\t{:.3e}\t{:.2}\t{:.2}\t{:.1}\t{}\t{}\t{}\t{}\t{:.3e}",
             now.2,
             now.1,
             pack.world.time_step(),
@@ -147,6 +154,7 @@ impl Progress {
             totals.touching,
             totals.candidates,
             totals.pieces,
+            pack.world.awake_deformable_count(),
             pack.kinetic_energy(),
         )?;
         Ok(out.flush()?)

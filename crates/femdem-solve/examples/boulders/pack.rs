@@ -36,8 +36,10 @@ pub struct Pack {
 }
 
 impl Pack {
-    pub fn new(count: usize) -> Result<Self, Box<dyn Error>> {
-        let mut world = World::new(WorldParameters::default())?;
+    pub fn new(count: usize, sleep: bool) -> Result<Self, Box<dyn Error>> {
+        let mut parameters = WorldParameters::default();
+        parameters.sleeping.deformables = sleep;
+        let mut world = World::new(parameters)?;
         for wall in Wall::closed_box(
             Vector3::new(-0.5 * BIN[0], -0.5 * BIN[1], 0.0),
             Vector3::new(0.5 * BIN[0], 0.5 * BIN[1], 2.0 * BIN[2]),

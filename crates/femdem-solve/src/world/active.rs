@@ -69,7 +69,8 @@ impl World {
                 .iter()
                 .filter_map(|&i| self.bodies[i as usize].driven.as_deref())
                 .any(|(d, _)| d.is_active(self.time, ahead));
-        let wakes = moves && self.awake.len() < self.bodies.len();
+        let rigid = self.awake.len() < self.bodies.len();
+        let wakes = moves && (rigid || self.awake_deformable_count() < self.deformable_count());
         if wakes {
             self.wake_all();
         }
@@ -281,6 +282,9 @@ impl World {
             .filter(|&i| !self.batch.is_awake(i))
             .collect();
         self.wake(&asleep);
+        if let Some(deformables) = &mut self.deformables {
+            deformables.wake_all();
+        }
     }
 
     /// Allows or forbids sleep; forbidding it wakes all bodies.
@@ -303,6 +307,11 @@ impl World {
         parameters.validate()?;
         self.parameters = parameters;
         self.set_sleeping(rule.enabled);
+        if !rule.deformables
+            && let Some(deformables) = &mut self.deformables
+        {
+            deformables.wake_all();
+        }
         Ok(())
     }
 }

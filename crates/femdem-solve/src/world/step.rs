@@ -43,7 +43,7 @@ impl World {
         self.hold_deformables();
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
-        Ok(())
+        self.rest_deformables()
     }
 
     fn choose_step(&mut self) -> f64 {

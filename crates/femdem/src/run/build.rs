@@ -121,6 +121,7 @@ impl Scenario {
             return Err(wrong("body", "none", "give at least one [[body]]"));
         }
         self.check_materials()?;
+        self.check_sleep(&simulation)?;
         self.check_relaxation()?;
         Ok(simulation)
     }
@@ -145,6 +146,19 @@ impl Scenario {
                 ))
             };
             checked.map_err(in_entry(format!("material.{name}")))?;
+        }
+        Ok(())
+    }
+
+    /// Refuses sleep of deformable bodies where it has no effect.
+    fn check_sleep(&self, simulation: &Simulation) -> Result<(), Error> {
+        let possible = self.sleeping && simulation.world.deformable_count() > 0;
+        if self.sleeping_deformables && !possible {
+            return Err(wrong(
+                "sleeping-deformables",
+                "true",
+                "false, unless there are deformable bodies and sleeping is true",
+            ));
         }
         Ok(())
     }

@@ -112,6 +112,8 @@ pub struct Scenario {
     pub medium: MediumEntry,
     /// Whether rigid bodies at rest are frozen.
     pub sleeping: bool,
+    /// Whether deformable bodies at rest are frozen too.
+    pub sleeping_deformables: bool,
     /// Materials by name.
     pub material: BTreeMap<String, MaterialEntry>,
     /// Walls.
@@ -142,6 +144,7 @@ impl Default for Scenario {
             time_step: StepEntry::default(),
             medium: MediumEntry::default(),
             sleeping: true,
+            sleeping_deformables: false,
             material: BTreeMap::new(),
             wall: Vec::new(),
             body: Vec::new(),

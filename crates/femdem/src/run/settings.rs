@@ -103,6 +103,7 @@ impl Scenario {
         p.medium.drag = self.medium.drag;
         p.medium.local_damping = self.medium.local_damping;
         p.sleeping.enabled = self.sleeping;
+        p.sleeping.deformables = self.sleeping_deformables;
         p
     }
 }

@@ -2,6 +2,7 @@
 
 use super::evaluate::Context;
 use super::pairs::{Part, SoftPair, Touching};
+use super::sleep::Sleep;
 use crate::deform::current::Operand;
 use crate::deform::record::NodalState;
 use crate::deform::respond::NodeLoad;
@@ -20,6 +21,7 @@ const STRETCH: f64 = 1.5;
 pub(crate) struct SoftBody {
     pub shape: u32,
     pub modulus: Modulus,
+    pub sleep: Sleep,
     /// Running bound of the distance that any node has travelled, m.
     pub travelled: f64,
     /// Where the nodes were at the last update, m.
@@ -49,6 +51,9 @@ pub(crate) struct SoftBody {
     /// Whether any of these is not zero.
     #[serde(skip)]
     pub loaded: bool,
+    /// Whether they may be others than before the last update.
+    #[serde(skip)]
+    pub stirred: bool,
 }
 
 impl SoftBody {
@@ -56,6 +61,7 @@ impl SoftBody {
         let mut body = Self {
             shape: index,
             modulus,
+            sleep: Sleep::Awake,
             travelled: 0.0,
             before: Vec::new(),
             centre: Vector3::zeros(),
@@ -69,6 +75,7 @@ impl SoftBody {
             rates: Vec::new(),
             rocking: (Vector3::zeros(), 0.0),
             loaded: false,
+            stirred: false,
         };
         body.restore(shape);
         body
@@ -229,15 +236,19 @@ impl SoftBody {
 /// Takes over where all nodes are now.
 pub(crate) fn advance(bodies: &mut [SoftBody], states: &[NodalState]) -> Result<(), ContactError> {
     let advance = |i: usize, body: &mut SoftBody| {
-        let state = states.get(i);
+        let state = states.get(i).filter(|_| body.sleep != Sleep::Frozen);
         state.map_or(Ok(()), |state| body.advance(i, state))
     };
     on_each(bodies, advance).into_iter().collect()
 }
 
-/// Sums what the pairs do to the bodies.
+/// Sums what the pairs do to the bodies, but to those that nothing can have changed for.
 pub(crate) fn gather(bodies: &mut [SoftBody], pairs: &[SoftPair], touching: &Touching) {
-    on_each(bodies, |i, body| body.gather(pairs, touching.of(i)));
+    on_each(bodies, |i, body| {
+        if body.stirred {
+            body.gather(pairs, touching.of(i));
+        }
+    });
 }
 
 /// What a body must know for the contacts of an update.
@@ -257,6 +268,9 @@ pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Cont
             && let Some(operand) = context.soft(i as u32, body)
         {
             body.refit(&operand);
+        }
+        if body.sleep == Sleep::Frozen && !wanted.turning {
+            return;
         }
         let before = body.turning.take();
         if wanted.turning

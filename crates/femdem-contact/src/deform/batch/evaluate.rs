@@ -82,8 +82,11 @@ impl Context<'_> {
     }
 
     /// Forgets the last update of a pair. Whether it must be evaluated: one that is known to be clear does not
-    /// touch.
+    /// touch, and one at rest stays as it is.
     fn begin(&self, pair: &mut SoftPair, bodies: &[SoftBody]) -> bool {
+        if pair.rests(bodies) {
+            return false;
+        }
         pair.failure = None;
         pair.counts = [0; 2];
         let is_clear = pair.candidates.is_clear(self.motion(pair, bodies));

@@ -3,6 +3,7 @@
 mod body;
 mod evaluate;
 mod pairs;
+mod sleep;
 
 use super::kernel::DeformableKernel;
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
@@ -98,12 +99,14 @@ impl DeformableBatch {
 
     /// Replaces the law; contacts keep their history.
     pub fn set_law(&mut self, law: ContactLaw) {
+        self.evaluate_all();
         self.kernel = self.kernel.with_walls(law.parameters().wall_response);
         self.law = law;
     }
 
     /// Chooses the nodal forces: [`Gradient::Exact`] unless for comparison.
     pub fn set_gradient(&mut self, gradient: Gradient) {
+        self.evaluate_all();
         self.kernel = self.kernel.with_gradient(gradient);
     }
 
@@ -144,6 +147,7 @@ impl DeformableBatch {
             });
         };
         soft.modulus = modulus;
+        self.evaluate_all();
         Ok(())
     }
 
@@ -206,7 +210,7 @@ impl DeformableBatch {
             .into_iter()
             .map(RigidShape::new)
             .collect::<Result<_, _>>()?;
-        self.gather();
+        self.gather(true);
         Ok(())
     }
 
@@ -278,7 +282,7 @@ impl DeformableBatch {
             rigid,
             walls,
         };
-        self.pairs.search(&context, &mut self.bodies);
+        let found = self.pairs.search(&context, &mut self.bodies);
         let begins = !self.starts.is_empty();
         if begins {
             for pair in self.pairs.list_mut() {
@@ -295,7 +299,8 @@ impl DeformableBatch {
             }
         }
         result?;
-        self.gather();
+        self.gather(found);
+        sleep::settle(&mut self.bodies);
         Ok(())
     }
 
@@ -304,13 +309,15 @@ impl DeformableBatch {
     /// the triangles in contact in proportion to what presses on them. It counts at the next
     /// update, if the pair touches then and has no friction yet.
     pub fn begin_friction(&mut self, a: DeformablePartner, b: u32, force: Vector3, torsion: f64) {
+        self.evaluate_all();
         let start = FrictionStart { force, torsion };
         self.starts.insert((a, b), start);
     }
 
-    /// Sums the forces in the order of the pairs.
-    fn gather(&mut self) {
+    /// Sums the forces in the order of the pairs; on bodies among sleepers only if `all`.
+    fn gather(&mut self, all: bool) {
         let pairs = self.pairs.list();
+        sleep::stir(&mut self.bodies, pairs, all);
         self.rigid_loads.fill(Load::default());
         self.rigid_resistances.fill(Resistance::default());
         self.wall_loads.fill(Load::default());

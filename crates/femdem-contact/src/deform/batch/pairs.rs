@@ -3,6 +3,7 @@
 use super::RigidShape;
 use super::body::{SoftBody, Wanted};
 use super::evaluate::Context;
+use super::sleep::Sleep;
 use crate::deform::near::Candidates;
 use crate::deform::record::{DeformablePartner, DeformableTotals};
 use crate::deform::respond::{FrictionStart, Outcome};
@@ -48,6 +49,20 @@ impl SoftPair {
         (self.a, self.b)
     }
 
+    /// Whether all its bodies are frozen, so that it stays as it is.
+    pub fn rests(&self, bodies: &[SoftBody]) -> bool {
+        let frozen = |i: u32| {
+            let body = bodies.get(i as usize);
+            body.is_some_and(|body| body.sleep == Sleep::Frozen)
+        };
+        frozen(self.b)
+            && match self.a {
+                DeformablePartner::Deformable(i) => frozen(i),
+                DeformablePartner::Rigid(_) => false,
+                DeformablePartner::Wall(_) => true,
+            }
+    }
+
     pub fn totals(&self) -> DeformableTotals {
         DeformableTotals {
             pairs: 1,
@@ -81,8 +96,8 @@ impl PairList {
         self.expires = Default::default();
     }
 
-    /// Finds the pairs anew if a body has moved too far since they were found.
-    pub fn search(&mut self, context: &Context, bodies: &mut [SoftBody]) {
+    /// Finds the pairs anew if a body has moved too far since they were found. Whether it has.
+    pub fn search(&mut self, context: &Context, bodies: &mut [SoftBody]) -> bool {
         let travelled = [
             bodies.iter().map(|b| b.travelled).collect::<Vec<_>>(),
             context.rigid.iter().map(|m| m.travelled).collect(),
@@ -92,7 +107,7 @@ impl PairList {
             now.len() == until.len() && now.iter().zip(until).all(|(now, until)| now < until)
         };
         if travelled.iter().zip(&self.expires).all(holds) {
-            return;
+            return false;
         }
         let extents: Vec<(Aabb, f64)> = bodies.iter().map(SoftBody::extent).collect();
         let mut boxes: Vec<Aabb> = Vec::with_capacity(bodies.len() + context.rigid.len());
@@ -138,6 +153,7 @@ impl PairList {
             let until = travelled[k].iter().zip(skins).map(|(now, skin)| now + skin);
             self.expires[k] = until.collect();
         }
+        true
     }
 
     /// Makes the list that of `keys`, which are sorted; pairs that go on keep what they have.
@@ -155,7 +171,7 @@ impl PairList {
     /// their trees, if a pair must look for candidates anew.
     pub fn wanted(&mut self, context: &Context, bodies: &[SoftBody]) -> Vec<Wanted> {
         let mut wanted = vec![Wanted::default(); bodies.len()];
-        for pair in &mut self.list {
+        for pair in self.list.iter_mut().filter(|pair| !pair.rests(bodies)) {
             if let (DeformablePartner::Wall(w), Some(body)) = (pair.a, bodies.get(pair.b as usize))
             {
                 let (solid, fresh) = context.wall(&mut pair.local, w, body);

@@ -177,6 +177,7 @@ impl State {
             bound: Default::default(),
             contact_step: f64::INFINITY,
             nodal: NodalBound::new(model),
+            rest: Default::default(),
         })
     }
 }

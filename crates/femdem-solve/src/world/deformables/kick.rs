@@ -77,6 +77,9 @@ impl World {
         } = deformables;
         let kick = Kick::new(batch, &self.parameters, h);
         let results = on_each(bodies, |i, body| {
+            if body.rest.asleep {
+                return (Flows::default(), f64::INFINITY);
+            }
             let flows = kick.apply(i, body, &models[body.model as usize].model);
             (flows, body.largest_step(batch, i as u32))
         });

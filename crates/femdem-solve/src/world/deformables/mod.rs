@@ -4,6 +4,7 @@ mod add;
 mod each;
 mod kick;
 mod query;
+mod rest;
 mod step;
 
 use crate::deformable::{
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 pub(super) use add::centroid;
 pub use query::Deformable;
+use rest::Rest;
 pub(super) use step::{all_loads, all_wall_loads};
 
 /// Index of a deformable body, by order of addition.
@@ -151,6 +153,7 @@ pub(crate) struct State {
     /// The step that contacts alone allow, however much of the skin they take, s.
     pub contact_step: f64,
     pub nodal: NodalBound,
+    pub rest: Rest,
 }
 
 /// Buffers for one body at a time.

@@ -112,6 +112,12 @@ impl<'a> Deformable<'a> {
         nodes.map(|((x, v), m)| (x - about).cross(v) * *m).sum()
     }
 
+    /// Whether it is frozen (see [`SleepParameters::deformables`](crate::SleepParameters::deformables)).
+    #[must_use]
+    pub fn is_asleep(&self) -> bool {
+        self.state.rest.asleep
+    }
+
     /// Kinetic energy, J.
     #[must_use]
     pub fn kinetic_energy(&self) -> f64 {
@@ -209,6 +215,9 @@ impl World {
         state.held_energy = held_energy(&boundary, model.masses(), &state.velocities);
         state.boundary = boundary;
         state.loads.fill(Vector3::zeros());
+        if let Some(deformables) = &mut self.deformables {
+            deformables.wake(id as usize);
+        }
         self.loaded = false;
         Ok(())
     }

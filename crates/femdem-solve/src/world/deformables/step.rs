@@ -5,6 +5,7 @@ use super::kick::Kick;
 use super::{Deformables, RENEW, Scratch, State};
 use crate::deformable::DeformableModel;
 use crate::error::SolveError;
+use crate::ledger::Flows;
 use crate::world::World;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, NodalState};
@@ -47,9 +48,10 @@ impl World {
         if let Some(bound) = deformables.bound {
             return bound;
         }
-        // Before the first kick only.
+        // Before the first kick, and where bodies have woken.
         let bodies = (0..).zip(&deformables.bodies);
-        let steps = bodies.map(|(i, body)| body.largest_step(&deformables.batch, i));
+        let awake = bodies.filter(|(_, body)| !body.rest.asleep);
+        let steps = awake.map(|(i, body)| body.largest_step(&deformables.batch, i));
         steps.fold(f64::INFINITY, f64::min)
     }
 
@@ -81,6 +83,9 @@ impl World {
         } = deformables;
         let kick = Kick::new(batch, &self.parameters, 0.5 * dt);
         let results = on_each_with(bodies, Scratch::default, |scratch, i, body| {
+            if body.rest.asleep {
+                return (Flows::default(), Ok(()));
+            }
             let model = &models[body.model as usize].model;
             body.aim(dt, time);
             let flows = kick.apply(i, body, model);
@@ -134,7 +139,7 @@ impl World {
         Ok(())
     }
 
-    /// Keeps bodies awake that a deformable one touches: it is never frozen itself.
+    /// Keeps rigid bodies awake that a deformable one touches.
     fn wake_touched(&mut self) {
         let Some(deformables) = self.deformables.as_deref() else {
             return;
@@ -190,6 +195,9 @@ impl Deformables {
     fn adapt(&mut self, dt: f64) {
         let Self { models, batch, .. } = self;
         on_each(&mut self.bodies, |i, body| {
+            if body.rest.asleep {
+                return;
+            }
             let model = &models[body.model as usize].model;
             body.adapt(model, batch, i as u32, dt);
         });
@@ -258,7 +266,7 @@ impl State {
     }
 
     /// Forces of the elements and of the boundary; the history advances.
-    fn strain(
+    pub(super) fn strain(
         &mut self,
         model: &DeformableModel,
         scratch: &mut Scratch,

@@ -1,7 +1,5 @@
 //! A deformable block that rocks on a floor comes to rest at the rate that its dashpot has.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
-
 use femdem_contact::Wall;
 use femdem_mesh::{Pose, Rotation, TetMesh, Vector3};
 use femdem_solve::deformable::{DeformableModel, MaterialRegion};

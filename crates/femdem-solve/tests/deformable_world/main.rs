@@ -2,6 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
+mod rocking;
+mod sleep;
+
 use femdem_contact::Wall;
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::{Pose, TetMesh, Vector3};

@@ -1,0 +1,83 @@
+//! Bodies that a host has stopped: what is between them stays as it is and costs nothing.
+
+use super::DeformableBatch;
+use super::body::SoftBody;
+use super::pairs::SoftPair;
+use crate::deform::record::DeformablePartner;
+use serde::{Deserialize, Serialize};
+
+/// Whether a body may move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Sleep {
+    Awake,
+    /// It was stopped since its contacts were evaluated.
+    Stopped,
+    /// Its contacts were evaluated with it at rest.
+    Frozen,
+}
+
+impl DeformableBatch {
+    /// Whether a deformable body is awake; `false` for one that does not exist.
+    pub fn is_awake(&self, body: u32) -> bool {
+        let body = self.bodies.get(body as usize);
+        body.is_some_and(|body| body.sleep == Sleep::Awake)
+    }
+
+    /// Wakes a deformable body or puts it to sleep. The next update sees a sleeping body as its state says, which
+    /// should be at rest; after that it must not move until it is woken. Between two bodies that sleep, and
+    /// between one and a wall, nothing is evaluated then: their contacts stay as they are. A host that moves a wall wakes
+    /// what touches it. A body that does not exist is ignored.
+    pub fn set_awake(&mut self, body: u32, awake: bool) {
+        if let Some(body) = self.bodies.get_mut(body as usize) {
+            body.sleep = match (awake, body.sleep) {
+                (true, _) => Sleep::Awake,
+                (false, Sleep::Awake) => Sleep::Stopped,
+                (false, asleep) => asleep,
+            };
+        }
+    }
+
+    /// Whether the forces on a deformable body may be others than before the last update: not those on one that sleeps
+    /// among sleepers. `false` for one that does not exist.
+    pub fn is_stirred(&self, body: u32) -> bool {
+        let body = self.bodies.get(body as usize);
+        body.is_some_and(|body| body.stirred)
+    }
+
+    /// Has the next update evaluate the contacts of sleepers too.
+    pub(super) fn evaluate_all(&mut self) {
+        for body in &mut self.bodies {
+            if body.sleep == Sleep::Frozen {
+                body.sleep = Sleep::Stopped;
+            }
+        }
+    }
+}
+
+/// Ends an update: it has seen at rest all that was stopped.
+pub(super) fn settle(bodies: &mut [SoftBody]) {
+    for body in bodies.iter_mut().filter(|b| b.sleep == Sleep::Stopped) {
+        body.sleep = Sleep::Frozen;
+    }
+}
+
+/// Notes which bodies' forces may have changed: those that are not frozen, and those in pairs that do not rest; or `all`.
+pub(super) fn stir(bodies: &mut [SoftBody], pairs: &[SoftPair], all: bool) {
+    for body in bodies.iter_mut() {
+        body.stirred = all || body.sleep != Sleep::Frozen;
+    }
+    for pair in pairs {
+        if pair.rests(bodies) {
+            continue;
+        }
+        let of_a = match pair.a {
+            DeformablePartner::Deformable(i) => Some(i),
+            _ => None,
+        };
+        for i in of_a.into_iter().chain([pair.b]) {
+            if let Some(body) = bodies.get_mut(i as usize) {
+                body.stirred = true;
+            }
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! The active set of deformable bodies: which are frozen, and when they wake.
+//!
+//! A body rests when over a spell its nodes have hardly moved, their kinetic energy was small all the time, and the
+//! means of net force and moment, which are what its momentum and angular momentum have changed by, were small. What
+//! still rings inside it is then taken out by kinetic damping: it is stopped whenever its kinetic energy begins to
+//! fall, which for one mode of vibration is where it is in equilibrium. If the forces left on its nodes are small where it has
+//! stopped, it stays there: nothing of it is computed any more but its contacts with what is awake. It wakes when
+//! these leave twice as much on its nodes. What changes by less is not passed on.
+//!
+//! All decisions are functions of the state, so they are the same in every run.
+
+use super::each::on_each_with;
+use super::{Deformables, Scratch, State, centroid};
+use crate::deformable::DeformableModel;
+use crate::error::SolveError;
+use crate::parameters::WorldParameters;
+use crate::world::World;
+use femdem_contact::deform::DeformableBatch;
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// What is known of a body's rest.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct Rest {
+    /// Whether it is frozen.
+    pub asleep: bool,
+    /// Steps of the present spell.
+    steps: u32,
+    /// Kinetic energy at the end of the last step, J.
+    energy: f64,
+    /// How the present spell began.
+    start: Start,
+}
+
+/// A frozen body wakes when what is left on its nodes is so many times the tolerance that it fell asleep with.
+const WAKE: f64 = 2.0;
+
+/// A body at the beginning of a spell.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+struct Start {
+    /// s.
+    time: f64,
+    /// m; empty before the first spell.
+    positions: Vec<Vector3>,
+    centre: Vector3,
+    /// kg m/s.
+    momentum: Vector3,
+    /// About the centre, kg m^2/s.
+    angular_momentum: Vector3,
+}
+
+/// What a body has done at the end of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Change {
+    None,
+    /// It was stopped and goes on; kinetic energy lost, J.
+    Stopped(f64),
+    /// It was stopped and stays; kinetic energy lost, J.
+    Asleep(f64),
+    Awake,
+}
+
+impl World {
+    /// Freezes and wakes deformable bodies; called after every step.
+    pub(in crate::world) fn rest_deformables(&mut self) -> Result<(), SolveError> {
+        let rule = &self.parameters.sleeping;
+        if !(rule.enabled && rule.deformables) {
+            return Ok(());
+        }
+        let (time, steps, parameters) = (self.time, self.steps, &self.parameters);
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return Ok(());
+        };
+        let Deformables {
+            models,
+            bodies,
+            batch,
+            ..
+        } = deformables;
+        let changes = on_each_with(bodies, Scratch::default, |scratch, i, body| {
+            let judge = Judge {
+                parameters,
+                batch,
+                body: i as u32,
+                model: &models[body.model as usize].model,
+                time,
+            };
+            judge.judge(body, scratch)
+        });
+        for (i, change) in changes.into_iter().enumerate() {
+            match change.map_err(|error| error.in_body(i, steps, time))? {
+                Change::None => {}
+                Change::Stopped(energy) => self.flows.frozen += energy,
+                Change::Asleep(energy) => {
+                    self.flows.frozen += energy;
+                    deformables.batch.set_awake(i as u32, false);
+                }
+                Change::Awake => deformables.wake(i),
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of deformable bodies that are not frozen.
+    #[must_use]
+    pub fn awake_deformable_count(&self) -> usize {
+        let bodies = self.deformables.as_deref().map_or(&[][..], |d| &d.bodies);
+        bodies.iter().filter(|body| !body.rest.asleep).count()
+    }
+}
+
+impl Deformables {
+    /// Wakes a body.
+    pub(in crate::world) fn wake(&mut self, i: usize) {
+        if let Some(body) = self.bodies.get_mut(i) {
+            body.rest = Rest::default();
+            self.batch.set_awake(i as u32, true);
+            // That was without it.
+            self.bound = None;
+        }
+    }
+
+    /// Wakes all bodies.
+    pub(in crate::world) fn wake_all(&mut self) {
+        for i in 0..self.bodies.len() {
+            self.wake(i);
+        }
+    }
+}
+
+/// What a body is judged by.
+struct Judge<'a> {
+    parameters: &'a WorldParameters,
+    batch: &'a DeformableBatch,
+    body: u32,
+    model: &'a DeformableModel,
+    /// s.
+    time: f64,
+}
+
+impl Judge<'_> {
+    fn judge(&self, state: &mut State, scratch: &mut Scratch) -> Result<Change, SolveError> {
+        let mut rest = std::mem::take(&mut state.rest);
+        let change = if rest.asleep {
+            Ok(self.watch(state))
+        } else {
+            self.settle(&mut rest, state, scratch)
+        };
+        state.rest = rest;
+        change
+    }
+
+    /// Whether a frozen body wakes.
+    fn watch(&self, state: &State) -> Change {
+        let limit = WAKE * self.parameters.sleeping.tolerance;
+        if self.batch.is_stirred(self.body) && self.imbalance(state) > limit {
+            Change::Awake
+        } else {
+            Change::None
+        }
+    }
+
+    /// The larger of the weight and half of what the contacts bear, N.
+    fn load_scale(&self) -> f64 {
+        let forces = self.batch.forces(self.body);
+        let borne: f64 = forces.iter().map(Vector3::norm).sum();
+        let mass: f64 = self.model.masses().iter().sum();
+        f64::max(0.5 * borne, mass * self.parameters.gravity.norm())
+    }
+
+    /// m.
+    fn diameter(&self, state: &State) -> f64 {
+        2.0 * self.batch.shapes()[state.model as usize].radius()
+    }
+
+    /// Follows a body that is awake, and stops it if it rests.
+    fn settle(
+        &self,
+        rest: &mut Rest,
+        state: &mut State,
+        scratch: &mut Scratch,
+    ) -> Result<Change, SolveError> {
+        let rule = &self.parameters.sleeping;
+        let spell = rule.window.saturating_add(rule.steps);
+        let energy = state.kinetic_energy(self.model.masses());
+        let before = std::mem::replace(&mut rest.energy, energy);
+        let may_rest = self.batch.touches(self.body) && state.boundary.is_free();
+        let scale = self.load_scale() * self.diameter(state);
+        if !may_rest || energy.is_nan() || energy >= rule.ringing * scale {
+            rest.steps = 0;
+            return Ok(Change::None);
+        }
+        rest.steps = rest.steps.saturating_add(1);
+        let is_new = rest.steps == 1 || rest.steps > spell.saturating_mul(2);
+        if is_new || (rest.steps == spell && !self.has_rested(&rest.start, state, scale)) {
+            rest.steps = 1;
+            rest.start = self.start(state);
+            return Ok(Change::None);
+        }
+        if rest.steps < spell || energy >= before {
+            return Ok(Change::None);
+        }
+        state.velocities.fill(Vector3::zeros());
+        state.fastest = 0.0;
+        state.strain(self.model, scratch, self.time, false)?;
+        rest.energy = 0.0;
+        if self.imbalance(state) < rule.tolerance {
+            rest.asleep = true;
+            state.internal.viscous_power = 0.0;
+            state.internal.plastic_work = 0.0;
+            return Ok(Change::Asleep(energy));
+        }
+        Ok(Change::Stopped(energy))
+    }
+
+    fn start(&self, state: &State) -> Start {
+        let centre = centroid(&state.positions, self.model.masses());
+        let [momentum, angular_momentum] = self.momenta(state, &centre);
+        Start {
+            time: self.time,
+            positions: state.positions.clone(),
+            centre,
+            momentum,
+            angular_momentum,
+        }
+    }
+
+    /// Momentum, and angular momentum about a point.
+    fn momenta(&self, state: &State, about: &Vector3) -> [Vector3; 2] {
+        let nodes = state.positions.iter().zip(&state.velocities);
+        let mut sums = [Vector3::zeros(); 2];
+        for ((x, v), m) in nodes.zip(self.model.masses()) {
+            let momentum = v * *m;
+            sums[0] += momentum;
+            sums[1] += (x - about).cross(&momentum);
+        }
+        sums
+    }
+
+    /// Whether a body has rested since the beginning of a spell. `scale` is its load scale times its diameter, J.
+    fn has_rested(&self, start: &Start, state: &State, scale: f64) -> bool {
+        let rule = &self.parameters.sleeping;
+        let time = self.time - start.time;
+        let nodes = state.positions.iter().zip(&start.positions);
+        let creep: f64 = nodes
+            .zip(self.model.masses())
+            .map(|((x, y), m)| 0.5 * m * (x - y).norm_squared() / (time * time))
+            .sum();
+        let diameter = self.diameter(state);
+        let [momentum, angular_momentum] = self.momenta(state, &start.centre);
+        let force = (momentum - start.momentum).norm() / time;
+        let moment = (angular_momentum - start.angular_momentum).norm() / time;
+        let bound = rule.tolerance * scale;
+        creep < rule.creep * scale && force * diameter < bound && moment < bound
+    }
+
+    /// What is left of balance in a body at rest: the forces left on its nodes over those that bear on them, both as sums
+    /// of norms; their sum over the load scale; or their moment over that times the diameter; the largest of these.
+    fn imbalance(&self, state: &State) -> f64 {
+        let (gravity, masses) = (self.parameters.gravity, self.model.masses());
+        let centre = centroid(&state.positions, masses);
+        let forces = self.batch.forces(self.body).iter();
+        let contacts = forces.zip(self.batch.damping_forces(self.body));
+        let nodes = state.strain_forces.iter().zip(masses).zip(&state.positions);
+        let (mut left, mut borne) = (0.0, 0.0);
+        let mut wrench = [Vector3::zeros(); 2];
+        for ((all, damping), ((strain, m), x)) in contacts.zip(nodes) {
+            let outer = all - damping + gravity * *m;
+            let net = outer + strain;
+            left += net.norm();
+            borne += outer.norm();
+            wrench[0] += net;
+            wrench[1] += (x - centre).cross(&net);
+        }
+        let [force, moment] = wrench.map(|part| part.norm() / self.load_scale());
+        f64::max(left / borne, force).max(moment / self.diameter(state))
+    }
+}

@@ -1,0 +1,226 @@
+//! Deformable bodies at rest are frozen, and wake when something else bears on them.
+
+use crate::block;
+use femdem_contact::Wall;
+use femdem_mesh::catalogue::CatalogueShape;
+use femdem_mesh::{Pose, Vector3};
+use femdem_solve::deformable::{Boundary, Selection};
+use femdem_solve::element::Element;
+use femdem_solve::{
+    BodySpec, ContactStiffness, DeformableSpec, Drive, SleepParameters, World, WorldParameters,
+};
+
+/// Edge of a cube, m.
+const EDGE: f64 = 0.1;
+const WEIGHT: f64 = 1000.0 * EDGE * EDGE * EDGE * 9.81;
+
+/// A floor, a model of cubes and as many of them in a column as gaps (m) between them are given.
+fn column(element: Element, gaps: &[f64]) -> World {
+    let mut p = WorldParameters::default();
+    p.sleeping.deformables = true;
+    let mut world = World::new(p).unwrap();
+    let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+    world.add_wall(floor, Drive::Fixed).unwrap();
+    let cells = if element == Element::T4 { 2 } else { 1 };
+    let model = block([cells; 3], [EDGE; 3], element, 1e6);
+    let model = world
+        .add_model("cube", model, ContactStiffness::default())
+        .unwrap();
+    let mut top = 0.0;
+    for gap in gaps {
+        let place = Pose::translation(0.0, 0.0, top + gap + 0.5 * EDGE);
+        world
+            .add_deformable(DeformableSpec::at_rest(model, place))
+            .unwrap();
+        top += gap + EDGE;
+    }
+    world
+}
+
+fn step_for(world: &mut World, time: f64) {
+    let until = world.time() + time;
+    while world.time() < until {
+        world.step().unwrap();
+    }
+}
+
+/// Steps until all deformable bodies are frozen.
+fn settle(world: &mut World, within: f64) {
+    let until = world.time() + within;
+    while world.awake_deformable_count() > 0 {
+        world.step().unwrap();
+        assert!(
+            world.time() < until,
+            "{} are awake",
+            world.awake_deformable_count()
+        );
+    }
+}
+
+/// Heights of the lowest and the highest node, m.
+fn reach(world: &World, id: u32) -> [f64; 2] {
+    let body = world.deformable(id).unwrap();
+    let heights = || body.positions().iter().map(|x| x.z);
+    [
+        heights().fold(f64::MAX, f64::min),
+        heights().fold(f64::MIN, f64::max),
+    ]
+}
+
+/// What comes down falls asleep in equilibrium: its floor bears it, what is asleep is motionless, the ledger closes, and
+/// woken for good it stays where it is.
+#[test]
+fn a_column_falls_asleep_in_equilibrium() {
+    for element in [Element::T4, Element::T10] {
+        let mut world = column(element, &[0.002, 0.001]);
+        let mut before = 0.0;
+        while world.ledger().frozen == 0.0 {
+            before = world.ledger().error();
+            step_for(&mut world, 0.01);
+        }
+        settle(&mut world, 3.0);
+        // The forces of all contacts with the bodies at rest.
+        world.step().unwrap();
+        assert_eq!(world.kinetic_energy(), 0.0);
+        let floor = -world.wall_load(0).unwrap().total.force.z;
+        // A sleeper may be out of balance by 6 % of its load scale, which is 1 and 1.5 weights.
+        let error = (floor / WEIGHT - 2.0).abs();
+        assert!(error < 0.06 * 2.5, "{element:?} {floor}");
+        let ledger = world.ledger();
+        let lost = ledger.error() - before;
+        assert!(lost.abs() < 0.01 * ledger.frozen, "{lost} {ledger:?}");
+        let before = [0, 1].map(|i| reach(&world, i)[0]);
+        world.set_sleeping(false);
+        step_for(&mut world, 0.2);
+        for (i, z) in (0..).zip(before) {
+            // Of what the weight of a cube presses into its contact, 120 um.
+            let moved = reach(&world, i)[0] - z;
+            assert!(moved.abs() < 1e-5, "{element:?}: {i} moves by {moved}");
+        }
+    }
+}
+
+/// A sleeper that is struck wakes and is deformed as one that never slept.
+#[test]
+fn a_blow_wakes_a_sleeper() {
+    let strike = |sleeps: bool| {
+        let mut world = column(Element::T4, &[0.001]);
+        settle(&mut world, 2.0);
+        if !sleeps {
+            world.set_sleeping(false);
+        }
+        let fall = DeformableSpec {
+            velocity: Vector3::new(0.0, 0.0, -0.5),
+            ..DeformableSpec::at_rest(0, Pose::translation(0.0, 0.0, 1.5 * EDGE + 1e-4))
+        };
+        world.add_deformable(fall).unwrap();
+        step_for(&mut world, 0.01);
+        let body = world.deformable(0).unwrap();
+        assert!(!body.is_asleep());
+        body.internal().energy
+    };
+    let (slept, awake) = (strike(true), strike(false));
+    assert!((slept / awake - 1.0).abs() < 0.04, "{slept} {awake}");
+}
+
+/// A rigid body that is put on a sleeper wakes it; one that weighs a hundredth of it does not.
+#[test]
+fn a_load_wakes_a_sleeper_and_a_trifle_does_not() {
+    for (density, wakes) in [(1000.0, true), (10.0, false)] {
+        let mut world = column(Element::T4, &[0.001]);
+        settle(&mut world, 2.0);
+        let cube = "P5".parse::<CatalogueShape>().unwrap();
+        let cube = cube.polyhedron(EDGE * 3_f64.sqrt()).unwrap();
+        let shape = world.add_shape("cube", &cube).unwrap();
+        let place = Pose::translation(0.0, 0.0, reach(&world, 0)[1] + 0.5 * EDGE);
+        world
+            .add_body(BodySpec::at_rest(shape, density, place))
+            .unwrap();
+        let mut woke = false;
+        let until = world.time() + 0.1;
+        while world.time() < until {
+            world.step().unwrap();
+            woke |= world.awake_deformable_count() > 0;
+        }
+        assert_eq!(woke, wakes, "{density}");
+        assert!(world.position(0).unwrap().z > 1.4 * EDGE);
+    }
+}
+
+/// What nothing touches, what something is prescribed for, and what moves does not sleep; nor does anything
+/// unless it is asked for.
+#[test]
+fn what_does_not_rest_stays_awake() {
+    let mut world = column(Element::T4, &[0.5]);
+    step_for(&mut world, 0.2);
+    assert_eq!(world.awake_deformable_count(), 1, "falls");
+    settle(&mut world, 3.0);
+    let mut boundary = Boundary::default();
+    let body = world.deformable(0).unwrap();
+    let (node, model, places) = (Selection::Nodes(vec![0]), body.model(), body.positions());
+    boundary
+        .drive_from(model, &node, [true; 3], Drive::Fixed, places)
+        .unwrap();
+    world.set_boundary(0, boundary).unwrap();
+    step_for(&mut world, 0.2);
+    assert_eq!(world.awake_deformable_count(), 1, "held");
+
+    let mut world = column(Element::T4, &[0.001]);
+    let rule = SleepParameters::default();
+    assert!(rule.enabled && !rule.deformables);
+    world.set_sleep_rule(rule).unwrap();
+    step_for(&mut world, 2.0);
+    assert_eq!(world.awake_deformable_count(), 1, "by default");
+}
+
+/// A wall that begins to move wakes what sleeps on it.
+#[test]
+fn a_moving_wall_wakes_sleepers() {
+    let mut world = column(Element::T4, &[0.001]);
+    settle(&mut world, 2.0);
+    let start = world.time() + 0.05;
+    let lift = Drive::Linear {
+        velocity: Vector3::new(0.0, 0.0, 0.2),
+        start,
+        end: start + 0.1,
+    };
+    world.drive_wall(0, lift).unwrap();
+    let before = reach(&world, 0)[0];
+    step_for(&mut world, 0.2);
+    assert!((reach(&world, 0)[0] - before - 0.02).abs() < 1e-3);
+}
+
+/// Sleepers go on bit for bit after a checkpoint, and with any number of threads.
+#[test]
+fn sleepers_have_the_same_bits() {
+    let run = |threads: usize, split: bool| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| {
+            let mut world = column(Element::T4, &[0.002, 0.001]);
+            let (mut slept, mut woken) = (false, false);
+            for k in 0..4000 {
+                if split && k % 750 == 0 {
+                    world = World::from_bytes(&world.to_bytes().unwrap()).unwrap();
+                }
+                let before = world.awake_deformable_count();
+                world.step().unwrap();
+                slept |= world.awake_deformable_count() < before;
+                woken |= world.awake_deformable_count() > before;
+                if k == 3200 {
+                    let place = Pose::translation(0.02, 0.0, 2.6 * EDGE);
+                    world
+                        .add_deformable(DeformableSpec::at_rest(0, place))
+                        .unwrap();
+                }
+            }
+            assert!(slept && woken, "{slept} {woken}");
+            world.to_bytes().unwrap()
+        })
+    };
+    let one = run(1, false);
+    assert!(one == run(3, false), "threads");
+    assert!(one == run(2, true), "checkpoint");
+}
