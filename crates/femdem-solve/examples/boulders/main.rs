@@ -4,7 +4,8 @@
 //! Prints lines of columns separated by tabs; each begins with the name of its table. Takes the simulated
 //! time (s), the number of threads, the number of boulders, the time (s) that they then spend in a medium
 //! that takes what rings inside them, and as long again without it, and a folder for their surfaces. With `sleep` among
-//! the arguments boulders at rest are frozen instead, and all are awake in the last part.
+//! the arguments boulders at rest are frozen instead; all are woken where the medium would begin, and awake in the
+//! last part.
 
 mod pack;
 
@@ -57,8 +58,11 @@ fn run(seconds: f64, count: usize, settling: f64, sleep: bool) -> Result<Pack, B
         pack.kinetic_energy()
     )?;
     if settling > 0.0 && sleep {
-        pack.world.set_sleeping(false);
+        // What changed by too little to wake a sleeper is passed on.
+        pack.world.wake_all();
         progress.until(seconds + settling, &mut pack, &mut out)?;
+        pack.world.set_sleeping(false);
+        progress.until(seconds + 2.0 * settling, &mut pack, &mut out)?;
     } else if settling > 0.0 {
         let drag = Medium {
             drag: DRAG,
