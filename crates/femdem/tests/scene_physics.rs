@@ -261,3 +261,31 @@ fn the_summary_has_the_largest_values() {
         );
     }
 }
+
+/// Deformable bodies at rest are frozen if the scene says so; one in which that has no effect is refused.
+#[test]
+fn deformable_bodies_sleep_if_asked_for() {
+    let scene = |keys: &str, body: &str| {
+        let text = format!(
+            "duration = 1.5\n{keys}\n{CLAY}{body}[[wall]]\nname = \"floor\"\nplane = {{ normal = [0, 0, 1] }}\n"
+        );
+        Scenario::from_toml(&text).unwrap()
+    };
+    let soft = block("position = [0, 0, 0.021]");
+    let awake = |keys: &str| {
+        let folder = tempdir().unwrap();
+        let mut job = Run::new(scene(keys, &soft)).unwrap();
+        job.advance(folder.path(), u64::MAX).unwrap();
+        job.simulation().world.awake_deformable_count()
+    };
+    assert_eq!(awake(""), 1);
+    assert_eq!(awake("sleeping-deformables = true"), 0);
+    let hard = soft.replace("deformable", "rigid");
+    for (keys, body) in [
+        ("sleeping-deformables = true", &hard),
+        ("sleeping = false\nsleeping-deformables = true", &soft),
+    ] {
+        let message = scene(keys, body).build().unwrap_err().to_string();
+        assert!(message.contains("sleeping-deformables"), "{message}");
+    }
+}

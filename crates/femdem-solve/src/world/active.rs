@@ -121,7 +121,7 @@ impl World {
         let rule = self.parameters.sleeping;
         for k in 0..self.awake.len() {
             let i = self.awake[k] as usize;
-            let load = self.batch.loads()[i];
+            let load = all_loads(&self.batch, self.deformables.as_deref())[i];
             let scale = self.scale(i, &load) * 2.0 * self.bodies[i].radius;
             let rings = self.bodies[i].kinetic_energy() >= rule.ringing * scale;
             let share = self.bodies[i].means.count(rings, rule.window);
@@ -166,7 +166,7 @@ impl World {
     /// Whether the forces on record of a frozen body balance well enough for it to sleep on. Its
     /// means follow them with a delay, and are not followed up once nothing near it is awake.
     fn holds(&self, i: u32) -> bool {
-        let load = self.batch.load_of(i);
+        let load = self.load_of(i);
         let bound = self.wake_share(i as usize, &load) * self.scale(i as usize, &load);
         let diameter = 2.0 * self.bodies[i as usize].radius;
         self.net_force(i as usize, &load).norm() < bound
@@ -180,7 +180,7 @@ impl World {
         let share = f64::from(rule.recheck) / f64::from(rule.window);
         let mut list = self.batch.sleeping_neighbours();
         list.retain(|&i| {
-            let load = self.batch.load_of(i);
+            let load = self.load_of(i);
             self.mix(i as usize, &load, share);
             let lost = load.contacts < self.bodies[i as usize].means.contacts;
             self.bodies[i as usize].means.contacts = load.contacts;
@@ -195,7 +195,7 @@ impl World {
         if self.awake.len() == self.bodies.len() {
             return Vec::new();
         }
-        let loads = self.batch.loads();
+        let loads = all_loads(&self.batch, self.deformables.as_deref());
         self.batch
             .struck_sleepers(|i, force| force > STRUCK * self.scale(i as usize, &loads[i as usize]))
     }
@@ -207,6 +207,9 @@ impl World {
         for &i in list {
             self.stop_body(i as usize);
             self.batch.set_awake(i, false);
+            if let Some(deformables) = &mut self.deformables {
+                deformables.batch.set_rigid_awake(i, false);
+            }
         }
         self.awake.retain(|i| list.binary_search(i).is_err());
     }
@@ -218,6 +221,7 @@ impl World {
         for &i in list {
             self.batch.wake_with_load(i);
             if let Some(deformables) = &mut self.deformables {
+                deformables.batch.set_rigid_awake(i, true);
                 deformables.sum_load(i, &self.batch);
             }
             let body = &mut self.bodies[i as usize];

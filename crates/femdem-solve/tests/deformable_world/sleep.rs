@@ -147,6 +147,48 @@ fn a_load_wakes_a_sleeper_and_a_trifle_does_not() {
     }
 }
 
+/// Rigid and deformable bodies on each other fall asleep together, bear the weights above them, and all wake by a blow on the
+/// uppermost.
+#[test]
+fn a_mixed_column_sleeps_and_wakes() {
+    let mut world = column(Element::T4, &[EDGE + 0.001]);
+    let cube = "P5".parse::<CatalogueShape>().unwrap();
+    let cube = cube.polyhedron(EDGE * 3_f64.sqrt()).unwrap();
+    let shape = world.add_shape("cube", &cube).unwrap();
+    let at = |z: f64| BodySpec::at_rest(shape, 1000.0, Pose::translation(0.0, 0.0, z));
+    let below = world.add_body(at(0.5 * EDGE)).unwrap();
+    let above = world.add_body(at(2.5 * EDGE + 0.002)).unwrap();
+    let all_sleep = |world: &World| world.awake_count() + world.awake_deformable_count() == 0;
+    while !all_sleep(&world) {
+        world.step().unwrap();
+        assert!(world.time() < 3.0, "{:?} are awake", world.awake());
+    }
+    for _ in 0..10 {
+        world.step().unwrap();
+    }
+    assert!(all_sleep(&world) && world.kinetic_energy() == 0.0);
+    // A rigid sleeper may be out of balance by more than a deformable one.
+    for id in [above, below] {
+        let load = world.load(id).unwrap().total.force.z / WEIGHT;
+        assert!((load - 1.0).abs() < 0.3, "{id}: {load}");
+    }
+    let places = [below, above].map(|id| world.position(id).unwrap());
+    let fall = BodySpec {
+        velocity: Vector3::new(0.0, 0.0, -1.0),
+        ..at(3.5 * EDGE + 0.001)
+    };
+    world.add_body(fall).unwrap();
+    let (mut woken, until) = (false, world.time() + 0.05);
+    while world.time() < until {
+        world.step().unwrap();
+        woken |= world.awake_count() == 3 && world.awake_deformable_count() == 1;
+    }
+    assert!(woken);
+    for (id, place) in [below, above].into_iter().zip(places) {
+        assert!(world.position(id).unwrap() != place, "{id}");
+    }
+}
+
 /// What nothing touches, what something is prescribed for, and what moves does not sleep; nor does anything
 /// unless it is asked for.
 #[test]

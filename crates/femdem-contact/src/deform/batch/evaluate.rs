@@ -3,6 +3,7 @@
 use super::RigidShape;
 use super::body::SoftBody;
 use super::pairs::{PairList, SoftPair};
+use super::sleep::Sleep;
 use crate::deform::add_up::run as run_kernel;
 use crate::deform::current::Operand;
 use crate::deform::kernel::{DeformableKernel, DeformableScratch};
@@ -26,6 +27,7 @@ pub(crate) struct Context<'a> {
     pub shapes: &'a [Arc<DeformableShape>],
     pub rigid_shapes: &'a [RigidShape],
     pub rigid_kinds: &'a [u32],
+    pub rigid_sleep: &'a [Sleep],
     pub wall_shapes: &'a [WallShape],
     pub states: &'a [NodalState<'a>],
     pub rigid: &'a [Motion],
@@ -84,7 +86,7 @@ impl Context<'_> {
     /// Forgets the last update of a pair. Whether it must be evaluated: one that is known to be clear does not
     /// touch, and one at rest stays as it is.
     fn begin(&self, pair: &mut SoftPair, bodies: &[SoftBody]) -> bool {
-        if pair.rests(bodies) {
+        if pair.rests(bodies, self.rigid_sleep) {
             return false;
         }
         pair.failure = None;

@@ -23,6 +23,7 @@ use evaluate::Context;
 use femdem_mesh::Vector3;
 use pairs::{PairList, Part, Touching};
 use serde::{Deserialize, Serialize};
+use sleep::Sleep;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -41,6 +42,7 @@ pub struct DeformableBatch {
     rigid_shapes: Vec<RigidShape>,
     bodies: Vec<SoftBody>,
     rigid: Vec<u32>,
+    rigid_sleep: Vec<Sleep>,
     walls: Vec<WallShape>,
     pairs: PairList,
     /// Friction that pairs begin with, until they are found.
@@ -82,6 +84,7 @@ impl DeformableBatch {
             rigid_shapes: Vec::new(),
             bodies: Vec::new(),
             rigid: Vec::new(),
+            rigid_sleep: Vec::new(),
             walls: Vec::new(),
             pairs: PairList::default(),
             starts: BTreeMap::new(),
@@ -169,6 +172,7 @@ impl DeformableBatch {
             return Err(no_shape(shape, self.rigid_shapes.len()));
         }
         self.rigid.push(shape);
+        self.rigid_sleep.push(Sleep::Awake);
         self.rigid_loads.push(Load::default());
         self.rigid_resistances.push(Resistance::default());
         self.pairs.forget_search();
@@ -277,6 +281,7 @@ impl DeformableBatch {
             shapes: &self.shapes,
             rigid_shapes: &self.rigid_shapes,
             rigid_kinds: &self.rigid,
+            rigid_sleep: &self.rigid_sleep,
             wall_shapes: &self.walls,
             states: bodies,
             rigid,
@@ -300,7 +305,7 @@ impl DeformableBatch {
         }
         result?;
         self.gather(found);
-        sleep::settle(&mut self.bodies);
+        self.settle();
         Ok(())
     }
 
@@ -317,7 +322,7 @@ impl DeformableBatch {
     /// Sums the forces in the order of the pairs; on bodies among sleepers only if `all`.
     fn gather(&mut self, all: bool) {
         let pairs = self.pairs.list();
-        sleep::stir(&mut self.bodies, pairs, all);
+        sleep::stir(&mut self.bodies, &self.rigid_sleep, pairs, all);
         self.rigid_loads.fill(Load::default());
         self.rigid_resistances.fill(Resistance::default());
         self.wall_loads.fill(Load::default());

@@ -50,7 +50,7 @@ impl SoftPair {
     }
 
     /// Whether all its bodies are frozen, so that it stays as it is.
-    pub fn rests(&self, bodies: &[SoftBody]) -> bool {
+    pub fn rests(&self, bodies: &[SoftBody], rigid: &[Sleep]) -> bool {
         let frozen = |i: u32| {
             let body = bodies.get(i as usize);
             body.is_some_and(|body| body.sleep == Sleep::Frozen)
@@ -58,7 +58,7 @@ impl SoftPair {
         frozen(self.b)
             && match self.a {
                 DeformablePartner::Deformable(i) => frozen(i),
-                DeformablePartner::Rigid(_) => false,
+                DeformablePartner::Rigid(i) => rigid.get(i as usize) == Some(&Sleep::Frozen),
                 DeformablePartner::Wall(_) => true,
             }
     }
@@ -171,7 +171,8 @@ impl PairList {
     /// their trees, if a pair must look for candidates anew.
     pub fn wanted(&mut self, context: &Context, bodies: &[SoftBody]) -> Vec<Wanted> {
         let mut wanted = vec![Wanted::default(); bodies.len()];
-        for pair in self.list.iter_mut().filter(|pair| !pair.rests(bodies)) {
+        let rigid = context.rigid_sleep;
+        for pair in self.list.iter_mut().filter(|p| !p.rests(bodies, rigid)) {
             if let (DeformablePartner::Wall(w), Some(body)) = (pair.a, bodies.get(pair.b as usize))
             {
                 let (solid, fresh) = context.wall(&mut pair.local, w, body);

@@ -139,15 +139,12 @@ impl World {
         Ok(())
     }
 
-    /// Keeps rigid bodies awake that a deformable one touches.
+    /// Keeps rigid bodies awake that a deformable one touches which is awake.
     fn wake_touched(&mut self) {
         let Some(deformables) = self.deformables.as_deref() else {
             return;
         };
-        let loads = deformables.batch.rigid_loads().iter().zip(0..);
-        let touched: Vec<u32> = loads
-            .filter_map(|(load, i)| (load.contacts > 0).then_some(i))
-            .collect();
+        let touched = deformables.batch.rigid_beside_awake();
         for &i in &touched {
             self.bodies[i as usize].quiet_steps = 0;
         }
