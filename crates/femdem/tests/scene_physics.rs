@@ -267,7 +267,7 @@ fn the_summary_has_the_largest_values() {
 fn deformable_bodies_sleep_if_asked_for() {
     let scene = |keys: &str, body: &str| {
         let text = format!(
-            "duration = 1.5\n{keys}\n{CLAY}{body}[[wall]]\nname = \"floor\"\nplane = {{ normal = [0, 0, 1] }}\n"
+            "duration = 0.5\nevery = 0.5\n{keys}\n{CLAY}{body}[[wall]]\nname = \"floor\"\nplane = {{ normal = [0, 0, 1] }}\n"
         );
         Scenario::from_toml(&text).unwrap()
     };
