@@ -151,7 +151,8 @@ pub struct SleepParameters {
     /// Whether deformable bodies may sleep too, those without anything prescribed. One that has rested for the window and
     /// the steps below is stopped where its kinetic energy begins to fall, and stays if the forces left on
     /// its nodes are below `tolerance` of what bears on them, both as sums of norms, and what is left of net force and
-    /// moment is below `tolerance` as above; it wakes when one exceeds twice as much. Off by default: what sleeps does not follow loads that change by less, nor do its stresses.
+    /// moment is below `tolerance` as above; it wakes when one exceeds twice as much. Off by default: what sleeps
+    /// does not follow loads that change by less, nor do its stresses.
     /// Rigid bodies that touch a deformable one sleep only if it does.
     #[serde(default)]
     pub deformables: bool,

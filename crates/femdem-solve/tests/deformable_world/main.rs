@@ -40,6 +40,12 @@ fn smooth(safety: f64) -> WorldParameters {
     p
 }
 
+/// `work` with so many threads.
+fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.unwrap().install(work)
+}
+
 fn total(world: &World) -> f64 {
     world.ledger().final_energy()
 }
@@ -331,11 +337,7 @@ fn a_deformable_body_far_away_changes_nothing() {
 #[test]
 fn the_same_bits_after_a_checkpoint_and_with_threads() {
     let run = |threads: usize, split: bool| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| {
+        on_threads(threads, || {
             let mut world = on_a_slope(Slope::Deformable, 0.3, 0.4);
             let a10 = "A10"
                 .parse::<CatalogueShape>()

@@ -1,6 +1,6 @@
 //! Deformable bodies at rest are frozen, and wake when something else bears on them.
 
-use crate::block;
+use crate::{block, on_threads};
 use femdem_contact::Wall;
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::{Pose, Vector3};
@@ -236,11 +236,7 @@ fn a_moving_wall_wakes_sleepers() {
 #[test]
 fn sleepers_have_the_same_bits() {
     let run = |threads: usize, split: bool| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| {
+        on_threads(threads, || {
             let mut world = column(Element::T4, &[0.002, 0.001]);
             let (mut slept, mut woken) = (false, false);
             for k in 0..4000 {

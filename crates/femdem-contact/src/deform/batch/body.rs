@@ -269,6 +269,7 @@ pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Cont
         {
             body.refit(&operand);
         }
+        // Its pairs that rest still have moments against rocking to be spread by it.
         if body.sleep == Sleep::Frozen && !wanted.turning {
             return;
         }

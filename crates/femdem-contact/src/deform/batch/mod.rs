@@ -150,7 +150,7 @@ impl DeformableBatch {
             });
         };
         soft.modulus = modulus;
-        self.evaluate_all();
+        soft.sleep.stir();
         Ok(())
     }
 
@@ -314,7 +314,9 @@ impl DeformableBatch {
     /// the triangles in contact in proportion to what presses on them. It counts at the next
     /// update, if the pair touches then and has no friction yet.
     pub fn begin_friction(&mut self, a: DeformablePartner, b: u32, force: Vector3, torsion: f64) {
-        self.evaluate_all();
+        if let Some(body) = self.bodies.get_mut(b as usize) {
+            body.sleep.stir();
+        }
         let start = FrictionStart { force, torsion };
         self.starts.insert((a, b), start);
     }

@@ -49,6 +49,15 @@ impl SoftPair {
         (self.a, self.b)
     }
 
+    /// Its deformable bodies.
+    pub fn deformables(&self) -> impl Iterator<Item = u32> + use<> {
+        let of_a = match self.a {
+            DeformablePartner::Deformable(i) => Some(i),
+            _ => None,
+        };
+        of_a.into_iter().chain([self.b])
+    }
+
     /// Whether all its bodies are frozen, so that it stays as it is.
     pub fn rests(&self, bodies: &[SoftBody], rigid: &[Sleep]) -> bool {
         let frozen = |i: u32| {
@@ -189,11 +198,7 @@ impl PairList {
                 continue;
             }
             let is_stale = pair.candidates.is_expired(motion);
-            let of_a = match pair.a {
-                DeformablePartner::Deformable(i) => Some(i),
-                _ => None,
-            };
-            for i in of_a.into_iter().chain([pair.b]) {
+            for i in pair.deformables() {
                 if let Some(of_body) = wanted.get_mut(i as usize) {
                     of_body.turning = true;
                     of_body.tree |= is_stale;

@@ -26,8 +26,8 @@ impl Sleep {
         };
     }
 
-    /// Has the next update evaluate what it is in, once more.
-    fn stir(&mut self) {
+    /// Has the next update evaluate all pairs that it is in, once more.
+    pub fn stir(&mut self) {
         if *self == Self::Frozen {
             *self = Self::Stopped;
         }
@@ -111,11 +111,7 @@ pub(super) fn stir(bodies: &mut [SoftBody], rigid: &[Sleep], pairs: &[SoftPair],
         if pair.rests(bodies, rigid) {
             continue;
         }
-        let of_a = match pair.a {
-            DeformablePartner::Deformable(i) => Some(i),
-            _ => None,
-        };
-        for i in of_a.into_iter().chain([pair.b]) {
+        for i in pair.deformables() {
             if let Some(body) = bodies.get_mut(i as usize) {
                 body.stirred = true;
             }

@@ -100,16 +100,13 @@ impl<'a> Deformable<'a> {
     /// Linear momentum, kg m/s.
     #[must_use]
     pub fn momentum(&self) -> Vector3 {
-        let nodes = self.state.velocities.iter().zip(self.model().masses());
-        nodes.map(|(v, m)| v * *m).sum()
+        self.state.momentum(self.model().masses())
     }
 
     /// Angular momentum about a point, kg m^2/s.
     #[must_use]
     pub fn angular_momentum(&self, about: &Vector3) -> Vector3 {
-        let nodes = self.positions().iter().zip(self.velocities());
-        let nodes = nodes.zip(self.model().masses());
-        nodes.map(|((x, v), m)| (x - about).cross(v) * *m).sum()
+        self.state.angular_momentum(self.model().masses(), about)
     }
 
     /// Whether it is frozen (see [`SleepParameters::deformables`](crate::SleepParameters::deformables)).
@@ -145,6 +142,19 @@ impl State {
     pub fn kinetic_energy(&self, masses: &[f64]) -> f64 {
         let nodes = self.velocities.iter().zip(masses);
         nodes.map(|(v, m)| 0.5 * m * v.norm_squared()).sum()
+    }
+
+    /// kg m/s.
+    pub fn momentum(&self, masses: &[f64]) -> Vector3 {
+        let nodes = self.velocities.iter().zip(masses);
+        nodes.map(|(v, m)| v * *m).sum()
+    }
+
+    /// Angular momentum about a point, kg m^2/s.
+    pub fn angular_momentum(&self, masses: &[f64], about: &Vector3) -> Vector3 {
+        let nodes = self.positions.iter().zip(&self.velocities);
+        let nodes = nodes.zip(masses);
+        nodes.map(|((x, v), m)| (x - about).cross(v) * *m).sum()
     }
 
     /// Potential energy in gravity relative to the origin, J.

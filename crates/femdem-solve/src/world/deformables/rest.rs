@@ -19,6 +19,9 @@ use femdem_contact::deform::DeformableBatch;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
+/// A frozen body wakes when what is left on its nodes is so many times the tolerance that it fell asleep with.
+const WAKE: f64 = 2.0;
+
 /// What is known of a body's rest.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Rest {
@@ -31,9 +34,6 @@ pub(crate) struct Rest {
     /// How the present spell began.
     start: Start,
 }
-
-/// A frozen body wakes when what is left on its nodes is so many times the tolerance that it fell asleep with.
-const WAKE: f64 = 2.0;
 
 /// A body at the beginning of a spell.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -214,42 +214,30 @@ impl Judge<'_> {
     }
 
     fn start(&self, state: &State) -> Start {
-        let centre = centroid(&state.positions, self.model.masses());
-        let [momentum, angular_momentum] = self.momenta(state, &centre);
+        let masses = self.model.masses();
+        let centre = centroid(&state.positions, masses);
         Start {
             time: self.time,
             positions: state.positions.clone(),
             centre,
-            momentum,
-            angular_momentum,
+            momentum: state.momentum(masses),
+            angular_momentum: state.angular_momentum(masses, &centre),
         }
-    }
-
-    /// Momentum, and angular momentum about a point.
-    fn momenta(&self, state: &State, about: &Vector3) -> [Vector3; 2] {
-        let nodes = state.positions.iter().zip(&state.velocities);
-        let mut sums = [Vector3::zeros(); 2];
-        for ((x, v), m) in nodes.zip(self.model.masses()) {
-            let momentum = v * *m;
-            sums[0] += momentum;
-            sums[1] += (x - about).cross(&momentum);
-        }
-        sums
     }
 
     /// Whether a body has rested since the beginning of a spell. `scale` is its load scale times its diameter, J.
     fn has_rested(&self, start: &Start, state: &State, scale: f64) -> bool {
-        let rule = &self.parameters.sleeping;
+        let (rule, masses) = (&self.parameters.sleeping, self.model.masses());
         let time = self.time - start.time;
         let nodes = state.positions.iter().zip(&start.positions);
         let creep: f64 = nodes
-            .zip(self.model.masses())
+            .zip(masses)
             .map(|((x, y), m)| 0.5 * m * (x - y).norm_squared() / (time * time))
             .sum();
         let diameter = self.diameter(state);
-        let [momentum, angular_momentum] = self.momenta(state, &start.centre);
-        let force = (momentum - start.momentum).norm() / time;
-        let moment = (angular_momentum - start.angular_momentum).norm() / time;
+        let force = (state.momentum(masses) - start.momentum).norm() / time;
+        let turning = state.angular_momentum(masses, &start.centre);
+        let moment = (turning - start.angular_momentum).norm() / time;
         let bound = rule.tolerance * scale;
         creep < rule.creep * scale && force * diameter < bound && moment < bound
     }
@@ -272,7 +260,8 @@ impl Judge<'_> {
             wrench[0] += net;
             wrench[1] += (x - centre).cross(&net);
         }
-        let [force, moment] = wrench.map(|part| part.norm() / self.load_scale());
+        let scale = self.load_scale();
+        let [force, moment] = wrench.map(|part| part.norm() / scale);
         f64::max(left / borne, force).max(moment / self.diameter(state))
     }
 }
