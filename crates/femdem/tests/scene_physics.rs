@@ -262,7 +262,8 @@ fn the_summary_has_the_largest_values() {
     }
 }
 
-/// Deformable bodies at rest are frozen if the scene says so; one in which that has no effect is refused.
+/// Deformable bodies at rest are frozen if the scene says so, which frames show; one in which that has no effect is
+/// refused.
 #[test]
 fn deformable_bodies_sleep_if_asked_for() {
     let scene = |keys: &str, body: &str| {
@@ -276,10 +277,16 @@ fn deformable_bodies_sleep_if_asked_for() {
         let folder = tempdir().unwrap();
         let mut job = Run::new(scene(keys, &soft)).unwrap();
         job.advance(folder.path(), u64::MAX).unwrap();
-        job.simulation().world.awake_deformable_count()
+        let mut frame = Vec::new();
+        job.simulation().write_deformables(&mut frame).unwrap();
+        let frame = String::from_utf8(frame).unwrap();
+        assert!(frame.contains("Name=\"sleeping\""), "{frame}");
+        // Bytes that are all 1, in base64.
+        let shown = frame.contains("AQEBAQEB");
+        (job.simulation().world.awake_deformable_count(), shown)
     };
-    assert_eq!(awake(""), 1);
-    assert_eq!(awake("sleeping-deformables = true"), 0);
+    assert_eq!(awake(""), (1, false));
+    assert_eq!(awake("sleeping-deformables = true"), (0, true));
     let hard = soft.replace("deformable", "rigid");
     for (keys, body) in [
         ("sleeping-deformables = true", &hard),

@@ -4,7 +4,8 @@
 //! Point data: `displacement` (m, from where the body was placed), `velocity` (m/s). Cell data: `body`
 //! (number among the members), `region`, `von_mises`, `pressure` (Pa, positive in compression),
 //! `principal_stress` (Pa, three components, largest first), `stress` (Pa, the components xx, yy, zz, xy, yz
-//! and xz, tension positive), `volume_ratio`, and `plastic_strain` where a material has one.
+//! and xz, tension positive), `volume_ratio`, `sleeping` (1 where the body is frozen), and `plastic_strain` where a
+//! material has one.
 
 use std::io::{self, Write};
 
@@ -167,6 +168,8 @@ fn cell_data<'a>(out: &mut Document<'a>, bodies: &'a [Strained]) {
     );
     out.floats("stress", 6, stresses().flat_map(components));
     out.floats("volume_ratio", 1, stresses().map(|s| s.volume_ratio));
+    let asleep = |b: &Strained| vec![u8::from(b.body.is_asleep()); b.stresses.len()];
+    out.bytes("sleeping", bodies.iter().flat_map(asleep));
     if bodies.iter().any(|b| b.plastic_strains.is_some()) {
         let strains = |b: &Strained| {
             let zero = || vec![0.0; b.stresses.len()];
