@@ -370,8 +370,26 @@ fn sleepers_at_rest_have_the_forces_of_awake_bodies() {
         }
         both([&mut awake, &mut asleep]);
     }
+    // A wall in what sleeps.
+    let place = asleep.bodies[1].x[0];
+    for scene in [&mut awake, &mut asleep] {
+        let touching = scene.batch.totals().touching;
+        let lid = Wall::half_space("lid", Vector3::y(), place.y + 0.05).unwrap();
+        scene.batch.add_wall(lid);
+        scene.walls.push(Motion::fixed(Frame::identity()));
+        scene.update().unwrap();
+        assert!(scene.batch.totals().touching > touching);
+    }
+    both([&mut awake, &mut asleep]);
     let stiffer = law(|p| p.penalty *= 2.0);
     awake.batch.set_law(stiffer);
     asleep.batch.set_law(stiffer);
     both([&mut awake, &mut asleep]);
+    asleep.velocities[1].pop();
+    let node_count = ContactError::NodeCount {
+        body: 1,
+        given: asleep.velocities[1].len(),
+        expected: asleep.bodies[1].x.len(),
+    };
+    assert_eq!(asleep.update(), Err(node_count));
 }

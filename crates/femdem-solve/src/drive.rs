@@ -248,33 +248,50 @@ impl Drive {
 
     /// Whether it moves at time `t` or within `ahead` after it.
     pub(crate) fn is_active(&self, t: f64, ahead: f64) -> bool {
-        let (from, to) = match *self {
-            Self::Fixed => return false,
-            Self::Linear { start, end, .. } | Self::Turn { start, end, .. } => (start, end),
+        let within = |from: f64, to: f64| t + ahead >= from && t <= to;
+        match *self {
+            Self::Fixed => false,
+            Self::Linear {
+                velocity,
+                start,
+                end,
+            } => velocity != Vector3::zeros() && within(start, end),
+            Self::Turn {
+                rate, start, end, ..
+            } => rate != 0.0 && within(start, end),
             Self::Shake {
+                stroke,
                 frequency,
                 start,
                 periods,
-                ..
+            } => {
+                stroke != Vector3::zeros() && within(start, start + f64::from(periods) / frequency)
             }
-            | Self::Rock {
+            Self::Rock {
+                stroke,
                 frequency,
                 start,
                 periods,
                 ..
-            } => (start, start + f64::from(periods) / frequency),
+            } => stroke != 0.0 && within(start, start + f64::from(periods) / frequency),
             Self::Tap {
+                stroke,
                 frequency,
                 start,
                 interval,
                 taps,
-                ..
             } => {
-                let last = start + interval * f64::from(taps.saturating_sub(1));
-                (start, last + 1.0 / frequency)
+                if taps == 0 || stroke == Vector3::zeros() {
+                    return false;
+                }
+                // The last tap that has begun by then, or by round-off the one before: others are over.
+                let begun = ((t + ahead - start) / interval).floor();
+                [begun, begun - 1.0].into_iter().any(|number| {
+                    let from = start + interval * number.clamp(0.0, f64::from(taps - 1));
+                    within(from, from + 1.0 / frequency)
+                })
             }
-        };
-        t + ahead >= from && t <= to
+        }
     }
 
     /// Where it is at time `t`.

@@ -143,6 +143,7 @@ impl Default for TimeStepParameters {
 /// through the whole pack: what oscillates has no mean, a lasting imbalance or motion has. The means
 /// begin anew while it moves.
 /// Its load scale W is the larger of its weight and half the sum of its normal forces.
+/// Nothing sleeps while a wall, a body or nodes move as prescribed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SleepParameters {

@@ -322,6 +322,11 @@ impl Boundary {
         self.gravity == Vector3::zeros() && self.loads.is_empty() && self.holds.is_empty()
     }
 
+    /// Whether nodes move as prescribed at time `t` or within `ahead` after it (s).
+    pub(crate) fn is_driven(&self, t: f64, ahead: f64) -> bool {
+        self.drives.iter().any(|drive| drive.is_active(t, ahead))
+    }
+
     /// Whether a pressure, which turns with its faces, is among the loads.
     pub(crate) fn has_pressure(&self) -> bool {
         let mut kinds = self.loads.iter().map(|load| load.kind);

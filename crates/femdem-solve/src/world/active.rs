@@ -46,6 +46,13 @@ impl World {
         if !self.parameters.sleeping.enabled {
             return;
         }
+        if self.is_driven(0.0) {
+            // All are awake. What is carried slowly would count as at rest, and be stopped where its support goes on.
+            for &i in &self.awake {
+                self.bodies[i as usize].quiet_steps = 0;
+            }
+            return;
+        }
         let struck = self.struck_bodies();
         self.wake(&struck);
         let recheck = u64::from(self.parameters.sleeping.recheck);
@@ -57,20 +64,25 @@ impl World {
         }
     }
 
-    /// Wakes everything when a wall or driven body is about to move. Tells whether something slept: the step was not chosen for it.
+    /// Whether anything moves as prescribed, now or within `ahead` (s): a wall, a rigid body or nodes.
+    pub(super) fn is_driven(&self, ahead: f64) -> bool {
+        let time = self.time;
+        let bodies = self.awake.iter().map(|&i| &self.bodies[i as usize]);
+        let drives = bodies.filter_map(|body| body.driven.as_deref());
+        let mut drives = drives.chain(&self.wall_drives).map(|(drive, _)| drive);
+        let deformables = self.deformables.as_deref();
+        let mut boundaries = deformables.into_iter().flat_map(|d| d.boundaries());
+        drives.any(|drive| drive.is_active(time, ahead))
+            || boundaries.any(|boundary| boundary.is_driven(time, ahead))
+    }
+
+    /// Wakes everything before anything moves as prescribed. Tells whether something slept: the step was not chosen
+    /// for it.
     #[must_use]
     pub(super) fn wake_for_drives(&mut self, ahead: f64) -> bool {
-        let moves = self
-            .wall_drives
-            .iter()
-            .any(|(d, _)| d.is_active(self.time, ahead))
-            || self
-                .awake
-                .iter()
-                .filter_map(|&i| self.bodies[i as usize].driven.as_deref())
-                .any(|(d, _)| d.is_active(self.time, ahead));
         let rigid = self.awake.len() < self.bodies.len();
-        let wakes = moves && (rigid || self.awake_deformable_count() < self.deformable_count());
+        let asleep = rigid || self.awake_deformable_count() < self.deformable_count();
+        let wakes = asleep && self.is_driven(ahead);
         if wakes {
             self.wake_all();
         }
@@ -144,6 +156,8 @@ impl World {
 
     fn bodies_to_freeze(&self) -> Vec<u32> {
         let needed = self.parameters.sleeping.steps;
+        let deformables = self.deformables.as_deref();
+        let beside = deformables.map_or_else(Vec::new, |d| d.batch.rigid_beside_awake());
         let rested = |i: u32| self.bodies[i as usize].quiet_steps >= needed;
         let settled = |p: Partner| match p {
             Partner::Body(j) => self.batch.is_awake(j) || self.holds(j),
@@ -155,6 +169,7 @@ impl World {
             .filter(|&i| {
                 rested(i)
                     && self.bodies[i as usize].driven.is_none()
+                    && beside.binary_search(&i).is_err()
                     && self
                         .batch
                         .contacts_of(i)
@@ -246,7 +261,7 @@ impl World {
         }
     }
 
-    /// Stops all awake bodies but driven ones. Their kinetic energy is booked as
+    /// Stops all awake rigid bodies but driven ones. Their kinetic energy is booked as
     /// [`Ledger::frozen`](crate::Ledger::frozen).
     ///
     /// Done whenever the bodies begin to [slow down](Self::is_slowing) this is kinetic damping
@@ -262,7 +277,7 @@ impl World {
         }
     }
 
-    /// Whether more of the awake bodies are losing kinetic energy than gaining it; driven ones do
+    /// Whether more of the awake rigid bodies are losing kinetic energy than gaining it; driven ones do
     /// not count. A count instead of the total energy: a single body in motion does not decide.
     pub fn is_slowing(&self) -> bool {
         let loads = all_loads(&self.batch, self.deformables.as_deref());
@@ -299,7 +314,8 @@ impl World {
         }
     }
 
-    /// Replaces the rule that bodies are frozen and woken by; one that forbids sleep wakes all bodies.
+    /// Replaces the rule that bodies are frozen and woken by; one that forbids sleep wakes all bodies. Deformable bodies
+    /// wake in any case and are judged anew.
     ///
     /// # Errors
     /// [`SolveError::Parameter`] for a parameter out of range; the rule is then the one before.
@@ -311,9 +327,7 @@ impl World {
         parameters.validate()?;
         self.parameters = parameters;
         self.set_sleeping(rule.enabled);
-        if !rule.deformables
-            && let Some(deformables) = &mut self.deformables
-        {
+        if let Some(deformables) = &mut self.deformables {
             deformables.wake_all();
         }
         Ok(())

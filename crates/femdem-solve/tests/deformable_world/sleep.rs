@@ -14,10 +14,19 @@ use femdem_solve::{
 const EDGE: f64 = 0.1;
 const WEIGHT: f64 = 1000.0 * EDGE * EDGE * EDGE * 9.81;
 
-/// A floor, a model of cubes and as many of them in a column as gaps (m) between them are given.
-fn column(element: Element, gaps: &[f64]) -> World {
+/// Parameters with which deformable bodies sleep.
+fn sleepy() -> WorldParameters {
     let mut p = WorldParameters::default();
     p.sleeping.deformables = true;
+    p
+}
+
+/// A floor, a model of cubes and as many of them in a column as gaps (m) between them are given.
+fn column(element: Element, gaps: &[f64]) -> World {
+    column_with(sleepy(), element, gaps)
+}
+
+fn column_with(p: WorldParameters, element: Element, gaps: &[f64]) -> World {
     let mut world = World::new(p).unwrap();
     let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
     world.add_wall(floor, Drive::Fixed).unwrap();
@@ -232,7 +241,134 @@ fn a_moving_wall_wakes_sleepers() {
     assert!((reach(&world, 0)[0] - before - 0.02).abs() < 1e-3);
 }
 
-/// Sleepers go on bit for bit after a checkpoint, and with any number of threads.
+/// Adds a rigid cube as large as the deformable ones.
+fn add_rigid(world: &mut World, x: f64, z: f64) -> u32 {
+    let cube = "P5".parse::<CatalogueShape>().unwrap();
+    let cube = cube.polyhedron(EDGE * 3_f64.sqrt()).unwrap();
+    let shape = world.add_shape("cube", &cube).unwrap();
+    let place = Pose::translation(x, 0.0, z);
+    world
+        .add_body(BodySpec::at_rest(shape, 1000.0, place))
+        .unwrap()
+}
+
+/// What is carried so slowly that it might count as at rest is not stopped on the way: the ledger loses nothing and the
+/// support works against nothing but what presses. So on a wall, and on nodes that move as prescribed.
+#[test]
+fn what_is_carried_slowly_does_not_fall_asleep() {
+    for by_wall in [true, false] {
+        let mut world = column(Element::T4, &[0.001, 0.001]);
+        let rigid = add_rigid(&mut world, 0.0, 2.5 * EDGE + 0.003);
+        settle(&mut world, 3.0);
+        let start = world.time() + 0.01;
+        let drive = Drive::Linear {
+            velocity: Vector3::new(0.002, 0.0, 0.0),
+            start,
+            end: start + 10.0,
+        };
+        if by_wall {
+            world.drive_wall(0, drive).unwrap();
+        } else {
+            let body = world.deformable(0).unwrap();
+            let all = Selection::Nodes((0..body.positions().len() as u32).collect());
+            let mut boundary = Boundary::default();
+            boundary
+                .drive_from(body.model(), &all, [true; 3], drive, body.positions())
+                .unwrap();
+            world.set_boundary(0, boundary).unwrap();
+        }
+        let places = |world: &World| {
+            let deformable = world.deformable(1).unwrap().centroid();
+            [deformable, world.position(rigid).unwrap()]
+        };
+        let (before, frozen) = (places(&world), world.ledger().frozen);
+        step_for(&mut world, 0.51);
+        assert_eq!(world.ledger().frozen, frozen, "{by_wall}");
+        for (now, before) in places(&world).into_iter().zip(before) {
+            let way = now.x - before.x;
+            assert!((way - 0.001).abs() < 1e-4, "{by_wall}: {way}");
+        }
+    }
+}
+
+/// Between taps bodies sleep.
+#[test]
+fn bodies_sleep_between_taps() {
+    let mut world = column(Element::T4, &[0.001]);
+    let rigid = add_rigid(&mut world, 0.0, 1.5 * EDGE + 0.002);
+    settle(&mut world, 3.0);
+    let tap = Drive::Tap {
+        stroke: Vector3::new(0.0, 0.0, 1e-4),
+        frequency: 50.0,
+        start: world.time() + 0.1,
+        interval: 1.0,
+        taps: 2,
+    };
+    world.drive_wall(0, tap).unwrap();
+    for tap in 0..2 {
+        step_for(&mut world, 0.12);
+        assert!(
+            world.awake_deformable_count() == 1 && !world.is_asleep(rigid),
+            "{tap}"
+        );
+        step_for(&mut world, 0.8);
+        assert!(
+            world.awake_deformable_count() == 0 && world.is_asleep(rigid),
+            "{tap}"
+        );
+        step_for(&mut world, 0.08);
+    }
+}
+
+/// A new rule judges from its own beginning: what slides without friction goes on, at whatever step the rule is
+/// replaced by one of shorter spells.
+#[test]
+fn a_new_rule_begins_new_spells() {
+    let mut p = sleepy();
+    p.contact.friction = 0.0;
+    let mut world = column_with(p, Element::T4, &[0.001]);
+    settle(&mut world, 3.0);
+    let slide = DeformableSpec {
+        velocity: Vector3::new(0.01, 0.0, 0.0),
+        ..DeformableSpec::at_rest(0, Pose::translation(0.0, 1.0, 0.5 * EDGE - 1e-4))
+    };
+    let slider = world.add_deformable(slide).unwrap();
+    step_for(&mut world, 0.7);
+    let rule = SleepParameters {
+        window: 40,
+        steps: 10,
+        ..world.parameters().sleeping
+    };
+    for phase in 0..5 {
+        let mut world = World::from_bytes(&world.to_bytes().unwrap()).unwrap();
+        for _ in 0..25 * phase {
+            world.step().unwrap();
+        }
+        world.set_sleep_rule(rule).unwrap();
+        for _ in 0..200 {
+            world.step().unwrap();
+        }
+        let momentum = world.deformable(slider).unwrap().momentum().x;
+        assert!((momentum - 0.01).abs() < 1e-4, "{phase}: {momentum}");
+    }
+}
+
+/// A rigid body does not sleep on a deformable one that is awake, however soon it may.
+#[test]
+fn a_rigid_body_waits_for_what_deforms_beneath_it() {
+    let mut p = WorldParameters::default();
+    p.sleeping.steps = 1;
+    let mut world = column_with(p, Element::T4, &[0.001]);
+    let rigid = add_rigid(&mut world, 0.0, 1.5 * EDGE + 0.002);
+    for _ in 0..6000 {
+        world.step().unwrap();
+        assert!(!world.is_asleep(rigid), "{}", world.time());
+    }
+    assert!(world.kinetic_energy() < 1e-6 * WEIGHT * EDGE);
+}
+
+/// Sleepers go on bit for bit after a checkpoint, also one right after a body fell asleep, and with any number of
+/// threads.
 #[test]
 fn sleepers_have_the_same_bits() {
     let run = |threads: usize, split: bool| {
@@ -240,11 +376,12 @@ fn sleepers_have_the_same_bits() {
             let mut world = column(Element::T4, &[0.002, 0.001]);
             let (mut slept, mut woken) = (false, false);
             for k in 0..4000 {
-                if split && k % 750 == 0 {
-                    world = World::from_bytes(&world.to_bytes().unwrap()).unwrap();
-                }
                 let before = world.awake_deformable_count();
                 world.step().unwrap();
+                let falls_asleep = world.awake_deformable_count() < before;
+                if split && (k % 750 == 0 || falls_asleep) {
+                    world = World::from_bytes(&world.to_bytes().unwrap()).unwrap();
+                }
                 slept |= world.awake_deformable_count() < before;
                 woken |= world.awake_deformable_count() > before;
                 if k == 3200 {

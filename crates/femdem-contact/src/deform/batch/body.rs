@@ -156,15 +156,14 @@ impl SoftBody {
         self.spread_rocking();
     }
 
-    /// Takes over where the nodes are now.
-    fn advance(&mut self, body: usize, state: &NodalState) -> Result<(), ContactError> {
-        let NodalState {
-            positions,
-            velocities,
-            inverse_masses,
-        } = state;
+    /// Whether a state has as many nodes.
+    fn check_counts(&self, body: usize, state: &NodalState) -> Result<(), ContactError> {
         let expected = self.forces.len();
-        for given in [positions.len(), velocities.len(), inverse_masses.len()] {
+        for given in [
+            state.positions.len(),
+            state.velocities.len(),
+            state.inverse_masses.len(),
+        ] {
             if given != expected {
                 return Err(ContactError::NodeCount {
                     body,
@@ -173,6 +172,16 @@ impl SoftBody {
                 });
             }
         }
+        Ok(())
+    }
+
+    /// Takes over where the nodes are now.
+    fn advance(&mut self, body: usize, state: &NodalState) -> Result<(), ContactError> {
+        let NodalState {
+            positions,
+            velocities,
+            inverse_masses,
+        } = state;
         // Anything that is not finite makes this NaN, and a negative mass below 0.
         let mut probe = 0.0;
         let mut least = 0.0_f64;
@@ -236,8 +245,14 @@ impl SoftBody {
 /// Takes over where all nodes are now.
 pub(crate) fn advance(bodies: &mut [SoftBody], states: &[NodalState]) -> Result<(), ContactError> {
     let advance = |i: usize, body: &mut SoftBody| {
-        let state = states.get(i).filter(|_| body.sleep != Sleep::Frozen);
-        state.map_or(Ok(()), |state| body.advance(i, state))
+        let Some(state) = states.get(i) else {
+            return Ok(());
+        };
+        body.check_counts(i, state)?;
+        match body.sleep {
+            Sleep::Frozen => Ok(()),
+            _ => body.advance(i, state),
+        }
     };
     on_each(bodies, advance).into_iter().collect()
 }

@@ -179,8 +179,10 @@ impl DeformableBatch {
         Ok(self.rigid.len() as BodyId - 1)
     }
 
-    /// Adds a wall, of planes or a mesh, and returns its index.
+    /// Adds a wall, of planes or a mesh, and returns its index. Where it meets a body that sleeps counts from the next
+    /// update on.
     pub fn add_wall(&mut self, wall: impl Into<WallShape>) -> u32 {
+        self.evaluate_all();
         self.walls.push(wall.into());
         self.wall_loads.push(Load::default());
         self.pairs.forget_search();
@@ -239,7 +241,8 @@ impl DeformableBatch {
     ///
     /// # Errors
     /// [`ContactError::StateCount`] or [`ContactError::NodeCount`] if a slice has the wrong
-    /// length, [`ContactError::NodeState`] or [`ContactError::NotFinite`] if a state is not usable,
+    /// length, [`ContactError::NodeState`] or [`ContactError::NotFinite`] if a state is not usable (of a body that
+    /// sleeps, as it is when it falls asleep: then it is not looked at),
     /// [`ContactError::InvertedTet`] if a tetrahedron in a contact is inside out. After an error
     /// the histories are those of no single step.
     pub fn update(

@@ -11,7 +11,7 @@
 
 use super::each::on_each_with;
 use super::{Deformables, Scratch, State, centroid};
-use crate::deformable::DeformableModel;
+use crate::deformable::{Boundary, DeformableModel};
 use crate::error::SolveError;
 use crate::parameters::WorldParameters;
 use crate::world::World;
@@ -19,7 +19,7 @@ use femdem_contact::deform::DeformableBatch;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// A frozen body wakes when what is left on its nodes is so many times the tolerance that it fell asleep with.
+/// A frozen body wakes when what is left on its nodes is so many times the tolerance.
 const WAKE: f64 = 2.0;
 
 /// What is known of a body's rest.
@@ -67,6 +67,7 @@ impl World {
         if !(rule.enabled && rule.deformables) {
             return Ok(());
         }
+        let driven = self.is_driven(0.0);
         let (time, steps, parameters) = (self.time, self.steps, &self.parameters);
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
@@ -84,6 +85,7 @@ impl World {
                 body: i as u32,
                 model: &models[body.model as usize].model,
                 time,
+                driven,
             };
             judge.judge(body, scratch)
         });
@@ -94,6 +96,8 @@ impl World {
                 Change::Asleep(energy) => {
                     self.flows.frozen += energy;
                     deformables.batch.set_awake(i as u32, false);
+                    // That was with it.
+                    deformables.bound = None;
                 }
                 Change::Awake => deformables.wake(i),
             }
@@ -120,11 +124,15 @@ impl Deformables {
         }
     }
 
-    /// Wakes all bodies.
+    /// Wakes all bodies; those that were awake begin a new spell.
     pub(in crate::world) fn wake_all(&mut self) {
         for i in 0..self.bodies.len() {
             self.wake(i);
         }
+    }
+
+    pub(in crate::world) fn boundaries(&self) -> impl Iterator<Item = &Boundary> {
+        self.bodies.iter().map(|body| &body.boundary)
     }
 }
 
@@ -136,6 +144,8 @@ struct Judge<'a> {
     model: &'a DeformableModel,
     /// s.
     time: f64,
+    /// Whether anything moves as prescribed: what is carried slowly does not rest.
+    driven: bool,
 }
 
 impl Judge<'_> {
@@ -150,7 +160,7 @@ impl Judge<'_> {
         change
     }
 
-    /// Whether a frozen body wakes.
+    /// Whether a frozen body wakes. Dashpots do not count: what rings beside it pushes and pulls by them in turn.
     fn watch(&self, state: &State) -> Change {
         let limit = WAKE * self.parameters.sleeping.tolerance;
         if self.batch.is_stirred(self.body) && self.imbalance(state) > limit {
@@ -184,7 +194,7 @@ impl Judge<'_> {
         let spell = rule.window.saturating_add(rule.steps);
         let energy = state.kinetic_energy(self.model.masses());
         let before = std::mem::replace(&mut rest.energy, energy);
-        let may_rest = self.batch.touches(self.body) && state.boundary.is_free();
+        let may_rest = !self.driven && self.batch.touches(self.body) && state.boundary.is_free();
         let scale = self.load_scale() * self.diameter(state);
         if !may_rest || energy.is_nan() || energy >= rule.ringing * scale {
             rest.steps = 0;
