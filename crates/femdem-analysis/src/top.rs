@@ -1,7 +1,7 @@
 //! The mean top plane of a pack.
 
 use femdem_mesh::{Point3, Vector3};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::axis::Axis;
 use crate::bounds::Bounds;
@@ -14,7 +14,9 @@ use crate::region::Region;
 /// Height of the top of a pack.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TopPlane {
-    /// Mean over the columns of the highest solid point (m); minus infinity when no column meets a body.
+    /// Mean over the columns of the highest solid point (m); minus infinity when no column meets a body, which text
+    /// formats write as null.
+    #[serde(deserialize_with = "read_mean")]
     pub mean: f64,
     /// Standard deviation of the heights (m): how rough or tilted the top is.
     pub deviation: f64,
@@ -22,6 +24,14 @@ pub struct TopPlane {
     pub columns: usize,
     /// Columns in the container that meet none; they are left out of the mean.
     pub empty_columns: usize,
+}
+
+fn read_mean<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    if from.is_human_readable() {
+        Ok(Option::deserialize(from)?.unwrap_or(f64::NEG_INFINITY))
+    } else {
+        f64::deserialize(from)
+    }
 }
 
 /// The mean top plane: vertical lines on a square grid of spacing near `spacing` (m) over the

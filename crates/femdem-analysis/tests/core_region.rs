@@ -4,7 +4,7 @@ mod common;
 
 use common::{Random, at, body, comb, cube, solid, turned_lattice};
 use femdem_analysis::{
-    AnalysisError, CoreOptions, InsetLimit, Pack, Region, choose_core, top_plane,
+    AnalysisError, CoreOptions, InsetLimit, Pack, Region, TopPlane, choose_core, top_plane,
 };
 use femdem_mesh::{Point3, Pose, Vector3};
 
@@ -72,6 +72,17 @@ fn mean_top_of_a_non_convex_body() {
         "{top:?}"
     );
     assert_eq!(top.empty_columns, 0);
+    // Beside the body there is no top, which comes back from a file.
+    let aside = Region::Box {
+        min: Point3::new(50.0, 50.0, 0.0),
+        max: Point3::new(51.0, 51.0, 1.0),
+    };
+    let none = top_plane(&pack, &aside, 0.05).unwrap();
+    assert_eq!((none.mean, none.columns), (f64::NEG_INFINITY, 0));
+    for top in [top, none] {
+        let text = serde_json::to_string(&top).unwrap();
+        assert_eq!(serde_json::from_str::<TopPlane>(&text).unwrap(), top);
+    }
 }
 
 /// Where there is room the paper's five diameters are kept from walls, floor and top.

@@ -256,4 +256,10 @@ fn axes_of_bodies() {
         stereonet(&[], &StereonetOptions::default()),
         Err(AnalysisError::NoDirections)
     );
+    // The circle would be the hemisphere.
+    let wide = StereonetOptions {
+        sigmas: 1e10,
+        ..StereonetOptions::default()
+    };
+    assert!(stereonet(&[[0.3, 0.1, 0.2]], &wide).is_err());
 }

@@ -208,3 +208,28 @@ fn same_bits_for_any_number_of_threads_in_forces() {
     assert_eq!(with(2), one);
     assert_eq!(with(3), one);
 }
+
+/// A tail far from zero has the exponent of one beside it.
+#[test]
+fn tails_far_from_zero_keep_their_exponent() {
+    let values = exponential(&mut Random(5), 2000, 1.0, 0.0);
+    let fit = |shift: f64| {
+        let shifted: Vec<f64> = values.iter().map(|v| v + shift).collect();
+        let options = TailOptions {
+            law: TailLaw::Exponential,
+            start: Some(shift + 0.5),
+            resamples: 200,
+            ..TailOptions::default()
+        };
+        fit_tail(&shifted, &options).unwrap().unwrap()
+    };
+    let (near, far) = (fit(1.0), fit(1e9));
+    assert_eq!(near.count, far.count);
+    for (a, b) in [
+        (near.exponent, far.exponent),
+        (near.interval[0], far.interval[0]),
+        (near.interval[1], far.interval[1]),
+    ] {
+        assert!((a / b - 1.0).abs() < 1e-5, "{a} {b}");
+    }
+}

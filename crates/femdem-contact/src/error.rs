@@ -1,5 +1,7 @@
 //! What can go wrong when shapes, laws and batches are built or driven.
 
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use thiserror::Error;
 
 /// Errors of this crate. Kernels never fail on finite input; constructors and
@@ -165,4 +167,11 @@ pub(crate) const STIFFNESSES: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 pub(crate) fn check_pressure(name: &'static str, value: f64) -> Result<(), ContactError> {
     let allowed = "between 1e-100 and 1e100 Pa";
     check(name, value, STIFFNESSES.contains(&value), allowed)
+}
+
+/// Reads a penalty and refuses one that is not usable.
+pub(crate) fn read_penalty<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    let value = f64::deserialize(from)?;
+    check_pressure("penalty", value).map_err(D::Error::custom)?;
+    Ok(value)
 }

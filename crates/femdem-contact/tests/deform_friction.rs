@@ -546,7 +546,7 @@ fn contacts_begin_with_the_friction_they_are_given() {
         let b = rig.batch.len() as u32 - 1;
         let force = Vector3::new(0.2, -0.1, 0.0) * load;
         let torsion = 0.03 * load;
-        rig.batch.begin_friction(a, b, force, torsion);
+        rig.batch.begin_friction(a, b, force, torsion).unwrap();
         rig.update();
         let contact = rig.update();
         assert!(

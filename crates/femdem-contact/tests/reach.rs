@@ -146,7 +146,9 @@ fn a_start_of_friction_does_not_wait() {
             }
             if before == (k == 0) {
                 let floor = DeformablePartner::Wall(0);
-                batch.begin_friction(floor, 0, Vector3::x() * 1e-3, 0.0);
+                batch
+                    .begin_friction(floor, 0, Vector3::x() * 1e-3, 0.0)
+                    .unwrap();
             }
             batch
                 .update(&[states(&soft.x, &v, &w)], &[], &still)

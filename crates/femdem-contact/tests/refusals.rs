@@ -94,6 +94,9 @@ fn walls_that_mean_nothing_are_refused_by_name() {
         );
     }
     assert!(refused(Wall::half_space("floor", Vector3::z(), nan)).contains("offset NaN"));
+    // The plane lies beyond what numbers hold.
+    let short = Vector3::x() * 1e-150;
+    assert!(refused(Wall::half_space("floor", short, 1e200)).contains("plane 0"));
     let many = vec![
         WallPlane {
             normal: Vector3::z(),
@@ -102,10 +105,16 @@ fn walls_that_mean_nothing_are_refused_by_name() {
         65_536
     ];
     assert!(refused(Wall::new("many", many)).contains("65536 planes"));
-    for (radius, facets) in [(0.0, 96), (-1.0, 96), (nan, 96), (1.0, 2)] {
+    for (radius, facets) in [
+        (0.0, 96),
+        (-1.0, 96),
+        (nan, 96),
+        (1.0, 2),
+        (1.0, usize::MAX),
+    ] {
         let text = refused(Wall::cylinder("mantle", radius, facets));
         assert!(
-            text.contains("\"mantle\"") && text.contains("at least 3 facets"),
+            text.contains("\"mantle\"") && text.contains("3 to 65535 facets"),
             "{text}"
         );
     }

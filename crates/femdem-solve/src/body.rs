@@ -4,7 +4,7 @@ use crate::drive::{Drive, Driven};
 use crate::error::{SolveError, check};
 use femdem_contact::{BodyShape, ConvexShape, Field, FieldMesh, Frame, Motion};
 use femdem_mesh::nalgebra::{Matrix3, Translation3};
-use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3};
+use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3, unit_pose};
 use serde::{Deserialize, Serialize};
 
 /// Index of a shape, by order of addition.
@@ -150,6 +150,19 @@ pub(crate) struct Body {
     pub driven: Option<Box<(Drive, Pose)>>,
 }
 
+/// A pose with its quaternion of unit length, so that it distorts nothing.
+pub(crate) fn checked_pose(pose: &Pose) -> Result<Pose, SolveError> {
+    let place = pose.translation.vector.norm();
+    check("pose.translation", place, true, "finite in every component")?;
+    let length = pose.rotation.norm();
+    let allowed = "a unit quaternion, to 1e-6";
+    unit_pose(pose).ok_or(SolveError::Parameter {
+        name: "pose.rotation",
+        value: length,
+        allowed,
+    })
+}
+
 impl Body {
     pub fn new(spec: &BodySpec, shape: &Shape, radius: f64) -> Result<Self, SolveError> {
         check(
@@ -158,22 +171,14 @@ impl Body {
             spec.density > 0.0,
             "positive and finite, in kg/m^3",
         )?;
-        let place = spec.pose * shape.principal;
+        let place = checked_pose(&spec.pose)? * shape.principal;
         let position = place.translation.vector;
         for (name, v) in [
-            ("pose.translation", position),
             ("velocity", spec.velocity),
             ("angular_velocity", spec.angular_velocity),
         ] {
             check(name, v.norm(), true, "finite in every component")?;
         }
-        let unit = place.rotation.norm();
-        check(
-            "pose.rotation",
-            unit,
-            (unit - 1.0).abs() < 1e-6,
-            "a unit quaternion",
-        )?;
         let moments = shape.moments * spec.density;
         let body_rate = place.rotation.inverse() * spec.angular_velocity;
         Ok(Self {

@@ -5,9 +5,13 @@
 mod common;
 
 use common::{DENSITY, add_floor, at, half_edge, parameters, solid, weightless};
+use femdem_contact::deform::{DeformableKernel, DeformablePartner, Gradient};
+use femdem_contact::kernel::CavityKernel;
+use femdem_contact::{Form, GeneralKernel, PairKernel, Wall};
+use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::nalgebra::{Quaternion, Unit, Vector3};
-use femdem_mesh::{Point3, Polyhedron, TetMesh};
-use femdem_solve::checkpoint::{read_file, write_file};
+use femdem_mesh::{Point3, Polyhedron, Pose, TetMesh};
+use femdem_solve::checkpoint::{decode, encode, read_file, write_file};
 use femdem_solve::deformable::{DeformableModel, MaterialRegion};
 use femdem_solve::element::Element;
 use femdem_solve::material::NeoHookean;
@@ -409,4 +413,97 @@ fn keys_that_mean_nothing_are_refused() {
     let drive = r#"{"turn": {"axis": [0, 0, 1], "point": [0, 0, 0], "rate": 1, "start": 0, "end": 1, "speed": 2}}"#;
     let error = serde_json::from_str::<Drive>(drive).unwrap_err();
     assert!(error.to_string().contains("speed"), "{error}");
+}
+
+/// A weightless world and a model of a cube of linear tetrahedra in it.
+fn soft_world() -> (World, u32) {
+    let mut world = World::new(weightless(1e6, 0.5, 0.0)).unwrap();
+    let mesh = TetMesh::block([2, 2, 2], &Vector3::repeat(0.1)).unwrap();
+    let region = MaterialRegion {
+        material: NeoHookean::new(1e6, 0.3).unwrap().into(),
+        density: DENSITY,
+    };
+    let model = DeformableModel::new(&mesh, Element::T4, vec![region], None).unwrap();
+    let soft = ContactStiffness::default();
+    let id = world.add_model("soft", model, soft).unwrap();
+    (world, id)
+}
+
+/// What is read is checked as what is made: walls, kernels, boundaries.
+#[test]
+fn what_is_read_is_checked() {
+    let wall = Wall::cylinder("mantle", 0.3, 7).unwrap();
+    assert_eq!(decode::<Wall>(&encode(&wall).unwrap()).unwrap(), wall);
+    let long = r#"{"name":"w","planes":[{"normal":[0,0,2],"offset":1}]}"#;
+    let wall: Wall = serde_json::from_str(long).unwrap();
+    assert_eq!(wall, Wall::half_space("w", Vector3::z(), 0.5).unwrap());
+    let error = |text: &str| serde_json::from_str::<Wall>(text).unwrap_err().to_string();
+    assert!(error(r#"{"name":"w","planes":[]}"#).contains("0 planes"));
+    assert!(error(r#"{"name":"w","planes":[{"normal":[0,0,0],"offset":1}]}"#).contains("plane 0"));
+
+    let broken = [
+        serde_json::from_str::<PairKernel>(r#"{"penalty":-1.0}"#).err(),
+        serde_json::from_str::<CavityKernel>(r#"{"penalty":0.0}"#).err(),
+        serde_json::from_str::<GeneralKernel>(r#"{"penalty":1e200,"form":"Sum"}"#).err(),
+    ];
+    for error in broken {
+        assert!(error.unwrap().to_string().contains("penalty"));
+    }
+    let kernel = DeformableKernel::new(Form::Min, Gradient::Exact).unwrap();
+    let text = serde_json::to_string(&kernel).unwrap();
+    assert_eq!(
+        serde_json::from_str::<DeformableKernel>(&text).unwrap(),
+        kernel
+    );
+    let shaped = text.replace("Min", "Shaped");
+    assert!(serde_json::from_str::<DeformableKernel>(&shaped).is_err());
+}
+
+/// A quaternion that is of unit length only to 1e-6 stretches nothing.
+#[test]
+fn nearly_unit_quaternions_stretch_nothing() {
+    let (mut world, model) = soft_world();
+    let unit = Unit::new_normalize(Quaternion::new(0.0, 0.3, 0.9, 0.2));
+    let long = Unit::new_unchecked(unit.into_inner() * (1.0 + 9e-7));
+    let pose = Pose::from_parts(Translation3::identity(), long);
+    let soft = world
+        .add_deformable(DeformableSpec::at_rest(model, pose))
+        .unwrap();
+    let stresses = world.deformable(soft).unwrap().stresses().unwrap();
+    let most = stresses.iter().map(|s| s.von_mises() + s.pressure().abs());
+    // Of E = 1e6 Pa.
+    assert!(most.fold(0.0, f64::max) < 1e-8);
+    let shape = world.add_shape("cube", &solid("P5")).unwrap();
+    let rigid = world
+        .add_body(BodySpec::at_rest(shape, DENSITY, pose))
+        .unwrap();
+    let length = world.pose(rigid).unwrap().rotation.norm();
+    assert!((length - 1.0).abs() < 1e-15, "{length}");
+}
+
+/// Friction to begin with is that of bodies that are there, and finite.
+#[test]
+fn friction_to_begin_with_is_checked() {
+    let (mut world, model) = soft_world();
+    add_floor(&mut world, Drive::Fixed);
+    let body = world.add_deformable(DeformableSpec::at_rest(model, Pose::identity()));
+    let body = body.unwrap();
+    let floor = DeformablePartner::Wall(0);
+    let mut begin = |a, b, force: f64, torsion| {
+        let begun = world.begin_friction(a, b, Vector3::repeat(force), torsion);
+        begun.map_err(|e| e.to_string())
+    };
+    assert_eq!(begin(floor, body, 1.0, 0.0), Ok(()));
+    for (force, torsion) in [(f64::NAN, 0.0), (f64::INFINITY, 0.0), (1.0, f64::NAN)] {
+        assert!(begin(floor, body, force, torsion).is_err());
+    }
+    for (a, b) in [
+        (DeformablePartner::Wall(7), body),
+        (DeformablePartner::Rigid(0), body),
+        (DeformablePartner::Deformable(4), body),
+        (floor, 9),
+    ] {
+        let error = begin(a, b, 1.0, 0.0).unwrap_err();
+        assert!(error.contains("body") || error.contains("wall"), "{error}");
+    }
 }

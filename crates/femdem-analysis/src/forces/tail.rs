@@ -193,8 +193,10 @@ struct Tail {
     log_spread: f64,
 }
 
-/// For each of the sorted values, number, sum and sum of squares of it and all above it.
+/// For each of the sorted values, number, sum and sum of squares of it and all above it, less the smallest: tails
+/// far from zero keep their digits.
 struct Suffixes {
+    origin: f64,
     count: Vec<u64>,
     sum: Vec<f64>,
     square: Vec<f64>,
@@ -203,16 +205,23 @@ struct Suffixes {
 impl Suffixes {
     fn new(sorted: &[f64], counts: &[u32]) -> Self {
         let n = sorted.len();
+        let origin = sorted.first().copied().unwrap_or(0.0);
         let mut count = vec![0; n + 1];
         let mut sum = vec![0.0; n + 1];
         let mut square = vec![0.0; n + 1];
         for i in (0..n).rev() {
             let times = f64::from(counts[i]);
             count[i] = count[i + 1] + u64::from(counts[i]);
-            sum[i] = sum[i + 1] + times * sorted[i];
-            square[i] = square[i + 1] + times * sorted[i] * sorted[i];
+            let value = sorted[i] - origin;
+            sum[i] = sum[i + 1] + times * value;
+            square[i] = square[i + 1] + times * value * value;
         }
-        Self { count, sum, square }
+        Self {
+            origin,
+            count,
+            sum,
+            square,
+        }
     }
 
     /// The tail nearest to its law; the only one if there is one start.
@@ -234,7 +243,7 @@ impl Suffixes {
             return None;
         }
         let n = count as f64;
-        let mean = self.sum[first] / n - start;
+        let mean = self.sum[first] / n - (start - self.origin);
         let variance = self.square[first] / n - (self.sum[first] / n).powi(2);
         // Written so that NaN fails it too.
         let spread = mean > 0.0 && variance > 0.0;

@@ -189,10 +189,10 @@ impl StereonetOptions {
                 allowed,
             })
         };
-        if !self.sigmas.is_finite() || self.sigmas <= 0.0 {
-            return refuse("sigmas", self.sigmas, "above zero and finite");
-        }
         // Written so that NaN fails it too.
+        if !(self.sigmas > 0.0 && self.sigmas <= 1e3) {
+            return refuse("sigmas", self.sigmas, "above zero and at most 1000");
+        }
         if !(self.least_circle > 0.0 && self.least_circle < 1.0) {
             return refuse("least_circle", self.least_circle, "above 0 and below 1");
         }

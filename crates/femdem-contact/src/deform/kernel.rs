@@ -14,7 +14,8 @@ use crate::general::posed::{Posed, PosedList};
 use crate::law::WallResponse;
 use femdem_mesh::Vector3;
 use femdem_mesh::bvh::{Aabb, Bvh};
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Buffers that the kernel reuses from call to call.
 #[derive(Debug, Default)]
@@ -70,9 +71,27 @@ pub struct DeformableOverlap {
 /// The penalty law of bodies that deform.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct DeformableKernel {
+    #[serde(deserialize_with = "read_form")]
     form: Form,
     gradient: Gradient,
     walls: WallResponse,
+}
+
+fn check_form(form: Form) -> Result<(), ContactError> {
+    if form == Form::Shaped {
+        return Err(ContactError::Parameter {
+            name: "form",
+            value: 2.0,
+            allowed: "Form::Sum or Form::Min for bodies that deform",
+        });
+    }
+    Ok(())
+}
+
+fn read_form<'de, D: Deserializer<'de>>(from: D) -> Result<Form, D::Error> {
+    let form = Form::deserialize(from)?;
+    check_form(form).map_err(D::Error::custom)?;
+    Ok(form)
 }
 
 impl DeformableKernel {
@@ -81,13 +100,7 @@ impl DeformableKernel {
     /// # Errors
     /// [`ContactError::Parameter`] for [`Form::Shaped`], which is for single rigid contacts only.
     pub fn new(form: Form, gradient: Gradient) -> Result<Self, ContactError> {
-        if form == Form::Shaped {
-            return Err(ContactError::Parameter {
-                name: "form",
-                value: 2.0,
-                allowed: "Form::Sum or Form::Min for bodies that deform",
-            });
-        }
+        check_form(form)?;
         Ok(Self {
             form,
             gradient,

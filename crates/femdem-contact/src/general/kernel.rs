@@ -47,6 +47,7 @@ const LEAST_VOLUME: f64 = 1e-12;
 /// The penalty law of meshed bodies of any shape.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GeneralKernel {
+    #[serde(deserialize_with = "crate::error::read_penalty")]
     penalty: f64,
     form: Form,
 }

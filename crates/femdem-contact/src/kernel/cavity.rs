@@ -29,6 +29,7 @@ const MARGIN: f64 = 0.01;
 /// The penalty law between a convex body and a wall.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CavityKernel {
+    #[serde(deserialize_with = "crate::error::read_penalty")]
     penalty: f64,
 }
 

@@ -77,6 +77,7 @@ pub(super) struct Near {
 /// The penalty law of convex bodies: U = p int (phi_A + phi_B) dV over the overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PairKernel {
+    #[serde(deserialize_with = "crate::error::read_penalty")]
     penalty: f64,
     #[serde(skip)]
     lists: Lists,

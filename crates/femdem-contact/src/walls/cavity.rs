@@ -2,7 +2,8 @@
 
 use crate::error::ContactError;
 use femdem_mesh::Vector3;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// A plane of a wall in the wall's own axes: the free side is n.x >= offset.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -21,7 +22,23 @@ pub struct WallPlane {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Wall {
     name: String,
+    #[serde(deserialize_with = "read_planes")]
     planes: Vec<WallPlane>,
+}
+
+/// Squared lengths this near to 1 are those of unit normals to rounding.
+const UNIT: f64 = 1e-14;
+
+/// Reads the planes of a wall: as they are, bit for bit, if they are those of a valid one.
+fn read_planes<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<WallPlane>, D::Error> {
+    let planes = Vec::<WallPlane>::deserialize(from)?;
+    let made = Wall::new("read", planes.clone()).map_err(D::Error::custom)?;
+    let is_unit = |p: &WallPlane| (p.normal.norm_squared() - 1.0).abs() <= UNIT;
+    Ok(if planes.iter().all(is_unit) {
+        planes
+    } else {
+        made.planes
+    })
 }
 
 impl Wall {
@@ -44,7 +61,7 @@ impl Wall {
         let mut unit = Vec::with_capacity(planes.len());
         for (i, p) in planes.iter().enumerate() {
             let length = p.normal.norm();
-            let usable = length.is_finite() && length > 0.0 && p.offset.is_finite();
+            let usable = length.is_finite() && length > 0.0 && (p.offset / length).is_finite();
             if !usable {
                 return Err(fail(format!(
                     "plane {i} has normal {:?} and offset {}; give a finite non-zero normal \
@@ -102,15 +119,16 @@ impl Wall {
     /// circle's by the factor tan(pi/n) n/pi (0.036 % for 96 facets).
     ///
     /// # Errors
-    /// [`ContactError::Wall`] for a radius that is not positive and finite or fewer than
-    /// 3 facets.
+    /// [`ContactError::Wall`] for a radius that is not positive and finite, fewer than
+    /// 3 facets or more than 65,535.
     pub fn cylinder(name: &str, radius: f64, facets: usize) -> Result<Self, ContactError> {
-        if !(radius.is_finite() && radius > 0.0 && facets >= 3) {
+        let facets_fit = (3..=usize::from(u16::MAX)).contains(&facets);
+        if !(radius.is_finite() && radius > 0.0 && facets_fit) {
             return Err(ContactError::Wall {
                 name: name.to_owned(),
                 why: format!(
                     "radius {radius} m with {facets} facets; the radius must be positive and \
-                     finite, and at least 3 facets are needed"
+                     finite, and 3 to 65535 facets are needed"
                 ),
             });
         }

@@ -1,5 +1,6 @@
 //! Quickhull with exact orientation tests: the triangles of a convex hull.
 
+use crate::tet::distance::closest_point;
 use crate::{MeshError, Point3, Vector3};
 use robust::Coord3D;
 use std::collections::BTreeMap;
@@ -11,7 +12,7 @@ struct Facet {
     /// Facet across the side from corner k to corner k + 1.
     neighbours: [usize; 3],
     normal: Vector3,
-    /// Points farther than the tolerance above this facet, not yet in the hull.
+    /// Points above this facet and farther than the tolerance from the hull, not yet in it.
     outside: Vec<u32>,
     alive: bool,
 }
@@ -29,7 +30,7 @@ struct Horizon {
     beyond: usize,
 }
 
-/// Triangles of the hull, counter-clockwise seen from outside. Points less than `tolerance` above
+/// Triangles of the hull, counter-clockwise seen from outside. Points less than `tolerance` from
 /// the hull of those already taken are left out.
 pub(super) fn triangles(points: &[Point3], tolerance: f64) -> Result<Vec<[u32; 3]>, MeshError> {
     let mut hull = Hull {
@@ -148,21 +149,34 @@ impl Hull<'_> {
         above(self.points, self.facets[facet].corners, p) > 0.0
     }
 
-    /// Gives each point to the facet, from `first` on, that it lies highest above.
+    /// Gives each point to the facet, from `first` on, that it lies highest above. Those near the hull are left out.
     fn distribute(&mut self, loose: Vec<u32>, first: usize) {
         for p in loose {
             let mut best = None;
-            let mut highest = self.tolerance;
+            let mut highest = -self.tolerance;
             for facet in first..self.facets.len() {
                 let height = self.height(facet, p);
                 if height > highest && self.sees(p, facet) {
                     (best, highest) = (Some(facet), height);
                 }
             }
-            if let Some(facet) = best {
+            if let Some(facet) = best
+                && (highest > self.tolerance || !self.is_near(p))
+            {
                 self.facets[facet].outside.push(p);
             }
         }
+    }
+
+    /// Whether a point outside is within the tolerance of the hull. Beyond a sharp rim it may be far from it and
+    /// hardly above any of its planes.
+    fn is_near(&self, p: u32) -> bool {
+        let p = &self.points[p as usize];
+        let mut facets = self.facets.iter().filter(|f| f.alive);
+        facets.any(|f| {
+            let triangle = f.corners.map(|i| self.points[i as usize]);
+            (closest_point(&triangle, p) - p).norm() <= self.tolerance
+        })
     }
 
     /// Takes the point highest above a facet into the hull.

@@ -144,6 +144,34 @@ fn a_sphere_of_many_points_is_quick_and_whole() {
     assert!((volume / (std::f64::consts::PI * 4.0 / 3.0) - 1.0).abs() < 3e-3);
 }
 
+/// Clouds hardly thicker than what is resolved: a corner beyond a sharp rim lies hardly above any plane.
+#[test]
+fn thin_clouds_keep_their_corners() {
+    let mut state = 7_u64;
+    let mut draw = |count: u64| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 33) % count
+    };
+    let mut hulls = 0;
+    for _ in 0..20_000 {
+        let thickness = 1e-9 * (1 + draw(20)) as f64;
+        let count = 6 + draw(6);
+        let cloud: Vec<Point3> = (0..count)
+            .map(|_| {
+                let [x, y] = [0, 1].map(|_| draw(7) as f64 - 3.0);
+                Point3::new(x, y, thickness * (draw(5) as f64 - 2.0))
+            })
+            .collect();
+        if let Ok(hull) = convex_hull(&cloud) {
+            hulls += 1;
+            check_hull(&cloud, &hull).unwrap();
+        }
+    }
+    assert!(hulls > 5_000, "{hulls}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 512, ..ProptestConfig::default() })]
 

@@ -34,7 +34,7 @@
 //! number exceeds one half.
 
 mod body;
-mod distance;
+pub(crate) mod distance;
 mod draft;
 mod fan;
 mod features;

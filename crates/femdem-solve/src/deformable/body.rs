@@ -115,6 +115,14 @@ impl DeformableBody {
             work: Workspace::default(),
         };
         body.check_lengths()?;
+        for v in &body.state.v {
+            check(
+                "velocity of a node",
+                v.norm(),
+                true,
+                "finite in every component, in m/s",
+            )?;
+        }
         let DeformableState { x, v, .. } = &mut body.state;
         body.boundary.for_held(time, |node, i, place, velocity| {
             x[node][i] = place;

@@ -5,7 +5,7 @@ use super::{Curve, DeformableModel, NodeSets, Selection};
 use crate::drive::Drive;
 use crate::error::{SolveError, check};
 use femdem_mesh::nalgebra::Translation3;
-use femdem_mesh::{Pose, Rotation, Vector3};
+use femdem_mesh::{Pose, Rotation, Vector3, unit_pose};
 use serde::{Deserialize, Serialize};
 
 /// Boundary conditions of one body.
@@ -69,16 +69,26 @@ impl TryFrom<Stored> for Boundary {
             }
             let component = f64::from(hold.component);
             check("component", component, component < 3.0, "0 to 2")?;
+            let place = hold.place.norm();
+            check(
+                "place of a held node",
+                place,
+                true,
+                "finite in every component, in m",
+            )?;
         }
         for drive in &drives {
             drive.validate()?;
         }
+        for load in &loads {
+            load.validate()?;
+        }
         Ok(Self {
-            gravity,
             sets,
             drives,
             holds: in_order(holds),
             loads,
+            ..Self::new(gravity)?
         })
     }
 }
@@ -248,7 +258,6 @@ impl Boundary {
         traction: Vector3,
         curve: impl Into<Curve>,
     ) -> Result<usize, SolveError> {
-        check("traction", traction.norm(), true, "finite, in Pa")?;
         self.load(model, selection, LoadKind::Traction(traction), curve.into())
     }
 
@@ -259,7 +268,6 @@ impl Boundary {
         kind: LoadKind,
         curve: Curve,
     ) -> Result<usize, SolveError> {
-        curve.validate()?;
         let faces = model.faces_of(&model.select(selection, &self.sets)?);
         if faces.is_empty() {
             return Err(SolveError::NothingSelected {
@@ -267,7 +275,9 @@ impl Boundary {
             });
         }
         let count = faces.len();
-        self.loads.push(Load { kind, curve, faces });
+        let load = Load { kind, curve, faces };
+        load.validate()?;
+        self.loads.push(load);
         Ok(count)
     }
 
@@ -275,6 +285,7 @@ impl Boundary {
     /// are those of the world.
     #[must_use]
     pub fn posed(&self, pose: &Pose) -> Self {
+        let pose = unit_pose(pose).unwrap_or(*pose);
         let mut posed = self.clone();
         for hold in &mut posed.holds {
             hold.place = pose.rotation * hold.place + pose.translation.vector;

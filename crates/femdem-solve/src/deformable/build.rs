@@ -141,6 +141,7 @@ impl Parts {
             incidence: super::parallel::Incidence::default(),
         };
         model.lump();
+        model.check_mass()?;
         model.batch = model.batched();
         Ok(model)
     }
@@ -166,6 +167,17 @@ pub(super) fn history_stride(regions: &[MaterialRegion]) -> usize {
 }
 
 impl DeformableModel {
+    /// Refuses masses beyond what numbers hold.
+    pub(super) fn check_mass(&self) -> Result<(), SolveError> {
+        let mass: f64 = self.masses.iter().sum();
+        check(
+            "mass of the body",
+            mass,
+            mass > 0.0,
+            "positive and finite, in kg",
+        )
+    }
+
     /// Density of an element, added mass included, kg/m^3.
     pub(super) fn density(&self, element: usize) -> f64 {
         let factor = self.mass_factors.get(element).copied().unwrap_or(1.0);

@@ -96,6 +96,24 @@ pub(super) struct Load {
 }
 
 impl Load {
+    pub fn validate(&self) -> Result<(), SolveError> {
+        self.curve.validate()?;
+        if let LoadKind::Traction(traction) = self.kind {
+            check("traction", traction.norm(), true, "finite, in Pa")?;
+        }
+        for face in &self.faces {
+            let count = face.len();
+            let allowed = "3, or 6 with those on the edges";
+            check(
+                "nodes of a loaded face",
+                count as f64,
+                count == 3 || count == 6,
+                allowed,
+            )?;
+        }
+        Ok(())
+    }
+
     /// Adds the load at time `t` and positions `x` to `forces`.
     pub fn add(&self, model: &DeformableModel, t: f64, x: &[Vector3], forces: &mut [Vector3]) {
         let value = self.curve.at(t);

@@ -17,7 +17,7 @@ impl DeformableModel {
     ///
     /// # Errors
     ///
-    /// [`SolveError::Parameter`] if `step` is not positive; [`SolveError::Element`] if a material has
+    /// [`SolveError::Parameter`] if `step` is not positive, or so long that the mass is not finite; [`SolveError::Element`] if a material has
     /// no stiffness in the reference state.
     pub fn with_mass_scaling(mut self, step: f64) -> Result<Self, SolveError> {
         check("step of mass scaling", step, step > 0.0, "positive, in s")?;
@@ -44,6 +44,7 @@ impl DeformableModel {
         if self.mass_factors.iter().all(|f| *f == 1.0) {
             self.mass_factors.clear();
         }
+        self.check_mass()?;
         Ok(self)
     }
 

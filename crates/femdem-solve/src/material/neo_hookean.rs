@@ -148,7 +148,8 @@ impl Strain {
     /// ln J.
     #[inline]
     fn log_volume(&self, j: f64) -> f64 {
-        if self.squared_volume_change.abs() < 0.5 {
+        // With a trace below 1 no stretch is large, so that the invariants' terms do not cancel each other.
+        if self.squared_volume_change.abs() < 0.5 && self.trace < 1.0 {
             0.5 * self.squared_volume_change.ln_1p()
         } else {
             j.ln()

@@ -1,6 +1,6 @@
 //! A deformable body, with supports and loads, as a static problem.
 
-use super::{Noise, StaticProblem};
+use super::{Noise, StaticProblem, WORST_ROUNDING};
 use crate::SolveError;
 use crate::deformable::{Boundary, DeformableModel, DeformableState, MaterialRegion, Workspace};
 use crate::material::{AnyMaterial, Material};
@@ -193,12 +193,14 @@ impl StaticProblem for BodyProblem<'_> {
         self.boundary
             .add_forces(self.model, self.time, &self.positions, &mut self.loads)?;
         let (mut energy, mut squares, mut farthest) = (state.energy + state.plastic_work, 0.0, 0.0);
+        let mut is_loaded = false;
         let nodes = self.positions.iter().zip(self.model.nodes());
         let forces = self.internal.iter().zip(&mut self.loads).zip(&self.held);
         for (((x, reference), ((f, load), held)), r) in
             nodes.zip(forces).zip(r.as_chunks_mut::<3>().0)
         {
             *load *= self.part;
+            is_loaded |= *load != Vector3::zeros();
             let total = f + *load;
             let reaction = only(held, total);
             energy -= load.dot(&(x - reference));
@@ -217,6 +219,10 @@ impl StaticProblem for BodyProblem<'_> {
             force: ROUNDINGS * rounding * self.stiffness,
             energy: ROUNDINGS * (carried + f64::EPSILON * self.largest_energy),
         };
+        if !is_loaded && self.scale <= self.noise.force {
+            // All that bears is round-off, which is rest.
+            self.scale = self.noise.force / WORST_ROUNDING;
+        }
         Ok(energy)
     }
 

@@ -241,6 +241,7 @@ fn mass_scaling_reaches_the_step() {
         let same = plain.clone().with_mass_scaling(0.9 * own).unwrap();
         assert_eq!(same.masses(), plain.masses());
         assert_eq!(same.added_mass(), 0.0);
+        assert!(plain.clone().with_mass_scaling(1e200).is_err());
         assert!(plain.with_mass_scaling(0.0).is_err());
     }
 }
@@ -292,6 +293,10 @@ fn models_and_boundaries_are_serialised() {
     for (good, bad) in [
         ("\"drive\":0", "\"drive\":9"),
         ("\"component\":0", "\"component\":3"),
+        ("\"rise\":0.1", "\"rise\":0.0"),
+        ("\"ramp\":{\"value\":1.0,\"rise\":0.1}", "\"table\":[]"),
+        ("\"faces\":[[", "\"faces\":[[0],["),
+        ("-9.81", "1e999"),
     ] {
         let broken = text.replacen(good, bad, 1);
         assert_ne!(broken, text);

@@ -2,7 +2,9 @@
 
 use crate::*;
 use femdem_solve::SolveError;
+use femdem_solve::deformable::{Boundary, DeformableBody, DeformableState};
 use femdem_solve::element::ElementFailure;
+use std::sync::Arc;
 
 fn region(density: f64) -> MaterialRegion {
     MaterialRegion {
@@ -23,6 +25,9 @@ fn models_that_mean_nothing_are_refused_by_name() {
     for density in [0.0, -1.0, f64::NAN] {
         assert!(make(vec![region(density)], None).contains("density"));
     }
+    let large = TetMesh::block([1; 3], &Vector3::repeat(1e3)).unwrap();
+    let heavy = DeformableModel::new(&large, Element::T4, vec![region(1e300)], None).err();
+    assert!(heavy.unwrap().to_string().contains("mass of the body"));
     assert!(make(vec![], None).contains("number of regions"));
     assert!(make(vec![region(1.0); 2], None).contains("number of regions"));
     assert!(make(vec![region(1.0)], Some(vec![0; count - 1])).contains("region_of_tet"));
@@ -33,6 +38,18 @@ fn models_that_mean_nothing_are_refused_by_name() {
         density: 1.0,
     };
     assert!(make(vec![unbound], None).contains("mine"));
+}
+
+/// Velocities of a state that are not finite are refused.
+#[test]
+fn velocities_that_are_not_finite_are_refused() {
+    let model = Arc::new(model(&crooked(), Element::T4, neo_hookean(1e6, 0.3)));
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mut state = DeformableState::reference(&model);
+        state.v[3].y = bad;
+        let body = DeformableBody::with_state(model.clone(), Boundary::default(), state, 0.0);
+        assert!(body.unwrap_err().to_string().contains("velocity"));
+    }
 }
 
 /// Every element that is pushed through itself is named, with its volume ratio; no NaN comes out.

@@ -1,7 +1,7 @@
 //! Laws against closed forms: Hooke's law at rest, simple shear, uniaxial stretch, viscous flow.
 
 use crate::states::{YOUNG, respond};
-use femdem_mesh::{Matrix3, Vector3};
+use femdem_mesh::{Matrix3, Rotation, Vector3};
 use femdem_solve::material::{
     AnyMaterial, Deformation, DruckerPrager, Hencky, J2, Material, MooneyRivlin, NeoHookean,
     Tangent, Viscous,
@@ -110,6 +110,32 @@ fn stretches() {
         let tau = kirchhoff(&Hencky::new(YOUNG, 0.0).unwrap().into(), pulled);
         near(tau.m11, YOUNG * s.ln());
         near(tau.m22, 0.0);
+    }
+}
+
+/// Hundredfold stretch at a small change of volume: P = Q diag(mu (s - 1/s) + lambda ln J/s) R for the principal
+/// stretches s.
+#[test]
+fn large_stretches_keep_their_change_of_volume() {
+    let (lambda, mu) = (YOUNG / 2.5, YOUNG / 2.5);
+    let law: AnyMaterial = NeoHookean::new(YOUNG, 0.25).unwrap().into();
+    for s in [5.0_f64, 50.0, 500.0] {
+        let stretches = Vector3::new(s, 1.0, 0.9 / s);
+        let stress = stretches.map(|t| mu * (t - 1.0 / t) + lambda * 0.9_f64.ln() / t);
+        for k in 0..20 {
+            let turn = |a: f64| {
+                let turn =
+                    Rotation::from_euler_angles(a * f64::from(k), 1.0 + a, -a * f64::from(k));
+                turn.to_rotation_matrix().into_inner()
+            };
+            let (q, r) = (turn(0.7), turn(1.9));
+            let gradient = q * Matrix3::from_diagonal(&stretches) * r;
+            let response = respond(&law, &Deformation::at_rest(gradient), &[]).0;
+            let piola = q * Matrix3::from_diagonal(&stress) * r;
+            // det F is the difference of numbers of the size of s squared.
+            let error = (response.piola - piola).norm() / piola.norm();
+            assert!(error < 1e-15 * s * s, "{s}: {error:e}");
+        }
     }
 }
 

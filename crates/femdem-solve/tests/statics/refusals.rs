@@ -2,11 +2,15 @@
 
 use crate::planes::plane;
 use crate::{solvers, with};
-use femdem_mesh::{TetMesh, Vector3};
-use femdem_solve::deformable::{Boundary, DeformableModel, DeformableState, MaterialRegion};
+use femdem_mesh::{Rotation, TetMesh, Vector3};
+use femdem_solve::deformable::{
+    Boundary, Curve, DeformableModel, DeformableState, MaterialRegion, Selection,
+};
 use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
-use femdem_solve::statics::{Method, RelaxOptions, StaticOptions, solve_static, solve_static_from};
+use femdem_solve::material::{AnyMaterial, Hencky, J2, MooneyRivlin, NeoHookean};
+use femdem_solve::statics::{
+    LoadPath, Method, RelaxOptions, StaticOptions, solve_static, solve_static_from,
+};
 use femdem_solve::{Drive, SolveError};
 
 fn cube() -> DeformableModel {
@@ -28,6 +32,52 @@ fn a_body_that_nothing_holds_is_told_from_one_at_rest() {
     for linear in solvers() {
         let error = solve_static(&model, &boundary, &with(linear, 1e-6)).unwrap_err();
         assert!(matches!(error, SolveError::NotConverged { .. }), "{error}");
+    }
+}
+
+/// Held, turned and of any law, with loads that only begin later, what bears nothing is at rest at once.
+#[test]
+fn what_bears_nothing_yet_is_at_rest() {
+    let turn = Rotation::from_euler_angles(0.3, -0.7, 1.1);
+    let mesh = TetMesh::block([2, 2, 2], &Vector3::repeat(0.1)).unwrap();
+    let points = mesh.points().iter().map(|p| turn * p).collect();
+    let turned = TetMesh::new(points, mesh.tets().to_vec()).unwrap();
+    let laws: [AnyMaterial; 4] = [
+        NeoHookean::new(1e6, 0.3).unwrap().into(),
+        Hencky::new(1e6, 0.3).unwrap().into(),
+        MooneyRivlin::new(1e6, 0.3, 0.4).unwrap().into(),
+        J2::new(1e6, 0.3, 1e4, 1e5).unwrap().into(),
+    ];
+    for (mesh, element) in [
+        (&mesh, Element::T4),
+        (&turned, Element::T4),
+        (&turned, Element::T10),
+    ] {
+        for material in &laws {
+            let region = MaterialRegion {
+                material: material.clone(),
+                density: 1000.0,
+            };
+            let model = DeformableModel::new(mesh, element, vec![region], None).unwrap();
+            let mut boundary = Boundary::default();
+            let ends = Selection::Nodes(vec![0, 1, 2]);
+            boundary.fix(&model, &ends, [true; 3]).unwrap();
+            let later = Curve::Table(vec![[0.0, 0.0], [0.5, 0.0], [1.0, 100.0]]);
+            boundary.press(&model, &Selection::Skin, later).unwrap();
+            let options = StaticOptions {
+                path: LoadPath::InTime,
+                steps: 4,
+                ..StaticOptions::default()
+            };
+            let solution = solve_static(&model, &boundary, &options).unwrap();
+            let moved = solution.state.x.iter().zip(model.nodes());
+            let most = moved
+                .map(|(x, start)| (x - start).norm())
+                .fold(0.0, f64::max);
+            assert!(most > 1e-7, "{element:?} {material:?} {most}");
+            let unloaded = solve_static(&model, &Boundary::default(), &StaticOptions::default());
+            assert_eq!(unloaded.unwrap().state.x, model.nodes());
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use super::respond::FrictionStart;
 use super::shape::{DeformableShape, Modulus};
 use super::sums::Gradient;
 use crate::contact::{BodyId, Load};
-use crate::error::ContactError;
+use crate::error::{ContactError, check};
 use crate::general::{FieldMesh, Form};
 use crate::generalized::Resistance;
 use crate::law::{ContactLaw, ContactParameters};
@@ -316,12 +316,35 @@ impl DeformableBatch {
     /// that of rigid bodies: a force on B (N) and a moment on B about the normal (N m), spread over
     /// the triangles in contact in proportion to what presses on them. It counts at the next
     /// update, if the pair touches then and has no friction yet.
-    pub fn begin_friction(&mut self, a: DeformablePartner, b: u32, force: Vector3, torsion: f64) {
-        if let Some(body) = self.bodies.get_mut(b as usize) {
-            body.sleep.stir();
-        }
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if A or B was never added, [`ContactError::Parameter`] if the force or the moment is not
+    /// finite.
+    pub fn begin_friction(
+        &mut self,
+        a: DeformablePartner,
+        b: u32,
+        force: Vector3,
+        torsion: f64,
+    ) -> Result<(), ContactError> {
+        check(
+            "force",
+            force.norm(),
+            true,
+            "finite in every component, in N",
+        )?;
+        check("torsion", torsion, true, "finite, in N m")?;
+        let (what, index, count) = match a {
+            DeformablePartner::Deformable(i) => ("deformable body", i, self.bodies.len()),
+            DeformablePartner::Rigid(i) => ("rigid body", i, self.rigid.len()),
+            DeformablePartner::Wall(w) => ("wall", w, self.walls.len()),
+        };
+        check_index(what, index, count)?;
+        check_index("deformable body", b, self.bodies.len())?;
+        self.bodies[b as usize].sleep.stir();
         let start = FrictionStart { force, torsion };
         self.starts.insert((a, b), start);
+        Ok(())
     }
 
     /// Sums the forces in the order of the pairs; on bodies among sleepers only if `all`.
@@ -434,4 +457,12 @@ fn no_shape(index: u32, count: usize) -> ContactError {
         index: index as usize,
         count,
     }
+}
+
+fn check_index(what: &'static str, index: u32, count: usize) -> Result<(), ContactError> {
+    let index = index as usize;
+    if index < count {
+        return Ok(());
+    }
+    Err(ContactError::NoSuch { what, index, count })
 }

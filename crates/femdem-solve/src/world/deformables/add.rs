@@ -1,7 +1,7 @@
 //! Adding models and deformable bodies to a world.
 
 use super::{ContactStiffness, DeformableId, DeformableSpec, Deformables, Model, ModelId, State};
-use crate::body::Body;
+use crate::body::{Body, checked_pose};
 use crate::deformable::{Boundary, DeformableModel, NodalBound};
 use crate::error::{SolveError, check};
 use crate::material::{Deformation, Material};
@@ -111,7 +111,7 @@ impl World {
     /// [`DeformableBatch::begin_friction`].
     ///
     /// # Errors
-    /// As [`World::add_model`].
+    /// As [`World::add_model`] and [`DeformableBatch::begin_friction`].
     pub fn begin_friction(
         &mut self,
         a: DeformablePartner,
@@ -121,7 +121,7 @@ impl World {
     ) -> Result<(), SolveError> {
         self.deformables_mut()?
             .batch
-            .begin_friction(a, b, force, torsion);
+            .begin_friction(a, b, force, torsion)?;
         Ok(())
     }
 
@@ -145,21 +145,18 @@ impl World {
 impl State {
     fn new(spec: &DeformableSpec, model: &DeformableModel, time: f64) -> Result<Self, SolveError> {
         for (name, v) in [
-            ("pose.translation", spec.pose.translation.vector),
             ("velocity", spec.velocity),
             ("angular_velocity", spec.angular_velocity),
         ] {
             check(name, v.norm(), true, "finite in every component")?;
         }
-        let unit = spec.pose.rotation.norm();
-        let is_unit = (unit - 1.0).abs() < 1e-6;
-        check("pose.rotation", unit, is_unit, "a unit quaternion")?;
-        let place = |x: &Vector3| spec.pose.rotation * x + spec.pose.translation.vector;
+        let pose = checked_pose(&spec.pose)?;
+        let place = |x: &Vector3| pose.rotation * x + pose.translation.vector;
         let positions: Vec<Vector3> = model.nodes().iter().map(place).collect();
         let centre = centroid(&positions, model.masses());
         let velocity = |x: &Vector3| spec.velocity + spec.angular_velocity.cross(&(x - centre));
         let mut velocities: Vec<Vector3> = positions.iter().map(velocity).collect();
-        let boundary = spec.boundary.posed(&spec.pose).counted_from(time);
+        let boundary = spec.boundary.posed(&pose).counted_from(time);
         boundary.check(model)?;
         boundary.for_held(time, |a, i, _, velocity| velocities[a][i] = velocity);
         Ok(Self {
