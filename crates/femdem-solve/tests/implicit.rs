@@ -109,6 +109,18 @@ fn small_steps_give_the_restitution_of_the_law() {
                 (got - want).abs() < 0.012,
                 "zeta {zeta}: {got} instead of {want}"
             );
+            // The dashpot took it, also while the contact parts and the spring follows more slowly.
+            let books = world.ledger();
+            let lost = 0.5 * world.mass(body).unwrap() * (1.0 - got * got);
+            let (damped, step) = (books.dissipated_damping, books.dissipated_step);
+            for (part, most) in [
+                (lost - damped, 0.04),
+                (step, 0.04),
+                (lost - damped - step, 0.01),
+                (books.error(), 0.01),
+            ] {
+                assert!(part.abs() < most * lost, "zeta {zeta}: {part} of {lost}");
+            }
         }
     }
 }

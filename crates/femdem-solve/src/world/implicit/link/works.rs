@@ -32,10 +32,13 @@ impl Link {
         let rate = [&self.before, &change].map(opening);
         let dashpot = self.slopes.normal - spring;
         let elastic = if forces.normal > 0.0 {
-            (forces.normal + dashpot * (rate[0] + rate[1])).max(0.0)
+            forces.normal + dashpot * (rate[0] + rate[1])
         } else {
-            0.0
+            // It parts faster than the dashpot lets the spring follow, which keeps what it has not lost.
+            let passed = if self.foreseen { 0.0 } else { rate[0] };
+            self.elastic - spring * (passed + rate[1])
         };
+        let elastic = elastic.max(0.0);
         // The spring's force where the step began.
         let began = if self.foreseen { spring * rate[0] } else { 0.0 };
         let was = (self.elastic + began).max(0.0);
