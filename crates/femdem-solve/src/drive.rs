@@ -79,6 +79,9 @@ pub enum Drive {
     },
 }
 
+/// Least number of steps in a period of a swing: its stroke is then found to 1 %.
+const STEPS_OF_PERIOD: f64 = 20.0;
+
 /// Where a driven thing has come to from its base, and how it moves.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Driven {
@@ -291,6 +294,21 @@ impl Drive {
                     within(from, from + 1.0 / frequency)
                 })
             }
+        }
+    }
+
+    /// Steps that resolve what it does at time `t` or within `ahead` after it, s: parts of the period while it swings,
+    /// else infinite.
+    pub(crate) fn resolving_step(&self, t: f64, ahead: f64) -> f64 {
+        match *self {
+            Self::Shake { frequency, .. }
+            | Self::Rock { frequency, .. }
+            | Self::Tap { frequency, .. }
+                if self.is_active(t, ahead) =>
+            {
+                1.0 / (STEPS_OF_PERIOD * frequency)
+            }
+            _ => f64::INFINITY,
         }
     }
 

@@ -573,3 +573,41 @@ fn parameters_set_between_steps() {
     };
     assert_eq!(run(false), run(true));
 }
+
+/// A wall or a body that is driven fast throws off what it meets with twice its speed at most.
+#[test]
+fn what_is_driven_fast_is_foreseen() {
+    for speed in [1.0, 5.0] {
+        for by_wall in [true, false] {
+            let p = TimeStepParameters {
+                implicit: Some(ImplicitStep::default()),
+                ..TimeStepParameters::default()
+            };
+            let mut world = World::new(WorldParameters {
+                time_step: p,
+                ..weightless(1e6, 0.6, 0.0)
+            })
+            .unwrap();
+            let shape = world.add_shape("P5", &solid("P5")).unwrap();
+            let drive = Drive::Linear {
+                velocity: Vector3::z() * speed,
+                start: 0.0,
+                end: 10.0,
+            };
+            if by_wall {
+                add_floor(&mut world, drive);
+            } else {
+                let below = at(Vector3::z() * -half_edge());
+                let spec = BodySpec::at_rest(shape, DENSITY, below);
+                world.add_driven_body(spec, drive).unwrap();
+            }
+            let above = at(Vector3::z() * (half_edge() + 0.05));
+            let body = world
+                .add_body(BodySpec::at_rest(shape, DENSITY, above))
+                .unwrap();
+            run_until(&mut world, 0.3);
+            let thrown = world.velocity(body).unwrap().z / speed;
+            assert!((1.0..2.1).contains(&thrown), "{speed} {by_wall}: {thrown}");
+        }
+    }
+}

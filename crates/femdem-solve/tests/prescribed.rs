@@ -5,6 +5,7 @@
 mod common;
 
 use common::{DENSITY, add_floor, at, parameters, run_until, solid, weightless};
+use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::{Pose, TetMesh, Vector3};
 use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_solve::element::Element;
@@ -328,4 +329,42 @@ fn a_custom_law_goes_on_from_bytes() {
     }
     assert_eq!(world.time_step(), read.time_step());
     assert_eq!(world.state_hash().unwrap(), read.state_hash().unwrap());
+}
+
+/// Steps resolve a wall that swings fast under a large body, whose contacts would allow longer ones.
+#[test]
+fn fast_swings_are_resolved() {
+    let tapped = |largest: Option<f64>| {
+        let frequency: f64 = 50.0;
+        let mut p = parameters(1e6, 0.6, 0.6);
+        p.time_step.largest = largest;
+        let mut world = World::new(p).unwrap();
+        let stroke = 6.0 * 9.81 / (2.0 * std::f64::consts::PI * frequency).powi(2);
+        let tap = Drive::Tap {
+            stroke: Vector3::z() * stroke,
+            frequency,
+            start: 0.503,
+            interval: 0.2,
+            taps: 3,
+        };
+        let floor = add_floor(&mut world, tap);
+        let large = CatalogueShape::from(Solid::P5)
+            .polyhedron(3_f64.sqrt())
+            .unwrap();
+        let shape = world.add_shape("P5", &large).unwrap();
+        let rest = at(Vector3::z() * 0.497);
+        world
+            .add_body(BodySpec::at_rest(shape, DENSITY, rest))
+            .unwrap();
+        let mut highest = 0.0_f64;
+        while world.time() < 1.5 {
+            world.step().unwrap();
+            highest = highest.max(world.wall_pose(floor).unwrap().translation.vector.z);
+        }
+        (highest / stroke, world.ledger())
+    };
+    let (chosen, short) = (tapped(None), tapped(Some(1e-4)));
+    assert!(chosen.0 > 0.97, "{}", chosen.0);
+    let (work, exact) = (chosen.1.work_in, short.1.work_in);
+    assert!((work / exact - 1.0).abs() < 0.15, "{work} {exact}");
 }

@@ -188,3 +188,30 @@ fn what_is_left_is_compared_with_the_loads() {
         assert!((strain * young / stress - 1.0).abs() < 0.02, "{strain}");
     }
 }
+
+/// A rigid body is not at rest under a couple: one jammed askew between two walls turns until it lies flat.
+#[test]
+fn a_couple_is_no_equilibrium() {
+    let mut p = WorldParameters {
+        gravity: Vector3::zeros(),
+        ..WorldParameters::default()
+    };
+    p.contact.friction = 0.0;
+    let mut world = World::new(p).unwrap();
+    let turn = 0.3_f64;
+    let reach = 0.5 * SIDE * (turn.cos() + turn.sin()) - 1e-4;
+    for side in [1.0, -1.0] {
+        let wall = Wall::half_space("side", Vector3::x() * side, -reach).unwrap();
+        world.add_wall(wall, Drive::Fixed).unwrap();
+    }
+    let cube = "P5".parse::<CatalogueShape>().unwrap();
+    let cube = cube.polyhedron(SIDE * 3_f64.sqrt()).unwrap();
+    let shape = world.add_shape("cube", &cube).unwrap();
+    let askew = Pose::rotation(Vector3::z() * turn);
+    let body = world.add_body(BodySpec::at_rest(shape, DENSITY, askew));
+    let body = body.unwrap();
+    let found = world.relax(&WorldRelaxation::default());
+    let load = world.load(body).unwrap();
+    let couple = load.total.torque.norm() / (SIDE * load.normal_sum.max(f64::MIN_POSITIVE));
+    assert!(found.is_err() || couple < 1e-3, "{found:?} {couple}");
+}

@@ -438,3 +438,52 @@ fn the_step_is_chosen_for_those_that_a_drive_wakes() {
         }
     }
 }
+
+/// What slept on a body that is knocked away falls, however fast that goes.
+#[test]
+fn nothing_sleeps_on_without_its_support() {
+    for (recheck, speed) in [(10, 6.0), (10, 7.5), (100, 5.0), (100, 9.0)] {
+        let mut p = sleepy();
+        p.sleeping.recheck = recheck;
+        let mut world = World::new(p).unwrap();
+        add_floor(&mut world, Drive::Fixed);
+        let shape = world.add_shape("P5", &solid("P5")).unwrap();
+        let edge = 2.0 * half_edge();
+        add_cube(&mut world, shape, Vector3::z() * (0.5 * edge));
+        let above = add_cube(&mut world, shape, Vector3::z() * (1.5 * edge));
+        settle(&mut world, 10.0);
+        let beside = at(Vector3::new(-1.3 * edge, 0.0, 0.5 * edge));
+        let mut striker = BodySpec::at_rest(shape, 8.0 * DENSITY, beside);
+        striker.velocity.x = speed;
+        world.add_body(striker).unwrap();
+        let until = world.time() + 1.0;
+        run_until(&mut world, until);
+        let height = world.position(above).unwrap().z;
+        assert!(height < 1.2 * edge, "{recheck} {speed}: {}", height / edge);
+    }
+}
+
+/// A body that is stopped is not pushed on by the dashpots of the velocity that it had.
+#[test]
+fn what_is_stopped_goes_on_from_rest() {
+    let mut p = parameters(1e6, 0.0, 0.6);
+    (p.gravity, p.time_step.safety) = (Vector3::zeros(), 0.1);
+    let mut world = World::new(p).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let mut spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * (half_edge() + 1e-4)));
+    spec.velocity.z = -1.0;
+    let body = world.add_body(spec).unwrap();
+    while world.contacts().is_empty() {
+        world.step().unwrap();
+    }
+    world.step().unwrap();
+    let elastic = world.contacts()[0].elastic_force;
+    let damped = world.ledger().dissipated_damping;
+    world.stop();
+    world.step().unwrap();
+    let gained = elastic * world.time_step() / world.mass(body).unwrap();
+    let speed = world.velocity(body).unwrap().z;
+    assert!((speed / gained - 1.0).abs() < 0.1, "{speed} {gained}");
+    assert!(world.ledger().dissipated_damping >= damped);
+}

@@ -165,6 +165,10 @@ fn a_forced_job_forgets_the_one_before() {
     }
     assert!(out.join("pack.ckpt").is_file());
     assert!(!out.join("run.ckpt").exists() && !out.join("summary.json").exists());
+    // Bodies that still fall do not lie where stresses could be found.
+    let early = run(femdem("resolve").arg(&out));
+    assert_eq!(code(&early), 1, "{early:?}");
+    assert!(!out.join("resolved").exists());
     let resumed = run(femdem("resume").arg(&out).args(["--report", "-q"]));
     assert_eq!(code(&resumed), 0, "{resumed:?}");
     assert_eq!(summary(&out)["count"], 60);

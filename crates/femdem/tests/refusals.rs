@@ -53,6 +53,10 @@ fn bad_options_say_what_is_allowed_and_leave_no_folder() {
             &["--container", "box", "--cylinder", "5"],
             &["cylinder = 5 beside container = box"],
         ),
+        (
+            &["--protocol", "release", "--batch", "2"],
+            &["batch = 2", "release"],
+        ),
         (&["--rate", "50"], &["rate = 50", "pour"]),
         (&["--height", "1m"], &["height = 1m", "pour"]),
         (&["--local-damping", "1"], &["local-damping = 1", "below 1"]),

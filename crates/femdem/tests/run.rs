@@ -212,6 +212,16 @@ fn an_interrupted_run_resumes_to_the_same_bits() {
     common::interrupt(&child);
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert!(!parts.join("summary.json").exists());
+    // While another writes into the folder nobody else does.
+    let held = fs::File::open(&parts).unwrap();
+    held.lock().unwrap();
+    for command in [
+        femdem("resume").arg(&parts),
+        start(&parts, "1").arg("--force"),
+    ] {
+        fails(command, &["another femdem"]);
+    }
+    drop(held);
     let result = run(femdem("resume").arg(&parts).arg("-q"));
     assert_eq!(code(&result), 0, "{result:?}");
     assert_eq!(summary(&parts)["state_hash"], summary(&whole)["state_hash"]);
@@ -309,6 +319,17 @@ fn bad_entries_are_refused_by_name_and_leave_no_folder() {
             "name = \"hard\"",
             "name = \"soft\"",
             &["\"soft\"", "another body"],
+        ),
+        (
+            "name = \"soft\"",
+            "name = \"hard 2\"",
+            &["\"hard 2\"", "a copy of another body"],
+        ),
+        (
+            "[[wall]]",
+            "[[wall]]\nname = \"bin\"\nbox = { lower = [-9, -9, -9], upper = [9, 9, 9] }\n\
+             [[wall]]\nname = \"bin x-\"\nplane = { normal = [1, 0, 0], offset = -9 }\n[[wall]]",
+            &["\"bin x-\"", "another wall"],
         ),
         (
             "normal = [0, 0, 1]",

@@ -240,6 +240,16 @@ impl ContactBatch {
         list
     }
 
+    /// Sleeping bodies, sorted, that something has left in the last update: it is no candidate of theirs any more, and
+    /// what they bore of it is gone.
+    pub fn left_sleepers(&self) -> Vec<BodyId> {
+        let asleep = |i: &u32| !self.awake[*i as usize];
+        let mut list: Vec<BodyId> = self.pairs.left.iter().copied().filter(asleep).collect();
+        list.sort_unstable();
+        list.dedup();
+        list
+    }
+
     /// Finds and evaluates all contacts of awake bodies.
     ///
     /// `bodies` and `walls` hold one motion per added body and wall; `dt` is the time
@@ -271,6 +281,7 @@ impl ContactBatch {
             self.check(&view)?;
         }
         let Snapshot { bodies, walls, .. } = ahead.unwrap_or(now);
+        self.pairs.left.clear();
         if std::mem::take(&mut self.awake_changed) {
             let awake = self.awake.iter().enumerate().filter(|x| *x.1);
             self.awake_list = awake.map(|(i, _)| i as BodyId).collect();

@@ -103,6 +103,9 @@ pub(crate) struct PairTable {
     /// Whether a body or a wall is a mesh.
     mesh_bodies: Vec<bool>,
     mesh_walls: Vec<bool>,
+    /// Bodies of pairs that ended since this was last emptied.
+    #[serde(skip)]
+    pub(super) left: Vec<BodyId>,
 }
 
 impl PairTable {
@@ -211,8 +214,10 @@ impl PairTable {
 
     fn unlink(&mut self, body: BodyId, neighbour: Neighbour) {
         self.neighbours[body as usize].retain(|n| n.code != neighbour.code);
+        self.left.push(body);
         if neighbour.code < WALL {
             self.neighbours[neighbour.code as usize].retain(|n| n.code != body);
+            self.left.push(neighbour.code);
         }
         self.slots[neighbour.slot as usize].part();
         self.free.push(neighbour.slot);

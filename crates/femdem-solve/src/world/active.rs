@@ -5,7 +5,8 @@
 //! half the sum of its normal forces. It is frozen when it has rested for a number of steps and the
 //! frozen bodies that it touches hold what is on them.
 //! Frozen bodies beside awake ones are examined again at fixed step numbers from the
-//! forces on record; one that has lost much of its balance wakes then, one that is struck at once.
+//! forces on record; one that has lost much of its balance wakes then, one that is struck, or left by what held it,
+//! at once.
 //! All decisions are functions of the state, so they are the same in every run.
 
 use super::World;
@@ -55,6 +56,10 @@ impl World {
         }
         let struck = self.struck_bodies();
         self.wake(&struck);
+        // They are beside nothing that is awake any more, and would not be examined again.
+        let mut left = self.batch.left_sleepers();
+        left.retain(|&i| !self.batch.is_awake(i) && !self.holds(i));
+        self.wake(&left);
         let recheck = u64::from(self.parameters.sleeping.recheck);
         if self.steps.is_multiple_of(recheck) {
             let sleepers = self.bodies_to_freeze();
@@ -275,6 +280,8 @@ impl World {
                 self.stop_body(i);
             }
         }
+        // The dashpots' forces are those of the velocities before.
+        self.loaded = false;
     }
 
     /// Whether more of the awake rigid bodies are losing kinetic energy than gaining it; driven ones do

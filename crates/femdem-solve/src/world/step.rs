@@ -16,6 +16,28 @@ use std::time::Instant;
 /// A step that moves a body by more than this fraction of its bounding radius is a blow-up.
 pub(super) const LARGEST_MOVE: f64 = 0.25;
 
+/// What moves as prescribed, as others may meet it.
+pub(super) struct Driving {
+    walls: Vec<Driven>,
+    /// Largest speed of a driven body, m/s.
+    bodies: f64,
+    /// Steps that resolve how it swings, s.
+    pub step: f64,
+}
+
+impl Driving {
+    /// Whether anything may be met that moves.
+    pub fn is_any(&self) -> bool {
+        self.bodies > 0.0 || !self.walls.is_empty()
+    }
+
+    /// Largest speed of what may be met within `radius` of a point, m/s.
+    pub fn met(&self, x: &Vector3, radius: f64) -> f64 {
+        let speeds = self.walls.iter().map(|wall| wall.fastest_near(x, radius));
+        speeds.fold(self.bodies, f64::max)
+    }
+}
+
 impl World {
     /// Advances the world by one step; the world chooses its size.
     ///
@@ -60,29 +82,34 @@ impl World {
 
     /// The step in which nothing moves far against what it may meet, s.
     fn usual_step(&self) -> f64 {
-        let moving = |(drive, _): &&(Drive, Pose)| *drive != Drive::Fixed;
-        let walls = self.wall_drives.iter().filter(moving);
-        let walls: Vec<Driven> = walls.map(|(drive, _)| drive.at(self.time)).collect();
+        let driving = self.driving();
         let usual = |body: &Body, met: f64| USUAL_MOVE * body.radius / (body.fastest() + met);
-        let (mut least, mut driven) = (f64::INFINITY, 0.0_f64);
-        for body in self.awake_bodies() {
-            match body.driven {
-                Some(_) => driven = driven.max(body.fastest()),
-                None => least = least.min(usual(body, 0.0)),
-            }
-        }
-        let met = |x: &Vector3, radius: f64| {
-            let speeds = walls.iter().map(|wall| wall.fastest_near(x, radius));
-            speeds.fold(driven, f64::max)
-        };
+        let free = || self.awake_bodies().filter(|body| body.driven.is_none());
+        let alone = free().map(|body| usual(body, 0.0));
+        let mut least = alone.fold(driving.step, f64::min);
+        let met = |x: &Vector3, radius: f64| driving.met(x, radius);
         // Seldom: without what is driven a look at each body is enough.
-        if driven > 0.0 || !walls.is_empty() {
-            let free = self.awake_bodies().filter(|body| body.driven.is_none());
-            let steps = free.map(|body| usual(body, met(&body.position, body.radius)));
+        if driving.is_any() {
+            let steps = free().map(|body| usual(body, met(&body.position, body.radius)));
             least = steps.fold(least, f64::min);
         }
         let deformables = self.deformables.as_deref();
         deformables.map_or(least, |d| d.usual_step(met).min(least))
+    }
+
+    /// What moves as prescribed.
+    pub(super) fn driving(&self) -> Driving {
+        let moving = |(drive, _): &&(Drive, Pose)| *drive != Drive::Fixed;
+        let walls = self.wall_drives.iter().filter(moving);
+        let bodies = || self.awake_bodies().filter(|body| body.driven.is_some());
+        let of_bodies = bodies().filter_map(|body| body.driven.as_deref());
+        let drives = of_bodies.chain(&self.wall_drives).map(|(drive, _)| drive);
+        let steps = drives.map(|drive| drive.resolving_step(self.time, self.time_step()));
+        Driving {
+            step: steps.fold(f64::INFINITY, f64::min),
+            walls: walls.map(|(drive, _)| drive.at(self.time)).collect(),
+            bodies: bodies().map(Body::fastest).fold(0.0, f64::max),
+        }
     }
 
     fn awake_bodies(&self) -> impl Iterator<Item = &Body> {

@@ -1,6 +1,6 @@
 //! The folder of a run and the checkpoint in it.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -34,11 +34,32 @@ struct Saving<'a> {
     usage: &'a Usage,
 }
 
-/// Makes the folder, or checks that the one there is empty; `force` lets it hold files.
-pub(crate) fn prepare(folder: &Path, force: bool) -> Result<()> {
+/// Keeps other jobs out of a folder for as long as it lives.
+#[must_use]
+pub(crate) struct Claim(#[expect(dead_code, reason = "holds the lock")] Option<File>);
+
+/// Claims a folder for a job that writes into it.
+pub(crate) fn claim(folder: &Path) -> Result<Claim> {
+    // Where folders cannot be opened or locked there is no telling.
+    let Ok(handle) = File::open(folder) else {
+        return Ok(Claim(None));
+    };
+    match handle.try_lock() {
+        Ok(()) => Ok(Claim(Some(handle))),
+        Err(TryLockError::WouldBlock) => bail!(
+            "another femdem writes into the folder {}: wait until it has ended, or stop it first",
+            folder.display()
+        ),
+        Err(TryLockError::Error(_)) => Ok(Claim(None)),
+    }
+}
+
+/// Makes the folder, or checks that the one there is empty; `force` lets it hold files. Claims it.
+pub(crate) fn prepare(folder: &Path, force: bool) -> Result<Claim> {
     let shown = folder.display();
     fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {shown}; give another with --out"))?;
+    let claim = claim(folder)?;
     let mut entries =
         fs::read_dir(folder).with_context(|| format!("cannot look into the folder {shown}"))?;
     if !force && entries.next().is_some() {
@@ -47,7 +68,7 @@ pub(crate) fn prepare(folder: &Path, force: bool) -> Result<()> {
              files in it"
         );
     }
-    Ok(())
+    Ok(claim)
 }
 
 /// Name of the results in numbers.
@@ -64,6 +85,23 @@ pub(crate) fn forget_other_jobs(folder: &Path, own: &str) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Says which results in a folder are of the pack as it was when it was interrupted.
+pub(crate) fn warn_of_old_results(folder: &Path, page_follows: bool) {
+    let kept = |name: &str| {
+        let is_made_anew = page_follows && name == "report.html";
+        folder.join(name).exists() && !is_made_anew
+    };
+    let mut old = vec!["analysis.json", "resolved", "report.html"];
+    old.retain(|name| kept(name));
+    if !old.is_empty() {
+        super::complain(&format!(
+            "{} in {} stay as they are, of the unfinished pack: make them again after this",
+            old.join(", "),
+            folder.display()
+        ));
+    }
 }
 
 fn checkpoint_path(folder: &Path) -> PathBuf {

@@ -40,7 +40,7 @@ pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
                 say(&note.to_string());
             }
         }
-        folder::prepare(&scene.out, args.force)?;
+        let _claim = folder::prepare(&scene.out, args.force)?;
         write_scene(&scene)?;
         let run = Run {
             folder: scene.out.clone(),
@@ -74,7 +74,11 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
     } = args.run;
     let every = checkpoint_interval(checkpoint_every)?;
     in_pool(threads.map(usize::from), |threads| {
+        let _claim = folder::claim(&args.folder)?;
         let saved = folder::load(&args.folder)?;
+        if !saved.packing.is_done() {
+            folder::warn_of_old_results(&args.folder, args.report);
+        }
         let run = Run {
             folder: args.folder.clone(),
             quiet,

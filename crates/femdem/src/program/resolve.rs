@@ -2,14 +2,15 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
+use femdem::pack::Packing;
 use femdem::resolve::{ResolveOptions, resolve};
 use femdem::results;
 use femdem::solve::element::Element;
 
 use super::job::{Outcome, in_pool};
-use super::{folder, say};
+use super::{complain, folder, say};
 
 pub(crate) const HELP: &str = "\
 The folder then holds
@@ -81,14 +82,35 @@ impl ResolveArgs {
     }
 }
 
+/// Refuses a pack that is still being made; says so if it is made but did not come to rest.
+fn check_rest(packing: &Packing, args: &ResolveArgs) -> Result<()> {
+    let shown = args.folder.display();
+    if !packing.is_done() {
+        let at = packing.progress();
+        bail!(
+            "the pack in {shown} is not finished ({} of {} bodies placed): bodies that still fall lie nowhere; \
+             go on with it first: femdem resume {shown}",
+            at.placed,
+            at.count
+        );
+    }
+    if !packing.report().settled {
+        complain(&format!(
+            "the pack in {shown} did not come to rest: its bodies may end elsewhere than they are in it"
+        ));
+    }
+    Ok(())
+}
+
 pub(crate) fn run(args: &ResolveArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
         let saved = folder::load(&args.folder)?;
+        check_rest(&saved.packing, args)?;
         let out = match &args.out {
             Some(out) => out.clone(),
             None => args.folder.join("resolved"),
         };
-        folder::prepare(&out, args.force)?;
+        let _claim = folder::prepare(&out, args.force)?;
         let options = args.options();
         let resolved = resolve(saved.packing.world(), &options)?;
         let outline = results::snapshot(&saved.packing).outline();

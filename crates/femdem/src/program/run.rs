@@ -61,7 +61,7 @@ pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
             quiet: args.run.quiet,
             every,
         };
-        folder::prepare(&part.folder, args.force)?;
+        let _claim = folder::prepare(&part.folder, args.force)?;
         write_scene(&part.folder, run.scenario())?;
         part.to_end(run, Usage::default(), threads)
     })
@@ -76,6 +76,7 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
     } = args.run;
     let every = checkpoint_interval(checkpoint_every)?;
     in_pool(threads.map(usize::from), |threads| {
+        let _claim = folder::claim(&args.folder)?;
         let saved = folder::load_run(&args.folder)?;
         let part = Part {
             folder: args.folder.clone(),

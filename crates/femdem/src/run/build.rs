@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::body::wrong;
 use super::geometry::Geometry;
+use super::names::{Names, check_names};
 use super::words::KEYS;
 use super::{Behaviour, BodyEntry, MaterialEntry, Scenario, Support};
 use crate::Error;
@@ -120,6 +121,7 @@ impl Scenario {
         if simulation.members.is_empty() {
             return Err(wrong("body", "none", "give at least one [[body]]"));
         }
+        check_names(&simulation)?;
         self.check_materials()?;
         self.check_sleep(&simulation)?;
         self.check_relaxation()?;
@@ -386,33 +388,5 @@ fn in_entry(entry: String) -> impl FnOnce(Error) -> Error {
     |fault| Error::Entry {
         entry,
         fault: Box::new(fault.by_keys(&KEYS)),
-    }
-}
-
-/// Names that are taken.
-#[derive(Default)]
-struct Names(BTreeSet<String>);
-
-impl Names {
-    /// The name given, which must be free, or the default with a number if that is taken.
-    fn of(&mut self, what: &'static str, given: &str, default: &str) -> Result<String, Error> {
-        let name = if given.is_empty() {
-            let numbered = (2..).map(|k| format!("{default} ({k})"));
-            let mut free = std::iter::once(default.to_owned()).chain(numbered);
-            free.find(|name| !self.0.contains(name)).unwrap_or_default()
-        } else {
-            given.to_owned()
-        };
-        if !self.0.insert(name.clone()) {
-            return Err(Error::Option {
-                name: "name",
-                value: format!("\"{name}\""),
-                allowed: match what {
-                    "wall" => "another wall has it: give each its own",
-                    _ => "another body has it: give each its own",
-                },
-            });
-        }
-        Ok(name)
     }
 }

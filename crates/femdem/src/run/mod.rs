@@ -45,6 +45,7 @@ mod history;
 mod job;
 mod material;
 mod motion;
+mod names;
 mod overlap;
 mod picture;
 mod relaxation;

@@ -57,7 +57,7 @@ pub struct RunSummary {
     /// Time of all processor cores \[s\]; `null` where the system does not tell.
     pub cpu_seconds: Option<f64>,
     /// Time on the clock over tetrahedra and steps, contacts and output included \[ns\]; `null` without
-    /// tetrahedra.
+    /// tetrahedra, and with a relaxation, whose steps of bodies as wholes are not among those of the world.
     pub nanoseconds_per_tet_step: Option<f64>,
     /// Largest resident memory; `null` where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
@@ -237,7 +237,8 @@ impl RunSummary {
             threads: usage.threads,
             wall_seconds: usage.wall_seconds,
             cpu_seconds: usage.cpu_seconds,
-            nanoseconds_per_tet_step: (work > 0.0).then(|| 1e9 * usage.wall_seconds / work),
+            nanoseconds_per_tet_step: (work > 0.0 && run.relaxation().is_none())
+                .then(|| 1e9 * usage.wall_seconds / work),
             peak_memory_bytes: usage.peak_memory_bytes,
             state_hash: format!("{:016x}", world.state_hash()?),
         })

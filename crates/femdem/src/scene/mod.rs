@@ -329,6 +329,10 @@ impl Scene {
                 return refuse(name, "inf".to_owned(), "0 or more and finite");
             }
         }
+        if let (Some(batch), ProtocolKind::Release) = (self.batch, self.protocol) {
+            let allowed = "the protocol release has all bodies in one; leave it out";
+            return refuse("batch", batch.to_string(), allowed);
+        }
         if self.protocol != ProtocolKind::Pour {
             let allowed = "it is for the protocol pour; leave it out";
             if let Some(height) = self.height {

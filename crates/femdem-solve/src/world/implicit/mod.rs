@@ -123,13 +123,18 @@ impl World {
     fn choose_implicit_step(&mut self, rule: &ImplicitStep) -> f64 {
         let mut most = self.parameters.time_step.largest.unwrap_or(f64::INFINITY);
         let gravity = self.parameters.gravity.norm();
+        let driving = self.driving();
+        most = most.min(driving.step);
         for &i in &self.awake {
             let body = &self.bodies[i as usize];
             if gravity > 0.0 {
                 most = most.min(rule.fall * (2.0 * body.radius / gravity).sqrt());
             }
             let turning = body.momentum.component_div(&body.moments).norm();
-            let speed = body.velocity.norm().max(turning * body.radius);
+            let mut speed = body.velocity.norm().max(turning * body.radius);
+            if driving.is_any() {
+                speed += driving.met(&body.position, body.radius);
+            }
             if body.driven.is_none() && speed * most > 2.0 * rule.reach * body.radius {
                 most = 2.0 * rule.reach * body.radius / speed;
             }

@@ -21,8 +21,10 @@ impl World {
             .or_else(|| self.least_given(&nodal))
             .unwrap_or(1.0);
         let (mut rigid, mut whole, mut node) = (0.0_f64, 0.0_f64, 0.0_f64);
-        for (i, _) in self.free_bodies() {
-            rigid = rigid.max(self.net_force(i, &self.load_of(i as u32)).norm());
+        for (i, body) in self.free_bodies() {
+            let load = self.load_of(i as u32);
+            let moment = load.total.torque.norm() / (2.0 * body.radius);
+            rigid = rigid.max(self.net_force(i, &load).norm()).max(moment);
         }
         for (i, Nodal { net, .. }) in nodal.iter().enumerate() {
             node = net.iter().map(Vector3::norm).fold(node, f64::max);

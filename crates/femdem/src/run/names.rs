@@ -1,0 +1,62 @@
+//! Names of the entries of a scene, by which results tell them apart.
+
+use std::collections::BTreeSet;
+
+use super::Simulation;
+use super::body::wrong;
+use crate::Error;
+
+/// Names that are taken.
+#[derive(Default)]
+pub(super) struct Names(BTreeSet<String>);
+
+impl Names {
+    /// The name given, which must be free, or the default with a number if that is taken.
+    pub fn of(&mut self, what: &'static str, given: &str, default: &str) -> Result<String, Error> {
+        let name = if given.is_empty() {
+            let numbered = (2..).map(|k| format!("{default} ({k})"));
+            let mut free = std::iter::once(default.to_owned()).chain(numbered);
+            free.find(|name| !self.0.contains(name)).unwrap_or_default()
+        } else {
+            given.to_owned()
+        };
+        if !self.0.insert(name.clone()) {
+            let allowed = match what {
+                "wall" => "another wall has it: give each its own",
+                _ => "another body has it: give each its own",
+            };
+            return Err(wrong("name", &format!("\"{name}\""), allowed));
+        }
+        Ok(name)
+    }
+}
+
+/// Refuses what would have one name in the results: copies of a body and walls of a box carry more than the
+/// name that they were given, and a support is known by its body's name and its own.
+pub(super) fn check_names(simulation: &Simulation) -> Result<(), Error> {
+    let members = &simulation.members;
+    let bodies = members.iter().map(|member| member.name.clone());
+    let walls = simulation.world.walls().iter();
+    let walls = walls.map(|wall| wall.name().to_owned());
+    let supports = simulation.supports.iter().filter_map(|support| {
+        let body = members.get(support.member)?;
+        Some(format!("{} {}", body.name, support.name))
+    });
+    let copies = "a copy of another body has it: give each its own";
+    own_names(bodies, copies)?;
+    own_names(walls, "a side of another wall has it: give each its own")?;
+    let together =
+        "the names of another body and of what holds it read the same: give each its own";
+    own_names(supports, together)
+}
+
+fn own_names(names: impl Iterator<Item = String>, allowed: &'static str) -> Result<(), Error> {
+    let mut known = BTreeSet::new();
+    for name in names {
+        if known.contains(&name) {
+            return Err(wrong("name", &format!("\"{name}\""), allowed));
+        }
+        known.insert(name);
+    }
+    Ok(())
+}
