@@ -56,10 +56,7 @@ impl World {
         }
         let struck = self.struck_bodies();
         self.wake(&struck);
-        // They are beside nothing that is awake any more, and would not be examined again.
-        let mut left = self.batch.left_sleepers();
-        left.retain(|&i| !self.batch.is_awake(i) && !self.holds(i));
-        self.wake(&left);
+        self.wake_left();
         let recheck = u64::from(self.parameters.sleeping.recheck);
         if self.steps.is_multiple_of(recheck) {
             let sleepers = self.bodies_to_freeze();
@@ -67,6 +64,14 @@ impl World {
             self.freeze(&sleepers);
             self.wake(&wakers);
         }
+    }
+
+    /// Wakes sleepers that something has left without which they do not hold. They are beside nothing that is awake any
+    /// more, and would not be examined again.
+    pub(super) fn wake_left(&mut self) {
+        let mut left = self.batch.left_sleepers();
+        left.retain(|&i| !self.holds(i));
+        self.wake(&left);
     }
 
     /// Whether anything moves as prescribed, now or within `ahead` (s): a wall, a rigid body or nodes.

@@ -21,6 +21,7 @@ impl World {
         if !self.loaded {
             self.evaluate(0.0)?;
             self.loaded = true;
+            self.wake_left();
             self.initial_energy += self.elastic_energy_of_newcomers();
             self.meet_newcomers();
         }
