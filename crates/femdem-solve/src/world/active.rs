@@ -141,6 +141,8 @@ impl World {
 
     fn count_quiet_steps(&mut self) {
         let rule = self.parameters.sleeping;
+        let deformables = self.deformables.as_deref();
+        let beside = deformables.map_or_else(Vec::new, |d| d.batch.rigid_beside_awake());
         for k in 0..self.awake.len() {
             let i = self.awake[k] as usize;
             let load = all_loads(&self.batch, self.deformables.as_deref())[i];
@@ -155,6 +157,7 @@ impl World {
                     + body.moments.max() * means.angular_velocity.norm_squared());
             let quiet = body.driven.is_some()
                 || (!rings
+                    && beside.binary_search(&(i as u32)).is_err()
                     && means.samples >= rule.window
                     && creep < rule.creep * scale
                     && self.is_balanced(i, &load, rule.tolerance));
@@ -166,8 +169,6 @@ impl World {
 
     fn bodies_to_freeze(&self) -> Vec<u32> {
         let needed = self.parameters.sleeping.steps;
-        let deformables = self.deformables.as_deref();
-        let beside = deformables.map_or_else(Vec::new, |d| d.batch.rigid_beside_awake());
         let rested = |i: u32| self.bodies[i as usize].quiet_steps >= needed;
         let settled = |p: Partner| match p {
             Partner::Body(j) => self.batch.is_awake(j) || self.holds(j),
@@ -179,7 +180,6 @@ impl World {
             .filter(|&i| {
                 rested(i)
                     && self.bodies[i as usize].driven.is_none()
-                    && beside.binary_search(&i).is_err()
                     && self
                         .batch
                         .contacts_of(i)

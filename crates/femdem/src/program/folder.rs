@@ -36,22 +36,21 @@ struct Saving<'a> {
 
 /// Keeps other jobs out of a folder for as long as it lives.
 #[must_use]
-pub(crate) struct Claim(#[expect(dead_code, reason = "holds the lock")] Option<File>);
+pub(crate) struct Claim {
+    _lock: Option<File>,
+}
 
 /// Claims a folder for a job that writes into it.
 pub(crate) fn claim(folder: &Path) -> Result<Claim> {
     // Where folders cannot be opened or locked there is no telling.
-    let Ok(handle) = File::open(folder) else {
-        return Ok(Claim(None));
-    };
-    match handle.try_lock() {
-        Ok(()) => Ok(Claim(Some(handle))),
-        Err(TryLockError::WouldBlock) => bail!(
+    let handle = File::open(folder).ok();
+    if let Some(Err(TryLockError::WouldBlock)) = handle.as_ref().map(File::try_lock) {
+        bail!(
             "another femdem writes into the folder {}: wait until it has ended, or stop it first",
             folder.display()
-        ),
-        Err(TryLockError::Error(_)) => Ok(Claim(None)),
+        );
     }
+    Ok(Claim { _lock: handle })
 }
 
 /// Makes the folder, or checks that the one there is empty; `force` lets it hold files. Claims it.

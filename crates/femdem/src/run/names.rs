@@ -53,10 +53,9 @@ pub(super) fn check_names(simulation: &Simulation) -> Result<(), Error> {
 fn own_names(names: impl Iterator<Item = String>, allowed: &'static str) -> Result<(), Error> {
     let mut known = BTreeSet::new();
     for name in names {
-        if known.contains(&name) {
+        if !known.insert(name.clone()) {
             return Err(wrong("name", &format!("\"{name}\""), allowed));
         }
-        known.insert(name);
     }
     Ok(())
 }

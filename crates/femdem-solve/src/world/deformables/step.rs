@@ -139,20 +139,14 @@ impl World {
         Ok(())
     }
 
-    /// Keeps rigid bodies awake that a deformable one touches which is awake.
+    /// Wakes rigid bodies that a deformable one touches which is awake; they are not quiet as long as that lasts.
     fn wake_touched(&mut self) {
         let Some(deformables) = self.deformables.as_deref() else {
             return;
         };
-        let touched = deformables.batch.rigid_beside_awake();
-        for &i in &touched {
-            self.bodies[i as usize].quiet_steps = 0;
-        }
-        let asleep: Vec<u32> = touched
-            .into_iter()
-            .filter(|&i| !self.batch.is_awake(i))
-            .collect();
-        self.wake(&asleep);
+        let mut touched = deformables.batch.rigid_beside_awake();
+        touched.retain(|&i| !self.batch.is_awake(i));
+        self.wake(&touched);
     }
 }
 
