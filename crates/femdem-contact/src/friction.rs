@@ -3,21 +3,15 @@
 //!
 //! The patch is a bristle foundation: its tangential modulus is `r` times the normal one,
 //! so k_t = r K and k_theta = r J. The spring is stretched between two anchor points that
-//! are fixed in the two bodies; a rigid motion of the pair leaves it unchanged.
+//! are fixed in the two bodies; a rigid motion of the pair leaves it unchanged. After each step the anchors
+//! are put around the new contact point, their stretch kept: a force at the patch does work on what moves there, so the
+//! stretch must grow by that motion, or bodies that roll and turn in turn gain energy.
 
 use crate::kernel::Overlap;
 use crate::law::ContactParameters;
 use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
-
-/// The anchors follow the contact point once it has moved by this fraction of the arm
-/// of B, or of that of A where A is much smaller.
-const RECENTRE: f64 = 0.02;
-
-/// A is smaller than B, and its arm counts, if B's is more than this many times as long. Arms of equal bodies differ by
-/// less.
-const SMALLER: f64 = 4.0;
 
 /// Friction history of one patch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -203,16 +197,16 @@ impl FrictionState {
         self.anchor_b = b.frame.rotation.tr_mul(&(overlap.arm_b + half));
     }
 
-    /// A stretch (m) with the tangential stiffness `k` (N/m) that the patch has now, and whether that changes it: a stiffer
-    /// patch keeps its force, a softer one its stretch, so that neither makes energy. One without
-    /// stiffness holds nothing: it begins anew when it has some.
-    fn carried(&self, stretch: Vector3, k: f64) -> (Vector3, bool) {
+    /// A stretch (m) with the tangential stiffness `k` (N/m) that the patch has now: a stiffer patch keeps its force, a
+    /// softer one its stretch, so that neither makes energy. One without stiffness holds nothing: it begins
+    /// anew when it has some.
+    fn carried(&self, stretch: Vector3, k: f64) -> Vector3 {
         if k == 0.0 {
-            (Vector3::zeros(), true)
+            Vector3::zeros()
         } else if k > self.stiffness && self.stiffness > 0.0 {
-            (stretch * (self.stiffness / k), true)
+            stretch * (self.stiffness / k)
         } else {
-            (stretch, false)
+            stretch
         }
     }
 
@@ -248,7 +242,7 @@ impl FrictionState {
         // A body deep inside another has no stiffness but for rounding, of either sign.
         let k = law.tangential_ratio * overlap.stiffness.max(0.0);
         let k_theta = law.tangential_ratio * overlap.stiffness_second;
-        let (mut stretch, mut moved) = self.carried(self.stretch(overlap, a, b), k);
+        let mut stretch = self.carried(self.stretch(overlap, a, b), k);
         let mut torsion = self.carried_torsion(self.torsion + spin * pace.dt, k_theta);
         let inverse_mass = [
             a.inverse_mass_at(&overlap.arm_a),
@@ -268,17 +262,8 @@ impl FrictionState {
             moment /= load;
             stretch = sliding_stretch(&force, &(slip * viscosity), k);
             torsion = sliding_torsion(moment, torsion_viscosity * spin, k_theta);
-            moved = true;
         }
-        let drift = overlap.arm_b - b.frame.rotation * self.anchor_b;
-        let drift = drift - n * n.dot(&drift);
-        let reach = RECENTRE * overlap.arm_b.norm();
-        // A small body A rolls over many of its own arms on a large one; a wall has no arm.
-        let rolls = a.inverse_mass > 0.0
-            && drift.norm_squared() > (SMALLER * RECENTRE).powi(2) * overlap.arm_a.norm_squared();
-        if moved || rolls || drift.norm_squared() > reach * reach {
-            self.place(overlap, a, b, &stretch);
-        }
+        self.place(overlap, a, b, &stretch);
         self.torsion = torsion;
         self.stiffness = k;
         self.torsion_stiffness = k_theta;

@@ -322,3 +322,64 @@ proptest! {
         prop_assume!(seen > 0);
     }
 }
+
+/// Energy that the friction of a cube on the floor gives in a cycle of rocking on its face by `rock` (rad) out of step with
+/// turning about the normal by `turn` (rad), over the most that its springs held. They are stretched all the while.
+fn given_by_rocking(rock: f64, turn: f64) -> f64 {
+    const STEPS: i32 = 2000;
+    let mut rig = Rig::new(law(1e3, 0.0), 1, true);
+    let place = |rig: &Rig, i: i32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(STEPS)).sin_cos();
+        let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn * (1.0 - cos))
+            * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), rock * sin);
+        placed(
+            &rig.cube,
+            Vector3::z() * (0.5 - 10.0 * DEPTH),
+            rotation.to_rotation_matrix().into_inner(),
+        )
+    };
+    let mut now = place(&rig, 0);
+    rig.update(&[now], 0.0);
+    let (mut friction, mut first) = (rig.batch.loads()[0].friction, 0.0);
+    let (mut work, mut largest) = (0.0, 0.0_f64);
+    for i in 1..=2 * STEPS {
+        let mut next = place(&rig, i);
+        let turned = next.frame.rotation * now.frame.rotation.transpose();
+        let turned = UnitQuaternion::from_matrix(&turned).scaled_axis();
+        // What is pressed stays where it is, but for a push at the start.
+        let arm = rig.batch.contacts()[0].arm_b;
+        let mut moved = -turned.cross(&arm);
+        if i == 1 {
+            moved += Vector3::new(1e-3, 2e-3, 0.0);
+        }
+        next.frame.position.x = now.frame.position.x + moved.x;
+        next.frame.position.y = now.frame.position.y + moved.y;
+        let moved = next.frame.position - now.frame.position;
+        next.travelled = now.travelled + moved.norm() + turned.norm();
+        (next.velocity, next.angular_velocity) = (moved, turned);
+        let contact = rig.update(&[next], 1.0);
+        let before = std::mem::replace(&mut friction, rig.batch.loads()[0].friction);
+        assert!(!contact.slides);
+        // The first round brings the springs into the cycle.
+        if i > STEPS {
+            work += 0.5 * (friction.power(&moved, &turned) + before.power(&moved, &turned));
+            largest = largest.max(contact.spring_energy);
+        } else {
+            first = contact.spring_energy;
+        }
+        now = next;
+    }
+    let last = rig.batch.contacts()[0].spring_energy;
+    (work + last - first) / largest
+}
+
+/// Whichever way round a body rocks and turns under stretched springs, they never give more than they hold.
+#[test]
+fn friction_feeds_no_rocking() {
+    for rock in [2e-3, -2e-3, 5e-3, -5e-3] {
+        for turn in [0.05, 0.3] {
+            let given = given_by_rocking(rock, turn);
+            assert!(given < 1e-5, "{rock} rad, {turn} rad: {given:e}");
+        }
+    }
+}

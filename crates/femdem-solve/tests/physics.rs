@@ -113,23 +113,22 @@ fn momentum_is_kept_to_round_off() {
     assert!((world.angular_momentum(&about) - l0).norm() < 1e-12 * scale);
 }
 
-/// Rebound speed over impact speed of one body on the floor, hitting along its own normal.
-fn rebound(id: &str, rotation: Rotation, zeta: f64) -> f64 {
+/// Rebound speed over impact speed of a cube that falls on the floor from a gap of `gap` m, in steps of `safety` of
+/// the bound.
+fn rebound(rotation: Rotation, zeta: f64, safety: f64, gap: f64) -> f64 {
     let mut p = parameters(1e7, 0.0, zeta);
     p.gravity = Vector3::zeros();
-    p.time_step.safety = 0.05;
-    p.time_step.largest = Some(4e-6);
+    p.time_step.safety = safety;
     let mut world = World::new(p).unwrap();
-    let shape = world.add_shape(id, &solid(id, 0.1)).unwrap();
+    let cube = solid("P5", 0.1);
+    let shape = world.add_shape("P5", &cube).unwrap();
     let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
     world.add_wall(floor, Drive::Fixed).unwrap();
+    let lowest = cube.vertices().iter().map(|v| (rotation * v).z);
+    let height = gap - lowest.fold(f64::INFINITY, f64::min);
     let spec = BodySpec {
         velocity: Vector3::new(0.0, 0.0, -1.0),
-        ..BodySpec::at_rest(
-            shape,
-            DENSITY,
-            pose(Vector3::new(0.0, 0.0, 0.051), rotation),
-        )
+        ..BodySpec::at_rest(shape, DENSITY, pose(Vector3::z() * height, rotation))
     };
     let body = world.add_body(spec).unwrap();
     let mut touched = false;
@@ -145,7 +144,8 @@ fn rebound(id: &str, rotation: Rotation, zeta: f64) -> f64 {
 }
 
 /// The restitution follows from zeta alone for a face, an edge and a vertex of a cube on a
-/// wall: the formula of the crate's `restitution` within 1 %.
+/// wall, wherever within a step it touches: the formula of the crate's `restitution` within 1 %. A face, whose force begins
+/// with a jump, asks for shorter steps.
 #[test]
 fn restitution_does_not_depend_on_what_touches() {
     let face = Rotation::identity();
@@ -154,11 +154,15 @@ fn restitution_does_not_depend_on_what_touches() {
     let vertex = Rotation::rotation_between(&diagonal, &-Vector3::z()).unwrap();
     for zeta in [0.1, 0.3, 0.6] {
         for (name, rotation) in [("face", face), ("edge", edge), ("vertex", vertex)] {
-            let (got, want) = (rebound("P5", rotation, zeta), restitution(zeta));
-            assert!(
-                (got / want - 1.0).abs() < 0.01,
-                "{name} at zeta {zeta}: {got} instead of {want}"
-            );
+            let want = restitution(zeta);
+            let safety = if name == "face" { 0.1 } else { 0.6 };
+            for gap in (0..10).map(|i| 1e-3 + 7.3e-6 * f64::from(i)) {
+                let got = rebound(rotation, zeta, safety, gap);
+                assert!(
+                    (got / want - 1.0).abs() < 0.01,
+                    "{name} at zeta {zeta}, gap {gap}: {got} instead of {want}"
+                );
+            }
         }
     }
 }

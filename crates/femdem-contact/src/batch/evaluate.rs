@@ -3,7 +3,7 @@
 use super::history::{PatchRecord, inherit};
 use super::pairs::{Cache, MeshPair, Pair, PairTable, Touch};
 use crate::contact::{BodyId, Contact, Partner, assemble};
-use crate::damping::{Whole, damp};
+use crate::damping::{Moment, Whole, damp};
 use crate::friction::{FrictionState, Pace};
 use crate::general::{FieldMesh, GeneralKernel, GeneralScratch, Patch};
 use crate::kernel::{CavityKernel, Overlap, PairKernel, Scratch};
@@ -55,6 +55,17 @@ pub(crate) struct Context<'a> {
 
 /// A body or wall A, a body B, and the rank of the patch.
 type Ids = (Partner, BodyId, u32);
+
+/// A patch of a pair.
+#[derive(Clone, Copy)]
+struct Part<'a> {
+    ids: Ids,
+    overlap: &'a Overlap,
+    /// All patches of the pair if there are several.
+    whole: Option<&'a Whole>,
+    /// Whether the pair did not touch in the step before.
+    fresh: bool,
+}
 
 impl Context<'_> {
     fn convex(&self, body: BodyId) -> Option<&ConvexShape> {
@@ -127,12 +138,17 @@ impl Context<'_> {
             pair.touch = None;
             return;
         };
-        let key = (pair.a, pair.b, 0);
+        let part = Part {
+            ids: (pair.a, pair.b, 0),
+            overlap: &overlap,
+            whole: None,
+            fresh: pair.touch.is_none(),
+        };
         if let Some(Touch { friction, contact }) = pair.touch.as_deref_mut() {
-            *contact = self.touch(key, &overlap, None, friction);
+            *contact = self.touch(part, friction);
         } else {
             let mut friction = FrictionState::new(&overlap, a, b);
-            let contact = self.touch(key, &overlap, None, &mut friction);
+            let contact = self.touch(part, &mut friction);
             pair.touch = Some(Box::new(Touch { friction, contact }));
         }
     }
@@ -159,7 +175,13 @@ impl Context<'_> {
         if overlap.force_magnitude() > HARDER * expected {
             // The friction that is remembered stays that of the present place.
             let mut friction = *friction;
-            *contact = self.touch((pair.a, pair.b, 0), &overlap, None, &mut friction);
+            let part = Part {
+                ids: (pair.a, pair.b, 0),
+                overlap: &overlap,
+                whole: None,
+                fresh: false,
+            };
+            *contact = self.touch(part, &mut friction);
             contact.foreseen = true;
         }
     }
@@ -210,9 +232,16 @@ impl Context<'_> {
         let states = inherit(&pair.patches, &found, motions, ratio);
         let overlaps = patches.iter().map(|p| &p.overlap);
         let whole = (patches.len() > 1).then(|| Whole::new(overlaps, motions[0], motions[1]));
+        let fresh = pair.patches.is_empty();
         pair.patches.clear();
         for (rank, ((key, overlap), mut state)) in found.into_iter().zip(states).enumerate() {
-            let contact = self.touch((a, b, rank as u32), overlap, whole.as_ref(), &mut state);
+            let part = Part {
+                ids: (a, b, rank as u32),
+                overlap,
+                whole: whole.as_ref(),
+                fresh,
+            };
+            let contact = self.touch(part, &mut state);
             let record = PatchRecord::new(key, overlap, motions, state, contact);
             pair.patches.push(record);
         }
@@ -259,17 +288,24 @@ impl Context<'_> {
         )
     }
 
-    /// Damping and friction of one patch, whose state is advanced; `whole` is all of the pair
-    /// if there are several.
-    fn touch(
-        &self,
-        ids: Ids,
-        overlap: &Overlap,
-        whole: Option<&Whole>,
-        state: &mut FrictionState,
-    ) -> Contact {
+    /// Damping and friction of one patch, whose state is advanced.
+    fn touch(&self, part: Part, state: &mut FrictionState) -> Contact {
+        let Part {
+            ids,
+            overlap,
+            whole,
+            fresh,
+        } = part;
         let (a, b) = (self.motion_a(ids.0), &self.bodies[ids.1 as usize]);
-        let mut damped = damp(overlap, whole, a, b, self.parameters.damping_ratio);
+        // Whoever asks for springs alone takes the dashpots in a way of his own.
+        let moment = if self.pace.dashpots {
+            let dt = self.pace.dt;
+            Moment { dt, fresh }
+        } else {
+            Moment::default()
+        };
+        let zeta = self.parameters.damping_ratio;
+        let mut damped = damp(overlap, whole, a, b, zeta, moment);
         let normal_force = overlap.force_magnitude() * damped.scale;
         if !self.pace.dashpots {
             damped.leave_springs();

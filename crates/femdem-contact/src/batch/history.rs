@@ -200,7 +200,7 @@ fn limit_energy(
 mod tests {
     use super::*;
     use crate::contact::{Partner, assemble};
-    use crate::damping::damp;
+    use crate::damping::{Moment, damp};
     use crate::friction::Pace;
     use crate::law::ContactParameters;
     use crate::shape::Frame;
@@ -245,7 +245,7 @@ mod tests {
                     share: 1.0,
                 };
                 let friction = state.update(&law, &now, 1.0, body, &moved, pace);
-                let damped = damp(&now, None, body, &moved, 0.0);
+                let damped = damp(&now, None, body, &moved, 0.0, Moment::default());
                 let ids = (Partner::Body(0), 1, i as u32);
                 let contact = assemble(ids, &now, &damped, &friction, [body, &moved]);
                 PatchRecord::new([i as u32, 0], &now, [body, &moved], state, contact)

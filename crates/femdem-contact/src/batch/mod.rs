@@ -253,7 +253,8 @@ impl ContactBatch {
     /// Finds and evaluates all contacts of awake bodies.
     ///
     /// `bodies` and `walls` hold one motion per added body and wall; `dt` is the time
-    /// since the last update, s (friction history and torsion advance by it).
+    /// since the last update, s (friction history and torsion advance by it). Velocities are those of the leapfrog
+    /// method, of the half step before: the dashpot allows for their lag of dt/2. At `dt` 0 there is none.
     ///
     /// # Errors
     /// [`ContactError::StateCount`] if a slice has the wrong length,

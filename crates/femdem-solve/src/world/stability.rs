@@ -225,7 +225,7 @@ mod tests {
             for _ in 0..100 {
                 world.step().unwrap();
             }
-            assert!(world.time() < 3.0, "{} samples", used.len());
+            assert!(world.time() < 6.0, "{} samples", used.len());
             if (1..12).contains(&world.awake_count()) {
                 used.extend(world.stability().unwrap().map(|s| s.used()));
             }
