@@ -177,7 +177,7 @@ pub enum MeshError {
     },
     /// The faces look inwards.
     #[error(
-        "the surface is inside out (its volume is {volume:e} m^3): reverse the vertex loop of every \
+        "the surface is inside out (its volume is {volume:e} by its coordinates): reverse the vertex loop of every \
          face, so that loops run counter-clockwise seen from outside, or ask for repair"
     )]
     InsideOut {
@@ -186,7 +186,7 @@ pub enum MeshError {
     },
     /// The surface encloses no volume.
     #[error(
-        "the surface encloses a volume of {volume:e} m^3, which is zero to rounding: move its vertices apart"
+        "the surface encloses a volume of {volume:e} by its coordinates, which is zero to rounding: move its vertices apart"
     )]
     NoVolume {
         /// The signed volume \[m^3\].

@@ -28,6 +28,9 @@ pub(crate) const LEAST_DAMPING: f64 = 0.1;
 /// Shares allowed: their sums, and those of lengths and volumes weighed with them, are numbers.
 const SHARES: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
+/// More bodies than this take years: a slip of the keyboard.
+const MOST_BODIES: u32 = 100_000_000;
+
 /// Longest interval of checks in units of sqrt(d/g), shorter than what a verification may take by default.
 const LONGEST_INTERVAL: f64 = 100.0;
 
@@ -266,8 +269,8 @@ impl PackSpec {
         check(
             "count",
             f64::from(self.count),
-            self.count >= 1,
-            "at least 1 body",
+            (1..=MOST_BODIES).contains(&self.count),
+            "at least 1 and at most 100,000,000 bodies",
         )?;
         check_positive("density", self.density)?;
         check_positive("gravity", self.gravity)?;

@@ -148,6 +148,15 @@ fn a_run_and_its_tables_give_the_same_results() {
         &found["vertical_balance"],
         "vertical_balance",
     );
+
+    // The table has masses; no body is there.
+    for (option, value, words) in [
+        ("--density", "1000", "column mass"),
+        ("--inside", "9,9,9,10,10,10", "inside = without a body"),
+    ] {
+        let mut command = femdem("analyse");
+        fails(command.arg(foreign.path()).args([option, value]), &[words]);
+    }
 }
 
 #[test]

@@ -15,7 +15,18 @@ fn bad_options_say_what_is_allowed_and_leave_no_folder() {
     let out = folder.path().join("out");
     for (options, words) in [
         (&["--count", "0"][..], &["count = 0", "at least 1"][..]),
+        (
+            &["--count", "4000000000"],
+            &["count = 4000000000", "100,000,000"],
+        ),
         (&["--count", "-3"], &["--count", "-3"]),
+        (&["--unit", "mm"], &["unit = millimetres", "surface files"]),
+        (&["--repair"], &["repair = true", "surface files"]),
+        (&["--mesh-size", "0.1"], &["mesh-size = 0.1", "not convex"]),
+        (
+            &["--container", "silo", "--cylinder", "2.5"],
+            &["cylinder = 2.5000 d", "wider than the outlet", "3 d"],
+        ),
         (&["--count", "many"], &["--count", "many"]),
         (&["--diameter", "NaN"], &["diameter", "NaN"]),
         (&["--diameter", "-0.05"], &["diameter", "-0.05"]),

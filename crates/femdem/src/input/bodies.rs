@@ -63,6 +63,13 @@ pub(super) fn read(folder: &Path, density: Option<f64>) -> Result<Posed, Error> 
             snapshot.masses.push(mass);
         }
     }
+    if let (false, Some(density)) = (snapshot.masses.is_empty(), density) {
+        return Err(Error::Option {
+            name: "density",
+            value: density.to_string(),
+            allowed: "for tables of bodies without masses, and this one has a column mass; leave it out",
+        });
+    }
     if let (true, Some(density)) = (snapshot.masses.is_empty(), density) {
         let volume = |body: &Body| snapshot.shape_of(body).polyhedron.mass_properties().volume;
         let masses = snapshot.bodies.iter().map(|body| density * volume(body));

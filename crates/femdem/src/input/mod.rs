@@ -19,6 +19,7 @@ use std::path::Path;
 
 use femdem_analysis::Region;
 
+use crate::snapshot::Body;
 use crate::{Error, Snapshot};
 
 /// Name of the table of bodies.
@@ -57,6 +58,16 @@ pub fn read_folder(folder: impl AsRef<Path>, options: &InputOptions) -> Result<S
         pack.snapshot.gaps.contacts = true;
     }
     pack.snapshot.check()?;
+    if let Some(container) = &pack.snapshot.container {
+        let is_in = |body: &Body| container.contains(&body.pose.translation.vector.into());
+        if !pack.snapshot.bodies.iter().any(is_in) {
+            return Err(Error::Option {
+                name: "inside",
+                value: "without a body".to_owned(),
+                allowed: "where the bodies are, in m; none has its origin in it",
+            });
+        }
+    }
     Ok(pack.snapshot)
 }
 

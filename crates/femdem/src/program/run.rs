@@ -125,10 +125,14 @@ impl Part {
 
         if run.ending().is_none() {
             self.save(&mut run, &meter)?;
+            let (time, duration) = (run.simulation().world.time(), run.scenario().duration);
+            let place = if time > duration {
+                format!("in the relaxation after {duration} s")
+            } else {
+                format!("at {time:.6} of {duration} s")
+            };
             complain(&format!(
-                "stopped at {:.6} of {} s; continue with: femdem resume {}",
-                run.simulation().world.time(),
-                run.scenario().duration,
+                "stopped {place}; continue with: femdem resume {}",
                 self.folder.display()
             ));
             return Ok(Outcome::Interrupted);

@@ -33,7 +33,9 @@ enum Form {
 pub(super) fn bodies(scene: &Scene) -> Result<(Vec<PackShape>, Vec<ShapeNote>), Error> {
     let mut shapes = Vec::new();
     let mut notes = Vec::new();
-    for source in sources(scene)? {
+    let sources = sources(scene)?;
+    refuse_files_missing(scene, &sources)?;
+    for source in sources {
         let polyhedron = source.sized(scene)?;
         let options = mesh_options(scene, &polyhedron)?;
         let (shape, mesh) = PackShape::of_surface(&source.name, polyhedron, &options)?;
@@ -43,7 +45,37 @@ pub(super) fn bodies(scene: &Scene) -> Result<(Vec<PackShape>, Vec<ShapeNote>), 
             ..shape
         });
     }
+    if let (Some(size), true) = (scene.mesh_size, notes.iter().all(|note| note.is_convex)) {
+        return Err(Error::Option {
+            name: "mesh-size",
+            value: size.to_string(),
+            allowed: "for bodies that are not convex, and all of these are; leave it out",
+        });
+    }
     Ok((shapes, notes))
+}
+
+/// Refuses what is about surface files where there is none.
+fn refuse_files_missing(scene: &Scene, sources: &[Source]) -> Result<(), Error> {
+    let is_file = |source: &Source| matches!(source.form, Form::File { .. });
+    if scene.walls.is_some() || sources.iter().any(is_file) {
+        return Ok(());
+    }
+    let refuse = |name, value: String| {
+        let allowed = "for bodies or walls from surface files, and there are none; leave it out";
+        Err(Error::Option {
+            name,
+            value,
+            allowed,
+        })
+    };
+    if scene.unit != Unit::M {
+        return refuse("unit", scene.unit.to_string());
+    }
+    if scene.repair {
+        return refuse("repair", "true".to_owned());
+    }
+    Ok(())
 }
 
 /// The shapes named, with the variants of those that have a seed.

@@ -45,11 +45,22 @@ pub(super) fn container(scene: &Scene, spec: &PackSpec) -> Result<Container, Err
             }
         }
         ContainerKind::Cylinder => Container::Cylinder { diameter: round() },
-        ContainerKind::Silo => Container::Silo {
-            diameter: round(),
-            outlet: scene.outlet.unwrap_or(DEFAULT_OUTLET).metres(diameter),
-            half_angle: scene.cone.unwrap_or(DEFAULT_CONE),
-        },
+        ContainerKind::Silo => {
+            let width = round();
+            let outlet = scene.outlet.unwrap_or(DEFAULT_OUTLET).metres(diameter);
+            if scene.outlet.is_none() && width > 0.0 && width <= outlet {
+                return Err(Error::Option {
+                    name: "cylinder",
+                    value: format!("{:.4} d", width / diameter),
+                    allowed: "wider than the outlet of a silo, which is 3 d unless outlet is given",
+                });
+            }
+            Container::Silo {
+                diameter: width,
+                outlet,
+                half_angle: scene.cone.unwrap_or(DEFAULT_CONE),
+            }
+        }
     })
 }
 
