@@ -18,7 +18,7 @@ pub struct Estimate {
     /// The mean; of nothing, 0.
     pub mean: f64,
     /// Its standard error by block bootstrap over sub-boxes of the pack: scatter within this pack. `None`
-    /// with fewer than two blocks that hold anything.
+    /// with fewer than four blocks that hold anything.
     pub standard_error: Option<f64>,
     /// Number of values.
     pub count: usize,

@@ -4,12 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::AnalysisError;
 
+/// With fewer blocks their scatter says nothing.
+const FEWEST: usize = 4;
+
 /// How a block bootstrap draws: the error of a mean over a pack, whose neighbouring parts are alike.
 ///
 /// The region is cut into equal blocks; as many blocks as there are, are drawn with replacement; the mean is
-/// taken over the draw; and the standard deviation of that mean over `resamples` draws is reported. It
-/// measures scatter within one pack: what differs from pour to pour as a whole it cannot see, and with
-/// fewer than some 8 blocks it is rough and low.
+/// taken over the draw; and the standard deviation of that mean over `resamples` draws is reported, times sqrt(n/(n - 1))
+/// for n blocks. It measures scatter within one pack: what differs from pour to pour as a whole it cannot see. With
+/// fewer than some 8 blocks it is rough, with fewer than 4 there is none.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BlockBootstrap {
@@ -51,14 +54,14 @@ impl BlockBootstrap {
         Ok(())
     }
 
-    /// Standard error of the mean of one value per block; `None` for fewer than two.
+    /// Standard error of the mean of one value per block; `None` for fewer than four.
     pub(crate) fn mean_error(&self, values: &[f64]) -> Option<f64> {
         let blocks: Vec<[f64; 2]> = values.iter().map(|v| [*v, 1.0]).collect();
         self.ratio_error(&blocks)
     }
 
     /// Standard error of `sum of the first / sum of the second` of blocks' `[value, weight]`; `None` with
-    /// fewer than two blocks of weight above zero.
+    /// fewer than four blocks of weight above zero.
     pub(crate) fn ratio_error(&self, blocks: &[[f64; 2]]) -> Option<f64> {
         let weighty: Vec<[f64; 2]> = blocks.iter().copied().filter(|b| b[1] > 0.0).collect();
         resample(weighty.len(), self.resamples, self.seed, |draw| {
@@ -79,7 +82,7 @@ fn resample(
     seed: u64,
     statistic: impl Fn(&mut dyn Iterator<Item = usize>) -> f64,
 ) -> Option<f64> {
-    if count < 2 || resamples < 2 {
+    if count < FEWEST || resamples < 2 {
         return None;
     }
     let mut stream = SplitMix64 { state: seed };
@@ -88,7 +91,9 @@ fn resample(
         .collect();
     let mean = found.iter().sum::<f64>() / f64::from(resamples);
     let squares: f64 = found.iter().map(|m| (m - mean).powi(2)).sum();
-    Some((squares / f64::from(resamples - 1)).sqrt())
+    // Draws scatter about the mean of the blocks, which follows them.
+    let low = count as f64 / (count - 1) as f64;
+    Some((low * squares / f64::from(resamples - 1)).sqrt())
 }
 
 /// Steele, Lea and Flood's SplitMix64 (OOPSLA 2014).

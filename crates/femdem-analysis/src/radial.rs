@@ -55,7 +55,7 @@ pub struct RadialBin {
     /// Radial distribution function: pairs over the pairs expected of points strewn at random; 0 where the box
     /// has no room for any.
     pub value: f64,
-    /// Standard error by block bootstrap; `None` with fewer than two blocks.
+    /// Standard error by block bootstrap; `None` with fewer than four blocks.
     pub standard_error: Option<f64>,
     /// Pairs of bodies at such a distance.
     pub pairs: u64,

@@ -1,8 +1,6 @@
 //! Coordination numbers on packs and graphs with known answers.
 
-mod common;
-
-use common::{at, cube};
+use crate::common::{at, cube};
 use femdem_analysis::{
     AnalysisError, ContactCount, CoordinationOptions, Pack, Partner, Region, Touch, contact_counts,
     coordination,

@@ -1,8 +1,6 @@
 //! The core region and the mean top plane.
 
-mod common;
-
-use common::{Random, at, body, comb, cube, solid, turned_lattice};
+use crate::common::{Random, at, body, comb, cube, solid, turned_lattice};
 use femdem_analysis::{
     AnalysisError, CoreOptions, InsetLimit, Pack, Region, TopPlane, choose_core, top_plane,
 };

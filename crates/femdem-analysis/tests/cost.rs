@@ -1,11 +1,9 @@
 //! Time and memory of the tables for 11,000 truncated dodecahedra. Not part of the ordinary run:
-//! `cargo test --release -p femdem-analysis --test cost -- --ignored --nocapture`
-
-mod common;
+//! `cargo test --release -p femdem-analysis --test all cost:: -- --ignored --nocapture`
 
 use std::time::Instant;
 
-use common::{Random, body, solid};
+use crate::common::{Random, body, solid};
 use femdem_analysis::*;
 use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::{Point3, Pose};
@@ -30,7 +28,7 @@ fn peak_memory() -> String {
 }
 
 #[test]
-#[ignore = "seconds: cargo test --release -p femdem-analysis --test cost -- --ignored --nocapture"]
+#[ignore = "seconds: cargo test --release -p femdem-analysis --test all cost:: -- --ignored --nocapture"]
 fn tables_of_eleven_thousand_bodies() {
     let shapes = [solid("A10", 1.0)];
     let bodies = jittered([22, 22, 23], 0.9);

@@ -1,12 +1,10 @@
 //! Time of the tables of forces for 11,000 bodies and 32,000 contacts. Not part of the ordinary run:
-//! `cargo test --release -p femdem-analysis --test cost_forces -- --ignored --nocapture`
-
-mod common;
+//! `cargo test --release -p femdem-analysis --test all cost_forces:: -- --ignored --nocapture`
 
 use std::time::Instant;
 
-use common::Random;
-use common::forces::{between, body, on_wall};
+use crate::common::Random;
+use crate::common::forces::{between, body, on_wall};
 use femdem_analysis::*;
 use femdem_mesh::{Point3, Vector3};
 
@@ -51,7 +49,7 @@ fn lattice(sides: [u32; 3]) -> (Vec<ForceBody>, Vec<ForceContact>) {
 }
 
 #[test]
-#[ignore = "seconds: cargo test --release -p femdem-analysis --test cost_forces -- --ignored --nocapture"]
+#[ignore = "seconds: cargo test --release -p femdem-analysis --test all cost_forces:: -- --ignored --nocapture"]
 fn forces_of_eleven_thousand_bodies() {
     let (bodies, contacts) = lattice([22, 22, 23]);
     let region = Region::Box {

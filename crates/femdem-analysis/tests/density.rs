@@ -1,8 +1,6 @@
 //! The whole density measurement: grid against exact, standard error, same bits, bad input.
 
-mod common;
-
-use common::{Random, at, body, cube, moved, solid, turned_lattice};
+use crate::common::{Random, at, body, cube, moved, solid, turned_lattice};
 use femdem_analysis::{
     AnalysisError, DensityOptions, Pack, PackingDensity, Region, exact_density, grid_density,
     packing_density,
@@ -264,7 +262,7 @@ fn same_bits_for_any_number_of_threads() {
     let mut random = Random(25);
     let shapes = [
         solid("A10", 1.0),
-        common::comb().0.scaled(0.2).unwrap(),
+        crate::common::comb().0.scaled(0.2).unwrap(),
         solid("P4", 1.1),
     ];
     let bodies = turned_lattice(&mut random, 3, 7, 0.85);
@@ -314,7 +312,7 @@ proptest! {
         size in prop::array::uniform3(prop_oneof![1e-9..3.0_f64, 1e3..1e9_f64]),
         round in any::<bool>(),
     ) {
-        let shapes = [cube(1.0), common::comb().0];
+        let shapes = [cube(1.0), crate::common::comb().0];
         let there = Pose::translation(place[0], place[1], place[2]);
         let region = if round {
             Region::Cylinder { centre: [low[0], low[1]], radius: size[0], z_min: low[2], z_max: low[2] + size[2] }

@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::{Random, solid, turned_lattice};
+use crate::common::{Random, solid, turned_lattice};
 use femdem_analysis::*;
 use femdem_mesh::shapes::{Dolos, Shape};
 use femdem_mesh::{Point3, Vector3};
@@ -93,10 +91,11 @@ fn parts_in_round_regions_sum_to_the_whole() {
 /// An empty half and a full one: the deviation of the cells is half a density.
 #[test]
 fn deviation_tells_how_uneven_a_pack_is() {
-    let shapes = [common::cube(1.0)];
+    let shapes = [crate::common::cube(1.0)];
     let node = f64::from;
-    let bodies =
-        common::at((0..32).map(|i| Vector3::new(node(i % 4), node(i / 4 % 4), node(i / 16))));
+    let bodies = crate::common::at(
+        (0..32).map(|i| Vector3::new(node(i % 4), node(i / 4 % 4), node(i / 16))),
+    );
     let pack = Pack::new(&shapes, &bodies).unwrap();
     let region = Region::Box {
         min: Point3::from([-0.5; 3]),

@@ -1,9 +1,7 @@
 //! What callers may hand in: numbers without meaning are refused by name, and nothing is written as -0.
 
-mod common;
-
-use common::forces::{between, body as weight_at};
-use common::{at, body, cube};
+use crate::common::forces::{between, body as weight_at};
+use crate::common::{at, body, cube};
 use femdem_analysis::*;
 use femdem_mesh::nalgebra::{Quaternion, UnitQuaternion};
 use femdem_mesh::{Point3, Pose, Vector3};

@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::{Random, at, cube, moved, solid};
+use crate::common::{Random, at, cube, moved, solid};
 use femdem_analysis::{Pack, PosedBody, Region, exact_density, grid_density};
 use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};

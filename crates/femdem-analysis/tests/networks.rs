@@ -2,12 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
 use std::f64::consts::FRAC_PI_4;
 
-use common::Random;
-use common::forces::{between, body, on_wall};
+use crate::common::Random;
+use crate::common::forces::{between, body, on_wall};
 use femdem_analysis::{
     AnalysisError, BlockBootstrap, ChainNetwork, ChainOptions, ContactClass, ForceBody,
     ForceContact, ForceNetwork, Partner, StressRule, SupportRule, ThresholdOptions, WeightRule,

@@ -3,9 +3,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::{Random, body, comb, moved, prism, turned_lattice};
+use crate::common::{Random, body, comb, moved, prism, turned_lattice};
 use femdem_analysis::{
     DensityOptions, Pack, PosedBody, Region, exact_density, grid_density, intersection_volume,
     packing_density, pair_overlaps, top_plane, volume_inside,
@@ -471,7 +469,7 @@ fn two_ways_to_cut_a_scan_agree() {
             min: Point3::from([-0.5; 3]),
             max: Point3::from([0.5; 3]),
         };
-        let found = shared(&common::cube(1.0), &Pose::identity(), &fine, &p);
+        let found = shared(&crate::common::cube(1.0), &Pose::identity(), &fine, &p);
         assert!((found - volume_inside(&fine, &p, &cube).unwrap()).abs() < 1e-13);
     }
 }

@@ -1,8 +1,6 @@
 //! Stereonets and order parameters of directions that are known, and of random ones.
 
-mod common;
-
-use common::{Random, body, cube, solid};
+use crate::common::{Random, body, cube, solid};
 use femdem_analysis::*;
 use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::{Pose, Rotation, Vector3};
@@ -216,7 +214,7 @@ fn errors_of_order() {
 #[test]
 fn axes_of_bodies() {
     // A square prism of height 1 and side 3: the short axis is upright.
-    let shapes = [common::prism(&[
+    let shapes = [crate::common::prism(&[
         [0.0, 0.0],
         [3.0, 0.0],
         [3.0, 2.5],

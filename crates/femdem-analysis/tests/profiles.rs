@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::{Random, at, cube, solid, turned_lattice};
+use crate::common::{Random, at, cube, solid, turned_lattice};
 use femdem_analysis::*;
 use femdem_mesh::shapes::{Dolos, Shape};
 use femdem_mesh::{Point3, Polyhedron, Vector3};

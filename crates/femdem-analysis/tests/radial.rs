@@ -1,8 +1,6 @@
 //! Radial distribution functions that are known.
 
-mod common;
-
-use common::{Random, at, cube};
+use crate::common::{Random, at, cube};
 use femdem_analysis::*;
 use femdem_mesh::{Point3, Vector3};
 

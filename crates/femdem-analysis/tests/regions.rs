@@ -1,8 +1,6 @@
 //! Densities in spheres, and regions cut from regions.
 
-mod common;
-
-use common::{Random, at, cube, solid, turned_lattice};
+use crate::common::{Random, at, cube, solid, turned_lattice};
 use femdem_analysis::{
     AnalysisError, CoreOptions, Pack, Region, choose_core, exact_density, grid_density,
     volume_inside,

@@ -1,9 +1,7 @@
 //! Love-Weber stress and vertical balance against statics by hand, and identities between the two.
 
-mod common;
-
-use common::Random;
-use common::forces::{between, body, on_wall, random_network};
+use crate::common::Random;
+use crate::common::forces::{between, body, on_wall, random_network};
 use femdem_analysis::{
     AnalysisError, BlockBootstrap, ForceBody, ForceContact, ForceNetwork, Partner, Region,
     body_stresses, region_stress, stress_profile, vertical_balance, wall_forces,
@@ -282,10 +280,10 @@ fn error_of_a_pressure() {
     let bodies: Vec<ForceBody> = (0..2).map(|k| body(0.0, 0.0, f64::from(k))).collect();
     let contacts = [between(&bodies, 0, 1, 6.0)];
     let network = ForceNetwork::new(&bodies, &contacts, 0.0).unwrap();
-    // One half with 6 N over 1 m² in a part of its height, the other with none.
+    // A quarter with 6 N over 1 m² in a part of its height, the others with none.
     let region = Region::Box {
         min: Point3::new(-0.5, -0.5, -1.5),
-        max: Point3::new(0.5, 0.5, 2.5),
+        max: Point3::new(0.5, 0.5, 6.5),
     };
     let options = BlockBootstrap {
         block_over_d: 2.0,
@@ -293,12 +291,16 @@ fn error_of_a_pressure() {
         seed: 4,
     };
     let network_in_blocks = region_stress(&network, &region, options).unwrap();
-    near(network_in_blocks.stress.pressure, 0.5, 1.0);
+    near(network_in_blocks.stress.pressure, 0.25, 1.0);
     assert_eq!(network_in_blocks.contacts, 1);
-    // The point at z = 0.5 m is on the border and belongs to the upper block: pressures 0 and 1 Pa, and the
-    // standard deviation of the mean of two draws is 1/(2 √2).
+    // The point at z = 0.5 m is on the border and belongs to the upper block: one pressure of 1 Pa and three of 0, of
+    // standard deviation 1/2, so that of the mean is 1/4.
     let error = network_in_blocks.pressure_error.unwrap();
-    assert!((error * 8_f64.sqrt() - 1.0).abs() < 0.01, "{error}");
+    assert!((error * 4.0 - 1.0).abs() < 0.01, "{error}");
+    // Two blocks tell nothing.
+    let lower = region.slab(-1.5, 2.5).unwrap();
+    let of_two = region_stress(&network, &lower, options).unwrap();
+    assert_eq!(of_two.pressure_error, None);
 }
 
 #[test]

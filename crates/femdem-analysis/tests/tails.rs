@@ -2,10 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::Random;
-use common::forces::{between, body};
+use crate::common::Random;
+use crate::common::forces::{between, body};
 use femdem_analysis::{
     AnalysisError, ForceBody, ForceContact, ForceDistributionOptions, ForceNetwork, TailLaw,
     TailOptions, fit_tail, force_distribution,
@@ -188,7 +186,7 @@ fn same_bits_for_any_number_of_threads_in_forces() {
     use femdem_analysis::{ChainOptions, WeightRule, chains_by_weight};
 
     let mut random = Random(4);
-    let (bodies, contacts) = common::forces::random_network(&mut random, 2000);
+    let (bodies, contacts) = crate::common::forces::random_network(&mut random, 2000);
     let network = ForceNetwork::new(&bodies, &contacts, 0.0).unwrap();
     let measure = || {
         let forces = force_distribution(&network, &ForceDistributionOptions::default()).unwrap();

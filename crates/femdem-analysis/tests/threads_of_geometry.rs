@@ -1,11 +1,8 @@
 //! Geometry gives the same bits whatever the number of threads.
 
-#![cfg(feature = "parallel")]
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::{Random, solid, turned_lattice};
+use crate::common::{Random, solid, turned_lattice};
 use femdem_analysis::*;
 use femdem_mesh::Point3;
 use femdem_mesh::shapes::{Dolos, Shape};

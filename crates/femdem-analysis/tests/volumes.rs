@@ -1,8 +1,6 @@
 //! Clipped volumes and overlaps against Monte Carlo, sums of parts, and symmetry.
 
-mod common;
-
-use common::{Random, at, body, comb, cube, holds, moved, solid, turned_lattice};
+use crate::common::{Random, at, body, comb, cube, holds, moved, solid, turned_lattice};
 use femdem_analysis::{
     Pack, Region, exact_density, grid_density, intersection_volume, pair_overlaps, volume_inside,
 };

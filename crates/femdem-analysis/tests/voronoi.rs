@@ -1,8 +1,6 @@
 //! Set-Voronoi cells against cells that are known.
 
-mod common;
-
-use common::{Random, at, body, cube, moved, solid, turned_lattice};
+use crate::common::{Random, at, body, cube, moved, solid, turned_lattice};
 use femdem_analysis::*;
 use femdem_mesh::shapes::{Dolos, Shape};
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};

@@ -53,10 +53,10 @@ pub struct Broadphase {
 }
 
 impl Broadphase {
-    /// Whether the body must be entered (again).
-    pub(crate) fn is_expired(&self, body: usize, motion: &Motion) -> bool {
+    /// Whether the body must be entered (again) before it has travelled so far, m.
+    pub(crate) fn is_expired(&self, body: usize, travelled: f64) -> bool {
         match self.entries.get(body) {
-            Some(Some(entry)) => motion.travelled >= entry.expires,
+            Some(Some(entry)) => travelled >= entry.expires,
             _ => true,
         }
     }

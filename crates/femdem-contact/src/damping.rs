@@ -7,7 +7,7 @@
 //!
 //! Steps of finite length see the velocity of half a step before, and a dashpot that begins with a jump within a step
 //! for all of it. Both are errors of first order in the step, and both are taken out
-//! ([`Sums::against_lag`], [`Moment::since_touch`]): what is left is of second order.
+//! ([`against_lag`], [`Birth`]): what is left is of second order.
 //!
 //! Rocking about the contact point is orthogonal to that gradient, so the scaling leaves it
 //! undamped. A dashpot spread over the patch damps it too: a moment against the relative
@@ -34,6 +34,8 @@ pub(crate) struct Damped {
     pub rocking: Vector3,
     /// Its viscosity, N m s.
     pub rocking_viscosity: f64,
+    /// What a new patch has behind it.
+    pub birth: Option<Birth>,
 }
 
 impl Damped {
@@ -55,8 +57,28 @@ fn inverse_mass(motion: &Motion, torque: &Vector3, magnitude: f64) -> f64 {
 pub(crate) struct Moment {
     /// Time since the stage before, s.
     pub dt: f64,
-    /// Whether the pair did not touch then.
+    /// Whether the patch was not there then.
     pub fresh: bool,
+}
+
+/// What a patch that is new in a stage has behind it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Birth {
+    /// Time for which the springs have been stretched, as stiff as they are now, s.
+    pub since: f64,
+    /// Factor of the dashpots' forces.
+    pub weight: f64,
+}
+
+/// Factor of a dashpot that sees the velocity of half a step `dt` (s) before. `rate` is its viscosity over the mass, 1/s,
+/// and `sharpness` p/(2 (p - 1)) for an energy that goes by the depth to the power of p, 1 for a linear spring.
+///
+/// With e = rate dt/2, spring and dashpot act as F (1 + e) and c (1 + e) would without lag. The energy grows
+/// by e p/(2 (p - 1)), so the ratio of damping is kept by c (1 - e p/(4 (p - 1))).
+pub(crate) fn against_lag(rate: f64, dt: f64, sharpness: f64) -> f64 {
+    let h = 0.25 * rate * dt * sharpness;
+    // 1 - h for short steps; stays positive for long ones.
+    (1.0 + h * h).sqrt() - h
 }
 
 /// A contact, or all patches of a pair, as the dashpot sees it.
@@ -78,38 +100,36 @@ impl Sums {
         2.0 * zeta / (2.0 * self.energy * self.inverse_mass).sqrt()
     }
 
-    /// Factor of a dashpot of `rate` (s/m) that sees the velocity of half a step `dt` (s) before.
-    ///
-    /// With c dt/2 = e, c the viscosity over the mass, spring and dashpot act as F (1 + e) and c (1 + e) would without lag.
-    /// An energy that goes by the depth to the power of p grows by e p/(2 (p - 1)), so the ratio of damping is kept by c
-    /// (1 - e p/(4 (p - 1))).
-    fn against_lag(&self, rate: f64, dt: f64) -> f64 {
-        // p/(2 (p - 1)): 1 for a face, 3/4 for an edge, 1/2 at least.
+    /// p/(2 (p - 1)): 1 for a face, 3/4 for an edge, 1/2 at least.
+    fn sharpness(&self) -> f64 {
         let sharpness = self.force * self.force / (2.0 * self.energy * self.stiffness);
-        let sharpness = if sharpness > 0.5 {
+        if sharpness > 0.5 {
             sharpness.min(1.0)
         } else {
             0.5
-        };
-        let e = 0.5 * dt * rate * self.force * self.inverse_mass;
-        let h = 0.5 * e * sharpness;
-        // 1 - h for short steps; stays positive for long ones.
-        (1.0 + h * h).sqrt() - h
+        }
     }
 
-    /// Factor of the dashpot for a contact that closes at `closing` (m/s) and may have begun within the step. A stage has
-    /// the weight of a whole step, one half for the time to come, the other for that since the touch.
+    /// What a contact that closes at `closing` (m/s) has behind it if it is new. A stage has the weight of a whole step, one
+    /// half for the time to come, the other for that since the touch.
     ///
     /// The impulse of a viscous force c ~ x^(p - 2) since then is c x/(p - 1), and F/K = x/(p - 1).
-    fn since_touch(&self, closing: f64, moment: Moment) -> f64 {
+    fn birth(&self, closing: f64, moment: Moment) -> Option<Birth> {
         let way = closing * moment.dt;
         // 2 U/F = 2 x/p. What was put into each other is deeper than it came in one step.
-        let came = 2.0 * self.energy < SLACK * self.force * way;
-        if moment.fresh && came && self.stiffness > 0.0 {
-            0.5 + (self.force / (self.stiffness * way)).min(1.0)
+        let came = 2.0 * self.energy < SLACK * self.force * way && self.stiffness > 0.0;
+        let part = (self.force / (self.stiffness * way)).min(1.0);
+        moment.fresh.then_some(if came {
+            Birth {
+                since: part * moment.dt,
+                weight: 0.5 + part,
+            }
         } else {
-            1.0
-        }
+            Birth {
+                since: 0.0,
+                weight: 1.0,
+            }
+        })
     }
 }
 
@@ -176,6 +196,7 @@ pub(crate) fn damp(
         viscosity: 0.0,
         rocking: Vector3::zeros(),
         rocking_viscosity: 0.0,
+        birth: None,
     };
     let alone = Sums {
         force: magnitude,
@@ -188,16 +209,19 @@ pub(crate) fn damp(
         inverse_mass: w.0.inverse_mass.min(total),
         ..w.0
     });
-    if zeta == 0.0 || sums.inverse_mass <= 0.0 || sums.energy <= 0.0 {
-        return damped;
-    }
     let power = overlap.force.dot(&(b.velocity - a.velocity))
         + torque_b.dot(&b.angular_velocity)
         + torque_a.dot(&a.angular_velocity);
     let closing = -power / magnitude;
+    damped.birth = alone.birth(closing, moment);
+    if zeta == 0.0 || sums.inverse_mass <= 0.0 || sums.energy <= 0.0 {
+        return damped;
+    }
     let rate = sums.rate(zeta);
     damped.viscosity = rate * magnitude;
-    let factor = sums.against_lag(rate, moment.dt) * alone.since_touch(closing, moment);
+    let frequency = rate * sums.force * sums.inverse_mass;
+    let factor = against_lag(frequency, moment.dt, sums.sharpness())
+        * damped.birth.map_or(1.0, |birth| birth.weight);
     damped.scale = (1.0 + factor * rate * closing).max(0.0);
     let inverse_inertia = a.inverse_inertia_max + b.inverse_inertia_max;
     if inverse_inertia > 0.0 {

@@ -3,15 +3,20 @@
 //!
 //! The patch is a bristle foundation: its tangential modulus is `r` times the normal one,
 //! so k_t = r K and k_theta = r J. The spring is stretched between two anchor points that
-//! are fixed in the two bodies; a rigid motion of the pair leaves it unchanged. After each step the anchors
-//! are put around the new contact point, their stretch kept: a force at the patch does work on what moves there, so the
+//! are fixed in the two bodies; a rigid motion of the pair leaves it unchanged. As the patch moves, the anchors
+//! are put around its new place, their stretch kept: a force at the patch does work on what moves there, so the
 //! stretch must grow by that motion, or bodies that roll and turn in turn gain energy.
 
+use crate::damping::{Birth, against_lag};
 use crate::kernel::Overlap;
 use crate::law::ContactParameters;
 use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
+
+/// The anchors follow the patch once it has moved by this fraction of the arm of B, and the stretch the stiffness once that has
+/// changed by this fraction: what is less is rounding, by which bodies at rest far from the origin of a wall would creep.
+const FOLLOW: f64 = 1e-9;
 
 /// Friction history of one patch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -37,6 +42,21 @@ pub(crate) struct Pace {
     pub dashpots: bool,
     /// What the patch has of the dashpots that it would have alone.
     pub share: f64,
+    /// What a new patch has behind it.
+    pub birth: Option<Birth>,
+}
+
+impl Pace {
+    /// What acts of a dashpot in this step, as [`against_lag`] and [`Birth`] have it. Whoever asks for springs alone takes
+    /// the dashpots in a way of his own.
+    fn acting(&self, viscosity: f64, inverse_mass: f64) -> f64 {
+        let weight = self.birth.map_or(1.0, |birth| birth.weight);
+        if self.dashpots {
+            viscosity * weight * against_lag(viscosity * inverse_mass, self.dt, 1.0)
+        } else {
+            viscosity
+        }
+    }
 }
 
 /// Friction of one step.
@@ -172,6 +192,11 @@ impl FrictionState {
         self.place(overlap, a, b, &stretch);
     }
 
+    /// Whether no step has seen the patch.
+    pub(crate) fn is_new(&self) -> bool {
+        self.stiffness == 0.0 && self.torsion_stiffness == 0.0
+    }
+
     /// A patch that has just formed, unstretched.
     pub(crate) fn new(overlap: &Overlap, a: &Motion, b: &Motion) -> Self {
         Self {
@@ -203,7 +228,7 @@ impl FrictionState {
     fn carried(&self, stretch: Vector3, k: f64) -> Vector3 {
         if k == 0.0 {
             Vector3::zeros()
-        } else if k > self.stiffness && self.stiffness > 0.0 {
+        } else if k > self.stiffness * (1.0 + FOLLOW) && self.stiffness > 0.0 {
             stretch * (self.stiffness / k)
         } else {
             stretch
@@ -242,8 +267,13 @@ impl FrictionState {
         // A body deep inside another has no stiffness but for rounding, of either sign.
         let k = law.tangential_ratio * overlap.stiffness.max(0.0);
         let k_theta = law.tangential_ratio * overlap.stiffness_second;
-        let mut stretch = self.carried(self.stretch(overlap, a, b), k);
-        let mut torsion = self.carried_torsion(self.torsion + spin * pace.dt, k_theta);
+        let before = self.stretch(overlap, a, b);
+        let (mut stretch, mut torsion) = match pace.birth {
+            Some(birth) => (slip * birth.since, spin * birth.since),
+            None => (before, self.torsion + spin * pace.dt),
+        };
+        stretch = self.carried(stretch, k);
+        torsion = self.carried_torsion(torsion, k_theta);
         let inverse_mass = [
             a.inverse_mass_at(&overlap.arm_a),
             b.inverse_mass_at(&overlap.arm_b),
@@ -252,20 +282,29 @@ impl FrictionState {
         let zeta = law.tangential_damping * pace.share;
         let viscosity = dashpot(zeta, k, inverse_mass[0] + inverse_mass[1]);
         let torsion_viscosity = dashpot(zeta, k_theta, inverse_inertia);
-        let mut force = -stretch * k - slip * viscosity;
-        let mut moment = -k_theta * torsion - torsion_viscosity * spin;
+        let drag = slip * pace.acting(viscosity, inverse_mass[0] + inverse_mass[1]);
+        let twist_drag = spin * pace.acting(torsion_viscosity, inverse_inertia);
+        let mut force = -stretch * k - drag;
+        let mut moment = -k_theta * torsion - twist_drag;
         let most = law.friction * normal_force;
         let load = limit_surface(force.norm(), moment.abs(), most, overlap.torsion_radius);
         let slides = load > 1.0;
         if slides {
             force /= load;
             moment /= load;
-            stretch = sliding_stretch(&force, &(slip * viscosity), k);
-            torsion = sliding_torsion(moment, torsion_viscosity * spin, k_theta);
+            stretch = sliding_stretch(&force, &drag, k);
+            torsion = sliding_torsion(moment, twist_drag, k_theta);
         }
-        self.place(overlap, a, b, &stretch);
+        let drift = overlap.arm_b + stretch * 0.5 - b.frame.rotation * self.anchor_b;
+        let drift = drift - n * n.dot(&drift);
+        let reach = FOLLOW * overlap.arm_b.norm();
+        if stretch != before || drift.norm_squared() > reach * reach {
+            self.place(overlap, a, b, &stretch);
+        }
         self.torsion = torsion;
-        self.stiffness = k;
+        if (k - self.stiffness).abs() > FOLLOW * self.stiffness {
+            self.stiffness = k;
+        }
         self.torsion_stiffness = k_theta;
         if !pace.dashpots {
             force = -stretch * k;
@@ -366,6 +405,7 @@ mod tests {
                     dt: 1e-3,
                     dashpots: true,
                     share: 1.0,
+                    birth: None,
                 };
                 let friction = state.update(&law, &overlap, 1e-17, &body, &moving, pace);
                 let size = friction.force.norm();
@@ -403,6 +443,7 @@ mod tests {
             dt: 1e-3,
             dashpots: true,
             share: 1.0,
+            birth: None,
         };
         let fixed = Motion::fixed(Frame::identity());
         let mut body = fixed;

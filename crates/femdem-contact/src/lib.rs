@@ -59,16 +59,15 @@
 //!   mirror image ([`WallResponse`]).
 //! - Damping: a dashpot along grad U whose rate depends on U. Its ratio ζ alone sets the coefficient
 //!   of [`restitution`], for faces, edges and vertices alike. The [batch](ContactBatch::update) takes the velocities of the
-//!   half step before and allows for that, and for the part of a step that a new contact has lasted: what rigid bodies
-//!   rebound with is then off by the square of the step (a face at ζ = 0.3 by less than 0.7 % at a tenth of
-//!   the stable step, 2 % at a fifth and -5 to +17 % at 0.9 of it; edges and vertices by 1 % at 0.9). A second dashpot resists
+//!   half step before and allows for that, and for the part of a step that a new contact has lasted, so that steps as
+//!   long before a touch as after it (see [`ContactBatch::may_touch`]) leave errors of second order. A second dashpot resists
 //!   rocking on the patch, which the first cannot see.
 //! - Friction: anchors in both bodies stretch a tangential spring, and a torsion spring twists about
 //!   the normal; the ellipsoid (f/μF)² + (M/M_max)² = 1 bounds both. Friction does not resist rolling. The
 //!   dashpot against rocking does, as a viscoelastic foundation would: to a patch, rolling is rocking.
 //!   Nothing at ζ = 0; at the default ζ a ball of 0.1 m and 2560 kg/m³ at a penalty of 1 MPa rolls at 0.5 m/s as with
 //!   a coefficient of 0.13, at 0.05 m/s of 0.015 (test `rolling_is_resisted_by_the_dashpot_alone` of femdem-solve).
-//!   The anchors follow the patch in every step, so that rolling and turning under stretched springs gains nothing.
+//!   The anchors follow the patch as it moves, so that rolling and turning under stretched springs gains nothing.
 //! - Patches: bodies that are not convex may touch in several, each a [`Contact`] with a friction
 //!   history of its own. A patch that splits leaves its springs to its heirs, merging ones become one
 //!   by least squares; neither makes energy, and what dies is dissipated. The dashpots of patches that

@@ -4,10 +4,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::Stream;
-use common::pack::{advance, placed, shape, stir};
+use crate::common::Stream;
+use crate::common::pack::{advance, placed, shape, stir};
 use femdem_contact::kernel::{CavityKernel, Scratch};
 use femdem_contact::{
     Contact, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Frame, Motion, Overlap,

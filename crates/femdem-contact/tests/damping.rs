@@ -1,9 +1,7 @@
 //! The normal dashpot never pulls and never feeds energy in, whatever touches and moves.
 
-mod common;
-
-use common::Stream;
-use common::pack::{placed, shape};
+use crate::common::Stream;
+use crate::common::pack::{placed, shape};
 use femdem_contact::{ContactBatch, ContactLaw, ContactParameters, Frame, Motion, Wall};
 use femdem_mesh::nalgebra::Vector3;
 use proptest::prelude::*;

@@ -3,21 +3,15 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-#[path = "common/soft.rs"]
-mod soft;
-#[path = "common/tets.rs"]
-mod tets;
-
-use common::Stream;
+use crate::common::Stream;
+use crate::common::soft::Soft;
+use crate::common::tets::{body, cube, dolos};
 use femdem_contact::deform::{DeformableBatch, DeformablePartner, Modulus, NodalState};
 use femdem_contact::{
     BodyShape, ContactError, ContactLaw, ContactParameters, Field, Form, Frame, MeshWall, Motion,
     Wall,
 };
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
-use soft::Soft;
-use tets::{body, cube, dolos};
 
 /// Bodies that deform, rigid ones and walls, with what they do.
 #[derive(Clone)]
@@ -90,7 +84,7 @@ impl Scene {
         }
         for motion in self.rigid.iter_mut().chain(&mut self.walls) {
             let turn = motion.angular_velocity * dt;
-            motion.frame = common::turned(&motion.frame, &turn, 1.0);
+            motion.frame = crate::common::turned(&motion.frame, &turn, 1.0);
             motion.frame.position += motion.velocity * dt;
             motion.travelled += motion.velocity.norm() * dt + 2.0 * turn.norm();
         }

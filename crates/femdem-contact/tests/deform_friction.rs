@@ -2,13 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-#[path = "common/soft.rs"]
-mod soft;
-#[path = "common/tets.rs"]
-mod tets;
-
-use common::Stream;
+use crate::common::Stream;
+use crate::common::soft::Soft;
+use crate::common::tets::{block, body, cube, cubes};
 use femdem_contact::deform::{
     DeformableBatch, DeformableContact, DeformablePartner, Modulus, NodalState,
 };
@@ -16,8 +12,6 @@ use femdem_contact::{
     BodyShape, ContactLaw, ContactParameters, Field, Form, Frame, Motion, Wall, restitution,
 };
 use femdem_mesh::nalgebra::{UnitQuaternion, Vector3};
-use soft::Soft;
-use tets::{block, body, cube, cubes};
 
 const MU: f64 = 0.5;
 const DEPTH: f64 = 1e-3;

@@ -3,13 +3,10 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-#[path = "common/soft.rs"]
-mod soft;
-#[path = "common/tets.rs"]
-mod tets;
-
-use common::Stream;
+use crate::common::Stream;
+use crate::common::soft;
+use crate::common::soft::{Soft, near};
+use crate::common::tets::{body, cube, differences, dolos, total};
 use femdem_contact::deform::{
     DeformableKernel, DeformableOverlap, DeformableScratch, Gradient, Modulus, Operand,
 };
@@ -18,8 +15,6 @@ use femdem_contact::{
     ContactError, Field, FieldMesh, Form, Frame, GeneralKernel, SolidWall, WallResponse,
 };
 use femdem_mesh::nalgebra::Vector3;
-use soft::{Soft, near};
-use tets::{body, cube, differences, dolos, total};
 
 const FORMS: [Form; 2] = [Form::Sum, Form::Min];
 const MODULI: [Modulus; 2] = [Modulus::Penalty(3.0), Modulus::Foundation(20.0)];

@@ -3,21 +3,15 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-#[path = "common/soft.rs"]
-mod soft;
-#[path = "common/tets.rs"]
-mod tets;
-
-use common::Stream;
+use crate::common::Stream;
+use crate::common::soft::{Soft, near};
+use crate::common::tets::{body, cube, dolos};
 use femdem_contact::deform::{
     DeformableKernel, DeformableOverlap, DeformableScratch, Gradient, Modulus, Operand,
 };
 use femdem_contact::{Field, Form, Frame, SolidWall};
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::{Point3, Vector3};
-use soft::{Soft, near};
-use tets::{body, cube, dolos};
 
 /// By skins and by pieces: the classic forces are always added up by pieces, and differ in how a body's own nodes
 /// share them alone.

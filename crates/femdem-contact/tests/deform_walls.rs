@@ -2,13 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-#[path = "common/soft.rs"]
-mod soft;
-#[path = "common/tets.rs"]
-mod tets;
-
-use common::Stream;
+use crate::common::Stream;
+use crate::common::soft::Soft;
+use crate::common::tets::cube;
 use femdem_contact::deform::{
     DeformableBatch, DeformableKernel, DeformableOverlap, DeformableScratch, Gradient, Modulus,
     NodalState, Operand,
@@ -19,8 +15,6 @@ use femdem_contact::{
 };
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::Vector3;
-use soft::Soft;
-use tets::cube;
 
 /// A ball-like body whose lowest part, `depth` below z = 0, is a shallow cap: a cube with its lower
 /// face bent, at rest at the height 1/2.

@@ -3,10 +3,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::pack::{placed, shape};
-use common::{Stream, turned};
+use crate::common::pack::{placed, shape};
+use crate::common::{Stream, turned};
 use femdem_contact::{
     Contact, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Frame, Motion, Wall,
 };
@@ -309,7 +307,7 @@ proptest! {
                 bodies[1].velocity = stream.vector() * 4.0;
                 bodies[1].angular_velocity = stream.vector() * 8.0;
             }
-            common::pack::advance(&mut bodies[1], &rig.cube, dt);
+            crate::common::pack::advance(&mut bodies[1], &rig.cube, dt);
             rig.batch.update(&bodies, &[], dt).unwrap();
             for c in rig.batch.contacts() {
                 let most = mu * c.normal_force;

@@ -1,10 +1,7 @@
 //! The general kernel on centroid fans of convex bodies against the convex kernel.
 
-mod common;
-#[path = "common/tets.rs"]
-mod tets;
-
-use common::{Stream, solids};
+use crate::common::tets;
+use crate::common::{Stream, solids};
 use femdem_contact::general::{GeneralScratch, SkinPath};
 use femdem_contact::kernel::Scratch;
 use femdem_contact::{Field, FieldMesh, Form, Frame, GeneralKernel, Overlap, PairKernel};
@@ -150,7 +147,7 @@ fn brute_force(mesh: &TetMesh, body: &FieldMesh, fa: &Frame, fb: &Frame) -> (f64
             };
             let planes: Vec<_> = FACES.iter().map(plane).collect();
             for (x, values) in own {
-                let (v, i) = common::clipped_integral(x, *values, &planes);
+                let (v, i) = crate::common::clipped_integral(x, *values, &planes);
                 sum = (sum.0 + v, sum.1 + i);
             }
         }

@@ -1,16 +1,13 @@
 //! Force and torque of the general kernel are minus the gradient of its energy.
 
-mod common;
-#[path = "common/tets.rs"]
-mod tets;
-
-use common::Stream;
+use crate::common::Stream;
+use crate::common::tets;
+use crate::common::tets::{body, cube, differences, dolos, l_block, total, tube};
 use femdem_contact::general::GeneralScratch;
 use femdem_contact::{Field, FieldMesh, Form, Frame, GeneralKernel};
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
 use std::cell::RefCell;
-use tets::{body, cube, differences, dolos, l_block, total, tube};
 
 const PENALTY: f64 = 3.0;
 

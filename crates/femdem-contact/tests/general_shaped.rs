@@ -2,10 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-#[path = "common/tets.rs"]
-mod tets;
-
+use crate::common::tets;
 use femdem_contact::general::GeneralScratch;
 use femdem_contact::{Field, FieldMesh, Form, Frame, GeneralKernel};
 use femdem_mesh::nalgebra::{UnitQuaternion, Vector3};

@@ -2,11 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-#[path = "common/tets.rs"]
-mod tets;
-
-use common::{Stream, turned};
+use crate::common::tets;
+use crate::common::{Stream, turned};
 use femdem_contact::general::{GeneralCache, GeneralScratch, Patch};
 use femdem_contact::{Field, FieldMesh, Form, Frame, GeneralKernel, SolidWall};
 use femdem_mesh::TetMesh;

@@ -1,10 +1,7 @@
 //! Walls of tetrahedra against analytic ones and against differences of their energy.
 
-mod common;
-#[path = "common/tets.rs"]
-mod tets;
-
-use common::{Stream, solids};
+use crate::common::tets;
+use crate::common::{Stream, solids};
 use femdem_contact::general::GeneralScratch;
 use femdem_contact::kernel::{CavityKernel, Scratch};
 use femdem_contact::{ContactError, Field, FieldMesh, Form, Frame, GeneralKernel, SolidWall, Wall};

@@ -1,9 +1,7 @@
 //! Force and torque of the production kernel against central differences of an energy
 //! that is coded separately (tests/common), for all 18 solids.
 
-mod common;
-
-use common::{Stream, oracle, solids, turned, wall_oracle};
+use crate::common::{Stream, oracle, solids, turned, wall_oracle};
 use femdem_contact::kernel::{CavityCache, CavityKernel, PairCache, Scratch};
 use femdem_contact::{ConvexShape, Frame, Overlap, PairKernel, Wall, WallPlane};
 use femdem_mesh::Polyhedron;

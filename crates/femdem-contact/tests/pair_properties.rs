@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::{Stream, solids};
+use crate::common::{Stream, solids};
 use femdem_contact::kernel::{PairCache, Scratch};
 use femdem_contact::{ConvexShape, Frame, Overlap, PairKernel};
 use femdem_mesh::Polyhedron;

@@ -3,11 +3,9 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::meshes::{block, boxes, dolos};
-use common::pack::{advance, placed, shape, stir};
-use common::{Stream, turned};
+use crate::common::meshes::{block, boxes, dolos};
+use crate::common::pack::{advance, placed, shape, stir};
+use crate::common::{Stream, turned};
 use femdem_contact::{
     BodyShape, Contact, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Drum, Field,
     FieldMesh, Frame, MeshWall, Motion, Partner, Wall, WallShape,

@@ -2,20 +2,14 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-#[path = "common/soft.rs"]
-mod soft;
-#[path = "common/tets.rs"]
-mod tets;
-
-use common::pack::{placed, shape};
+use crate::common::pack::{placed, shape};
+use crate::common::soft::Soft;
+use crate::common::tets::{body, cube};
 use femdem_contact::deform::{DeformableBatch, DeformablePartner, Modulus, NodalState};
 use femdem_contact::{
     ContactBatch, ContactLaw, ContactParameters, Field, Form, Frame, Motion, Wall, WallPlane,
 };
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
-use soft::Soft;
-use tets::{body, cube};
 
 fn law() -> ContactLaw {
     ContactLaw::new(ContactParameters {

@@ -3,9 +3,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::pack::{placed, shape};
+use crate::common::pack::{placed, shape};
 use femdem_contact::{
     Contact, ContactBatch, ContactError, ContactForce, ContactLaw, ContactParameters, Motion,
     Snapshot,

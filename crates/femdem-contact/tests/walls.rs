@@ -2,10 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::pack::{placed, shape};
-use common::{Stream, solids, wall_oracle};
+use crate::common::pack::{placed, shape};
+use crate::common::{Stream, solids, wall_oracle};
 use femdem_contact::kernel::{CavityKernel, Scratch};
 use femdem_contact::{
     ContactBatch, ContactLaw, ContactParameters, Frame, Motion, Partner, Wall, WallPlane,

@@ -363,7 +363,7 @@ pub enum MeshError {
     /// A binary STL file is shorter or longer than its header says.
     #[error(
         "the binary STL header promises {promised} triangles ({expected} bytes), but there are \
-         {found} bytes: the file is cut off or damaged"
+         {found} bytes: the file is cut off, damaged, or goes on after its end"
     )]
     StlLength {
         /// Number of triangles in the header.
@@ -481,7 +481,7 @@ pub enum MeshError {
     /// The tetrahedra are not connected through triangles.
     #[error(
         "the tetrahedra form {pieces} pieces that share no triangle: a body must be one; \
-         give each piece on its own"
+         give each piece on its own, or mesh a body with thin parts more finely"
     )]
     SeveralPieces {
         /// Number of pieces.

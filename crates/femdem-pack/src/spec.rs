@@ -278,8 +278,8 @@ impl PackSpec {
             Penalty::Automatic { penetration } => check(
                 "penetration",
                 penetration,
-                (1e-6..=0.1).contains(&penetration),
-                "between 1e-6 and 0.1, in d; 0.0035 is usual",
+                (1e-6..=0.02).contains(&penetration),
+                "between 1e-6 and 0.02, in d; 0.0035 is usual",
             )?,
             Penalty::Given { pressure } => check_positive("penalty", pressure)?,
         }

@@ -231,7 +231,7 @@ fn elastic(seed: u64) -> PackSpec {
 /// Elastic bodies never come to rest without a medium: what moves in the verification does so in the job's own.
 #[test]
 fn what_the_verification_sets_in_motion_rests_in_the_medium() {
-    for seed in [1, 2] {
+    for seed in [2, 3] {
         let mut packing = Packing::new(elastic(seed)).unwrap();
         let report = packing.run().unwrap();
         assert_settled(&packing, &report);
@@ -242,7 +242,7 @@ fn what_the_verification_sets_in_motion_rests_in_the_medium() {
 /// So it is where no body ever sleeps.
 #[test]
 fn a_pack_made_awake_rests_in_the_medium_too() {
-    for seed in [1, 2] {
+    for seed in [2, 3] {
         let mut spec = elastic(seed);
         spec.sleeping.enabled = false;
         let mut packing = Packing::new(spec).unwrap();

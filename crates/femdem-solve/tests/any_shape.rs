@@ -3,11 +3,10 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
 #[path = "../../femdem-contact/tests/common/meshes.rs"]
 mod meshes;
 
-use common::{
+use crate::common::{
     DENSITY, G, add_floor, add_mesh, add_sides, noise, parameters, pose, turned, weightless,
 };
 use femdem_contact::{Field, MeshWall, Partner, Wall, restitution};
@@ -82,7 +81,7 @@ fn elastic_box_keeps_its_energy() {
 
 /// Twenty of each for a whole second.
 #[test]
-#[ignore = "a minute: cargo test --release -p femdem-solve --test any_shape -- --ignored"]
+#[ignore = "a minute: cargo test --release -p femdem-solve --test all any_shape:: -- --ignored"]
 fn elastic_box_keeps_its_energy_for_a_second() {
     let (worst, trend, seen) = elastic_box(40, 1.0);
     assert!(
@@ -232,7 +231,7 @@ fn heap() -> World {
     world.add_wall(ramp, Drive::Fixed).unwrap();
     let shapes = [
         add_mesh(&mut world, "dolos", &meshes::dolos(0.03)),
-        world.add_shape("A1", &common::solid("A1")).unwrap(),
+        world.add_shape("A1", &crate::common::solid("A1")).unwrap(),
         add_mesh(&mut world, "pellet", &meshes::pellet(0.02, 0.05, 0.08, 8)),
     ];
     for i in 0..18_u64 {

@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::{
+use crate::common::{
     D, DENSITY, add_floor, add_heap, add_sides, at, parameters, run_until, solid, turned,
     weightless,
 };

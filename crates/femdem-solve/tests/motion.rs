@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::{
+use crate::common::{
     D, DENSITY, G, add_floor, add_heap, at, half_edge, parameters, run_until, solid, weightless,
 };
 use femdem_contact::{Wall, restitution};

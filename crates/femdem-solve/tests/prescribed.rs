@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::{DENSITY, add_floor, at, parameters, run_until, solid, weightless};
+use crate::common::{DENSITY, add_floor, at, parameters, run_until, solid, weightless};
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::{Pose, TetMesh, Vector3};
 use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
@@ -143,7 +141,7 @@ fn components_that_are_free_feel_the_medium() {
         .unwrap();
     add(&mut world, Vector3::zeros(), boundary);
     run_until(&mut world, 0.3);
-    let expected = -common::G / 5.0 * (1.0 - (-5.0 * world.time()).exp());
+    let expected = -crate::common::G / 5.0 * (1.0 - (-5.0 * world.time()).exp());
     let speed = world.deformable(0).unwrap().velocities()[0].z;
     assert!((speed / expected - 1.0).abs() < 1e-3, "{speed} {expected}");
     let ledger = world.ledger();
@@ -212,7 +210,7 @@ fn a_body_braked_by_a_deformable_one_is_slowing() {
     let mut spec = BodySpec::at_rest(
         shape,
         DENSITY,
-        at(Vector3::z() * (common::half_edge() + 1e-3)),
+        at(Vector3::z() * (crate::common::half_edge() + 1e-3)),
     );
     spec.velocity.z = -0.5;
     world.add_body(spec).unwrap();

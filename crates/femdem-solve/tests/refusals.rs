@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::{DENSITY, add_floor, at, half_edge, parameters, solid, weightless};
+use crate::common::{DENSITY, add_floor, at, half_edge, parameters, solid, weightless};
 use femdem_contact::deform::{DeformableKernel, DeformablePartner, Gradient};
 use femdem_contact::kernel::CavityKernel;
 use femdem_contact::{Form, GeneralKernel, PairKernel, Wall};

@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::{
+use crate::common::{
     D, DENSITY, add_floor, add_heap, add_sides, at, half_edge, parameters, run_until, solid,
 };
 use femdem_mesh::nalgebra::Vector3;
@@ -108,7 +106,7 @@ fn without_support_sleepers_fall() {
         )
         .unwrap();
     run_until(&mut world, start + 0.3);
-    let fallen = 0.5 * common::G * 0.3 * 0.3;
+    let fallen = 0.5 * crate::common::G * 0.3 * 0.3;
     for (now, then) in places(&world).iter().zip(&before) {
         let depth = then.z - now.z;
         assert!(
@@ -277,7 +275,7 @@ fn a_landed_body_sleeps_when_it_has_been_at_rest_for_the_window() {
     let mut spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * (half_edge() + 1e-3)));
     spec.velocity = Vector3::z() * -0.5;
     let body = world.add_body(spec).unwrap();
-    let limit = rule.ringing * world.mass(body).unwrap() * common::G * D;
+    let limit = rule.ringing * world.mass(body).unwrap() * crate::common::G * D;
     let mut moved = 0;
     while world.awake_count() > 0 {
         world.step().unwrap();

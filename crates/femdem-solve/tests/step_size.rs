@@ -2,9 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::{D, DENSITY, G, add_floor, at, half_edge, parameters, run_until, solid, weightless};
+use crate::common::{
+    D, DENSITY, G, add_floor, at, half_edge, parameters, run_until, solid, weightless,
+};
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::Vector3;
 use femdem_mesh::shapes::{Shape, Sphere};

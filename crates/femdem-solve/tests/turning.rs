@@ -2,12 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-mod common;
 #[path = "../../femdem-contact/tests/common/meshes.rs"]
 #[expect(dead_code, reason = "every test file uses its own part")]
 mod meshes;
 
-use common::{
+use crate::common::{
     D, DENSITY, G, add_floor, add_mesh, at, parameters, pose, run_until, turned, weightless,
 };
 use femdem_contact::{Drum, MeshWall};
@@ -49,8 +48,8 @@ fn cube_on_a_plate(plate: Plate, at: Vector3<f64>, drive: Drive) -> (World, u32)
             world.add_driven_body(spec, drive).unwrap();
         }
     }
-    let shape = world.add_shape("P5", &common::solid("P5")).unwrap();
-    let place = at + Vector3::z() * common::half_edge();
+    let shape = world.add_shape("P5", &crate::common::solid("P5")).unwrap();
+    let place = at + Vector3::z() * crate::common::half_edge();
     let spec = BodySpec::at_rest(shape, DENSITY, pose(place, Rotation::identity()));
     let body = world.add_body(spec).unwrap();
     (world, body)
@@ -175,7 +174,7 @@ fn a_blade_strikes_what_was_far() {
     world
         .add_wall(MeshWall::solid("blade", &blade), drive)
         .unwrap();
-    let shape = world.add_shape("P5", &common::solid("P5")).unwrap();
+    let shape = world.add_shape("P5", &crate::common::solid("P5")).unwrap();
     let at = Vector3::new(0.0, -0.4, 0.0);
     let spec = BodySpec::at_rest(shape, DENSITY, pose(at, Rotation::identity()));
     let body = world.add_body(spec).unwrap();
@@ -189,11 +188,11 @@ fn a_blade_strikes_what_was_far() {
         }
     }
     // Half a turn, less the half widths of blade and cube.
-    let early = (0.05 + common::half_edge()) / 0.4;
+    let early = (0.05 + crate::common::half_edge()) / 0.4;
     let expected = (std::f64::consts::PI - early) / 4.0;
     let struck = struck.unwrap();
     assert!((struck - expected).abs() < 0.02, "{struck} {expected}");
-    assert!(deepest < 0.3 * common::half_edge(), "{deepest}");
+    assert!(deepest < 0.3 * crate::common::half_edge(), "{deepest}");
     // Elastic: the cube leaves about twice as fast as the blade.
     let ledger = world.ledger();
     assert!(world.velocity(body).unwrap().norm() > 2.0);
@@ -225,7 +224,7 @@ fn a_drum_turns_its_filling_over() {
         .unwrap();
     let shapes = [
         add_mesh(&mut world, "dolos", &meshes::dolos(0.025)),
-        world.add_shape("P5", &common::solid("P5")).unwrap(),
+        world.add_shape("P5", &crate::common::solid("P5")).unwrap(),
     ];
     for i in 0..6_u64 {
         let cell = Vector3::new((i % 2) as f64, (i / 2 % 2) as f64, (i / 4) as f64);

@@ -2,12 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
-
 use std::fs;
 use std::path::Path;
 
-use common::{TINY, code, fails, femdem, run, stdout};
+use crate::common::{TINY, code, fails, femdem, run, stdout};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 

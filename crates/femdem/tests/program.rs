@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
-
-use common::{TINY, code, fails, femdem, run, stdout, summary};
+use crate::common::{TINY, code, fails, femdem, run, stdout, summary};
 use std::fs;
 use std::path::Path;
 use tempfile::tempdir;
@@ -130,7 +128,7 @@ fn interrupted(options: &[&str], out: &Path) -> i32 {
         std::thread::sleep(std::time::Duration::from_millis(2));
     }
     if child.try_wait().unwrap().is_none() {
-        common::interrupt(&child);
+        crate::common::interrupt(&child);
     }
     let code = child.wait().unwrap().code().unwrap();
     assert!([0, 130].contains(&code), "exit code {code}");
@@ -266,7 +264,7 @@ fn a_printed_scene_gives_the_same_pack() {
 fn a_body_from_a_file_is_packed_in_a_cylinder() {
     let folder = tempdir().unwrap();
     let (obj, out) = (folder.path().join("wedge.obj"), folder.path().join("out"));
-    fs::write(&obj, common::WEDGE).unwrap();
+    fs::write(&obj, crate::common::WEDGE).unwrap();
     let options = [
         "--count",
         "3",

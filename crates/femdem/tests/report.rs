@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
-
-use common::{TINY, code, fails, femdem, run, stdout};
+use crate::common::{TINY, code, fails, femdem, run, stdout};
 use std::fs;
 use std::path::Path;
 use tempfile::tempdir;

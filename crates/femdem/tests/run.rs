@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
-
-use common::{code, fails, femdem, run, stdout, summary};
+use crate::common::{code, fails, femdem, run, stdout, summary};
 use femdem::Usage;
 use femdem::run::{MEMBER_COLUMNS, Run, Scenario};
 use std::fs;
@@ -209,7 +207,7 @@ fn an_interrupted_run_resumes_to_the_same_bits() {
         assert_eq!(child.try_wait().unwrap(), None);
         std::thread::sleep(std::time::Duration::from_millis(2));
     }
-    common::interrupt(&child);
+    crate::common::interrupt(&child);
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert!(!parts.join("summary.json").exists());
     // While another writes into the folder nobody else does.

@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
-
-use common::{code, femdem, run, stdout};
+use crate::common::{code, femdem, run, stdout};
 use femdem::Usage;
 use femdem::contact::WallShape;
 use femdem::run::{Run, RunSummary, Scenario};

@@ -2,9 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
-
-use common::{code, fails, femdem, run, stdout, summary};
+use crate::common::{code, fails, femdem, run, stdout, summary};
 use femdem::input::InputOptions;
 use std::collections::BTreeSet;
 use std::fs;
@@ -140,8 +138,8 @@ fn shapes_of_like_names_have_a_file_each() {
     let out = folder.path().join("out");
     let mut command = femdem("pack");
     for (name, text) in [
-        ("a_b", common::WEDGE.to_owned()),
-        ("a b", common::WEDGE.replace("0.1", "0.2")),
+        ("a_b", crate::common::WEDGE.to_owned()),
+        ("a b", crate::common::WEDGE.replace("0.1", "0.2")),
     ] {
         let path = folder.path().join(format!("{name}.obj"));
         fs::write(&path, text).unwrap();

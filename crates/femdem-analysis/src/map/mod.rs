@@ -57,7 +57,7 @@ pub struct DensityMap {
     pub densities: Vec<f64>,
     /// Packing density of the whole region.
     pub mean: f64,
-    /// Standard error of `mean` by block bootstrap; `None` with fewer than two blocks.
+    /// Standard error of `mean` by block bootstrap; `None` with fewer than four blocks.
     pub standard_error: Option<f64>,
     /// Standard deviation of the cells' densities, each weighted by its volume: how uneven the pack is at the
     /// length of a cell.

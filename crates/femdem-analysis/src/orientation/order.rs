@@ -46,7 +46,7 @@ pub struct OrderParameter {
     pub value: f64,
     /// The direction that it is largest about, a unit vector.
     pub director: [f64; 3],
-    /// Standard error by block bootstrap with the director held; `None` with fewer than two blocks.
+    /// Standard error by block bootstrap with the director held; `None` with fewer than four blocks.
     pub standard_error: Option<f64>,
     /// Mean value for as many bodies turned at random: it is not zero, since the director is chosen.
     pub random_mean: f64,

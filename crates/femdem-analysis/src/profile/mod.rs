@@ -62,7 +62,7 @@ pub struct ProfileBin {
     pub solid: f64,
     /// Packing density: `solid / volume`.
     pub density: f64,
-    /// Standard error of the density by block bootstrap; `None` with fewer than two blocks.
+    /// Standard error of the density by block bootstrap; `None` with fewer than four blocks.
     pub standard_error: Option<f64>,
     /// Number of bodies with their centroid in the bin: layers at a wall show here most sharply.
     pub centroids: u32,

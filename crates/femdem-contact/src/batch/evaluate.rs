@@ -56,17 +56,6 @@ pub(crate) struct Context<'a> {
 /// A body or wall A, a body B, and the rank of the patch.
 type Ids = (Partner, BodyId, u32);
 
-/// A patch of a pair.
-#[derive(Clone, Copy)]
-struct Part<'a> {
-    ids: Ids,
-    overlap: &'a Overlap,
-    /// All patches of the pair if there are several.
-    whole: Option<&'a Whole>,
-    /// Whether the pair did not touch in the step before.
-    fresh: bool,
-}
-
 impl Context<'_> {
     fn convex(&self, body: BodyId) -> Option<&ConvexShape> {
         match &self.shapes[self.body_shapes[body as usize] as usize] {
@@ -100,11 +89,11 @@ impl Context<'_> {
     /// Whether the caches alone tell that the pair is apart.
     fn is_clear(&self, pair: &Pair) -> bool {
         let travelled = self.motion_a(pair.a).travelled + self.bodies[pair.b as usize].travelled;
-        match &pair.cache {
-            Cache::Body(cache) => cache.is_clear(travelled),
-            Cache::Wall(cache) => cache.is_clear(travelled),
-            Cache::Mesh(mesh) => mesh.cache.is_clear(travelled) && self.sees_wall(pair, mesh),
-        }
+        pair.is_clear(travelled)
+            && match &pair.cache {
+                Cache::Mesh(mesh) => self.sees_wall(pair, mesh),
+                Cache::Body(_) | Cache::Wall(_) => true,
+            }
     }
 
     /// Whether what the cache of a pair with a mesh knows is all of the wall that the body can reach.
@@ -138,17 +127,12 @@ impl Context<'_> {
             pair.touch = None;
             return;
         };
-        let part = Part {
-            ids: (pair.a, pair.b, 0),
-            overlap: &overlap,
-            whole: None,
-            fresh: pair.touch.is_none(),
-        };
+        let key = (pair.a, pair.b, 0);
         if let Some(Touch { friction, contact }) = pair.touch.as_deref_mut() {
-            *contact = self.touch(part, friction);
+            *contact = self.touch(key, &overlap, None, friction);
         } else {
             let mut friction = FrictionState::new(&overlap, a, b);
-            let contact = self.touch(part, &mut friction);
+            let contact = self.touch(key, &overlap, None, &mut friction);
             pair.touch = Some(Box::new(Touch { friction, contact }));
         }
     }
@@ -175,13 +159,7 @@ impl Context<'_> {
         if overlap.force_magnitude() > HARDER * expected {
             // The friction that is remembered stays that of the present place.
             let mut friction = *friction;
-            let part = Part {
-                ids: (pair.a, pair.b, 0),
-                overlap: &overlap,
-                whole: None,
-                fresh: false,
-            };
-            *contact = self.touch(part, &mut friction);
+            *contact = self.touch((pair.a, pair.b, 0), &overlap, None, &mut friction);
             contact.foreseen = true;
         }
     }
@@ -232,16 +210,9 @@ impl Context<'_> {
         let states = inherit(&pair.patches, &found, motions, ratio);
         let overlaps = patches.iter().map(|p| &p.overlap);
         let whole = (patches.len() > 1).then(|| Whole::new(overlaps, motions[0], motions[1]));
-        let fresh = pair.patches.is_empty();
         pair.patches.clear();
         for (rank, ((key, overlap), mut state)) in found.into_iter().zip(states).enumerate() {
-            let part = Part {
-                ids: (a, b, rank as u32),
-                overlap,
-                whole: whole.as_ref(),
-                fresh,
-            };
-            let contact = self.touch(part, &mut state);
+            let contact = self.touch((a, b, rank as u32), overlap, whole.as_ref(), &mut state);
             let record = PatchRecord::new(key, overlap, motions, state, contact);
             pair.patches.push(record);
         }
@@ -288,19 +259,22 @@ impl Context<'_> {
         )
     }
 
-    /// Damping and friction of one patch, whose state is advanced.
-    fn touch(&self, part: Part, state: &mut FrictionState) -> Contact {
-        let Part {
-            ids,
-            overlap,
-            whole,
-            fresh,
-        } = part;
+    /// Damping and friction of one patch, whose state is advanced; `whole` is all of the pair
+    /// if there are several.
+    fn touch(
+        &self,
+        ids: Ids,
+        overlap: &Overlap,
+        whole: Option<&Whole>,
+        state: &mut FrictionState,
+    ) -> Contact {
         let (a, b) = (self.motion_a(ids.0), &self.bodies[ids.1 as usize]);
         // Whoever asks for springs alone takes the dashpots in a way of his own.
         let moment = if self.pace.dashpots {
-            let dt = self.pace.dt;
-            Moment { dt, fresh }
+            Moment {
+                dt: self.pace.dt,
+                fresh: state.is_new(),
+            }
         } else {
             Moment::default()
         };
@@ -315,7 +289,11 @@ impl Context<'_> {
             Partner::Wall(_) => &self.at_walls,
         };
         let share = whole.map_or(1.0, |all| all.friction_share(overlap));
-        let pace = Pace { share, ..self.pace };
+        let pace = Pace {
+            share,
+            birth: damped.birth,
+            ..self.pace
+        };
         let friction = state.update(law, overlap, normal_force, a, b, pace);
         assemble(ids, overlap, &damped, &friction, [a, b])
     }

@@ -243,6 +243,7 @@ mod tests {
                     dt: 1.0,
                     dashpots: true,
                     share: 1.0,
+                    birth: None,
                 };
                 let friction = state.update(&law, &now, 1.0, body, &moved, pace);
                 let damped = damp(&now, None, body, &moved, 0.0, Moment::default());

@@ -281,7 +281,8 @@ impl ContactBatch {
         for view in [Some(now), ahead].into_iter().flatten() {
             self.check(&view)?;
         }
-        let Snapshot { bodies, walls, .. } = ahead.unwrap_or(now);
+        let view = ahead.unwrap_or(now);
+        let Snapshot { bodies, walls, .. } = view;
         self.pairs.left.clear();
         if std::mem::take(&mut self.awake_changed) {
             let awake = self.awake.iter().enumerate().filter(|x| *x.1);
@@ -289,7 +290,7 @@ impl ContactBatch {
             self.find_never_entered(bodies, walls)?;
         }
         self.make_fans()?;
-        self.search(bodies, walls)?;
+        self.search(view)?;
         self.pairs.refresh_order(&self.awake, &self.awake_list);
         let parameters = *self.law.parameters();
         let pair = PairKernel::new(parameters.penalty)?;
@@ -316,6 +317,7 @@ impl ContactBatch {
                 dt: view.dt,
                 dashpots: ahead.is_none(),
                 share: 1.0,
+                birth: None,
             },
         };
         let (now, ahead) = (context(now), ahead.map(context));

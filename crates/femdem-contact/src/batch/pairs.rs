@@ -61,6 +61,15 @@ impl Pair {
             .chain(patches.iter_mut().map(|p| &mut p.contact))
     }
 
+    /// Whether the cache tells that the two are apart once they have travelled so far in sum, m.
+    pub fn is_clear(&self, travelled: f64) -> bool {
+        match &self.cache {
+            Cache::Body(cache) => cache.is_clear(travelled),
+            Cache::Wall(cache) => cache.is_clear(travelled),
+            Cache::Mesh(mesh) => mesh.cache.is_clear(travelled),
+        }
+    }
+
     /// Forgets contacts and friction: the two are apart.
     pub fn part(&mut self) {
         self.touch = None;
@@ -299,12 +308,14 @@ impl PairTable {
         all
     }
 
+    /// The pairs that a body is in.
+    pub fn of(&self, body: BodyId) -> impl Iterator<Item = &Pair> {
+        let list = self.neighbours.get(body as usize);
+        list.into_iter().flatten().map(|n| self.slot(n.slot))
+    }
+
     pub fn contacts_of(&self, body: BodyId) -> impl Iterator<Item = &Contact> {
-        self.neighbours
-            .get(body as usize)
-            .into_iter()
-            .flatten()
-            .flat_map(|n| self.slot(n.slot).contacts())
+        self.of(body).flat_map(Pair::contacts)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which bodies and walls are near each other.
 
-use super::ContactBatch;
+use super::{ContactBatch, Snapshot};
 use crate::broadphase::Broadphase;
 use crate::error::ContactError;
 use crate::motion::Motion;
@@ -35,12 +35,10 @@ impl ContactBatch {
         self.search_walls(i, motion, walls);
     }
 
-    /// Refreshes the neighbours of bodies and walls that have left their skins.
-    pub(super) fn search(
-        &mut self,
-        bodies: &[Motion],
-        walls: &[Motion],
-    ) -> Result<(), ContactError> {
+    /// Refreshes the neighbours of bodies and walls that have left their skins, or would in another step like the last:
+    /// what may be met in the step to come is known then ([`may_touch`](Self::may_touch)).
+    pub(super) fn search(&mut self, view: Snapshot) -> Result<(), ContactError> {
+        let Snapshot { bodies, walls, dt } = view;
         let mut walls_moved = false;
         for (w, motion) in walls.iter().enumerate() {
             if motion.travelled >= self.wall_expires[w] {
@@ -55,7 +53,9 @@ impl ContactBatch {
             if !motion.is_sound() {
                 return Err(not_finite(i, motion));
             }
-            if self.broadphase.is_expired(i, motion) {
+            let radius = self.shapes[self.body_shapes[i] as usize].radius();
+            let speed = motion.velocity.norm() + motion.angular_velocity.norm() * radius;
+            if self.broadphase.is_expired(i, motion.travelled + speed * dt) {
                 self.enter(i, motion, walls, &mut neighbours);
             }
         }

@@ -8,6 +8,8 @@
 
 pub mod meshes;
 pub mod pack;
+pub mod soft;
+pub mod tets;
 
 use femdem_contact::{ConvexShape, Frame};
 use femdem_mesh::Polyhedron;

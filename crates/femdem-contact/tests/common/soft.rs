@@ -6,7 +6,7 @@
     reason = "every test file uses its own part, and helpers of tests fail the test"
 )]
 
-use super::common::Stream;
+use super::Stream;
 use femdem_contact::Frame;
 use femdem_contact::deform::DeformableShape;
 use femdem_mesh::TetMesh;

@@ -47,7 +47,8 @@ pub(super) fn facets(bytes: &[u8]) -> Result<Facets, MeshError> {
     let expected = |n: u32| (HEADER_BYTES + 4) as u64 + u64::from(n) * TRIANGLE_BYTES as u64;
     let points = match promised {
         Some(n) if expected(n) == bytes.len() as u64 => binary_corners(&bytes[HEADER_BYTES + 4..]),
-        _ if is_text(bytes) => ascii_corners(bytes)?,
+        // A binary file may begin with "solid" too, and have a byte too many.
+        _ if is_text(bytes) && !bytes.contains(&0) => ascii_corners(bytes)?,
         Some(promised) => {
             return Err(MeshError::StlLength {
                 promised,

@@ -17,6 +17,8 @@ const MOST_TETS: usize = 20_000_000;
 const GOOD_FAN: f64 = 0.26;
 /// Samples along an edge, for distances.
 const SAMPLES: usize = 4;
+/// Most parts that a side of a triangle is cut into, for distances.
+const MOST_PARTS: u32 = 64;
 
 /// What is asked of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -333,7 +335,6 @@ fn measure(
     lattice_length: Option<f64>,
 ) -> MeshReport {
     let volume = body.mass_properties().volume;
-    let vertices = body.vertices();
     let surface = Features::new(body, lattice_length.unwrap_or(0.0));
     let skin_triangles = mesh.skin.iter().map(|t| t.map(|i| mesh.points[i as usize]));
     let skin = Triangles::new(skin_triangles);
@@ -342,7 +343,12 @@ fn measure(
         .iter()
         .flat_map(samples)
         .map(|p| surface.triangles.distance(&p));
-    let inward = vertices.iter().map(|p| skin.distance(p));
+    // The body's faces, as finely as the mesh could miss something there.
+    let step = 0.5 * lattice_length.unwrap_or(f64::INFINITY);
+    let faces = surface.triangles.corners.iter();
+    let inward = faces
+        .flat_map(|triangle| grid(triangle, step))
+        .map(|p| skin.distance(&p));
     let edge_distance = surface
         .sharp_edges()
         .flat_map(|[a, b]| (0..=SAMPLES).map(move |i| a + (b - a) * (i as f64 / SAMPLES as f64)))
@@ -360,6 +366,17 @@ fn measure(
         distance: outward.chain(inward).fold(edge_distance, f64::max),
         edge_distance,
     }
+}
+
+/// Points of a triangle, corners included, about `step` apart.
+fn grid(&[a, b, c]: &[Point3; 3], step: f64) -> impl Iterator<Item = Point3> {
+    let sides = [b - a, c - b, a - c].map(|side| side.norm());
+    let parts = sides.iter().fold(0.0, |most: f64, side| most.max(*side)) / step;
+    // Conversion to an integer saturates, and makes 0 of NaN.
+    let parts = (parts.ceil() as u32).clamp(1, MOST_PARTS);
+    let at = move |i: u32| f64::from(i) / f64::from(parts);
+    (0..=parts)
+        .flat_map(move |i| (0..=parts - i).map(move |j| a + (b - a) * at(i) + (c - a) * at(j)))
 }
 
 /// Corners, middles of edges and the centroid of a triangle.

@@ -222,10 +222,10 @@ mod tests {
         }
         let mut used = Vec::new();
         while used.len() < 10 {
-            for _ in 0..100 {
+            for _ in 0..50 {
                 world.step().unwrap();
             }
-            assert!(world.time() < 6.0, "{} samples", used.len());
+            assert!(world.time() < 3.0, "{} samples", used.len());
             if (1..12).contains(&world.awake_count()) {
                 used.extend(world.stability().unwrap().map(|s| s.used()));
             }

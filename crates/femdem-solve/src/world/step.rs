@@ -75,9 +75,35 @@ impl World {
             self.batch
                 .largest_step(i, &self.motions[i as usize], others, most)
         });
+        let bound = self.bound_at_touch(bound);
         let usual = self.usual_step();
         self.step_control
             .choose(bound, usual, &self.parameters.time_step)
+    }
+
+    /// The bound, lowered to that of a face contact if a body that touches nothing may touch something in the step: a
+    /// face is met at its full stiffness, and a step that shrinks after the touch misses how hard.
+    fn bound_at_touch(&self, bound: f64) -> f64 {
+        let touch = self.step_control.touch();
+        if bound <= touch {
+            return bound;
+        }
+        let dt = self.step_control.top(&self.parameters.time_step);
+        let loads = self.batch.loads();
+        let comes = |&i: &u32| {
+            // What it meets may come towards it as fast.
+            let way = 2.0 * self.bodies[i as usize].fastest() * dt;
+            let flies = way > 0.0 && loads[i as usize].contacts == 0;
+            flies
+                && self
+                    .batch
+                    .may_touch(i, &self.motions, &self.wall_motions, way)
+        };
+        if self.awake.iter().any(comes) {
+            touch
+        } else {
+            bound
+        }
     }
 
     /// The step in which nothing moves far against what it may meet, s.

@@ -5,6 +5,9 @@ use femdem_analysis::{Cell, ContactCount, Table, contact_counts};
 use super::Tables;
 use crate::{Error, Snapshot};
 
+/// A body is within the region of the cells if it has this part of its volume there; overlaps take the rest.
+const WHOLE: f64 = 0.95;
+
 /// What is known of each body, as a [`Table`]; what is not known is empty.
 #[derive(Clone, Debug)]
 pub struct BodyTable<'a> {
@@ -33,9 +36,17 @@ impl<'a> BodyTable<'a> {
             }
         }
         let mut density = vec![None; count];
+        let volumes: Vec<f64> = snapshot
+            .shapes
+            .iter()
+            .map(|shape| shape.polyhedron.mass_properties().volume)
+            .collect();
         for cell in tables.set_voronoi.iter().flat_map(|v| &v.cells) {
-            if let Some(entry) = density.get_mut(cell.body as usize) {
-                *entry = Some(cell.density);
+            let body = snapshot.bodies.get(cell.body as usize);
+            let whole = body.and_then(|body| volumes.get(body.shape as usize));
+            // A body that sticks out of the region has no cell of its own there.
+            if whole.is_some_and(|whole| cell.solid > WHOLE * whole) {
+                density[cell.body as usize] = Some(cell.density);
             }
         }
         let chains = [&tables.chains_by_weight, &tables.chains_by_stress].map(|network| {

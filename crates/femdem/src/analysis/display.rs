@@ -6,6 +6,9 @@ use femdem_analysis::Estimate;
 
 use super::Tables;
 
+/// A pack at rest balances its weight to better than this.
+const UNBALANCED: f64 = 0.05;
+
 impl fmt::Display for Tables {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut line = |name: &str, text: Option<String>| match text {
@@ -49,8 +52,14 @@ impl Tables {
         let grid = density
             .grid
             .map_or(String::new(), |grid| format!(", {grid:.4} by grid"));
+        let core = self.core.as_ref().map_or(String::new(), |core| {
+            let (min, max) = core.region.corners();
+            let diameter = core.inset / core.inset_over_d;
+            let side = |k: usize| (max[k] - min[k]) / diameter;
+            format!(", {:.1} x {:.1} x {:.1} d", side(0), side(1), side(2))
+        });
         Some(format!(
-            "{:.4}{error} exact{grid}, of the core",
+            "{:.4}{error} exact{grid}, of the core{core}",
             density.exact
         ))
     }
@@ -150,7 +159,14 @@ impl Tables {
 
     fn balance_text(&self) -> Option<String> {
         let worst = self.vertical_balance.as_ref()?.worst;
-        Some(format!("holds to {worst:.1e} of the weight above"))
+        Some(if worst < UNBALANCED {
+            format!("holds to {worst:.1e} of the weight above")
+        } else {
+            format!(
+                "FAILS by {:.0} % of the weight above: the pack moves, or contacts are missing, doubled or of the wrong sign",
+                100.0 * worst
+            )
+        })
     }
 
     fn fabric_text(&self) -> Option<String> {

@@ -47,7 +47,11 @@ impl Tables {
         self.height_profile = Some(height_profile(pack, container, &self.options.profiles)?);
         match choose_core(pack, container, &self.options.core) {
             Ok(core) => self.add_core(pack, container, core),
-            Err(NoPackInContainer { .. } | BadRegion { .. }) => {
+            Err(error @ NoPackInContainer { .. }) => {
+                self.miss(&CORE_TABLES, &error.to_string());
+                Ok(())
+            }
+            Err(BadRegion { .. }) => {
                 let reason = "the pack is too low or too narrow to have a core";
                 self.miss(&CORE_TABLES, reason);
                 Ok(())

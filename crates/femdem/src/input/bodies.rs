@@ -32,6 +32,7 @@ pub(super) fn read(folder: &Path, density: Option<f64>) -> Result<Posed, Error> 
     let mut shape_of: BTreeMap<String, u32> = BTreeMap::new();
     let mut snapshot = Snapshot::default();
     let mut index_of = BTreeMap::new();
+    let mut taken = BTreeMap::new();
     for (record, index) in text.records().zip(0_u32..) {
         let id = id_column.map_or(Ok(index), |column| record.whole(column))?;
         if index_of.insert(id, index).is_some() {
@@ -48,6 +49,11 @@ pub(super) fn read(folder: &Path, density: Option<f64>) -> Result<Posed, Error> 
             }
         };
         let [x, y, z] = record.numbers(place)?;
+        if let Some(other) = taken.insert((shape, [x, y, z].map(f64::to_bits)), index) {
+            let what =
+                format!("the body has the shape and the place of row {other}, counted from 0");
+            return Err(record.refuse(what));
+        }
         let rotation = rotation(&record, record.numbers(turn)?)?;
         snapshot.bodies.push(Body {
             shape,
@@ -55,7 +61,12 @@ pub(super) fn read(folder: &Path, density: Option<f64>) -> Result<Posed, Error> 
             sequence: sequence.map_or(Ok(index), |column| record.whole(column))?,
             sleeping: sleeping.is_some_and(|column| record.text(column) == "1"),
         });
-        if let Some(column) = mass.filter(|column| !record.text(*column).is_empty()) {
+        let column = mass.filter(|column| !record.text(*column).is_empty());
+        if column.is_some() != (snapshot.masses.len() == snapshot.bodies.len() - 1) && index > 0 {
+            let what = "some rows have a mass and others have none: give it to all or to none";
+            return Err(record.refuse(what.to_owned()));
+        }
+        if let Some(column) = column {
             let mass = record.number(column)?;
             if mass <= 0.0 {
                 return Err(record.refuse(format!("mass = {mass} kg must be above zero")));

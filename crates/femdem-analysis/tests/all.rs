@@ -1,0 +1,23 @@
+//! All tests of the public interface in one program: each by itself takes longer to link than to run.
+
+mod common;
+mod coordination;
+mod core_region;
+mod cost;
+mod cost_forces;
+mod density;
+mod density_map;
+mod inputs;
+mod lattices;
+mod networks;
+mod non_convex;
+mod orientation;
+mod profiles;
+mod radial;
+mod regions;
+mod stress;
+mod tails;
+#[cfg(feature = "parallel")]
+mod threads_of_geometry;
+mod volumes;
+mod voronoi;

@@ -1,0 +1,27 @@
+//! All tests of the public interface in one program: each by itself takes longer to link than to run.
+
+mod batch;
+mod common;
+mod damping;
+mod deform_batch;
+mod deform_friction;
+mod deform_gradient;
+mod deform_skins;
+mod deform_walls;
+mod densest_lattices;
+mod friction;
+mod general;
+mod general_gradient;
+mod general_shaped;
+mod general_sliding;
+mod general_states;
+mod general_walls;
+mod gradient;
+mod pair_properties;
+mod patches;
+mod reach;
+mod refusals;
+mod springs;
+#[cfg(feature = "proptest")]
+mod strategies;
+mod walls;

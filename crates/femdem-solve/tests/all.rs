@@ -1,0 +1,16 @@
+//! All tests of the public interface in one program: each by itself takes longer to link than to run.
+
+mod any_shape;
+mod changes;
+mod common;
+mod energy;
+mod impacts;
+mod implicit;
+mod motion;
+mod physics;
+mod prescribed;
+mod refusals;
+mod relaxation;
+mod sleeping;
+mod step_size;
+mod turning;

@@ -1,0 +1,15 @@
+//! All tests of the public interface in one program: each by itself takes longer to link than to run.
+
+mod analyse;
+mod balance;
+mod common;
+mod contact_class;
+mod program;
+mod refusals;
+mod report;
+mod resolve;
+mod run;
+mod scene_keys;
+mod scene_physics;
+mod scene_statics;
+mod shapes;
