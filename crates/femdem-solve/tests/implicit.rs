@@ -340,13 +340,13 @@ fn dropped(gap: f64) -> Dropped {
 }
 
 /// Cubes that fall flat on each other come to rest upright. The impacts shift and twist them a little; by how much hangs
-/// on rounding. Of 160 drops 3 % tremble for longer than this or are shifted by several times the usual (the largest shift is 0.05 d,
-/// the largest turn 0.16), so that all must
-/// stand, all but three be calm and in place, and means and medians tell the rest.
+/// on rounding. Of 160 drops 3 % tremble for longer than this or are shifted by several times the usual (the largest shift is 0.06 d,
+/// the largest turn 0.16), and of some 1,500 one fell over, so that all must
+/// stand, all but six be calm and in place, and means and medians tell the rest.
 #[test]
 fn columns_that_are_dropped_stand() {
-    let drops: Vec<Dropped> = (0..24)
-        .map(|k| dropped(0.03 + 0.0015 * f64::from(k)))
+    let drops: Vec<Dropped> = (0..48)
+        .map(|k| dropped(0.03 + 0.0007 * f64::from(k)))
         .collect();
     let mut calm = 0;
     for (k, drop) in drops.iter().enumerate() {
@@ -362,11 +362,11 @@ fn columns_that_are_dropped_stand() {
         );
         calm += usize::from(shift < 0.05 && lean < 1e-4 && energy < 3e-8);
     }
-    assert!(calm >= 21, "{calm} of 24 are calm and in place");
+    assert!(calm >= 42, "{calm} of 48 are calm and in place");
     let values = |of: fn(&Dropped) -> f64| {
         let mut values: Vec<f64> = drops.iter().map(of).collect();
         values.sort_by(f64::total_cmp);
-        (values[12], values.iter().sum::<f64>() / 24.0)
+        (values[24], values.iter().sum::<f64>() / 48.0)
     };
     let ((shift, mean_shift), (turn, mean_turn)) = (values(|d| d.shift), values(|d| d.turn));
     assert!(

@@ -1,6 +1,7 @@
 //! Layer 2: many bodies. The batch owns candidate pairs, their caches and friction
 //! history; the host owns the bodies, their integration and the time step.
 
+mod ahead;
 mod evaluate;
 mod gather;
 mod history;

@@ -36,22 +36,6 @@ impl ContactBatch {
         }
         resistance.largest_step(motion, most)
     }
-
-    /// Whether a body may touch something new once it and what it may meet have travelled `way` (m) more in sum: the
-    /// caches of its pairs do not rule it out. `bodies` and `walls` as in the last [`update`](Self::update).
-    pub fn may_touch(&self, body: BodyId, bodies: &[Motion], walls: &[Motion], way: f64) -> bool {
-        let travelled = |partner: Partner| {
-            let motion = match partner {
-                Partner::Body(other) => bodies.get(other as usize),
-                Partner::Wall(wall) => walls.get(wall as usize),
-            };
-            motion.map_or(0.0, |motion| motion.travelled)
-        };
-        self.pairs.of(body).any(|pair| {
-            let now = travelled(pair.a) + travelled(Partner::Body(pair.b));
-            !pair.touches() && !pair.is_clear(now + way)
-        })
-    }
 }
 
 /// The body on the other side of a contact.

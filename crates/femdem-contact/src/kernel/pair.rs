@@ -289,6 +289,21 @@ impl PairCache {
         self.near.is_none() && motion < self.until
     }
 
+    /// A gap between A and B along a direction from A to B, world axes, that is known of: they are that far apart or more, m.
+    pub(crate) fn gap(
+        &self,
+        a: &ConvexShape,
+        frame_a: &Frame,
+        b: &ConvexShape,
+        frame_b: &Frame,
+    ) -> Option<(f64, Vector3)> {
+        let rotation = frame_a.rotation.tr_mul(&frame_b.rotation);
+        let between = frame_b.position - frame_a.position;
+        let offset = frame_a.rotation.tr_mul(&between);
+        let gap = gap_along(a, b, &rotation, &offset, &self.axis);
+        (self.axis.norm_squared() > 0.5).then(|| (gap, frame_a.rotation * self.axis))
+    }
+
     /// Whether the bodies are still where the state holds, though they may have travelled far together. B's radius does
     /// for both: points of A matter only where B reaches them.
     fn still_holds(

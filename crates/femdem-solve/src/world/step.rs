@@ -91,13 +91,9 @@ impl World {
         let dt = self.step_control.top(&self.parameters.time_step);
         let loads = self.batch.loads();
         let comes = |&i: &u32| {
-            // What it meets may come towards it as fast.
-            let way = 2.0 * self.bodies[i as usize].fastest() * dt;
-            let flies = way > 0.0 && loads[i as usize].contacts == 0;
-            flies
-                && self
-                    .batch
-                    .may_touch(i, &self.motions, &self.wall_motions, way)
+            let batch = &self.batch;
+            loads[i as usize].contacts == 0
+                && batch.may_touch(i, &self.motions, &self.wall_motions, dt)
         };
         if self.awake.iter().any(comes) {
             touch
