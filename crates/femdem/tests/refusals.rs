@@ -1,7 +1,5 @@
 //! Bad input: each a clear error, an exit code that is not 0, and nothing lost.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
-
 use crate::common::{TINY, WEDGE, code, fails, femdem, run};
 use std::fs;
 use std::path::Path;

@@ -1,7 +1,5 @@
 //! `femdem report`, `femdem pack --report` and `femdem picture` on a tiny pack.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
-
 use crate::common::{TINY, code, fails, femdem, run, stdout};
 use std::fs;
 use std::path::Path;

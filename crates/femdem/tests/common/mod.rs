@@ -1,6 +1,7 @@
 //! Shared by the tests of the program.
 
 #![allow(dead_code, reason = "every test file uses its own part")]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::Path;
 use std::process::{Child, Command, Output};
