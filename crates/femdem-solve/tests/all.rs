@@ -6,6 +6,9 @@ mod common;
 mod energy;
 mod impacts;
 mod implicit;
+#[path = "../../femdem-contact/tests/common/meshes.rs"]
+#[expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+mod meshes;
 mod motion;
 mod physics;
 mod prescribed;

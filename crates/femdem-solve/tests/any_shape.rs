@@ -3,12 +3,10 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-#[path = "../../femdem-contact/tests/common/meshes.rs"]
-mod meshes;
-
 use crate::common::{
     DENSITY, G, add_floor, add_mesh, add_sides, noise, parameters, pose, turned, weightless,
 };
+use crate::meshes;
 use femdem_contact::{Field, MeshWall, Partner, Wall, restitution};
 use femdem_mesh::nalgebra::{Point3, Vector3};
 use femdem_mesh::{Polyhedron, Pose, Rotation};

@@ -2,13 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-#[path = "../../femdem-contact/tests/common/meshes.rs"]
-#[expect(dead_code, reason = "every test file uses its own part")]
-mod meshes;
-
 use crate::common::{
     D, DENSITY, G, add_floor, add_mesh, at, parameters, pose, run_until, turned, weightless,
 };
+use crate::meshes;
 use femdem_contact::{Drum, MeshWall};
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::Vector3;
