@@ -320,6 +320,14 @@ pub enum BodyShape {
 }
 
 impl BodyShape {
+    /// The convex body, if it is one.
+    pub fn convex(&self) -> Option<&ConvexShape> {
+        match self {
+            Self::Convex(shape) => Some(shape),
+            Self::Mesh(_) => None,
+        }
+    }
+
     /// Whether it is a mesh.
     pub fn is_mesh(&self) -> bool {
         matches!(self, Self::Mesh(_))

@@ -83,6 +83,7 @@ fn restitution_does_not_depend_on_what_touches() {
     for zeta in [0.1, 0.3, 0.6] {
         for (name, rotation, safety, tolerance) in [
             ("face", face, 0.1, 0.01),
+            ("face", face, 0.3, 0.02),
             ("face", face, 0.9, 0.15),
             ("edge", edge, 0.6, 0.01),
             ("vertex", vertex, 0.6, 0.01),

@@ -357,7 +357,7 @@ fn columns_that_are_dropped_stand() {
             energy,
         } = *drop;
         assert!(
-            shift < 0.2 && lean < 2e-3 && turn < 0.2,
+            shift < 0.2 && lean < 2e-3 && turn < 0.15,
             "drop {k}: {shift} d, {lean}, {turn}"
         );
         calm += usize::from(shift < 0.05 && lean < 1e-4 && energy < 3e-8);

@@ -150,7 +150,11 @@ fn a_run_and_its_tables_give_the_same_results() {
     // The table has masses; no body is there.
     for (option, value, words) in [
         ("--density", "1000", "column mass"),
-        ("--inside", "9,9,9,10,10,10", "inside = without a body"),
+        (
+            "--inside",
+            "9,9,9,10,10,10",
+            "inside = a region without a body",
+        ),
     ] {
         let mut command = femdem("analyse");
         fails(command.arg(foreign.path()).args([option, value]), &[words]);

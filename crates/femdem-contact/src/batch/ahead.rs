@@ -4,8 +4,8 @@ use super::ContactBatch;
 use super::pairs::{Cache, Pair};
 use crate::contact::{BodyId, Partner};
 use crate::motion::Motion;
-use crate::shape::{BodyShape, ConvexShape};
-use crate::walls::{Wall, WallShape};
+use crate::shape::BodyShape;
+use crate::walls::WallShape;
 use femdem_mesh::Vector3;
 
 /// The rate of a free body varies within a step by its nutation; half as much again bounds it.
@@ -49,17 +49,18 @@ impl ContactBatch {
         if pair.is_clear(a.travelled + b.travelled + way) {
             return false;
         }
+        let convex = |body: BodyId| self.shape_of(body)?.convex();
         // The budget of a cache counts all motion. A plane between the two tells what brings them together.
         let close = |gap: f64, direction: &Vector3| gap < approach.closing(direction) * dt;
         match (&pair.cache, pair.a) {
             (Cache::Body(cache), Partner::Body(i)) => {
-                let shapes = self.convex(i).zip(self.convex(pair.b));
+                let shapes = convex(i).zip(convex(pair.b));
                 let gap = shapes.and_then(|(in_a, in_b)| cache.gap(in_a, &a.frame, in_b, &b.frame));
                 gap.is_none_or(|(gap, direction)| close(gap, &direction))
             }
             (Cache::Wall(_), Partner::Wall(w)) => {
-                let planes = self.planes(w).zip(self.convex(pair.b));
-                planes.is_none_or(|(wall, body)| {
+                let planes = self.walls.get(w as usize).and_then(WallShape::planes);
+                planes.zip(convex(pair.b)).is_none_or(|(wall, body)| {
                     let centre = b.frame.position - a.frame.position;
                     wall.planes().iter().any(|plane| {
                         let normal = a.frame.rotation * plane.normal;
@@ -92,19 +93,5 @@ impl ContactBatch {
     fn shape_of(&self, body: BodyId) -> Option<&BodyShape> {
         let shape = self.body_shapes.get(body as usize)?;
         self.shapes.get(*shape as usize)
-    }
-
-    fn convex(&self, body: BodyId) -> Option<&ConvexShape> {
-        match self.shape_of(body)? {
-            BodyShape::Convex(shape) => Some(shape),
-            BodyShape::Mesh(_) => None,
-        }
-    }
-
-    fn planes(&self, wall: u32) -> Option<&Wall> {
-        match self.walls.get(wall as usize)? {
-            WallShape::Planes(wall) => Some(wall),
-            WallShape::Mesh(_) => None,
-        }
     }
 }

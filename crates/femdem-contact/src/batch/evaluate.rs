@@ -58,10 +58,7 @@ type Ids = (Partner, BodyId, u32);
 
 impl Context<'_> {
     fn convex(&self, body: BodyId) -> Option<&ConvexShape> {
-        match &self.shapes[self.body_shapes[body as usize] as usize] {
-            BodyShape::Convex(shape) => Some(shape),
-            BodyShape::Mesh(_) => None,
-        }
+        self.shapes[self.body_shapes[body as usize] as usize].convex()
     }
 
     fn mesh(&self, body: BodyId) -> Option<&FieldMesh> {
@@ -73,10 +70,7 @@ impl Context<'_> {
     }
 
     fn planes(&self, wall: u32) -> Option<&Wall> {
-        match &self.wall_shapes[wall as usize] {
-            WallShape::Planes(wall) => Some(wall),
-            WallShape::Mesh(_) => None,
-        }
+        self.wall_shapes[wall as usize].planes()
     }
 
     fn motion_a(&self, a: Partner) -> &Motion {

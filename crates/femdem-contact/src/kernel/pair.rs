@@ -297,11 +297,14 @@ impl PairCache {
         b: &ConvexShape,
         frame_b: &Frame,
     ) -> Option<(f64, Vector3)> {
+        if self.axis.norm_squared() < 0.5 {
+            return None;
+        }
         let rotation = frame_a.rotation.tr_mul(&frame_b.rotation);
         let between = frame_b.position - frame_a.position;
         let offset = frame_a.rotation.tr_mul(&between);
         let gap = gap_along(a, b, &rotation, &offset, &self.axis);
-        (self.axis.norm_squared() > 0.5).then(|| (gap, frame_a.rotation * self.axis))
+        Some((gap, frame_a.rotation * self.axis))
     }
 
     /// Whether the bodies are still where the state holds, though they may have travelled far together. B's radius does

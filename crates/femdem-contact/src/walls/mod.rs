@@ -31,6 +31,14 @@ impl WallShape {
         }
     }
 
+    /// The wall of planes, if it is one.
+    pub fn planes(&self) -> Option<&Wall> {
+        match self {
+            Self::Planes(wall) => Some(wall),
+            Self::Mesh(_) => None,
+        }
+    }
+
     /// Whether it is a mesh.
     pub fn is_mesh(&self) -> bool {
         matches!(self, Self::Mesh(_))

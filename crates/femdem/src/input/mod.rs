@@ -63,8 +63,8 @@ pub fn read_folder(folder: impl AsRef<Path>, options: &InputOptions) -> Result<S
         if !pack.snapshot.bodies.iter().any(is_in) {
             return Err(Error::Option {
                 name: "inside",
-                value: "without a body".to_owned(),
-                allowed: "where the bodies are, in m; none has its origin in it",
+                value: "a region without a body".to_owned(),
+                allowed: "it has to hold the pack, in the frame and unit of the table of bodies (m)",
             });
         }
     }
