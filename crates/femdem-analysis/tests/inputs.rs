@@ -264,6 +264,13 @@ fn what_is_wrong_with_a_body_or_contact_is_said_with_its_value() {
     let mut bad = good;
     bad.normal_force = f64::INFINITY;
     assert!(says(&bodies, bad).contains("inf"), "{}", says(&bodies, bad));
+    // Its square would not be a number.
+    bad.normal_force = 1e200;
+    assert!(
+        says(&bodies, bad).contains("1e100"),
+        "{}",
+        says(&bodies, bad)
+    );
     bodies[1].volume = -2.5;
     assert!(says(&bodies, good).contains("-2.5"));
 }

@@ -231,3 +231,26 @@ fn tails_far_from_zero_keep_their_exponent() {
         assert!((a / b - 1.0).abs() < 1e-5, "{a} {b}");
     }
 }
+
+/// The unit of the values does not matter: powers of two change no digit, however large.
+#[test]
+fn the_unit_of_the_values_does_not_matter() {
+    let mut random = Random(7);
+    let values = exponential(&mut random, 200, 2.0, 1.0);
+    let options = TailOptions::default();
+    let fit = fit_tail(&values, &options).unwrap().unwrap();
+    for power in [-980, -500, 500, 980] {
+        let unit = 2.0_f64.powi(power);
+        let other: Vec<f64> = values.iter().map(|v| v * unit).collect();
+        let found = fit_tail(&other, &options).unwrap().unwrap();
+        assert_eq!(found.exponent * unit, fit.exponent, "2^{power}");
+        assert_eq!(found.interval.map(|x| x * unit), fit.interval);
+        assert_eq!(found.start, fit.start * unit);
+        assert_eq!((found.count, found.distance), (fit.count, fit.distance));
+    }
+    let beyond = fit_tail(&[1e-305], &options);
+    assert!(matches!(
+        beyond,
+        Err(AnalysisError::Option { name: "values", .. })
+    ));
+}

@@ -112,11 +112,25 @@ impl Colouring {
 }
 
 fn sequence(snapshot: &Snapshot) -> BodyValues {
-    let values: Vec<f64> = snapshot.bodies.iter().map(|b| b.sequence.into()).collect();
+    let bodies = &snapshot.bodies;
+    let at_once = bodies.windows(2).all(|b| b[0].sequence == b[1].sequence);
+    // One colour would tell nothing. Where all are released at once they are numbered from the floor up.
+    let (title, note, values): (_, _, Vec<f64>) = if at_once {
+        (
+            "number of the body",
+            "Number of the body, from 0; all were placed at once.",
+            (0..bodies.len()).map(|body| body as f64).collect(),
+        )
+    } else {
+        (
+            "sequence of placement",
+            "Number in the order of placement, from 0; bodies placed together share one.",
+            bodies.iter().map(|b| b.sequence.into()).collect(),
+        )
+    };
     BodyValues {
-        title: "sequence of placement".to_owned(),
-        note: "Number in the order of placement, from 0; bodies placed together share one."
-            .to_owned(),
+        title: title.to_owned(),
+        note: note.to_owned(),
         range: [0.0, largest(&values).max(1.0)],
         values,
         spacing: Spacing::Linear,
@@ -339,6 +353,18 @@ mod tests {
                 .iter()
                 .all(|tilt| tilt.abs() < 1e-6)
         );
+    }
+
+    #[test]
+    fn bodies_released_at_once_are_told_apart_by_their_number() {
+        let mut snapshot = two_cubes();
+        snapshot.bodies[0].sequence = 1;
+        let found = Colouring::Sequence
+            .values(&snapshot, None)
+            .unwrap()
+            .unwrap();
+        assert_eq!(found.title, "number of the body");
+        assert_eq!(found.values, [0.0, 1.0]);
     }
 
     /// Two cubes of 1 m³ in a column of 2.5 x 2 m: each has half of what is below the top of the stack.

@@ -267,8 +267,15 @@ pub(crate) fn check_threshold(force_threshold: f64) -> Result<(), AnalysisError>
     })
 }
 
-fn first_not_finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> Option<f64> {
-    numbers.into_iter().copied().find(|x| !x.is_finite())
+/// Largest magnitude of anything given, in its SI unit: its square is a number.
+const LARGEST: f64 = 1e100;
+
+fn usable(number: f64) -> bool {
+    number.abs() <= LARGEST
+}
+
+fn first_not_usable<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> Option<f64> {
+    numbers.into_iter().copied().find(|x| !usable(*x))
 }
 
 /// What a contact does to one of its bodies.
@@ -292,17 +299,17 @@ impl ForceBody {
                 allowed,
             })
         };
-        if let Some(bad) = first_not_finite(self.centre.iter()) {
-            return refuse("centre", bad, "finite (m)");
+        if let Some(bad) = first_not_usable(self.centre.iter()) {
+            return refuse("centre", bad, "within ±1e100 (m)");
         }
-        if !self.volume.is_finite() || self.volume <= 0.0 {
-            return refuse("volume", self.volume, "above zero and finite (m³)");
+        if !usable(self.volume) || self.volume <= 0.0 {
+            return refuse("volume", self.volume, "above 0, at most 1e100 (m³)");
         }
-        if !self.diameter.is_finite() || self.diameter <= 0.0 {
-            return refuse("diameter", self.diameter, "above zero and finite (m)");
+        if !usable(self.diameter) || self.diameter <= 0.0 {
+            return refuse("diameter", self.diameter, "above 0, at most 1e100 (m)");
         }
-        if !self.weight.is_finite() || self.weight < 0.0 {
-            return refuse("weight", self.weight, "zero or more and finite (N)");
+        if !usable(self.weight) || self.weight < 0.0 {
+            return refuse("weight", self.weight, "0 to 1e100 (N)");
         }
         Ok(())
     }
@@ -337,8 +344,8 @@ impl ForceContact {
                 });
             }
         }
-        if let Some(bad) = first_not_finite(self.point.iter()) {
-            return refuse("point", bad, "finite (m)");
+        if let Some(bad) = first_not_usable(self.point.iter()) {
+            return refuse("point", bad, "within ±1e100 (m)");
         }
         // Written so that NaN fails it too.
         let length = self.normal.norm();
@@ -346,14 +353,14 @@ impl ForceContact {
         if !unit {
             return refuse("normal's length", length, "1 to 1e-6");
         }
-        if !self.normal_force.is_finite() {
-            return refuse("normal_force", self.normal_force, "finite (N)");
+        if !usable(self.normal_force) {
+            return refuse("normal_force", self.normal_force, "within ±1e100 (N)");
         }
-        if let Some(bad) = first_not_finite(self.tangential.iter()) {
-            return refuse("tangential", bad, "finite (N)");
+        if let Some(bad) = first_not_usable(self.tangential.iter()) {
+            return refuse("tangential", bad, "within ±1e100 (N)");
         }
-        if let Some(bad) = first_not_finite(self.moment.iter()) {
-            return refuse("moment", bad, "finite (N m)");
+        if let Some(bad) = first_not_usable(self.moment.iter()) {
+            return refuse("moment", bad, "within ±1e100 (N m)");
         }
         Ok(())
     }
