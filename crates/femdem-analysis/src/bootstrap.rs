@@ -1,5 +1,7 @@
 //! Standard errors of means and ratios by resampling blocks.
 
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
 
 use crate::error::AnalysisError;
@@ -35,6 +37,26 @@ impl Default for BlockBootstrap {
     }
 }
 
+/// Most draws: their results are kept.
+pub(crate) const MOST_DRAWS: u32 = 1_000_000;
+
+/// Refuses a number of draws that is not `within`.
+pub(crate) fn check_draws(
+    name: &'static str,
+    draws: u32,
+    within: RangeInclusive<u32>,
+    allowed: &'static str,
+) -> Result<(), AnalysisError> {
+    if within.contains(&draws) {
+        return Ok(());
+    }
+    Err(AnalysisError::Option {
+        name,
+        value: f64::from(draws),
+        allowed,
+    })
+}
+
 impl BlockBootstrap {
     pub(crate) fn validate(&self) -> Result<(), AnalysisError> {
         if !self.block_over_d.is_finite() || self.block_over_d <= 0.0 {
@@ -44,14 +66,7 @@ impl BlockBootstrap {
                 allowed: "above zero and finite",
             });
         }
-        if self.resamples < 2 {
-            return Err(AnalysisError::Option {
-                name: "resamples",
-                value: f64::from(self.resamples),
-                allowed: "2 or more",
-            });
-        }
-        Ok(())
+        check_draws("resamples", self.resamples, 2..=MOST_DRAWS, "2 to 1e6")
     }
 
     /// Standard error of the mean of one value per block; `None` for fewer than four.

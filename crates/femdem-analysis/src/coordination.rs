@@ -77,13 +77,16 @@ pub struct Coordination {
 /// Partners of each of `bodies` bodies whose summed normal force is above `force_threshold` (N).
 ///
 /// # Errors
-/// [`AnalysisError::BodyIndex`], [`AnalysisError::SelfTouch`], [`AnalysisError::TouchForce`], and
-/// [`AnalysisError::Option`] for a threshold that is below zero or not finite.
+/// [`AnalysisError::TooManyBodies`], [`AnalysisError::BodyIndex`], [`AnalysisError::SelfTouch`],
+/// [`AnalysisError::TouchForce`], and [`AnalysisError::Option`] for a threshold that is below zero or not finite.
 pub fn contact_counts(
     bodies: usize,
     touches: &[Touch],
     force_threshold: f64,
 ) -> Result<Vec<ContactCount>, AnalysisError> {
+    if u32::try_from(bodies).is_err() {
+        return Err(AnalysisError::TooManyBodies { bodies });
+    }
     check_threshold(force_threshold)?;
     let mut pairs = Vec::with_capacity(touches.len());
     for (index, touch) in touches.iter().enumerate() {

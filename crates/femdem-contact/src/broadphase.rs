@@ -47,7 +47,7 @@ struct Grid {
 
 /// The grids and the entries.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub struct Broadphase {
+pub(crate) struct Broadphase {
     entries: Vec<Option<Entry>>,
     grids: BTreeMap<Level, Grid>,
 }
@@ -64,6 +64,12 @@ impl Broadphase {
     /// Whether a body was ever entered.
     pub(crate) fn knows(&self, body: usize) -> bool {
         matches!(self.entries.get(body), Some(Some(_)))
+    }
+
+    /// Whether there are entries of no more than so many bodies.
+    pub(crate) fn fits(&self, bodies: usize) -> bool {
+        let cells = self.grids.values().flat_map(|grid| grid.cells.values());
+        self.entries.len() <= bodies && cells.flatten().all(|&i| (i as usize) < bodies)
     }
 
     /// Half skin of a shape, m: how far a body may travel before it is entered again.

@@ -58,6 +58,14 @@ pub enum ContactError {
         /// How many exist.
         count: usize,
     },
+    /// A batch that was read does not hang together, or its shapes are other than they were.
+    #[error(
+        "{what} does not fit the stored contacts: start from an unaltered file, with the shapes of then"
+    )]
+    Stored {
+        /// What does not fit.
+        what: String,
+    },
     /// A slice of states does not match what is in the batch.
     #[error(
         "{given} {what} states were given, but {expected} were added: pass one for each {what}"

@@ -22,25 +22,25 @@ pub enum WallResponse {
     Rigid,
 }
 
-/// Parameters of the contact law. Every field has a documented default except the
-/// penalty, which depends on the load.
+/// Parameters of the contact law. Choose the penalty yourself: what is right depends on the load, so that its default
+/// is right for none in particular.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct ContactParameters {
-    /// Penalty p, 1e-100 to 1e100 Pa: the scale of the contact energy U = p int (phi_A + phi_B) dV.
+    /// Penalty p, 1e-100 to 1e100 Pa: the scale of the contact energy U = p int (phi_A + phi_B) dV. Default 1e6.
     pub penalty: f64,
     /// Coulomb friction coefficient mu between bodies, and between bodies and walls where
-    /// `wall_friction` is `None`.
+    /// `wall_friction` is `None`. Default 0.6.
     pub friction: f64,
-    /// Coulomb friction coefficient between bodies and walls; `None`: `friction`.
+    /// Coulomb friction coefficient between bodies and walls; `None`, the default: `friction`.
     pub wall_friction: Option<f64>,
-    /// Fraction zeta of critical damping of the normal contact; below 1/sqrt(2).
+    /// Fraction zeta of critical damping of the normal contact; below 1/sqrt(2). Default 0.6.
     pub damping_ratio: f64,
-    /// Tangential over normal foundation modulus, r = k_t/k_n.
+    /// Tangential over normal foundation modulus, r = k_t/k_n; above 0, at most 2. Default 0.8.
     pub tangential_ratio: f64,
-    /// Fraction of critical damping of the tangential and torsional springs while they stick.
+    /// Fraction of critical damping of the tangential and torsional springs while they stick, 0 to 1. Default 0.6.
     pub tangential_damping: f64,
-    /// How walls meet bodies that deform.
+    /// How walls meet bodies that deform. Default: as mirror images.
     pub wall_response: WallResponse,
 }
 

@@ -5,6 +5,7 @@ use crate::common::{Stream, oracle, solids, turned, wall_oracle};
 use femdem_contact::kernel::{CavityCache, CavityKernel, PairCache, Scratch};
 use femdem_contact::{ConvexShape, Frame, Overlap, PairKernel, Wall, WallPlane};
 use femdem_mesh::Polyhedron;
+use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::Vector3;
 
 const PENALTY: f64 = 3.0;
@@ -57,16 +58,24 @@ fn close(got: &Vector3<f64>, want: &Vector3<f64>, scale: f64, what: &str) {
     );
 }
 
-fn check_pair(name: &str, pa: &Polyhedron, a: &ConvexShape, fa: &Frame, fb: &Frame, got: &Overlap) {
-    let energy = |f: &Frame| PENALTY * oracle(pa, fa, pa, f).1;
-    let (volume, integral) = oracle(pa, fa, pa, fb);
+/// `step` is that of the differences, by the smaller of the two: the edges of polygons must not change within it.
+fn check_pair(
+    name: &str,
+    [pa, pb]: [&Polyhedron; 2],
+    a: &ConvexShape,
+    [fa, fb]: [&Frame; 2],
+    step: f64,
+    got: &Overlap,
+) {
+    let energy = |f: &Frame| PENALTY * oracle(pa, fa, pb, f).1;
+    let (volume, integral) = oracle(pa, fa, pb, fb);
     let relative = (got.energy - PENALTY * integral).abs() / (PENALTY * integral);
     assert!(relative < 1e-9, "{name}: energy off by {relative:e}");
     assert!(
         (got.volume - volume).abs() < 1e-9 * volume,
         "{name}: volume"
     );
-    let [force, torque] = differences(energy, fb, 3e-4);
+    let [force, torque] = differences(energy, fb, step);
     close(&got.force, &force, force.norm(), &format!("{name} force"));
     let lever = force.norm() * a.radius();
     close(
@@ -75,7 +84,7 @@ fn check_pair(name: &str, pa: &Polyhedron, a: &ConvexShape, fa: &Frame, fb: &Fra
         lever,
         &format!("{name} torque on B"),
     );
-    let [_, torque_a] = differences(|f| PENALTY * oracle(pa, f, pa, fb).1, fa, 3e-4);
+    let [_, torque_a] = differences(|f| PENALTY * oracle(pa, f, pb, fb).1, fa, step);
     close(
         &got.torque_a(),
         &torque_a,
@@ -95,11 +104,40 @@ fn wrench_is_minus_the_gradient_of_the_energy() {
             let (fa, fb) = overlapping(&mut stream, &shape, &shape);
             if let Some(got) = kernel.evaluate(&shape, &fa, &shape, &fb, &mut scratch) {
                 checked += 1;
-                check_pair(&name, &polyhedron, &shape, &fa, &fb, &got);
+                let both = [&polyhedron; 2];
+                check_pair(&name, both, &shape, [&fa, &fb], 3e-4, &got);
             }
         }
     }
     assert!(checked > 60, "only {checked} overlapping pairs");
+}
+
+/// Two different solids of different size: neither field may be taken for the other.
+#[test]
+fn fields_of_unlike_bodies_are_not_mixed_up() {
+    let kernel = PairKernel::new(PENALTY).unwrap();
+    let mut scratch = Scratch::default();
+    let mut stream = Stream(8);
+    let all = solids();
+    let mut checked = 0;
+    for (i, (name, polyhedron, shape)) in all.iter().enumerate() {
+        for (other, size) in [(i + 1, 0.5), (i + 7, 1.6)] {
+            let catalogue: CatalogueShape = all[other % all.len()].0.parse().unwrap();
+            let second = catalogue.polyhedron(size).unwrap();
+            let b = ConvexShape::new(&second).unwrap();
+            for _ in 0..2 {
+                let (fa, fb) = overlapping(&mut stream, shape, &b);
+                if let Some(got) = kernel.evaluate(shape, &fa, &b, &fb, &mut scratch) {
+                    checked += 1;
+                    let name = format!("{name} and {catalogue}");
+                    let both = [polyhedron, &second];
+                    let step = 3e-4 * size.min(1.0);
+                    check_pair(&name, both, shape, [&fa, &fb], step, &got);
+                }
+            }
+        }
+    }
+    assert!(checked > 40, "only {checked} overlapping pairs");
 }
 
 /// The culled kernel with a cache that lives through many small motions finds the same

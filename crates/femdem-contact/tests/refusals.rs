@@ -3,12 +3,12 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use femdem_contact::{
-    ContactBatch, ContactError, ContactLaw, ContactParameters, ConvexShape, Frame, Motion,
-    PairKernel, Wall, WallPlane,
+    BodyShape, ContactBatch, ContactError, ContactLaw, ContactParameters, ConvexShape, Field,
+    FieldMesh, Frame, Motion, PairKernel, Wall, WallPlane,
 };
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::Vector3;
-use femdem_mesh::{Point3, Polyhedron};
+use femdem_mesh::{Point3, Polyhedron, TetMesh};
 use std::sync::Arc;
 
 /// A prism over a polygon in the xy plane, counter-clockwise, from z = 0 to `height`.
@@ -201,4 +201,42 @@ fn a_batch_refuses_what_does_not_fit_it() {
             .to_string()
             .contains("shape 0")
     );
+}
+
+/// A batch that was read takes its own shapes and no others.
+#[test]
+fn a_batch_that_was_read_wants_its_own_shapes() {
+    let cube = "P5".parse::<CatalogueShape>().unwrap();
+    let convex = ConvexShape::new(&cube.polyhedron(1.0).unwrap()).unwrap();
+    let convex = BodyShape::from(convex);
+    let mesh = TetMesh::block([1, 1, 1], &Vector3::repeat(1.0)).unwrap();
+    let mesh = FieldMesh::new(&mesh, Vector3::repeat(0.5), Field::Body).unwrap();
+    let mesh = BodyShape::from(mesh);
+    let law = ContactLaw::new(ContactParameters::default()).unwrap();
+    let mut batch = ContactBatch::new(law);
+    for k in 0..3 {
+        batch.add_shape(convex.clone());
+        batch.add_body(k).unwrap();
+    }
+    let motions = [0.0, 0.57, 2.5].map(|x| {
+        let mut motion = Motion::fixed(Frame::identity());
+        motion.frame.position.x = x;
+        motion
+    });
+    batch.update(&motions, &[], 1e-4).unwrap();
+    assert_eq!(batch.contacts().len(), 1);
+    let config = bincode::config::standard();
+    let bytes = bincode::serde::encode_to_vec(&batch, config).unwrap();
+    let read = || -> ContactBatch { bincode::serde::decode_from_slice(&bytes, config).unwrap().0 };
+
+    let mut again = read();
+    again.add_shape(convex.clone());
+    let error = again.update(&motions, &[], 1e-4).unwrap_err();
+    assert!(matches!(error, ContactError::NoSuch { what: "shape", .. }));
+    let shapes = |last: &BodyShape| vec![convex.clone(), convex.clone(), last.clone()];
+    let error = again.restore_shapes(shapes(&mesh)).unwrap_err();
+    assert!(error.to_string().contains("shape of body 2"), "{error}");
+    again.restore_shapes(shapes(&convex)).unwrap();
+    again.update(&motions, &[], 1e-4).unwrap();
+    assert_eq!(again.contacts().len(), 1);
 }

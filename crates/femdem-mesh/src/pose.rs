@@ -1,9 +1,9 @@
 //! Poses that callers hand in.
 
-use crate::{Pose, Rotation};
+use crate::{MeshError, Pose, Rotation};
 
 /// Largest amount by which the length of a quaternion may differ from 1.
-pub(crate) const QUATERNION_TOLERANCE: f64 = 1e-6;
+const QUATERNION_TOLERANCE: f64 = 1e-6;
 
 /// Squared lengths this near to 1 are those of unit quaternions to rounding.
 const EXACT: f64 = 1e-14;
@@ -38,4 +38,19 @@ pub fn unit_pose(pose: &Pose) -> Option<Pose> {
     }
     let rotation = Rotation::new_normalize(*pose.rotation.quaternion());
     Some(Pose::from_parts(pose.translation, rotation))
+}
+
+/// The same, refusing a rotation that is none. A translation that is not finite stays, for a check of what it moves.
+pub(crate) fn checked_pose(pose: &Pose) -> Result<Pose, MeshError> {
+    let length = pose.rotation.coords.norm();
+    // Written so that NaN fails it too.
+    let is_unit = (length - 1.0).abs() <= QUATERNION_TOLERANCE;
+    if !is_unit {
+        return Err(MeshError::OutOfRange {
+            what: "the length of a pose's quaternion",
+            value: length,
+            allowed: "1 to 1e-6",
+        });
+    }
+    Ok(unit_pose(pose).unwrap_or(*pose))
 }

@@ -68,7 +68,7 @@ fn bodies_are_written_as_they_are_whatever_the_length_of_the_quaternion() {
         let mut file = Vec::new();
         io::obj::write_posed([(&body, &pose(length))], &mut file).unwrap();
         let read = io::obj::read(&file[..]).unwrap();
-        let moved = body.transformed(&pose(length));
+        let moved = body.transformed(&pose(length)).unwrap();
         for found in [read, moved] {
             let error = found.mass_properties().volume / volume - 1.0;
             assert!(error.abs() < 1e-13, "{length}: {error:e}");

@@ -108,6 +108,7 @@ fn turned(body: &Polyhedron, i: u32) -> Polyhedron {
         Translation3::from(Vector3::new(0.1, -0.2, 0.3) * f64::from(i)),
         Rotation::from_euler_angles(a, b, c),
     ))
+    .unwrap()
 }
 
 struct Case {

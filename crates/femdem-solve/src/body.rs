@@ -64,7 +64,7 @@ impl Shape {
     pub(crate) fn contact(&self) -> Result<BodyShape, SolveError> {
         let to_principal = self.principal.inverse();
         let Some((mesh, field)) = &self.mesh else {
-            let posed = self.polyhedron.transformed(&to_principal);
+            let posed = self.polyhedron.transformed(&to_principal)?;
             return Ok(ConvexShape::new(&posed)?.into());
         };
         let points = mesh.points().iter().map(|x| to_principal * x).collect();
@@ -179,11 +179,22 @@ impl Body {
         ] {
             check(name, v.norm(), true, "finite in every component")?;
         }
+        let mass = shape.polyhedron.mass_properties().volume * spec.density;
         let moments = shape.moments * spec.density;
+        for (name, value, allowed) in [
+            ("mass of the body", mass, "positive and finite, in kg"),
+            (
+                "least moment of inertia of the body",
+                moments.min(),
+                "positive and finite, in kg m^2",
+            ),
+        ] {
+            check(name, value, value > 0.0, allowed)?;
+        }
         let body_rate = place.rotation.inverse() * spec.angular_velocity;
         Ok(Self {
             shape: spec.shape,
-            mass: shape.polyhedron.mass_properties().volume * spec.density,
+            mass,
             moments,
             position,
             orientation: place.rotation,

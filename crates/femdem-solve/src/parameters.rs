@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Everything a world needs to know besides its bodies and walls.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct WorldParameters {
     /// Acceleration of gravity, m/s^2.
     pub gravity: Vector3,
@@ -35,7 +35,7 @@ impl Default for WorldParameters {
 
 /// How the step is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct TimeStepParameters {
     /// Fraction of the stability bound that is used, above 0 and at most 1.
     pub safety: f64,
@@ -145,7 +145,7 @@ impl Default for TimeStepParameters {
 /// Its load scale W is the larger of its weight and half the sum of its normal forces.
 /// Nothing sleeps while a wall, a body or nodes move as prescribed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct SleepParameters {
     /// Whether bodies may sleep at all.
     pub enabled: bool,
@@ -195,7 +195,7 @@ impl Default for SleepParameters {
 
 /// Damping by what surrounds the bodies; off by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Medium {
     /// Drag rate a, 1/s: force -a m v and moment -a I omega, integrated exactly.
     pub drag: f64,

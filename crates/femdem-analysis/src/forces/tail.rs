@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bootstrap::SplitMix64;
+use crate::bootstrap::{MOST_DRAWS, SplitMix64, check_draws};
 use crate::error::AnalysisError;
 use crate::ordered::ordered_map;
 
@@ -39,7 +39,7 @@ pub struct TailOptions {
     /// nearest to the sample (least Kolmogorov-Smirnov distance, Clauset, Shalizi and Newman 2009), among
     /// 60 quantiles of the upper nine tenths.
     pub start: Option<f64>,
-    /// Bootstrap draws for the interval, 20 or more. Default 1000.
+    /// Bootstrap draws for the interval, 20 to 1e6. Default 1000.
     pub resamples: u32,
     /// Confidence of the interval, above 0 and below 1. Default 0.95.
     pub confidence: f64,
@@ -332,9 +332,7 @@ impl TailOptions {
         {
             return refuse("start", start, "above zero and finite");
         }
-        if self.resamples < 20 {
-            return refuse("resamples", f64::from(self.resamples), "20 or more");
-        }
+        check_draws("resamples", self.resamples, 20..=MOST_DRAWS, "20 to 1e6")?;
         // Written so that NaN fails it too.
         let inside = self.confidence > 0.0 && self.confidence < 1.0;
         if !inside {

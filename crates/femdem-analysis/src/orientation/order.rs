@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::quartic::{Moments, p4};
 use super::{BodyAxes, axes_of_shapes, selected};
 use crate::blocks::Blocks;
-use crate::bootstrap::{BlockBootstrap, SplitMix64};
+use crate::bootstrap::{BlockBootstrap, MOST_DRAWS, SplitMix64, check_draws};
 use crate::bounds::Bounds;
 use crate::error::AnalysisError;
 use crate::fabric::Fabric;
@@ -103,13 +103,12 @@ pub fn orientation_order(
     options: &OrientationOptions,
 ) -> Result<OrientationOrder, AnalysisError> {
     options.bootstrap.validate()?;
-    if options.random_packs < 2 {
-        return Err(AnalysisError::Option {
-            name: "random_packs",
-            value: f64::from(options.random_packs),
-            allowed: "2 or more",
-        });
-    }
+    check_draws(
+        "random_packs",
+        options.random_packs,
+        2..=MOST_DRAWS,
+        "2 to 1e6",
+    )?;
     let diameter = pack.mean_diameter()?;
     let of_shapes = axes_of_shapes(pack, axes)?;
     let of_body = |body: u32| of_shapes[pack.bodies()[body as usize].shape as usize].as_slice();

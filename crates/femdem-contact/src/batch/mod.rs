@@ -10,6 +10,7 @@ mod layout;
 mod pairs;
 mod search;
 mod stable;
+mod stored;
 
 use crate::broadphase::Broadphase;
 use crate::contact::{BodyId, Contact, Load, Partner};
@@ -59,6 +60,9 @@ pub struct ContactBatch {
     law: ContactLaw,
     #[serde(skip)]
     shapes: Vec<BodyShape>,
+    /// Whether the shapes are those of the bodies: not in a batch that was read and has not got them back.
+    #[serde(skip)]
+    restored: bool,
     /// Fans of the convex shapes; empty as long as there is no mesh.
     #[serde(skip)]
     fans: Vec<Option<Arc<FieldMesh>>>,
@@ -81,6 +85,7 @@ impl ContactBatch {
         Self {
             law,
             shapes: Vec::new(),
+            restored: true,
             fans: Vec::new(),
             body_shapes: Vec::new(),
             walls: Vec::new(),
@@ -153,20 +158,12 @@ impl ContactBatch {
     /// Gives a batch that was read from a file its shapes back, in the order of addition.
     ///
     /// # Errors
-    /// [`ContactError::NoSuch`] if a body refers to a shape that is not there.
+    /// [`ContactError::NoSuch`] if a body refers to a shape that is not there, [`ContactError::Stored`] if the shape is
+    /// of another kind, convex or a mesh, than it was, or if what was read is not consistent.
     pub fn restore_shapes(&mut self, shapes: Vec<BodyShape>) -> Result<(), ContactError> {
-        if let Some(&bad) = self
-            .body_shapes
-            .iter()
-            .find(|&&s| s as usize >= shapes.len())
-        {
-            return Err(ContactError::NoSuch {
-                what: "shape",
-                index: bad as usize,
-                count: shapes.len(),
-            });
-        }
+        stored::check(self, &shapes)?;
         self.shapes = shapes;
+        self.restored = true;
         self.fans.clear();
         Ok(())
     }
@@ -353,10 +350,10 @@ impl ContactBatch {
                 why: "its motion is not finite".to_owned(),
             });
         }
-        if self.shapes.is_empty() && !self.body_shapes.is_empty() {
+        if !self.restored && !self.body_shapes.is_empty() {
             return Err(ContactError::NoSuch {
                 what: "shape",
-                index: 0,
+                index: self.body_shapes[0] as usize,
                 count: 0,
             });
         }

@@ -142,6 +142,43 @@ impl PairTable {
         list.get(index as usize).copied().unwrap_or(false)
     }
 
+    /// Whether a body is a mesh, if it is there.
+    pub fn is_mesh_body(&self, body: usize) -> Option<bool> {
+        self.mesh_bodies.get(body).copied()
+    }
+
+    /// Number of walls.
+    pub fn wall_count(&self) -> usize {
+        self.mesh_walls.len()
+    }
+
+    /// Whether one of the two is a mesh.
+    pub fn meets_mesh(&self, pair: &Pair) -> bool {
+        let code = match pair.a {
+            Partner::Body(a) => a,
+            Partner::Wall(w) => WALL | w,
+        };
+        self.is_mesh(code) || self.is_mesh(pair.b)
+    }
+
+    /// Whether all slots in the lists are there.
+    pub fn indices_fit(&self) -> bool {
+        let mut slots = self.free.iter().chain(&self.order);
+        slots.all(|&slot| (slot as usize) < self.slots.len())
+    }
+
+    /// Whether a neighbour's slot holds its pair with `body`.
+    pub fn is_pair_of(&self, body: BodyId, neighbour: &Neighbour) -> bool {
+        let code = neighbour.code;
+        let wanted = if code >= WALL {
+            (Partner::Wall(code & !WALL), body)
+        } else {
+            (Partner::Body(body.min(code)), body.max(code))
+        };
+        let pair = self.slots.get(neighbour.slot as usize);
+        pair.is_some_and(|pair| (pair.a, pair.b) == wanted && body != code)
+    }
+
     pub fn mark_changed(&mut self) {
         self.changed = true;
     }

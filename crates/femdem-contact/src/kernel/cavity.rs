@@ -10,7 +10,7 @@ use super::clip::{Cut, Line, Point};
 use super::field::PlaneField;
 use super::overlap::{MEAN_OVER_RMS, Overlap};
 use super::pair::Scratch;
-use super::plan::{MOST_PLANES, Margins, Place, PlanScratch, Reach};
+use super::plan::{MOST_PLANES, Margins, Place, PlanScratch, Reach, below};
 use super::polygon::TooMany;
 use super::side::{FieldPlane, SideScratch, SideSums, cut_by_field};
 use crate::error::{ContactError, check_pressure};
@@ -359,6 +359,16 @@ fn square(size: f64) -> [Point; 4] {
 }
 
 impl CavityCache {
+    /// Whether the planes and facets that it names are those of a wall and a body.
+    pub(crate) fn fits(&self, wall: &Wall, body: &ConvexShape) -> bool {
+        self.near.as_deref().is_none_or(|near| {
+            let planes = wall.planes().len();
+            near.planes.iter().all(|p| usize::from(p.plane) < planes)
+                && below(&near.body.planes, body.planes.len())
+                && below(&near.body.facets, body.facets.len())
+        })
+    }
+
     /// Whether `motion` still lies within what the cache allows without a look at the pair.
     pub fn is_clear(&self, motion: f64) -> bool {
         self.near.is_none() && motion < self.until

@@ -279,6 +279,12 @@ impl Pose {
 }
 
 impl PairCache {
+    /// Whether the planes and facets that it names are those of two bodies.
+    pub(crate) fn fits(&self, a: &ConvexShape, b: &ConvexShape) -> bool {
+        let near = self.near.as_deref();
+        near.is_none_or(|near| near.on_b.fits(a, b) && near.on_a.fits(b, a))
+    }
+
     /// Whether the pair was close enough for contact when the cache was last renewed.
     pub fn is_near(&self) -> bool {
         self.near.is_some()

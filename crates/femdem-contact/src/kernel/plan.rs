@@ -91,7 +91,19 @@ pub(crate) struct Margins {
     pub region: f64,
 }
 
+/// Whether all `indices` are below `count`.
+pub(super) fn below(indices: &[u16], count: usize) -> bool {
+    indices.iter().all(|&i| usize::from(i) < count)
+}
+
 impl SidePlan {
+    /// Whether the planes and facets that it names are there.
+    pub(super) fn fits(&self, field: &ConvexShape, skin: &ConvexShape) -> bool {
+        let count = skin.facets.len();
+        below(&self.planes, field.planes.len())
+            && self.facets.iter().all(|f| usize::from(f.facet) < count)
+    }
+
     /// The plan of `skin` (its facets, in its axes) in a field. `planes` are the candidates
     /// of the field body, `posed` the same in the skin's axes; so is `region`.
     pub(crate) fn new(

@@ -18,9 +18,9 @@ pub mod vtu;
 
 pub use crate::repair::{FacetList, Options, Orient, Report};
 
-use crate::pose::QUATERNION_TOLERANCE;
+use crate::pose::checked_pose;
 use crate::repair::{LOOSE_WELD, close};
-use crate::{MeshError, Point3, Polyhedron, Pose, unit_pose};
+use crate::{MeshError, Point3, Polyhedron, Pose};
 use std::fs::File;
 use std::io::{BufReader, Read, Write};
 use std::path::Path;
@@ -164,17 +164,7 @@ fn read_limited(reader: impl Read, allowed: u64) -> Result<Vec<u8>, MeshError> {
 /// World coordinates of a body's vertices; an error if a pose makes them anything but numbers, or is no
 /// rigid motion.
 fn posed_vertices(body: &Polyhedron, pose: &Pose) -> Result<Vec<Point3>, MeshError> {
-    let length = pose.rotation.coords.norm();
-    // Written so that NaN fails it too.
-    let is_unit = (length - 1.0).abs() <= QUATERNION_TOLERANCE;
-    if !is_unit {
-        return Err(MeshError::OutOfRange {
-            what: "the length of a pose's quaternion",
-            value: length,
-            allowed: "1 to 1e-6",
-        });
-    }
-    let pose = unit_pose(pose).unwrap_or(*pose);
+    let pose = checked_pose(pose)?;
     let vertices: Vec<Point3> = body.vertices().iter().map(|v| pose * v).collect();
     let bad = vertices
         .iter()

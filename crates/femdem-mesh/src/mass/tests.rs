@@ -130,7 +130,7 @@ fn principal_frame_of_an_aligned_or_isotropic_body_is_the_identity() {
         assert!((frame.moments - cuboid_moments(size).1).amax() < 1e-12);
     }
     let turned = Pose::rotation(Vector3::new(0.3, -0.7, 1.1));
-    let cube = cuboid([0.0; 3], [2.0; 3]).transformed(&turned);
+    let cube = cuboid([0.0; 3], [2.0; 3]).transformed(&turned).unwrap();
     assert_eq!(
         cube.mass_properties().principal().rotation,
         Rotation::identity()
@@ -153,7 +153,7 @@ proptest! {
         body in convex_polyhedra(),
         pose in poses(100.0),
     ) {
-        let moved = body.transformed(&pose);
+        let moved = body.transformed(&pose).unwrap();
         let (before, after) = (body.mass_properties(), moved.mass_properties());
         let r = pose.rotation.to_rotation_matrix().into_inner();
         prop_assert!((after.volume / before.volume - 1.0).abs() < 1e-11);
@@ -194,7 +194,7 @@ proptest! {
     #[test]
     fn principal_moments_of_a_turned_cuboid_are_found(rotation in rotations()) {
         let size = [3.0, 2.0, 1.0];
-        let body = cuboid([0.0; 3], size).transformed(&Pose::from_parts([7.0, 8.0, 9.0].into(), rotation));
+        let body = cuboid([0.0; 3], size).transformed(&Pose::from_parts([7.0, 8.0, 9.0].into(), rotation)).unwrap();
         let frame = body.mass_properties().principal();
         let mut found: Vec<f64> = frame.moments.iter().copied().collect();
         found.sort_by(f64::total_cmp);

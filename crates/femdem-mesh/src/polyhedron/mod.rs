@@ -6,7 +6,8 @@ mod topology;
 mod triangulate;
 
 use crate::bvh::{Aabb, Bvh};
-use crate::{MassProperties, MeshError, Point3, Pose, Vector3, merge, unit_pose};
+use crate::pose::checked_pose;
+use crate::{MassProperties, MeshError, Point3, Pose, Vector3, merge};
 pub(crate) use planes::Plane;
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
@@ -302,14 +303,22 @@ impl Polyhedron {
 
     /// The body after a rigid motion.
     ///
-    /// A quaternion whose length differs from 1 by up to 1e-6 is made of unit length
-    /// ([`unit_pose`]). Otherwise the pose is taken as it is: one that is not finite
-    /// or no rotation, or carries the body so far from the origin that its coordinates lose their digits,
-    /// gives a body that [`new`](Self::new) would refuse, or one of another form.
-    pub fn transformed(&self, pose: &Pose) -> Self {
-        let pose = unit_pose(pose).unwrap_or(*pose);
-        let vertices = self.vertices.iter().map(|v| pose * v).collect();
-        Self::from_valid(vertices, self.corners.clone(), self.starts.clone())
+    /// A quaternion whose length differs from 1 by up to 1e-6 is made of unit length ([`unit_pose`]).
+    ///
+    /// # Errors
+    ///
+    /// [`MeshError::OutOfRange`] for a pose that is not finite or no rotation, and
+    /// [`MeshError::TooFarFromOrigin`] for one that carries the body so far from the origin that its coordinates
+    /// lose their digits.
+    pub fn transformed(&self, pose: &Pose) -> Result<Self, MeshError> {
+        let pose = checked_pose(pose)?;
+        let vertices: Vec<Point3> = self.vertices.iter().map(|v| pose * v).collect();
+        check_coordinates(&vertices)?;
+        Ok(Self::from_valid(
+            vertices,
+            self.corners.clone(),
+            self.starts.clone(),
+        ))
     }
 
     /// The mirror image in the plane x = 0, with loops reversed so that faces still look outward.

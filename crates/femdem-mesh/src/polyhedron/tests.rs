@@ -289,7 +289,9 @@ fn faces_with_corners_on_their_sides_are_cut_into_triangles_with_area() {
     ];
     for (outline, k) in outlines.iter().flat_map(|o| (0..60).map(move |k| (o, k))) {
         let turn = Vector3::new(0.3, 0.1 * f64::from(k), 0.7);
-        let body = prism(outline).transformed(&Pose::new(Vector3::zeros(), turn));
+        let body = prism(outline)
+            .transformed(&Pose::new(Vector3::zeros(), turn))
+            .unwrap();
         let triangles = body.triangles();
         let least = triangles.iter().map(|&t| triangle_area(&body, t));
         let least = least.fold(f64::INFINITY, f64::min);
@@ -367,7 +369,7 @@ proptest! {
 
     #[test]
     fn planes_turn_with_the_body(body in convex_polyhedra(), pose in poses(10.0)) {
-        let moved = body.transformed(&pose);
+        let moved = body.transformed(&pose).unwrap();
         for i in 0..body.face_count() {
             let normal = pose.rotation * body.face_normal(i);
             prop_assert!((moved.face_normal(i) - normal).norm() < 1e-9);
@@ -411,7 +413,7 @@ proptest! {
         shape in catalogue_shapes(),
         pose in poses(5.0),
     ) {
-        let body = shape.polyhedron(1.0).unwrap().transformed(&pose);
+        let body = shape.polyhedron(1.0).unwrap().transformed(&pose).unwrap();
         let triangles = body.triangles().iter().map(|t| t.to_vec()).collect();
         let cut = Polyhedron::new(body.vertices().to_vec(), triangles).unwrap();
         let merged = cut.with_merged_faces();

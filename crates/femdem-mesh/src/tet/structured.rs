@@ -3,6 +3,9 @@
 use super::{TetMesh, oriented};
 use crate::{MeshError, Point3, Vector3};
 
+/// Most points and tetrahedra of a mesh; about 1 GB.
+const MOST: u64 = 20_000_000;
+
 /// The six paths along the edges of a cell from its first corner to the opposite one, as the two
 /// corners between; bit i of a corner is its place along axis i.
 const PATHS: [[u32; 2]; 6] = [[1, 3], [3, 2], [2, 6], [6, 4], [4, 5], [5, 1]];
@@ -140,15 +143,15 @@ fn at_least_one(what: &'static str, value: u32) -> Result<(), MeshError> {
     })
 }
 
-/// The product, if 32-bit indices can name as many.
+/// The product, if it is at most [`MOST`].
 fn checked_product(factors: &[u64]) -> Result<usize, MeshError> {
     let product = factors.iter().fold(1_u64, |p, &f| p.saturating_mul(f));
-    if product <= u64::from(u32::MAX) {
+    if product <= MOST {
         return Ok(product as usize);
     }
     Err(MeshError::TooMany {
         what: "points or tetrahedra",
         count: usize::try_from(product).unwrap_or(usize::MAX),
-        allowed: u32::MAX as usize,
+        allowed: MOST as usize,
     })
 }

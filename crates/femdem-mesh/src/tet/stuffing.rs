@@ -386,7 +386,7 @@ mod tests {
             pose in poses(1.0),
             length in 0.15..0.4,
         ) {
-            let solid = solid.transformed(&pose);
+            let solid = solid.transformed(&pose).unwrap();
             let lattice = Lattice::around(&solid, length);
             let Stuffed { points, tets } = stuff(&Body::new(&solid), &lattice, length);
             let corners = |tet: &[u32; 4]| tet.map(|i| points[i as usize]);

@@ -152,7 +152,7 @@ fn bodies_that_are_not_convex_have_no_centroid_fan() {
 proptest! {
     #[test]
     fn fans_fill_convex_bodies(body in convex_polyhedra(), pose in poses(1.0)) {
-        let body = body.transformed(&pose);
+        let body = body.transformed(&pose).unwrap();
         let volume = body.mass_properties().volume;
         let centroid = TetMesh::centroid_fan(&body).unwrap();
         let star = TetMesh::star_fan(&body).unwrap();

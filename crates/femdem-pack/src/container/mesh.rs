@@ -71,7 +71,7 @@ impl MeshContainer {
             surface.transformed(&Pose::from_parts(
                 Translation3::from(-foot),
                 UnitQuaternion::identity(),
-            ))
+            ))?
         };
         let opening = opening(&placed);
         check(
@@ -198,7 +198,9 @@ mod tests {
             facets: 24,
         };
         let surface = hopper.mesh().unwrap().surface().unwrap();
-        surface.transformed(&Pose::translation(3.0, -2.0, 1.0))
+        surface
+            .transformed(&Pose::translation(3.0, -2.0, 1.0))
+            .unwrap()
     }
 
     #[test]

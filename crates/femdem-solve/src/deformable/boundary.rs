@@ -2,10 +2,11 @@
 
 use super::loads::{Load, LoadKind};
 use super::{Curve, DeformableModel, NodeSets, Selection};
+use crate::body::checked_pose;
 use crate::drive::Drive;
 use crate::error::{SolveError, check};
 use femdem_mesh::nalgebra::Translation3;
-use femdem_mesh::{Pose, Rotation, Vector3, unit_pose};
+use femdem_mesh::{Pose, Rotation, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Boundary conditions of one body.
@@ -283,14 +284,17 @@ impl Boundary {
 
     /// The same with the places that motions count from moved by a pose. Directions stay: components
     /// are those of the world.
-    #[must_use]
-    pub fn posed(&self, pose: &Pose) -> Self {
-        let pose = unit_pose(pose).unwrap_or(*pose);
+    ///
+    /// # Errors
+    ///
+    /// For a pose that is not finite or no rotation.
+    pub fn posed(&self, pose: &Pose) -> Result<Self, SolveError> {
+        let pose = checked_pose(pose)?;
         let mut posed = self.clone();
         for hold in &mut posed.holds {
             hold.place = pose.rotation * hold.place + pose.translation.vector;
         }
-        posed
+        Ok(posed)
     }
 
     /// The same with motions counted from time `t` (s): what is driven is then at the places that it was given, and
@@ -372,7 +376,8 @@ impl Boundary {
     ///
     /// # Errors
     ///
-    /// If `x` or `forces` has another length than the model's nodes.
+    /// If `x` or `forces` has another length than the model's nodes, or the conditions are on nodes that the model has
+    /// not.
     pub fn add_forces(
         &self,
         model: &DeformableModel,
@@ -380,6 +385,7 @@ impl Boundary {
         x: &[Vector3],
         forces: &mut [Vector3],
     ) -> Result<(), SolveError> {
+        self.check(model)?;
         let count = model.nodes().len();
         for (name, length) in [("length of x", x.len()), ("length of forces", forces.len())] {
             check(name, length as f64, length == count, "the number of nodes")?;

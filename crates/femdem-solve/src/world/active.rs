@@ -163,7 +163,11 @@ impl World {
                     && self.is_balanced(i, &load, rule.tolerance));
             let body = &mut self.bodies[i];
             body.means.contacts = load.contacts;
-            body.quiet_steps = if quiet { body.quiet_steps + 1 } else { 0 };
+            body.quiet_steps = if quiet {
+                body.quiet_steps.saturating_add(1)
+            } else {
+                0
+            };
         }
     }
 

@@ -280,8 +280,10 @@ impl World {
     /// Rebuilds what is not stored, after a world was read as part of something larger.
     ///
     /// # Errors
-    /// [`SolveError::Contact`] if a stored shape is no longer accepted.
+    /// [`SolveError::Encoding`] if its parts do not fit together, [`SolveError::Parameter`] for a drive out of range,
+    /// [`SolveError::Contact`] if a stored shape is no longer accepted or the stored contacts do not fit.
     pub fn restore(&mut self) -> Result<(), SolveError> {
+        self.check_stored()?;
         let shapes = self
             .shapes
             .iter()

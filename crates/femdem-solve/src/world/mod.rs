@@ -10,6 +10,7 @@ mod query;
 mod relax;
 mod stability;
 mod step;
+mod stored;
 mod time_step;
 
 use crate::body::{Body, Shape};
@@ -54,7 +55,7 @@ pub struct World {
     awake: Vec<u32>,
     time: f64,
     steps: u64,
-    /// Steps since the last change of the step size or of the bodies' count.
+    /// The size of the steps, and when it may grow.
     step_control: time_step::StepControl,
     /// Whether the loads belong to the present positions.
     loaded: bool,

@@ -48,11 +48,12 @@ impl<'a> Values<'a> {
     }
 
     /// Goes on behind the next place where `mark` stands at the start of a line; whether there is
-    /// one.
+    /// one. Linear in the length of the file: the mark is only compared at the starts of lines, and it holds no line
+    /// end.
     pub(super) fn pass(&mut self, mark: &[u8]) -> bool {
         let starts_line = |at: usize| at == 0 || self.rest[at - 1] == b'\n';
         let mut places = self.rest.windows(mark.len()).enumerate();
-        let found = places.find(|(at, bytes)| *bytes == mark && starts_line(*at));
+        let found = places.find(|(at, bytes)| starts_line(*at) && *bytes == mark);
         match found {
             None => false,
             Some((at, _)) => {

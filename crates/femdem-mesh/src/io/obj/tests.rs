@@ -133,9 +133,9 @@ proptest! {
         let both = parse(&text);
         prop_assert!(matches!(both, Err(MeshError::Disconnected { components: 2 })), "{:?}", both);
         let (one, other) = text.split_once("o body_1\n").unwrap();
-        prop_assert_eq!(parse(one).unwrap(), body.transformed(&first));
+        prop_assert_eq!(parse(one).unwrap(), body.transformed(&first).unwrap());
         let vertices: String = one.lines().filter(|l| l.starts_with('v')).map(|l| format!("{l}\n")).collect();
-        prop_assert_eq!(parse(&(vertices + other)).unwrap(), body.transformed(&second));
+        prop_assert_eq!(parse(&(vertices + other)).unwrap(), body.transformed(&second).unwrap());
     }
 
     #[test]

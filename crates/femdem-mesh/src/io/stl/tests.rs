@@ -179,7 +179,7 @@ fn many_bodies_are_one_file() {
 proptest! {
     #[test]
     fn single_precision_keeps_the_faces(shape in catalogue_shapes(), pose in poses(1.0)) {
-        let body = shape.polyhedron(1.0).unwrap().transformed(&pose);
+        let body = shape.polyhedron(1.0).unwrap().transformed(&pose).unwrap();
         let read = parse(&binary(&body)).unwrap();
         prop_assert_eq!(read.vertices().len(), body.vertices().len());
         prop_assert_eq!(read.face_count(), body.face_count());

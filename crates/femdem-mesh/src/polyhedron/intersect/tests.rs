@@ -154,7 +154,8 @@ fn needless_vertices_on_edges_are_no_contact() {
         let pose = crate::Pose::rotation(Vector3::new(turned, 2.0 * turned, turned));
         let body = Polyhedron::new(vertices.clone(), faces.clone())
             .unwrap()
-            .transformed(&pose);
+            .transformed(&pose)
+            .unwrap();
         assert_eq!(body.self_intersections(9), [[0_usize; 2]; 0]);
     }
 }
@@ -166,7 +167,7 @@ proptest! {
         let triangles = body.triangles().iter().map(|t| t.to_vec()).collect();
         let triangles = Polyhedron::new(body.vertices().to_vec(), triangles).unwrap();
         prop_assert!(triangles.self_intersections(1).is_empty());
-        let moved = triangles.transformed(&pose);
+        let moved = triangles.transformed(&pose).unwrap();
         // Coplanar triangles may be folded by rounding, never by more.
         for [i, j] in moved.self_intersections(9) {
             prop_assert!(moved.face_normal(i).dot(&moved.face_normal(j)).abs() > 1.0 - 1e-9);

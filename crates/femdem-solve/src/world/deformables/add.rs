@@ -6,6 +6,7 @@ use crate::deformable::{Boundary, DeformableModel, NodalBound};
 use crate::error::{SolveError, check};
 use crate::material::{Deformation, Material};
 use crate::world::World;
+use crate::world::stored::inconsistent;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, DeformablePartner};
 use femdem_contact::{BodyShape, ContactBatch, ContactLaw, Field, Form};
@@ -156,7 +157,7 @@ impl State {
         let centre = centroid(&positions, model.masses());
         let velocity = |x: &Vector3| spec.velocity + spec.angular_velocity.cross(&(x - centre));
         let mut velocities: Vec<Vector3> = positions.iter().map(velocity).collect();
-        let boundary = spec.boundary.posed(&pose).counted_from(time);
+        let boundary = spec.boundary.posed(&pose)?.counted_from(time);
         boundary.check(model)?;
         boundary.for_held(time, |a, i, _, velocity| velocities[a][i] = velocity);
         Ok(Self {
@@ -259,6 +260,40 @@ impl Deformables {
             wall_loads: Vec::new(),
             bound: None,
         })
+    }
+
+    /// Refuses what does not fit together.
+    pub(in crate::world) fn check_stored(&self) -> Result<(), SolveError> {
+        let (found, expected) = (self.bodies.len(), self.batch.len());
+        if found != expected {
+            return Err(inconsistent(format!(
+                "it has {found} deformable bodies where {expected} are right"
+            )));
+        }
+        for (index, body) in self.bodies.iter().enumerate() {
+            let count = self.models.len();
+            let Some(model) = self.models.get(body.model as usize) else {
+                return Err(inconsistent(format!(
+                    "deformable body {index} has model {}, but there are {count}",
+                    body.model
+                )));
+            };
+            let nodes = model.model.nodes().len();
+            let lengths = [
+                body.positions.len(),
+                body.velocities.len(),
+                body.inverse_masses.len(),
+                body.strain_forces.len(),
+                body.loads.len(),
+            ];
+            if lengths.iter().any(|length| *length != nodes) {
+                return Err(inconsistent(format!(
+                    "deformable body {index} has {nodes} nodes, but not as many of all that belongs to them"
+                )));
+            }
+            body.boundary.check(&model.model)?;
+        }
+        Ok(())
     }
 
     /// Rebuilds what is not stored.

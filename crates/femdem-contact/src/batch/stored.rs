@@ -1,0 +1,86 @@
+//! Whether a batch that was read hangs together.
+//!
+//! Lengths and indices are checked, not the numbers behind them: a checksum of the file tells those that were damaged.
+
+use super::ContactBatch;
+use super::pairs::{Cache, Pair};
+use crate::contact::Partner;
+use crate::error::ContactError;
+use crate::shape::BodyShape;
+use crate::walls::WallShape;
+
+/// Refuses a batch whose parts do not fit together, or `shapes` that are not those of its bodies.
+pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), ContactError> {
+    for (body, &shape) in batch.body_shapes.iter().enumerate() {
+        let Some(kind) = shapes.get(shape as usize) else {
+            return Err(ContactError::NoSuch {
+                what: "shape",
+                index: shape as usize,
+                count: shapes.len(),
+            });
+        };
+        if batch.pairs.is_mesh_body(body) != Some(kind.is_mesh()) {
+            return Err(ContactError::Stored {
+                what: format!("the kind, convex or mesh, of the shape of body {body}"),
+            });
+        }
+    }
+    let (bodies, walls) = (batch.body_shapes.len(), batch.walls.len());
+    let table = &batch.pairs;
+    let lengths = [
+        ("bodies awake or asleep", batch.awake.len(), bodies),
+        ("loads on bodies", batch.sums.loads.len(), bodies),
+        ("lists of neighbours", table.neighbours.len(), bodies),
+        ("loads on walls", batch.sums.walls.len(), walls),
+        ("searches of walls", batch.wall_expires.len(), walls),
+        ("kinds of walls", table.wall_count(), walls),
+    ];
+    for (what, found, expected) in lengths {
+        if found != expected {
+            return Err(ContactError::Stored {
+                what: format!("the number of {what}, {found} where {expected} are right,"),
+            });
+        }
+    }
+    let sound = batch.broadphase.fits(bodies)
+        && batch.awake_list.iter().all(|&i| (i as usize) < bodies)
+        && table.indices_fit()
+        && table
+            .neighbours
+            .iter()
+            .enumerate()
+            .all(|(body, list)| list.iter().all(|n| table.is_pair_of(body as u32, n)));
+    let fits = |pair: &Pair| {
+        let b_is_there = (pair.b as usize) < bodies;
+        let a_is_there = match pair.a {
+            Partner::Body(a) => (a as usize) < bodies,
+            Partner::Wall(a) => (a as usize) < walls,
+        };
+        let mesh = a_is_there && b_is_there && table.meets_mesh(pair);
+        let convex = |body: u32| {
+            let shape = *batch.body_shapes.get(body as usize)?;
+            shapes.get(shape as usize)?.convex()
+        };
+        let cached = match (&pair.cache, pair.a) {
+            (Cache::Mesh(_), _) => mesh,
+            (Cache::Body(cache), Partner::Body(a)) => convex(a)
+                .zip(convex(pair.b))
+                .is_some_and(|(a, b)| cache.fits(a, b)),
+            (Cache::Wall(cache), Partner::Wall(wall)) => batch
+                .walls
+                .get(wall as usize)
+                .and_then(WallShape::planes)
+                .zip(convex(pair.b))
+                .is_some_and(|(wall, body)| cache.fits(wall, body)),
+            _ => false,
+        };
+        let own = pair.contacts().all(|c| (c.a, c.b) == (pair.a, pair.b));
+        a_is_there && b_is_there && cached && own
+    };
+    if sound && table.slots.iter().all(fits) {
+        return Ok(());
+    }
+    Err(ContactError::Stored {
+        what: "the table of pairs".to_owned(),
+    })
+}

@@ -1,0 +1,52 @@
+//! Whether a world that was read hangs together.
+//!
+//! Lengths, indices and drives are checked, not every number: the checksum of a file tells those that were damaged.
+
+use super::World;
+use crate::error::SolveError;
+
+impl World {
+    /// Refuses a world whose parts do not fit together. The batches check themselves as they get their shapes back.
+    pub(super) fn check_stored(&self) -> Result<(), SolveError> {
+        let (bodies, walls) = (self.batch.len(), self.batch.walls().len());
+        for (what, found, expected) in [
+            ("bodies", self.bodies.len(), bodies),
+            ("motions of bodies", self.motions.len(), bodies),
+            ("drives of walls", self.wall_drives.len(), walls),
+            ("motions of walls", self.wall_motions.len(), walls),
+        ] {
+            if found != expected {
+                return Err(inconsistent(format!(
+                    "it has {found} {what} where {expected} are right"
+                )));
+            }
+        }
+        let shapes = self.shapes.len();
+        if let Some(body) = self.bodies.iter().position(|b| b.shape as usize >= shapes) {
+            return Err(inconsistent(format!(
+                "body {body} has shape {}, but there are {shapes}",
+                self.bodies[body].shape
+            )));
+        }
+        let ascending = self.awake.windows(2).all(|pair| pair[0] < pair[1]);
+        if !ascending || self.awake.last().is_some_and(|&i| i as usize >= bodies) {
+            return Err(inconsistent(
+                "its list of awake bodies is out of order".to_owned(),
+            ));
+        }
+        let of_bodies = self.bodies.iter().filter_map(|b| b.driven.as_deref());
+        for (drive, _) in of_bodies.chain(&self.wall_drives) {
+            drive.validate()?;
+        }
+        self.deformables
+            .as_ref()
+            .map_or(Ok(()), |d| d.check_stored())
+    }
+}
+
+pub(in crate::world) fn inconsistent(why: String) -> SolveError {
+    SolveError::Encoding {
+        action: "decoded",
+        why,
+    }
+}
