@@ -48,7 +48,7 @@
 //! - **Stiffness**: see [`Modulus`]. Walls have no field; they act as the body's mirror image,
 //!   U = 4 ∫ p_B φ_B dV, or as they meet rigid bodies, 2 ∫ p_B φ_B dV (min form: ∫ p_B φ_B dV for both):
 //!   see [`WallResponse`](crate::WallResponse). A rigid body has a field, and counts as any partner.
-//! - **Friction**: a spring for each triangle of B's skin in contact, with its own normal force
+//! - **Friction**: a spring for each triangle of the finer skin in contact, with its own normal force
 //!   (the pressure on it and on what lies in front of it), stiffness and bound. Its ends are points
 //!   of both materials; they move to where the pressure is when it slides. A triangle newly in
 //!   contact takes over the stretch of its neighbours, as far as there is energy left by springs

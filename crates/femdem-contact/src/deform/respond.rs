@@ -45,6 +45,14 @@ pub(crate) struct FrictionStart {
     pub torsion: f64,
 }
 
+impl FrictionStart {
+    /// The same if the two sides have changed places: the moment about the normal is the same seen from either.
+    pub fn seen_from(self, swapped: bool) -> Self {
+        let force = if swapped { -self.force } else { self.force };
+        Self { force, ..self }
+    }
+}
+
 /// What a contact does to a node.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct NodeLoad {
@@ -98,7 +106,22 @@ impl Outcome {
         self.bristles.clear();
     }
 
-    /// Takes over the sums in the scratch, which are used up.
+    /// Makes side A side B. The springs stay those of the side that they belong to.
+    pub fn swap_sides(&mut self) {
+        self.nodes.swap(0, 1);
+        self.turning_rates.swap(0, 1);
+        // Not the negative: what is 0 stays without a sign.
+        let opposite = |v: &mut Vector3| *v = Vector3::zeros() - *v;
+        opposite(&mut self.moment);
+        if let Some(contact) = &mut self.contact {
+            opposite(&mut contact.normal);
+            opposite(&mut contact.rocking);
+            opposite(&mut contact.friction);
+        }
+    }
+
+    /// Takes over the sums in the scratch, which are used up. Nodes, moment and contact are those of the sides of
+    /// `pair`.
     pub fn take(&mut self, pair: &Pair, scratch: &mut DeformableScratch) {
         let dashpot = pair.dashpot(scratch);
         let elastic = scratch.sums.wrench;

@@ -119,6 +119,9 @@ impl Outcome {
     }
 }
 
+/// A point with a lower weight at a corner of a tetrahedron is far outside of it.
+const FAR: f64 = -0.25;
+
 /// Triangles with less than this part of the mean stiffness for their force bear no friction.
 const SOFT: f64 = 1e-6;
 
@@ -162,13 +165,13 @@ impl Pair<'_> {
         scale: f64,
     ) -> Option<Touch<'s>> {
         let force = load.force.norm();
+        let point = load.moment / load.pressure;
+        let places = [0, 1].map(|side| self.host(side, load.hosts[side], &point, scratch));
         let host = |side: usize| {
-            let place = load.hosts[side];
-            let tet = *self.near.sides[side].tets.get(place as usize)?;
-            Some((tet, scratch.tets[side].known(place)?))
+            let tet = *self.near.sides[side].tets.get(places[side] as usize)?;
+            Some((tet, scratch.tets[side].known(places[side])?))
         };
         let hosts = [host(0)?, host(1)?];
-        let point = load.moment / load.pressure;
         let weights = hosts.map(|(_, current)| current.weights(&point));
         let (va, of_a) = self.motion_at(0, hosts[0].0, &weights[0], &point);
         let (vb, of_b) = self.motion_at(1, hosts[1].0, &weights[1], &point);
@@ -181,10 +184,32 @@ impl Pair<'_> {
             mobilities: [of_a, of_b],
             period: f64::INFINITY,
             hosts,
-            places: load.hosts,
+            places,
             weights,
             origin: self.near.origin,
         })
+    }
+
+    /// The tetrahedron (place on the list) to hold a point of a side: `usual`, unless the point lies far outside. A
+    /// triangle of B may reach over many tetrahedra of A, and the one that bears the largest part need not be near the
+    /// centre of pressure.
+    fn host(&self, side: usize, usual: u32, point: &Vector3, scratch: &DeformableScratch) -> u32 {
+        let lowest = |place: u32| {
+            let tet = scratch.tets[side].known(place)?;
+            let weights = tet.weights(point).into_iter();
+            Some(weights.fold(f64::INFINITY, f64::min))
+        };
+        let mut best = (usual, lowest(usual).unwrap_or(f64::NEG_INFINITY));
+        if best.1 < FAR {
+            for place in 0..self.near.sides[side].tets.len() as u32 {
+                if let Some(weight) = lowest(place)
+                    && weight > best.1
+                {
+                    best = (place, weight);
+                }
+            }
+        }
+        best.0
     }
 
     /// Velocity of a point of one side, and how easily it moves.

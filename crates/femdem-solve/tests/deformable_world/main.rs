@@ -12,7 +12,7 @@ use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Select
 use femdem_solve::element::Element;
 use femdem_solve::material::NeoHookean;
 use femdem_solve::{
-    BodySpec, ContactStiffness, DeformableSpec, Drive, Medium, World, WorldParameters,
+    BodySpec, ContactStiffness, DeformableId, DeformableSpec, Drive, Medium, World, WorldParameters,
 };
 
 /// A block of `cells` with the given sides, centred at the origin of its own coordinates.
@@ -186,16 +186,28 @@ enum Slope {
     Wall,
     Rigid,
     Deformable,
+    /// The same with elements six times as large as the block's, added after it.
+    CoarseAndLater,
 }
 
-/// A deformable block at rest on a slope of angle `t` (gravity is turned instead).
-fn on_a_slope(slope: Slope, mu: f64, t: f64) -> World {
+/// A deformable block at rest on a slope of angle `t` (gravity is turned instead), and the block.
+fn on_a_slope(slope: Slope, mu: f64, t: f64) -> (World, DeformableId) {
     let mut p = smooth(0.9);
     p.gravity = 9.81 * Vector3::new(t.sin(), 0.0, -t.cos());
     p.contact.friction = mu;
     p.contact.damping_ratio = 0.3;
     let mut world = World::new(p).unwrap();
     let slab = [0.6, 0.2, 0.05];
+    let add_block = |world: &mut World| {
+        let model = block([3, 3, 2], [0.1, 0.1, 0.06], Element::T4, 1e6);
+        let stiffness = ContactStiffness::default();
+        let model = world.add_model("block", model, stiffness).unwrap();
+        let pose = Pose::translation(-0.05, 0.003, 0.03 - 1e-5);
+        world
+            .add_deformable(DeformableSpec::at_rest(model, pose))
+            .unwrap()
+    };
+    let before = (slope == Slope::CoarseAndLater).then(|| add_block(&mut world));
     match slope {
         Slope::Wall => {
             let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
@@ -208,8 +220,13 @@ fn on_a_slope(slope: Slope, mu: f64, t: f64) -> World {
             let spec = BodySpec::at_rest(shape, 1000.0, Pose::translation(-0.2, -0.1, -0.05));
             world.add_driven_body(spec, Drive::Fixed).unwrap();
         }
-        Slope::Deformable => {
-            let model = block([12, 4, 1], slab, Element::T4, 1e7);
+        Slope::Deformable | Slope::CoarseAndLater => {
+            let cells = if before.is_some() {
+                [3, 1, 1]
+            } else {
+                [12, 4, 1]
+            };
+            let model = block(cells, slab, Element::T4, 1e7);
             let mut boundary = Boundary::default();
             let bottom = Selection::Plane {
                 normal: Vector3::z(),
@@ -228,18 +245,12 @@ fn on_a_slope(slope: Slope, mu: f64, t: f64) -> World {
                 .unwrap();
         }
     }
-    let model = block([3, 3, 2], [0.1, 0.1, 0.06], Element::T4, 1e6);
-    let stiffness = ContactStiffness::default();
-    let model = world.add_model("block", model, stiffness).unwrap();
-    let pose = Pose::translation(-0.05, 0.003, 0.03 - 1e-5);
-    world
-        .add_deformable(DeformableSpec::at_rest(model, pose))
-        .unwrap();
-    world
+    let id = before.unwrap_or_else(|| add_block(&mut world));
+    (world, id)
 }
 
-fn place_and_speed(world: &World) -> (f64, f64) {
-    let body = world.deformables().last().unwrap();
+fn place_and_speed(world: &World, id: DeformableId) -> (f64, f64) {
+    let body = world.deformable(id).unwrap();
     let mass: f64 = body.model().masses().iter().sum();
     (body.centroid().x, body.momentum().x / mass)
 }
@@ -248,9 +259,14 @@ fn place_and_speed(world: &World) -> (f64, f64) {
 /// g (sin t - mu cos t) to 2 %.
 #[test]
 fn blocks_stick_and_slide_on_slopes() {
-    for slope in [Slope::Wall, Slope::Rigid, Slope::Deformable] {
+    for slope in [
+        Slope::Wall,
+        Slope::Rigid,
+        Slope::Deformable,
+        Slope::CoarseAndLater,
+    ] {
         let (mu, t) = (0.5_f64, 0.4_f64);
-        let mut world = on_a_slope(slope, mu, t);
+        let (mut world, id) = on_a_slope(slope, mu, t);
         let settle = |world: &mut World, until: f64| {
             while world.time() < until {
                 world.step().unwrap();
@@ -265,18 +281,18 @@ fn blocks_stick_and_slide_on_slopes() {
         settle(&mut world, 0.1);
         world.set_medium(Medium::default()).unwrap();
         settle(&mut world, 0.15);
-        let (x0, _) = place_and_speed(&world);
+        let (x0, _) = place_and_speed(&world, id);
         settle(&mut world, 0.2);
-        let (x1, v1) = place_and_speed(&world);
+        let (x1, v1) = place_and_speed(&world, id);
         assert!((x1 - x0).abs() < 1e-6, "{slope:?}: creeps by {}", x1 - x0);
         assert!(v1.abs() < 1e-4, "{slope:?}: {v1}");
 
         let mu = 0.2;
-        let mut world = on_a_slope(slope, mu, t);
+        let (mut world, id) = on_a_slope(slope, mu, t);
         settle(&mut world, 0.05);
-        let (_, v0) = place_and_speed(&world);
+        let (_, v0) = place_and_speed(&world, id);
         settle(&mut world, 0.15);
-        let (_, v1) = place_and_speed(&world);
+        let (_, v1) = place_and_speed(&world, id);
         let acceleration = (v1 - v0) / 0.1;
         let expected = 9.81 * (t.sin() - mu * t.cos());
         let ratio = acceleration / expected;
@@ -338,7 +354,7 @@ fn a_deformable_body_far_away_changes_nothing() {
 fn the_same_bits_after_a_checkpoint_and_with_threads() {
     let run = |threads: usize, split: bool| {
         on_threads(threads, || {
-            let mut world = on_a_slope(Slope::Deformable, 0.3, 0.4);
+            let (mut world, _) = on_a_slope(Slope::Deformable, 0.3, 0.4);
             let a10 = "A10"
                 .parse::<CatalogueShape>()
                 .unwrap()

@@ -106,6 +106,24 @@ impl Context<'_> {
         }
     }
 
+    /// The bodies of a pair as the sides of its evaluation, and whether they have changed places.
+    ///
+    /// The springs of friction belong to the skin of side B, one for each triangle. That has to be the finer skin:
+    /// a spring of a large triangle would act on a single small one of the other skin, and shake its nodes instead of
+    /// holding the body. So it does not matter either which body was added first.
+    fn sides(&self, pair: &SoftPair, bodies: &[SoftBody]) -> (DeformablePartner, u32, bool) {
+        let edge = |i: u32| {
+            let shape = self.shapes.get(bodies.get(i as usize)?.shape as usize)?;
+            Some(shape.edge())
+        };
+        match pair.a {
+            DeformablePartner::Deformable(i) if edge(i) < edge(pair.b) => {
+                (DeformablePartner::Deformable(pair.b), i, true)
+            }
+            _ => (pair.a, pair.b, false),
+        }
+    }
+
     /// The contact of a pair; `None` if there is none.
     fn touch(
         &self,
@@ -114,13 +132,14 @@ impl Context<'_> {
         motion: f64,
         scratch: &mut DeformableScratch,
     ) -> Option<()> {
-        let body = bodies.get(pair.b as usize)?;
-        let of_b = self.soft(pair.b, body)?;
+        let (a, b, swapped) = self.sides(pair, bodies);
+        let body = bodies.get(b as usize)?;
+        let of_b = self.soft(b, body)?;
         let tree_b = tree(body)?;
         let moduli_b = body.modulus;
         let rigid = Modulus::Penalty(self.parameters.penalty);
         let mut turning = None;
-        let (of_a, tree_a, modulus, mover) = match pair.a {
+        let (of_a, tree_a, modulus, mover) = match a {
             DeformablePartner::Deformable(i) => {
                 let body = bodies.get(i as usize)?;
                 let state = self.states.get(i as usize)?;
@@ -150,9 +169,9 @@ impl Context<'_> {
         let touches = match run_kernel(&sides, &law, &mut pair.candidates, motion, scratch) {
             Ok(touches) => touches,
             Err((side, inverted)) => {
-                let body = match pair.a {
+                let body = match a {
                     DeformablePartner::Deformable(i) if side == 0 => i,
-                    _ => pair.b,
+                    _ => b,
                 };
                 pair.failure = Some((body, inverted.tet));
                 return None;
@@ -165,17 +184,20 @@ impl Context<'_> {
         let of_pair = Pair {
             ids: (pair.a, pair.b),
             sides: sides.operands,
-            movers: [mover, Mover::Nodes(*self.states.get(pair.b as usize)?)],
+            movers: [mover, Mover::Nodes(*self.states.get(b as usize)?)],
             turnings: [turning, body.turning.as_ref()],
             near: pair.candidates.near()?,
-            law: match pair.a {
+            law: match a {
                 DeformablePartner::Wall(_) => &self.at_walls,
                 _ => self.parameters,
             },
-            begins: pair.begins.take(),
+            begins: pair.begins.take().map(|start| start.seen_from(swapped)),
             series: law.form == Form::Min,
         };
         pair.outcome.take(&of_pair, scratch);
+        if swapped {
+            pair.outcome.swap_sides();
+        }
         Some(())
     }
 }
