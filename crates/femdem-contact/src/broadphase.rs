@@ -1,11 +1,11 @@
 //! Candidate pairs: grids over inflated bounding boxes, refreshed body by body.
 //!
-//! Each body keeps the box it had when it was last entered, inflated by half a skin. It is
-//! entered again once the bound of its travel, rotation included, exceeds that half skin;
-//! bodies that do not move cost nothing.
+//! Each body keeps its bounding box of the time when it was last entered, inflated by half a skin. It is
+//! entered again once the bound of its travel, rotation included, exceeds that half skin; bodies that do not
+//! move cost nothing.
 //!
-//! Bodies whose sizes differ by less than four to one share a grid, whose cells are as large as the largest of
-//! them; so a drum around ten thousand pellets does not put them all into one cell.
+//! Bodies whose sizes differ by less than four to one share a grid, whose cell size is set by the largest of
+//! them. So a drum around ten thousand pellets does not put them all into one cell.
 
 use crate::motion::Motion;
 use crate::shape::BodyShape;
@@ -16,12 +16,12 @@ use std::collections::BTreeMap;
 /// Skin over bounding radius.
 const SKIN: f64 = 0.1;
 
-/// What a range of cells is widened by, of its half-width, so that rounding leaves none out.
+/// Relative widening of the half-width of a range of cells, so that rounding leaves no cell out.
 const SLACK: f64 = 1e-9;
 
 type Cell = [i32; 3];
 
-/// Sizes within four to one.
+/// Index of a size class; sizes within a class differ by less than four to one.
 type Level = u16;
 
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -37,7 +37,7 @@ struct Entry {
     expires: f64,
 }
 
-/// The bodies of a level by cells.
+/// The bodies of a level, by cell.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Grid {
     /// Side of a cell, m: twice the largest reach.
@@ -53,7 +53,7 @@ pub(crate) struct Broadphase {
 }
 
 impl Broadphase {
-    /// Whether the body must be entered (again) before it has travelled so far, m.
+    /// Whether the body must be entered (again) at the travel `travelled`, m.
     pub(crate) fn is_expired(&self, body: usize, travelled: f64) -> bool {
         match self.entries.get(body) {
             Some(Some(entry)) => travelled >= entry.expires,
@@ -61,7 +61,7 @@ impl Broadphase {
         }
     }
 
-    /// Whether a body was ever entered.
+    /// Whether a body has ever been entered.
     pub(crate) fn knows(&self, body: usize) -> bool {
         matches!(self.entries.get(body), Some(Some(_)))
     }
@@ -72,7 +72,7 @@ impl Broadphase {
         self.entries.len() <= bodies && cells.flatten().all(|&i| (i as usize) < bodies)
     }
 
-    /// Half skin of a shape, m: how far a body may travel before it is entered again.
+    /// Half skin of a shape, m: how far a body may travel before it must be entered again.
     pub(crate) fn half_skin(shape: &BodyShape) -> f64 {
         0.5 * SKIN * shape.radius()
     }
@@ -92,7 +92,7 @@ impl Broadphase {
         let centre = motion.frame.position;
         let (low, high) = shape.bounds(&motion.frame.rotation);
         let cell = cell_of(&centre, grid.size);
-        // A body's shape, and so its level, is that which it was added with.
+        // A body keeps the shape, and so the level, that it was added with.
         if let Some(old) = self.entries[body].as_ref().map(|e| e.cell)
             && old != cell
         {
@@ -149,7 +149,7 @@ impl Grid {
         let count: f64 = (0..3)
             .map(|k| f64::from(high[k]) - f64::from(low[k]) + 1.0)
             .product();
-        // A large body among small ones: there are fewer cells in use than places for them.
+        // A large body among small ones: its range spans more cells than are in use.
         if count > self.cells.len() as f64 {
             for (cell, members) in &self.cells {
                 if (0..3).all(|k| low[k] <= cell[k] && cell[k] <= high[k]) {
@@ -166,7 +166,7 @@ impl Grid {
         }
     }
 
-    /// Changes the cell size; only when a larger body of the level than any before comes.
+    /// Changes the cell size. Happens only when a body larger than all earlier ones of the level is entered.
     fn resize(&mut self, size: f64, level: Level, entries: &mut [Option<Entry>]) {
         self.size = size;
         self.cells.clear();

@@ -21,8 +21,8 @@ pub enum Partner {
     Wall(u32),
 }
 
-/// One contact patch of a touching pair: a body or wall A, and a body B. Convex bodies touch in
-/// one patch; others may touch in several, each a contact of its own. Vectors are in world axes.
+/// One contact patch of a touching pair: a body or wall A, and a body B. Convex bodies touch in one patch.
+/// Others may touch in several; each patch is a separate contact. Vectors are in world axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// Side A: the body with the lower index, or a wall.
@@ -43,7 +43,7 @@ pub struct Contact {
     pub elastic_force: f64,
     /// Normal force on B along `normal`, damping included, N.
     pub normal_force: f64,
-    /// Free moment on B that comes with the elastic force, N m.
+    /// Moment on B of the elastic force about the contact point, N m.
     pub moment: Vector3,
     /// Moment on B of the dashpots against rocking, N m.
     pub rocking: Vector3,
@@ -53,8 +53,9 @@ pub struct Contact {
     pub torsion: f64,
     /// Whether the patch slides.
     pub slides: bool,
-    /// Whether it is that at the end of the present step, as the velocities before the step would have it: there was none,
-    /// or one that becomes much harder. Only where a host asks for it ([`ContactBatch::update_springs`](crate::ContactBatch::update_springs)).
+    /// True if the contact was evaluated at the poses predicted for the end of the step, because the pair
+    /// does not touch yet or its force grows much faster than its stiffness says. Only set by
+    /// [`ContactBatch::update_springs`](crate::ContactBatch::update_springs).
     pub foreseen: bool,
     /// Contact area, m^2.
     pub area: f64,
@@ -70,8 +71,8 @@ pub struct Contact {
     pub tangential_stiffness: f64,
     /// Polar second moment of the normal stiffness over the patch, N m.
     pub stiffness_second: f64,
-    /// Mean distance of the pressure from the contact point, m: a patch that spins has the friction
-    /// moment mu F times this radius, and the dashpots against rocking hold at most F times it.
+    /// Mean distance of the pressure from the contact point, m. The friction moment of a spinning patch is mu
+    /// F times this radius, and the moment of the dashpots against rocking is at most F times it.
     pub torsion_radius: f64,
     /// Shares of A and B in the stability bound; see [`Resistance::largest_step`].
     pub(crate) shares: [f64; 2],
@@ -107,7 +108,7 @@ pub struct Dashpots {
 /// Forces and moments of a contact on its side B, as an implicit step finds them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactForce {
-    /// Along the normal, N; the moment of the elastic wrench goes with it.
+    /// Along the normal, N. The moment of the elastic wrench scales with it.
     pub normal: f64,
     /// Friction, N.
     pub friction: Vector3,
@@ -141,7 +142,7 @@ impl Dashpots {
     }
 }
 
-/// Puts the parts of one patch together.
+/// Assembles the contact record of one patch.
 pub(crate) fn assemble(
     (a, b, patch): (Partner, BodyId, u32),
     overlap: &Overlap,
@@ -193,8 +194,9 @@ pub(crate) fn assemble(
 }
 
 impl Contact {
-    /// Stiffnesses of its springs: those of the foundation spread over the patch. Rocking is at most its polar
-    /// second moment (all of it where the patch is long and narrow), torsion the tangential share of it.
+    /// Stiffnesses of the springs: those of the foundation, integrated over the patch. Rocking is taken as the
+    /// polar second moment, an upper bound that a long and narrow patch reaches, and torsion as the tangential
+    /// share of it.
     pub fn springs(&self) -> Springs {
         let (normal, rocking) = (self.stiffness.max(0.0), self.stiffness_second.max(0.0));
         Springs {
@@ -209,7 +211,7 @@ impl Contact {
         }
     }
 
-    /// Viscosities of its dashpots.
+    /// Viscosities of the dashpots.
     pub fn dashpots(&self) -> &Dashpots {
         &self.dashpots
     }
@@ -232,13 +234,13 @@ impl Contact {
         mean_penetration(self.volume, self.area)
     }
 
-    /// Lever of the elastic wrench, whose dashpot acts along it, about the origin that `arm` begins at, m.
+    /// Lever of the elastic wrench about the origin of `arm`, m. The normal dashpot acts along this wrench.
     fn elastic_lever(&self, arm: &Vector3) -> Option<Vector3> {
         (self.elastic_force > 0.0)
             .then(|| arm.cross(&self.normal) + self.moment / self.elastic_force)
     }
 
-    /// Normal force over its elastic part: what the dashpot makes of it.
+    /// Normal force with damping over the elastic normal force.
     fn damping_scale(&self) -> f64 {
         if self.elastic_force > 0.0 {
             self.normal_force / self.elastic_force
@@ -296,9 +298,9 @@ impl AddAssign<&Self> for Load {
 pub struct Load {
     /// Total wrench.
     pub total: Wrench,
-    /// The part of the normal damping.
+    /// The part due to normal damping and rocking.
     pub damping: Wrench,
-    /// The part of friction and torsion.
+    /// The part due to friction and torsion.
     pub friction: Wrench,
     /// Sum of the normal forces, N.
     pub normal_sum: f64,
@@ -307,8 +309,8 @@ pub struct Load {
     bounds: Bounds,
 }
 
-/// Upper bounds of the largest eigenvalues of the body's [`Resistance`], as sums over its contacts: what goes with its
-/// inverse mass, and with its largest inverse moment of inertia.
+/// Upper bounds of the largest eigenvalues of the body's [`Resistance`], as sums over its contacts. The first
+/// number is multiplied by the inverse mass, the second by the largest inverse moment of inertia.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 struct Bounds {
     /// N/m and N m.
@@ -317,7 +319,7 @@ struct Bounds {
     viscosity: [f64; 2],
 }
 
-/// The bounds are sums of their own, which differ from the matrices by rounding.
+/// The bounds are summed separately from the matrices and differ from them by rounding.
 const BOUNDS_TO_SPARE: f64 = 1.0 + 1e-9;
 
 impl Load {
@@ -350,7 +352,7 @@ impl Load {
         self.bounds.add(contact, arm, contact.shares[side]);
     }
 
-    /// Adds what a body that deforms does to this one: elastic, damping and friction wrenches.
+    /// Adds the wrenches of a deformable body on this one: elastic, damping and friction.
     pub(crate) fn add_wrenches(&mut self, elastic: &Wrench, damping: &Wrench, friction: &Wrench) {
         for part in [elastic, damping, friction] {
             self.total += part;
@@ -359,8 +361,8 @@ impl Load {
         self.friction += friction;
     }
 
-    /// Whether a step is stable even if all contacts of the body met the same motion of it. Holds for most
-    /// bodies at the step of the worst one.
+    /// Whether a step is stable even if all contacts of the body resisted the same motion. This cheap test
+    /// suffices for most bodies at the step of the most restrictive one.
     pub(crate) fn allows(&self, motion: &Motion, step: f64) -> bool {
         let weighted = |[translation, turning]: [f64; 2]| {
             motion.inverse_mass * translation + motion.inverse_inertia_max * turning
@@ -377,12 +379,12 @@ impl Bounds {
     fn add(&mut self, contact: &Contact, arm: &Vector3, share: f64) {
         let square = arm.norm_squared();
         let springs = contact.springs().scaled(share);
-        // No motion of the contact point meets more than the stiffest of its springs.
+        // The stiffness against any motion of the contact point is at most that of the stiffest spring.
         let point = springs.normal.max(springs.tangential);
         self.stiffness[0] += point;
         self.stiffness[1] += point * square + springs.torsion.max(springs.rocking);
         let dashpots = contact.dashpots.scaled(share);
-        // The normal one acts along another line.
+        // The normal dashpot acts along another line than the spring.
         if let Some(lever) = contact.elastic_lever(arm) {
             self.viscosity[0] += dashpots.normal;
             self.viscosity[1] += dashpots.normal * lever.norm_squared();
@@ -393,8 +395,8 @@ impl Bounds {
 }
 
 impl Resistance {
-    /// Adds the springs and dashpots of a contact; `side` 0 is A, 1 is B. `moves` tells whether the other
-    /// side does: only then does it take a part of the stable step.
+    /// Adds the springs and dashpots of a contact; `side` 0 is A, 1 is B. `moves` says whether the other side
+    /// moves: only then are they weighted by this side's share.
     pub(crate) fn add(&mut self, contact: &Contact, side: usize, moves: bool) {
         let arm = [&contact.arm_a, &contact.arm_b][side];
         let share = if moves { contact.shares[side] } else { 1.0 };

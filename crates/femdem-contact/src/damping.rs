@@ -5,9 +5,9 @@
 //! It scales the whole elastic wrench, so the restitution depends on zeta alone,
 //! whatever touches what (face, edge or vertex).
 //!
-//! Steps of finite length see the velocity of half a step before, and a dashpot that begins with a jump within a step
-//! for all of it. Both are errors of first order in the step, and both are taken out
-//! ([`against_lag`], [`Birth`]): what is left is of second order.
+//! Two errors of first order in the step are corrected. The velocity is half a step old ([`against_lag`]),
+//! and a dashpot whose force begins with a jump within a step acts for only a part of that step ([`Birth`]).
+//! The remaining error is of second order.
 //!
 //! Rocking about the contact point is orthogonal to that gradient, so the scaling leaves it
 //! undamped. A dashpot spread over the patch damps it too: a moment against the relative
@@ -18,10 +18,10 @@ use crate::kernel::Overlap;
 use crate::motion::Motion;
 use femdem_mesh::Vector3;
 
-/// A contact began within the step if it is at most this many times as deep as it came then.
+/// A contact counts as new if it is at most this many times as deep as it can have become within the step.
 const SLACK: f64 = 1.1;
 
-/// The response of the pair to its own contact direction.
+/// Result of the normal and rocking dashpots of a patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Damped {
     /// Elastic plus viscous force over elastic force; at least 0 (no tension).
@@ -32,14 +32,14 @@ pub(crate) struct Damped {
     pub viscosity: f64,
     /// Rocking moment on B, N m.
     pub rocking: Vector3,
-    /// Its viscosity, N m s.
+    /// Viscosity against rocking, N m s.
     pub rocking_viscosity: f64,
-    /// What a new patch has behind it.
+    /// Correction for a new patch.
     pub birth: Option<Birth>,
 }
 
 impl Damped {
-    /// Takes the forces of the dashpots out; their viscosities stay.
+    /// Removes the dashpot forces; their viscosities stay.
     pub fn leave_springs(&mut self) {
         self.scale = 1.0;
         self.rocking = Vector3::zeros();
@@ -52,26 +52,27 @@ fn inverse_mass(motion: &Motion, torque: &Vector3, magnitude: f64) -> f64 {
     motion.inverse_mass + lever.dot(&(motion.inverse_inertia * lever))
 }
 
-/// The time of a contact stage within the run.
+/// The time of a contact evaluation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Moment {
-    /// Time since the stage before, s.
+    /// Time since the evaluation before, s.
     pub dt: f64,
-    /// Whether the patch was not there then.
+    /// Whether the patch did not exist then.
     pub fresh: bool,
 }
 
-/// What a patch that is new in a stage has behind it.
+/// Corrections in the first evaluation of a new patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Birth {
-    /// Time for which the springs have been stretched, as stiff as they are now, s.
+    /// Time for which the springs have been stretched, at their present stiffness, s.
     pub since: f64,
     /// Factor of the dashpots' forces.
     pub weight: f64,
 }
 
-/// Factor of a dashpot that sees the velocity of half a step `dt` (s) before. `rate` is its viscosity over the mass, 1/s,
-/// and `sharpness` p/(2 (p - 1)) for an energy that goes by the depth to the power of p, 1 for a linear spring.
+/// Factor that corrects a dashpot for a velocity that is half a step old; `dt` is the step, s. `rate` is its
+/// viscosity over the mass, 1/s. `sharpness` is p/(2 (p - 1)) for an energy proportional to the depth to the
+/// power of p; it is 1 for a linear spring.
 ///
 /// With e = rate dt/2, spring and dashpot act as F (1 + e) and c (1 + e) would without lag. The energy grows
 /// by e p/(2 (p - 1)), so the ratio of damping is kept by c (1 - e p/(4 (p - 1))).
@@ -81,10 +82,10 @@ pub(crate) fn against_lag(rate: f64, dt: f64, sharpness: f64) -> f64 {
     (1.0 + h * h).sqrt() - h
 }
 
-/// A contact, or all patches of a pair, as the dashpot sees it.
+/// Quantities of a contact, or of all patches of a pair together, that the dashpot depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Sums {
-    /// Elastic force, N; patches by their sizes.
+    /// Elastic force, N; for several patches the sum of the magnitudes.
     force: f64,
     /// J.
     energy: f64,
@@ -95,7 +96,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Viscous over elastic force for each m/s of closing, s/m.
+    /// Viscous over elastic force per closing speed, s/m.
     fn rate(&self, zeta: f64) -> f64 {
         2.0 * zeta / (2.0 * self.energy * self.inverse_mass).sqrt()
     }
@@ -110,13 +111,13 @@ impl Sums {
         }
     }
 
-    /// What a contact that closes at `closing` (m/s) has behind it if it is new. A stage has the weight of a whole step, one
-    /// half for the time to come, the other for that since the touch.
+    /// The correction for a contact that closes at `closing` (m/s), if it is new. One evaluation has the
+    /// weight of a whole step: one half stands for the time to come, the other for the time since the touch.
     ///
     /// The impulse of a viscous force c ~ x^(p - 2) since then is c x/(p - 1), and F/K = x/(p - 1).
     fn birth(&self, closing: f64, moment: Moment) -> Option<Birth> {
         let way = closing * moment.dt;
-        // 2 U/F = 2 x/p. What was put into each other is deeper than it came in one step.
+        // 2 U/F = 2 x/p. Bodies that overlap from the start are deeper than one step of closing.
         let came = 2.0 * self.energy < SLACK * self.force * way && self.stiffness > 0.0;
         let part = (self.force / (self.stiffness * way)).min(1.0);
         moment.fresh.then_some(if came {
@@ -133,7 +134,7 @@ impl Sums {
     }
 }
 
-/// All patches of a pair together. Their inverse mass is larger where they press against each other.
+/// All patches of a pair together. Their inverse mass grows where their forces oppose each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Whole(Sums);
 
@@ -161,8 +162,8 @@ impl Whole {
         })
     }
 
-    /// What a patch has of the friction dashpots that it would have alone: together they are those of all
-    /// springs on the same bodies, shared out by stiffness.
+    /// Factor of a patch's friction dashpots over those that it would have alone. The dashpots of all patches
+    /// together are those of all springs on the same bodies, shared by stiffness.
     pub fn friction_share(&self, patch: &Overlap) -> f64 {
         if self.0.stiffness > 0.0 {
             (patch.stiffness.max(0.0) / self.0.stiffness).sqrt()
@@ -172,9 +173,9 @@ impl Whole {
     }
 }
 
-/// Scales the elastic wrench of `overlap` by the dashpot of ratio `zeta`. If it is one of several
-/// patches, `whole` is the pair: patches that press the same way are damped as one contact would
-/// be, and patches that press against each other each by itself.
+/// Scales the elastic wrench of `overlap` by the dashpot of ratio `zeta`. For one of several patches, `whole`
+/// is the pair: patches that press the same way are damped as one contact, and patches that press against
+/// each other are damped separately.
 pub(crate) fn damp(
     overlap: &Overlap,
     whole: Option<&Whole>,
@@ -205,7 +206,7 @@ pub(crate) fn damp(
         inverse_mass: total,
     };
     let sums = whole.map_or(alone, |w| Sums {
-        // The quotient has no value where the patches' forces cancel.
+        // The quotient is undefined where the patches' forces cancel.
         inverse_mass: w.0.inverse_mass.min(total),
         ..w.0
     });

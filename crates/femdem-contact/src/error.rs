@@ -1,4 +1,4 @@
-//! What can go wrong when shapes, laws and batches are built or driven.
+//! Errors of building and updating shapes, laws and batches.
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
@@ -58,7 +58,7 @@ pub enum ContactError {
         /// How many exist.
         count: usize,
     },
-    /// A batch that was read does not hang together, or its shapes are other than they were.
+    /// A batch that was read is inconsistent, or its shapes differ from those it was stored with.
     #[error(
         "{what} does not fit the stored contacts: start from an unaltered file, with the shapes of then"
     )]
@@ -66,7 +66,7 @@ pub enum ContactError {
         /// What does not fit.
         what: String,
     },
-    /// A slice of states does not match what is in the batch.
+    /// A slice of states does not match the number of bodies or walls in the batch.
     #[error(
         "{given} {what} states were given, but {expected} were added: pass one for each {what}"
     )]
@@ -78,7 +78,7 @@ pub enum ContactError {
         /// Bodies or walls in the batch.
         expected: usize,
     },
-    /// A body's state is not finite, or an inverse mass of it negative.
+    /// A body's state is not finite, or one of its inverse masses is negative.
     #[error(
         "the state of body {body} is not finite, or has a negative inverse mass (position \
          {position:?}): the host's integration has blown up, so reduce the time step, or its masses \
@@ -168,7 +168,7 @@ pub(crate) fn check(
     }
 }
 
-/// Stiffnesses whose products with lengths and volumes are numbers, in SI units.
+/// Range of stiffnesses, in SI units, whose products with lengths and volumes neither overflow nor underflow.
 pub(crate) const STIFFNESSES: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
 /// Returns an error unless `value` is a usable pressure, Pa.

@@ -1,11 +1,11 @@
 //! Friction of a contact patch: anchors in both bodies, a torsion spring, and the
 //! ellipsoid limit surface.
 //!
-//! The patch is a bristle foundation: its tangential modulus is `r` times the normal one,
-//! so k_t = r K and k_theta = r J. The spring is stretched between two anchor points that
-//! are fixed in the two bodies; a rigid motion of the pair leaves it unchanged. As the patch moves, the anchors
-//! are put around its new place, their stretch kept: a force at the patch does work on what moves there, so the
-//! stretch must grow by that motion, or bodies that roll and turn in turn gain energy.
+//! The patch is a bristle foundation: its tangential modulus is `r` times the normal one, so k_t = r K and
+//! k_theta = r J. The spring is stretched between two anchor points that are fixed in the two bodies; a rigid
+//! motion of the pair leaves it unchanged. As the patch moves, the anchors are placed around its new contact
+//! point with the stretch unchanged. The stretch still grows by the motion of the material at the patch, on
+//! which the force does work; otherwise bodies that roll and turn alternately would gain energy.
 
 use crate::damping::{Birth, against_lag};
 use crate::kernel::Overlap;
@@ -14,8 +14,9 @@ use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// The anchors follow the patch once it has moved by this fraction of the arm of B, and the stretch the stiffness once that has
-/// changed by this fraction: what is less is rounding, by which bodies at rest far from the origin of a wall would creep.
+/// The anchors follow the patch once it has moved by this fraction of the arm of B. The stored stiffness, by
+/// which the stretch is scaled, follows the present one once it has changed by this fraction. Smaller changes
+/// are rounding, by which bodies at rest far from the origin of a wall would creep.
 const FOLLOW: f64 = 1e-9;
 
 /// Friction history of one patch.
@@ -27,28 +28,29 @@ pub struct FrictionState {
     anchor_b: Vector3,
     /// Torsion angle about the normal, rad.
     torsion: f64,
-    /// Springs of the last step, N/m and N m/rad.
+    /// Stiffnesses of the springs in the last step, N/m and N m/rad.
     stiffness: f64,
     torsion_stiffness: f64,
 }
 
-/// How the friction of one step is taken.
+/// Settings of the friction of one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Pace {
     /// Time since the last call, s.
     pub dt: f64,
-    /// Whether the dashpots beside the springs act. If not, the springs carry what the dashpots would leave of
-    /// the bound, and the viscosities are told all the same.
+    /// Whether the dashpots beside the springs act. If not, the springs of a sliding patch carry what the
+    /// dashpots would leave of the bound, and the viscosities are returned all the same.
     pub dashpots: bool,
-    /// What the patch has of the dashpots that it would have alone.
+    /// Factor of the patch's dashpots over those that it would have alone.
     pub share: f64,
-    /// What a new patch has behind it.
+    /// Correction for a new patch.
     pub birth: Option<Birth>,
 }
 
 impl Pace {
-    /// What acts of a dashpot in this step, as [`against_lag`] and [`Birth`] have it. Whoever asks for springs alone takes
-    /// the dashpots in a way of his own.
+    /// The viscosity applied in this step, corrected for the velocity lag ([`against_lag`]) and for a new
+    /// patch ([`Birth`]). Without `dashpots` it is not corrected: an implicit host applies the dashpots
+    /// itself.
     fn acting(&self, viscosity: f64, inverse_mass: f64) -> f64 {
         let weight = self.birth.map_or(1.0, |birth| birth.weight);
         if self.dashpots {
@@ -79,7 +81,7 @@ pub(crate) struct Friction {
     pub slides: bool,
 }
 
-/// The springs of a patch as they stand, or a part of them.
+/// The present springs of a patch, or a part of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Springs {
     /// The patch's point from A's origin, world axes, m.
@@ -95,7 +97,7 @@ pub(crate) struct Springs {
 }
 
 impl Springs {
-    /// The same bristles, fewer of them.
+    /// The springs of a fraction `part` of the bristles.
     pub fn share(&self, part: f64) -> Self {
         Self {
             stiffness: self.stiffness * part,
@@ -104,9 +106,9 @@ impl Springs {
         }
     }
 
-    /// One foundation for several: the rigid motion about `normal` that stretches the bristles
-    /// as they are, by least squares weighted with their stiffness. It carries the same force
-    /// and torsion and holds no more energy.
+    /// Merges several foundations into one. Its stretch and torsion are the rigid motion about `normal` that
+    /// fits the stretched bristles by least squares, weighted with their stiffness. It carries the same force
+    /// and torsion and stores no more energy.
     pub fn merged(parts: &[Self], normal: &Vector3) -> Option<Self> {
         let stiffness: f64 = parts.iter().map(|p| p.stiffness).sum();
         if stiffness <= 0.0 {
@@ -152,7 +154,7 @@ impl Springs {
 }
 
 impl FrictionState {
-    /// The springs at the present place of the bodies.
+    /// The springs at the present poses of the bodies.
     pub(crate) fn springs(&self, a: &Motion, b: &Motion) -> Springs {
         let between = b.frame.position - a.frame.position;
         let on_a = a.frame.rotation * self.anchor_a;
@@ -166,7 +168,7 @@ impl FrictionState {
         }
     }
 
-    /// A patch with the springs of others, at its own contact point.
+    /// A patch that takes over the given springs, at its own contact point.
     pub(crate) fn with_springs(
         overlap: &Overlap,
         a: &Motion,
@@ -192,7 +194,7 @@ impl FrictionState {
         self.place(overlap, a, b, &stretch);
     }
 
-    /// Whether no step has seen the patch.
+    /// Whether the patch has not been advanced by any step yet.
     pub(crate) fn is_new(&self) -> bool {
         self.stiffness == 0.0 && self.torsion_stiffness == 0.0
     }
@@ -222,9 +224,9 @@ impl FrictionState {
         self.anchor_b = b.frame.rotation.tr_mul(&(overlap.arm_b + half));
     }
 
-    /// A stretch (m) with the tangential stiffness `k` (N/m) that the patch has now: a stiffer patch keeps its force, a
-    /// softer one its stretch, so that neither makes energy. One without stiffness holds nothing: it begins
-    /// anew when it has some.
+    /// The stretch (m) for the present tangential stiffness `k` (N/m). A stiffer patch keeps its force, a
+    /// softer one its stretch, so that neither gains energy. A patch without stiffness keeps nothing and
+    /// starts unstretched once it has some.
     fn carried(&self, stretch: Vector3, k: f64) -> Vector3 {
         if k == 0.0 {
             Vector3::zeros()
@@ -264,7 +266,7 @@ impl FrictionState {
             let v = b.velocity_at(&overlap.arm_b) - a.velocity_at(&overlap.arm_a);
             v - n * n.dot(&v)
         };
-        // A body deep inside another has no stiffness but for rounding, of either sign.
+        // The stiffness of a body deep inside another is zero up to rounding, of either sign.
         let k = law.tangential_ratio * overlap.stiffness.max(0.0);
         let k_theta = law.tangential_ratio * overlap.stiffness_second;
         let before = self.stretch(overlap, a, b);
@@ -323,8 +325,8 @@ impl FrictionState {
     }
 }
 
-/// Stretch (m) of a spring that slides under the bound `force` (N): it carries what the dashpot, which resists
-/// with `drag` (N), leaves of the bound, and never pushes along the slip.
+/// Stretch (m) of a spring that slides under the bound `force` (N). The spring carries what the dashpot force
+/// `drag` (N) leaves of the bound, and never pushes along the slip.
 fn sliding_stretch(force: &Vector3, drag: &Vector3, k: f64) -> Vector3 {
     let spring = force + drag;
     if spring.dot(force) > 0.0 {
@@ -353,8 +355,8 @@ fn dashpot(zeta: f64, stiffness: f64, inverse_mass: f64) -> f64 {
     }
 }
 
-/// How far force and moment exceed the ellipsoid limit surface; at most 1 inside. The
-/// radius of the patch turns the force bound into the moment bound.
+/// Distance from the limit surface: above 1 force and moment exceed it, at most 1 they are inside. The radius
+/// of the patch turns the force bound into the moment bound.
 fn limit_surface(force: f64, moment: f64, most: f64, radius: f64) -> f64 {
     let part = |x: f64, bound: f64| {
         if x == 0.0 {
@@ -374,8 +376,8 @@ mod tests {
     use super::*;
     use crate::shape::Frame;
 
-    /// A body around the centre of another overlaps it without force and stiffness, but for
-    /// rounding of either sign: the friction stays finite and within its bound.
+    /// A body around the centre of another overlaps it with zero force and stiffness, up to rounding of
+    /// either sign: the friction stays finite and within its bound.
     #[test]
     fn an_overlap_without_stiffness_gives_finite_friction() {
         let mut body = Motion::fixed(Frame::identity());
@@ -418,7 +420,8 @@ mod tests {
         }
     }
 
-    /// A patch that had no stiffness for a while begins without stretch, however far the bodies went meanwhile.
+    /// A patch that had no stiffness for a while restarts without stretch, however far the bodies have moved
+    /// meanwhile.
     #[test]
     fn springs_without_stiffness_hold_nothing() {
         let overlap = |stiffness: f64| Overlap {
@@ -465,9 +468,8 @@ mod tests {
         assert!((push(0.5, 1.0).force.x / (-0.1 * ratio) - 1.0).abs() < 1e-9);
     }
 
-    /// Bristles stretched by a rigid motion of their plane are taken apart and put together again
-    /// without loss; others lose energy when they are made to move as one, and keep their force
-    /// and torsion.
+    /// Bristles stretched by a rigid motion of their plane are split and merged again without loss. Others
+    /// lose energy when they are merged into one rigid motion, and keep their force and torsion.
     #[test]
     fn bristles_taken_apart_and_put_together() {
         let normal = Vector3::new(1.0, 2.0, 2.0) / 3.0;

@@ -1,19 +1,19 @@
-//! Stiffness and viscosity of a body's contacts over its six motions, and the step they allow.
+//! Stiffness and viscosity of a body's contacts over its six degrees of freedom, and the step they allow.
 
 use crate::motion::Motion;
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
-/// A positive semi-definite symmetric matrix over the translation and the turning of a body:
-/// what springs (N/m, N, N m) or dashpots (the same times s) oppose to a motion of it, world axes.
+/// A symmetric positive semi-definite matrix over the translation and the rotation of a body, in world axes:
+/// the stiffness of springs (N/m, N, N m) or the viscosity of dashpots (the same times s).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Generalized {
     /// Force by translation.
     pub translation: Matrix3,
-    /// Torque by translation; the transpose is force by turning.
+    /// Torque by translation; the transpose is force by rotation.
     pub coupling: Matrix3,
-    /// Torque by turning.
+    /// Torque by rotation.
     pub turning: Matrix3,
 }
 
@@ -35,7 +35,7 @@ impl Generalized {
         self.turning += turned * lever.transpose();
     }
 
-    /// Adds one that acts alike in all directions, at an arm from the body's origin.
+    /// Adds an isotropic one at an arm from the body's origin.
     #[inline]
     pub(crate) fn add_everywhere(&mut self, arm: &Vector3, value: f64) {
         let a = arm * value;
@@ -44,15 +44,15 @@ impl Generalized {
         self.turning += Matrix3::from_diagonal_element(a.dot(arm)) - a * arm.transpose();
     }
 
-    /// Adds one against turning: `about` the unit axis, and `across` it.
+    /// Adds one against rotation: `about` the unit axis, and `across` it.
     #[inline]
     pub(crate) fn add_turning(&mut self, axis: &Vector3, about: f64, across: f64) {
         self.turning +=
             Matrix3::from_diagonal_element(across) + (axis * (about - across)) * axis.transpose();
     }
 
-    /// The matrix in the metric of the body's masses: its eigenvalues are squared frequencies or
-    /// rates. `root` times its transpose is the inverse inertia.
+    /// The matrix scaled by the body's inverse masses: its eigenvalues are squared frequencies or rates.
+    /// `root` times its transpose is the inverse inertia.
     fn by_mass(&self, inverse_mass: f64, root: &Matrix3) -> Self {
         Self {
             translation: self.translation * inverse_mass,
@@ -109,7 +109,7 @@ impl Generalized {
 /// dt^2 omega^2/4 + dt gamma/2 <= 1, from the squared frequency (1/s^2) and the rate gamma (1/s).
 pub fn stable_step(frequency2: f64, rate: f64) -> f64 {
     if frequency2 > 0.0 {
-        // Not the difference of two large numbers: the rate may dominate.
+        // Written without a difference of large numbers, since the rate may dominate.
         4.0 / (rate + (rate * rate + 4.0 * frequency2).sqrt())
     } else if rate > 0.0 {
         2.0 / rate
@@ -135,13 +135,13 @@ impl AddAssign<&Self> for Resistance {
 }
 
 impl Resistance {
-    /// The largest step for which the contacts of a body are stable, at most `most`, s; infinite for a
-    /// body that forces do not move.
+    /// The largest step for which the contacts of a body are stable, at most `most`, s. Infinite for a body
+    /// of zero inverse mass and inertia.
     ///
-    /// The matrix of a pair is at most its own diagonal blocks times 1 + sqrt(w_j/w_i) and
-    /// 1 + sqrt(w_i/w_j), w the inverse masses at the contact: the shares. A step that each
-    /// body's block allows is therefore allowed by the whole. The share is 1 beside what does not move: walls, and
-    /// bodies asleep.
+    /// The matrix of a pair is at most its own diagonal blocks times 1 + sqrt(w_j/w_i) and 1 + sqrt(w_i/w_j),
+    /// with w the inverse masses at the contact: these factors are the shares. A step that each body's block
+    /// allows is therefore allowed by the whole. The share is 1 against partners that do not move: walls and
+    /// sleeping bodies.
     pub fn largest_step(&self, motion: &Motion, most: f64) -> f64 {
         largest_step(&self.stiffness, &self.viscosity, motion, most)
     }
@@ -159,16 +159,15 @@ fn cholesky(m: &Matrix3) -> Matrix3 {
     Matrix3::new(a, 0.0, 0.0, b, d, 0.0, c, e, f)
 }
 
-/// Rounds of the search for the largest step; each ends at a stable one.
+/// Iterations of the search for the largest step; each ends at a stable one.
 const ROUNDS: usize = 3;
 
-/// The largest step that is stable for a body with these springs and dashpots, at most `most`, s;
-/// infinite for a body that forces do not move.
+/// The largest step that is stable for a body with these springs and dashpots, at most `most`, s. Infinite
+/// for a body of zero inverse mass and inertia.
 ///
-/// With the viscous force one half step late, the leapfrog step of a linear system is stable if
-/// dt^2/4 k + dt/2 c <= 1 for the Rayleigh quotients k of the stiffness and c of the viscosity of every
-/// motion, in the metric of the masses: if the largest eigenvalue of the sum of both matrices is at
-/// most 1.
+/// With the viscous force half a step late, the leapfrog step of a linear system is stable if dt^2/4 k + dt/2
+/// c <= 1 for every motion, where k and c are the Rayleigh quotients of stiffness and viscosity in the metric
+/// of the masses. This holds if the largest eigenvalue of the sum of both matrices is at most 1.
 fn largest_step(
     stiffness: &Generalized,
     viscosity: &Generalized,
@@ -195,7 +194,7 @@ fn largest_step(
             if step >= most {
                 return most;
             }
-            // A larger step multiplies the matrix by no more than its own square.
+            // A larger step scales the matrix by at most the square of the ratio.
             step /= largest.sqrt();
         }
     }
@@ -207,7 +206,7 @@ mod tests {
     use super::*;
     use crate::shape::Frame;
 
-    /// Numbers between -0.5 and 0.5, always the same.
+    /// Reproducible numbers between -0.5 and 0.5.
     fn numbers() -> impl FnMut() -> f64 {
         let mut x = 0.3_f64;
         move || {

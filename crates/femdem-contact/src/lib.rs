@@ -1,11 +1,11 @@
-//! Contact of polyhedra, convex or not: where bodies overlap, with what force they push apart, and
-//! how they rub.
+//! Contact of polyhedra, convex or not: where bodies overlap, the force that pushes them apart, and the
+//! friction between them.
 //!
-//! **Use it** to give a granular or multibody code of your own contacts of polyhedra, against each
-//! other and against walls: the normal force is the exact gradient of an overlap energy, so it
-//! neither makes nor loses energy, whatever touches what. Bodies may be rigid or deform ([`deform`]).
-//! **Do not use it** for spheres (closed formulas serve better), where nothing may overlap at all (the
-//! bodies are penalty bodies), or if you want bodies moved for you (femdem-solve does that).
+//! **Use it** to add contacts of polyhedra, against each other and against walls, to your granular or
+//! multibody code. The normal force is the exact gradient of an overlap energy, so it conserves energy for
+//! any kind of contact. Bodies may be rigid or deformable ([`deform`]). **Do not use it** for spheres (closed
+//! formulas serve better), where nothing may overlap at all (the bodies are penalty bodies), or if you want
+//! the bodies integrated for you (femdem-solve does that).
 //!
 //! ```
 //! use femdem_contact::kernel::Scratch;
@@ -31,47 +31,48 @@
 //!
 //! Take the lowest that does the job.
 //!
-//! 1. [`PairKernel`]: two prepared shapes, two frames and a penalty in; an [`Overlap`] out (energy,
-//!    force, moment, point, area, stiffness). No state but a scratch buffer and, if you like, a
-//!    [`kernel::PairCache`], both yours. [`kernel::CavityKernel`] is the same for a wall.
-//!    [`GeneralKernel`] takes bodies of any shape, as tetrahedra with a field ([`FieldMesh`]), and
-//!    walls of any shape ([`SolidWall`]); it gives one overlap for each connected part. For convex
-//!    bodies it costs many times what [`PairKernel`] does.
+//! 1. [`PairKernel`]: two prepared shapes, two frames and a penalty in; an [`Overlap`] out (energy, force,
+//!    moment, point, area, stiffness). The only state is a scratch buffer and, optionally, a
+//!    [`kernel::PairCache`]; the caller owns both. [`kernel::CavityKernel`] does the same for a wall.
+//!    [`GeneralKernel`] takes bodies of any shape, as tetrahedra with a field ([`FieldMesh`]), and walls of
+//!    any shape ([`SolidWall`]); it gives one overlap for each connected part. For convex bodies it costs
+//!    many times as much as [`PairKernel`].
 //! 2. [`ContactBatch`]: many bodies and walls of either kind ([`BodyShape`], [`WallShape`]), each pair
-//!    by the kernel it needs. Finds the pairs, keeps caches and friction history, and turns one
-//!    [`Motion`] per body into sorted [`Contact`]s and a [`Load`] per body. Your code integrates; the
-//!    batch also bounds the stable step ([`ContactBatch::largest_step`]).
+//!    evaluated by the kernel it needs. It finds the pairs, keeps caches and friction history, and turns one
+//!    [`Motion`] per body into sorted [`Contact`]s and a [`Load`] per body. Your code integrates; the batch
+//!    also bounds the stable step ([`ContactBatch::largest_step`]).
 //! 3. `World`, in femdem-solve: owns the bodies and steps them.
 //!
 //! Vectors, polyhedra and tetrahedra are those of femdem-mesh, which is re-exported as [`mesh`].
 //!
-//! For bodies that deform, layer 1 is [`deform::DeformableKernel`] and layer 2
-//! [`deform::DeformableBatch`]: nodal positions in, nodal forces out, beside a [`ContactBatch`] for
-//! what is rigid.
+//! For deformable bodies, layer 1 is [`deform::DeformableKernel`] and layer 2 [`deform::DeformableBatch`]:
+//! nodal positions in, nodal forces out, beside a [`ContactBatch`] for the rigid bodies.
 //!
 //! # The law
 //!
 //! - Normal: U = p ∫ (φ_A + φ_B) dV over the overlap, φ = 1 − gauge, and the force is −grad U. For
 //!   rigid bodies this is eq. (3) of Xiang, Latham and Farsi (2016). It is integrated exactly, polygon
 //!   by polygon.
-//! - Walls are rigid and have no field of their own; their penalty is 2 p, so that a face lies on a
-//!   wall as stiffly as on an equal face. Bodies that deform have 4 p there, as if the wall were their
-//!   mirror image ([`WallResponse`]).
-//! - Damping: a dashpot along grad U whose rate depends on U. Its ratio ζ alone sets the coefficient
-//!   of [`restitution`], for faces, edges and vertices alike. The [batch](ContactBatch::update) takes the velocities of the
-//!   half step before and allows for that, and for the part of a step that a new contact has lasted, so that steps as
-//!   long before a touch as after it (see [`ContactBatch::may_touch`]) leave errors of second order. A second dashpot resists
-//!   rocking on the patch, which the first cannot see.
-//! - Friction: anchors in both bodies stretch a tangential spring, and a torsion spring twists about
-//!   the normal; the ellipsoid (f/μF)² + (M/M_max)² = 1 bounds both. Friction does not resist rolling. The
-//!   dashpot against rocking does, as a viscoelastic foundation would: to a patch, rolling is rocking.
-//!   Nothing at ζ = 0; at the default ζ a ball of 0.1 m and 2560 kg/m³ at a penalty of 1 MPa rolls at 0.5 m/s as with
-//!   a coefficient of 0.13, at 0.05 m/s of 0.015 (test `rolling_is_resisted_by_the_dashpot_alone` of femdem-solve).
-//!   The anchors follow the patch as it moves, so that rolling and turning under stretched springs gains nothing.
-//! - Patches: bodies that are not convex may touch in several, each a [`Contact`] with a friction
-//!   history of its own. A patch that splits leaves its springs to its heirs, merging ones become one
-//!   by least squares; neither makes energy, and what dies is dissipated. The dashpots of patches that
-//!   press the same way add up to those of one contact.
+//! - Walls are rigid and have no field of their own; their penalty is 2 p, so that a face lies on a wall as
+//!   stiffly as on an equal face. Against deformable bodies it is 4 p, as if the wall were their mirror image
+//!   ([`WallResponse`]).
+//! - Damping: a dashpot along grad U whose rate depends on U. Its ratio ζ alone sets the coefficient of
+//!   [`restitution`], for faces, edges and vertices alike. [`ContactBatch::update`] expects leapfrog
+//!   velocities, half a step old, and corrects for that lag. It also corrects the first force of a new
+//!   contact for the fraction of the step in which it has existed. With equal steps before and after the
+//!   first touch (see [`ContactBatch::may_touch`]) the error is of second order. A second dashpot resists
+//!   rocking on the patch, on which the first does not act.
+//! - Friction: anchors in both bodies stretch a tangential spring, and a torsion spring twists about the
+//!   normal; the ellipsoid (f/μF)² + (M/M_max)² = 1 bounds both. The anchors follow the patch as it moves, so
+//!   that rolling and turning under stretched springs gains no energy. Friction does not resist rolling. The
+//!   dashpot against rocking does, as a viscoelastic foundation would: for a patch, rolling is rocking. Its
+//!   resistance vanishes at ζ = 0. At the default ζ, for a ball of 0.1 m and 2560 kg/m³ at a penalty of 1
+//!   MPa, it acts like a coefficient of rolling friction of 0.13 at 0.5 m/s and of 0.015 at 0.05 m/s (test
+//!   `rolling_is_resisted_by_the_dashpot_alone` of femdem-solve).
+//! - Patches: bodies that are not convex may touch in several patches, each a [`Contact`] with a separate
+//!   friction history. A patch that splits divides its springs among the new ones, and merging patches
+//!   combine theirs by least squares. Neither creates energy, and the energy of a patch that vanishes is
+//!   dissipated. The dashpots of patches that press the same way add up to those of one contact.
 //!
 //! # Units
 //!
@@ -91,8 +92,8 @@
 //!   catalogue solids in random poses (`tests/gradient.rs`).
 //! - Everything is computed relative to the contact, not to the world's origin; positions themselves
 //!   are `f64`, so that a body 1 km away is placed to 1e-13 m.
-//! - Vertex and crossed-edge contacts are soft at first touch (F ~ δ³, an edge on a face δ², face on
-//!   face δ): these set the penetration, and faces set the time step.
+//! - Vertex and crossed-edge contacts are soft at first touch (F ~ δ³, an edge on a face δ², face on face δ).
+//!   These soft contacts determine the penetration, and faces the time step.
 //! - Every face plane must be farther from the centroid than 1e-6 of the bounding radius
 //!   ([`ContactError::TooThin`]). Overlaps of any depth have an exact gradient, but a body pushed past
 //!   another's centroid is pushed out on the far side.

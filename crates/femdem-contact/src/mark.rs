@@ -1,16 +1,16 @@
-//! How far two bodies have moved against each other since something was found out about them.
+//! Bound of the relative motion of two bodies since a recorded pose.
 //!
-//! What each of them has travelled bounds that at hardly any cost, but bodies that fall or slide together travel far and
-//! stay where they are in each other's axes.
+//! The sum of their travels is a bound that costs hardly anything, but bodies that fall or slide together
+//! travel far while their relative pose stays the same.
 
 use femdem_mesh::nalgebra::{Quaternion, Rotation3};
 use femdem_mesh::{Matrix3, Rotation, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Bound of what single precision loses, over the size of what is kept.
+/// Bound of the rounding error of single precision, relative to the size of the stored numbers.
 const SINGLE: f64 = 8.0 * f32::EPSILON as f64;
 
-/// Where B was in A's axes. Every pair has one, hence the single precision.
+/// Recorded pose of B in A's axes. Every pair stores one, hence the single precision.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Mark {
     /// Unit quaternion: i, j, k, w.
@@ -28,12 +28,12 @@ impl Mark {
         }
     }
 
-    /// How far any point of B, no further from its origin than `radius`, has moved in A's axes, and any such point of
-    /// A in B's, m, at most; not finite where single precision does not reach.
+    /// Upper bound, m, of how far any point of B within `radius` of its origin has moved in A's axes, and any
+    /// such point of A in B's axes. Not finite outside the range of single precision.
     pub fn moved(&self, rotation: &Matrix3, offset: &Vector3, radius: f64) -> f64 {
         let turned = Quaternion::from(self.rotation.map(f64::from));
         let was = Rotation::new_unchecked(turned).to_rotation_matrix();
-        // The spectral norm of the difference of two rotations.
+        // Spectral norm of the difference of two rotations.
         let turn = (rotation - was.matrix()).norm() * std::f64::consts::FRAC_1_SQRT_2;
         let shift = (offset - Vector3::from(self.offset.map(f64::from))).norm();
         let lost = SINGLE * (offset.norm() + radius) + f64::from(f32::MIN_POSITIVE);
@@ -57,8 +57,8 @@ mod tests {
     }
 
     proptest! {
-        /// No point of B moves further than told, and no point of A that B reaches; and no more is told than shift and turn
-        /// of the farthest point together.
+        /// The bound holds for every point of B, and for every point of A that B reaches. It is never more
+        /// than the shift and the rotation of the farthest point together.
         #[test]
         fn every_point_has_moved_less(
             first in vector(3.0),
@@ -72,7 +72,7 @@ mod tests {
             let moved = Mark::new(&was, &offset).moved(&now, &(offset + shift), radius);
             let of_b = (now - was) * point + shift;
             prop_assert!(of_b.norm() <= moved, "{} {moved}", of_b.norm());
-            // A point of A where that point of B is now.
+            // The point of A that coincides with that point of B now.
             let of_a = point - was.tr_mul(&(now * point + shift));
             prop_assert!(of_a.norm() <= moved, "{} {moved}", of_a.norm());
             prop_assert!(moved <= shift.norm() + turning.norm() * radius + 1e-5, "{moved}");

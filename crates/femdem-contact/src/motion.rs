@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// mass and inertia.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// Body -> world; the origin is the centroid.
+    /// Body to world; the origin is the centroid.
     pub frame: Frame,
     /// Velocity of the origin, m/s.
     pub velocity: Vector3,
@@ -20,12 +20,12 @@ pub struct Motion {
     pub inverse_inertia: Matrix3,
     /// Largest eigenvalue of `inverse_inertia`, 1/(kg m^2).
     pub inverse_inertia_max: f64,
-    /// Running bound of the distance any point of the body has travelled, m.
+    /// Upper bound of the path length of any point of the body so far, m.
     pub travelled: f64,
 }
 
 impl Motion {
-    /// A body at rest that no force moves.
+    /// A body at rest with zero inverse mass and inertia.
     pub fn fixed(frame: Frame) -> Self {
         Self {
             frame,
@@ -44,7 +44,7 @@ impl Motion {
         self.velocity + self.angular_velocity.cross(arm)
     }
 
-    /// Largest inverse mass of a unit force in any direction at `arm`, 1/kg.
+    /// Largest inverse mass against a unit force in any direction at `arm`, 1/kg.
     #[inline]
     pub fn inverse_mass_at(&self, arm: &Vector3) -> f64 {
         self.inverse_mass + self.inverse_inertia_max * arm.norm_squared()

@@ -50,7 +50,7 @@ impl From<&Pose> for Frame {
 pub(crate) struct Plane {
     pub normal: Vector3,
     pub offset: f64,
-    /// normal / offset: the gauge of this plane is gauge.x.
+    /// normal / offset: the gauge of this plane at x is gauge.x.
     pub gauge: Vector3,
 }
 
@@ -119,8 +119,8 @@ pub struct ConvexShape {
 }
 
 impl ConvexShape {
-    /// Prepares a convex polyhedron. Its centroid becomes the origin of the
-    /// kernel's body frame; [`centroid`](Self::centroid) says where it was.
+    /// Prepares a convex polyhedron. Its centroid becomes the origin of the kernel's body frame;
+    /// [`centroid`](Self::centroid) returns its original position.
     ///
     /// # Errors
     /// [`ContactError::NotConvex`], [`ContactError::TooThin`] or
@@ -225,8 +225,8 @@ impl ConvexShape {
         self.inradius
     }
 
-    /// Stiffness per unit penalty of a contact over the whole stiffest side against an equal body,
-    /// m: 2 A/h. Facets whose normals are within 18 degrees of one of them are one side.
+    /// Stiffness per unit penalty of a contact over the whole stiffest side against an equal body, m: 2 A/h.
+    /// All facets whose normals lie within 18 degrees of that of one facet count as one side.
     pub fn face_stiffness(&self) -> f64 {
         self.face_stiffness
     }
@@ -248,7 +248,7 @@ impl ConvexShape {
         support(&self.vertices, direction)
     }
 
-    /// The vertex farthest along a direction in body axes, and how far it is.
+    /// The vertex farthest along a direction in body axes, and its coordinate along it.
     pub(crate) fn support_vertex(&self, direction: &Vector3) -> (usize, f64) {
         let mut best = (0, f64::NEG_INFINITY);
         for (i, v) in self.vertices.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Sides of a body: parts of its skin that look nearly the same way.
+//! Sides of a body: parts of its skin whose normals are nearly parallel.
 
 use femdem_mesh::Vector3;
 
-/// Sides about at most this many parts of the skin are looked at.
+/// At most about this many parts of the skin are tried as centres of a side.
 const SIDES: usize = 256;
 
 /// Parts of the skin whose normals have a larger cosine (18 degrees) count as one side: a contact

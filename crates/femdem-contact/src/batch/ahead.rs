@@ -1,4 +1,4 @@
-//! What a body may touch within the step to come.
+//! Contacts that may begin within the next step.
 
 use super::ContactBatch;
 use super::pairs::{Cache, Pair};
@@ -8,30 +8,31 @@ use crate::shape::BodyShape;
 use crate::walls::WallShape;
 use femdem_mesh::Vector3;
 
-/// The rate of a free body varies within a step by its nutation; half as much again bounds it.
+/// Within a step the angular speed of a free body varies by its nutation; 1.5 times the present speed bounds
+/// it.
 const NUTATION: f64 = 1.5;
 
-/// How B moves against A.
+/// Relative motion of B against A.
 struct Approach {
-    /// Velocity of B's centroid, as seen from A, m/s.
+    /// Velocity of B's centroid relative to A, m/s.
     velocity: Vector3,
-    /// Speed at which any point of either may turn beside that, m/s.
+    /// Bound of the additional speed of any point due to both rotations, m/s.
     turning: f64,
 }
 
 impl Approach {
-    /// Largest speed along a direction from A to B at which they may close, m/s.
+    /// Largest closing speed along a direction from A to B, m/s.
     fn closing(&self, direction: &Vector3) -> f64 {
         self.turning - self.velocity.dot(direction)
     }
 }
 
 impl ContactBatch {
-    /// Whether a body may touch something that it does not touch, within `dt` (s) at the present velocities, as far as
-    /// is known of its pairs. `bodies` and `walls` as in the last [`update`](Self::update).
+    /// Whether a body may begin to touch something within `dt` (s) at the present velocities, judged from its
+    /// candidate pairs. `bodies` and `walls` as in the last [`update`](Self::update).
     ///
-    /// Whoever chooses steps may want one before a touch that is no longer than one after it: then the dashpots know
-    /// how long a new contact has lasted.
+    /// Use this to keep the step before a first touch no longer than the steps after it; the dashpot's
+    /// correction for new contacts assumes equal steps.
     pub fn may_touch(&self, body: BodyId, bodies: &[Motion], walls: &[Motion], dt: f64) -> bool {
         self.pairs.of(body).any(|pair| {
             let a = match pair.a {
@@ -50,7 +51,7 @@ impl ContactBatch {
             return false;
         }
         let convex = |body: BodyId| self.shape_of(body)?.convex();
-        // The budget of a cache counts all motion. A plane between the two tells what brings them together.
+        // The travel budget of a cache counts all motion; a plane between the two counts only closing motion.
         let close = |gap: f64, direction: &Vector3| gap < approach.closing(direction) * dt;
         match (&pair.cache, pair.a) {
             (Cache::Body(cache), Partner::Body(i)) => {
@@ -78,7 +79,7 @@ impl ContactBatch {
         let radius = self.shape_of(pair.b).map_or(0.0, BodyShape::radius);
         let (carried, of_a) = match pair.a {
             Partner::Body(i) => (a.velocity, self.shape_of(i).map_or(0.0, BodyShape::radius)),
-            // A wall has no end: it is seen from where the body is.
+            // A wall is unbounded: its velocity is taken at the centre of the body.
             Partner::Wall(_) => {
                 let arm = b.frame.position - a.frame.position;
                 (a.velocity_at(&arm), radius)

@@ -17,7 +17,7 @@ use std::sync::Arc;
 #[cfg(feature = "parallel")]
 use super::SERIAL_BELOW;
 
-/// A pair with a mesh costs as much as this many convex pairs, when pairs are handed out.
+/// Cost of a pair with a mesh in convex pairs, for distributing pairs over threads.
 #[cfg(feature = "parallel")]
 const MESH_PAIR: usize = 16;
 
@@ -28,23 +28,24 @@ pub(crate) struct Workspace {
     general: GeneralScratch,
 }
 
-/// A convex contact that moves by less than this many of its depths within a step is not looked at ahead: hardly any
-/// becomes [much harder](HARDER).
+/// A convex contact that moves by less than this many of its depths within a step is not evaluated at the
+/// predicted pose: hardly any becomes [much harder](HARDER).
 const DEPTHS: f64 = 5.0;
 
-/// A convex contact is taken ahead if its force there is this many times what its stiffness tells.
+/// A convex contact is evaluated at the predicted pose if its force there exceeds this factor times the
+/// linear prediction F + k d.
 const HARDER: f64 = 2.0;
 
-/// What every pair of one update shares.
+/// Data shared by all pairs of one update.
 pub(crate) struct Context<'a> {
     pub pair: PairKernel,
     pub cavity: CavityKernel,
     pub general: GeneralKernel,
     pub parameters: ContactParameters,
-    /// The law where A is a wall.
+    /// The law of pairs whose side A is a wall.
     pub at_walls: ContactParameters,
     pub shapes: &'a [BodyShape],
-    /// Fans of the convex shapes, where there is a mesh.
+    /// Fans of the convex shapes; empty as long as there is no mesh.
     pub fans: &'a [Option<Arc<FieldMesh>>],
     pub body_shapes: &'a [u32],
     pub wall_shapes: &'a [WallShape],
@@ -80,7 +81,7 @@ impl Context<'_> {
         }
     }
 
-    /// Whether the caches alone tell that the pair is apart.
+    /// Whether the caches alone show that the pair is apart.
     fn is_clear(&self, pair: &Pair) -> bool {
         let travelled = self.motion_a(pair.a).travelled + self.bodies[pair.b as usize].travelled;
         pair.is_clear(travelled)
@@ -90,7 +91,8 @@ impl Context<'_> {
             }
     }
 
-    /// Whether what the cache of a pair with a mesh knows is all of the wall that the body can reach.
+    /// Whether the cached part of the wall contains all that the body can reach. True for pairs without such
+    /// a part.
     fn sees_wall(&self, pair: &Pair, mesh: &MeshPair) -> bool {
         let Partner::Wall(w) = pair.a else {
             return true;
@@ -100,7 +102,7 @@ impl Context<'_> {
         local.is_none_or(|(_, body)| mesh.local.holds(&self.in_wall(w, pair.b), body.radius()))
     }
 
-    /// Where a body is, in the axes of a wall, m.
+    /// Position of a body in the axes of a wall, m.
     fn in_wall(&self, wall: u32, body: BodyId) -> Vector3 {
         let frame = &self.walls[wall as usize].frame;
         let from_wall = self.bodies[body as usize].frame.position - frame.position;
@@ -131,8 +133,8 @@ impl Context<'_> {
         }
     }
 
-    /// Takes a contact as foreseen ahead if it is much harder there than its stiffness tells: a body tips over an edge, and
-    /// a face comes down.
+    /// Replaces a contact by the one at the predicted pose if its force is much larger there than its
+    /// stiffness says, as when a body tips over an edge and a face comes down.
     fn foresee_if_harder(&self, pair: &mut Pair, scratch: &mut Scratch) {
         let (a, b) = (self.motion_a(pair.a), &self.bodies[pair.b as usize]);
         let Some(Touch { friction, contact }) = pair.touch.as_deref_mut() else {
@@ -151,7 +153,7 @@ impl Context<'_> {
             return;
         };
         if overlap.force_magnitude() > HARDER * expected {
-            // The friction that is remembered stays that of the present place.
+            // The stored friction state stays that of the present pose.
             let mut friction = *friction;
             *contact = self.touch((pair.a, pair.b, 0), &overlap, None, &mut friction);
             contact.foreseen = true;
@@ -184,7 +186,7 @@ impl Context<'_> {
         }
     }
 
-    /// Evaluates a pair with a mesh and carries its patches over from the last step.
+    /// Evaluates a pair with a mesh and matches its patches with those of the last step.
     fn evaluate_mesh(
         &self,
         a: Partner,
@@ -253,8 +255,8 @@ impl Context<'_> {
         )
     }
 
-    /// Damping and friction of one patch, whose state is advanced; `whole` is all of the pair
-    /// if there are several.
+    /// Damping and friction of one patch, whose state is advanced; `whole` is the whole pair if it has
+    /// several patches.
     fn touch(
         &self,
         ids: Ids,
@@ -263,7 +265,7 @@ impl Context<'_> {
         state: &mut FrictionState,
     ) -> Contact {
         let (a, b) = (self.motion_a(ids.0), &self.bodies[ids.1 as usize]);
-        // Whoever asks for springs alone takes the dashpots in a way of his own.
+        // A host that asks for springs alone applies the dashpots itself, without these corrections.
         let moment = if self.pace.dashpots {
             Moment {
                 dt: self.pace.dt,
@@ -293,7 +295,7 @@ impl Context<'_> {
     }
 }
 
-/// The bodies as they are, and as they would be at the end of the step where that is asked for.
+/// The bodies at their present poses and, if requested, at those predicted for the end of the step.
 #[derive(Clone, Copy)]
 pub(crate) struct Views<'a> {
     pub now: &'a Context<'a>,
@@ -301,7 +303,7 @@ pub(crate) struct Views<'a> {
 }
 
 impl Views<'_> {
-    /// Whether the caches alone tell that the pair is apart, now and ahead.
+    /// Whether the caches alone show that the pair is apart, now and at the predicted poses.
     fn is_clear(&self, pair: &Pair) -> bool {
         match self.ahead {
             Some(ahead) => !pair.touches() && ahead.is_clear(pair),
@@ -309,7 +311,8 @@ impl Views<'_> {
         }
     }
 
-    /// Evaluates one pair in place: as it is if it touches, unless it becomes much harder, else ahead.
+    /// Evaluates one pair in place: at the present poses if it touches and does not become much harder, else
+    /// at the predicted ones.
     fn evaluate(&self, pair: &mut Pair, work: &mut Workspace) {
         let Some(ahead) = self.ahead else {
             self.now.evaluate(pair, work);
@@ -329,11 +332,11 @@ impl Views<'_> {
     }
 }
 
-/// Evaluates all pairs of the order and shows them to `seen` in that order. Each pair is written in its own
-/// slot, so the number of threads changes no bit.
+/// Evaluates all pairs in order and passes them to `seen` in that order. Each pair is written to its own
+/// slot, so the results are the same bits with any number of threads.
 ///
-/// One thread evaluates and shows a pair in one go: in a large pack each look at a pair that was not looked at just
-/// before waits for memory.
+/// A single thread evaluates a pair and passes it on at once: in a large pack a second visit to a pair would
+/// be a cache miss.
 pub(crate) fn run(views: Views, pairs: &mut PairTable, mut seen: impl FnMut(&Pair)) {
     #[cfg(feature = "parallel")]
     if rayon::current_num_threads() > 1 && hand_out(views, pairs) {
@@ -352,7 +355,7 @@ pub(crate) fn run(views: Views, pairs: &mut PairTable, mut seen: impl FnMut(&Pai
     }
 }
 
-/// Evaluates the pairs on all threads, unless they are too few.
+/// Evaluates the pairs on all threads, or returns false if they are too few.
 #[cfg(feature = "parallel")]
 fn hand_out(views: Views, pairs: &mut PairTable) -> bool {
     use rayon::prelude::*;

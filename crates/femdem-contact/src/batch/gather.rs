@@ -5,7 +5,7 @@ use super::pairs::Pair;
 use crate::contact::{BodyId, Load, Partner};
 use serde::{Deserialize, Serialize};
 
-/// Loads of bodies and of walls, and totals, from pairs that are added in their order.
+/// Loads of bodies and of walls, and totals. Pairs are added in their order.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Sums {
     pub loads: Vec<Load>,
@@ -14,7 +14,7 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// Begins anew without any pair; loads of sleeping bodies stay as they are.
+    /// Resets the sums; loads of sleeping bodies stay as they are.
     pub fn begin(&mut self, awake: &[BodyId]) {
         for &i in awake {
             self.loads[i as usize] = Load::default();

@@ -1,10 +1,10 @@
-//! Which patch of a pair was which one step ago: friction history through slip, splits and
-//! merges.
+//! Matching of the patches of a pair with those of one step ago, which carries the friction history through
+//! slip, splits and merges.
 //!
-//! A patch goes on from the old patch with its key, or from the nearest one; a patch that splits
-//! has several heirs, each with its part of the bristles, and an old patch that nobody goes on
-//! from joins the nearest new one. What is too far for either dies, and its springs' energy is
-//! dissipated. All in index order, so that the outcome is a function of the state.
+//! A patch continues the old patch with its key, or else the nearest one. A patch that splits has several
+//! heirs, which share its bristles. An old patch without heir is merged into the nearest new one. A patch too
+//! far away for either vanishes, and the energy of its springs is dissipated. Everything is done in index
+//! order, so that the outcome is a function of the state.
 
 use crate::contact::Contact;
 use crate::friction::{FrictionState, Springs};
@@ -13,13 +13,13 @@ use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Patches farther apart than this many times their summed radii are strangers.
+/// Patches farther apart than this many times the sum of their radii are not matched.
 const REACH: f64 = 4.0;
 
 /// A patch on record.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct PatchRecord {
-    /// The kernel's name for it.
+    /// The key that the kernel gave to it.
     pub key: [u32; 2],
     /// The contact point in the axes of A and of B, m from their origins.
     place: [Vector3; 2],
@@ -49,13 +49,13 @@ impl PatchRecord {
         }
     }
 
-    /// The names have changed: only places tell patches apart.
+    /// Invalidates the key: the kernel's keys have changed, and only positions match patches now.
     pub fn forget_key(&mut self) {
         self.key = [u32::MAX; 2];
     }
 
-    /// Distance of a patch from where this one has been carried by both bodies, if it is within
-    /// reach, m.
+    /// Distance (m) between a patch and the present place of this one, carried along by both bodies, if
+    /// within reach.
     fn distance(&self, overlap: &Overlap, [a, b]: [&Motion; 2]) -> Option<f64> {
         let by_a = a.frame.rotation * self.place[0];
         let by_b = overlap.arm_a - overlap.arm_b + b.frame.rotation * self.place[1];
@@ -65,8 +65,8 @@ impl PatchRecord {
     }
 }
 
-/// The friction states of the patches found now, before they are advanced, from those on record.
-/// `ratio` is the tangential over the normal stiffness.
+/// Initial friction states of the patches found now, taken from the recorded ones. `ratio` is the tangential
+/// over the normal stiffness.
 pub(crate) fn inherit(
     old: &[PatchRecord],
     new: &[([u32; 2], &Overlap)],
@@ -101,7 +101,7 @@ pub(crate) fn inherit(
     states
 }
 
-/// Old patches that each new one goes on from, ascending.
+/// The old patches that each new one continues, ascending.
 fn parents(
     old: &[PatchRecord],
     new: &[([u32; 2], &Overlap)],
@@ -140,8 +140,8 @@ fn nearest(distances: impl Iterator<Item = Option<f64>>) -> Option<usize> {
     best.map(|(i, _)| i)
 }
 
-/// The springs that each new patch takes over from its parents, and whether they are all of that
-/// parent's. Heirs of one parent share it by their stiffness.
+/// The springs that each new patch takes over from its parents, and whether they are all of the parent's
+/// springs. Heirs of one parent share its springs by their stiffness.
 fn parts(
     old: &[PatchRecord],
     new: &[([u32; 2], &Overlap)],
@@ -167,7 +167,7 @@ fn parts(
     parents.iter().enumerate().map(list).collect()
 }
 
-/// Splits and merges redistribute the bristles; they give no energy.
+/// Limits the energy: splits and merges redistribute the bristles and create no energy.
 fn limit_energy(
     old: &[PatchRecord],
     new: &[([u32; 2], &Overlap)],
@@ -179,7 +179,7 @@ fn limit_energy(
         .iter()
         .map(|o| o.friction.springs(a, b).energy(&o.contact.normal))
         .sum();
-    // A patch that is softer than what it took over holds its own stiffness times the stretch.
+    // A patch that is softer than the springs it took over stores its own stiffness times the stretch.
     let held = |(state, (_, overlap)): (&FrictionState, &([u32; 2], &Overlap))| {
         let mut springs = state.springs(a, b);
         springs.stiffness = springs.stiffness.min(ratio * overlap.stiffness.max(0.0));
@@ -291,7 +291,7 @@ mod tests {
             &forces(&old, &[(0.01, 10.0), (5.02, 20.0)]),
             &[8e-3, 16e-3]
         ));
-        // Both heirs of the first are within reach of it alone: they share by stiffness.
+        // Both heirs of the first are within reach of it alone, so they share by stiffness.
         let split = forces(&old, &[(-0.2, 2.0), (0.3, 6.0), (5.0, 20.0)]);
         assert!(near(&split, &[2e-3, 6e-3, 16e-3]), "{split:?}");
         let close = records(&[(0.0, 10.0), (0.4, 30.0)], &body);

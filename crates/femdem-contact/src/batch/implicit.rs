@@ -1,12 +1,12 @@
-//! What a linearly implicit step needs of the contacts: springs and dashpots apart, contacts that are
-//! about to close, and forces put back in their place.
+//! Contacts for a linearly implicit step: springs and dashpots separately, contacts that are about to close,
+//! and replaced forces.
 
 use super::ContactBatch;
 use crate::contact::{Contact, ContactForce};
 use crate::error::ContactError;
 use crate::motion::Motion;
 
-/// Where all bodies and walls are.
+/// The poses and velocities of all bodies and walls at one time.
 #[derive(Debug, Clone, Copy)]
 pub struct Snapshot<'a> {
     /// One motion per added body.
@@ -18,16 +18,18 @@ pub struct Snapshot<'a> {
 }
 
 impl ContactBatch {
-    /// As [`update`](Self::update), with two differences. Dashpots exert no force: every contact has the
-    /// forces of its springs, and tells its viscosities ([`Contact::dashpots`]); friction springs of a patch that
-    /// slides carry what the dashpots leave of the bound, as they do there. And pairs that do not touch
-    /// are looked at ahead: where the bodies would be at the end of the step with their present
-    /// velocities. A contact found there is [foreseen](Contact::foreseen); so is one of two convex bodies, or of one and a
-    /// wall of planes, that becomes much harder within the step, as where a body tips over an edge and a face comes down.
+    /// As [`update`](Self::update), with two differences. First, dashpots exert no force: every contact has
+    /// the forces of its springs, and its viscosities are in [`Contact::dashpots`]. The friction springs of a
+    /// sliding patch carry what the dashpots leave of the bound, as in `update`. Second, pairs that do not
+    /// touch are evaluated at the poses predicted for the end of the step from the present velocities. A
+    /// contact found there is [foreseen](Contact::foreseen). So is a contact of two convex bodies, or of one
+    /// and a wall of planes, that becomes much harder within the step, as when a body tips over an edge and a
+    /// face comes down.
     ///
-    /// This is for an implicit step, which finds the forces together with the velocities at its end
-    /// and hands them back to [`set_forces`](Self::set_forces). `travelled` must not be less
-    /// ahead than it is now, and what lies between a place ahead and the next one counts, too.
+    /// This is for an implicit step, which solves for the forces together with the velocities at its end and
+    /// passes them to [`set_forces`](Self::set_forces). [`Motion::travelled`](crate::Motion::travelled) must
+    /// never decrease from one evaluation to the next, including between predicted and actual poses: add the
+    /// distance between them.
     ///
     /// # Errors
     /// As [`update`](Self::update).
@@ -35,17 +37,16 @@ impl ContactBatch {
         self.advance(now, Some(ahead))
     }
 
-    /// The contacts that the last update evaluated, in its order.
+    /// The contacts evaluated in the last update, in its order.
     pub fn evaluated(&self) -> impl Iterator<Item = &Contact> {
         self.pairs.evaluated().flat_map(|pair| pair.contacts())
     }
 
-    /// Replaces the forces of the contacts that the last update evaluated, in the order of
-    /// [`evaluated`](Self::evaluated), and sums the loads anew.
+    /// Replaces the forces of the contacts evaluated in the last update, given in the order of
+    /// [`evaluated`](Self::evaluated), and sums the loads again.
     ///
     /// # Errors
-    /// [`ContactError::StateCount`] unless there are as many forces as contacts; nothing has changed
-    /// then.
+    /// [`ContactError::StateCount`] if the numbers of forces and contacts differ; nothing is changed then.
     pub fn set_forces(&mut self, forces: &[ContactForce]) -> Result<(), ContactError> {
         let expected = self.evaluated().count();
         if forces.len() != expected {

@@ -1,19 +1,21 @@
-//! Where pairs lie in memory.
+//! Layout of pairs in memory.
 //!
-//! Pairs come and go as bodies move, and a new one takes the place that another has left. In a pack that no
-//! cache holds, a pair that does not lie behind the one evaluated before it must be waited for. No result
-//! depends on where a pair lies.
+//! Pairs come and go as bodies move, and a new one takes the slot of one that has ended. If the pack does not
+//! fit the processor cache, evaluating pairs out of memory order costs a cache miss per pair. No result
+//! depends on the layout.
 
 use super::pairs::PairTable;
 
-/// Pairs are laid out anew when one in this many lies before the one that is evaluated before it.
+/// Pairs are laid out again when one in this many lies in memory before its predecessor in the order of
+/// evaluation.
 const OUT_OF_ORDER: usize = 8;
 
 /// Fewer pairs than this fit a cache in any order.
 const FEW: usize = 1024;
 
 impl PairTable {
-    /// Lays the pairs out in the order of evaluation, if all of them are evaluated and many are out of order.
+    /// Sorts the pairs in memory by order of evaluation, if all of them are evaluated and many are out of
+    /// order.
     pub(super) fn lay_out(&mut self) {
         let live = self.slots.len() - self.free.len();
         if live < FEW || self.order.len() != live {
@@ -27,7 +29,7 @@ impl PairTable {
         let mut pairs = Vec::with_capacity(live + live / 8);
         for (rank, slot) in (0..).zip(&mut self.order) {
             moved_to[*slot as usize] = rank;
-            // A copy, made while the old ones are still there: what is boxed lies in this order too.
+            // Cloned while the old ones still exist, so that the boxed parts are allocated in this order too.
             pairs.push(self.slots[*slot as usize].clone());
             *slot = rank;
         }
@@ -45,7 +47,8 @@ mod tests {
     use crate::batch::pairs::Neighbour;
     use crate::contact::Partner;
 
-    /// Bodies in a row, each next to the four before and after it; entered from the last to the first.
+    /// Bodies in a row, each a neighbour of the four before and the four after it; entered from the last to
+    /// the first.
     fn scrambled(bodies: u32) -> PairTable {
         let mut table = PairTable::default();
         for _ in 0..bodies {
@@ -56,14 +59,14 @@ mod tests {
             let list: Vec<u32> = near.filter(|&other| other != body).collect();
             table.set_neighbours(body, &list);
         }
-        // Some go, and leave room among the others.
+        // Some are removed and leave gaps among the others.
         for body in (4..bodies).step_by(50) {
             table.set_neighbours(body, &[]);
         }
         table
     }
 
-    /// The pairs of each body, as its list finds them.
+    /// The pairs of each body, as found through its list.
     fn found(table: &PairTable) -> Vec<Vec<(Partner, u32)>> {
         let of = |list: &Vec<Neighbour>| {
             let pair = |n: &Neighbour| table.slot(n.slot);
@@ -92,7 +95,8 @@ mod tests {
         let pairs = evaluated(&table);
         assert!(pairs.is_sorted());
 
-        // With sleepers whose neighbours sleep not all are evaluated: nothing moves, nothing is lost.
+        // Where sleeping bodies have sleeping neighbours, not all pairs are evaluated: nothing is moved,
+        // nothing is lost.
         let mut asleep = scrambled(BODIES);
         let mut awake = [true; BODIES as usize];
         awake[..20].fill(false);

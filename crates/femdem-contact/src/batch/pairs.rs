@@ -9,11 +9,11 @@ use crate::kernel::{CavityCache, PairCache};
 use crate::walls::LocalSolid;
 use serde::{Deserialize, Serialize};
 
-/// A neighbour code: bodies by index, walls above them.
+/// Neighbour code: bodies by index, walls by index plus this.
 const WALL: u32 = 1 << 31;
 
-/// What is remembered of a candidate pair. Convex pairs keep their one patch here, others keep
-/// theirs in the cache. Half of the pairs of a pack do not touch: what belongs to a contact is boxed.
+/// The stored data of a candidate pair. A convex pair stores its one patch here, others store theirs in the
+/// cache. Half of the pairs of a pack do not touch, so the data of a contact is boxed.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Pair {
     pub a: Partner,
@@ -22,7 +22,7 @@ pub(crate) struct Pair {
     pub touch: Option<Box<Touch>>,
 }
 
-/// A contact and the memory of its friction.
+/// A contact and its friction state.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Touch {
     pub friction: FrictionState,
@@ -61,7 +61,7 @@ impl Pair {
             .chain(patches.iter_mut().map(|p| &mut p.contact))
     }
 
-    /// Whether the cache tells that the two are apart once they have travelled so far in sum, m.
+    /// Whether the cache shows that the two are apart when the sum of their travels is `travelled`, m.
     pub fn is_clear(&self, travelled: f64) -> bool {
         match &self.cache {
             Cache::Body(cache) => cache.is_clear(travelled),
@@ -70,7 +70,7 @@ impl Pair {
         }
     }
 
-    /// Forgets contacts and friction: the two are apart.
+    /// Drops contacts and friction: the two are apart.
     pub fn part(&mut self) {
         self.touch = None;
         if let Cache::Mesh(mesh) = &mut self.cache {
@@ -79,7 +79,7 @@ impl Pair {
     }
 }
 
-/// The kernel's memory for each kind of pair.
+/// The kernel's cache for each kind of pair.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) enum Cache {
     Body(PairCache),
@@ -87,7 +87,7 @@ pub(crate) enum Cache {
     Mesh(Box<MeshPair>),
 }
 
-/// What is remembered of a pair with a mesh.
+/// The stored data of a pair with a mesh.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct MeshPair {
     pub cache: GeneralCache,
@@ -356,7 +356,7 @@ impl PairTable {
     }
 }
 
-/// Makes room for one more, in a list that may be long: by an eighth, not by doubling it.
+/// Reserves room for one more entry in a list that may be long: grows by an eighth instead of doubling.
 fn reserve_one<T>(list: &mut Vec<T>) {
     if list.len() == list.capacity() {
         list.reserve_exact(list.len() / 8 + 16);

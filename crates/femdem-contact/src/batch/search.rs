@@ -7,7 +7,7 @@ use crate::motion::Motion;
 use crate::shape::BodyShape;
 
 impl ContactBatch {
-    /// Enters bodies that fell asleep before their first update: others must meet them.
+    /// Enters bodies that fell asleep before their first update, so that others find them.
     pub(super) fn find_never_entered(
         &mut self,
         bodies: &[Motion],
@@ -26,7 +26,7 @@ impl ContactBatch {
         Ok(())
     }
 
-    /// Enters a body and finds what is near it.
+    /// Enters a body and finds its neighbours.
     fn enter(&mut self, i: usize, motion: &Motion, walls: &[Motion], neighbours: &mut Vec<u32>) {
         let shape = &self.shapes[self.body_shapes[i] as usize];
         self.broadphase.enter(i, shape, motion);
@@ -35,8 +35,9 @@ impl ContactBatch {
         self.search_walls(i, motion, walls);
     }
 
-    /// Refreshes the neighbours of bodies and walls that have left their skins, or would in another step like the last:
-    /// what may be met in the step to come is known then ([`may_touch`](Self::may_touch)).
+    /// Refreshes the neighbours of bodies and walls that have left their skins, or would in another step like
+    /// the last. The contacts possible in the next step are then among the candidates
+    /// ([`may_touch`](Self::may_touch)).
     pub(super) fn search(&mut self, view: Snapshot) -> Result<(), ContactError> {
         let Snapshot { bodies, walls, dt } = view;
         let mut walls_moved = false;
@@ -75,7 +76,7 @@ impl ContactBatch {
 
     fn search_walls(&mut self, body: usize, motion: &Motion, walls: &[Motion]) {
         let shape = &self.shapes[self.body_shapes[body] as usize];
-        // The body may travel two half skins before this is asked again at the latest.
+        // The body may travel up to two half skins before the next such search.
         let reach = shape.radius() + 2.0 * Broadphase::half_skin(shape) + self.wall_skin();
         let near: Vec<u32> = (0..self.walls.len())
             .filter(|&w| {

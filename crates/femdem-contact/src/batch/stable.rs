@@ -6,7 +6,7 @@ use crate::generalized::Resistance;
 use crate::motion::Motion;
 
 impl ContactBatch {
-    /// The springs and dashpots of all contacts of a body on record. Sleeping partners do not move.
+    /// The springs and dashpots of all recorded contacts of a body. Sleeping partners do not move.
     pub fn resistance_of(&self, body: BodyId) -> Resistance {
         let mut resistance = Resistance::default();
         for contact in self.contacts_of(body) {
@@ -18,7 +18,8 @@ impl ContactBatch {
     }
 
     /// The largest step for which the contacts of a body are stable, at most `most`, s: that of
-    /// [`Resistance::largest_step`], beside sleeping partners that do not move. `others` is what opposes the body besides this batch.
+    /// [`Resistance::largest_step`], with sleeping partners fixed. `others` holds springs and dashpots on the
+    /// body from outside this batch.
     pub fn largest_step(
         &self,
         body: BodyId,

@@ -5,23 +5,23 @@ use crate::general::SolidWall;
 use femdem_mesh::{Point3, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// How far a body may move before its solid is made anew, over its radius.
+/// How far a body may move before its solid is rebuilt, over its radius.
 const LASTS: f64 = 0.5;
 
 /// Half-width of the part of the wall, over the body's radius.
 const REACH: f64 = 2.0;
 
-/// Points closer than this part of the body's radius are one.
+/// Points closer than this fraction of the body's radius are merged.
 const SAME: f64 = 1e-9;
 
-/// The part of a wall that a body can reach from where it is.
+/// The part of a wall that a body can reach from its present position.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct LocalSolid {
-    /// Where the body was when this was made, in the wall's axes, m.
+    /// Position of the body when this was built, in the wall's axes, m.
     centre: Option<Vector3>,
-    /// The radius that it was made for, m.
+    /// The radius of that body, m.
     radius: f64,
-    /// Made from the wall and `centre`; `None` if no plane is within reach.
+    /// Built from the wall and `centre`; `None` if no plane is within reach.
     #[serde(skip)]
     solid: Option<Box<SolidWall>>,
     #[serde(skip)]
@@ -29,8 +29,7 @@ pub(crate) struct LocalSolid {
 }
 
 impl LocalSolid {
-    /// The wall near a body of `radius` at `x` (in the wall's axes), and whether it is another
-    /// solid than before.
+    /// The wall near a body of `radius` at `x` (in the wall's axes), and whether the solid was rebuilt.
     pub fn near(&mut self, wall: &Wall, x: &Vector3, radius: f64) -> (Option<&SolidWall>, bool) {
         let fresh = !self.holds(x, radius);
         let centre = match self.centre {
@@ -46,7 +45,7 @@ impl LocalSolid {
         (self.solid.as_deref(), fresh)
     }
 
-    /// Whether a body of `radius` at `x` can reach nothing else of the wall.
+    /// Whether the stored part contains all of the wall that a body of `radius` at `x` can reach.
     pub fn holds(&self, x: &Vector3, radius: f64) -> bool {
         let stays = |c: &Vector3| (x - c).norm() <= LASTS * radius;
         radius == self.radius && self.centre.as_ref().is_some_and(stays)
@@ -77,7 +76,8 @@ fn build(wall: &Wall, centre: &Vector3, radius: f64) -> Option<SolidWall> {
     Some(SolidWall::solid(&moved))
 }
 
-/// The planes with the sides of a box that the body cannot reach, which join faces that do not meet: those of a slot.
+/// The planes together with the sides of a box out of the body's reach, which close the space between faces
+/// that do not meet, as those of a slot.
 fn enclosed(planes: &[WallPlane], reach: f64) -> Vec<WallPlane> {
     planes.iter().copied().chain(sides(reach)).collect()
 }
@@ -94,13 +94,13 @@ fn sides(reach: f64) -> impl Iterator<Item = WallPlane> {
     })
 }
 
-/// The plane that the body is deepest behind.
+/// The plane of which the body lies deepest on the wrong side.
 fn nearest(planes: &[WallPlane]) -> Option<&WallPlane> {
     planes.iter().max_by(|a, b| a.offset.total_cmp(&b.offset))
 }
 
-/// One tetrahedron under a plane that holds all of the ball of radius `reach` about the origin
-/// behind the plane, and more.
+/// One tetrahedron under a plane that contains the part of the ball of radius `reach` about the origin behind
+/// the plane, and more.
 fn half_space(plane: &WallPlane, reach: f64) -> Option<TetMesh> {
     let n = &plane.normal;
     let [_, e1, e2] = crate::kernel::complete(n);
@@ -118,8 +118,8 @@ fn half_space(plane: &WallPlane, reach: f64) -> Option<TetMesh> {
     TetMesh::new(points, vec![[0, 2, 1, 3]]).ok()
 }
 
-/// The shell around the free space that the planes leave of a box: over each face of the space a
-/// frustum, widening from a point inside.
+/// The shell around the free space that the planes leave of a box: over each face of the space a frustum that
+/// widens away from a point inside.
 fn shell(planes: &[WallPlane], reach: f64, same: f64) -> Option<TetMesh> {
     let inside = interior_point(planes, reach)?;
     let depth = |p: &WallPlane| p.normal.dot(&inside) - p.offset;
@@ -164,7 +164,7 @@ fn shell(planes: &[WallPlane], reach: f64, same: f64) -> Option<TetMesh> {
     TetMesh::new(points.into_iter().map(Point3::from).collect(), tets).ok()
 }
 
-/// A point in the free space, as far from the planes as half the reach where there is room.
+/// A point in the free space, at a distance of half the reach from the planes where there is room.
 fn interior_point(planes: &[WallPlane], reach: f64) -> Option<Vector3> {
     for share in [0.5, 0.1, 0.02] {
         let mut x = Vector3::zeros();
@@ -219,7 +219,7 @@ fn clip(polygon: &[Vector3], plane: &WallPlane, same: f64) -> Vec<Vector3> {
     kept
 }
 
-/// Index of a point, an earlier one if there is one within `same`.
+/// Index of a point; an earlier point within `same` is reused.
 fn weld(points: &mut Vec<Vector3>, x: Vector3, same: f64) -> u32 {
     let known = points.iter().position(|p| (p - x).norm() <= 16.0 * same);
     let index = known.unwrap_or_else(|| {

@@ -9,9 +9,8 @@ use std::sync::Arc;
 
 /// A rigid wall that fills the space of a mesh. Cheap to clone.
 ///
-/// The wall has no field: a body that lies in it is pushed out the way the body's own field
-/// points, so the wall must be thicker than the deepest overlap, and a body that gets through it
-/// is outside.
+/// The wall has no field: a body that overlaps it is pushed along the gradient of the body's own field. So
+/// the wall must be thicker than the deepest overlap; a body that passes through it ends up outside.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(try_from = "Source", into = "Source")]
 pub struct MeshWall {
@@ -24,7 +23,7 @@ struct Inner {
     solid: SolidWall,
 }
 
-/// What a wall is made from, and is stored as.
+/// The data that a wall is built from and stored as.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Source {
     name: String,
@@ -133,7 +132,7 @@ impl MeshWall {
         &self.inner.source.name
     }
 
-    /// The wall as the kernel takes it.
+    /// The wall as input of the general kernel.
     pub fn solid_wall(&self) -> &SolidWall {
         &self.inner.solid
     }

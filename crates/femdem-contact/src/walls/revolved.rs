@@ -209,8 +209,8 @@ fn revolve(profile: &[[f64; 2]], thickness: f64, facets: u32) -> Result<TetMesh,
     solid(points, tets)
 }
 
-/// The six ways through a cell along its axes (Kuhn's tetrahedra), which fit those of its
-/// neighbours.
+/// The six paths through a cell along its axes (Kuhn's tetrahedra), which match those of the neighbouring
+/// cells.
 const PATHS: [[usize; 3]; 6] = [
     [0, 1, 2],
     [0, 2, 1],
@@ -240,8 +240,8 @@ mod tests {
             thickness: t,
             facets: n,
         };
-        // Cone frusta: h/3 (R^2 + R r + r^2); outer radii from the slant of the cone, cut off
-        // square to it at the outlet.
+        // Cone frusta: h/3 (R^2 + R r + r^2); outer radii from the slant of the cone, cut off square to it at
+        // the outlet.
         let frustum = |h: f64, a: f64, b: f64| h / 3.0 * (a * a + a * b + b * b);
         let slant = 0.4_f64.hypot(0.4);
         let (dr, dz) = (t * 0.4 / slant, -t * 0.4 / slant);
