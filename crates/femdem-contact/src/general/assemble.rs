@@ -1,11 +1,11 @@
-//! From the sums of a patch to its contact.
+//! Conversion of the sums of a patch to its contact.
 
 use super::sums::Sums;
 use crate::kernel::{MEAN_OVER_RMS, Overlap};
 use femdem_mesh::{Matrix3, Vector3};
 
-/// The energy as a function of I = int of the fields and the overlap volume V: U(I, V), by its
-/// value and derivatives at a pair's totals.
+/// The energy as a function U(I, V) of I, the integral of the fields, and the overlap volume V: its value and
+/// derivatives at the totals of a pair.
 pub(crate) struct Energy {
     /// dU/dI and dU/dV.
     by_integral: f64,
@@ -15,7 +15,7 @@ pub(crate) struct Energy {
     curvature: Option<Curvature>,
 }
 
-/// Second derivatives, and the totals' gradients that they multiply.
+/// Second derivatives, and the gradients of the totals by which they are multiplied.
 struct Curvature {
     integral2: f64,
     mixed: f64,
@@ -53,7 +53,7 @@ impl Energy {
         }
     }
 
-    /// What the curvature of U(I, V) adds to the stiffness of the pair.
+    /// Contribution of the curvature of U(I, V) to the stiffness of the pair.
     fn stiffness(&self) -> f64 {
         self.curvature.as_ref().map_or(0.0, |c| {
             c.integral2 * c.force.norm_squared()
@@ -63,8 +63,8 @@ impl Energy {
     }
 }
 
-/// The contact of a patch in world axes; `None` if nothing presses. The sums are in A's axes about
-/// `origin`, and `between` goes from A's origin to B's.
+/// The contact of a patch in world axes; `None` if there is no net force. The sums are in A's axes about
+/// `origin`, and `between` points from A's origin to B's.
 pub(crate) fn assemble(
     sums: &Sums,
     energy: &Energy,
@@ -73,7 +73,7 @@ pub(crate) fn assemble(
     between: &Vector3,
 ) -> Option<Overlap> {
     let (di, dv) = (energy.by_integral, energy.by_volume);
-    // Both skins' vector areas are equal but for sign and round-off.
+    // The vector areas of both skins are equal up to sign and round-off.
     let area = sums.area * 0.5;
     let force = sums.force * di + area * dv;
     let torque = sums.torque * di + sums.area_torque * (0.5 * dv);

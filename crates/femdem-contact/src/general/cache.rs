@@ -1,4 +1,4 @@
-//! Which tetrahedra of a pair can meet, and for how long that is known.
+//! Cached lists of the tetrahedra of a pair that can meet, and how long they stay valid.
 
 use super::cells::Cells;
 use super::near_list::{Candidate, NearList, Search, Within, members, place};
@@ -9,15 +9,15 @@ use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::convert::Infallible;
 
-/// What the general kernel remembers of a pair: that it is apart, or which tetrahedra can meet. It
-/// never changes which contacts are found; a fresh cache gives the same result to round-off.
+/// The cache of the general kernel for a pair: that it is apart, or which tetrahedra can meet. It never
+/// changes which contacts are found; a fresh cache gives the same result to round-off.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct GeneralCache {
-    /// By the motion of the two against each other.
+    /// Its validity is measured by `moved`.
     list: NearList<Near>,
-    /// How far they have moved against each other, m: less than both have travelled, where they go together.
+    /// Accumulated relative motion of the two, m: less than the sum of their travels if they move together.
     moved: f64,
-    /// What they had travelled at the last look, m, and where they were then.
+    /// Sum of the travels at the last evaluation, m, and the relative pose then.
     travelled: f64,
     here: Mark,
 }
@@ -25,22 +25,22 @@ pub struct GeneralCache {
 /// Candidate pairs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Near {
-    /// Origin of the integrals, in A's axes: the middle of what can overlap.
+    /// Origin of the integrals, in A's axes: the middle of the region that can overlap.
     pub centre: Vector3,
     /// Tetrahedra of A and of B that appear in pairs, ascending.
     pub in_a: Vec<u32>,
     pub in_b: Vec<u32>,
-    /// In ascending order of their places.
+    /// In ascending order of their indices in the lists.
     pub pairs: Vec<Candidate>,
 }
 
-/// Two solids and where B is in A's axes.
+/// Two solids and the pose of B in A's axes.
 pub(crate) struct Placed<'a> {
     pub a: &'a Cells,
     pub b: &'a Cells,
     pub rotation: Matrix3,
     pub offset: Vector3,
-    /// Length that margins are measured by, m.
+    /// Reference length of the margins, m.
     pub scale: f64,
 }
 
@@ -50,12 +50,12 @@ impl GeneralCache {
         self.list.near().is_some()
     }
 
-    /// Whether `motion` still lies within what the cache allows without a look at the pair.
+    /// Whether the cache alone shows that the pair is apart at this `motion`.
     pub fn is_clear(&self, motion: f64) -> bool {
         self.list.is_clear(self.moved + (motion - self.travelled))
     }
 
-    /// Takes note of where the bodies are now, and returns how far they have moved against each other in all, m.
+    /// Records the present pose, and returns the accumulated relative motion, m.
     pub(crate) fn advance(&mut self, placed: &Placed, motion: f64) -> f64 {
         let travelled = motion - self.travelled;
         let moved = self
@@ -67,13 +67,13 @@ impl GeneralCache {
         self.moved
     }
 
-    /// The candidates, found anew if they have expired; `moved` as [`advance`](Self::advance) returns it.
+    /// The candidates, renewed if they have expired; `moved` as returned by [`advance`](Self::advance).
     pub(crate) fn candidates(&mut self, placed: &Placed, moved: f64) -> Option<&mut Near> {
         let Ok(near) = self.list.renewed(placed, moved);
         near
     }
 
-    /// Notes until when no candidate touches; to be called after a look at all of them.
+    /// Records until when no candidate touches; to be called after all of them have been evaluated.
     pub(crate) fn set_clear(&mut self, moved: f64) {
         self.list.set_clear(moved);
     }
@@ -87,7 +87,7 @@ impl Search for Placed<'_> {
         self.scale
     }
 
-    /// A lower bound of the distance: how far the boxes are apart along the axes of A or B.
+    /// A lower bound of the distance: the gap of the boxes along the axes of A or B.
     fn gap(&self) -> f64 {
         let (a, b) = (self.a.tree.bounds(), self.b.tree.bounds());
         let in_a = gap_along_axes(&a, &b, &self.rotation, &self.offset);
@@ -96,7 +96,7 @@ impl Search for Placed<'_> {
         in_a.max(in_b)
     }
 
-    /// Pairs of tetrahedra that are, or within `margin` may come to be, in touch.
+    /// Pairs of tetrahedra that touch or may come to touch within `margin`.
     fn find(&self, margin: f64, motion: f64) -> Result<Option<Box<Near>>, Infallible> {
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         let boxes = BoxTest::new(&self.rotation, &self.offset, margin);
@@ -150,11 +150,11 @@ impl Placed<'_> {
     }
 }
 
-/// Tells whether a box in A's axes and one in B's come within a margin, by the axes of both.
+/// Test whether a box in A's axes and one in B's axes come within a margin, along the axes of both.
 pub(crate) struct BoxTest {
     rotation: Matrix3,
     inverse: Matrix3,
-    /// Absolute values of the two.
+    /// Absolute values of the rotation and its transpose.
     spread: Matrix3,
     back: Matrix3,
     offset: Vector3,
@@ -188,7 +188,7 @@ impl BoxTest {
     }
 }
 
-/// Largest gap between a box and a turned box along the first one's axes, m.
+/// Largest gap between a box and a rotated box along the first one's axes, m.
 pub(crate) fn gap_along_axes(a: &Aabb, b: &Aabb, rotation: &Matrix3, offset: &Vector3) -> f64 {
     let half = rotation.abs() * ((b.high - b.low) * 0.5);
     let centre = rotation * b.center().coords + offset;

@@ -4,7 +4,7 @@ use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::tet::FACES;
 use femdem_mesh::{Point3, TetMesh, Vector3};
 
-/// Stands for "no tetrahedron": the face lies on the skin.
+/// "No tetrahedron": the face lies on the skin.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// A tetrahedron with an affine field, in the axes of its body.
@@ -30,8 +30,8 @@ impl Cell {
         let six_volumes = (corners[1] - corners[0])
             .cross(&(corners[2] - corners[0]))
             .dot(&(corners[3] - corners[0]));
-        // grad lambda_k = -(area vector of the face opposite k) / (3 volume). The gradients add
-        // up to zero, so that only differences of values count.
+        // grad lambda_k = -(area vector of the face opposite k) / (3 volume). The gradients add up to zero,
+        // so only differences of values enter.
         let gradient = (1..4)
             .map(|k| areas[k] * ((values[0] - values[k]) / six_volumes))
             .sum();

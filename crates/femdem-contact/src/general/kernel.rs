@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 /// The contact energy of two overlapping fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 pub enum Form {
-    /// U = p int (phi_A + phi_B) dV: the convex kernel's.
+    /// U = p int (phi_A + phi_B) dV, as in the convex kernel.
     #[default]
     Sum,
     /// U = p int min(phi_A, phi_B) dV: springs in series, with one contact surface.
@@ -40,8 +40,8 @@ pub struct GeneralScratch {
     sums: Vec<([u32; 2], Sums)>,
 }
 
-/// Least overlap volume of the shaped form over the cube of the field's length: below it the
-/// quotient of its energy means nothing.
+/// Least overlap volume of the shaped form over the cube of the field's length: below it the quotient in its
+/// energy is only round-off.
 const LEAST_VOLUME: f64 = 1e-12;
 
 /// The penalty law of meshed bodies of any shape.
@@ -151,7 +151,7 @@ impl GeneralKernel {
             lengths: [0.0, body.inradius()],
             connected: false,
             factor: if self.form == Form::Min { 1.0 } else { 2.0 },
-            // Against a wall, which has no field, the lower field is the body's.
+            // A wall has no field, so the lower of the two fields is the body's.
             form: if self.form == Form::Shaped {
                 Form::Shaped
             } else {
@@ -241,7 +241,7 @@ impl GeneralKernel {
         &scratch.patches
     }
 
-    /// How the sums of this pair turn into energy and force.
+    /// The energy of this pair as a function of its sums.
     fn energy(&self, pair: &Pair, scratch: &GeneralScratch) -> Option<Energy> {
         if self.form != Form::Shaped {
             return Some(Energy::linear(self.penalty * pair.factor));
@@ -257,7 +257,7 @@ impl GeneralKernel {
     }
 }
 
-/// Two solids and how their fields count.
+/// Two solids and the roles of their fields.
 struct Pair<'a> {
     a: &'a Cells,
     b: &'a Cells,
@@ -282,7 +282,7 @@ impl Pair<'_> {
 }
 
 impl GeneralScratch {
-    /// Pairs of tetrahedra that the last evaluation looked at, and how many of them overlap.
+    /// Numbers of pairs of tetrahedra that the last evaluation tested, and of those that overlap.
     pub fn counts(&self) -> [usize; 2] {
         [self.candidates, self.pieces.len()]
     }

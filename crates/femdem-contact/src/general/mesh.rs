@@ -12,15 +12,15 @@ use serde::{Deserialize, Serialize};
 /// the skin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 pub enum Field {
-    /// The distance to the skin over the largest such distance h0 of a node. For every body; the
+    /// The distance to the skin over the largest such distance h0 of a node. For bodies of any shape; the
     /// stiffness of a face, 1/h0, does not depend on the mesh.
     #[default]
     Body,
-    /// 1 - gauge, as the convex kernel has it. For convex bodies; on a centroid fan the field is
-    /// the convex kernel's own.
+    /// 1 - gauge, as in the convex kernel. For convex bodies; on a centroid fan the field is exactly the
+    /// convex kernel's.
     Gauge,
-    /// Munjiza's potential of each tetrahedron by itself: 0 on all its faces, 1 at its centroid.
-    /// For comparison: a body feels the mesh of the other, and finer meshes are stiffer.
+    /// Munjiza's potential, separate in each tetrahedron: 0 on all its faces, 1 at its centroid. For
+    /// comparison: a body feels the mesh of the other, and finer meshes are stiffer.
     Classic,
 }
 
@@ -210,7 +210,7 @@ pub(crate) fn gauge(mesh: &TetMesh) -> Result<(Vec<f64>, f64), ContactError> {
     Ok((values, shape.inradius()))
 }
 
-/// Every tetrahedron split in four at its centroid, with 1 there and 0 elsewhere.
+/// Every tetrahedron split into four at its centroid, with the value 1 there and 0 elsewhere.
 fn split_at_centroids(mesh: &TetMesh) -> Result<(TetMesh, Vec<f64>), ContactError> {
     let mut points = mesh.points().to_vec();
     let mut values = vec![0.0; points.len()];

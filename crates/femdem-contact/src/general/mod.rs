@@ -33,17 +33,17 @@
 //! - walls have no field: U = 2 p ∫ φ_B dV, the force 2 p Σ V_ij g_B,j (min form: p in place of 2 p, in
 //!   series with a rigid wall).
 //!
-//! Area, centre of pressure and stiffness come from the polygons of the pieces that lie on a skin
-//! (min form: on the contact surface), with the meaning that the convex kernel gives them. Where
-//! faces of A and B coincide, no face is counted twice, and where an energy has a kink (skins that
-//! coincide, fields that are equal in some volume), the force is the mean of both sides.
+//! Area, centre of pressure and stiffness come from the polygons of the pieces that lie on a skin (min form:
+//! on the contact surface), with the same meaning as in the convex kernel. Where faces of A and B coincide,
+//! no face is counted twice. Where the energy has a kink (skins that coincide, fields that are equal in some
+//! volume), the force is the mean of both sides.
 //!
 //! Pieces that touch across faces of tetrahedra form a [`Patch`].
 //!
 //! # Accuracy
 //!
-//! - On centroid fans every number of the [`Overlap`](crate::Overlap) is the convex kernel's to
-//!   2e-12, the wrench to 1e-12 (`tests/general.rs`); so is a mesh of a plane that wall's to 1e-10.
+//! - On centroid fans every number of the [`Overlap`](crate::Overlap) agrees with the convex kernel's to
+//!   2e-12, the wrench to 1e-12 (`tests/general.rs`). A mesh of a plane agrees with that wall to 1e-10.
 //! - Force and torque are minus the gradient of U to 1e-7 for all fields and forms, bodies that are
 //!   not convex, and poses in which faces, edges or corners coincide (`tests/general_gradient.rs`).
 //! - A corner sliding over a flat side feels the [`Field::Body`] field to 1e-9 as if there were no
@@ -53,25 +53,24 @@
 //! # The shaped form
 //!
 //! [`Form::Shaped`], U = E J^1.5 / V with J = ∫ (h_A φ_A + h_B φ_B) dV, makes faces softer and corners
-//! stiffer, and so promises longer steps. It is an option for single contacts, and no more:
+//! stiffer, and so promises longer steps. It is an option for single contacts only:
 //!
-//! - **It is stiff without bound where side faces coincide.** The overlap volume has a kink where
-//!   the side of one body slides past the side of the other: moved either way, V falls, and U with
-//!   it rises, by (U/V) times the area of the sides in contact. For cubes of side a stacked flush,
-//!   δ deep, the sideways force jumps by 2 E δ^2; if they are tilted by θ, within δ θ: a stiffness
-//!   of 2 E δ/θ beside the face's 2 E a. `tests/general_shaped.rs` finds just that, down to θ = 1e-5;
-//!   the largest eigenvalue of the Hessian in 30,000 random poses of two nearly aligned cubes was
-//!   1,000 times that of faces, where the sum form stays within its own. No step chosen from the
-//!   stiffness of faces is safe then, and deeper contacts are worse in proportion. This is the
-//!   likely cause of stacks that explode at 0.27 √(m/k).
-//! - It is not the vanishing volume: a corner's stiffness falls with its depth, and what is cut off
+//! - **Its stiffness is unbounded where side faces coincide.** The overlap volume has a kink where the side
+//!   of one body slides past the side of the other: moved either way, V falls, and U rises with it, by (U/V)
+//!   times the area of the sides in contact. For cubes of side a stacked flush, δ deep, the sideways force
+//!   jumps by 2 E δ^2. If they are tilted by θ, it does so within δ θ: a stiffness of 2 E δ/θ, compared with
+//!   the face's 2 E a. `tests/general_shaped.rs` finds just that, down to θ = 1e-5. The largest eigenvalue of
+//!   the Hessian in 30,000 random poses of two nearly aligned cubes was 1,000 times that of faces, where the
+//!   sum form stays within its own. No step chosen from the stiffness of faces is safe then, and deeper
+//!   contacts are worse in proportion. This is the likely cause of stacks that explode at 0.27 √(m/k).
+//! - The vanishing volume is not the cause: a corner's stiffness falls with its depth, and what is cut off
 //!   below the least volume (1e-12 h^3) is negligible.
-//! - Where the field is below two thirds of its mean, the traction (U/V) (1.5 h φ/(J/V) - 1) pulls.
-//! - U is not a sum over patches; all patches of a pair share one J and V, and so attract or repel
-//!   each other's.
-//! - [`Overlap::stiffness`](crate::Overlap::stiffness) holds the part of faces only.
+//! - Where the field is below two thirds of its mean, the traction (U/V) (1.5 h φ/(J/V) - 1) is tensile.
+//! - U is not a sum over patches. All patches of a pair share one J and V, so the patches attract or repel
+//!   each other.
+//! - [`Overlap::stiffness`](crate::Overlap::stiffness) contains only the part of faces.
 //!
-//! The sum form has none of this, and stays the default.
+//! The sum form has none of these defects, and is the default.
 
 mod assemble;
 pub(crate) mod cache;

@@ -1,26 +1,26 @@
-//! Lists of the tetrahedra of a pair that can meet: how long they hold, and how they are found anew.
+//! Lists of the tetrahedra of a pair that can meet: their validity and renewal.
 
 use super::posed::Posed;
 use femdem_mesh::Vector3;
 use femdem_mesh::bvh::Aabb;
 use serde::{Deserialize, Serialize};
 
-/// Lists are made to last for this many evaluations at the present speed.
+/// Number of evaluations at the present speed that a list should last.
 const LASTS: f64 = 128.0;
 
-/// Least and largest margin of the lists over the field's length. What a list costs is finding it:
-/// candidates that cannot touch yet are passed over by their own budget.
+/// Least and largest margin of the lists over the field's length. The main cost of a list is finding it:
+/// candidates that cannot touch yet are skipped by their own travel budget.
 const MARGIN: [f64; 2] = [4e-3, 4e-2];
 
-/// Where nothing is within the margin, it is widened by this factor, up to this part of the field's
-/// length, so that pairs that pass close by are left alone for longer.
+/// If nothing is found within the margin, it is widened by this factor, up to this part of the field's
+/// length, so that pairs that pass close by are searched less often.
 const WIDENING: f64 = 4.0;
 const WIDEST: f64 = 0.25;
 
-/// What is remembered of a pair: that it is apart, or a list `N` of what can meet.
+/// The cached state of a pair: that it is apart, or a list `N` of what can meet.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct NearList<N> {
-    /// The list holds while the motion is below this, m.
+    /// The list is valid while the motion is below this, m.
     until: f64,
     /// Nothing touches while the motion is below this, m.
     clear: f64,
@@ -41,47 +41,47 @@ impl<N> Default for NearList<N> {
     }
 }
 
-/// A tetrahedron of A and one of B that can come to touch.
+/// A tetrahedron of A and one of B that may come to touch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Candidate {
-    /// Places on the lists of A's and of B's tetrahedra.
+    /// Indices in the lists of A's and of B's tetrahedra.
     pub places: [u32; 2],
     /// The two are apart while the motion is below this, m.
     pub clear: f64,
 }
 
-/// Two bodies as they are now.
+/// Two bodies at their present poses.
 pub(crate) trait Search {
     type List;
     type Failure;
 
-    /// Length that margins are measured by, m.
+    /// Reference length of the margins, m.
     fn length(&self) -> f64;
 
     /// A lower bound of the distance, m.
     fn gap(&self) -> f64;
 
-    /// What is, or within `margin` may come to be, in touch.
+    /// The parts that touch or may come to touch within `margin`.
     fn find(&self, margin: f64, motion: f64) -> Result<Option<Box<Self::List>>, Self::Failure>;
 }
 
 impl<N> NearList<N> {
-    /// Whether `motion` still lies within what is known without a look at the pair.
+    /// Whether the list alone shows that nothing touches at this `motion`.
     pub fn is_clear(&self, motion: f64) -> bool {
         motion < self.clear
     }
 
-    /// Whether the list no longer holds.
+    /// Whether the list is no longer valid.
     pub fn is_expired(&self, motion: f64) -> bool {
         motion >= self.until
     }
 
-    /// The list as it stands.
+    /// The list, expired or not.
     pub fn near(&self) -> Option<&N> {
         self.near.as_deref()
     }
 
-    /// The list, found anew if it has expired.
+    /// The list, renewed if it has expired.
     pub fn renewed<S: Search<List = N>>(
         &mut self,
         pair: &S,
@@ -110,7 +110,7 @@ impl<N> NearList<N> {
         Ok(self.near.as_deref_mut())
     }
 
-    /// Notes until when no candidate touches; to be called after a look at all of them.
+    /// Records until when no candidate touches; to be called after all of them have been evaluated.
     pub fn set_clear(&mut self, motion: f64) {
         self.clear = motion.min(self.until);
     }
@@ -122,13 +122,12 @@ pub(crate) struct Within {
     pub pairs: Vec<[u32; 2]>,
     /// Lower bounds of their distances, m.
     pub gaps: Vec<f64>,
-    /// The middle of what the nearest can have in common.
+    /// The middle of the region that the nearest ones can share.
     pub centre: Vector3,
 }
 
 impl Within {
-    /// Those of `pairs`, as `posed` has them, that are no further apart than `margin`; `None` if
-    /// there are none.
+    /// Those of `pairs`, posed by `posed`, that are no farther apart than `margin`; `None` if there are none.
     pub fn new<'p>(
         pairs: &[[u32; 2]],
         margin: f64,
@@ -167,7 +166,7 @@ impl Within {
         })
     }
 
-    /// The candidates, with their places on lists of A's and of B's tetrahedra.
+    /// The candidates, with their indices in the lists of A's and of B's tetrahedra.
     pub fn candidates(&self, lists: [&[u32]; 2], motion: f64) -> Vec<Candidate> {
         let each = self.pairs.iter().zip(&self.gaps);
         each.map(|(pair, gap)| Candidate {
@@ -186,7 +185,7 @@ pub(crate) fn members(pairs: &[[u32; 2]], side: usize) -> Vec<u32> {
     list
 }
 
-/// The place of a tetrahedron on a list that holds it.
+/// The index of a tetrahedron in a list that contains it.
 pub(crate) fn place(list: &[u32], i: u32) -> usize {
     list.binary_search(&i).unwrap_or(0)
 }

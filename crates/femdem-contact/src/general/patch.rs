@@ -7,7 +7,7 @@ use crate::kernel::Overlap;
 /// One connected part of the overlap of two bodies (or of a wall A and a body B).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Patch {
-    /// Its contact, as the convex kernel gives it.
+    /// Its contact, as the convex kernel would return it.
     pub overlap: Overlap,
     /// The first pair of tetrahedra (of A, of B) in it. Patches come in the order of their keys.
     pub key: [u32; 2],
@@ -15,8 +15,8 @@ pub struct Patch {
 
 /// Finds for every piece the first one of its patch. Pieces come in the order of their pairs.
 ///
-/// Pieces are joined across the faces of tetrahedra that bound both; where a face of A coincides
-/// with one of B, also across both at once.
+/// Pieces are joined across the faces of tetrahedra that bound both. Where a face of A coincides with one of
+/// B, they are also joined across both at once.
 pub(crate) fn connect(pieces: &[Record], a: &Cells, b: &Cells, root: &mut Vec<u32>) {
     root.clear();
     root.extend(0..pieces.len() as u32);
@@ -56,7 +56,7 @@ fn find(root: &[u32], mut n: usize) -> usize {
     n
 }
 
-/// Makes the lower root that of both.
+/// Gives both the lower of their two roots.
 fn join(root: &mut [u32], n: usize, other: Option<usize>) {
     let Some(m) = other else {
         return;

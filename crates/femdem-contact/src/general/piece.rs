@@ -1,22 +1,21 @@
 //! Convex polyhedra as graphs, cut by planes.
 //!
-//! Every vertex has three edges, in counter-clockwise order seen from outside; where more meet,
-//! several vertices lie in one place. A cut decides by the signs at the vertices alone and stays a
-//! closed surface whatever they are, so that round-off at a plane through vertices, edges or faces
-//! changes no more than round-off. (The idea of vertex graphs: D. Powell and T. Abel, An exact
-//! general remeshing scheme applied to physically conservative voxelization, J. Comput. Phys. 297
-//! (2015).)
+//! Every vertex has three edges, in counter-clockwise order seen from outside; where more edges meet, several
+//! vertices coincide. A cut uses only the signs at the vertices, and the result is a closed surface for any
+//! signs. So round-off at a plane through vertices, edges or faces changes the result by no more than
+//! round-off. (The idea of vertex graphs: D. Powell and T. Abel, An exact general remeshing scheme applied to
+//! physically conservative voxelization, J. Comput. Phys. 297 (2015).)
 
 use femdem_mesh::Vector3;
 
-/// Vertices that a tetrahedron cut by five planes can have at most, whatever the signs: the first
-/// cut leaves at most 6, and each one after at most doubles them.
+/// Largest number of vertices of a tetrahedron cut by five planes, for any signs: the first cut leaves at
+/// most 6, and each later one at most doubles them.
 const MOST: usize = 96;
 
-/// Marks faces that come from the sixth and later planes, and from none of the tetrahedra.
+/// Label of faces that come from the sixth and later planes, which belong to neither tetrahedron.
 pub(crate) const SURFACE: u8 = 8;
 
-/// What a cut left.
+/// Result of a cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Cut {
     Whole,
@@ -31,8 +30,8 @@ pub(crate) struct Moments {
     pub first: Vector3,
 }
 
-/// A convex polyhedron. Half-edge 4 v + k leaves vertex v; to its left lies the face whose label
-/// is kept with it.
+/// A convex polyhedron. Half-edge 4 v + k starts at vertex v; the label of the face to its left is stored
+/// with it.
 #[derive(Debug)]
 pub(crate) struct Piece {
     count: usize,
@@ -40,7 +39,7 @@ pub(crate) struct Piece {
     twin: [u16; 4 * MOST],
     label: [u8; 4 * MOST],
     depth: [f64; MOST],
-    /// Where the way along a cut face begins, by new vertex.
+    /// First half-edge of the path along a cut face, by new vertex.
     start: [u16; MOST],
     seen: [bool; 4 * MOST],
     polygon: [Vector3; MOST],
@@ -167,8 +166,8 @@ impl Piece {
         }
     }
 
-    /// Joins the new vertices along the faces that were cut: from each, round the face through
-    /// what is cut off, to the next.
+    /// Joins the new vertices along the faces that were cut: from each, around the face through the part that
+    /// is cut off, to the next.
     fn link_crossings(&mut self, old: usize) {
         for u in old..self.count {
             let mut back = usize::from(self.start[u]);
@@ -184,7 +183,7 @@ impl Piece {
         }
     }
 
-    /// Fills the places of the vertices that were cut off from the end.
+    /// Moves vertices from the end into the slots of those that were cut off.
     fn drop_outside(&mut self, old: usize) {
         for v in 0..old {
             if v < self.count && !self.is_inside(v) {
@@ -256,7 +255,7 @@ impl Piece {
     }
 
     /// As [`moments`](Self::moments), and calls `face` for the faces whose labels are among the bits
-    /// `wanted`. The bits of the labels of all faces are put in `labels`.
+    /// `wanted`. The bits of the labels of all faces are stored in `labels`.
     #[inline]
     pub fn moments_and_faces(
         &mut self,
@@ -297,7 +296,7 @@ impl Piece {
                 self.seen[edge] = true;
                 let mut at = self.next(edge);
                 if flat {
-                    // Nothing but to be passed over.
+                    // These half-edges are only marked as visited.
                     while !self.seen[at] {
                         self.seen[at] = true;
                         at = self.next(at);
@@ -376,7 +375,7 @@ mod tests {
         assert_eq!(piece.cut(9, |x| -1.0 - x.z), Cut::Empty);
     }
 
-    /// Any signs at the vertices, even ones no plane can give, leave a closed surface.
+    /// For any signs at the vertices, even ones that no plane can give, the surface stays closed.
     #[test]
     fn nonsense_signs_leave_a_closed_surface() {
         let mut piece = Piece::default();

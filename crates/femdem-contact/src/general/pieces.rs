@@ -1,4 +1,4 @@
-//! What one piece, the common part of a tetrahedron of A and one of B, gives.
+//! Integrals over one piece, the common part of a tetrahedron of A and one of B.
 
 use super::kernel::Form;
 use super::piece::{Cut, Moments, Piece, SURFACE};
@@ -9,13 +9,13 @@ use femdem_mesh::Vector3;
 /// Labels of the faces: 0 to 3 of A's tetrahedron, 4 to 7 of B's.
 const LABEL: [u8; 2] = [0, 4];
 
-/// Fields whose gradients differ by less than this part have no contact surface.
+/// Fields whose gradients differ relatively by less than this have no contact surface.
 pub(crate) const SAME_FIELD: f64 = 1e-6;
 
 /// Planes whose normals have a larger cosine may coincide.
 const SAME_NORMAL: f64 = 1.0 - 1e-12;
 
-/// Coinciding planes are this near, over the size of the tetrahedra.
+/// Distance within which planes coincide, over the size of the tetrahedra.
 pub(crate) const FLAT: f64 = 1e-12;
 
 /// Fields that differ by less than this on a piece are equal there.
@@ -38,7 +38,7 @@ pub(crate) struct Record {
     pub sums: Sums,
 }
 
-/// Field lengths h of A and B that the shaped form weighs fields by; 1 otherwise.
+/// Field lengths h of A and B by which the shaped form weights the fields; 1 otherwise.
 pub(crate) struct Law {
     pub form: Form,
     pub lengths: [f64; 2],
@@ -52,7 +52,7 @@ pub(crate) fn intersect(a: &Posed, b: &Posed, piece: &mut Piece) -> Option<bool>
     }
     let (of_a, of_b) = (a.faces_across(b)?, b.faces_across(a)?);
     let flush = of_a.flush != 0 && of_b.flush != 0;
-    // The smaller one is cut, so that round-off goes with the smaller one's size.
+    // The smaller one is cut, so that round-off scales with its size.
     let (small, large, faces, labels) = if a.size < b.size {
         (a, b, of_b, LABEL)
     } else {
@@ -61,7 +61,7 @@ pub(crate) fn intersect(a: &Posed, b: &Posed, piece: &mut Piece) -> Option<bool>
     piece.load(&small.corners, labels[0]);
     let mut left = faces.cut;
     while left != 0 {
-        // The plane that leaves least comes first: little is left for the others to cut.
+        // The plane that removes most comes first, so that little is left for the others to cut.
         let mut next = left.trailing_zeros() as usize;
         for k in next + 1..4 {
             if left >> k & 1 == 1 && faces.most[k] < faces.most[next] {
@@ -132,9 +132,9 @@ fn add_skins(
 /// Calls `skin` with the label, the corners and the weight of every polygon of the piece that lies
 /// on a skin; returns the piece's faces and moments.
 ///
-/// Where a face of A's tetrahedron coincides with one of B's, the piece's face has the label of
-/// one of them by chance, and a flat piece behind it may have the other. Flat pieces are left out,
-/// and the polygons of the others count for both faces.
+/// Where a face of A's tetrahedron coincides with one of B's, the piece's face has the label of one of them
+/// by chance, and a flat piece behind it may have the other. Flat pieces are skipped, and the polygons of the
+/// others count for both faces.
 pub(crate) fn for_skins(
     [a, b]: [&Posed; 2],
     flush: bool,
@@ -157,7 +157,7 @@ pub(crate) fn for_skins(
     let counted = skins & thick;
     let mut also = 0_u8;
     let (mut faces, mut bits) = (Faces::default(), 0_u8);
-    // Without twins only the faces on skins are wanted.
+    // Without twins only the faces on skins are needed.
     let wanted = if flush { u8::MAX } else { counted };
     let whole = piece.moments_and_faces(wanted, &mut bits, |label, polygon| {
         let twin = twins[usize::from(label)].filter(|&twin| {
@@ -174,7 +174,8 @@ pub(crate) fn for_skins(
         faces.coincide = true;
         also |= 1 << twin;
         let others = counted >> twin & 1 == 1;
-        // Moved either way, one of two skins that coincide takes all of the area: on average, none.
+        // Of two skins that coincide, one takes all of the area if the bodies move one way and the other if
+        // they move the other way. The mean of A's area less B's is zero.
         let weight = if own && others { 0.0 } else { 1.0 };
         if own {
             skin(label, polygon, weight);
@@ -187,7 +188,7 @@ pub(crate) fn for_skins(
     (faces, whole)
 }
 
-/// By label, the face of the other tetrahedron that looks the same way.
+/// By label, the face of the other tetrahedron with the same outward normal.
 fn twins(a: &Posed, b: &Posed) -> [Option<u8>; 8] {
     let mut twins = [None; 8];
     for k in 0..4 {
@@ -206,8 +207,8 @@ pub(crate) fn integral(tet: &Posed, part: &Moments) -> f64 {
     tet.level * part.volume + tet.gradient.dot(&part.first)
 }
 
-/// Adds a polygon of A's skin in B or of B's skin in A. In the form Min only the contact surface
-/// carries pressure; the skins still give the vector area.
+/// Adds a polygon of A's skin in B or of B's skin in A. In the min form only the contact surface carries
+/// pressure; the skins still contribute to the vector area.
 fn add_skin(
     a: &Posed,
     b: &Posed,
@@ -245,9 +246,9 @@ pub(crate) struct Split {
 }
 
 impl Split {
-    /// Divides a piece, of which the part on B's side of the surface stays. Fields that differ by less
-    /// than `least` everywhere are equal: moved either way, one of them becomes the lower one, so on
-    /// average each has half.
+    /// Divides a piece; the part on B's side of the surface stays in the buffer. Fields that differ by less
+    /// than `least` everywhere are treated as equal: which one is lower depends on the direction in which the
+    /// bodies move, so on average each has half.
     pub fn new(a: &Posed, b: &Posed, least: f64, whole: &Moments, piece: &mut Piece) -> Self {
         let slope = b.gradient - a.gradient;
         let level = b.level - a.level;
@@ -278,8 +279,8 @@ impl Split {
         }
     }
 
-    /// Normal of the surface, from B's side to A's, and stiffness of the two fields in series there;
-    /// `None` if the piece has no such surface.
+    /// Normal of the surface, from B's side to A's, and stiffness of the two fields in series there; `None`
+    /// if the piece has no such surface.
     pub fn surface(&self, a: &Posed, b: &Posed) -> Option<(Vector3, f64)> {
         let steepness = self.slope.norm();
         let scale = a.gradient.norm().max(b.gradient.norm());
@@ -291,7 +292,7 @@ impl Split {
     }
 }
 
-/// U = int min(phi_A, phi_B): the part where A's field is the smaller one, and the rest.
+/// U = int min(phi_A, phi_B): the part where A's field is the lower one, and the rest.
 fn add_series(a: &Posed, b: &Posed, whole: &Moments, piece: &mut Piece, sums: &mut Sums) {
     let split = Split::new(a, b, SAME_VALUE, whole, piece);
     let [in_a, in_b] = split.parts;

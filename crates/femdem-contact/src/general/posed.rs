@@ -1,4 +1,4 @@
-//! Tetrahedra in the axes and about the origin in which a pair is worked out.
+//! Tetrahedra in the local axes of a pair.
 
 use super::cells::{Cell, NONE};
 use femdem_mesh::{Matrix3, Vector3};
@@ -21,18 +21,18 @@ pub(crate) struct Posed {
     pub skin: u8,
 }
 
-/// Faces by their planes, as bits.
+/// Faces of a tetrahedron relative to another one, as bits.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Across {
-    /// Those that have a corner of the other tetrahedron outside.
+    /// Faces that have a corner of the other tetrahedron outside.
     pub cut: u8,
-    /// Those that the other reaches up to: only they can coincide with one of its faces.
+    /// Faces that the other tetrahedron reaches: only they can coincide with one of its faces.
     pub flush: u8,
-    /// How deep the other reaches under them at most, m.
+    /// Largest depth of the other tetrahedron under them, m.
     pub most: [f64; 4],
 }
 
-/// Planes are looked at for coinciding if they come this near, over the tetrahedra's size.
+/// Planes within this distance, over the size of the tetrahedra, are tested for coincidence.
 const CLOSE: f64 = 1e-5;
 
 impl Posed {
@@ -91,7 +91,7 @@ impl Posed {
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 
-    /// How the faces' planes lie to `other`; `None` if it is outside one of them.
+    /// Positions of the face planes relative to `other`; `None` if it lies outside one of them.
     #[inline]
     pub fn faces_across(&self, other: &Self) -> Option<Across> {
         let mut across = Across::default();
@@ -111,7 +111,7 @@ impl Posed {
     /// Least and largest depth of the other's corners under each face, m.
     #[inline]
     fn depths(&self, other: &Self) -> [[f64; 4]; 2] {
-        // By axes, so that several faces are worked on at a time.
+        // Component by component, so that several faces are processed at a time.
         let [a, b, c, d] = &self.normals;
         let x = [a.x, b.x, c.x, d.x];
         let y = [a.y, b.y, c.y, d.y];
@@ -128,8 +128,8 @@ impl Posed {
         [least, most]
     }
 
-    /// A lower bound of the distance by the planes of the faces, m; not above 0 if they do not
-    /// separate the two. The other's planes are not looked at if those of `self` give more than `enough`.
+    /// A lower bound of the distance along the normals of the faces, m; not above 0 if they do not separate
+    /// the two. The other's faces are not tried if those of `self` give more than `enough`.
     pub fn gap(&self, other: &Self, enough: f64) -> f64 {
         let mut gap = f64::NEG_INFINITY;
         for [_, most] in [self.depths(other), other.depths(self)] {
@@ -143,7 +143,7 @@ impl Posed {
         gap
     }
 
-    /// As [`gap`](Self::gap), by planes along an edge of each, m.
+    /// As [`gap`](Self::gap), along normals of an edge of each, m.
     pub fn edge_gap(&self, other: &Self) -> f64 {
         let mut gap = f64::NEG_INFINITY;
         for [i, j] in EDGES {
@@ -164,8 +164,7 @@ impl Posed {
     }
 }
 
-/// The corners of the box around four points that are finite. (Plain comparisons: those of `f64::min` look for
-/// NaN, too.)
+/// The corners of the box around four finite points. (Plain comparisons: `f64::min` also handles NaN.)
 #[inline(always)]
 pub(crate) fn bounds(corners: &[Vector3; 4]) -> [Vector3; 2] {
     let [first, rest @ ..] = corners;
@@ -195,12 +194,12 @@ fn along(corners: &[Vector3; 4], n: &Vector3) -> [f64; 2] {
     [a.min(b).min(c.min(d)), a.max(b).max(c.max(d))]
 }
 
-/// Tetrahedra of one body that are posed when they are first asked for.
+/// Tetrahedra of one body, each posed on its first use.
 #[derive(Debug)]
 pub(crate) struct PosedList<T = Posed> {
-    /// By place: where in the list it is, or [`NONE`].
+    /// Index in `list` by place, or [`NONE`].
     at: Vec<u32>,
-    /// The first `used` are posed; room for others is kept.
+    /// The first `used` are posed; the rest is kept as storage.
     list: Vec<T>,
     used: usize,
 }
@@ -216,20 +215,20 @@ impl<T> Default for PosedList<T> {
 }
 
 impl<T: Default> PosedList<T> {
-    /// Forgets all and makes room for `count` places.
+    /// Clears all and provides for `count` places.
     pub fn reset(&mut self, count: usize) {
         self.used = 0;
         self.at.clear();
         self.at.resize(count, NONE);
     }
 
-    /// The tetrahedron of a place, if it has been asked for.
+    /// The tetrahedron of a place, if it has been posed.
     pub fn known(&self, place: u32) -> Option<&T> {
         self.list.get(*self.at.get(place as usize)? as usize)
     }
 
-    /// The tetrahedron of a place, posed in its own room if it is asked for the first time; `None` if there is
-    /// no such place, or `pose` finds no tetrahedron.
+    /// The tetrahedron of a place, posed on its first use; `None` if there is no such place, or if `pose`
+    /// returns no tetrahedron.
     #[inline]
     pub fn get(&mut self, place: u32, pose: impl FnOnce(&mut T) -> Option<()>) -> Option<&T> {
         let at = self.at.get_mut(place as usize)?;
@@ -276,7 +275,7 @@ mod tests {
         assert_eq!(below.edge_gap(&below), f64::NEG_INFINITY);
     }
 
-    /// A corner over a face: the plane of the face tells the distance.
+    /// A corner over a face: the plane of the face gives the distance.
     #[test]
     fn a_corner_over_a_face_has_its_distance() {
         let below = tet([

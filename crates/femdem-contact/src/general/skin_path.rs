@@ -1,11 +1,11 @@
 //! The contact wrench from the skins: every triangle of one skin cut by the tetrahedra of the other
 //! body.
 //!
-//! The force on B is p (sum over A's triangles of n int phi_B dS - sum over B's of n int phi_A dS),
-//! both over what lies in the other body. By the divergence theorem it equals the sum over pieces
-//! of volume that [`GeneralKernel`](super::GeneralKernel) takes, with which it shares no
-//! arithmetic. It gives no energy, and counts a triangle twice that coincides with inner faces of
-//! the other mesh. Bodies that deform need it, for the forces of their nodes.
+//! The force on B is p (sum over A's triangles of n int phi_B dS - sum over B's of n int phi_A dS), both over
+//! the parts inside the other body. By the divergence theorem it equals the sum over pieces of volume in
+//! [`GeneralKernel`](super::GeneralKernel), with which it shares no arithmetic. It gives no energy, and
+//! counts a triangle twice that coincides with inner faces of the other mesh. Deformable bodies need it for
+//! their nodal forces.
 
 use super::cells::Cell;
 use super::mesh::FieldMesh;
@@ -26,7 +26,7 @@ pub struct SkinWrench {
     pub torque_b: Vector3,
     /// Vector area of A's skin in B less that of B's in A, halved, m^2.
     pub area: Vector3,
-    /// Pairs of a triangle and a tetrahedron that were looked at, and those that meet.
+    /// Numbers of pairs of a triangle and a tetrahedron that were tested, and of those that meet.
     pub candidates: usize,
     /// See `candidates`.
     pub hits: usize,
@@ -73,7 +73,7 @@ impl SkinPath {
         let in_b = -frame_b.rotation.tr_mul(&between);
         let of_b = side(a, b, &rotation, &in_a);
         let of_a = side(b, a, &rotation.transpose(), &in_b);
-        // Torques are about A's origin for B's skin, about B's for A's.
+        // The torque of B's skin is about A's origin, that of A's skin about B's.
         let force_b = frame_a.rotation * of_b.force;
         let force_a = frame_b.rotation * of_a.force;
         let torque_of_b = frame_a.rotation * of_b.torque - between.cross(&force_b);

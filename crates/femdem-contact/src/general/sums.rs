@@ -1,4 +1,4 @@
-//! What is summed over the pieces of a patch, for unit penalty, about the local origin.
+//! Sums over the pieces of a patch, for unit penalty, about the local origin.
 
 use femdem_mesh::Vector3;
 use std::ops::AddAssign;
@@ -42,8 +42,8 @@ impl AddAssign<&Self> for Sums {
     }
 }
 
-/// A polygon's part: its outward normal, the field on it, its stiffness per area, and whether it
-/// counts for A (1) or against it (-1).
+/// A polygon to be added: its outward normal, the field on it, its stiffness per area, and its sign (1 for
+/// A's skin, -1 for B's).
 pub(crate) struct Face<'a> {
     pub polygon: &'a [Vector3],
     pub normal: Vector3,

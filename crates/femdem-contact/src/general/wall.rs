@@ -19,19 +19,17 @@ impl SolidWall {
         }
     }
 
-    /// A wall behind an open or closed sheet of triangles, which fill `thickness` (m) behind the
-    /// sheet: bodies are on the side that the triangles' normals point to (from which their points
-    /// run counter-clockwise).
+    /// A wall behind an open or closed sheet of triangles, `thickness` (m) deep. Bodies are on the side to
+    /// which the triangles' normals point (from which their points run counter-clockwise).
     ///
-    /// Points move back along the mean normal of their triangles, weighted by angle, as far as
-    /// keeps the thickness on the average of them. A body must not get through: choose a thickness
-    /// well above any penetration, but below the radius of curvature of the sheet where it bends
-    /// towards its back.
+    /// Points move back along the mean normal of their triangles, weighted by angle, such that the mean
+    /// thickness over these triangles is `thickness`. A body must not pass through: choose a thickness well
+    /// above any penetration, but below the radius of curvature of the sheet where it bends towards its back.
     ///
     /// # Errors
-    /// [`ContactError::Wall`] if the thickness is not positive and finite, or if the triangles
-    /// have no area, name points that do not exist, do not hang together, are not oriented alike,
-    /// or are bent too sharply for the thickness.
+    /// [`ContactError::Wall`] if the thickness is not positive and finite, or if the triangles have no area,
+    /// refer to points that do not exist, are not connected, are not oriented consistently, or are bent too
+    /// sharply for the thickness.
     pub fn sheet(
         points: &[Point3],
         triangles: &[[u32; 3]],
@@ -65,7 +63,7 @@ fn thicken(points: &[Point3], triangles: &[[u32; 3]], thickness: f64) -> Result<
     let all: Vec<Point3> = points.iter().copied().chain(back).collect();
     let mut tets = Vec::with_capacity(3 * triangles.len());
     for triangle in triangles {
-        // The lower of two points keeps the diagonal in front: neighbours agree on it.
+        // The lower of two points keeps the diagonal in front, so that neighbours agree on it.
         let mut sorted = *triangle;
         sorted.sort_unstable();
         let [a, b, c] = sorted;

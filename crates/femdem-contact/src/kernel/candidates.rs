@@ -21,7 +21,7 @@ pub(crate) struct ContactBox {
 }
 
 impl ContactBox {
-    /// A face of the box: the depth under it in place of a field, in m.
+    /// A face of the box as a plane whose "field" is the depth below it, m.
     pub fn face(&self, face: usize) -> FieldPlane {
         let axis = face % 3;
         let outward = if face < 3 {
@@ -36,7 +36,7 @@ impl ContactBox {
     }
 }
 
-/// A [`ContactBox`] as a pair keeps it: the other two directions follow from the first.
+/// A [`ContactBox`] in compact form for storage: the other two directions follow from the first.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptBox {
     axis: Vector3,
@@ -54,7 +54,7 @@ impl KeptBox {
     }
 }
 
-/// Of a box whose directions are those that complete the first.
+/// Valid for a box whose other directions are those that `complete` gives for the first.
 impl From<&ContactBox> for KeptBox {
     fn from(region: &ContactBox) -> Self {
         Self {
@@ -69,7 +69,7 @@ impl From<&ContactBox> for KeptBox {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Candidates {
     pub planes: SmallVec<[u16; 10]>,
-    /// How many of the planes, the first ones, can cut; the others only own cells.
+    /// The first `bounding` planes can cut; the others only own cells.
     pub bounding: u16,
     pub facets: SmallVec<[u16; 8]>,
 }
@@ -157,7 +157,7 @@ pub(crate) fn contact_box(
         low[k + 1] = (-ea.high[k]).max(eb.low[k] + shift[k + 1] - margin);
         high[k + 1] = (-ea.low[k]).min(eb.high[k] + shift[k + 1] + margin);
     }
-    // A hair wider than needed, so that no true vertex of the overlap is cut by the box.
+    // Slightly wider than needed, so that no true vertex of the overlap is cut off by the box.
     let hair = Vector3::repeat(1e-3 * margin);
     let half = (high - low) * 0.5 + hair;
     if half.min() <= 0.0 {

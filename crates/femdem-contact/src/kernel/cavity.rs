@@ -33,7 +33,7 @@ pub struct CavityKernel {
     penalty: f64,
 }
 
-/// What the kernel remembers of a body and a wall; see [`PairCache`](super::PairCache).
+/// The cache of a body and a wall; see [`PairCache`](super::PairCache).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CavityCache {
     until: f64,
@@ -50,12 +50,11 @@ struct Near {
     body: Candidates,
 }
 
-/// A wall plane and the planes of the body that matter to it, as bits; none if they are too
-/// many for bits.
+/// A wall plane, and as bits the body's planes that can matter on it; no bits if there are too many planes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct WallPlan {
     plane: u16,
-    /// The body cannot come to cross the plane.
+    /// The body cannot cross the plane within the margin.
     outside: bool,
     reach: Reach,
 }
@@ -101,10 +100,10 @@ impl PosedPlane {
     }
 }
 
-/// The wall's planes seen from the body.
+/// The wall's planes in the axes of the body.
 struct View<'a> {
     wall: &'a Wall,
-    /// Wall axes -> body axes.
+    /// From wall axes to body axes.
     rotation: Matrix3,
     /// Position of the body's centroid in the wall's axes.
     centre: Vector3,
@@ -130,8 +129,8 @@ impl CavityKernel {
         Ok(Self { penalty })
     }
 
-    /// The contact of a wall (A) with a body (B), or `None` if they do not overlap, or
-    /// with no net force (the body wholly inside the wall).
+    /// The contact of a wall (A) with a body (B). `None` if they do not overlap, or if there is no net force
+    /// (the body wholly inside the wall).
     pub fn evaluate(
         &self,
         wall: &Wall,
@@ -328,8 +327,7 @@ impl Section<'_> {
     }
 }
 
-/// Adds the body's skin behind a wall plane and in front of the `earlier` ones: it closes
-/// the volume.
+/// Adds the body's skin behind a wall plane and in front of the `earlier` ones, which closes the volume.
 fn add_skin_behind(
     plane: &PosedPlane,
     earlier: &[PosedPlane],
@@ -369,7 +367,7 @@ impl CavityCache {
         })
     }
 
-    /// Whether `motion` still lies within what the cache allows without a look at the pair.
+    /// Whether the cache alone shows that the pair is apart at this `motion`.
     pub fn is_clear(&self, motion: f64) -> bool {
         self.near.is_none() && motion < self.until
     }

@@ -1,8 +1,8 @@
-//! The gauge cells on a polygon: where which plane carries the field.
+//! The gauge cells on a polygon: the parts on which each plane determines the field.
 //!
-//! phi is the lowest of several linear functions. The polygon is split one function at a
-//! time: each piece has an owner, and a new function takes what lies below the owner's.
-//! The polygons of a pack have about two cells each: one, and strips along cut edges.
+//! phi is the lowest of several linear functions. The polygon is split one function at a time: each piece has
+//! an owner, and a new function takes over the part where it is lower than the owner's. A polygon of a pack
+//! has about two cells on average: often only one, otherwise narrow strips along cut edges.
 
 use super::clip::{Line, Point, PolygonIntegrals, integrate, split_into};
 use super::field::{PlaneField, TIE};
@@ -109,15 +109,15 @@ impl Cells {
         sums
     }
 
-    /// Makes sure that piece `i` exists.
+    /// Makes sure that buffer `i` exists.
     fn provide(&mut self, i: usize) {
         if self.pieces.len() <= i {
             self.pieces.resize_with(i + 1, Piece::default);
         }
     }
 
-    /// Gives plane `k` the part of piece `i` where it is lower than the owner, which is
-    /// where `above` is negative; true if that made a new piece, number `used`.
+    /// Gives plane `k` the part of piece `i` where it is lower than the owner, which is where `above` is
+    /// negative. True if that made a new piece, number `used`.
     #[inline]
     fn split(&mut self, i: usize, k: usize, above: &Line, used: usize) -> bool {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);

@@ -1,7 +1,7 @@
 //! Plane polygons in coordinates of their own plane: cuts by lines, exact integrals.
 //!
-//! A facet and everything it is cut by lie in one plane, so the kernel works there in two
-//! coordinates: half the arithmetic of three, and no out-of-plane round-off.
+//! A facet and all lines that cut it lie in one plane, so the kernel works there in two coordinates: half the
+//! arithmetic of three, and no out-of-plane round-off.
 
 /// A point in the plane of a facet.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -10,7 +10,7 @@ pub(crate) struct Point {
     pub y: f64,
 }
 
-/// A function linear in the plane, c - a x - b y. As a half-plane, what is at least 0.
+/// A function linear in the plane, c - a x - b y. As a half-plane, the points where it is at least 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Line {
     pub a: f64,
@@ -45,7 +45,7 @@ impl Line {
     }
 }
 
-/// What a cut left of the polygon.
+/// Result of a cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Cut {
     /// Nothing was cut away.
@@ -73,7 +73,7 @@ impl Clipper {
         &self.polygon
     }
 
-    /// Cuts a polygon that lies elsewhere into the buffer; loads it if it is whole.
+    /// Cuts a polygon from outside the buffers into the buffer; copies it if nothing is cut away.
     #[inline]
     pub fn load_cut(&mut self, polygon: &[Point], by: &Line) -> Cut {
         let cut = cut_into(polygon, by, &mut self.polygon);

@@ -15,8 +15,8 @@ use femdem_mesh::Vector3;
 const MOST_LINES: usize = 64;
 const LINE: usize = MOST_LINES - 1;
 
-/// Fields of the planes on the present facet: three arrays, since numbers written one by one
-/// and read back as a vector have to wait.
+/// Fields of the planes on the present facet, as three arrays. (Numbers written one by one and read back as a
+/// vector stall the processor.)
 #[derive(Debug)]
 struct Lines {
     a: [f64; MOST_LINES],
@@ -103,9 +103,8 @@ impl Fast {
     }
 
     /// Cuts a polygon of the plane of `frame` by the planes in `set`, which are placed.
-    ///
-    /// Whether all fits is asked at the end: a branch at every cut costs 7 % of the
-    /// kernel's time.
+    /// Overflow of the storage is checked once at the end: a branch at every cut costs 7 % of the kernel's
+    /// time.
     #[inline]
     pub(crate) fn cut_corners(
         &mut self,
@@ -142,7 +141,7 @@ impl Fast {
         fits.then_some(left).ok_or(TooMany)
     }
 
-    /// Expresses the fields of the owners on the plane of a facet; the cuts placed theirs.
+    /// Expresses the fields of the owners on the plane of a facet; the cutting planes already have theirs.
     #[inline]
     pub(crate) fn place(&mut self, frame: &PlaneFrame, field: &[FieldPlane], reach: &Reach) {
         for k in bits(reach.own & !reach.cut) {
@@ -154,10 +153,9 @@ impl Fast {
 
     /// Adds to `sums` the integrals of the lowest field of the owners, placed, over the present
     /// polygon with unit normal `n`.
-    ///
-    /// One plane is taken as the owner of all; what the others are below it, each in its own
-    /// cell, is added. Cells are mostly narrow strips along cut edges, so the plane that is
-    /// lowest in the middle makes the few and small corrections.
+    /// One plane is first taken as the owner of the whole polygon. The difference of each other plane, in its
+    /// own cell, is then added. Cells are mostly narrow strips along cut edges, so the plane that is lowest
+    /// in the middle needs the fewest and smallest corrections.
     #[inline]
     pub(crate) fn sum_cells(
         &mut self,

@@ -1,11 +1,11 @@
-//! The planes of a field body seen on the plane of a facet, for any number of planes.
+//! The planes of the field body, restricted to the plane of a facet, for any number of planes.
 
 use super::clip::{Line, Point};
 use super::side::FieldPlane;
 use crate::shape::PlaneFrame;
 use femdem_mesh::Vector3;
 
-/// Round-off of phi; a wrong owner within it changes nothing.
+/// Round-off of phi; choosing a wrong owner within it changes nothing.
 pub(crate) const TIE: f64 = 1e-15;
 
 /// Fields linear over a facet: phi_k = c_k - a_k x - b_k y.

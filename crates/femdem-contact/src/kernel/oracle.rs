@@ -1,4 +1,4 @@
-//! The fast path against the general path, which knows nothing of plans.
+//! Tests of the fast path against the general path, which uses no plans.
 
 use super::candidates::{KeptBox, candidates, contact_box};
 use super::pair::{Near, Pose, Scratch, find_near, sides};
@@ -30,7 +30,7 @@ fn find_general(
     })
 }
 
-/// All integrals of one side, each with its size for a body of size 1 in a field of 1.
+/// All integrals of one side, each with its magnitude for a body of size 1 in a field of 1.
 fn numbers(s: &SideSums) -> Vec<f64> {
     let mut all = vec![
         s.pressure,
@@ -86,7 +86,7 @@ proptest! {
             else {
                 continue;
             };
-            // Half of the margin by moving, less than half of it by turning.
+            // Half of the margin by translation, less than half of it by rotation.
             let now = turned(0.4 * margin);
             let offset = place + shift.normalize() * (0.5 * margin);
             let fast = sides(&shape, &shape, &now, &offset, &near, &mut scratch);

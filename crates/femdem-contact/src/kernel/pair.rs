@@ -11,11 +11,11 @@ use crate::shape::{ConvexShape, Frame};
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// How long candidate lists last: a pair at rest gets short lists, a fast one lists that last a few
+/// How long candidate lists last. A pair at rest gets short lists, a fast pair lists that last a few
 /// evaluations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Lists {
-    /// Evaluations at the present speed that lists are made for.
+    /// Number of evaluations at the present speed that a list should last.
     lasts: f64,
     /// Least and largest margin over the sum of the inradii.
     margin: [f64; 2],
@@ -30,8 +30,8 @@ impl Default for Lists {
     }
 }
 
-/// Where bodies move far between evaluations lists are used a few times only, and short ones hardly
-/// more than once.
+/// For bodies that move far between evaluations: lists are used only a few times, and short ones hardly more
+/// than once.
 const FAR_APART: Lists = Lists {
     lasts: 8.0,
     margin: [2e-4, 4e-2],
@@ -46,18 +46,18 @@ pub struct Scratch {
     pub(crate) plan: PlanScratch,
 }
 
-/// What the kernel remembers of a pair: a separating direction with the motion it
-/// allows, or the planes and facets that can touch. It never changes which contacts are
-/// found; a fresh cache gives the same result to round-off.
+/// The cache of a pair: a separating direction with the motion that it allows, or the planes and facets that
+/// can touch. It never changes which contacts are found; a fresh cache gives the same result to round-off.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct PairCache {
     /// Contact or separating direction from A to B, in A's axes; zero: unknown.
     axis: Vector3,
-    /// The state holds while the motion is below this, m.
+    /// The cache is valid while the motion is below this, m.
     until: f64,
     /// Motion at the last evaluation, m.
     last: f64,
-    /// Where the state was found, and how far from there it holds, m.
+    /// Relative pose at which the cache was renewed, and the relative motion from there for which it is
+    /// valid, m.
     found: Mark,
     margin: f32,
     /// `None`: the bodies are apart.
@@ -96,8 +96,7 @@ impl PairKernel {
         })
     }
 
-    /// The same kernel for evaluations with large steps between them. Contacts are the same to
-    /// round-off.
+    /// The same kernel, tuned for large motion between evaluations. Contacts are the same to round-off.
     pub fn for_large_steps(self) -> Self {
         Self {
             lists: FAR_APART,
@@ -110,14 +109,14 @@ impl PairKernel {
         self.penalty
     }
 
-    /// How far apart the lists of a pair look that has moved by `moved` since the last evaluation, m.
+    /// The margin for the lists of a pair that has moved by `moved` since the last evaluation, m.
     fn margin(&self, a: &ConvexShape, b: &ConvexShape, moved: f64) -> f64 {
         let [least, largest] = self.lists.margin.map(|m| m * (a.inradius() + b.inradius()));
         (self.lists.lasts * moved).clamp(least, largest)
     }
 
-    /// The contact of A and B, or `None` if they do not overlap, or
-    /// with no net force (one in the very middle of the other).
+    /// The contact of A and B. `None` if they do not overlap, or if there is no net force (one centred in the
+    /// other).
     pub fn evaluate(
         &self,
         a: &ConvexShape,
@@ -169,8 +168,8 @@ impl PairKernel {
         Some(overlap)
     }
 
-    /// Turns the sums of both sides into the wrench on B, in world axes, and the contact
-    /// normal in A's axes, in which the work is done.
+    /// Turns the sums of both sides, in A's axes, into the wrench on B in world axes and the contact normal
+    /// in A's axes.
     fn assemble(
         &self,
         to_world: &Matrix3,
@@ -290,12 +289,12 @@ impl PairCache {
         self.near.is_some()
     }
 
-    /// Whether `motion` still lies within what the cache allows without a look at the pair.
+    /// Whether the cache alone shows that the pair is apart at this `motion`.
     pub fn is_clear(&self, motion: f64) -> bool {
         self.near.is_none() && motion < self.until
     }
 
-    /// A gap between A and B along a direction from A to B, world axes, that is known of: they are that far apart or more, m.
+    /// A lower bound of the gap between A and B, m, along a known direction from A to B in world axes.
     pub(crate) fn gap(
         &self,
         a: &ConvexShape,
@@ -313,8 +312,9 @@ impl PairCache {
         Some((gap, frame_a.rotation * self.axis))
     }
 
-    /// Whether the bodies are still where the state holds, though they may have travelled far together. B's radius does
-    /// for both: points of A matter only where B reaches them.
+    /// Whether the relative pose is still within the margin of the cache, though the bodies may have
+    /// travelled far together. The radius of B suffices for both: points of A matter only where B reaches
+    /// them.
     fn still_holds(
         &mut self,
         rotation: &Matrix3,
@@ -349,7 +349,7 @@ impl PairCache {
         self.until = motion + holds;
     }
 
-    /// Finds the state, and returns how far the bodies may move before it has to be found anew, m.
+    /// Renews the state of the cache, and returns the relative motion for which it is valid, m.
     fn look(
         &mut self,
         a: &ConvexShape,

@@ -1,11 +1,11 @@
-//! What one facet can meet in the other body's field: worked out once for many steps.
+//! Plans: what a facet can meet in the other body's field, computed once for many steps.
 //!
-//! While two bodies move relative to each other by less than a margin m, a point of the
-//! facet that lies in the field body now was within m of where it is now in that body's
-//! axes. So its depth under a plane differs by at most m, and the difference of the fields
-//! of two planes by at most m times the difference of their gradients. The facet cut by all
-//! planes moved outwards by m therefore holds every later polygon, and the values at its
-//! corners tell which planes can cut it or own a gauge cell on it.
+//! Consider a point of the facet that lies in the field body at some later time. While two bodies move
+//! relative to each other by less than a margin m, its position in that body's axes is now within m of the
+//! later one. So its depth under a plane differs by at most m, and the difference of the fields of two planes
+//! by at most m times the difference of their gradients. The facet cut by all planes moved outwards by m
+//! therefore contains every later polygon, and the values at its corners determine which planes can cut it or
+//! own a gauge cell on it.
 
 use super::candidates::{Candidates, ContactBox};
 use super::clip::{Clipper, Cut, Point};
@@ -14,10 +14,10 @@ use crate::shape::{ConvexShape, PlaneFrame};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
-/// Planes that the bits of a plan can name, the faces of the contact box included.
+/// Largest number of planes in a plan, one bit each; the faces of the contact box count too.
 pub(crate) const MOST_PLANES: usize = u64::BITS as usize;
 
-/// Distances are compared with this much to spare, times the margin.
+/// Tolerance of comparisons of distances, times the margin.
 const HAIR: f64 = 1e-6;
 
 /// A facet of the skin and the planes of the field that matter to it: a [`Reach`] in half the memory.
@@ -30,7 +30,7 @@ pub(crate) struct FacetPlan {
 }
 
 impl FacetPlan {
-    /// Every plane matters to it.
+    /// A plan in which every plane matters.
     fn general(facet: u16) -> Self {
         Self {
             facet,
@@ -66,12 +66,12 @@ pub(crate) struct Reach {
 pub(crate) struct SidePlan {
     /// Planes of the field body.
     pub planes: SmallVec<[u16; 8]>,
-    /// How many of the planes, the first ones, can cut.
+    /// The first `bounding` planes can cut.
     pub bounding: u16,
     /// Faces of the contact box that can cut, a bit for each. Their bits in the facets'
     /// plans follow those of the planes.
     pub box_faces: u8,
-    /// Too many planes for bits: every plane and the box matter to every facet.
+    /// Too many planes for the bits: every plane and the box matter to every facet.
     pub general: bool,
     pub facets: SmallVec<[FacetPlan; 4]>,
 }
@@ -84,7 +84,7 @@ pub(crate) struct PlanScratch {
     lowest: Vec<f64>,
 }
 
-/// How far the polygons may move: along the field's planes, and along the box.
+/// How far the polygons may move relative to the field's planes and relative to the box.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Margins {
     pub field: f64,
@@ -134,7 +134,7 @@ impl SidePlan {
             .unwrap_or_else(|| Self::general(facets, planes))
     }
 
-    /// The plan that leaves nothing out.
+    /// The plan that excludes nothing.
     pub(crate) fn general(facets: &[u16], planes: &Candidates) -> Self {
         Self {
             planes: planes.planes.iter().copied().collect(),
@@ -145,8 +145,7 @@ impl SidePlan {
         }
     }
 
-    /// The plan without the planes that no facet needs; `None` if more are needed than a facet's plan has
-    /// bits.
+    /// The plan without the planes that no facet needs; `None` if more planes are needed than there are bits.
     fn compact(reaches: &[(u16, Reach)], list: &Candidates, planes: usize) -> Option<Self> {
         let used = reaches.iter().fold(0, |set, (_, r)| set | r.cut | r.own);
         if used.count_ones() > u32::BITS {
@@ -197,9 +196,8 @@ pub(crate) struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// Planes that can cut and planes that can own a cell while the polygon moves by less
-    /// than the margins; `None` if nothing of it can come to lie in the field. Without a
-    /// region nothing but the field bounds it.
+    /// Planes that can cut and planes that can own a cell while the polygon moves by less than the margins;
+    /// `None` if no part of it can come to lie in the field. Without a region, only the field bounds it.
     pub(crate) fn plan(
         &self,
         region: Option<&ContactBox>,

@@ -2,7 +2,7 @@
 
 use super::clip::{Line, Point, crossing};
 
-/// Room for corners; a power of two, so that an index is kept in range by a mask.
+/// Number of corners that fit; a power of two, so that a mask keeps an index in range.
 pub(crate) const MOST: usize = 32;
 const MASK: usize = MOST - 1;
 
@@ -37,7 +37,7 @@ impl Polygon {
         self.corners.get(..self.len).unwrap_or(&[])
     }
 
-    /// Takes a copy of the corners; false if they are too many.
+    /// Copies the corners; false if there are too many.
     #[inline]
     pub fn load(&mut self, corners: &[Point]) -> bool {
         for (to, p) in self.corners.iter_mut().zip(corners) {
@@ -56,8 +56,8 @@ impl Polygon {
     /// (Sutherland and Hodgman 1974), so that a line through several corners, whose depths
     /// differ in sign by round-off, loses nothing; false if it has too many corners.
     ///
-    /// Every corner is written, and stays if it belongs to the part: of the branches only
-    /// the crossings depend on the data.
+    /// Every corner is written and kept only if it belongs to the part, so that only the branches at
+    /// crossings depend on the data.
     #[inline(always)]
     pub fn set_cut(&mut self, of: &[Point], by: &Line) -> bool {
         let Some(mut p) = of.last() else {

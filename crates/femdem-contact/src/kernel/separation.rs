@@ -1,8 +1,7 @@
 //! Separating directions: a GJK descent on the Minkowski difference.
 //!
-//! The distance itself is not needed. The descent only proposes directions; the gap
-//! reported for a direction is recomputed from the supports, so it is a true lower
-//! bound whatever the descent did.
+//! The distance itself is not needed. The descent only proposes directions; the gap reported for a direction
+//! is recomputed from the supports, so it is a true lower bound even if the descent fails.
 
 use crate::shape::ConvexShape;
 use femdem_mesh::{Matrix3, Vector3};
@@ -29,9 +28,8 @@ pub(crate) fn gap_along(
     axis.dot(offset) - b.support(&in_b) - a.support(axis)
 }
 
-/// Looks for a separating direction of A and B, B posed by `rotation`, `offset` in A's
-/// axes. Stops as soon as the gap is at least half the distance found. `None` if the
-/// bodies touch or the descent stalls.
+/// Searches for a separating direction of A and B, with B posed by `rotation`, `offset` in A's axes. Stops as
+/// soon as the gap is at least half the distance found. `None` if the bodies touch or the descent stalls.
 pub(crate) fn separate(
     a: &ConvexShape,
     b: &ConvexShape,
@@ -56,7 +54,7 @@ pub(crate) fn separate(
         let (ia, _) = a.support_vertex(&axis);
         let w = rotation * b.vertices()[ib] + offset - a.vertices()[ia];
         let gap = axis.dot(&w);
-        // The hint has no length: the distance is known once there is a simplex.
+        // The hint is only a direction: a distance is known once there is a simplex.
         let close = !simplex.is_empty() && gap >= 0.5 * norm;
         if gap > 0.0 && (close || simplex.contains(&w)) {
             return Some(Separation { axis, gap });

@@ -98,7 +98,7 @@ fn cut_by_box(clipper: &mut Clipper, region: &Region, frame: &PlaneFrame) -> boo
     (0..BOX_FACES).all(|face| clipper.cut(&region.face(face).on(frame)) != Cut::Empty)
 }
 
-/// The skin body's part in one side, with the region and the field's centre in its axes.
+/// The skin body's data for one side, with the region and the field's centre in its axes.
 pub(crate) struct Skin<'a> {
     pub shape: &'a ConvexShape,
     pub plan: &'a SidePlan,
@@ -113,7 +113,7 @@ pub(crate) struct Skin<'a> {
 pub(crate) enum Region<'a> {
     /// Given in the skin body's axes.
     Here(&'a ContactBox),
-    /// Given in other axes, which the pose takes to the skin body's.
+    /// Given in other axes, which the pose maps to the skin body's.
     Posed(&'a ContactBox, &'a Pose),
 }
 
@@ -126,8 +126,8 @@ impl Region<'_> {
     }
 }
 
-/// Adds up the facets of the skin inside the field. Moments are about the region's centre.
-/// `planes` are the plan's, posed; the box faces that the plan names are added to them.
+/// Sums over the facets of the skin inside the field. Moments are about the region's centre. `planes` are
+/// those of the plan, posed; the planes of the box faces in the plan are appended to them.
 #[inline]
 pub(crate) fn integrate_side(
     skin: &Skin,
@@ -239,7 +239,7 @@ impl SideSums {
         self.volume_tensor += normal * moment.transpose();
     }
 
-    /// Adds a polygon on which the field vanishes: it only closes the volume.
+    /// Adds a polygon on which the field vanishes; it only contributes to the volume.
     pub(crate) fn add_skin(
         &mut self,
         polygon: &[Point],

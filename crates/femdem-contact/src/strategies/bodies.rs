@@ -1,4 +1,4 @@
-//! Bodies, in every form that a kernel takes.
+//! Test bodies in all representations that the kernels take.
 
 use crate::error::ContactError;
 use crate::general::{Field, FieldMesh};
@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
 
-/// A body in every form that a kernel takes, about its centroid.
+/// A body in all representations that the kernels take, about its centroid.
 #[derive(Clone, PartialEq)]
 pub struct TestBody {
     /// The surface of a convex body.
@@ -20,8 +20,8 @@ pub struct TestBody {
     pub convex: Option<Arc<ConvexShape>>,
     /// The body as tetrahedra, in coordinates about its centroid.
     pub mesh: Arc<TetMesh>,
-    /// The tetrahedra with a field: the gauge field of convex bodies (so that both kernels give
-    /// the same), the body field of others.
+    /// The tetrahedra with a field: the gauge field for convex bodies (so that both kernels give the same
+    /// results), the body field for others.
     pub field: Arc<FieldMesh>,
 }
 
@@ -131,8 +131,8 @@ const PATHS: [[usize; 3]; 6] = [
     [2, 1, 0],
 ];
 
-/// The six tetrahedra of every cell. `name` may give several nodes one name; `place` puts a name
-/// in space.
+/// The six tetrahedra of every cell. `name` may identify several nodes by one name; `place` gives the
+/// position of a name.
 fn mesh_of_cells(
     cells: &BTreeSet<Node>,
     name: impl Fn(Node) -> Node,
@@ -200,7 +200,7 @@ fn pellets() -> impl Strategy<Value = TetMesh> {
     })
 }
 
-/// Solids of the catalogue with their vertices drawn in and out, about the centre.
+/// Solids of the catalogue with their vertices moved inwards or outwards along the radius.
 fn stars() -> impl Strategy<Value = TetMesh> {
     let radii = prop::collection::vec(0.5..1.0_f64, 12);
     (catalogue_shapes(), radii).prop_filter_map("a star", |(solid, radii)| {

@@ -51,7 +51,7 @@ impl Skin<'_> {
         n.try_normalize(0.0).unwrap_or_default()
     }
 
-    /// Sum of the normals of the triangles that hold all the given points.
+    /// Sum of the normals of the triangles that contain all the given points.
     fn outward(&self, points: &[u32]) -> Vector3 {
         let triangles = self.0.skin().iter();
         triangles

@@ -1,11 +1,11 @@
 //! Strategies for property tests: bodies, placements and touching pairs.
 //!
-//! Behind the feature `proptest`, for everyone who tests a contact kernel, ours or one's own. Pairs
-//! come in all the arrangements that contact codes tend to get wrong: faces in one plane, edge on
-//! edge, vertex on vertex, one inside the other, two bodies in one place; at sizes from 1e-9 to
-//! 1e6 m, near the origin and up to 1e5 m away from it. [`TestBody`] holds each body as a convex
-//! shape (where it is one), as tetrahedra and as tetrahedra with a field, all about its centroid,
-//! so that kernels of every kind see the same pair.
+//! Behind the feature `proptest`, for tests of any contact kernel, this one or yours. Pairs come in all the
+//! arrangements that contact codes tend to get wrong: faces in one plane, edge on edge, vertex on vertex, one
+//! inside the other, two bodies in one place; at sizes from 1e-9 to 1e6 m, near the origin and up to 1e5 m
+//! away from it. [`TestBody`] holds each body as a convex shape (if it is convex), as tetrahedra and as
+//! tetrahedra with a field, all about its centroid, so that kernels of every kind are tested with the same
+//! pair.
 //!
 //! ```
 //! use femdem_contact::kernel::Scratch;
@@ -26,8 +26,8 @@
 //! });
 //! ```
 //!
-//! Shrinking makes bodies and placements simpler, not the numbers of a mesh rounder. A failing pair
-//! is printed with the points of its bodies, so that it can be built again.
+//! Shrinking simplifies bodies and placements; it does not round the coordinates of a mesh. A failing pair is
+//! printed with the points of its bodies, so that it can be rebuilt.
 
 mod bodies;
 mod features;

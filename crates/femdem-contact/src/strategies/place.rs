@@ -9,10 +9,10 @@ use femdem_mesh::{Matrix3, Rotation, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// How two bodies lie to each other.
+/// Arrangement of two bodies relative to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Arrangement {
-    /// Anyhow: a random direction and orientation.
+    /// No special arrangement: a random direction and orientation.
     General,
     /// A face on a face, in one plane where the depth is 0.
     FaceOnFace,
@@ -48,39 +48,39 @@ impl Arrangement {
     ];
 }
 
-/// A placement of any two bodies. Lengths are in radii of the smaller body, but for the position.
+/// A placement of any two bodies. Lengths are in radii of the smaller body, except the position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
-    /// How the bodies lie to each other.
+    /// The arrangement of the bodies.
     pub arrangement: Arrangement,
     /// Which faces, edges or vertices meet, 0 to 1 of those of A and of B.
     pub picks: [f64; 2],
-    /// How deep the features are in each other; negative: apart.
+    /// Overlap depth of the features; negative: gap.
     pub depth: f64,
     /// Angle about the common direction, rad.
     pub angle: f64,
-    /// Orientation of B to A where the arrangement leaves it free.
+    /// Orientation of B relative to A where the arrangement leaves it free.
     pub turn: Rotation,
     /// Orientation of the pair.
     pub orientation: Rotation,
-    /// Where A is, m.
+    /// Position of A, m.
     pub position: Vector3,
 }
 
-/// Two bodies and where they are.
+/// Two bodies and their frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TestPair {
     /// Body A.
     pub a: TestBody,
-    /// Where A is.
+    /// Frame of A.
     pub frame_a: Frame,
     /// Body B.
     pub b: TestBody,
-    /// Where B is.
+    /// Frame of B.
     pub frame_b: Frame,
-    /// Axes of a wall z <= 0 that meets A where B does, as deep.
+    /// Axes of a wall z <= 0 that touches A at the same place as B does, and as deep.
     pub frame_wall: Frame,
-    /// How the bodies lie to each other.
+    /// The arrangement of the bodies.
     pub arrangement: Arrangement,
 }
 
@@ -100,7 +100,7 @@ impl TestPair {
             position: frame_a.point(&relative.position),
             rotation: frame_a.rotation * relative.rotation,
         };
-        // Outward of A is down into the wall.
+        // The outward direction of A's feature points into the wall.
         let [_, x, y] = crate::kernel::complete(&-contact.outward);
         let axes = Matrix3::from_columns(&[x, y, -contact.outward]);
         let frame_wall = Frame {
@@ -119,7 +119,7 @@ impl TestPair {
 }
 
 impl Placement {
-    /// Where the bodies meet and where B is, in A's axes.
+    /// The feature of A where the bodies meet, and the frame of B in A's axes.
     fn relative(&self, a: &TestBody, b: &TestBody) -> (Feature, Frame) {
         let (skin_a, skin_b) = (Skin(&a.mesh), Skin(&b.mesh));
         let depth = self.depth * a.radius().min(b.radius());
@@ -165,7 +165,7 @@ impl Placement {
         (self.angle / FRAC_PI_2).floor() * FRAC_PI_2
     }
 
-    /// The centroid of B at a distance from that of A.
+    /// B with its centroid at a distance from that of A.
     fn inside(&self, distance: f64, rotation: Matrix3) -> Frame {
         Frame {
             position: self.turn * Vector3::x() * distance,
@@ -174,7 +174,7 @@ impl Placement {
     }
 }
 
-/// The rotation of B that turns the outward direction of its feature against that of A's.
+/// The rotation of B that opposes the outward direction of its feature to that of A's.
 fn opposed(on_a: Feature, on_b: Feature, angle: f64) -> (Feature, Matrix3, Feature) {
     let (sin, cos) = angle.sin_cos();
     let turn = Matrix3::new(-1.0, 0.0, 0.0, 0.0, cos, sin, 0.0, sin, -cos);
@@ -182,7 +182,7 @@ fn opposed(on_a: Feature, on_b: Feature, angle: f64) -> (Feature, Matrix3, Featu
     (on_a, rotation, on_b)
 }
 
-/// A rotation that takes axes to axes.
+/// A rotation that maps coordinate axes to coordinate axes.
 fn lattice(placement: &Placement) -> Matrix3 {
     let quarter = |axis: usize, times: usize| {
         let (sin, cos) = [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][times % 4];
@@ -195,7 +195,7 @@ fn lattice(placement: &Placement) -> Matrix3 {
     quarter(0, steps) * quarter(1, steps / 4) * quarter(2, steps / 16)
 }
 
-/// Numbers from 10^`low` to 10^`high`, of equal share per decade.
+/// Numbers from 10^`low` to 10^`high`, uniform in their logarithm.
 fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> {
     (low..=high).prop_map(|e| 10_f64.powf(e))
 }
@@ -241,7 +241,7 @@ pub fn placements() -> impl Strategy<Value = Placement> + Clone {
         .boxed()
 }
 
-/// Sizes of A and of B: from 1e-9 to 1e6 m, mostly alike.
+/// Sizes of A and of B: from 1e-9 to 1e6 m, mostly equal.
 fn sizes() -> impl Strategy<Value = [f64; 2]> + Clone {
     let size = prop_oneof![1 => Just(0.1), 2 => decades(-9.0, 6.0)];
     let ratio = prop_oneof![3 => Just(1.0), 1 => decades(-3.0, 0.0)];
