@@ -1,4 +1,4 @@
-//! The sums of a pair: by skins where they tell all, else by pieces.
+//! The sums of a pair: over skins where these suffice, else over pieces.
 
 use super::kernel::DeformableScratch;
 use super::near::{Candidates, Failure, Near, Sides};
@@ -9,8 +9,8 @@ use crate::general::piece::Piece;
 use crate::general::pieces::intersect;
 use crate::general::posed::{Posed, PosedList};
 
-/// Sums up the pair in the scratch; whether there is an overlap. `motion` is the running bound of
-/// the distance that any point of A or B has travelled (the sum of both), m.
+/// Computes the sums of the pair in the scratch and returns whether there is an overlap. `motion` is the
+/// running bound of the distance that any point of A or B has travelled (the sum of both), m.
 pub(crate) fn run(
     sides: &Sides,
     law: &PairLaw,
@@ -42,9 +42,9 @@ pub(crate) fn run(
     Ok(scratch.sums.energy > 0.0)
 }
 
-/// Adds up the skins of either body in the other: see [`skins`](super::skins). Returns up to which motion no
-/// candidates touch; `None` if they have to be added up by pieces. `plain`: without the instructions that not
-/// every processor has.
+/// Sums over the skins of either body in the other: see [`skins`](super::skins). Returns up to which motion
+/// no candidates touch; `None` if the sums must be computed over pieces. `plain`: without processor-specific
+/// instructions.
 fn by_skins(
     sides: &Sides,
     law: &PairLaw,
@@ -88,7 +88,7 @@ fn by_skins(
     Ok(clear)
 }
 
-/// Adds up the common parts of tetrahedra. Returns up to which motion no candidates touch.
+/// Sums over the common parts of tetrahedra. Returns up to which motion no candidates touch.
 fn by_pieces(
     sides: &Sides,
     law: &PairLaw,
@@ -189,7 +189,7 @@ mod tests {
     use femdem_mesh::catalogue::{CatalogueShape, Solid};
     use femdem_mesh::{TetMesh, Vector3};
 
-    /// The sums of two dodecahedra by skins, by plain instructions or the best that there are.
+    /// The sums of two dodecahedra over skins, by plain instructions or the best that there are.
     fn sums(plain: bool) -> PairSums {
         let solid = CatalogueShape::from(Solid::P4).polyhedron(1.0).unwrap();
         let mesh = TetMesh::centroid_fan(&solid).unwrap();

@@ -3,21 +3,20 @@
 //! The spring is stretched between a point of A and a point of B, given in a tetrahedron's
 //! barycentric coordinates or in a rigid body's axes, so that a common rigid motion leaves it
 //! unchanged.
-//!
-//! In every step the points are put around the place where the pressure is, as far apart as the spring
-//! is stretched across the normal, and so walk from tetrahedron to tetrahedron. While the triangle
-//! sticks, the energy of the spring then changes by the work of its force, whatever way the pressure and
-//! the normal move when bodies roll or rock on each other: the force acts where the stretch is measured, and
-//! what is left out of the stretch, its part along the normal, can only take energy. Points
-//! that stayed behind made a force that was the gradient of nothing, on which bodies rocked for ever.
+//! In every step the points are placed around the centre of pressure, apart by the stretch of the spring
+//! across the normal, and so move from tetrahedron to tetrahedron. While the triangle sticks, the energy of
+//! the spring then changes by the work of its force, however pressure and normal move when bodies roll or
+//! rock on each other: the force acts where the stretch is measured, and the removed part of the stretch,
+//! along the normal, can only lower the energy. With points that stay behind, the force is not the gradient
+//! of an energy, and bodies rock forever.
 
 use super::current::{Current, Operand};
 use crate::law::ContactParameters;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// A spring keeps its stiffness until there is less than this part of it left, so that a contact
-/// that is shaken does not lose its force little by little.
+/// A spring keeps its stiffness until the present one is below this fraction of it, so that a contact that is
+/// shaken does not gradually lose its force.
 const HOLDS: f64 = 0.5;
 
 /// A point of a body.
@@ -36,11 +35,11 @@ pub(crate) struct Bristle {
     pub anchors: [Anchor; 2],
     /// N/m.
     pub stiffness: f64,
-    /// Across which it is stretched.
+    /// Normal of the plane in which it is stretched.
     pub normal: Vector3,
 }
 
-/// What presses on a triangle, and how the bodies move there. Points are about the pair's origin.
+/// Normal load and motion of a triangle. Points are about the pair's origin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch<'a> {
     pub point: Vector3,
@@ -51,30 +50,30 @@ pub(crate) struct Touch<'a> {
     pub stiffness: f64,
     /// Velocity of B less that of A, m/s.
     pub slip: Vector3,
-    /// Of A and of B at the point.
+    /// Of A and of B at the point: see [`Mobility`].
     pub mobilities: [Mobility; 2],
-    /// 1/sqrt(K w) of the whole contact, s, with the stiffness K of its springs and its inverse mass w along
-    /// the normal force: a spring k has the part 2 zeta k/sqrt(K w) of its dashpot.
+    /// 1/sqrt(K w), s, of the whole contact, with the stiffness K of its springs and its inverse mass w along
+    /// the normal force. The dashpot of a spring k is 2 zeta k/sqrt(K w).
     pub period: f64,
-    /// The tetrahedra around, by number and as they are.
+    /// The tetrahedra that contain the point: index and current shape.
     pub hosts: [(u32, &'a Current); 2],
-    /// Their places on the lists, and their shape functions at the point.
+    /// Their indices in the lists, and their shape functions at the point.
     pub places: [u32; 2],
     pub weights: [[f64; 4]; 2],
     pub origin: Vector3,
 }
 
-/// How easily a point of a side moves.
+/// Inverse mass of a point of a side.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Mobility {
     /// 1/kg.
     pub inverse_mass: f64,
-    /// By corner w_b^2/m_b, with the weights w_b of the point, 1/kg; zero of rigid sides. They add up to the
+    /// w_b^2/m_b by corner, with the weights w_b of the point, 1/kg; zero for rigid sides. Their sum is the
     /// inverse mass.
     pub corners: [f64; 4],
 }
 
-/// A corner whose part of the inverse mass is below this one of the largest takes part in the rate in
+/// A corner whose part of the inverse mass is below this fraction of the largest gets a rate reduced in
 /// proportion.
 const SMALL: f64 = 1.0 / 16.0;
 
@@ -93,18 +92,19 @@ impl Mobility {
 }
 
 impl Touch<'_> {
-    /// Of both, 1/kg.
+    /// Sum of both sides, 1/kg.
     fn inverse_mass(&self) -> f64 {
         let [a, b] = self.mobilities;
         a.inverse_mass + b.inverse_mass
     }
 
-    /// Rates of the corners of A and of B by a dashpot eta between the points, 1/s, and what counts of it for
-    /// a rigid A, N s/m.
+    /// Rates of the corners of A and of B by a dashpot eta between the points, 1/s, and its effective
+    /// viscosity for a rigid A, N s/m.
     ///
-    /// With the weights w_b of a point and any shares s_b > 0, by Cauchy, |sum w_b v_b|^2 <= S sum m_b s_b |v_b|^2,
-    /// S = sum w_b^2/(m_b s_b); and |v_B - v_A|^2 <= (S_A + S_B) (|v_A|^2/S_A + |v_B|^2/S_B). So both sides have the
-    /// rate eta (S_A + S_B) s_b. The shares are 1 but for corners that hardly matter.
+    /// With the weights w_b of a point and any shares s_b > 0, by Cauchy, |sum w_b v_b|^2 <= S sum m_b s_b
+    /// |v_b|^2, S = sum w_b^2/(m_b s_b); and |v_B - v_A|^2 <= (S_A + S_B) (|v_A|^2/S_A + |v_B|^2/S_B). So
+    /// both sides have the rate eta (S_A + S_B) s_b. The shares are 1 except for corners with a negligible
+    /// part.
     pub fn rates(&self, eta: f64) -> ([[f64; 4]; 2], f64) {
         let [of_a, of_b] = self.mobilities.map(|m| m.sum());
         let rate = eta * (of_a + of_b);
@@ -122,16 +122,16 @@ impl Touch<'_> {
 pub(crate) struct TriangleFriction {
     /// Force on B, N.
     pub force: Vector3,
-    /// In the spring, J.
+    /// Energy stored in the spring, J.
     pub energy: f64,
-    /// Of the spring, N/m, and of its dashpot, N s/m.
+    /// Stiffness of the spring, N/m, and viscosity of its dashpot, N s/m.
     pub stiffness: f64,
     pub viscosity: f64,
     pub slides: bool,
 }
 
 impl Operand<'_> {
-    /// Where a point of the body is about an origin, m.
+    /// Position of an anchor about an origin, m.
     fn anchored(&self, anchor: &Anchor, origin: &Vector3) -> Option<Vector3> {
         match (self, anchor) {
             (Self::Deformable(shape, x), Anchor::Tet(tet, weights)) => {
@@ -146,7 +146,7 @@ impl Operand<'_> {
         }
     }
 
-    /// The point of the body that is at `x` about an origin.
+    /// The anchor of the body at the position `x` about an origin.
     fn anchor(&self, (tet, current): (u32, &Current), x: &Vector3, origin: &Vector3) -> Anchor {
         match self {
             Self::Deformable(..) => Anchor::Tet(tet, current.weights(x)),
@@ -174,7 +174,7 @@ impl Bristle {
         bristle
     }
 
-    /// Way from the point of A to that of B, m; zero if there are no such points.
+    /// Vector from the point of A to that of B, m; zero if there are no such points.
     pub fn stretch(&self, sides: &[Operand; 2], origin: &Vector3) -> Vector3 {
         let [a, b] = &self.anchors;
         match (sides[0].anchored(a, origin), sides[1].anchored(b, origin)) {
@@ -183,13 +183,13 @@ impl Bristle {
         }
     }
 
-    /// Energy of the spring as it stands, J.
+    /// Present energy of the spring, J.
     pub fn energy(&self, sides: &[Operand; 2], origin: &Vector3) -> f64 {
         let stretch = across(&self.stretch(sides, origin), &self.normal);
         0.5 * self.stiffness * stretch.norm_squared()
     }
 
-    /// Puts the points around the centre of pressure so that the stretch is `stretch`.
+    /// Places the points around the centre of pressure such that the stretch is `stretch`.
     fn place(&mut self, sides: &[Operand; 2], touch: &Touch, stretch: &Vector3) {
         let half = stretch * 0.5;
         let ends = [touch.point - half, touch.point + half];
@@ -207,7 +207,7 @@ impl Bristle {
         let mut k = touch.stiffness;
         let mut stretch = across(&self.stretch(sides, &touch.origin), normal);
         let slip = across(&touch.slip, normal);
-        // A stiffer spring keeps its force, a softer one its stretch: neither makes energy.
+        // A stiffer spring keeps its force, a softer one its stretch: neither gains energy.
         if k > self.stiffness && self.stiffness > 0.0 {
             stretch *= self.stiffness / k;
         } else if k >= HOLDS * self.stiffness {
@@ -215,7 +215,7 @@ impl Bristle {
         }
         let inverse_mass = touch.inverse_mass();
         let eta = if inverse_mass > 0.0 {
-            // The contact's own, but not more than for a spring that were alone.
+            // The contact's damping, but not more than for this spring alone.
             let alone = (k / inverse_mass).sqrt();
             2.0 * law.tangential_damping * alone.min(k * touch.period)
         } else {
@@ -228,8 +228,7 @@ impl Bristle {
         if slides {
             force *= most / size_of_force;
             k = touch.stiffness;
-            // The spring carries what the dashpot leaves of the bound; it never pushes along the
-            // slip.
+            // The spring carries what the dashpot leaves of the bound; it never pushes along the slip.
             let spring = force + slip * eta;
             stretch = if spring.dot(&force) > 0.0 && k > 0.0 {
                 -spring / k

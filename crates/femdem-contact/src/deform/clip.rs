@@ -6,15 +6,15 @@ use super::sums::PolygonSums;
 use femdem_mesh::Vector3;
 use femdem_mesh::tet::FACES;
 
-/// Room for corners: a triangle cut by four planes has seven at most, and one more is written over. A power of
-/// two, so that places are found by their low bits.
+/// Room for corners: a triangle cut by four planes has at most seven, and one more is written speculatively.
+/// A power of two, so that indices wrap by a bit mask.
 const ROOM: usize = 8;
 
-/// Shape functions that differ from zero by no more than this are left to round-off.
+/// Absolute values of shape functions up to this are treated as round-off.
 const NOISE: f64 = 1e-11;
 
-/// Polygons that come this near to a node with pressure are left to the pieces: the flux about the node has a
-/// pole. A shape function's distance from 1.
+/// Polygons that come this near to a node with pressure, measured by 1 minus its shape function, are left to
+/// the sums over pieces: the flux about the node has a pole.
 const POLE: f64 = 1e-3;
 
 /// Sizes of tetrahedra that differ by more than this factor differ much.
@@ -23,20 +23,21 @@ const LARGE: f64 = 4.0;
 /// Shape functions of one tetrahedron at the corners of another, by corner.
 pub(crate) type Depths = [Row; 4];
 
-/// A corner: the four shape functions of the tetrahedron that it lies in, and its place (m) with the field there
-/// (Pa). All of them are affine, and cut alike.
+/// A corner: the four shape functions of the tetrahedron that contains it, its position (m) and the field
+/// there (Pa). All of them are affine, and interpolated alike in a cut.
 #[derive(Debug, Clone, Copy, Default)]
 struct Corner {
     shares: Row,
     place: Row,
 }
 
-/// What is left of a triangle.
+/// Result of a cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Left {
     Nothing,
     Polygon,
-    /// It lies in a face inside the other body, so that round-off would decide whose it is.
+    /// It lies in a face inside the other body, so that round-off would decide which tetrahedron it belongs
+    /// to.
     Unclear,
 }
 
@@ -63,7 +64,7 @@ pub(crate) fn depths(tet: &Current, other: &Current) -> Depths {
     [at(p), at(q), at(r), at(s)]
 }
 
-/// Whether all corners are outside of one face.
+/// Whether all corners are outside one face.
 #[inline(always)]
 pub(crate) fn is_outside([a, b, c, d]: &Depths) -> bool {
     a.max(*b).max(c.max(*d)).least() <= 0.0
@@ -82,8 +83,8 @@ pub(crate) fn sunken(tet: &Current, depths: &Depths) -> u8 {
 }
 
 impl Clip {
-    /// Makes this the part of face `face` of `own` that lies in `host`. `in_host` are the host's shape functions
-    /// at the corners of `own`, `of_host` those of `own` at the corners of the host.
+    /// Sets this to the part of face `face` of `own` that lies in `host`. `in_host` are the host's shape
+    /// functions at the corners of `own`, `of_host` those of `own` at the corners of the host.
     #[inline(always)]
     pub fn load(
         &mut self,
@@ -94,7 +95,7 @@ impl Clip {
         let [p, q, r] = [in_host[i], in_host[j], in_host[k]];
         let (low, high) = (p.min(q).min(r), p.max(q).max(r));
         if high.least() <= NOISE {
-            // In the skin of the host there is no pressure.
+            // There is no pressure in the skin of the host.
             let outside = high.bits(|x| x <= NOISE);
             let flat = low.bits(|x| x >= -NOISE);
             return if outside & (!flat | host.skin) != 0 {
@@ -104,7 +105,8 @@ impl Clip {
             };
         }
         self.now = 0;
-        // Of a much larger one the host's section is cut, so that round-off goes with the smaller one's size.
+        // If `own` is much larger, the host's section is cut instead, so that round-off scales with the
+        // smaller size.
         if own.size > LARGE * host.size {
             return self.load_section(own, face, host, of_host);
         }
@@ -122,7 +124,7 @@ impl Clip {
         Left::Polygon
     }
 
-    /// The same, beginning with where the plane of the face cuts the host.
+    /// The same, starting from the section of the host by the plane of the face.
     #[inline(never)]
     fn load_section(
         &mut self,
@@ -149,8 +151,8 @@ impl Clip {
         Left::Polygon
     }
 
-    /// Makes this where a plane cuts a tetrahedron whose corners lie as deep under it as `depth` says; `false` if
-    /// it does not.
+    /// Sets this to the section of a tetrahedron by a plane, from the depths of its corners under the plane;
+    /// `false` if there is none.
     fn section(&mut self, depth: &[f64; 4], host: &Current) -> bool {
         let mut order = [0, 1, 2, 3];
         order.sort_by_key(|c| depth[*c] < 0.0);
@@ -196,7 +198,8 @@ impl Clip {
         let mut last = (self.count - 1) % ROOM;
         let mut count = 0;
         for at in 0..self.count.min(ROOM) {
-            // Both are written and the next ones put over what does not count: there is nothing to foretell.
+            // Both points are written, and later ones overwrite those that do not count: no branch to
+            // mispredict.
             let (dx, dy) = (depths[last], depths[at]);
             new[count % ROOM] = old[last].towards(&old[at], dx / (dx - dy));
             count += usize::from((dx >= 0.0) != (dy >= 0.0));
@@ -209,13 +212,13 @@ impl Clip {
         count >= 3
     }
 
-    /// Integrals over the polygon with the given unit normal, and the flux through it: what ∫ p φ dV over the part
-    /// of the host behind it has by it, J. `None` if it comes too near to a node with pressure.
+    /// Integrals over the polygon with the given unit normal, and its flux, J: its contribution to ∫ p φ dV
+    /// over the part of the host behind it. `None` if it comes too near to a node with pressure.
     #[inline(always)]
     pub fn integrate(&self, normal: &Vector3, host: &Current) -> Option<(PolygonSums, f64)> {
         let corners = self.at[self.now].get(..self.count)?;
         let (x, rest) = corners.split_first()?;
-        // Areas by the two axes that the normal is least along.
+        // Areas are projected along the largest component of the normal.
         let size = normal.abs();
         let axis = if size.x >= size.y && size.x >= size.z {
             0
@@ -226,7 +229,7 @@ impl Clip {
         };
         let (u, v) = ([1, 2, 0][axis], [2, 0, 1][axis]);
         let scale = self.turn / normal[axis];
-        // Integrals of place and field, of field times both, and of the squares of both.
+        // Integrals of position and field, of the field times both, and of the squares of both.
         let (mut first, mut moment, mut second) = (Row::default(), Row::default(), Row::default());
         let (mut area, mut flux) = (0.0, Row::default());
         let mut nearest = x.shares;

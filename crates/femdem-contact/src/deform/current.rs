@@ -1,4 +1,4 @@
-//! Tetrahedra as they are now, with shape functions, about the middle of a contact.
+//! Tetrahedra in their current shape, with shape functions, about the origin of a contact.
 
 use super::shape::DeformableShape;
 use crate::error::ContactError;
@@ -7,10 +7,10 @@ use crate::general::{FieldMesh, SolidWall};
 use crate::shape::Frame;
 use femdem_mesh::Vector3;
 
-/// One side of a pair as the kernel takes it.
+/// One side of a pair, as input of the kernel.
 #[derive(Debug, Clone, Copy)]
 pub enum Operand<'a> {
-    /// A body that deforms, and where its nodes are, m.
+    /// A deformable body and the positions of its nodes, m.
     Deformable(&'a DeformableShape, &'a [Vector3]),
     /// A rigid body, as tetrahedra with a field.
     Rigid(&'a FieldMesh, &'a Frame),
@@ -22,7 +22,7 @@ pub enum Operand<'a> {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Current {
     pub corners: [Vector3; 4],
-    /// The field at the corners, Pa: the pressure at which it counts is in it.
+    /// The field at the corners, Pa: scaled by the pressure of the pair's law.
     pub values: [f64; 4],
     /// Its gradient, Pa/m.
     pub gradient: Vector3,
@@ -39,17 +39,18 @@ pub(crate) struct Current {
     pub skin: u8,
 }
 
-/// What can be wrong with a tetrahedron.
+/// Errors of posing a tetrahedron.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Inverted {
     pub tet: u32,
 }
 
-/// Values of a rigid body's field at corners, over its change across the tetrahedron, that are zero.
+/// Values of a rigid body's field at a corner below this fraction of its change across the tetrahedron are
+/// set to zero.
 const NO_FIELD: f64 = 1e-12;
 
 impl Current {
-    /// Makes this a tetrahedron of `corners` with the given field; `false` if its volume is not positive.
+    /// Sets this to the tetrahedron of `corners` with the given field; `false` if its volume is not positive.
     #[must_use]
     #[inline(always)]
     fn deform(
@@ -61,7 +62,7 @@ impl Current {
     ) -> bool {
         let [a, b, c, d] = &corners;
         let (ab, ac, ad) = (b - a, c - a, d - a);
-        // Twice the area vectors, outwards; together they are zero.
+        // Twice the area vectors, outwards; their sum is zero.
         let (of_b, of_c, of_d) = (ad.cross(&ac), ab.cross(&ad), ac.cross(&ab));
         let of_a = -(of_b + of_c + of_d);
         let six_volumes = -of_d.dot(&ad);
@@ -76,7 +77,7 @@ impl Current {
             -self.slopes[2].dot(d),
             -self.slopes[3].dot(a),
         ];
-        // The slopes add up to zero, so that only differences of values count.
+        // The slopes add up to zero, so only differences of values enter.
         self.gradient = (self.slopes[1] * (values[1] - values[0])
             + self.slopes[2] * (values[2] - values[0])
             + self.slopes[3] * (values[3] - values[0]))
@@ -104,7 +105,7 @@ impl Current {
         };
         let least = NO_FIELD * posed.gradient.norm() * posed.size;
         for (k, corner) in posed.corners.iter().enumerate() {
-            // What is left of zero is round-off.
+            // Such a remainder is round-off.
             let value = posed.level + posed.gradient.dot(corner);
             current.values[k] = if value > least { value * pressure } else { 0.0 };
             let inverse_height = 1.0 / posed.depth(k, corner);
@@ -114,7 +115,7 @@ impl Current {
         current
     }
 
-    /// The same with the planes of its faces.
+    /// The same, with the planes of its faces.
     pub fn planes(&self) -> Posed {
         let normals = [0, 1, 2, 3].map(|k| self.normal(k));
         let [a, b, c, d] = &self.corners;
@@ -163,8 +164,8 @@ impl Current {
 }
 
 impl Operand<'_> {
-    /// Puts tetrahedron `i` about `origin`, its field in units of `pressure`, into `room`; `None` if there is
-    /// none, an error if it is turned inside out.
+    /// Poses tetrahedron `i` about `origin`, with its field in units of `pressure`, in `room`; `None` if
+    /// there is none, an error if it is inverted.
     #[inline(always)]
     pub(crate) fn pose(
         &self,
@@ -209,7 +210,7 @@ impl Operand<'_> {
         }
     }
 
-    /// Checks that there is a finite place for every node.
+    /// Checks that every node has a finite position.
     pub(crate) fn check(&self, body: usize) -> Result<(), ContactError> {
         let Self::Deformable(shape, x) = self else {
             return Ok(());

@@ -1,4 +1,4 @@
-//! The pair kernel of bodies that deform.
+//! The pair kernel of deformable bodies.
 
 use super::add_up::run;
 use super::current::{Current, Inverted, Operand};
@@ -30,22 +30,22 @@ pub struct DeformableScratch {
 }
 
 impl DeformableScratch {
-    /// Pairs of tetrahedra that the last evaluation looked at, and of how many one has a skin in the other (form Min:
-    /// how many overlap).
+    /// Numbers of pairs of tetrahedra that the last evaluation tested, and of those in which the skin of one
+    /// lies in the other (form Min: that overlap).
     pub fn counts(&self) -> [usize; 2] {
         [self.candidates, self.sums.pieces]
     }
 }
 
-/// What a contact does to a node.
+/// Action of a contact on a node.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct NodeForce {
     /// The node.
     pub node: u32,
     /// Force on it, N.
     pub force: Vector3,
-    /// Contact stiffness that it feels, N/m: the sum of the stiffness per area times the shape
-    /// function over the skin in contact.
+    /// Contact stiffness at the node, N/m: the integral of the stiffness per area times the shape function
+    /// over the skin in contact.
     pub stiffness: f64,
 }
 
@@ -58,7 +58,7 @@ pub struct DeformableOverlap {
     pub volume: f64,
     /// Area of the contact, m^2.
     pub area: f64,
-    /// Elastic force on A and on B with torques about the world's origin.
+    /// Elastic force on A and on B, with torques about the world's origin.
     pub wrenches: [Wrench; 2],
     /// Centre of pressure, m.
     pub centre: Vector3,
@@ -68,7 +68,7 @@ pub struct DeformableOverlap {
     pub nodes: [Vec<NodeForce>; 2],
 }
 
-/// The penalty law of bodies that deform.
+/// The penalty law of deformable bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct DeformableKernel {
     #[serde(deserialize_with = "read_form")]
@@ -123,14 +123,13 @@ impl DeformableKernel {
         self.form
     }
 
-    /// The contact of A with B, a body that deforms; `None` if they are apart. The moduli say how
-    /// stiff the fields are (that of a wall does not count).
+    /// The contact of A with B, a deformable body; `None` if they are apart. The moduli are the stiffnesses
+    /// of the fields (that of a wall is ignored).
     ///
-    /// # Errors
-    /// [`ContactError::NoSuch`] if B does not deform, [`ContactError::NodeCount`] or
-    /// [`ContactError::NodeState`] for positions that do not fit or are not finite, and
-    /// [`ContactError::InvertedTet`] if a tetrahedron in the contact is inside out. As body,
-    /// these name side 0 (A) or 1 (B).
+    /// [`ContactError::NoSuch`] if B is not deformable, [`ContactError::NodeCount`] or
+    /// [`ContactError::NodeState`] for positions of the wrong number or that are not finite, and
+    /// [`ContactError::InvertedTet`] if a tetrahedron in the contact is inverted. The `body` in these is the
+    /// side: 0 (A) or 1 (B).
     pub fn evaluate(
         &self,
         a: (Operand, Modulus),
@@ -171,7 +170,7 @@ impl DeformableKernel {
         let lengths = sides.operands.map(|o| o.length());
         let of_body = moduli[1].penalty(lengths[1]);
         match sides.operands[0] {
-            // Against a wall, which has no field, the lower field is the body's.
+            // A wall has no field, so the lower of the two fields is the body's.
             Operand::Wall(..) => PairLaw {
                 form: Form::Sum,
                 gradient: self.gradient,
@@ -190,7 +189,7 @@ impl DeformableKernel {
     }
 }
 
-/// A tree over the tetrahedra of a body that deforms.
+/// A tree over the current tetrahedra of a deformable body.
 struct OwnTree(Option<(Bvh, Vec<Aabb>)>);
 
 impl OwnTree {

@@ -1,4 +1,4 @@
-//! Contact of bodies that deform, with each other, with rigid bodies and with walls.
+//! Contact of deformable bodies with each other, with rigid bodies and with walls.
 //!
 //! ```
 //! use femdem_contact::deform::{
@@ -24,9 +24,9 @@
 //!
 //! # How it works
 //!
-//! A [`DeformableShape`] is a mesh of linear tetrahedra with a nodal field φ that is fixed in the
-//! material: 0 on the skin, growing with the distance to it in the reference state. The contact
-//! energy is that of the [general kernel](crate::general), of the bodies as they are now,
+//! A [`DeformableShape`] is a mesh of linear tetrahedra with a nodal field φ that is fixed in the material: 0
+//! on the skin, growing with the distance to it in the reference state. The contact energy is that of the
+//! [general kernel](crate::general), for the bodies in their current shape,
 //!
 //! U = ∫ (p_A φ_A + p_B φ_B) dV over the overlap (min form: ∫ min(p_A φ_A, p_B φ_B) dV),
 //!
@@ -35,54 +35,55 @@
 //!
 //! f_a = ∫_B p_A φ_A N_a n dS - ∫_A p_B φ_B N_a n dS - Σ_i I_i grad N_a,  I_i = ∫ p_A φ_A dV over the part of i in B.
 //!
-//! Only triangles of skin are cut by tetrahedra for this. I_i, of which the energy is the sum, is the flux of a field
-//! through the same polygons: with g = 1 - N_k, (x - x_k)(1/3 - g/4 - 1/(12 g³)) has the divergence N_k, lies
-//! in the faces at x_k and is zero on the fourth. The last term sums to zero over the nodes of a tetrahedron.
-//! Classic codes leave a part like it out ([`Gradient::Classic`]); their forces are those of no energy.
+//! For this, only triangles of skin are cut by tetrahedra. I_i, of which the energy is the sum, is the flux
+//! of a field through the same polygons: with g = 1 - N_k, (x - x_k)(1/3 - g/4 - 1/(12 g³)) has the
+//! divergence N_k, lies in the faces at x_k and is zero on the fourth. The last term sums to zero over the
+//! nodes of a tetrahedron. Classic codes omit a term like it ([`Gradient::Classic`]); their forces derive
+//! from no energy.
 //!
-//! In the min form, for classic forces, and for pairs in which round-off would decide whose a skin is (it lies in a
-//! face inside the other body), the common parts of tetrahedra are cut out instead. With V and c the volume and the
-//! centroid of one, and g = grad (p φ), f_a = Σ V [(g_A - g_B) N_a(c) - p_B φ_B(c) grad N_a]; in the min form
-//! f_a = Σ V g_A N_a(c) over the part where p_A φ_A is lower. Both ways agree to 1e-11.
+//! Instead, the common parts of tetrahedra are cut out in the min form, for classic forces, and for pairs in
+//! which round-off would decide which tetrahedron a skin belongs to (it lies in a face inside the other
+//! body). With V and c the volume and the centroid of one part, and g = grad (p φ), f_a = Σ V [(g_A - g_B)
+//! N_a(c) - p_B φ_B(c) grad N_a]; in the min form f_a = Σ V g_A N_a(c) over the part where p_A φ_A is lower.
+//! Both ways agree to 1e-11.
 //!
-//! - **Stiffness**: see [`Modulus`]. Walls have no field; they act as the body's mirror image,
-//!   U = 4 ∫ p_B φ_B dV, or as they meet rigid bodies, 2 ∫ p_B φ_B dV (min form: ∫ p_B φ_B dV for both):
-//!   see [`WallResponse`](crate::WallResponse). A rigid body has a field, and counts as any partner.
-//! - **Friction**: a spring for each triangle of the finer skin in contact, with its own normal force
-//!   (the pressure on it and on what lies in front of it), stiffness and bound. Its ends are points
-//!   of both materials; they move to where the pressure is when it slides. A triangle newly in
-//!   contact takes over the stretch of its neighbours, as far as there is energy left by springs
-//!   that have died.
-//! - **Damping**: all elastic forces of a pair are scaled by
-//!   1 + 2 ζ (dU/dt)/(√(2U) √(Σ |f_a|²/m_a)) ≥ 0, rigid bodies with their own inertia in the sum. For
-//!   motion along the forces the restitution is that of [`restitution`](crate::restitution). Rocking
-//!   is damped by a moment against the turning of the bodies as wholes, with the stiffness that the
-//!   patch has against it and the same ζ.
-//! - **Step**: every node gets the sum of w S N_a(c) over the polygons of skin in contact (w the
-//!   stiffness per area, S the area, c the centroid), and the tangential springs' share. Twice the
-//!   largest of these over the masses bounds the largest eigenvalue (it is 1.5 to 2.3 times it in
-//!   the sum form, 2 to 8 times in the min form: `tests/deform_gradient.rs`).
+//! - **Stiffness**: see [`Modulus`]. Walls have no field; they act as the body's mirror image, U = 4 ∫ p_B
+//!   φ_B dV, or as against rigid bodies, 2 ∫ p_B φ_B dV (min form: ∫ p_B φ_B dV for both): see
+//!   [`WallResponse`](crate::WallResponse). A rigid body has a field, and acts like any other partner.
+//! - **Friction**: a spring for each triangle of the finer skin in contact, with its own normal force (the pressure
+//!   on it and on what lies in front of it), stiffness and bound. Its ends are points of both materials,
+//!   which follow the centre of pressure. A triangle newly in contact takes over the stretch of its
+//!   neighbours, as far as the energy of vanished springs allows.
+//! - **Damping**: all elastic forces of a pair are scaled by 1 + 2 ζ (dU/dt)/(√(2U) √(Σ |f_a|²/m_a)) ≥ 0,
+//!   where rigid bodies enter the sum with their inertia. For motion along the forces the restitution is that
+//!   of [`restitution`](crate::restitution). Rocking is damped by a moment against the rotation of the bodies
+//!   as a whole, with the rocking stiffness of the patch and the same ζ.
+//! - **Step**: every node gets the sum of w S N_a(c) over the polygons of skin in contact (w the stiffness
+//!   per area, S the area, c the centroid), and its share of the tangential springs. Twice the largest of
+//!   these over the masses bounds the largest eigenvalue (it is 1.5 to 2.3 times it in the sum form, 2 to 8
+//!   times in the min form: `tests/deform_gradient.rs`).
 //!
 //! # Accuracy
 //!
-//! - Nodal forces on both sides and the wrench of a rigid partner agree with central differences of
-//!   U to 1e-8 of the largest, for bodies bent out of shape, convex and not, linear and quadratic
-//!   (`tests/deform_gradient.rs`; 6e-11 is seen). The wrench of a body that is not deformed is the
-//!   general kernel's to 1e-12.
+//! - Nodal forces on both sides and the wrench of a rigid partner agree with central differences of U to 1e-8
+//!   of the largest, for strongly deformed bodies, convex and not, linear and quadratic
+//!   (`tests/deform_gradient.rs`; 6e-11 is seen). The wrench of an undeformed body agrees with the general
+//!   kernel's to 1e-12.
 //! - Forces balance to round-off, friction and damping included.
-//! - Friction of flat blocks (`tests/deform_friction.rs`): a common rigid motion of the pair leaves
-//!   the force turned with it to 1e-10; slip to and fro dissipates what Coulomb's law says to 0.2 %;
-//!   sliding over meshes of many elements the force is within 0.3 % of μ F; shaking by a fifth of
-//!   the load costs 0.03 % of a sticking force in 200 shakes. At the rim single triangles slip
-//!   early: a closed path of stick loses up to 1e-5 of force times way on meshes, nothing on planes.
+//! - Friction of flat blocks (`tests/deform_friction.rs`): under a common rigid motion of the pair the force
+//!   rotates with it to 1e-10. Slip to and fro dissipates the energy of Coulomb's law to 0.2 %. Sliding over
+//!   meshes of many elements, the force is within 0.3 % of μ F. Shaking by a fifth of the load costs 0.03 %
+//!   of a sticking force in 200 shakes. At the rim single triangles slip early: a closed path of stick loses
+//!   up to 1e-5 of force times path length on meshes, nothing on planes.
 //! - Restitution of an impact along the forces: within 2 % of the formula.
-//! - Sums over skins and over common parts are the same to 1e-11, in random poses and where faces or nodes of one
+//! - Sums over skins and over common parts agree to 1e-11, in random poses and where faces or nodes of one
 //!   body lie in skins of the other (`tests/deform_skins.rs`).
-//! - Cost: 0.6 to 0.9 µs for a pair of tetrahedra of which one has a skin in the other, all included, 0.6 to 0.7 of what
-//!   common parts take (example `deform_cost`); 1 to 2 ns per tetrahedron and step for bodies that touch nothing.
-//!   Light contacts of boulders have 10 to 20 such pairs each.
-//! - Quadratic tetrahedra meet as eight linear ones each; curved faces are replaced by their
-//!   nodes' triangles.
+//! - Cost: 0.6 to 0.9 µs per pair of tetrahedra in which the skin of one lies inside the other, everything
+//!   included. That is 60 to 70 % of the cost of sums over common parts (example `deform_cost`). Bodies that
+//!   touch nothing cost 1 to 2 ns per tetrahedron and step. Light contacts of boulders have 10 to 20 such
+//!   pairs each.
+//! - A quadratic tetrahedron is treated as eight linear ones; curved faces are replaced by the triangles of
+//!   their nodes.
 
 mod add_up;
 mod batch;

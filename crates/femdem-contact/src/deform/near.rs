@@ -1,4 +1,4 @@
-//! Which tetrahedra of a pair can meet, and for how long that is known.
+//! Cached lists of the tetrahedra of a pair that can meet, and how long they stay valid.
 
 use super::current::{Current, Inverted, Operand};
 use crate::general::cache::{BoxTest, gap_along_axes};
@@ -9,16 +9,16 @@ use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// What is remembered of a pair: that it is apart, or which tetrahedra can meet.
+/// The cached state of a pair: that it is apart, or which tetrahedra can meet.
 pub(crate) type Candidates = NearList<Near>;
 
 /// Tetrahedra that can meet.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Near {
-    /// Origin of the integrals: the middle of what could overlap when the list was made, m.
+    /// Origin of the integrals, m: the middle of the region that could overlap when the list was made.
     pub origin: Vector3,
     pub sides: [Members; 2],
-    /// In ascending order of their places.
+    /// In ascending order of their indices in the lists.
     pub pairs: Vec<Candidate>,
 }
 
@@ -26,34 +26,33 @@ pub(crate) struct Near {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Members {
     pub tets: Vec<u32>,
-    /// Contact nodes, ascending, the masters of slaves among them; none for rigid bodies.
+    /// Contact nodes, ascending, including the masters of slaves; none for rigid bodies.
     pub nodes: Vec<u32>,
-    /// By tetrahedron, the places of its nodes.
+    /// By tetrahedron, the indices of its nodes in `nodes`.
     pub corners: Vec<[u32; 4]>,
-    /// Places of slaves and of their masters.
+    /// Indices of slaves and of their masters in `nodes`.
     pub slaves: Vec<(u32, [u32; 4])>,
 }
 
-/// A tree over the tetrahedra of one side, in world axes for bodies that deform, in those of its
-/// frame for rigid ones.
+/// A tree over the tetrahedra of one side, in world axes for deformable bodies, in body axes for rigid ones.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tree<'a> {
     pub tree: &'a Bvh,
     pub boxes: &'a [Aabb],
 }
 
-/// The two sides of a pair with their trees. B deforms.
+/// The two sides of a pair with their trees. B is deformable.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sides<'a> {
     pub operands: [Operand<'a>; 2],
     pub trees: [Tree<'a>; 2],
 }
 
-/// A side and a tetrahedron of it that is inside out.
+/// A side and an inverted tetrahedron of it.
 pub(crate) type Failure = (usize, Inverted);
 
 impl Sides<'_> {
-    /// A's boxes against B's: in the axes of A, if A is rigid.
+    /// The test of A's boxes against B's, in the axes of A, if A is rigid.
     fn box_test(&self, margin: f64) -> Option<BoxTest> {
         match self.operands[0] {
             Operand::Deformable(..) => None,
@@ -64,7 +63,7 @@ impl Sides<'_> {
         }
     }
 
-    /// Roughly where the tetrahedra of the pairs are.
+    /// Approximate centre of the tetrahedra of the pairs.
     fn middle(&self, pairs: &[[u32; 2]]) -> Option<Vector3> {
         let box_of = |pair: &[u32; 2]| self.trees[1].boxes.get(pair[1] as usize);
         let first = box_of(pairs.first()?)?;
@@ -85,7 +84,7 @@ impl Search for Sides<'_> {
         if a > 0.0 { a.min(b) } else { b }
     }
 
-    /// A lower bound of the distance, by the boxes around both, m.
+    /// A lower bound of the distance, from the boxes around both, m.
     fn gap(&self) -> f64 {
         let [a, b] = self.trees.map(|t| t.tree.bounds());
         match self.operands[0] {
@@ -100,7 +99,7 @@ impl Search for Sides<'_> {
         }
     }
 
-    /// Pairs of tetrahedra that are, or within `margin` may come to be, in touch.
+    /// Pairs of tetrahedra that touch or may come to touch within `margin`.
     fn find(&self, margin: f64, motion: f64) -> Result<Option<Box<Near>>, Failure> {
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         let test = self.box_test(margin);
@@ -177,7 +176,7 @@ impl Operand<'_> {
         }
     }
 
-    /// Boxes around the tetrahedra of a body that deforms, m.
+    /// Boxes around the tetrahedra of a deformable body, m.
     pub(crate) fn boxes(&self, boxes: &mut Vec<Aabb>) {
         boxes.clear();
         if let Self::Deformable(shape, x) = self {

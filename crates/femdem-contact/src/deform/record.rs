@@ -1,11 +1,11 @@
-//! What the batch of deformable bodies reports.
+//! Results of the batch of deformable bodies.
 
 use crate::contact::BodyId;
 use crate::kernel::mean_penetration;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Side A of a contact with a body that deforms.
+/// Side A of a contact with a deformable body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum DeformablePartner {
     /// Another one, of lower index.
@@ -16,7 +16,7 @@ pub enum DeformablePartner {
     Wall(u32),
 }
 
-/// The contact of a pair: A, and a body B that deforms. Vectors are in world axes.
+/// The contact of a pair: A, and a deformable body B. Vectors are in world axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct DeformableContact {
     /// Side A.
@@ -63,7 +63,7 @@ impl DeformableContact {
     }
 }
 
-/// Sums over the contacts of bodies that deform, at the last update.
+/// Sums over the contacts of deformable bodies, at the last update.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct DeformableTotals {
     /// Contact energy, J.
@@ -72,16 +72,16 @@ pub struct DeformableTotals {
     pub spring_energy: f64,
     /// Power of the damping forces at the velocities given, W; negative where they dissipate.
     pub damping_power: f64,
-    /// Power of the friction forces at the velocities given, W. What it takes and does not store
-    /// as spring energy is dissipated.
+    /// Power of the friction forces at the velocities given, W. The part of the lost energy that is not
+    /// stored as spring energy is dissipated.
     pub friction_power: f64,
-    /// Pairs of bodies on the list.
+    /// Candidate pairs of bodies.
     pub pairs: usize,
     /// Touching ones among them.
     pub touching: usize,
-    /// Pairs of tetrahedra looked at.
+    /// Pairs of tetrahedra tested.
     pub candidates: usize,
-    /// Those among them of which one has a skin in the other (form Min: that overlap).
+    /// Those in which the skin of one lies in the other (form Min: that overlap).
     pub pieces: usize,
 }
 
@@ -98,13 +98,13 @@ impl std::ops::AddAssign<&Self> for DeformableTotals {
     }
 }
 
-/// Where the nodes of a deformable body are, how they move, and how heavy they are.
+/// Positions, velocities and inverse masses of the nodes of a deformable body.
 #[derive(Debug, Clone, Copy)]
 pub struct NodalState<'a> {
     /// Positions, m.
     pub positions: &'a [Vector3],
     /// Velocities, m/s.
     pub velocities: &'a [Vector3],
-    /// Inverse masses, 1/kg; 0 for nodes that forces do not move.
+    /// Inverse masses, 1/kg; 0 for prescribed nodes.
     pub inverse_masses: &'a [f64],
 }

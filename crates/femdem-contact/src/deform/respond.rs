@@ -14,7 +14,7 @@ use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// How one side of a pair moves.
+/// Motion of one side of a pair.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Mover<'a> {
     Nodes(NodalState<'a>),
@@ -26,17 +26,17 @@ pub(crate) struct Pair<'a> {
     pub ids: (DeformablePartner, u32),
     pub sides: [Operand<'a>; 2],
     pub movers: [Mover<'a>; 2],
-    /// How the sides that deform turn.
+    /// Rotation as a whole of the deformable sides.
     pub turnings: [Option<&'a Turning>; 2],
     pub near: &'a Near,
     pub law: &'a ContactParameters,
     /// Whether the fields act in series (form Min).
     pub series: bool,
-    /// Friction to begin with.
+    /// Initial friction of the springs.
     pub begins: Option<FrictionStart>,
 }
 
-/// Friction that the springs of a pair begin with.
+/// Initial friction of a pair's springs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FrictionStart {
     /// On B, N.
@@ -53,27 +53,27 @@ impl FrictionStart {
     }
 }
 
-/// What a contact does to a node.
+/// Action of a contact on a node.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct NodeLoad {
     pub node: u32,
-    /// N, and the parts of it by damping and by friction.
+    /// N, and the parts of it due to damping and to friction.
     pub force: Vector3,
     pub damping: Vector3,
     pub friction: Vector3,
-    /// N/m, and 1/s.
+    /// Stiffness, N/m, and damping rate, 1/s.
     pub stiffness: f64,
     pub rate: f64,
 }
 
-/// What a pair gives, and its history.
+/// Response of a pair, and its history.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Outcome {
     pub nodes: [Vec<NodeLoad>; 2],
-    /// Moment on B against rocking, N m, the opposite of that on A; and the rates of both by it, 1/s.
+    /// Moment on B against rocking, N m, opposite to that on A; and the rates of both due to it, 1/s.
     pub moment: Vector3,
     pub turning_rates: [f64; 2],
-    /// On a rigid body or wall.
+    /// Load on a rigid body or wall.
     pub load: Option<Box<(Load, Resistance)>>,
     pub contact: Option<DeformableContact>,
     pub totals: DeformableTotals,
@@ -85,9 +85,9 @@ pub(crate) struct Outcome {
 pub(crate) struct Dashpot {
     /// Elastic plus viscous force over elastic force.
     pub scale: f64,
-    /// Of the contact along its force, 1/kg: sum |f_a|^2/m_a over |f|^2.
+    /// Inverse mass of the contact along its force, 1/kg: sum |f_a|^2/m_a over |f|^2.
     pub inverse_mass: f64,
-    /// Its matrix is this times f f^T, with f the elastic force on all nodes and bodies.
+    /// The dashpot's matrix is this times f f^T, with f the elastic force on all nodes and bodies.
     coefficient: f64,
     /// Rate of the nodes, 1/s.
     rate: f64,
@@ -95,7 +95,7 @@ pub(crate) struct Dashpot {
 }
 
 impl Outcome {
-    /// Nothing touches: springs die.
+    /// Nothing touches: the springs are dropped.
     pub fn clear(&mut self) {
         self.nodes.iter_mut().for_each(Vec::clear);
         self.moment = Vector3::zeros();
@@ -120,7 +120,7 @@ impl Outcome {
         }
     }
 
-    /// Takes over the sums in the scratch, which are used up. Nodes, moment and contact are those of the sides of
+    /// Takes over the sums from the scratch, which are consumed. Nodes, moment and contact are those of the sides of
     /// `pair`.
     pub fn take(&mut self, pair: &Pair, scratch: &mut DeformableScratch) {
         let dashpot = pair.dashpot(scratch);
@@ -150,7 +150,8 @@ impl Outcome {
             pieces: 0,
         };
         self.contact = Some(contact);
-        // Both sides' motions count double, but not where the other side stays.
+        // The stiffness counts double if both sides can move, as both motions stretch it; only once if the
+        // other side is fixed.
         let both = pair.moves_rigidly() || matches!(pair.sides[0], Operand::Deformable(..));
         let share = if both || pair.series { 1.0 } else { 0.5 };
         for side in 0..2 {
@@ -289,7 +290,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// The load on a rigid A about its own origin.
+    /// The load on a rigid A about its origin.
     fn rigid_load(
         &self,
         scratch: &DeformableScratch,

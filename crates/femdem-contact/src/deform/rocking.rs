@@ -1,21 +1,21 @@
 //! The dashpot of a contact against rocking.
 //!
-//! The dashpot along the gradient of U (see [`super::respond`]) leaves rocking about the contact undamped,
-//! for that is orthogonal to the gradient. As among rigid bodies (see [`crate::damping`]) a moment opposes
-//! the turning of B against A across the normal, with the same fraction ζ of critical damping:
+//! The dashpot along the gradient of U (see [`super::respond`]) does not damp rocking about the contact,
+//! which is orthogonal to the gradient. As between rigid bodies (see [`crate::damping`]), a moment opposes
+//! the rotation of B relative to A across the normal, with the same fraction ζ of critical damping:
 //!
 //! M = -c (ω_B - ω_A), c = 2 ζ √(k_θ/w), k_θ = J/2,
 //!
-//! J the polar second moment of the normal stiffness over the patch, half of which belongs to either axis in
-//! its plane, and w the sum of the largest inverse principal moments of inertia of A and B.
+//! J is the polar second moment of the normal stiffness over the patch, half of which belongs to either axis
+//! in its plane, and w the sum of the largest inverse principal moments of inertia of A and B.
 //!
-//! The turning ω of a body that deforms is that of its nodes as a whole, I⁻¹ Σ m_a r_a × v_a, and the moment
-//! acts on all of them as f_a = m_a (I⁻¹ M) × r_a. Both belong together: the power is M·ω for whatever motion of
-//! the nodes, so that the dashpot only dissipates; Σ f_a = 0 and Σ r_a × f_a = M, so that neither momentum nor
-//! angular momentum is made. It turns the body as if it were rigid and strains nothing, so that its rate, at
-//! most 2 ζ √(k_θ w), is that of a body and not that of an element: it costs hardly any step. (Dashpots between
-//! the nodes in contact would have the rate of the nodes, and at the same cost of step damp the rocking of a
-//! body a hundred times less.)
+//! The angular velocity ω of a deformable body is that of its nodes as a whole, I⁻¹ Σ m_a r_a × v_a, and the
+//! moment acts on all of them as f_a = m_a (I⁻¹ M) × r_a. The two are conjugate: the power is M·ω for any
+//! motion of the nodes, so the dashpot only dissipates; and Σ f_a = 0, Σ r_a × f_a = M, so momentum and
+//! angular momentum are conserved. The forces rotate the body as if it were rigid and strain nothing, so
+//! their rate, at most 2 ζ √(k_θ w), is that of a body and not that of an element: it hardly shortens the
+//! step. (Dashpots between the nodes in contact would have the rate of the nodes; at the same cost in step
+//! length they would damp the rocking of a body a hundred times less.)
 
 use super::record::NodalState;
 use super::respond::{Mover, Pair};
@@ -24,24 +24,23 @@ use crate::kernel::MEAN_OVER_RMS;
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// How a body that deforms turns as a whole.
+/// Rotation of a deformable body as a whole.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Turning {
-    /// Masses of the nodes that forces move, kg, 0 for the others; 1 for all if forces move none.
+    /// Masses of the free nodes, kg, 0 for prescribed ones; 1 for all if no node is free.
     weights: Vec<f64>,
     /// Their centre, m.
     centre: Vector3,
     /// I⁻¹ of the weights, 1/(kg m^2).
     inverse_inertia: Matrix3,
-    /// rad/s.
+    /// Angular velocity, rad/s.
     rate: Vector3,
-    /// Largest inverse moment of inertia, 1/(kg m^2), at most 7 % too large; 0 if forces move no node.
+    /// Largest inverse moment of inertia, 1/(kg m^2), at most 7 % too large; 0 if no node is free.
     mobility: f64,
 }
 
 impl Turning {
-    /// `None` if the nodes that forces move lie on a line. The list of weights is that of `before`, if it
-    /// is given.
+    /// `None` if the free nodes lie on a line. Reuses the list of weights of `before`, if given.
     pub fn new(state: &NodalState, before: Option<Self>) -> Option<Self> {
         let mut weights = before.map_or_else(Vec::new, |t| t.weights);
         weights.clear();
@@ -66,7 +65,7 @@ impl Turning {
         }
         let trace = second.trace();
         let inertia = Matrix3::from_diagonal_element(trace) - second;
-        // On a line one moment is zero, and I/trace has the determinant 0.
+        // For nodes on a line one moment is zero, and I/trace has the determinant 0.
         let least = 1e-9 * trace.powi(3);
         if inertia.determinant().is_nan() || inertia.determinant() <= least {
             return None;
@@ -85,7 +84,7 @@ impl Turning {
         })
     }
 
-    /// Forces by which a moment (N m) acts on the nodes at given places, N.
+    /// Nodal forces of a moment (N m), for the given positions of the nodes, N.
     pub fn forces<'a>(
         &'a self,
         moment: &Vector3,
@@ -114,14 +113,14 @@ pub(crate) struct Rocking {
     pub moment: Vector3,
     /// c, N m s.
     pub viscosity: f64,
-    /// Rates of A and B, for the step, 1/s.
+    /// Rates of A and B for the stability bound, 1/s.
     pub rates: [f64; 2],
     /// W.
     pub power: f64,
 }
 
 impl Pair<'_> {
-    /// Turning of a side, rad/s, and its largest inverse moment of inertia, 1/(kg m^2).
+    /// Angular velocity of a side, rad/s, and its largest inverse moment of inertia, 1/(kg m^2).
     fn turning(&self, side: usize) -> Option<(Vector3, f64)> {
         match &self.movers[side] {
             Mover::Rigid(motion) => Some((motion.angular_velocity, motion.inverse_inertia_max)),
@@ -147,7 +146,7 @@ impl Pair<'_> {
         let size = viscosity * turn.norm();
         let part = if size > most { most / size } else { 1.0 };
         let moment = turn * (-viscosity * part);
-        // (ω_B - ω_A)^2 <= 2 ω_A^2 + 2 ω_B^2, if both turn.
+        // (ω_B - ω_A)^2 <= 2 ω_A^2 + 2 ω_B^2, if both can rotate.
         let both = if w_a > 0.0 && w_b > 0.0 { 2.0 } else { 1.0 };
         Rocking {
             moment,
@@ -169,7 +168,7 @@ mod tests {
         (0..count).map(node).collect()
     }
 
-    /// Nodes with unequal masses, some of which no force moves.
+    /// Nodes with unequal masses, some of which are prescribed.
     fn nodes() -> ([Vec<Vector3>; 2], Vec<f64>) {
         let inverse = |i: usize| {
             if i % 5 == 3 {
@@ -192,8 +191,8 @@ mod tests {
         }
     }
 
-    /// A moment acts on the nodes as that moment, without force, and does the work of the turning, whatever
-    /// the nodes do; it leaves those alone that forces do not move.
+    /// The nodal forces of a moment have that moment and no resultant, and do the work of the rotation for
+    /// any motion of the nodes; prescribed nodes get none.
     #[test]
     fn forces_are_those_of_the_moment() {
         let ([x, v], w) = nodes();
@@ -208,7 +207,7 @@ mod tests {
         assert_eq!(forces[3], Vector3::zeros());
     }
 
-    /// The turning of a rigid motion is its own; so is that of a body of which no node moves freely.
+    /// The rotation of a rigid motion is recovered; so is that of a body without free nodes.
     #[test]
     fn rigid_motions_turn_as_they_do() {
         let ([x, _], w) = nodes();
@@ -233,7 +232,7 @@ mod tests {
         }
     }
 
-    /// Nodes on a line turn about it without moving.
+    /// Nodes on a line can turn about it without moving.
     #[test]
     fn nodes_on_a_line_do_not_turn() {
         let x: Vec<Vector3> = (0..5)

@@ -1,4 +1,4 @@
-//! Four numbers that are worked on at a time, where the processor can.
+//! Four numbers that are processed at a time where the processor can.
 
 use std::ops::{Add, AddAssign, Div, Mul, Sub};
 
@@ -19,7 +19,7 @@ impl Row {
         Self([f(a, p), f(b, q), f(c, r), f(d, s)])
     }
 
-    /// The larger ones. (Plain comparison: that of `f64::max` looks for NaN, too.)
+    /// The larger ones. (Plain comparison: `f64::max` also handles NaN.)
     #[inline(always)]
     pub fn max(self, other: Self) -> Self {
         self.with(other, |a, b| if a > b { a } else { b })
@@ -30,7 +30,7 @@ impl Row {
         self.with(other, |a, b| if a < b { a } else { b })
     }
 
-    /// The least of the four.
+    /// The smallest of the four.
     #[inline(always)]
     pub fn least(self) -> f64 {
         let lower = |a: f64, b: f64| if a < b { a } else { b };

@@ -13,14 +13,14 @@ use femdem_mesh::Vector3;
 #[derive(Default)]
 pub(crate) struct Rubbing {
     pub power: f64,
-    /// On A, about the pair's origin.
+    /// Force on A, and torque about the pair's origin.
     pub wrench: [Vector3; 2],
     pub marks: Vec<Mark>,
 }
 
 /// Friction of one triangle and where it acts.
 pub(crate) struct Mark {
-    /// The tetrahedra (places on the lists) that bear it, and the point's weights in them.
+    /// The tetrahedra (indices in the lists) on which it acts, and the point's weights in them.
     places: [u32; 2],
     weights: [[f64; 4]; 2],
     pub point: Vector3,
@@ -29,7 +29,7 @@ pub(crate) struct Mark {
     pub stiffness: f64,
     /// Rates of the corners, 1/s.
     rates: [[f64; 4]; 2],
-    /// As it counts for a rigid A, N s/m.
+    /// Effective viscosity for a rigid A, N s/m.
     pub viscosity: f64,
 }
 
@@ -52,7 +52,7 @@ impl Mark {
 }
 
 impl Outcome {
-    /// Friction of all triangles, added to the nodes.
+    /// Friction of all triangles, added to the nodal forces.
     pub fn rub(
         &mut self,
         pair: &Pair,
@@ -122,15 +122,15 @@ impl Outcome {
 /// A point with a lower weight at a corner of a tetrahedron is far outside of it.
 const FAR: f64 = -0.25;
 
-/// Triangles with less than this part of the mean stiffness for their force bear no friction.
+/// Triangles whose stiffness over force is below this fraction of the mean carry no friction.
 const SOFT: f64 = 1e-6;
 
-/// Which triangles bear friction, and how much more of it for those that do not. (Where the skin
-/// bends away, the field may not change along the normal: there is pressure without stiffness.)
+/// Which triangles carry friction, and by how much it is scaled up to replace the others. (Where the skin
+/// bends away, the field may be constant along the normal: there is pressure without stiffness.)
 struct Bearing {
     /// Least stiffness over force, 1/m.
     least: f64,
-    /// Force of all triangles over that of those which bear friction.
+    /// Force of all triangles over that of those that carry friction.
     share: f64,
 }
 
@@ -157,7 +157,7 @@ impl Bearing {
 }
 
 impl Pair<'_> {
-    /// What presses on a triangle.
+    /// Normal load and motion of a triangle.
     fn touch<'s>(
         &self,
         load: &TriangleLoad,
@@ -212,7 +212,7 @@ impl Pair<'_> {
         best.0
     }
 
-    /// Velocity of a point of one side, and how easily it moves.
+    /// Velocity of a point of one side, and its mobility.
     fn motion_at(
         &self,
         side: usize,
@@ -245,7 +245,7 @@ impl Pair<'_> {
         (velocity, mobility)
     }
 
-    /// Springs that bear a given friction, in proportion to what presses on their triangles.
+    /// Springs that carry a given friction, in proportion to the normal loads of their triangles.
     fn begin(&self, start: &FrictionStart, touches: &[(u32, Touch)]) -> Vec<Bristle> {
         let pressing: f64 = touches.iter().map(|(_, t)| t.force).sum();
         let centre: Vector3 = touches.iter().map(|(_, t)| t.point * t.force).sum();
@@ -271,9 +271,8 @@ impl Pair<'_> {
             .collect()
     }
 
-    /// The springs of the triangles in contact now, from those of the last step. A triangle newly
-    /// in contact takes over the stretch of those beside it, as far as springs that have died
-    /// leave the energy for it.
+    /// The springs of the triangles in contact now, from those of the last step. A triangle newly in contact
+    /// takes over the stretch of its neighbours, as far as the energy of vanished springs allows.
     fn inherit(&self, old: Vec<Bristle>, touches: &[(u32, Touch)]) -> Vec<Bristle> {
         let kept = old.iter().zip(touches).all(|(b, t)| b.triangle == t.0);
         if kept && old.len() == touches.len() {
@@ -317,7 +316,7 @@ impl Pair<'_> {
         list
     }
 
-    /// Mean stretch of the springs of the triangles beside one, weighted by their stiffness.
+    /// Mean stretch of the springs of a triangle's neighbours, weighted by their stiffness.
     fn stretch_beside<'b>(
         &self,
         triangle: u32,

@@ -1,4 +1,4 @@
-//! Contact meshes of bodies that deform.
+//! Contact meshes of deformable bodies.
 
 use crate::error::{ContactError, STIFFNESSES, check, check_pressure};
 use crate::general::cells::NONE;
@@ -23,20 +23,20 @@ pub(crate) struct ContactTet {
     pub nearest: u32,
 }
 
-/// The contact mesh of a body that deforms: tetrahedra with a nodal field, fixed in the material.
-/// Immutable; share it among bodies.
+/// The contact mesh of a deformable body: tetrahedra with a nodal field, fixed in the material. Immutable;
+/// share it among bodies.
 ///
-/// The field is 0 on the skin and grows inwards with the distance to it in the reference state,
-/// to 1 at the depth [`inradius`](Self::inradius). Where a tetrahedron has all its nodes on the
-/// skin, a slave node is put at its centroid, so that the field is positive in all of them.
+/// The field is 0 on the skin and grows inwards with the distance to it in the reference state, to 1 at the
+/// depth [`inradius`](Self::inradius). A tetrahedron with all its nodes on the skin gets a slave node at its
+/// centroid, so that the field is positive in all tetrahedra.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeformableShape {
     node_count: usize,
-    /// Nodes whose mean place a slave has.
+    /// By slave, the four nodes of which it is the mean.
     slaves: Vec<[u32; 4]>,
     tets: Vec<ContactTet>,
     skin: Vec<[u32; 3]>,
-    /// By triangle of the skin, those beside it (across edges).
+    /// By triangle of the skin, its neighbours across the edges.
     beside: Vec<[u32; 3]>,
     tree: Bvh,
     inradius: f64,
@@ -64,14 +64,13 @@ impl DeformableShape {
         Self::build(&halved(mesh, mid_edges)?, Field::Body)
     }
 
-    /// The contact mesh of linear tetrahedra, or of quadratic ones if there are `mid_edges`, with the
-    /// field that the same body has as a rigid one: contacts then begin with the forces that they
-    /// had there.
+    /// The contact mesh of linear tetrahedra, or of quadratic ones if there are `mid_edges`, with the field
+    /// of the same body as a rigid one. Contacts taken over from the rigid body then start with the same
+    /// forces.
     ///
     /// # Errors
-    /// As [`quadratic`](Self::quadratic), [`ContactError::NotConvex`] for [`Field::Gauge`] of a body
-    /// that is not convex, and [`ContactError::Mesh`] for [`Field::Classic`], which is no field of a
-    /// body.
+    /// As [`quadratic`](Self::quadratic), [`ContactError::NotConvex`] for [`Field::Gauge`] of a body that is
+    /// not convex, and [`ContactError::Mesh`] for [`Field::Classic`], which is not a field of the whole body.
     pub fn with_field(
         mesh: &TetMesh,
         mid_edges: &[[u32; 2]],
@@ -162,7 +161,7 @@ impl DeformableShape {
         self.inradius
     }
 
-    /// Largest distance of a node from the mean place of all in the reference state, m.
+    /// Largest distance of a node from the mean position of all nodes in the reference state, m.
     pub fn radius(&self) -> f64 {
         self.radius
     }
@@ -181,13 +180,13 @@ impl DeformableShape {
         &self.tets
     }
 
-    /// Nodes whose mean place contact node `i` has; `None` for nodes of the finite elements.
+    /// The four nodes of which contact node `i` is the mean; `None` for nodes of the finite elements.
     #[inline]
     pub(crate) fn masters(&self, i: u32) -> Option<&[u32; 4]> {
         self.slaves.get((i as usize).checked_sub(self.node_count)?)
     }
 
-    /// Where contact node `i` is, m.
+    /// Position of contact node `i`, m.
     #[inline]
     pub(crate) fn place(&self, i: u32, x: &[Vector3]) -> Option<Vector3> {
         match self.masters(i) {
@@ -280,7 +279,8 @@ fn halved(mesh: &TetMesh, mid_edges: &[[u32; 2]]) -> Result<TetMesh, ContactErro
             [m02, m12, t[2], m23],
             [m03, m13, m23, t[3]],
         ]);
-        // The octahedron inside, around its shortest diagonal: its ends and the others in turn.
+        // The octahedron inside is split along its shortest diagonal: its ends, and the other corners in
+        // order around it.
         let rings = [
             ([m01, m23], [m02, m12, m13, m03]),
             ([m02, m13], [m01, m03, m23, m12]),
@@ -304,8 +304,8 @@ fn halved(mesh: &TetMesh, mid_edges: &[[u32; 2]]) -> Result<TetMesh, ContactErro
     Ok(TetMesh::new(points, tets)?)
 }
 
-/// The mesh with a point at the centroid of every tetrahedron whose points all lie on the skin,
-/// and the four points of which each new one is the mean.
+/// The mesh with a point added at the centroid of every tetrahedron whose points all lie on the skin, and for
+/// each new point the four points of which it is the mean.
 fn with_centroids(mesh: &TetMesh) -> Result<(TetMesh, Vec<[u32; 4]>), ContactError> {
     let mut points = mesh.points().to_vec();
     let mut slaves = Vec::new();
@@ -331,7 +331,7 @@ fn with_centroids(mesh: &TetMesh) -> Result<(TetMesh, Vec<[u32; 4]>), ContactErr
     Ok((TetMesh::new(points, tets)?, slaves))
 }
 
-/// Per triangle those across its three edges.
+/// For each triangle its neighbours across the three edges.
 fn beside(skin: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut edges: Vec<([u32; 2], usize, usize)> = Vec::with_capacity(3 * skin.len());
     for (t, nodes) in skin.iter().enumerate() {
@@ -381,7 +381,7 @@ fn distance_squared(p: &Point3, [a, b, c]: &[Point3; 3]) -> f64 {
     }
 }
 
-/// How stiff the field of a deformable body is.
+/// Stiffness of the field of a deformable body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Modulus {
     /// Penalty p, 1e-100 to 1e100 Pa: U = p int phi dV.
@@ -405,7 +405,7 @@ impl Modulus {
         }
     }
 
-    /// Checks that it is usable.
+    /// Checks that the value is within its range.
     pub(crate) fn check(&self) -> Result<(), ContactError> {
         match *self {
             Self::Penalty(p) => check_pressure("penalty", p),
@@ -418,12 +418,11 @@ impl Modulus {
         }
     }
 
-    /// Pressures at which the fields of A and B count, Pa: U = int (p_A phi_A + p_B phi_B) dV.
+    /// Pressures by which the fields of A and B are multiplied, Pa: U = int (p_A phi_A + p_B phi_B) dV.
     /// `lengths` are those of the fields, m.
     ///
-    /// Between penalties the harmonic mean counts for both, as if each were half of a pair of
-    /// equal bodies; if one side is given by its foundation modulus, the harmonic mean of the
-    /// foundation moduli does.
+    /// For two penalties, both are the harmonic mean, as if each were half of a pair of equal bodies. If one
+    /// side is given by its foundation modulus, the harmonic mean of the foundation moduli is used.
     pub(crate) fn combine(of: [Self; 2], lengths: [f64; 2]) -> [f64; 2] {
         let harmonic = |x: f64, y: f64| 2.0 / (1.0 / x + 1.0 / y);
         if let [Self::Penalty(p), Self::Penalty(q)] = of {

@@ -1,30 +1,31 @@
-//! The sum form by the skins: what every triangle of one skin has in the tetrahedra of the other body.
+//! The sum form as integrals over skins: the triangles of one skin inside the tetrahedra of the other body.
 //!
-//! With U_A = ∫ p φ_A dV over the overlap, the nodes of B's skin have -p ∫ φ_A N_b n_B dS over the part of it
-//! that is in A, those of A the opposite with their own shape functions, and -I_i grad N_a in each of A's
-//! tetrahedra i, where I_i = ∫ p φ_A dV over the part of i that is in B. Likewise U_B.
+//! With U_A = ∫ p φ_A dV over the overlap, the force on the nodes of B's skin is -p ∫ φ_A N_b n_B dS over the
+//! part of it in A. The nodes of A get the opposite with their own shape functions, and -I_i grad N_a in each
+//! of A's tetrahedra i, where I_i = ∫ p φ_A dV over the part of i that is in B. Likewise for U_B.
 //!
-//! I_i needs no volume to be cut out. φ is Σ φ_k N_k over the corners k. With g = 1 - N_k the field
-//! w = (x - x_k) (1/3 - g/4 - 1/(12 g³)) has the divergence N_k but at x_k; it lies in the three faces that meet
-//! in x_k and is zero on the fourth. So ∫ N_k dV is its flux through the triangles of B's skin in i, and a
-//! quarter of i's volume if x_k lies in B. Over a triangle of area T the means of g and of 1/g³ are the mean
-//! and 1/(g_1 g_2 g_3) of those at its corners; with the elementary symmetric polynomials e of a_c = N_k there
+//! I_i needs no volume to be cut out. φ is Σ φ_k N_k over the corners k. With g = 1 - N_k, the field w = (x -
+//! x_k) (1/3 - g/4 - 1/(12 g³)) has the divergence N_k except at x_k; it lies in the three faces that meet in
+//! x_k and is zero on the fourth. So ∫ N_k dV is its flux through the triangles of B's skin in i, plus a
+//! quarter of i's volume if x_k lies in B. Over a triangle of area T the mean of g is the mean of its corner
+//! values g_c, and that of 1/g³ is 1/(g_1 g_2 g_3). With the elementary symmetric polynomials e of the corner
+//! values a_c of N_k,
 //!
 //! flux = -(x - x_k)·n T/12 (e_1² - e_2 + e_3 - e_1 e_2 + e_1 e_3)/((1 - a_1)(1 - a_2)(1 - a_3)),
 //!
-//! in which nothing cancels where the overlap is slight.
+//! in which nothing cancels for slight overlaps.
 
 use super::clip::{Clip, Left, depths, is_outside, sunken};
 use super::sums::{PairLaw, PairSums, Place, PolygonSums, Triangles};
 use crate::general::Form;
 use femdem_mesh::{Matrix3, Vector3};
 
-/// How a pair of tetrahedra met.
+/// How the skins of a pair of tetrahedra met.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Met {
     /// They are apart, or neither has a skin in the other.
     Apart,
-    /// They may overlap, but neither has a skin.
+    /// They may overlap, but neither has a face on its skin.
     Inside,
     /// The skin of one is in the other.
     Skins,
@@ -32,49 +33,49 @@ pub(crate) enum Met {
     Unclear,
 }
 
-/// What the skin of the other body does to one tetrahedron.
+/// Action of the skin of the other body on one tetrahedron.
 #[derive(Debug, Clone, Copy, Default)]
 struct HostSums {
     /// Force, N, and the sum of its parts (columns) times the points (rows) where they act, N m.
     force: Vector3,
     moment: Matrix3,
-    /// ∫ p φ dV over what is in the other body, J.
+    /// ∫ p φ dV over the part in the other body, J.
     flux: f64,
-    /// Stiffness, N/m, and with the points where it acts, N.
+    /// Stiffness, N/m, and its first moment, N.
     stiffness: f64,
     first: Vector3,
 }
 
-/// What the other body does to one face of a skin.
+/// Action of the other body on one face of a skin.
 #[derive(Debug, Clone, Copy, Default)]
 struct FaceSums {
-    /// Integrals of 1 and x over what is in the other body, m^2 and m^3.
+    /// Integrals of 1 and x over the part in the other body, m^2 and m^3.
     area: f64,
     place: Vector3,
-    /// Of p φ and x p φ, N and N m.
+    /// Integrals of p φ and x p φ, N and N m.
     pressure: f64,
     moment: Vector3,
-    /// Stiffness, N/m, and with the points where it acts, N.
+    /// Stiffness, N/m, and its first moment, N.
     stiffness: f64,
     first: Vector3,
 }
 
-/// Buffers of the sums by skins.
+/// Buffers of the sums over skins.
 #[derive(Debug, Default)]
 pub(crate) struct SkinScratch {
-    /// By side and place.
+    /// By side and index in the list.
     hosts: [Vec<HostSums>; 2],
     faces: [Vec<[FaceSums; 4]>; 2],
-    /// What there is of a tetrahedron, as bits: corners that lie in the other body, [`OF_FACE`] and [`OF_HOST`].
-    /// Sums without their bit are left from another pair.
+    /// Which data of a tetrahedron is set, as bits: corners that lie in the other body, [`OF_FACE`] and
+    /// [`OF_HOST`]. Sums without their bit are left over from another pair.
     met: [Vec<u16>; 2],
     clip: Clip,
 }
 
-/// Sums of face 0, and of the faces after it by the bits above.
+/// The sums of face 0 are set; the next bits are those of the other faces.
 const OF_FACE: u16 = 1 << 4;
 
-/// Sums as a host.
+/// The sums as a host are set.
 const OF_HOST: u16 = 1 << 8;
 
 impl SkinScratch {
@@ -87,7 +88,7 @@ impl SkinScratch {
         }
     }
 
-    /// Notes what there is of a tetrahedron; returns what there was.
+    /// Sets bits of a tetrahedron; returns the bits before.
     #[inline(always)]
     fn note(&mut self, side: usize, place: u32, bits: u16) -> u16 {
         let met = self.met[side].get_mut(place as usize);
@@ -96,15 +97,15 @@ impl SkinScratch {
 }
 
 impl PairLaw {
-    /// Whether the skins tell all: not with the form Min, whose contact surface is inside, and not without the
-    /// part of the gradient that the flux gives.
+    /// Whether sums over skins suffice. They do not in the form Min, whose contact surface is inside, nor for
+    /// classic forces, which lack the part of the gradient that comes from the flux.
     pub fn is_told_by_skins(&self) -> bool {
         self.form == Form::Sum && self.gradient == super::Gradient::Exact
     }
 }
 
 impl PairSums {
-    /// Adds what the skins of two tetrahedra do in each other.
+    /// Adds the action of the skins of two tetrahedra on each other.
     #[inline(always)]
     pub fn add_skins(
         &mut self,
@@ -155,7 +156,7 @@ impl PairSums {
         met
     }
 
-    /// Adds a polygon of a face of the skin of a side in the other side's tetrahedron, with its flux.
+    /// Adds a polygon of a face of one side's skin in the other side's tetrahedron, with its flux.
     #[inline(always)]
     fn add_skin(
         &mut self,
@@ -204,7 +205,8 @@ impl PairSums {
         }
     }
 
-    /// Hands what the skins do to the tetrahedra over to their nodes. `tet` finds the one of a side and place.
+    /// Distributes the sums of the tetrahedra to their nodes. `tet` returns the tetrahedron of a side and
+    /// index.
     pub fn close_skins<'a>(
         &mut self,
         scratch: &SkinScratch,
@@ -233,15 +235,16 @@ impl PairSums {
                     sums.stiffness += of_face.stiffness;
                     sums.first += of_face.first;
                 }
-                // Corners in the other body have a quarter of the volume each.
+                // Corners in the other body contribute a quarter of the volume each.
                 let sunken = (0..4).filter(|k| met >> k & 1 == 1);
                 let pressure: f64 = sunken.map(|k| place.tet.values[k]).sum();
                 sums.flux += pressure * place.tet.six_volumes / 24.0;
                 self.add_tet(side, &place, &sums);
             }
         }
-        // The volume that the skins close: along the force, as skins at right angles to it that coincide are counted
-        // or not by chance. There is no force on a body that is inside a wall.
+        // The volume enclosed by the skins, computed along the force, since skins that coincide at right
+        // angles to it are counted or not by chance. There is no force on a body that is wholly inside a
+        // wall.
         let force = self.wrench[1][0];
         let square = force.norm_squared();
         let volume = if square > 0.0 {

@@ -1,4 +1,5 @@
-//! What a pair adds up to, and how the common parts of tetrahedra do: nodal forces, wrenches, and loads by triangle.
+//! The sums of a pair, and the contributions of common parts of tetrahedra: nodal forces, wrenches, and loads
+//! by triangle.
 
 use super::current::Current;
 use crate::general::piece::{Moments, Piece, SURFACE};
@@ -7,14 +8,14 @@ use crate::general::{Form, posed::Posed};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Which nodal forces are taken.
+/// Choice of the nodal forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 pub enum Gradient {
     /// Minus the gradient of the contact energy on every node.
     #[default]
     Exact,
-    /// Without the part that comes from the volume changes of the body's own tetrahedra, as
-    /// classic codes have it: no gradient of an energy. For comparison.
+    /// Without the part that comes from the volume changes of the body's own tetrahedra, as in classic codes:
+    /// not the gradient of an energy. For comparison.
     Classic,
 }
 
@@ -38,7 +39,7 @@ pub(crate) struct TriangleLoad {
     pub moment: Vector3,
     /// Integral of the stiffness per area, N/m.
     pub stiffness: f64,
-    /// Tetrahedra of A and B (places on the lists) between which the largest part acts, and this
+    /// Tetrahedra of A and B (indices in the lists) between which the largest part of the load acts, and this
     /// part, N.
     pub hosts: [u32; 2],
     share: f64,
@@ -47,12 +48,12 @@ pub(crate) struct TriangleLoad {
 /// Sums over one pair. Points are about the pair's origin.
 #[derive(Debug, Default)]
 pub(crate) struct PairSums {
-    /// By side and node on the list.
+    /// By side and index of the node in the list.
     pub forces: [Vec<Vector3>; 2],
-    /// The elastic part of `forces`, once it is kept.
+    /// The elastic part of `forces`, once [`keep_elastic`](Self::keep_elastic) has been called.
     pub elastic: [Vec<Vector3>; 2],
     pub stiffness: [Vec<f64>; 2],
-    /// By friction, 1/s.
+    /// Rates due to friction, 1/s.
     pub rates: [Vec<f64>; 2],
     pub loads: Vec<TriangleLoad>,
     pub energy: f64,
@@ -61,9 +62,9 @@ pub(crate) struct PairSums {
     pub wrench: [[Vector3; 2]; 2],
     /// Vector area of A's skin in B less that of B's in A.
     pub area: Vector3,
-    /// Centre and normal direction times stiffness of the polygons, for rigid bodies.
+    /// Centre and normal times stiffness of the polygons, for rigid bodies.
     pub springs: Vec<Spring>,
-    /// That of all polygons that carry pressure.
+    /// Stiffness of all polygons that carry pressure.
     pub patch: PatchStiffness,
     pub pieces: usize,
 }
@@ -73,9 +74,9 @@ pub(crate) struct PairSums {
 pub(crate) struct PatchStiffness {
     /// N/m.
     pub total: f64,
-    /// With x, N.
+    /// First moment, N.
     first: Vector3,
-    /// With |x|^2, N m.
+    /// Integral of |x|^2, N m.
     second: f64,
 }
 
@@ -104,7 +105,7 @@ pub(crate) struct Spring {
     pub stiffness: f64,
 }
 
-/// A tetrahedron of a side: where it is on the list, its nodes on the list, whether it deforms.
+/// A tetrahedron of a side: its index in the list, the indices of its nodes, whether it is deformable.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place<'a> {
     pub tet: &'a Current,
@@ -180,8 +181,8 @@ impl PairSums {
                     }
                 }
             } else if counts > 0.0 {
-                // The lower field is the skin's own: it alone resists, in U'' = |g| (u.n)^2 less
-                // what the contact surface takes back. Half, as both sides count double.
+                // The lower field is the skin's own, so only this field resists, with U'' = |g| (u.n)^2 less
+                // the part that the contact surface takes back. Half, as both sides count double.
                 let side = usize::from(!own);
                 let weight = -normal.dot(&skin.gradient).min(0.0);
                 let sums = PolygonSums::new(polygon, &normal, field);
@@ -238,7 +239,7 @@ impl PairSums {
         }
     }
 
-    /// U = int min(phi_A, phi_B): the part where A's field is the smaller one, and the rest.
+    /// U = int min(phi_A, phi_B): the part where A's field is the lower one, and the rest.
     fn add_series(
         &mut self,
         sides: [Place; 2],
@@ -321,14 +322,14 @@ impl PairSums {
         }
     }
 
-    /// Keeps the forces as the elastic ones.
+    /// Saves the forces so far as the elastic ones.
     pub fn keep_elastic(&mut self) {
         for (kept, forces) in self.elastic.iter_mut().zip(&self.forces) {
             kept.clone_from(forces);
         }
     }
 
-    /// Hands what slaves bear to their masters.
+    /// Distributes the loads of slaves to their masters.
     pub fn fold(&mut self, side: usize, slaves: &[(u32, [u32; 4])]) {
         for (slave, masters) in slaves {
             hand_over(
@@ -339,7 +340,8 @@ impl PairSums {
                 QUARTER,
             );
             hand_over(&mut self.stiffness[side], *slave, masters, 0.0, QUARTER);
-            // |sum v_m/4|^2 over the slave's inverse mass is at most sum m_m |v_m|^2: each has all of its rate.
+            // |sum v_m/4|^2 over the slave's inverse mass is at most sum m_m |v_m|^2: each master gets the
+            // full rate.
             hand_over(&mut self.rates[side], *slave, masters, 0.0, 1.0);
         }
     }
@@ -391,10 +393,10 @@ impl PolygonSums {
     }
 }
 
-/// What each of four masters bears of a slave's load.
+/// Share of each of four masters in a slave's load.
 const QUARTER: f64 = 0.25;
 
-/// A part of what the slave has goes to each of its masters; `nothing` is left.
+/// Gives the fraction `part` of a slave's value to each of its masters, and resets the slave to `nothing`.
 fn hand_over<T>(list: &mut [T], slave: u32, masters: &[u32; 4], nothing: T, part: f64)
 where
     T: Copy + std::ops::Mul<f64, Output = T> + std::ops::AddAssign,

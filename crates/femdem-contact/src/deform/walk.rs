@@ -1,4 +1,4 @@
-//! The way through the candidates of a pair.
+//! Loop over the candidates of a pair.
 
 use super::current::{Current, Operand};
 use super::near::{Failure, Near, Sides};
@@ -7,25 +7,25 @@ use super::sums::{PairLaw, Place, Triangles};
 use crate::general::pieces::distance;
 use crate::general::posed::PosedList;
 
-/// The candidates of a pair, and where their tetrahedra are posed.
+/// The candidates of a pair, and storage for their posed tetrahedra.
 pub(crate) struct Walk<'a, 's> {
     pub sides: &'a Sides<'s>,
     pub law: &'a PairLaw,
     pub near: &'a mut Near,
     pub motion: f64,
     pub tets: &'a mut [PosedList<Current>; 2],
-    /// How many are looked at.
+    /// Number of candidates tested.
     pub candidates: &'a mut usize,
 }
 
-/// What is done with two tetrahedra. (Not a closure, which could not be told to be inlined.)
+/// The operation on two tetrahedra. (Not a closure, whose inlining cannot be forced.)
 pub(crate) trait Meet {
     fn meet(&mut self, places: &[Place; 2], triangles: &Triangles) -> Met;
 }
 
 impl Walk<'_, '_> {
-    /// Calls `task` for every candidate that may touch. Returns up to which motion none does, or `None` if one was
-    /// unclear.
+    /// Calls `task` for every candidate that may touch. Returns up to which motion none touches, or `None` if
+    /// one was unclear.
     #[inline(always)]
     pub fn all(self, task: &mut impl Meet) -> Result<Option<f64>, Failure> {
         let Near {
@@ -80,8 +80,8 @@ impl Walk<'_, '_> {
         }
     }
 
-    /// As [`all`](Self::all), by AVX2 where the machine has it. Sums and products are never contracted, so that both
-    /// give the same bits.
+    /// As [`all`](Self::all), by AVX2 where the machine has it. Products and sums are never fused, so that
+    /// both give the same bits.
     pub fn all_at_once(self, task: &mut impl Meet) -> Result<Option<f64>, Failure> {
         let all = All { walk: self, task };
         #[cfg(target_arch = "x86_64")]
@@ -107,7 +107,7 @@ impl<M: Meet> pulp::NullaryFnOnce for All<'_, '_, M> {
 }
 
 impl Operand<'_> {
-    /// Triangles of the skin at a tetrahedron of a body that deforms.
+    /// Triangles of the skin at a tetrahedron of a deformable body.
     fn triangles(&self, tet: u32) -> Triangles {
         let none = Triangles {
             faces: [0; 4],

@@ -1,4 +1,4 @@
-//! What the batch keeps of every deformable body.
+//! The stored state of every deformable body of the batch.
 
 use super::evaluate::Context;
 use super::pairs::{Part, SoftPair, Touching};
@@ -13,7 +13,7 @@ use femdem_mesh::Vector3;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use serde::{Deserialize, Serialize};
 
-/// The reach of a body over the largest distance of its nodes from their middle: it may stretch that far.
+/// The reach of a body over the largest distance of its nodes from their mean: margin for stretching.
 const STRETCH: f64 = 1.5;
 
 /// A deformable body of the batch.
@@ -24,15 +24,15 @@ pub(crate) struct SoftBody {
     pub sleep: Sleep,
     /// Running bound of the distance that any node has travelled, m.
     pub travelled: f64,
-    /// Where the nodes were at the last update, m.
+    /// Positions of the nodes at the last update, m.
     before: Vec<Vector3>,
-    /// Mean place of the nodes, m.
+    /// Mean position of the nodes, m.
     pub centre: Vector3,
-    /// The nodes stay within this distance of it until pairs are looked for again, m.
+    /// The nodes stay within this distance of `centre` until the next search for pairs, m.
     pub reach: f64,
-    /// How it turns, if anything may touch it.
+    /// Its rotation as a whole, if anything may touch it.
     pub turning: Option<Turning>,
-    /// The tree over the tetrahedra, as it was when it was last wanted.
+    /// The tree over the tetrahedra, as of its last refit.
     #[serde(skip)]
     pub tree: Option<Box<(Bvh, Vec<Aabb>)>>,
     #[serde(skip)]
@@ -51,7 +51,7 @@ pub(crate) struct SoftBody {
     /// Whether any of these is not zero.
     #[serde(skip)]
     pub loaded: bool,
-    /// Whether they may be others than before the last update.
+    /// Whether they may have changed in the last update.
     #[serde(skip)]
     pub stirred: bool,
 }
@@ -81,7 +81,7 @@ impl SoftBody {
         body
     }
 
-    /// Makes what is not stored.
+    /// Rebuilds the data that is not stored.
     pub fn restore(&mut self, shape: &DeformableShape) {
         let count = shape.node_count();
         self.tree = Some(Box::new((shape.tree().clone(), Vec::new())));
@@ -105,12 +105,12 @@ impl SoftBody {
         self.rates.fill(0.0);
     }
 
-    /// Adds what a pair does to the nodes.
+    /// Adds the nodal loads of a pair.
     fn add(&mut self, nodes: &[NodeLoad]) {
         self.loaded |= !nodes.is_empty();
         for load in nodes {
             let at = load.node as usize;
-            // All have the length of the nodes.
+            // All slices have the length of the nodes.
             if at < self.forces.len() {
                 self.forces[at] += load.force;
                 self.damping[at] += load.damping;
@@ -127,7 +127,7 @@ impl SoftBody {
         self.rocking.1 += rate;
     }
 
-    /// Lets the moments against rocking act on the nodes.
+    /// Distributes the moments against rocking to the nodes.
     fn spread_rocking(&mut self) {
         let (moment, rate) = std::mem::take(&mut self.rocking);
         let Some(turning) = &self.turning else {
@@ -144,7 +144,7 @@ impl SoftBody {
         self.rates.iter_mut().for_each(|r| *r += rate);
     }
 
-    /// Sums what the pairs of a body do to it, in their order.
+    /// Sums the loads of the pairs of a body, in their order.
     fn gather(&mut self, pairs: &[SoftPair], own: &[Part]) {
         self.clear();
         for part in own {
@@ -156,7 +156,7 @@ impl SoftBody {
         self.spread_rocking();
     }
 
-    /// Whether a state has as many nodes.
+    /// Whether a state has the right number of nodes.
     fn check_counts(&self, body: usize, state: &NodalState) -> Result<(), ContactError> {
         let expected = self.forces.len();
         for given in [
@@ -175,7 +175,7 @@ impl SoftBody {
         Ok(())
     }
 
-    /// Takes over where the nodes are now.
+    /// Takes over the present positions of the nodes.
     fn advance(&mut self, body: usize, state: &NodalState) -> Result<(), ContactError> {
         let NodalState {
             positions,
@@ -204,7 +204,7 @@ impl SoftBody {
         }
         self.centre = sum / positions.len().max(1) as f64;
         if self.before.len() == positions.len() {
-            // All are finite: no need to look for NaN, as f64::max does.
+            // All are finite, so a plain comparison serves; f64::max also handles NaN.
             let longest = |most: f64, (x, y): (&Vector3, &Vector3)| {
                 let way = (x - y).norm_squared();
                 if way > most { way } else { most }
@@ -225,8 +225,8 @@ impl SoftBody {
         (Aabb::of_points(points), radius)
     }
 
-    /// Takes note of the largest distance of the nodes from their middle, which may grow by `skin` (both m) before
-    /// the next time.
+    /// Adjusts the reach to the largest distance of the nodes from their mean. It may grow by `skin` before
+    /// the next call (both m).
     pub fn stretch_to(&mut self, radius: f64, skin: f64) {
         if radius + skin > self.reach {
             self.reach = STRETCH * radius;
@@ -242,7 +242,7 @@ impl SoftBody {
     }
 }
 
-/// Takes over where all nodes are now.
+/// Takes over the present positions of all nodes.
 pub(crate) fn advance(bodies: &mut [SoftBody], states: &[NodalState]) -> Result<(), ContactError> {
     let advance = |i: usize, body: &mut SoftBody| {
         let Some(state) = states.get(i) else {
@@ -257,7 +257,7 @@ pub(crate) fn advance(bodies: &mut [SoftBody], states: &[NodalState]) -> Result<
     on_each(bodies, advance).into_iter().collect()
 }
 
-/// Sums what the pairs do to the bodies, but to those that nothing can have changed for.
+/// Sums the pairs' forces for every body whose forces may have changed; the others keep theirs.
 pub(crate) fn gather(bodies: &mut [SoftBody], pairs: &[SoftPair], touching: &Touching) {
     on_each(bodies, |i, body| {
         if body.stirred {
@@ -266,16 +266,16 @@ pub(crate) fn gather(bodies: &mut [SoftBody], pairs: &[SoftPair], touching: &Tou
     });
 }
 
-/// What a body must know for the contacts of an update.
+/// Data of a body that the contacts of an update need.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Wanted {
-    /// Its tree, as it is now.
+    /// Its tree, up to date.
     pub tree: bool,
-    /// How it turns.
+    /// Its rotation as a whole.
     pub turning: bool,
 }
 
-/// Brings what is wanted of the bodies up to date.
+/// Updates the data that is needed of the bodies.
 pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Context) {
     on_each(bodies, |i, body| {
         let wanted = wanted.get(i).copied().unwrap_or_default();
@@ -284,7 +284,7 @@ pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Cont
         {
             body.refit(&operand);
         }
-        // Its pairs that rest still have moments against rocking to be spread by it.
+        // Its pairs at rest still have moments against rocking, whose distribution needs it.
         if body.sleep == Sleep::Frozen && !wanted.turning {
             return;
         }
@@ -297,7 +297,7 @@ pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Cont
     });
 }
 
-/// `work` on every body with its index, by the threads of the caller's pool; results in the order of the
+/// Runs `work` on every body with its index, on the threads of the caller's pool; results in the order of the
 /// bodies.
 fn on_each<R: Send>(
     bodies: &mut [SoftBody],

@@ -18,10 +18,10 @@ use crate::motion::Motion;
 use crate::walls::WallShape;
 use std::sync::Arc;
 
-/// What every pair of one update shares.
+/// Data shared by all pairs of one update.
 pub(crate) struct Context<'a> {
     pub parameters: &'a ContactParameters,
-    /// The law where A is a wall.
+    /// The law of pairs whose side A is a wall.
     pub at_walls: ContactParameters,
     pub kernel: &'a DeformableKernel,
     pub shapes: &'a [Arc<DeformableShape>],
@@ -35,7 +35,7 @@ pub(crate) struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// Body `i`, as the kernel takes it.
+    /// Body `i`, as input of the kernel.
     pub fn soft(&self, i: u32, body: &SoftBody) -> Option<Operand<'_>> {
         let shape = self.shapes.get(body.shape as usize)?;
         let state = self.states.get(i as usize)?;
@@ -50,7 +50,7 @@ impl Context<'_> {
         }
     }
 
-    /// Running bound of how far A and B have travelled, m.
+    /// Running bound of the sum of the travels of A and B, m.
     pub fn motion(&self, pair: &SoftPair, bodies: &[SoftBody]) -> f64 {
         let of = |i: u32| bodies.get(i as usize).map_or(0.0, |b| b.travelled);
         let of_a = match pair.a {
@@ -60,8 +60,7 @@ impl Context<'_> {
         of_a + of(pair.b)
     }
 
-    /// The solid of the wall of a pair, and whether it is another one than before. `None` if no
-    /// part of the wall is near.
+    /// The solid of the wall of a pair, and whether it was rebuilt. `None` if no part of the wall is near.
     pub fn wall<'p>(
         &'p self,
         pair_local: &'p mut crate::walls::LocalSolid,
@@ -83,8 +82,8 @@ impl Context<'_> {
         }
     }
 
-    /// Forgets the last update of a pair. Whether it must be evaluated: one that is known to be clear does not
-    /// touch, and one at rest stays as it is.
+    /// Clears the last update of a pair, and returns whether it must be evaluated. A pair known to be clear
+    /// does not touch; one at rest stays as it is.
     fn begin(&self, pair: &mut SoftPair, bodies: &[SoftBody]) -> bool {
         if pair.rests(bodies, self.rigid_sleep) {
             return false;
@@ -207,8 +206,8 @@ fn tree(body: &SoftBody) -> Option<Tree<'_>> {
     Some(Tree { tree, boxes })
 }
 
-/// Evaluates all pairs. Each is written in its own slot, so neither the order nor the number of
-/// threads changes a bit.
+/// Evaluates all pairs. Each is written to its own slot, so the results are the same bits in any order and
+/// with any number of threads.
 pub(crate) fn run(
     context: &Context,
     bodies: &[SoftBody],
@@ -232,7 +231,7 @@ fn evaluate_all(context: &Context, bodies: &[SoftBody], list: &mut [SoftPair]) {
     #[cfg(feature = "parallel")]
     if rayon::current_num_threads() > 1 {
         use rayon::prelude::*;
-        // One by one: a pair that looks for candidates takes a hundred times as long as others.
+        // Scheduled one by one: a pair that renews its candidates takes a hundred times as long as others.
         let due: Vec<_> = due.collect();
         due.into_par_iter()
             .for_each_init(DeformableScratch::default, |scratch, pair| {

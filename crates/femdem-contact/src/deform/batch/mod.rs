@@ -45,7 +45,7 @@ pub struct DeformableBatch {
     rigid_sleep: Vec<Sleep>,
     walls: Vec<WallShape>,
     pairs: PairList,
-    /// Friction that pairs begin with, until they are found.
+    /// Initial friction of pairs, applied in the next update.
     starts: BTreeMap<(DeformablePartner, u32), FrictionStart>,
     rigid_loads: Vec<Load>,
     rigid_resistances: Vec<Resistance>,
@@ -107,7 +107,7 @@ impl DeformableBatch {
         self.law = law;
     }
 
-    /// Chooses the nodal forces: [`Gradient::Exact`] unless for comparison.
+    /// Selects the nodal forces; use anything but [`Gradient::Exact`] for comparison only.
     pub fn set_gradient(&mut self, gradient: Gradient) {
         self.evaluate_all();
         self.kernel = self.kernel.with_gradient(gradient);
@@ -179,8 +179,8 @@ impl DeformableBatch {
         Ok(self.rigid.len() as BodyId - 1)
     }
 
-    /// Adds a wall, of planes or a mesh, and returns its index. Where it meets a body that sleeps counts from the next
-    /// update on.
+    /// Adds a wall, of planes or a mesh, and returns its index. Its contacts with sleeping bodies are found
+    /// in the next update.
     pub fn add_wall(&mut self, wall: impl Into<WallShape>) -> u32 {
         self.evaluate_all();
         self.walls.push(wall.into());
@@ -189,10 +189,10 @@ impl DeformableBatch {
         self.walls.len() as u32 - 1
     }
 
-    /// Gives a batch that was read from a file its shapes back, in the order of addition.
+    /// Restores the shapes of a batch that was read from a file, in the order of addition.
     ///
     /// # Errors
-    /// [`ContactError::NoSuch`] if a body refers to a shape that is not there, and the errors of
+    /// [`ContactError::NoSuch`] if a body refers to a missing shape, and the errors of
     /// [`add_rigid_shape`](Self::add_rigid_shape).
     pub fn restore_shapes(
         &mut self,
@@ -240,11 +240,12 @@ impl DeformableBatch {
     /// The slices hold one state per added body, rigid body and wall.
     ///
     /// # Errors
-    /// [`ContactError::StateCount`] or [`ContactError::NodeCount`] if a slice has the wrong
-    /// length, [`ContactError::NodeState`] or [`ContactError::NotFinite`] if a state is not usable (of a body that
-    /// sleeps, as it is when it falls asleep: then it is not looked at),
-    /// [`ContactError::InvertedTet`] if a tetrahedron in a contact is inside out. After an error
-    /// the histories are those of no single step.
+    /// [`ContactError::StateCount`] or [`ContactError::NodeCount`] if a slice has the wrong length,
+    /// [`ContactError::NodeState`] or [`ContactError::NotFinite`] if a state is not finite or an inverse mass
+    /// is negative, [`ContactError::InvertedTet`] if a tetrahedron in a contact is inverted. The nodal values
+    /// of a sleeping deformable body are read only in the first update after it fell asleep, or after a
+    /// change of the batch that affects its contacts. After an error the histories are a mixture of two
+    /// steps.
     pub fn update(
         &mut self,
         bodies: &[NodalState],
@@ -312,10 +313,10 @@ impl DeformableBatch {
         Ok(())
     }
 
-    /// Lets a pair begin with the friction of a contact that was followed by other means, such as
-    /// that of rigid bodies: a force on B (N) and a moment on B about the normal (N m), spread over
-    /// the triangles in contact in proportion to what presses on them. It counts at the next
-    /// update, if the pair touches then and has no friction yet.
+    /// Starts a pair with the friction of a contact that was computed elsewhere, such as that of rigid
+    /// bodies: a force on B (N) and a moment on B about the normal (N m), spread over the triangles in
+    /// contact in proportion to their normal loads. It takes effect in the next update, if the pair touches
+    /// then and has no friction yet.
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if A or B was never added, [`ContactError::Parameter`] if the force or the moment is not
@@ -387,7 +388,7 @@ impl DeformableBatch {
         body::gather(&mut self.bodies, pairs, &touching);
     }
 
-    /// Whether anything touches a body: where not, all of the following are zero.
+    /// Whether anything touches a body. If not, all of the following are zero.
     pub fn touches(&self, body: u32) -> bool {
         self.bodies.get(body as usize).is_some_and(|b| b.loaded)
     }
@@ -398,12 +399,12 @@ impl DeformableBatch {
         self.bodies.get(body as usize).map_or(&[], |b| &b.forces)
     }
 
-    /// The part of [`forces`](Self::forces) by damping, N.
+    /// The part of [`forces`](Self::forces) due to damping, N.
     pub fn damping_forces(&self, body: u32) -> &[Vector3] {
         self.bodies.get(body as usize).map_or(&[], |b| &b.damping)
     }
 
-    /// The part of [`forces`](Self::forces) by friction, N.
+    /// The part of [`forces`](Self::forces) due to friction, N.
     pub fn friction_forces(&self, body: u32) -> &[Vector3] {
         self.bodies.get(body as usize).map_or(&[], |b| &b.friction)
     }
@@ -414,7 +415,7 @@ impl DeformableBatch {
         self.bodies.get(body as usize).map_or(&[], |b| &b.stiffness)
     }
 
-    /// Damping rate of the nodes of a body by contact, 1/s: the rate of
+    /// Damping rate of the nodes of a body due to contact, 1/s: the rate in
     /// [`stable_step`](crate::stable_step).
     pub fn rates(&self, body: u32) -> &[f64] {
         self.bodies.get(body as usize).map_or(&[], |b| &b.rates)
@@ -425,7 +426,8 @@ impl DeformableBatch {
         &self.rigid_loads
     }
 
-    /// What opposes the motion of a rigid body that deformable ones touch; `None` for others.
+    /// Stiffness and viscosity against the motion of a rigid body that deformable ones touch; `None` for
+    /// others.
     pub fn rigid_resistance(&self, body: BodyId) -> Option<&Resistance> {
         let touched = self.rigid_loads.get(body as usize)?.contacts > 0;
         let resistance = self.rigid_resistances.get(body as usize)?;

@@ -1,4 +1,4 @@
-//! Candidate pairs of bodies, and what is kept of each.
+//! Candidate pairs of bodies, and the stored data of each.
 
 use super::RigidShape;
 use super::body::{SoftBody, Wanted};
@@ -12,7 +12,7 @@ use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// How far a body may move before pairs are looked for again, over its radius.
+/// How far a body may move before the next search for pairs, over its radius.
 const HALF_SKIN: f64 = 0.05;
 
 /// A body or wall A, and a deformable body B.
@@ -21,13 +21,13 @@ pub(crate) struct SoftPair {
     pub a: DeformablePartner,
     pub b: u32,
     pub candidates: Candidates,
-    /// The part of a wall of planes that is near.
+    /// The part of a wall of planes near the body.
     pub local: LocalSolid,
     pub outcome: Outcome,
-    /// What went wrong in the last evaluation: the side and its tetrahedron.
+    /// Inverted tetrahedron in the last evaluation: the side and the index.
     pub failure: Option<(u32, u32)>,
     pub counts: [u32; 2],
-    /// Friction that its springs begin with.
+    /// Initial friction of its springs.
     pub begins: Option<FrictionStart>,
 }
 
@@ -58,7 +58,7 @@ impl SoftPair {
         of_a.into_iter().chain([self.b])
     }
 
-    /// Whether all its bodies are frozen, so that it stays as it is.
+    /// Whether all its bodies are frozen, so that it need not be evaluated.
     pub fn rests(&self, bodies: &[SoftBody], rigid: &[Sleep]) -> bool {
         let frozen = |i: u32| {
             let body = bodies.get(i as usize);
@@ -82,12 +82,12 @@ impl SoftPair {
     }
 }
 
-/// Pairs that are near, sorted.
+/// Candidate pairs, sorted.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct PairList {
     list: Vec<SoftPair>,
-    /// Travel of the deformable bodies, the rigid ones and the walls at which pairs must be looked
-    /// for again, m; empty if they never were.
+    /// Travel of the deformable bodies, the rigid ones and the walls at which a new search is due, m; empty
+    /// before the first one.
     expires: [Vec<f64>; 3],
 }
 
@@ -100,12 +100,12 @@ impl PairList {
         &mut self.list
     }
 
-    /// Something was added: look at the next update.
+    /// Something was added: search in the next update.
     pub fn forget_search(&mut self) {
         self.expires = Default::default();
     }
 
-    /// Finds the pairs anew if a body has moved too far since they were found. Whether it has.
+    /// Searches for pairs if a body has moved too far since the last search, and returns whether it did.
     pub fn search(&mut self, context: &Context, bodies: &mut [SoftBody]) -> bool {
         let travelled = [
             bodies.iter().map(|b| b.travelled).collect::<Vec<_>>(),
@@ -125,7 +125,7 @@ impl PairList {
             let skin = HALF_SKIN * radius;
             boxes.push(bounds.grown(skin));
             skins[0].push(skin);
-            // A node may go one way as far as the middle goes the other.
+            // A node may move one way as far as the mean moves the other way.
             body.stretch_to(*radius, 2.0 * skin);
         }
         for (motion, &kind) in context.rigid.iter().zip(context.rigid_kinds) {
@@ -165,7 +165,7 @@ impl PairList {
         true
     }
 
-    /// Makes the list that of `keys`, which are sorted; pairs that go on keep what they have.
+    /// Replaces the list by the pairs `keys`, which are sorted; pairs that stay keep their data.
     fn keep(&mut self, keys: Vec<(DeformablePartner, u32)>) {
         let mut old = std::mem::take(&mut self.list).into_iter().peekable();
         self.list.reserve(keys.len());
@@ -176,8 +176,8 @@ impl PairList {
         }
     }
 
-    /// What must be known of the deformable bodies now: how they turn, if they may touch something, and
-    /// their trees, if a pair must look for candidates anew.
+    /// Data of the deformable bodies needed now: their rotation, if they may touch something, and their
+    /// trees, if a pair must renew its candidates.
     pub fn wanted(&mut self, context: &Context, bodies: &[SoftBody]) -> Vec<Wanted> {
         let mut wanted = vec![Wanted::default(); bodies.len()];
         let rigid = context.rigid_sleep;
@@ -209,23 +209,23 @@ impl PairList {
     }
 }
 
-/// A pair and the side that a body is in it.
+/// A pair, and the side of a body in it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Part {
-    /// Of the pair in the list.
+    /// Index of the pair in the list.
     pub place: u32,
     pub side: u8,
 }
 
 /// The touching pairs of each body, in their order.
 pub(crate) struct Touching {
-    /// Where those of each body begin.
+    /// Start of the entries of each body.
     starts: Vec<u32>,
     parts: Vec<Part>,
 }
 
 impl Touching {
-    /// By bodies, fewer than `bodies`, and their parts in the order of the pairs.
+    /// From (body, part) in the order of the pairs; bodies are below `bodies`.
     pub fn new(all: &[(u32, Part)], bodies: usize) -> Self {
         let known = || all.iter().filter(|(body, _)| (*body as usize) < bodies);
         let mut starts = vec![0; bodies + 1];

@@ -1,4 +1,4 @@
-//! Bodies that a host has stopped: what is between them stays as it is and costs nothing.
+//! Bodies that a host has stopped: pairs of them keep their contacts and cost nothing.
 
 use super::DeformableBatch;
 use super::body::SoftBody;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Sleep {
     Awake,
-    /// It was stopped since its contacts were evaluated.
+    /// Stopped since the last evaluation of its contacts.
     Stopped,
     /// Its contacts were evaluated with it at rest.
     Frozen,
@@ -26,7 +26,7 @@ impl Sleep {
         };
     }
 
-    /// Has the next update evaluate all pairs that it is in, once more.
+    /// Makes the next update evaluate all its pairs once more.
     pub fn stir(&mut self) {
         if *self == Self::Frozen {
             *self = Self::Stopped;
@@ -48,10 +48,11 @@ impl DeformableBatch {
         body.is_some_and(|body| body.sleep == Sleep::Awake)
     }
 
-    /// Wakes a deformable body or puts it to sleep. The next update sees a sleeping body as its state says, which
-    /// should be at rest; after that it must not move until it is woken. Between two bodies that sleep, and
-    /// between a deformable one and a wall, nothing is evaluated then: their contacts stay as they are. A host that moves a wall wakes
-    /// what touches it. A body that does not exist is ignored.
+    /// Wakes a deformable body or puts it to sleep. The next update reads the state of a sleeping body once
+    /// more, which should be at rest; after that it must not move until it is woken. Pairs of two sleeping
+    /// bodies, and of a sleeping deformable body and a wall, are then no longer evaluated: their contacts
+    /// stay as they are. A host that moves a wall must wake the bodies that touch it. A body that does not
+    /// exist is ignored.
     pub fn set_awake(&mut self, body: u32, awake: bool) {
         if let Some(body) = self.bodies.get_mut(body as usize) {
             body.sleep.set(awake);
@@ -65,7 +66,7 @@ impl DeformableBatch {
         }
     }
 
-    /// Rigid bodies that deformable ones touch which are awake, in ascending order.
+    /// Rigid bodies that touch an awake deformable body, in ascending order.
     pub fn rigid_beside_awake(&self) -> Vec<BodyId> {
         let touching = self.pairs.list().iter().filter_map(|pair| match pair.a {
             DeformablePartner::Rigid(i) if pair.outcome.contact.is_some() => {
@@ -79,19 +80,19 @@ impl DeformableBatch {
         found
     }
 
-    /// Whether the forces on a deformable body may be others than before the last update: not those on one that sleeps
-    /// among sleepers. `false` for one that does not exist.
+    /// Whether the forces on a deformable body may have changed in the last update: not if it sleeps among
+    /// sleepers. `false` for a body that does not exist.
     pub fn is_stirred(&self, body: u32) -> bool {
         let body = self.bodies.get(body as usize);
         body.is_some_and(|body| body.stirred)
     }
 
-    /// Has the next update evaluate the contacts of sleepers too.
+    /// Makes the next update evaluate the contacts of sleepers too.
     pub(super) fn evaluate_all(&mut self) {
         self.sleeps().for_each(Sleep::stir);
     }
 
-    /// Ends an update: it has seen at rest all that was stopped.
+    /// Ends an update: all stopped bodies have been evaluated at rest.
     pub(super) fn settle(&mut self) {
         self.sleeps().for_each(Sleep::settle);
     }
@@ -102,7 +103,8 @@ impl DeformableBatch {
     }
 }
 
-/// Notes which bodies' forces may have changed: those that are not frozen, and those in pairs that do not rest; or `all`.
+/// Marks the bodies whose forces may have changed: those that are not frozen, and those in pairs that do not
+/// rest; or `all`.
 pub(super) fn stir(bodies: &mut [SoftBody], rigid: &[Sleep], pairs: &[SoftPair], all: bool) {
     for body in bodies.iter_mut() {
         body.stirred = all || body.sleep != Sleep::Frozen;
