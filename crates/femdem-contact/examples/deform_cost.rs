@@ -1,5 +1,5 @@
-//! Cost of the contacts of deformable boulders in a heap: nanoseconds for each tetrahedron of all
-//! bodies and step, touching pair, and overlapping pair of tetrahedra.
+//! Cost of the contacts of deformable boulders in a heap, in nanoseconds: per tetrahedron of all bodies and
+//! step, per touching pair, and per overlapping pair of tetrahedra.
 //!
 //! ```text
 //! cargo run --release -p femdem-contact --example deform_cost -- [BODIES PER SIDE] [SPACING] [STEPS]

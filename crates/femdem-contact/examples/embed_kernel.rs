@@ -1,13 +1,13 @@
-//! A granular code of one's own that takes its contacts from here: its bodies, its integrator and
-//! its thread pool, and layers 1 and 2 of this crate.
+//! How to embed this crate in your granular code: the host has its own bodies, integrator and thread pool,
+//! and takes its contacts from layers 1 and 2.
 //!
 //! ```text
 //! cargo run --release -p femdem-contact --example embed_kernel
 //! ```
 //!
-//! Part 1 evaluates one pair at a time: a tetrapod flies at a cube, and the pair kernel is asked in
-//! every step. Part 2 hands 27 cubes and tetrapods in a box to the batch. Nothing is damped, so
-//! energy must stay what it was; both parts print by how much it does not.
+//! Part 1 evaluates one pair at a time: a tetrapod flies at a cube, and the pair kernel is called in every
+//! step. Part 2 gives 27 cubes and tetrapods in a box to the batch. Nothing is damped, so energy must be
+//! conserved; both parts print the error.
 #![expect(clippy::print_stdout, reason = "an example shows its results")]
 
 use femdem_contact::general::{GeneralCache, GeneralScratch};
@@ -26,20 +26,20 @@ const SIZE: f64 = 0.1;
 const PENALTY: f64 = 5e6;
 const GRAVITY: Vector3 = Vector3::new(0.0, 0.0, -9.81);
 
-/// A body as this host keeps it. The kernel never sees this type.
+/// A body in the host's data structure, which the kernel never sees.
 #[derive(Debug, Clone)]
 struct Grain {
     position: Vector3,
     rotation: Rotation,
     velocity: Vector3,
-    /// Angular momentum about the centroid, kg m^2/s: what a torque changes.
+    /// Angular momentum about the centroid, kg m^2/s: torques change it.
     spin: Vector3,
     mass: f64,
     /// Inverse inertia in body axes, 1/(kg m^2).
     inverse_inertia: Matrix3,
     /// Largest distance of a vertex from the centroid, m.
     radius: f64,
-    /// How far any of its points has travelled at most, m: the caches ask for it.
+    /// Upper bound of the distance that any of its points has travelled, m: the caches need it.
     travelled: f64,
 }
 
@@ -99,7 +99,7 @@ impl Grain {
         self.travelled += (self.velocity.norm() + angular_velocity.norm() * self.radius) * dt;
     }
 
-    /// What layer 2 asks for.
+    /// The input of layer 2.
     fn motion(&self) -> Motion {
         let inverse_inertia = self.inverse_inertia();
         Motion {
@@ -157,7 +157,7 @@ fn collide(shapes: &Shapes) -> Result<(f64, f64, u32), Box<dyn Error>> {
     let energy = a.kinetic_energy() + b.kinetic_energy();
     let momentum = b.velocity * b.mass;
 
-    // The cache and the buffers are the host's: one cache per pair, one scratch per thread.
+    // The cache and the buffers belong to the host: one cache per pair, one scratch per thread.
     let (mut cache, mut scratch) = (GeneralCache::default(), GeneralScratch::default());
     let (dt, mut touching) = (2e-6, 0);
     for _ in 0..50_000 {
@@ -174,7 +174,7 @@ fn collide(shapes: &Shapes) -> Result<(f64, f64, u32), Box<dyn Error>> {
             motion,
             &mut scratch,
         );
-        // Bodies that are not convex may touch at several places: one patch each.
+        // Bodies that are not convex may touch in several places, with one patch each.
         touching += u32::from(!patches.is_empty());
         for patch in patches {
             let overlap = &patch.overlap;
@@ -257,7 +257,7 @@ impl Host {
         Ok(())
     }
 
-    /// A twentieth of the largest stable step for what touches now, and no more than `most`.
+    /// A twentieth of the largest stable step for the present contacts, at most `most`.
     fn time_step(&self, most: f64) -> f64 {
         let bound = |(grain, body): (&Grain, u32)| {
             let motion = grain.motion();

@@ -1,6 +1,5 @@
-//! The batch finds the same contacts as the kernels called on every pair, sums them to the
-//! loads, keeps what is known of sleeping pairs, and does so in the same bits for any number
-//! of threads.
+//! The batch finds the same contacts as the kernels called on every pair, sums them to the loads, keeps the
+//! contacts of sleeping pairs, and gives the same bits for any number of threads.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -33,7 +32,7 @@ impl Pack {
         Self::sized(count, seed, |part| 1.0 + 2.0 * part)
     }
 
-    /// Bodies whose diameters follow from their place in the order, 0 to 1.
+    /// Bodies whose diameters are a function of their relative position in the order, 0 to 1.
     fn sized(count: usize, seed: u64, diameter: impl Fn(f64) -> f64) -> Self {
         let law = ContactLaw::new(ContactParameters {
             penalty: PENALTY,
@@ -146,8 +145,8 @@ impl Pack {
         list
     }
 
-    /// Compares contacts with brute force; returns how many there were. An overlap so slight
-    /// that its force is lost in rounding may be seen by one of the two only.
+    /// Compares contacts with brute force; returns how many there were. An overlap so slight that its force
+    /// is lost in rounding may be found by only one of the two.
     fn check_contacts(&self) -> usize {
         let slight = 1e-12 * PENALTY;
         let mut want = self.brute_force();
@@ -171,7 +170,7 @@ impl Pack {
         got.len()
     }
 
-    /// Sums the contacts to loads about each body's origin, from what a contact reports.
+    /// Sums the contacts to loads about each body's origin, from the fields of each contact.
     fn check_loads(&self) {
         let mut sums = vec![[Vector3::zeros(); 2]; self.bodies.len()];
         let mut on_walls = vec![[Vector3::zeros(); 2]; self.walls.len()];
@@ -210,8 +209,8 @@ impl Pack {
         }
     }
 
-    /// A step that the batch allows is one that the springs and dashpots of all contacts allow, to the
-    /// last bit and whatever the limit.
+    /// A step that the batch allows is allowed by the springs and dashpots of all contacts, to the last bit
+    /// and for any limit.
     fn check_steps(&self) {
         for (body, motion) in (0..).zip(&self.bodies) {
             let resistance = self.batch.resistance_of(body);
@@ -303,8 +302,8 @@ fn sleeping_pairs_stay_on_record() {
     assert!(kept > 100, "only {kept} sleeping contacts");
 }
 
-/// Two equal bodies that oscillate against each other have sqrt(2) times the frequency of one that
-/// does so against the other asleep: it does not move.
+/// Two equal bodies that oscillate against each other have sqrt(2) times the frequency of one that oscillates
+/// against the other asleep, which does not move.
 #[test]
 fn a_sleeping_partner_allows_a_larger_step() {
     let law = ContactLaw::new(ContactParameters {

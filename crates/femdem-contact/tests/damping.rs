@@ -1,4 +1,4 @@
-//! The normal dashpot never pulls and never feeds energy in, whatever touches and moves.
+//! The normal dashpot never pulls and never adds energy, for any contact and any motion.
 
 use crate::common::Stream;
 use crate::common::pack::{placed, shape};
@@ -65,9 +65,8 @@ proptest! {
     }
 }
 
-/// A cube that moves towards and away from the floor: the dashpot's share of the elastic
-/// force is 2 zeta v sqrt(m/(2U)), and no more than takes the force to zero. No time passes, so that no step has to be
-/// allowed for.
+/// A cube that moves towards and away from the floor: the dashpot's share of the elastic force is 2 zeta v
+/// sqrt(m/(2U)), and at most cancels the force. The time step is 0, so the velocity lag needs no correction.
 #[test]
 fn the_dashpot_of_a_face_contact() {
     let (zeta, speed, depth) = (0.3, 0.2, 1e-2);

@@ -1,5 +1,5 @@
-//! The batch of deformable bodies: what it finds, that it balances, and that its bits are the same
-//! for any number of threads.
+//! The batch of deformable bodies: its contacts, the balance of its forces, and the same bits for any number
+//! of threads.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -13,7 +13,7 @@ use femdem_contact::{
 };
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
 
-/// Bodies that deform, rigid ones and walls, with what they do.
+/// Deformable bodies, rigid ones and walls, with their motions.
 #[derive(Clone)]
 struct Scene {
     batch: DeformableBatch,
@@ -139,7 +139,7 @@ impl Scene {
     }
 }
 
-/// Lists and trees kept from step to step find what fresh ones find, and all forces together, with
+/// Lists and trees kept from step to step give the same contacts as fresh ones, and all forces together, with
 /// friction and damping, balance.
 #[test]
 fn kept_lists_find_what_fresh_ones_find() {
@@ -150,7 +150,7 @@ fn kept_lists_find_what_fresh_ones_find() {
         let mut seen = [false; 3];
         for step in 0..60 {
             kept.update().unwrap();
-            // Friction remembers: compare what has no history.
+            // Friction has a history: only the elastic parts are compared.
             let mut fresh = kept.clone();
             fresh.batch = start.batch.clone();
             let mut without = kept.clone();
@@ -229,7 +229,7 @@ fn advance(scene: &mut Scene, trace: &mut Vec<Vector3<f64>>) {
     scene.drift(1e-3);
 }
 
-/// A batch that was written and read goes on with the same bits: lists, springs and all.
+/// A batch that was written and read continues with the same bits, including lists and springs.
 #[test]
 fn a_restart_goes_on_with_the_same_bits() {
     let mut scene = Scene::heap(Form::Sum, &mut Stream(4));
@@ -319,7 +319,8 @@ fn unusable_states_are_named() {
     assert!(scene.batch.restore_shapes(Vec::new(), Vec::new()).is_err());
 }
 
-/// What is between sleepers stays as it is, and what they are to awake bodies is what they would be awake.
+/// Contacts between sleepers stay as they are, and the forces of sleepers on awake bodies are as if they were
+/// awake.
 #[test]
 fn sleepers_at_rest_have_the_forces_of_awake_bodies() {
     let mut awake = Scene::heap(Form::Sum, &mut Stream(5));
@@ -333,7 +334,7 @@ fn sleepers_at_rest_have_the_forces_of_awake_bodies() {
     for motion in awake.rigid.iter_mut().chain(&mut awake.walls) {
         *motion = Motion::fixed(motion.frame);
     }
-    // What may touch a rigid body is looked at.
+    // Pairs that may touch a rigid body are evaluated; move it away.
     awake.rigid[0].frame.position.z += 50.0;
     awake.rigid[0].travelled += 50.0;
     let mut asleep = awake.clone();
@@ -346,7 +347,7 @@ fn sleepers_at_rest_have_the_forces_of_awake_bodies() {
         });
         assert!(a.iter().any(|f| f.norm() > 0.0));
         let largest = a.iter().map(Vector3::norm).fold(0.0, f64::max);
-        // Springs that are followed where nothing moves change their last bits.
+        // Springs that are updated without motion change in their last bits.
         let alike = |(x, y): (&Vector3<f64>, &Vector3<f64>)| (x - y).norm() < 1e-12 * largest;
         assert!(largest > 0.0 && a.iter().zip(&b).all(alike));
     };
@@ -354,7 +355,7 @@ fn sleepers_at_rest_have_the_forces_of_awake_bodies() {
         both([&mut awake, &mut asleep]);
     }
     assert!((0..count).any(|i| !asleep.batch.is_stirred(i) && asleep.batch.touches(i)));
-    // One that moves through the others.
+    // One body moves through the others.
     asleep.batch.set_awake(0, true);
     assert!(asleep.batch.is_awake(0) && !asleep.batch.is_awake(1));
     for _ in 0..20 {
@@ -364,7 +365,7 @@ fn sleepers_at_rest_have_the_forces_of_awake_bodies() {
         }
         both([&mut awake, &mut asleep]);
     }
-    // A wall in what sleeps.
+    // A wall is added amid the sleepers.
     let place = asleep.bodies[1].x[0];
     for scene in [&mut awake, &mut asleep] {
         let touching = scene.batch.totals().touching;

@@ -1,4 +1,4 @@
-//! Friction and damping of bodies that deform, under prescribed motion.
+//! Friction and damping of deformable bodies under prescribed motion.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -26,7 +26,7 @@ fn law() -> ContactParameters {
     }
 }
 
-/// What the upper body stands on.
+/// The support of the upper body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Ground {
     Floor,
@@ -36,7 +36,7 @@ enum Ground {
 
 const GROUNDS: [Ground; 3] = [Ground::Floor, Ground::Rigid, Ground::Soft];
 
-/// A body that deforms on some ground whose top is the plane z = 0.
+/// A deformable body on a support whose top is the plane z = 0.
 #[derive(Clone)]
 struct Rig {
     batch: DeformableBatch,
@@ -140,7 +140,7 @@ impl Rig {
         self.upper.x.iter_mut().for_each(|x| *x += by);
     }
 
-    /// Puts everything but walls where a rigid motion takes it from `start`.
+    /// Moves everything except walls by a rigid motion from `start`.
     fn carry(&mut self, start: &Self, turn: &UnitQuaternion<f64>, by: &Vector3<f64>) {
         let soft = |to: &mut Soft, from: &Soft| {
             for (x, from) in to.x.iter_mut().zip(&from.x) {
@@ -164,7 +164,7 @@ fn height(mesh: &femdem_mesh::TetMesh) -> f64 {
     mesh.points().iter().map(|p| p.z).fold(0.0, f64::max)
 }
 
-/// A sheared pair carried along rigidly keeps its friction force, turned with it.
+/// A sheared pair under a rigid motion keeps its friction force, rotated with it.
 #[test]
 fn a_common_motion_keeps_the_force() {
     for ground in [Ground::Rigid, Ground::Soft] {
@@ -219,7 +219,7 @@ fn a_closed_loop_of_stick_does_no_work() {
         let (work, largest) = work(&mut rig, circle, 200);
         let spring = rig.batch.contacts().next().unwrap().spring_energy;
         assert!(largest > 0.0 && !rig.batch.contacts().next().unwrap().slides);
-        // On a mesh the stiffness at the rim changes a little from place to place, which costs.
+        // On a mesh the stiffness at the rim varies slightly with position, which dissipates energy.
         let lost = -work / (largest * 2e-5);
         let most = if ground == Ground::Floor { 1e-11 } else { 5e-5 };
         assert!(lost > -1e-11 && lost < most, "{ground:?}: {lost:e}");
@@ -235,9 +235,9 @@ fn nodal_work(rig: &Rig, before: &(Vec<Vector3<f64>>, Vec<Vector3<f64>>)) -> f64
     forces.zip(ways).map(|(f, way)| f.dot(&way)).sum()
 }
 
-/// A cube that stands on an edge rolls to and fro, and is pressed and pushed out of step with that, so that
-/// the pressure, its direction and the stretch of the springs go round a cycle. As long as nothing slides
-/// friction may dissipate, but whichever way round it goes it never gives more than its springs hold.
+/// A cube that stands on an edge rolls to and fro and is pressed and pushed out of phase with that, so that
+/// the pressure, its direction and the stretch of the springs go through a cycle. As long as nothing slides
+/// friction may dissipate, but in either sense of the cycle it never gives more energy than its springs hold.
 #[test]
 fn friction_feeds_no_rolling() {
     for ground in GROUNDS {
@@ -264,7 +264,7 @@ fn friction_feeds_no_rolling() {
             };
             let (mut work, mut largest, mut first) = (0.0, 0.0_f64, 0.0);
             let mut before = (Vec::new(), Vec::new());
-            // The first round brings the springs into the cycle.
+            // The first cycle brings the springs into a periodic state.
             for i in 0..=1200 {
                 place(&mut rig, f64::from(i) / 400.0);
                 let contact = rig.update();
@@ -313,9 +313,9 @@ fn cyclic_slip_dissipates_what_coulomb_says() {
     }
 }
 
-/// A body on one corner, which several triangles of its skin share, is damped along the ground as its springs
-/// together ask for: by the fraction zeta of critical for the mass that the contact's force moves, not by the
-/// sum over triangles each of which knows of no other.
+/// A body on one corner, shared by several triangles of its skin, has the tangential damping of its springs
+/// together: the fraction zeta of critical for the mass that the contact's force moves, and not the sum over
+/// triangles, each damped as if alone.
 #[test]
 fn a_contact_of_several_triangles_has_one_dashpot() {
     let zeta = 0.4;
@@ -349,7 +349,8 @@ fn a_contact_of_several_triangles_has_one_dashpot() {
     );
 }
 
-/// Only a wall has the walls' friction: a body that deforms has that of bodies with others, rigid or not.
+/// Only contacts with walls have the friction of walls; contacts of deformable bodies with others, rigid or
+/// not, have that of bodies.
 #[test]
 fn walls_have_their_own_friction() {
     for wall in [0.0, 0.2] {
@@ -372,8 +373,8 @@ fn walls_have_their_own_friction() {
     }
 }
 
-/// A block slides over a slab of many elements, and a slab over a block: the friction force stays
-/// what it is but for the triangles that come and go at the rim.
+/// A block slides over a slab of many elements, and a slab over a block: the friction force stays constant
+/// except for the triangles that enter and leave at the rim.
 #[test]
 fn sliding_over_many_elements_is_steady() {
     let slab = cubes(&block([14, 4, 2], |_| true), 0.25);
@@ -408,8 +409,8 @@ fn sliding_over_many_elements_is_steady() {
     }
 }
 
-/// A block that falls on its face with masses in proportion to the nodes' forces moves as one: it
-/// comes back with the restitution of its damping ratio.
+/// A block falls on its face, with masses in proportion to the nodes' forces, so that it moves as one: its
+/// restitution is that of its damping ratio.
 #[test]
 fn impacts_have_the_restitution_of_their_damping_ratio() {
     for ground in GROUNDS {
@@ -456,10 +457,9 @@ fn impacts_have_the_restitution_of_their_damping_ratio() {
     }
 }
 
-/// Vertical shaking with the weight on an incline's share of shear below the bound: the block does
-/// not creep.
 /// A cube of side a that turns on its face is opposed by the moment 2 ζ √(k_θ/w) ω, with k_θ = K a²/12 of a
-/// square, up to the one that takes the pressure to the rim; its nodes bear this moment and no force.
+/// square, bounded by the moment that moves the pressure to the rim. The nodes carry this moment and no net
+/// force.
 #[test]
 fn rocking_is_damped_by_the_stiffness_of_the_face() {
     let zeta = 0.3;
@@ -495,7 +495,7 @@ fn rocking_is_damped_by_the_stiffness_of_the_face() {
         let expected = 2.0 * zeta * (at.stiffness / 12.0 * inertia).sqrt();
         let slow = moment(1e-6);
         let ratio = -slow.dot(&axis) / (expected * 1e-6);
-        // The largest inverse moment of inertia may count for 7 % too much, and half of that in the root.
+        // The largest inverse moment of inertia may be 7 % too large, and its root half of that.
         assert!((ratio - 0.98).abs() < 0.025, "{ground:?}: {ratio}");
         assert!((slow + axis * slow.norm()).norm() < 1e-6 * slow.norm());
         let fast = moment(100.0);
@@ -504,6 +504,7 @@ fn rocking_is_damped_by_the_stiffness_of_the_face() {
     }
 }
 
+/// A block under a shear below the friction bound is shaken vertically and sideways: it does not creep.
 #[test]
 fn shaken_stick_does_not_creep() {
     let mut stream = Stream(2);
@@ -526,7 +527,7 @@ fn shaken_stick_does_not_creep() {
     }
 }
 
-/// A contact taken over from elsewhere begins with the force and the torsion that it had.
+/// A contact taken over from elsewhere begins with the given force and torsion.
 #[test]
 fn contacts_begin_with_the_friction_they_are_given() {
     for ground in GROUNDS {

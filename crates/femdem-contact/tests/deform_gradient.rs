@@ -1,5 +1,5 @@
-//! Nodal forces of bodies that deform are minus the gradient of the contact energy, and add up to
-//! the general kernel's wrench.
+//! Nodal forces of deformable bodies are minus the gradient of the contact energy, and sum to the general
+//! kernel's wrench.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -69,7 +69,7 @@ fn sum(found: &DeformableOverlap, side: usize, x: &[Vector3<f64>]) -> [Vector3<f
     sum
 }
 
-/// Pairs of bodies bent out of shape: linear and quadratic, convex and not.
+/// Pairs of strongly deformed bodies: linear and quadratic, convex and not.
 fn bodies() -> Vec<(&'static str, Soft, f64)> {
     vec![
         ("cube", Soft::linear(&cube(2)), 0.05),
@@ -107,7 +107,7 @@ fn nodal_forces_are_gradients() {
                 error(&found, 1, &b.x, |x| energy(&a.x, x)),
             ];
             worst = worst.max(errors[0]).max(errors[1]);
-            // Action and reaction, and the same about one point.
+            // Action and reaction are equal, about the same point.
             let [f, t] = sum(&found, 0, &a.x);
             let [g, u] = sum(&found, 1, &b.x);
             let size = found.nodes[0].iter().map(|n| n.force.norm()).sum::<f64>();
@@ -194,7 +194,7 @@ fn forces_on_and_from_rigid_sides_are_gradients() {
     }
 }
 
-/// A body that is not deformed is the rigid body of the general kernel.
+/// An undeformed body has the contact of the rigid body in the general kernel.
 #[test]
 fn bodies_in_their_reference_state_are_the_rigid_ones() {
     let mut stream = Stream(7);
@@ -256,7 +256,7 @@ fn bodies_in_their_reference_state_are_the_rigid_ones() {
                     (found.stiffness / stiffness - 1.0).abs() < 1e-11,
                     "{form:?} {k}"
                 );
-                // The nodes of a side share the stiffness.
+                // The nodes of a side add up to the stiffness.
                 if form == Form::Sum {
                     let shared: f64 = found.nodes[1].iter().map(|n| n.stiffness).sum();
                     assert!((shared / stiffness - 1.0).abs() < 1e-11, "{k}");
@@ -266,8 +266,8 @@ fn bodies_in_their_reference_state_are_the_rigid_ones() {
     }
 }
 
-/// The classic forces miss what the exact ones have: a part that sums to zero on each body, a few
-/// per cent of the force.
+/// The classic forces lack a part of the exact ones: it sums to zero on each body and is a few per cent of
+/// the force.
 #[test]
 fn the_classic_forces_are_no_gradient() {
     let mut stream = Stream(8);
@@ -324,7 +324,7 @@ fn unusable_states_are_named() {
             expected: 27
         })
     ));
-    // A corner of B pushed through its body.
+    // A corner of B pushed through its own body.
     let mut b = good.clone();
     for x in &mut b.x {
         x.z = 1.8 - x.z;
@@ -333,7 +333,7 @@ fn unusable_states_are_named() {
         run(deformable(&a), deformable(&b), 1.0),
         Err(ContactError::InvertedTet { body: 1, .. })
     ));
-    // All nodes in one place.
+    // All nodes at one point.
     b.x.fill(Vector3::zeros());
     assert!(matches!(
         run(deformable(&a), deformable(&b), 1.0),
@@ -361,8 +361,8 @@ fn mid_edges_must_be_the_edges() {
     assert!(why(&far).contains("points 0 and 99"));
 }
 
-/// The largest eigenvalue of the contact's stiffness in the metric of the masses, by power
-/// iteration on differences of forces, lies below the bound that the nodes' stiffness gives.
+/// The largest eigenvalue of the contact's stiffness in the metric of the masses, by power iteration on
+/// differences of forces, lies below the bound from the nodes' stiffness.
 #[test]
 fn the_nodes_stiffness_bounds_the_frequency() {
     let mut stream = Stream(9);
@@ -417,7 +417,7 @@ fn the_nodes_stiffness_bounds_the_frequency() {
                 }
                 value
             };
-            // Deep in each other, equal fields have negative curvature too.
+            // For deep overlaps, equal fields have negative curvature too.
             let first = end(0.0);
             let largest = if first < 0.0 { end(-first) } else { first };
             let count = weight.len();

@@ -1,4 +1,4 @@
-//! The sums over skins, by which bodies that deform have their forces, against the sums over common parts of
+//! The sums over skins, from which deformable bodies get their forces, against the sums over common parts of
 //! tetrahedra, which share no arithmetic with them.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
@@ -13,8 +13,8 @@ use femdem_contact::{Field, Form, Frame, SolidWall};
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::{Point3, Vector3};
 
-/// By skins and by pieces: the classic forces are always added up by pieces, and differ in how a body's own nodes
-/// share them alone.
+/// Over skins and over pieces: the classic forces are always summed over pieces, and differ from the exact
+/// ones only within a body's own nodes.
 fn both(a: Operand, b: Operand) -> [Option<DeformableOverlap>; 2] {
     let moduli = [Modulus::Penalty(3.0), Modulus::Foundation(20.0)];
     [Gradient::Exact, Gradient::Classic].map(|gradient| {
@@ -26,14 +26,14 @@ fn both(a: Operand, b: Operand) -> [Option<DeformableOverlap>; 2] {
     })
 }
 
-/// Asserts that both are the same, to a part of the forces of either skin.
+/// Asserts that both agree, relative to the forces of either skin.
 fn assert_same(name: &str, [skins, pieces]: [Option<DeformableOverlap>; 2], size: f64) -> f64 {
     let (Some(x), Some(y)) = (&skins, &pieces) else {
         assert_eq!(skins, pieces, "{name}");
         return 0.0;
     };
     let (f, g) = (&x.wrenches[1], &y.wrenches[1]);
-    // Forces of all sides of an overlap may cancel.
+    // The forces of all sides of an overlap may cancel.
     let force = g.force.norm().max(y.energy / size);
     let stiffness = y.stiffness.max(force / size);
     for (what, error) in [
@@ -77,8 +77,8 @@ fn deformable(soft: &Soft) -> Operand<'_> {
     Operand::Deformable(&soft.shape, &soft.x)
 }
 
-/// Random poses, from slight to so deep that nodes inside one body lie in the other, against bodies that deform,
-/// a rigid body and walls of its size and much larger.
+/// Random poses, from slight to so deep that inner nodes of one body lie in the other, against deformable
+/// bodies, a rigid body, and walls of the same size and much larger.
 #[test]
 fn skins_add_up_to_the_pieces() {
     let mut stream = Stream(11);
@@ -133,8 +133,9 @@ fn skins_add_up_to_the_pieces() {
     );
 }
 
-/// Cubes of many cells that are shifted by whole cells: skins lie in faces inside the other, and nodes with
-/// pressure on skins. There the pieces decide, and a little beside it the skins say the same.
+/// Cubes of many cells shifted by whole cells: skins lie in faces inside the other body, and nodes with
+/// pressure on skins. There the sums over pieces are used; slightly beside, the sums over skins agree with
+/// them.
 #[test]
 fn coinciding_faces_are_no_trouble() {
     let soft = Soft::linear(&cube(2));
@@ -161,7 +162,7 @@ fn coinciding_faces_are_no_trouble() {
     }
 }
 
-/// A node with pressure a hair's breadth from a skin, which the flux about it has its pole at.
+/// A node with pressure very close to a skin: the flux about the node has a pole there.
 #[test]
 fn a_node_at_a_skin_is_no_trouble() {
     let mut stream = Stream(12);
@@ -171,7 +172,7 @@ fn a_node_at_a_skin_is_no_trouble() {
         let a = soft.clone().shaken(&mut stream, 0.03);
         let mut at = Frame::identity();
         at.rotation = stream.rotation();
-        // A point of the lower face of B comes to the node.
+        // A point of the lower face of B meets the node.
         let on_face = Vector3::new(0.13, -0.17, -0.5 - gap);
         at.position = a.x[middle] - at.rotation * on_face;
         let found = both(deformable(&a), deformable(&soft.posed(&at)));

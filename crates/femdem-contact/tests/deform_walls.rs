@@ -1,4 +1,4 @@
-//! Walls against bodies that deform: as the mirror image of the body, and as they meet rigid bodies.
+//! Walls against deformable bodies: as the mirror image of the body, and as against rigid bodies.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -38,7 +38,7 @@ fn mirrored(soft: &Soft) -> Soft {
     image
 }
 
-/// A wall that fills the unit cube below the middle of the plane z = 0, and its place.
+/// A wall that fills the unit cube below the middle of the plane z = 0, and its frame.
 fn unit_block_below() -> (SolidWall, Frame) {
     let mesh = cube(1);
     let corners = mesh.points().iter().map(|p| p.coords);
@@ -62,8 +62,8 @@ fn evaluate(kernel: &DeformableKernel, a: Operand, b: Operand) -> DeformableOver
     found.unwrap().unwrap()
 }
 
-/// Against its mirror image a body has twice the energy that it has against the plane, and the same
-/// forces on its nodes, up to terms of the order of the depth.
+/// Against its mirror image a body has twice the energy that it has against the plane, and the same nodal
+/// forces, up to terms of the order of the depth.
 #[test]
 fn a_wall_acts_as_the_mirror_image_of_the_body() {
     let (floor, below) = unit_block_below();
@@ -90,7 +90,7 @@ fn a_wall_acts_as_the_mirror_image_of_the_body() {
     }
 }
 
-/// What a body does on a floor after a shove: forces on its nodes, their stiffness, energy.
+/// Contact of a sheared body on a floor: nodal forces, their stiffness, energy.
 fn on_floor(
     wall: WallShape,
     frame: Frame,
@@ -136,8 +136,8 @@ fn law(penalty: f64, wall_response: WallResponse) -> ContactParameters {
     }
 }
 
-/// Forces, friction and damping included, stiffness and energy are the same on a floor given as a plane
-/// and as a mesh.
+/// Forces, friction and damping included, stiffness and energy are the same on a floor given as a plane and
+/// as a mesh.
 #[test]
 fn a_floor_of_planes_is_a_floor_of_tetrahedra() {
     let mesh = cube(1);
@@ -174,7 +174,7 @@ fn a_floor_of_planes_is_a_floor_of_tetrahedra() {
     }
 }
 
-/// All that hangs on the energy follows the response: forces with friction and damping, stiffness.
+/// All that depends on the energy follows the response: forces with friction and damping, stiffness.
 #[test]
 fn the_response_scales_all_that_a_wall_does() {
     let mirror = on_floor(
@@ -197,7 +197,7 @@ fn the_response_scales_all_that_a_wall_does() {
 }
 
 /// The largest eigenvalue of a wall's stiffness in the metric of the masses, by power iteration on
-/// differences of forces, lies below the bound that steps are taken from, and not far below.
+/// differences of forces, lies below the bound used for the step, and not far below.
 #[test]
 fn the_nodes_stiffness_bounds_the_frequency_on_a_wall() {
     let (floor, below) = unit_block_below();

@@ -1,5 +1,5 @@
-//! The densest lattice packings of six solids: every neighbour touches and none overlaps,
-//! so the pair kernel has to tell a gap of 1e-6 from an overlap of 1e-3.
+//! The densest lattice packings of six solids: every neighbour touches and none overlaps, so the pair kernel
+//! has to distinguish a gap of 1e-6 from an overlap of 1e-3.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -39,7 +39,7 @@ fn lattices() -> Vec<Lattice> {
         .collect()
 }
 
-/// Overlapping neighbours of the body at the origin, and how many lie in the shell's rim.
+/// The number of overlapping neighbours of the body at the origin, and of those in the outermost shell.
 fn overlapping(shape: &ConvexShape, basis: &Matrix3<f64>) -> (usize, usize) {
     let kernel = PairKernel::new(1.0).unwrap();
     let mut scratch = Scratch::default();

@@ -63,15 +63,15 @@ impl Rig {
     }
 }
 
-/// Two cubes with a stretched, twisted patch between them turn as one rigid body for ten
-/// thousand steps: the friction turns with them.
+/// Two cubes with a stretched, twisted patch between them rotate as one rigid body for ten thousand steps:
+/// the friction rotates with them.
 #[test]
 fn rigid_motion_turns_friction_with_the_pair() {
     let mut rig = Rig::new(law(0.6, 0.0), 2, false);
     let mut pair =
         [0.0, 1.0 - DEPTH].map(|z| placed(&rig.cube, Vector3::z() * z, Matrix3::identity()));
     rig.update(&pair, 0.0);
-    // A tangential stretch of a third of what slips, and a twist.
+    // A tangential stretch of a third of the slip limit, and a twist.
     let twist = 1e-4;
     pair[1].frame = turned(&pair[1].frame, &Vector3::z(), twist);
     pair[1].frame.position += Vector3::new(2.0e-4, 1.0e-4, 0.0);
@@ -147,8 +147,8 @@ fn a_closed_stick_loop_does_no_work() {
     );
 }
 
-/// A cube of 1 m on a floor, pushed aside while it sticks: the force per way is r K, with K the normal
-/// stiffness dF/d(delta) of F = 2 p A delta/h, for every ratio r.
+/// A cube of 1 m on a floor, pushed aside while it sticks: the force per displacement is r K, with K the
+/// normal stiffness dF/d(delta) of F = 2 p A delta/h, for every ratio r.
 #[test]
 fn tangential_stiffness_goes_by_the_ratio() {
     let normal = 2.0 * 1e6 / 0.5;
@@ -202,7 +202,7 @@ fn walls_have_their_own_friction() {
     assert!((mobilised(law(0.4, 0.0), true) - 0.4).abs() < 1e-12);
 }
 
-/// Sliding to and fro with amplitude A takes 4 mu F (A - mu F/k) out of every cycle.
+/// Sliding to and fro with amplitude A dissipates 4 mu F (A - mu F/k) in every cycle.
 #[test]
 fn cyclic_slip_takes_the_known_energy() {
     let friction = 0.3;
@@ -260,7 +260,7 @@ fn a_spinning_face_reaches_the_moment_of_its_shape() {
     );
 }
 
-/// Slip and spin together stay within the ellipsoid, and reach it.
+/// Slip and spin together stay within the ellipsoid and reach its surface.
 #[test]
 fn slip_with_spin_lies_on_the_ellipsoid() {
     for (speed, spin) in [(1.0, 0.1), (1.0, 3.0), (0.1, 3.0)] {
@@ -288,8 +288,8 @@ fn slip_with_spin_lies_on_the_ellipsoid() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// However two bodies move, friction never exceeds mu times the normal force and lies in
-    /// the contact plane.
+    /// For any motion of two bodies, friction never exceeds mu times the normal force and lies in the contact
+    /// plane.
     #[test]
     fn friction_stays_within_coulombs_bound(
         mu in 0.0..1.0_f64,
@@ -321,8 +321,9 @@ proptest! {
     }
 }
 
-/// Energy that the friction of a cube on the floor gives in a cycle of rocking on its face by `rock` (rad) out of step with
-/// turning about the normal by `turn` (rad), over the most that its springs held. They are stretched all the while.
+/// Energy gained from the friction of a cube on the floor in a cycle of rocking on its face by `rock` (rad)
+/// out of phase with turning about the normal by `turn` (rad), over the largest energy of its springs. They
+/// are stretched throughout.
 fn given_by_rocking(rock: f64, turn: f64) -> f64 {
     const STEPS: i32 = 2000;
     let mut rig = Rig::new(law(1e3, 0.0), 1, true);
@@ -344,7 +345,7 @@ fn given_by_rocking(rock: f64, turn: f64) -> f64 {
         let mut next = place(&rig, i);
         let turned = next.frame.rotation * now.frame.rotation.transpose();
         let turned = UnitQuaternion::from_matrix(&turned).scaled_axis();
-        // What is pressed stays where it is, but for a push at the start.
+        // The contact point stays in place, except for a push at the start.
         let arm = rig.batch.contacts()[0].arm_b;
         let mut moved = -turned.cross(&arm);
         if i == 1 {
@@ -358,7 +359,7 @@ fn given_by_rocking(rock: f64, turn: f64) -> f64 {
         let contact = rig.update(&[next], 1.0);
         let before = std::mem::replace(&mut friction, rig.batch.loads()[0].friction);
         assert!(!contact.slides);
-        // The first round brings the springs into the cycle.
+        // The first cycle brings the springs into a periodic state.
         if i > STEPS {
             work += 0.5 * (friction.power(&moved, &turned) + before.power(&moved, &turned));
             largest = largest.max(contact.spring_energy);
@@ -371,7 +372,8 @@ fn given_by_rocking(rock: f64, turn: f64) -> f64 {
     (work + last - first) / largest
 }
 
-/// Whichever way round a body rocks and turns under stretched springs, they never give more than they hold.
+/// In either sense of a cycle of rocking and turning under stretched springs, they never give more energy
+/// than they hold.
 #[test]
 fn friction_feeds_no_rocking() {
     for rock in [2e-3, -2e-3, 5e-3, -5e-3] {

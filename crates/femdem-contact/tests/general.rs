@@ -11,7 +11,7 @@ use femdem_mesh::tet::FACES;
 
 const PENALTY: f64 = 3.0;
 
-/// Everything in an overlap of bodies of size 1, with the scale that its errors go by.
+/// All fields of an overlap of bodies of size 1, with the scales of their errors.
 fn numbers(o: &Overlap) -> Vec<(&'static str, Vector3<f64>, f64)> {
     let f = o.force.norm();
     let one = |x: f64| Vector3::new(x, 0.0, 0.0);
@@ -19,7 +19,7 @@ fn numbers(o: &Overlap) -> Vec<(&'static str, Vector3<f64>, f64)> {
         ("force", o.force, f),
         ("torque on A", o.torque_a(), f),
         ("torque on B", o.torque_b(), f),
-        // The convex kernel takes the energy as a difference of terms of the size of p V.
+        // The convex kernel computes the energy as a difference of terms of the size of p V.
         ("energy", one(o.energy), PENALTY * o.volume),
         ("volume", one(o.volume), o.volume),
         ("moment", o.moment, f),
@@ -84,8 +84,8 @@ fn fans_of_convex_bodies_are_the_convex_kernel() {
     }
 }
 
-/// Energy and volume against every tetrahedron of one body cut by the planes of every one of the
-/// other, by the recursive code of tests/common, and nodal values from the mesh itself.
+/// Energy and volume against cutting every tetrahedron of one body by the planes of every one of the other,
+/// with the recursive code of tests/common and nodal values from the mesh itself.
 #[test]
 fn energy_and_volume_are_those_of_brute_force() {
     let mut stream = Stream(29);

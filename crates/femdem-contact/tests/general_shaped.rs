@@ -1,4 +1,4 @@
-//! Where the shaped energy is stiff: why no step bounded by the stiffness of faces is safe.
+//! Where the shaped energy is stiff: why no step chosen from the stiffness of faces is safe.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -10,8 +10,8 @@ use femdem_mesh::nalgebra::{UnitQuaternion, Vector3};
 const MODULUS: f64 = 1.0;
 const DEPTH: f64 = 0.05;
 
-/// Stiffness against sliding of two unit cubes, one on the other, `DEPTH` deep and tilted by
-/// about `tilt`; and the normal stiffness that the kernel reports.
+/// Sliding stiffness of two unit cubes, one on the other, `DEPTH` deep and tilted by about `tilt`; and the
+/// normal stiffness that the kernel returns.
 fn stiffness(body: &FieldMesh, form: Form, tilt: f64) -> (f64, f64) {
     let kernel = GeneralKernel::new(MODULUS, form).unwrap();
     let mut scratch = GeneralScratch::default();
@@ -32,10 +32,9 @@ fn stiffness(body: &FieldMesh, form: Form, tilt: f64) -> (f64, f64) {
     (-(at(h).0 - at(-h).0) / (2.0 * h), at(0.0).1)
 }
 
-/// Sliding turns the side of one cube past that of the other, and the area that the overlap
-/// volume loses, DEPTH by 1, turns into as much gained within DEPTH times the tilt. With
-/// U / V = E DEPTH that is a stiffness of 2 E DEPTH / tilt, without bound. The sum form has no
-/// such term.
+/// Sliding moves the side of one cube past that of the other. The overlap volume, which shrinks by the area
+/// DEPTH by 1, then grows by it, within a displacement of DEPTH times the tilt. With U / V = E DEPTH that is
+/// a stiffness of 2 E DEPTH / tilt, without bound. The sum form has no such term.
 #[test]
 fn sides_that_coincide_are_stiff_without_bound() {
     let body = tets::body(&tets::cube(1), Field::Gauge);
@@ -52,7 +51,7 @@ fn sides_that_coincide_are_stiff_without_bound() {
     }
 }
 
-/// As the volume goes to zero the stiffness does too: it is not the guard that is at fault.
+/// As the volume goes to zero, so does the stiffness: the least volume is not the cause.
 #[test]
 fn a_vanishing_contact_is_soft() {
     let body = tets::body(&tets::cube(1), Field::Gauge);

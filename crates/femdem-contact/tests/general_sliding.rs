@@ -37,8 +37,8 @@ fn slide(body: &FieldMesh, form: Form) -> (f64, f64) {
     ((most - least) / least, sideways)
 }
 
-/// The field is the depth over h0 wherever no tetrahedron reaches another side; the mesh cannot be
-/// felt there, however fine it is.
+/// The field is the depth over h0 wherever no tetrahedron reaches another side; there the force does not
+/// depend on the mesh, however fine it is.
 #[test]
 fn the_body_field_hides_the_mesh() {
     let mut meshes: Vec<TetMesh> = [1, 3, 4, 6].map(tets::cube).to_vec();

@@ -1,4 +1,4 @@
-//! Caches, patches and hostile scales of the general kernel.
+//! Caches, patches and extreme scales of the general kernel.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -32,7 +32,7 @@ fn same(warm: &[Patch], cold: &[Patch], what: &str) {
     }
 }
 
-/// A cache that lives through approach, contact and parting finds what a fresh one finds.
+/// A cache kept through approach, contact and separation gives the same contacts as a fresh one.
 #[test]
 fn a_warm_cache_changes_nothing() {
     let mut stream = Stream(41);
@@ -45,7 +45,7 @@ fn a_warm_cache_changes_nothing() {
         ("dolos", tets::dolos()),
     ] {
         let body = tets::body(&mesh, Field::Body);
-        // In the last case both travel much further together than against each other.
+        // In the last case both travel much farther together than relative to each other.
         for (form, together) in [(Form::Sum, 0.0), (Form::Min, 0.0), (Form::Sum, 0.05)] {
             let kernel = GeneralKernel::new(PENALTY, form).unwrap();
             let fa = Frame {

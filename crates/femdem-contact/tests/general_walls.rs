@@ -134,7 +134,7 @@ fn wrenches_of_walls_are_gradients() {
     assert!(touching > 12, "{touching}");
 }
 
-/// A groove, bent both ways, holds a body in it as two planes do.
+/// A groove, of either curvature, holds a body as two planes do.
 #[test]
 fn a_bent_sheet_is_a_wall_of_its_shape() {
     let at = [[-2.0, 2.0], [0.0, 0.0], [2.0, 2.0], [4.0, 0.0]];

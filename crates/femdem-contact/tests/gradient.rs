@@ -1,5 +1,5 @@
-//! Force and torque of the production kernel against central differences of an energy
-//! that is coded separately (tests/common), for all 18 solids.
+//! Force and torque of the production kernel against central differences of an energy that is coded
+//! separately (tests/common), for all 18 solids.
 
 use crate::common::{Stream, oracle, solids, turned, wall_oracle};
 use femdem_contact::kernel::{CavityCache, CavityKernel, PairCache, Scratch};
@@ -140,8 +140,8 @@ fn fields_of_unlike_bodies_are_not_mixed_up() {
     assert!(checked > 40, "only {checked} overlapping pairs");
 }
 
-/// The culled kernel with a cache that lives through many small motions finds the same
-/// contact as a fresh one, and also where the bodies travel much further together than against each other.
+/// The culled kernel, with a cache kept through many small motions, finds the same contact as a fresh one;
+/// also where the bodies travel much farther together than relative to each other.
 #[test]
 fn a_warm_cache_changes_nothing() {
     let kernel = PairKernel::new(PENALTY).unwrap();
@@ -249,7 +249,7 @@ fn wall_wrench_is_minus_the_gradient() {
     assert!(checked > 25, "only {checked} touching walls");
 }
 
-/// The same for a wall: a wedge of two planes that a body slides and turns along.
+/// The same for a wall: a body slides and turns along a wedge of two planes.
 #[test]
 fn a_warm_wall_cache_changes_nothing() {
     let kernel = CavityKernel::new(PENALTY).unwrap();

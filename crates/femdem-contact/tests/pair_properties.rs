@@ -1,4 +1,4 @@
-//! Properties that the pair kernel keeps for any two of the solids, at any scale and place.
+//! Properties of the pair kernel for any two of the solids, at any scale and place.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 
 static SOLIDS: LazyLock<Vec<(String, Polyhedron, ConvexShape)>> = LazyLock::new(solids);
 
-/// Two solids of their own scale with poses that overlap by a share of their reach.
+/// Two solids, each of its own scale, with poses that overlap by a share of their reach.
 #[derive(Clone)]
 struct Case {
     names: [String; 2],
@@ -187,8 +187,8 @@ proptest! {
         }
     }
 
-    /// Far from the origin only the digits of the positions are lost: the wrench moves by
-    /// no more than the stiffness times their rounding.
+    /// Far from the origin only the digits of the positions are lost: the wrench changes by no more than the
+    /// stiffness times their rounding.
     #[test]
     fn far_from_the_origin(case in cases(), seed in any::<u64>()) {
         let shift = Stream(seed).vector().normalize() * 1e3;
@@ -214,14 +214,14 @@ proptest! {
             let about_a = x.torque_a() + x.torque_b() + between.cross(&x.force);
             prop_assert!(about_a.norm() <= 1e-12 * x.force.norm() * case.reach);
             prop_assert!((x.normal.norm() - 1.0).abs() < 1e-14);
-            // The normal points from A to B for bodies of which neither holds the other's centre.
+            // The normal points from A to B if neither body contains the other's centre.
             let outside = case.a.field(&case.fa.rotation.tr_mul(&between)) < 0.0;
             prop_assert!(!outside || x.normal.dot(&case.direction) > 0.0);
         }
     }
 
-    /// Bodies whose extents along a direction do not meet have no contact; with their
-    /// extents overlapping ever less the force goes to zero.
+    /// Bodies whose extents along a direction do not meet have no contact; as the overlap of their extents
+    /// decreases, the force goes to zero.
     #[test]
     fn no_contact_when_apart_and_no_jump_at_first_touch(case in cases()) {
         for gap in [1e-12, 1e-6, 1e-3, 1.0] {
@@ -255,7 +255,7 @@ proptest! {
                 for v in [x.energy, x.volume, x.area, x.stiffness_second, x.torsion_radius] {
                     prop_assert!(v.is_finite() && v >= 0.0, "{x:?}");
                 }
-                // Of bodies around one centre only rounding is left, of either sign.
+                // For bodies around one centre only rounding remains, of either sign.
                 let rounding = 1e-12 * case.a.face_stiffness() / case.scale.powi(2);
                 prop_assert!(x.stiffness.is_finite() && x.stiffness >= -rounding, "{x:?}");
             }
@@ -296,8 +296,8 @@ fn coincident_bodies() {
     }
 }
 
-/// How often bodies of circumscribed diameter `size` are looked at that go by each other without a touch: by how much
-/// they are known to be apart follows their size.
+/// Number of evaluations not skipped by the cache, for bodies of circumscribed diameter `size` that pass each
+/// other without touching: the travel budget scales with the size.
 fn looks(size: f64) -> u32 {
     let kernel = PairKernel::new(1.0).unwrap();
     let mut scratch = Scratch::default();

@@ -1,5 +1,5 @@
-//! Meshed bodies and walls in the batch: the same contacts as the convex kernel's where both
-//! apply, several patches to a pair, and friction that survives their splits and merges.
+//! Meshed bodies and walls in the batch: the same contacts as the convex kernel's where both apply, several
+//! patches to a pair, and friction that is kept through their splits and merges.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -35,8 +35,8 @@ fn firm(batch: &ContactBatch) -> Vec<Contact> {
     all.filter(|c| c.elastic_force > 1e-9).collect()
 }
 
-/// Convex bodies, and the same with every second one, or all, as a mesh: the same contacts,
-/// damping and friction while they drift about between walls.
+/// Convex bodies, and the same with every second one, or all, as a mesh: the same contacts, damping and
+/// friction while they drift about between walls.
 #[test]
 fn fans_touch_as_convex_bodies_do() {
     let count = 24;
@@ -101,7 +101,7 @@ fn fans_touch_as_convex_bodies_do() {
         for other in [&mixed, &meshed] {
             let pairs = |x: &[Contact]| x.iter().map(|c| (c.a, c.b, c.patch)).collect::<Vec<_>>();
             assert_eq!(pairs(&convex), pairs(other), "step {step}");
-            // Of the slightest contacts the kernels' energies agree to fewer digits.
+            // For the slightest contacts the kernels' energies agree to fewer digits.
             let firm = |c: &&Contact| c.elastic_force > 1e-5;
             let other = other.iter().filter(firm);
             for (x, y) in convex.iter().filter(firm).zip(other) {
@@ -117,7 +117,7 @@ fn fans_touch_as_convex_bodies_do() {
 }
 
 /// A floor as a half-space, as a block and as a sheet, under a convex body and under a meshed one, at many
-/// places and turns: the same contact to 1e-10.
+/// positions and orientations: the same contact to 1e-10.
 #[test]
 fn a_plane_given_as_planes_and_as_a_mesh() {
     let plane = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
@@ -181,7 +181,7 @@ fn a_plane_given_as_planes_and_as_a_mesh() {
     assert!(compared > 300, "only {compared}");
 }
 
-/// A dolos on the floor, sunk in by `depth` with an edge of one bar and the end of the other.
+/// A dolos on the floor that overlaps it by `depth` with an edge of one bar and the end of the other.
 fn on_two_patches(mesh: &TetMesh, depth: f64) -> Motion {
     // The line from one edge to the other is level.
     let from = Vector3::new(1.0, 0.0, -0.5).normalize();
@@ -200,8 +200,8 @@ fn on_two_patches(mesh: &TetMesh, depth: f64) -> Motion {
     body
 }
 
-/// A dolos lies on an edge of one bar and the end of the other: two patches. Their sum is the
-/// whole, and the pair counts once.
+/// A dolos lies on an edge of one bar and the end of the other: two patches. Their sum is the whole wrench,
+/// and the pair counts once.
 #[test]
 fn several_patches_are_one_partner() {
     let mesh = dolos(0.5);
@@ -230,8 +230,8 @@ fn several_patches_are_one_partner() {
     assert!(found >= 2, "{found} patches");
 }
 
-/// Two patches have together the friction dashpot of their springs together: not each that of a contact that is
-/// alone, which would make it larger by the square root of two.
+/// Two patches together have the friction dashpot of their springs together. If each had that of a separate
+/// contact, the sum would be larger by the square root of two.
 #[test]
 fn several_patches_share_the_friction_dashpot() {
     let mesh = dolos(0.5);
@@ -245,7 +245,7 @@ fn several_patches_share_the_friction_dashpot() {
     batch.add_body(id).unwrap();
     batch.add_wall(Wall::half_space("floor", Vector3::z(), 0.0).unwrap());
     let mut body = on_two_patches(&mesh, 0.05);
-    // No turning: the mass that a patch moves is that of the body.
+    // No rotation: the effective mass of a patch is that of the body.
     body.inverse_inertia = Matrix3::zeros();
     body.inverse_inertia_max = 0.0;
     let still = Motion::fixed(Frame::identity());
@@ -258,8 +258,8 @@ fn several_patches_share_the_friction_dashpot() {
     assert!((viscosity / want - 1.0).abs() < 1e-12, "{viscosity} {want}");
 }
 
-/// A fixed block under a block on two feet, whose middle touches too when it is pressed deeper:
-/// one patch then, two otherwise.
+/// A fixed block under a block on two feet, whose middle touches too when it is pressed deeper: then there is
+/// one patch, otherwise there are two.
 struct Press {
     batch: ContactBatch,
     travelled: f64,
@@ -308,7 +308,7 @@ impl Press {
         }
     }
 
-    /// Moves the feet to `x` aside and `depth` deep and turned by `twist`; returns the contacts.
+    /// Moves the feet by `aside`, `depth` deep and rotated by `twist`; returns the contacts.
     fn update(&mut self, aside: Vector3<f64>, depth: f64, twist: f64, dt: f64) -> Vec<Contact> {
         let to = Vector3::new(aside.x, aside.y, -depth);
         let table = Motion::fixed(Frame::identity());
@@ -334,9 +334,9 @@ fn held(contacts: &[Contact]) -> (Vector3<f64>, f64, usize) {
     )
 }
 
-/// Held aside, the feet are pressed deeper and let up again, many times: the patch merges and
-/// splits. Through it all the springs keep their force when they become stiffer and their stretch
-/// when they become softer, never gain energy, and the stick is not lost.
+/// Held aside, the feet are pressed deeper and released again, many times: the patch merges and splits.
+/// Throughout, the springs keep their force when they become stiffer and their stretch when they become
+/// softer, never gain energy, and keep sticking.
 #[test]
 fn splits_and_merges_keep_the_stick() {
     let mut press = Press::new();
@@ -375,8 +375,8 @@ fn splits_and_merges_keep_the_stick() {
     assert!(last.dot(&first) > 0.999 * last.norm() * first.norm() && last.norm() > 1.0);
 }
 
-/// Closed paths with splits and merges on the way, tangential, deep and twisting: friction takes
-/// energy, and never gives any.
+/// Closed paths with splits and merges on the way, tangential, deep and twisting: friction dissipates energy
+/// and never adds any.
 #[test]
 fn closed_paths_with_splits_gain_nothing() {
     let mut stream = Stream(3);
@@ -404,7 +404,7 @@ fn closed_paths_with_splits_gain_nothing() {
         let mut before = (x, twist);
         for step in 1..=3 * steps {
             let (x, depth, twist) = path(step);
-            // Torsion advances by the rate, so the motion is given one.
+            // Torsion advances by the angular velocity, so the motion is given one.
             let now = press.update_turning(x, depth, twist, twist - before.1);
             changes += u32::from(now.len() != last.len());
             let power = |list: &[Contact]| -> f64 {
@@ -430,7 +430,7 @@ fn closed_paths_with_splits_gain_nothing() {
 }
 
 impl Press {
-    /// As `update` with unit time step and the rate of turning in it.
+    /// As `update` with unit time step and the corresponding angular velocity.
     fn update_turning(
         &mut self,
         aside: Vector3<f64>,
@@ -455,8 +455,8 @@ impl Press {
     }
 }
 
-/// A ball-like body lies in a drum: its weight's worth of contact comes from the plates below, on
-/// the inside, and a body outside touches nothing.
+/// A ball-like body lies in a drum: the plates below carry its weight on the inside, and a body outside
+/// touches nothing.
 #[test]
 fn a_drum_holds_what_is_inside() {
     let drum = Drum {

@@ -1,4 +1,4 @@
-//! Nothing that a body can reach is missed: planes of a wall that lie apart, bodies that stretch or sleep.
+//! Nothing within reach of a body is missed: planes of a wall that lie apart, bodies that stretch or sleep.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -57,18 +57,18 @@ fn pushed(width: f64, places: &[f64]) -> f64 {
     batch.loads()[0].total.force.x
 }
 
-/// A cube in a slot a little wider than itself meets either side alike.
+/// A cube in a slot slightly wider than itself contacts either side alike.
 #[test]
 fn both_sides_of_a_slot() {
     let (near, far) = (pushed(1.1, &[0.49]), pushed(1.1, &[0.61]));
     assert!(near > 1.0, "{near}");
     assert!((far / near + 1.0).abs() < 1e-6, "{near} {far}");
-    // In one too narrow for it both push alike.
+    // In one too narrow for it both sides push alike.
     let both = pushed(0.98, &[0.49]);
     assert!(both.abs() < 1e-9 * near, "{both}");
 }
 
-/// What flies from one plane to another that was out of reach lands there.
+/// A body that flies from one plane to another, which was out of reach, lands there.
 #[test]
 fn the_far_side_of_a_wide_slot() {
     for start in [1.0, 1.9, 2.4] {
@@ -119,7 +119,7 @@ fn a_body_that_stretches() {
     assert!(low > 0.1 && (high / low + 1.0).abs() < 1e-3, "{low} {high}");
 }
 
-/// Friction that a pair is to begin with counts at the next update or never.
+/// Initial friction of a pair takes effect in the next update or never.
 #[test]
 fn a_start_of_friction_does_not_wait() {
     let force = |before: bool| {
@@ -154,7 +154,7 @@ fn a_start_of_friction_does_not_wait() {
     assert!(force(true).abs() < 1e-15, "{}", force(true));
 }
 
-/// A body that slept from the start is met by others.
+/// A body that slept from the start is found by others.
 #[test]
 fn a_body_that_was_never_awake() {
     let mut batch = ContactBatch::new(law());

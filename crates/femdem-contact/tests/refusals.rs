@@ -1,4 +1,4 @@
-//! Bodies, walls and updates that are refused, and what the messages tell.
+//! Bodies, walls and updates that are refused, and the error messages.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -94,7 +94,7 @@ fn walls_that_mean_nothing_are_refused_by_name() {
         );
     }
     assert!(refused(Wall::half_space("floor", Vector3::z(), nan)).contains("offset NaN"));
-    // The plane lies beyond what numbers hold.
+    // The offset of the plane overflows.
     let short = Vector3::x() * 1e-150;
     assert!(refused(Wall::half_space("floor", short, 1e200)).contains("plane 0"));
     let many = vec![
@@ -189,7 +189,7 @@ fn a_batch_refuses_what_does_not_fit_it() {
     }
     let text = says(&mut batch, [still; 2], &[still], 1e-4);
     assert!(text.contains("1 wall states"), "{text}");
-    // The batch is still of use.
+    // The batch can still be used.
     let mut apart = still;
     apart.frame.position.x = 5.0;
     batch.update(&[still, apart], &[], 1e-4).unwrap();

@@ -1,5 +1,5 @@
-//! What an implicit step is told: springs without dashpots, contacts that are about to close, and the forces it
-//! hands back.
+//! Interface for implicit steps: springs without dashpots, contacts that are about to close, and replaced
+//! forces.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -51,7 +51,7 @@ fn look(batch: &mut ContactBatch, bodies: &[Motion], dt: f64) -> Vec<Contact> {
     batch.evaluated().copied().collect()
 }
 
-/// The forces are those of a law without dashpots, whose viscosities are told all the same.
+/// The forces are those of a law without dashpots; the viscosities are returned all the same.
 #[test]
 fn springs_come_without_dashpots() {
     let (mut damped, bodies) = cubes(-1e-3, 0.6);
@@ -69,7 +69,7 @@ fn springs_come_without_dashpots() {
     assert!(dashpots.normal > 0.0 && dashpots.tangential > 0.0 && dashpots.rocking > 0.0);
 }
 
-/// A gap that closes within the step is seen, a larger one is not.
+/// A gap that closes within the step is detected, a larger one is not.
 #[test]
 fn contacts_are_foreseen() {
     let (mut batch, bodies) = cubes(1e-3, 0.6);
@@ -80,7 +80,8 @@ fn contacts_are_foreseen() {
     assert!((found[0].penetration() - 0.5e-3).abs() < 0.5e-3);
 }
 
-/// A cube B that tips about its edge, which lies in the top of A: at an angle to that face, turning with it.
+/// A cube B that tips about its edge, which lies in the top of A, at an angle to that face and at a given
+/// rate.
 fn tipping(bodies: &[Motion], angle: f64, rate: f64) -> Vec<Motion> {
     let half = 0.05 / 3.0_f64.sqrt();
     let cube = shape("P5", 0.1);
@@ -93,8 +94,8 @@ fn tipping(bodies: &[Motion], angle: f64, rate: f64) -> Vec<Motion> {
     vec![bodies[0], body]
 }
 
-/// A face that comes down while its edge touches already is foreseen with the force that it will have. Where the
-/// body turns slowly the contact is the one that there is.
+/// A face that comes down while its edge touches already is foreseen with its later force. If the body turns
+/// slowly, the contact is the present one.
 #[test]
 fn a_face_that_comes_down_is_foreseen() {
     let dt = 1e-3;
@@ -127,7 +128,7 @@ fn a_face_that_comes_down_is_foreseen() {
     assert!((slow.elastic_force / now - 1.0).abs() < 1e-9, "{slow:?}");
 }
 
-/// Loads are the sums of the forces handed back; a wrong number of them is refused.
+/// Loads are the sums of the replaced forces; a wrong number of them is refused.
 #[test]
 fn forces_are_handed_back() {
     let (mut batch, bodies) = cubes(-1e-3, 0.6);

@@ -1,4 +1,4 @@
-//! The strategies give what they promise, and every kernel stands what they give.
+//! The strategies give what they promise, and every kernel handles it.
 
 #![allow(clippy::unwrap_used, reason = "what cannot be built fails the test")]
 
@@ -54,8 +54,8 @@ proptest! {
         prop_assert!((convex.mesh.volume() / volume - 1.0).abs() < 1e-12);
     }
 
-    /// Of features that are brought together without depth, those of B touch the plane through
-    /// A's feature; convex bodies lie on either side of it.
+    /// For features brought together without depth, those of B touch the plane through A's feature; convex
+    /// bodies lie on opposite sides of it.
     #[test]
     fn features_meet(
         a in convex_bodies(),

@@ -19,9 +19,9 @@ fn batch(wall: Wall, id: &str) -> ContactBatch {
     batch
 }
 
-/// A cube pushed radially into the mantle of a cylinder, at facet middles, facet joints and
-/// between: one contact that pushes it back to the axis, and the wall outwards as much.
-/// With many facets its size does not depend on where.
+/// A cube pushed radially into the mantle of a cylinder, at facet middles, facet joints and between: one
+/// contact that pushes it back to the axis, and the wall outwards as much. With many facets its force does
+/// not depend on the angle.
 #[test]
 fn the_mantle_of_a_cylinder_touches_once() {
     let facets = 96;
@@ -69,7 +69,7 @@ fn the_mantle_of_a_cylinder_touches_once() {
             let wall = batch.wall_loads()[0].total;
             let on_body = batch.loads()[0].total;
             assert_eq!(wall.force, -on_body.force);
-            // About the origin of the world, where the wall's own is, all moments cancel.
+            // About the origin of the world, which is that of the wall, all moments cancel.
             let moment = wall.torque + on_body.torque + position.cross(&on_body.force);
             assert!(moment.norm() < 1e-12 * force.norm());
             forces.push(force.norm());
@@ -158,7 +158,7 @@ fn facets_widen_the_cylinder_by_the_stated_share() {
     assert!((polygon / std::f64::consts::PI - 1.000_357).abs() < 1e-6);
 }
 
-/// A wall that has moved and turned acts as the same wall would there.
+/// A wall that has moved and rotated acts like the same wall there.
 #[test]
 fn walls_follow_their_frames() {
     let place = Frame {

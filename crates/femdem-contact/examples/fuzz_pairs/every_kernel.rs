@@ -24,8 +24,8 @@ pub const KERNELS: [&str; 9] = [
     "body as a wall",
 ];
 
-/// Whether faces of both bodies may lie in one plane: there the gradient of the energy jumps, and
-/// kernels may differ in what they count.
+/// Whether faces of both bodies may lie in one plane: there the gradient of the energy jumps, and kernels may
+/// differ in which faces they count.
 pub fn planes_may_coincide(arrangement: Arrangement) -> bool {
     matches!(
         arrangement,
@@ -49,10 +49,10 @@ pub struct Kernels {
     general: GeneralScratch,
 }
 
-/// What the kernels said of a pair.
+/// The results of the kernels for a pair.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct Verdict {
-    /// Whether each of [`KERNELS`] was asked, and whether it found a contact.
+    /// Whether each of [`KERNELS`] was evaluated, and whether it found a contact.
     pub asked: [bool; KERNELS.len()],
     pub touching: [bool; KERNELS.len()],
     /// What is wrong with a result, by kernel.
@@ -82,7 +82,7 @@ impl Verdict {
     }
 }
 
-/// A number is negative if it is so by more than this part of what a deep overlap gives.
+/// A number counts as negative if it is below minus this fraction of that of a deep overlap.
 const ROUND_OFF: f64 = 1e-9;
 
 /// What is wrong with an overlap of a body of radius `size`, if anything.
@@ -158,7 +158,7 @@ impl Kernels {
         })
     }
 
-    /// Asks every kernel about a pair and looks at the answers.
+    /// Evaluates a pair with every kernel and checks the results.
     ///
     /// # Errors
     /// If the wall beside the pair cannot be built.
@@ -167,8 +167,8 @@ impl Kernels {
         let (energy, force) = self.check_general(pair, &mut verdict);
         if let Some(convex) = self.check_convex(pair, &mut verdict) {
             let scale = PENALTY * size(pair).powi(3);
-            // Where the force is zero, the convex kernel has no normal and returns no contact: two
-            // bodies with all their symmetry about one centre.
+            // Where the force is zero, the convex kernel has no normal and returns no contact: two bodies,
+            // each symmetric about the same centre.
             let balanced = !verdict.touching[0] && force.norm() * size(pair) < ROUND_OFF * scale;
             if !balanced {
                 verdict.energy_difference = (convex - energy).abs() / scale;
@@ -244,7 +244,7 @@ fn size(pair: &TestPair) -> f64 {
     pair.a.radius().min(pair.b.radius())
 }
 
-/// Where B is at the first, second and third call of a kernel with a cache, and the motion.
+/// The pose of B at the first, second and third call of a kernel with a cache, and the motion.
 fn path(pair: &TestPair) -> [(Frame, f64); 3] {
     let step = 1e-3 * size(pair);
     [0.0, 1.0, 30.0].map(|steps| {

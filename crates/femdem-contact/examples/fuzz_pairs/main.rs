@@ -1,12 +1,12 @@
-//! Random pairs through every kernel: no panic, no number that is not finite.
+//! Random pairs through every kernel: no panic, and only finite numbers.
 //!
 //! ```text
 //! cargo run --release -p femdem-contact --features proptest --example fuzz_pairs -- 1000000 4 1
 //! ```
 //!
-//! The arguments are the number of pairs, of threads, and the seed (1000, 1 and 1 without). Prints a
-//! line for each kernel, then sums, as `name<TAB>number...`; and what was wrong, if anything was, to
-//! the standard error. Run by `cargo xtask validate fuzz-pairs`.
+//! The arguments are the number of pairs, of threads, and the seed (default: 1000, 1 and 1). Prints a line
+//! for each kernel, then sums, as `name<TAB>number...`; faults, if any, go to the standard error. Run by
+//! `cargo xtask validate fuzz-pairs`.
 
 #![expect(
     clippy::print_stdout,
@@ -24,16 +24,16 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Placements of each two bodies that are drawn: making bodies is the costlier part.
+/// Placements drawn per two bodies: making bodies is the costlier part.
 const PLACEMENTS: u64 = 32;
 
-/// Faults that are told in full.
+/// Number of faults that are printed in full.
 const TOLD: usize = 5;
 
-/// Energies that differ by more than this over p r^3 are told of.
+/// Energies that differ by more than this over p r^3 are printed.
 const UNEQUAL: f64 = 1e-9;
 
-/// What one thread, or all of them, found.
+/// Results of one thread, or of all.
 #[derive(Default)]
 struct Tally {
     pairs: u64,
@@ -152,7 +152,7 @@ fn run(count: u64, seed: u64) -> Result<Tally, Box<dyn Error + Send + Sync>> {
     bytes[..8].copy_from_slice(&seed.to_le_bytes());
     let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &bytes);
     let mut runner = TestRunner::new_with_rng(Config::default(), rng);
-    // Half of the pairs are convex on both sides, so that the kernels of convex bodies get theirs.
+    // Half of the pairs are convex on both sides, so that the kernels of convex bodies are tested enough.
     let pairs = prop_oneof![1 => pairs(convex_bodies()), 2 => pairs(bodies())];
     let placements = placements();
     let mut kernels = Kernels::new()?;

@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 
 type Node = [i32; 3];
 
-/// The six tetrahedra of every cell of an integer grid; `place` puts a node in space and may
-/// name several nodes alike.
+/// The six tetrahedra of every cell of an integer grid; `place` gives the position and may identify several
+/// nodes.
 fn of_cells(
     cells: impl IntoIterator<Item = Node>,
     name: impl Fn(Node) -> Node,

@@ -27,7 +27,7 @@ pub fn solids() -> Vec<(String, Polyhedron, ConvexShape)> {
         .collect()
 }
 
-/// A small linear congruential stream: tests need no more than variety.
+/// A small linear congruential generator: the tests only need variety.
 pub struct Stream(pub u64);
 
 impl Stream {

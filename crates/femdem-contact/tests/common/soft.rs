@@ -1,4 +1,4 @@
-//! Bodies that deform, for the tests of their contacts.
+//! Deformable bodies for the tests of their contacts.
 
 #![allow(
     dead_code,
@@ -12,7 +12,7 @@ use femdem_contact::deform::DeformableShape;
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::Vector3;
 
-/// A shape and where its nodes are.
+/// A shape and the positions of its nodes.
 #[derive(Clone)]
 pub struct Soft {
     pub shape: DeformableShape,

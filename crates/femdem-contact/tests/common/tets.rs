@@ -55,7 +55,7 @@ pub fn cubes(places: &[[i32; 3]], size: f64) -> TetMesh {
     TetMesh::new(points, tets).unwrap()
 }
 
-/// All places of a block that `keep` keeps.
+/// All cells of a block for which `keep` holds.
 pub fn block(size: [i32; 3], keep: impl Fn([i32; 3]) -> bool) -> Vec<[i32; 3]> {
     let mut places = Vec::new();
     for x in 0..size[0] {
@@ -85,7 +85,7 @@ pub fn tube() -> TetMesh {
     cubes(&block([3, 3, 2], |[x, y, _]| (x, y) != (1, 1)), 0.3)
 }
 
-/// Two crossed bars at the ends of a shank, as a dolos has them.
+/// Two crossed bars at the ends of a shank, like a dolos.
 pub fn dolos() -> TetMesh {
     let keep = |[x, y, z]: [i32; 3]| match z {
         0 => y == 2,
