@@ -1,7 +1,7 @@
-//! Files that survive crashes: a header with magic, kind, version, length and checksum;
-//! written beside, synced, then renamed, so that the previous file stays until the new
-//! one is whole. States go to the file and come from it piece by piece, so that no second copy of them
-//! is in memory. The only file of the project that uses bincode.
+//! Files that survive crashes: a header with magic, kind, version, length and checksum, then the state. A
+//! file is written beside its destination, synced, then renamed, so that the previous file stays until the
+//! new one is complete. States are streamed to and from the file, so that no second copy of them is in
+//! memory. The only file of the project that uses bincode.
 
 use crate::error::SolveError;
 use bincode::error::EncodeError;
@@ -35,7 +35,7 @@ fn continued(hash: u64, bytes: &[u8]) -> u64 {
     })
 }
 
-/// Counts the bytes that pass and takes their checksum.
+/// Counts the bytes that pass and computes their checksum.
 struct Tally<T> {
     through: T,
     hash: u64,
@@ -84,7 +84,7 @@ fn encoding(why: String) -> SolveError {
     }
 }
 
-/// The checksum that [`encode`] would give, without having all bytes at once.
+/// The checksum that [`encode`] would give, without holding all bytes at once.
 ///
 /// # Errors
 /// [`SolveError::Encoding`] if the value cannot be encoded.
@@ -95,8 +95,8 @@ pub(crate) fn hash(value: &impl Serialize) -> Result<u64, SolveError> {
     Ok(tally.hash)
 }
 
-/// The bytes of a state, in bincode's fixed-width little-endian layout, and their
-/// [`checksum`] in eight bytes more.
+/// The bytes of a state, in bincode's fixed-width little-endian layout, followed by their [`checksum`] in
+/// eight bytes.
 ///
 /// # Errors
 /// [`SolveError::Encoding`] if the value cannot be encoded.
@@ -121,7 +121,8 @@ fn check_length(length: u64) -> Result<(), SolveError> {
 /// The state of bytes made by [`encode`].
 ///
 /// # Errors
-/// [`SolveError::Encoding`] if the bytes do not hold such a value, hold more, or have been altered.
+/// [`SolveError::Encoding`] if the bytes do not encode such a value, have trailing bytes, or have been
+/// altered.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, SolveError> {
     let Some((bytes, sum)) = bytes.split_last_chunk::<8>() else {
         return Err(undecoded("it ends before its checksum".to_owned()));
@@ -169,7 +170,7 @@ fn io<'a>(action: &'static str, path: &'a Path) -> impl Fn(std::io::Error) -> So
     }
 }
 
-/// Writes a checkpoint of a `kind` (at most 16 bytes tell kinds apart).
+/// Writes a checkpoint of a `kind` (a tag of at most 16 bytes).
 ///
 /// # Errors
 /// [`SolveError::Io`] if the file cannot be written; an earlier file of that name is then
@@ -192,7 +193,7 @@ fn write_all(beside: &Path, kind: &str, value: &impl Serialize) -> Result<(), So
     let cannot_write = || io("cannot write", beside);
     let file = File::create(beside).map_err(io("cannot create", beside))?;
     let mut tally = Tally::new(BufWriter::with_capacity(BUFFER, file));
-    // Length and checksum are known at the end.
+    // Length and checksum are written at the end.
     let room = tally.through.write_all(&[0; HEADER]);
     room.map_err(cannot_write())?;
     let config = bincode::config::legacy();
@@ -206,7 +207,7 @@ fn write_all(beside: &Path, kind: &str, value: &impl Serialize) -> Result<(), So
         checksum: tally.hash,
     };
     let mut writer = tally.through;
-    // Seeking writes out what is in the buffer.
+    // Seeking flushes the buffer.
     writer
         .seek(SeekFrom::Start(0))
         .and_then(|_| writer.write_all(&header.bytes(kind)))
@@ -247,7 +248,7 @@ pub fn read_file<T: DeserializeOwned>(path: &Path, kind: &str) -> Result<T, Solv
         .read_to_end(&mut start);
     first.map_err(cannot_read())?;
     let header = Header::read(&start, kind).map_err(bad)?;
-    // All is looked at before any of it is decoded.
+    // The checksum of the whole is verified before any of it is decoded.
     let mut tally = Tally::new(&file);
     let mut reader = BufReader::with_capacity(BUFFER, &mut tally);
     io::copy(&mut reader, &mut io::sink()).map_err(cannot_read())?;
@@ -266,7 +267,7 @@ pub fn read_file<T: DeserializeOwned>(path: &Path, kind: &str) -> Result<T, Solv
     }
 }
 
-/// What tells whether a file is whole.
+/// Data to verify that a file is complete.
 struct Header {
     length: u64,
     checksum: u64,

@@ -1,4 +1,4 @@
-//! What can go wrong when a world is built, stepped, saved or read.
+//! Errors of building, stepping, saving and reading a world.
 
 use crate::element::ElementFailure;
 use femdem_contact::ContactError;
@@ -16,7 +16,7 @@ pub enum SolveError {
     /// A shape's surface cannot be used.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// A deformable body has no forces.
+    /// Elements of a deformable body cannot compute their forces.
     #[error(transparent)]
     Element(#[from] ElementFailure),
     /// A parameter is out of its range.
@@ -29,7 +29,7 @@ pub enum SolveError {
         /// The allowed range in words.
         allowed: &'static str,
     },
-    /// A material is known by name only and no law of that name was given.
+    /// A material is known by name only, and no law of that name was given.
     #[error(
         "no law was given for the material '{name}' (given: {given}); pass it to \
          AnyMaterial::bind after reading a checkpoint or a scene that names it"
@@ -50,14 +50,14 @@ pub enum SolveError {
         /// How many exist.
         count: usize,
     },
-    /// A list has not the length that it must have.
+    /// A list has the wrong length.
     #[error("{given} {what} were given where {wanted} are wanted")]
     WrongLength {
         /// What is listed.
         what: &'static str,
         /// The length given.
         given: usize,
-        /// The length wanted.
+        /// The length required.
         wanted: usize,
     },
     /// The static solvers did not reach equilibrium.
@@ -72,12 +72,12 @@ pub enum SolveError {
         iterations: usize,
         /// Residual over force scale at the end.
         residual: f64,
-        /// Residual over force scale asked for.
+        /// The tolerance: residual over force scale.
         tolerance: f64,
         /// What to do.
         advice: String,
     },
-    /// A sparse matrix could not be factorised for want of memory or of index range.
+    /// A sparse matrix could not be factorised for lack of memory or of index range.
     #[error(
         "a matrix of {unknowns} unknowns could not be factorised: {why}; use conjugate gradients"
     )]
@@ -87,12 +87,12 @@ pub enum SolveError {
         /// The reason.
         why: String,
     },
-    /// Something was left out of this build.
+    /// A feature is missing in this build.
     #[error("{what} is not in this build: build femdem-solve with the feature `{feature}`")]
     FeatureMissing {
-        /// What was asked for.
+        /// What was requested.
         what: &'static str,
-        /// The cargo feature that has it.
+        /// The cargo feature that provides it.
         feature: &'static str,
     },
     /// The simulation has left physical bounds.
@@ -114,25 +114,25 @@ pub enum SolveError {
         /// The likely cause and what to do.
         cause: String,
     },
-    /// A deformable body has no forces after a step.
+    /// An element of a deformable body failed in a step.
     #[error("body {body} failed at step {step} (t = {time:e} s): {failure}")]
     BodyFailed {
-        /// The body; 0 if it is stepped on its own.
+        /// The body; 0 if it is stepped separately.
         body: usize,
         /// Step number.
         step: u64,
         /// Simulated time, s.
         time: f64,
-        /// The element and what became of it.
+        /// The element and its failure.
         failure: ElementFailure,
     },
-    /// A selection has nothing in it.
+    /// A selection is empty.
     #[error("nothing is selected by {selection}: check its place, size and unit (m)")]
     NothingSelected {
         /// The selection.
         selection: String,
     },
-    /// A named set of nodes is not there.
+    /// A named set of nodes does not exist.
     #[error("no set of nodes is called \"{name}\": name it first")]
     NoSuchSet {
         /// The name.
@@ -145,7 +145,7 @@ pub enum SolveError {
         action: &'static str,
         /// The file.
         path: PathBuf,
-        /// The system's answer.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A file is not a checkpoint, is damaged, or is of another kind or version.
@@ -156,12 +156,12 @@ pub enum SolveError {
         /// What is wrong and what to do.
         why: String,
     },
-    /// The state could not be put into bytes or read back.
+    /// The state could not be encoded or decoded.
     #[error("the state could not be {action}: {why}")]
     Encoding {
         /// Encoded or decoded.
         action: &'static str,
-        /// The encoder's answer.
+        /// The encoder's error.
         why: String,
     },
 }

@@ -1,4 +1,4 @@
-//! The energy ledger: where every joule came from and went.
+//! The energy ledger: all energy put in, stored and dissipated.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,21 +17,21 @@ pub(crate) struct Flows {
     pub viscous_work: f64,
     /// Work of plastic flow inside bodies (negative: taken out).
     pub plastic_work: f64,
-    /// Energy that implicit steps took.
+    /// Numerical dissipation of implicit steps.
     pub step_loss: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
 }
 
-/// Energies of a world, J. The sum of `final_energy` and everything dissipated equals
-/// `initial + work_in` up to the integration error. Bodies that overlap as they are added, and walls where bodies are,
-/// bring elastic energy: `initial` has it from the next step on, unless that is [implicit](crate::ImplicitStep).
+/// Energies of a world, J. The sum of `final_energy` and everything dissipated equals `initial + work_in` up
+/// to the integration error. Bodies that overlap when they are added, and walls placed where bodies are,
+/// bring elastic energy. `initial` contains it from the next step on, unless that is
+/// [implicit](crate::ImplicitStep).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// Kinetic and potential energy of all bodies when they were added, and elastic energy of their overlaps.
     pub initial: f64,
-    /// Work done on the bodies by driven walls and bodies, and by what is prescribed at deformable
-    /// ones.
+    /// Work done on the bodies by driven walls and bodies, and by what is prescribed at deformable bodies.
     pub work_in: f64,
     /// Kinetic energy now.
     pub kinetic: f64,
@@ -53,8 +53,8 @@ pub struct Ledger {
     pub dissipated_viscous: f64,
     /// Dissipated by plastic flow.
     pub dissipated_plastic: f64,
-    /// Dissipated by the step itself where it is [implicit](crate::ImplicitStep), as far as contacts are
-    /// springs of the stiffness they have at the end of each step.
+    /// Numerical dissipation of [implicit](crate::ImplicitStep) steps, for contacts treated as springs of the
+    /// stiffness that they have at the end of each step.
     pub dissipated_step: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
@@ -77,13 +77,13 @@ impl Ledger {
             + self.frozen
     }
 
-    /// What the books miss, J: energy now plus dissipated minus energy put in.
+    /// The energy missing in the ledger, J: energy now plus dissipated minus energy put in.
     pub fn error(&self) -> f64 {
         self.final_energy() + self.dissipated() - self.initial - self.work_in
     }
 
-    /// The error over the energy that was turned over: the larger of what was dissipated and
-    /// what is in motion or stored now.
+    /// The error over the turnover: the larger of the dissipated energy and of the kinetic and stored energy
+    /// now.
     pub fn error_relative(&self) -> f64 {
         let stored = self.kinetic + self.elastic + self.strain + self.friction_springs;
         let turnover = self.dissipated().abs().max(stored.abs());

@@ -1,11 +1,11 @@
 //! Rigid and deformable bodies in motion and at rest: materials and elements, the step, its size, the
 //! active set, static solvers, the energy ledger and checkpoints.
 //!
-//! **Use it** to follow bodies of any shape that fall, collide, deform, slide and come to rest between
-//! walls that may move, with the energy of the whole run accounted for. **Do not use it** for bodies that
-//! break or are joined, for steps larger than contacts and elements allow (but for an [option](ImplicitStep) the scheme is explicit), or
-//! to fill containers (femdem-pack has the protocols). A code with an integrator of its own needs only
-//! femdem-contact.
+//! **Use it** to follow bodies of any shape that fall, collide, deform, slide and come to rest between walls
+//! that may move, with the energy of the whole run accounted for. **Do not use it** for bodies that break or
+//! are joined, for steps longer than the stability limit of contacts and elements (the scheme is explicit,
+//! except with [`ImplicitStep`]), or to fill containers (femdem-pack has the protocols). A code with its own
+//! integrator needs only femdem-contact.
 //!
 //! ```
 //! use femdem_contact::Wall;
@@ -33,80 +33,82 @@
 //!
 //! # What is here
 //!
-//! - [`World`]: shapes, bodies and walls, one [`World::step`] at a time, and everything there is to
-//!   ask about them ([`Residuals`], [`Stability`], [`Counters`], contacts).
+//! - [`World`]: shapes, bodies and walls, one [`World::step`] at a time, and queries of its state
+//!   ([`Residuals`], [`Stability`], [`Counters`], contacts).
 //! - [`WorldParameters`]: gravity, the contact law, the time step, the active set, the medium; every
 //!   field has a default.
 //! - [`World::add_shape`] takes convex surfaces, [`World::add_mesh_shape`] any closed surface with
 //!   tetrahedra that fill it; [`World::add_wall`] takes planes and meshes.
-//! - [`World::add_model`] and [`World::add_deformable`] take bodies that deform ([`deformable`],
-//!   [`element`], [`material`]), which share the step, the walls and the ledger with the rigid ones;
-//!   [`World::relax`] brings all to rest.
+//! - [`World::add_model`] and [`World::add_deformable`] take deformable bodies ([`deformable`], [`element`],
+//!   [`material`]), which share the step, the walls and the ledger with the rigid ones; [`World::relax`]
+//!   brings all to rest.
 //! - [`statics`]: equilibrium of a single body by relaxation or by Newton's method.
 //! - [`Drive`]: prescribed motion of a wall or a body: shaken, tapped, drawn along a line, turned
 //!   about an axis.
-//! - [`material`]: laws of deformable matter behind one trait, and how to add one.
+//! - [`material`]: constitutive laws behind one trait, and how to add one.
 //! - [`Ledger`]: where every joule came from and went.
 //! - [`checkpoint`]: files that survive crashes; [`World::to_bytes`] and [`World::state_hash`].
-//! - [`contact`] and [`mesh`]: femdem-contact and femdem-mesh, whose types stand in the interfaces.
+//! - [`contact`] and [`mesh`]: femdem-contact and femdem-mesh, whose types appear in the interfaces.
 //!
-//! # How a step goes
+//! # The step
 //!
-//! Kick, drift, contacts, kick, with one step size for all bodies. The drift turns a body by the
-//! rational plane rotations of the DLM splitting, without a trigonometric call. Then, at fixed step
-//! numbers, bodies at rest are frozen and disturbed ones woken: a body is
-//! judged by means of its net force, moment and velocities at rest, since every impact rings through a
-//! pack and only a lasting imbalance has a mean ([`SleepParameters`]). Frozen bodies cost nothing. Deformable bodies are frozen
-//! if it is asked for ([`SleepParameters::deformables`]).
+//! Kick, drift, contacts, kick, with one step size for all bodies. The drift turns a body by the rational
+//! plane rotations of the DLM splitting, without a trigonometric call. Then, at fixed step numbers, bodies at
+//! rest are frozen and disturbed ones woken. A body is judged by means of its net force, moment and
+//! velocities at rest: every impact rings through a pack, and only a lasting imbalance has a mean
+//! ([`SleepParameters`]). Frozen bodies cost nothing. Deformable bodies are frozen only if
+//! [`SleepParameters::deformables`] is set.
 //!
 //! # Units
 //!
-//! SI: m, kg, s, N, J, Pa; angles in rad. Poses take the coordinates of a shape's polyhedron to the
-//! world; velocities are those of the centroid.
+//! SI: m, kg, s, N, J, Pa; angles in rad. Poses map the coordinates of a shape's polyhedron to the world;
+//! velocities are those of the centroid.
 //!
 //! # Features
 //!
-//! - `parallel` (default): contacts, and what is done for each deformable body, are computed on the caller's
+//! - `parallel` (default): contacts, and the work for each deformable body, are computed on the caller's
 //!   rayon pool. The state is the same bits with any number of threads, without the feature, and through a
 //!   checkpoint.
-//! - `implicit`: sparse Cholesky factorisation ([`statics::Linear::Cholesky`]), for which the crate faer
-//!   and what it needs are built.
+//! - `implicit`: sparse Cholesky factorisation ([`statics::Linear::Cholesky`]), which adds the dependency
+//!   faer.
 //!
 //! # Accuracy
 //!
-//! - Without friction and damping the energy has no trend: 27 bodies colliding in a closed box for 1 s
-//!   keep theirs to 1e-5 at a step of 1e-5 s, and momentum is kept to round-off (`tests/physics.rs`);
-//!   20 hollow pellets and dolosse keep theirs to 1e-4 at 2e-5 s (`tests/any_shape.rs`).
-//! - The step is shorter where a body would move by more than a tenth of its radius in it (a node by a
-//!   tenth of the depth of its body), or what is driven against it, down to a thirty-second of the bound; what is
-//!   faster still, and was not when it was added, is reported as blown up.
-//! - The step is a fraction, [`TimeStepParameters::safety`], of a bound that is larger than the true
-//!   frequency; [`World::stability`] measures the true limit. Where a body may touch something it is that of a face
-//!   contact. At the default of 0.9 the impact of a single flat face is resolved by few steps: the cube above then misses 3 %
-//!   of its energy in the ledger, 0.2 % at 0.2 (the error falls with the square of the step), and the restitution of rigid
-//!   bodies is right to 15 % (2 % at 0.3, 1 % at 0.1; edges and vertices to 1 % at 0.6). Studies of single impacts
-//!   want 0.2 or less; in packs, contacts are softer and such errors cancel.
-//! - The active set counts in steps, not in seconds: with a much smaller step lengthen
-//!   [`SleepParameters::window`] and [`SleepParameters::steps`] as much, or switch it off, or bodies
-//!   may be frozen before they have come to rest. A block on a slope half a degree steeper than its
-//!   friction angle, whose net force is 1 % of its weight, slides at a penalty of 1e7 Pa and stays at 1e8 Pa.
-//! - [Implicit steps](ImplicitStep) bring packs of rigid bodies to rest at a fifth of the cost of explicit ones;
-//!   500 bodies that are let go at once end 0.005 ± 0.003 less dense. Small steps give the motion of
-//!   explicit ones; large ones keep momentum to round-off and the bounds of friction, stop falling bodies without rebound
-//!   unless the step resolves the impact, and take a tenth to a fifth of the energy themselves
-//!   ([`Ledger::dissipated_step`]); the ledger misses up to 6 % of a heap's. A column of aligned cubes that is
-//!   dropped comes to rest upright, shifted by a hundredth of d and twisted by a hundredth of a radian on average (one of some 1,500 fell over). Verify with explicit steps
+//! - Without friction and damping the energy has no trend: 27 bodies colliding in a closed box for 1 s keep
+//!   theirs to 1e-5 at a step of 1e-5 s, and momentum is conserved to round-off (`tests/physics.rs`); 20
+//!   hollow pellets and dolosse keep theirs to 1e-4 at 2e-5 s (`tests/any_shape.rs`).
+//! - The step is shortened so that no body moves by more than a tenth of its radius in it (no node by more
+//!   than a tenth of the depth of its body), relative to walls and bodies that are driven. Speed never makes
+//!   it shorter than 1/32 of the stable step, unless a body was launched that fast. A body that then moves by
+//!   more than a quarter of its radius in a step is reported as a blow-up.
+//! - The step is a fraction, [`TimeStepParameters::safety`], of a stability bound from an upper estimate of
+//!   the highest frequency; [`World::stability`] measures the true limit. Where a body may touch something,
+//!   the bound is that of a face contact. At the default of 0.9 the impact of a single flat face is resolved
+//!   by few steps: the cube above then misses 3 % of its energy in the ledger, 0.2 % at 0.2 (the error falls
+//!   with the square of the step). The restitution of rigid bodies is right to 15 % (2 % at 0.3, 1 % at 0.1;
+//!   edges and vertices to 1 % at 0.6). Use 0.2 or less to study single impacts; in packs, contacts are
+//!   softer and such errors cancel.
+//! - The active set counts in steps, not in seconds. With a much smaller step, lengthen
+//!   [`SleepParameters::window`] and [`SleepParameters::steps`] as much, or switch it off; otherwise bodies
+//!   may be frozen before they have come to rest. A block on a slope half a degree steeper than its friction
+//!   angle, whose net force is 1 % of its weight, slides at a penalty of 1e7 Pa and stays at 1e8 Pa.
+//! - [Implicit steps](ImplicitStep) bring packs of rigid bodies to rest at a fifth of the cost of explicit
+//!   ones; 500 bodies released at once end 0.005 ± 0.003 less dense. Small steps give the motion of explicit
+//!   ones. Large ones conserve momentum to round-off, respect the bounds of friction, and stop falling bodies
+//!   without rebound unless the step resolves the impact. They dissipate a tenth to a fifth of the energy
+//!   numerically ([`Ledger::dissipated_step`]); the ledger misses up to 6 % of a heap's. A column of aligned
+//!   cubes that is dropped comes to rest upright, shifted by a hundredth of d and twisted by a hundredth of a
+//!   radian on average (one of some 1,500 fell over). Verify with explicit steps
 //!   ([`World::step_explicitly`]); see `tests/implicit.rs`.
-//! - Deformable bodies without damping keep their energy to 1e-3 at half the critical step: a cube
-//!   between two walls, eight cubes in a box (`tests/deformable_world`); a block sticks to a slope
-//!   without creep and slides on it with the right acceleration to 2 %, on a wall, on a rigid and on a
-//!   deformable body.
-//! - Freezing removes kinetic energy, which the ledger states. A frozen body holds an imbalance of up to
-//!   [`SleepParameters::wake`] of its load, so a pack that grew while it slept passes new loads down too
-//!   late; a deformable one up to twice [`SleepParameters::tolerance`]. For a final state, and from time to time before, wake all bodies
-//!   ([`World::set_sleeping`]) and let them come to rest.
-//! - The same bits on one machine and build; platforms that round `f64` arithmetic alike agree too, as
-//!   long as no medium (which calls `exp`) and no shaking or turning (which call `cos`) is used.
+//! - Deformable bodies without damping keep their energy to 1e-3 at half the critical step: a cube between
+//!   two walls, eight cubes in a box (`tests/deformable_world`). A block sticks to a slope without creep and
+//!   slides on it with the right acceleration to 2 %, on a wall, on a rigid and on a deformable body.
+//! - Freezing removes kinetic energy, which the ledger states. A frozen body tolerates an imbalance of up to
+//!   [`SleepParameters::wake`] of its load, a deformable one up to twice [`SleepParameters::tolerance`]; so a
+//!   pack that grew while it slept transfers new loads downwards too late. For a final state, and from time
+//!   to time before, wake all bodies ([`World::set_sleeping`]) and let them come to rest.
+//! - The same bits on one machine and build. Platforms that round `f64` arithmetic alike agree too, as long
+//!   as no medium (which calls `exp`) and no shaking or rotation (which call `cos`) is used.
 //!
 //! # Sources
 //!

@@ -67,8 +67,8 @@ pub struct ImplicitStep {
     /// Longest step over sqrt(d/g), the time in which a body falls by half its diameter d. Twice the default will do
     /// where nothing falls.
     pub fall: f64,
-    /// Relative tolerance of the last linear system of a step; those before, which tell how contacts take part, have three
-    /// times as much.
+    /// Relative tolerance of the last linear system of a step. The earlier ones, which decide which contacts
+    /// stick, slide or open, use three times this value.
     pub tolerance: f64,
     /// Most rounds of conjugate gradients for a linear system.
     pub rounds: u32,
@@ -149,12 +149,13 @@ impl Default for TimeStepParameters {
 pub struct SleepParameters {
     /// Whether bodies may sleep at all.
     pub enabled: bool,
-    /// Whether deformable bodies may sleep too, those without anything prescribed. One that has rested for the window and
-    /// the steps below is stopped where its kinetic energy begins to fall, and stays if the forces left on
-    /// its nodes are below `tolerance` of what bears on them, both as sums of norms, and what is left of net force and
-    /// moment is below `tolerance` as above; it wakes when one exceeds twice as much. Off by default: what sleeps
-    /// does not follow loads that change by less, nor do its stresses.
-    /// Rigid bodies that touch a deformable one sleep only if it does.
+    /// Whether deformable bodies may sleep too; off by default. Only bodies without prescribed nodes or loads
+    /// sleep. A body is a candidate once it has rested for `window + steps` steps. It is then stopped at each
+    /// maximum of its kinetic energy. It stays frozen if (1) the sum of |residual| over its nodes is below
+    /// `tolerance` times the sum of |external force| on them, and (2) the net force and moment are below
+    /// `tolerance` as for rigid bodies. It wakes when one of these exceeds 2 `tolerance`. It does not follow
+    /// smaller changes of its loads, nor do its stresses. Rigid bodies that touch a deformable one sleep only
+    /// if it does.
     #[serde(default)]
     pub deformables: bool,
     /// Mean net force, and mean net moment over d, below this fraction of W count as

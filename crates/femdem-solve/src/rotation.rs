@@ -20,7 +20,7 @@ pub(crate) fn drift(
         return;
     }
     let mut q = orientation.into_inner();
-    // A quarter of the angle for each unit of momentum, over the whole of dt.
+    // A quarter of the angle per unit of momentum, over the whole of dt.
     let [x, y, z] = (*moments * 4.0).map(|m| dt / m).into();
     turn::<0>(&mut q, momentum, 0.5 * x);
     turn::<1>(&mut q, momentum, 0.5 * y);
@@ -32,8 +32,8 @@ pub(crate) fn drift(
     *orientation = Unit::new_unchecked(q * (0.5 * (3.0 - norm2)));
 }
 
-/// The plane rotation about one axis. `rate` is a quarter of the angle for each unit of momentum about it. The axis is
-/// known to the compiler, so that all numbers stay in registers.
+/// The plane rotation about one axis. `rate` is a quarter of the angle per unit of momentum about it. The
+/// axis is a compile-time constant, so that all numbers stay in registers.
 #[inline(always)]
 fn turn<const AXIS: usize>(q: &mut Quaternion<f64>, momentum: &mut Vector3, rate: f64) {
     let (j, k) = ((AXIS + 1) % 3, (AXIS + 2) % 3);
@@ -46,7 +46,7 @@ fn turn<const AXIS: usize>(q: &mut Quaternion<f64>, momentum: &mut Vector3, rate
     q.coords[j] = c * qj + s * qk;
     q.coords[k] = c * qk - s * qj;
     q.coords.w = c * w - s * qi;
-    // The momentum, fixed in the world, turns backwards in the body.
+    // The momentum, fixed in the world, rotates backwards in the body.
     let (cos, sin) = (c * c - s * s, 2.0 * c * s);
     let (lj, lk) = (momentum[j], momentum[k]);
     momentum[j] = cos * lj + sin * lk;
@@ -61,8 +61,8 @@ mod tests {
         0.5 * l.component_div(moments).dot(l)
     }
 
-    /// A box tumbling about its intermediate axis, the hard case: momentum in the world is
-    /// kept, energy has no trend.
+    /// A box tumbling about its intermediate axis, the hard case: momentum in the world is conserved, energy
+    /// has no trend.
     #[test]
     fn a_tumbling_box_keeps_momentum_and_energy() {
         let moments = Vector3::new(1.0, 2.0, 2.5);

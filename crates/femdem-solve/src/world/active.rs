@@ -1,13 +1,12 @@
 //! The active set: which bodies are frozen, and when they wake.
 //!
-//! A body rests when the means of its net force, net moment and velocities over the steps since it
-//! last moved, at most a window, are small against its load scale, the larger of its weight and
-//! half the sum of its normal forces. It is frozen when it has rested for a number of steps and the
-//! frozen bodies that it touches hold what is on them.
-//! Frozen bodies beside awake ones are examined again at fixed step numbers from the
-//! forces on record; one that has lost much of its balance wakes then, one that is struck, or left by what held it,
-//! at once.
-//! All decisions are functions of the state, so they are the same in every run.
+//! A body rests when the means of its net force, net moment and velocities over the steps since it last
+//! moved, at most a window, are small against its load scale, the larger of its weight and half the sum of
+//! its normal forces. It is frozen when it has rested for a number of steps and the frozen bodies that it
+//! touches balance their loads. Frozen bodies beside awake ones are re-examined at fixed step numbers from
+//! the recorded forces, and wake if they have lost much of their balance. A body that is struck, or has lost
+//! a supporting contact, wakes at once. All decisions are functions of the state, so they are the same in
+//! every run.
 
 use super::World;
 use super::deformables::all_loads;
@@ -17,20 +16,20 @@ use crate::parameters::{SleepParameters, WorldParameters};
 use femdem_contact::{Load, Partner};
 use femdem_mesh::Vector3;
 
-/// A sleeping body is struck by a contact that exceeds its load scale this many times. At
-/// rest no contact can carry more than twice the scale.
+/// A contact strikes a sleeping body if its force exceeds the load scale by this factor. At rest no contact
+/// can carry more than twice the scale.
 const STRUCK: f64 = 2.0;
 
-/// A body whose load scale is more than this many times its weight is confined: an imbalance
-/// presses it together with its neighbours but hardly turns it over.
+/// A body whose load scale is more than this many times its weight is confined: an imbalance presses it
+/// against its neighbours but hardly turns it over.
 const CONFINED: f64 = 2.0;
 
 /// A confined body sleeps under a larger share, in proportion to its load scale, up to this factor.
 const LARGEST_SHARE: f64 = 2.0;
 
 impl Means {
-    /// Counts a step and returns its share in the means. They begin anew with a body that moves:
-    /// what it did before it came to rest says nothing about its balance.
+    /// Counts a step and returns its weight in the means. The means restart with every motion: the forces
+    /// before the body came to rest say nothing about its balance.
     fn count(&mut self, moves: bool, window: u32) -> f64 {
         let before = if moves { 0 } else { self.samples };
         self.samples = window.min(before.saturating_add(1)).max(1);
@@ -48,7 +47,8 @@ impl World {
             return;
         }
         if self.is_driven(0.0) {
-            // All are awake. What is carried slowly would count as at rest, and be stopped where its support goes on.
+            // All are awake. A body that is carried slowly would count as resting and be stopped while its
+            // support moves on.
             for &i in &self.awake {
                 self.bodies[i as usize].quiet_steps = 0;
             }
@@ -66,8 +66,8 @@ impl World {
         }
     }
 
-    /// Wakes sleepers that something has left without which they do not hold. They are beside nothing that is awake any
-    /// more, and would not be examined again.
+    /// Wakes sleepers that have lost a contact without which they are not balanced. They are no longer beside
+    /// any awake body, and would not be re-examined.
     pub(super) fn wake_left(&mut self) {
         let mut left = self.batch.left_sleepers();
         left.retain(|&i| !self.holds(i));
@@ -86,8 +86,8 @@ impl World {
             || boundaries.any(|boundary| boundary.is_driven(time, ahead))
     }
 
-    /// Wakes everything before anything moves as prescribed. Tells whether something slept: the step was not chosen
-    /// for it.
+    /// Wakes everything before anything moves as prescribed. Returns whether something slept: the step was
+    /// not chosen for it.
     #[must_use]
     pub(super) fn wake_for_drives(&mut self, ahead: f64) -> bool {
         let rigid = self.awake.len() < self.bodies.len();
@@ -192,8 +192,8 @@ impl World {
             .collect()
     }
 
-    /// Whether the forces on record of a frozen body balance well enough for it to sleep on. Its
-    /// means follow them with a delay, and are not followed up once nothing near it is awake.
+    /// Whether the recorded forces of a frozen body balance well enough for it to stay asleep. Its means
+    /// follow them with a delay, and are not updated once nothing near it is awake.
     fn holds(&self, i: u32) -> bool {
         let load = self.load_of(i);
         let bound = self.wake_share(i as usize, &load) * self.scale(i as usize, &load);
@@ -202,8 +202,8 @@ impl World {
             && load.total.torque.norm() < bound * diameter
     }
 
-    /// Frozen neighbours of awake bodies whose forces on record no longer balance: in the mean, or at
-    /// once for one that has lost a contact.
+    /// Frozen neighbours of awake bodies whose recorded forces no longer balance: in the mean, or at once for
+    /// a body that has lost a contact.
     fn bodies_to_wake(&mut self) -> Vec<u32> {
         let rule = self.parameters.sleeping;
         let share = f64::from(rule.recheck) / f64::from(rule.window);
@@ -219,7 +219,7 @@ impl World {
         list
     }
 
-    /// Frozen bodies that an awake one has hit.
+    /// Frozen bodies that an awake one has struck.
     fn struck_bodies(&self) -> Vec<u32> {
         if self.awake.len() == self.bodies.len() {
             return Vec::new();
@@ -255,8 +255,8 @@ impl World {
             }
             let body = &mut self.bodies[i as usize];
             body.quiet_steps = 0;
-            // The means of force and moment go on: begun at zero they would let the body sleep
-            // again before it has moved, begun at an impact they would keep it awake for long.
+            // The means of force and moment are kept. Restarted from zero they would let the body sleep again
+            // before it has moved; restarted at an impact they would keep it awake for long.
             body.means.velocity = Vector3::zeros();
             body.means.angular_velocity = Vector3::zeros();
         }
@@ -275,13 +275,12 @@ impl World {
         }
     }
 
-    /// Stops all awake rigid bodies but driven ones. Their kinetic energy is booked as
+    /// Stops all awake rigid bodies except driven ones. Their kinetic energy is booked as
     /// [`Ledger::frozen`](crate::Ledger::frozen).
     ///
-    /// Done whenever the bodies begin to [slow down](Self::is_slowing) this is kinetic damping
-    /// (Barnes 1999, "Form finding and analysis of tension structures by dynamic relaxation"): each
-    /// slow oscillation ends within a few quarters of its period, and nothing that
-    /// moves steadily is resisted.
+    /// Called whenever the bodies begin to [slow down](Self::is_slowing), this is kinetic damping (Barnes
+    /// 1999, "Form finding and analysis of tension structures by dynamic relaxation"): each slow oscillation
+    /// ends within a few quarters of its period, and steady motion is not resisted.
     pub fn stop(&mut self) {
         for k in 0..self.awake.len() {
             let i = self.awake[k] as usize;
@@ -289,12 +288,12 @@ impl World {
                 self.stop_body(i);
             }
         }
-        // The dashpots' forces are those of the velocities before.
+        // The recorded dashpot forces belong to the earlier velocities.
         self.loaded = false;
     }
 
-    /// Whether more of the awake rigid bodies are losing kinetic energy than gaining it; driven ones do
-    /// not count. A count instead of the total energy: a single body in motion does not decide.
+    /// Whether more of the awake rigid bodies are losing kinetic energy than gaining it; driven ones do not
+    /// count. It counts bodies instead of comparing the total energy, so that a single body does not decide.
     pub fn is_slowing(&self) -> bool {
         let loads = all_loads(&self.batch, self.deformables.as_deref());
         let balance: i64 = self
@@ -330,11 +329,11 @@ impl World {
         }
     }
 
-    /// Replaces the rule that bodies are frozen and woken by; one that forbids sleep wakes all bodies. Deformable bodies
-    /// wake in any case and are judged anew.
+    /// Replaces the rule by which bodies are frozen and woken; one that forbids sleep wakes all bodies.
+    /// Deformable bodies wake in any case and are judged again.
     ///
     /// # Errors
-    /// [`SolveError::Parameter`] for a parameter out of range; the rule is then the one before.
+    /// [`SolveError::Parameter`] for a parameter out of range; the rule is then unchanged.
     pub fn set_sleep_rule(&mut self, rule: SleepParameters) -> Result<(), SolveError> {
         let parameters = WorldParameters {
             sleeping: rule,

@@ -1,4 +1,4 @@
-//! One number for the whole state, to compare runs bit by bit.
+//! One number for the whole state, for bitwise comparison of runs.
 
 use super::World;
 use crate::checkpoint;

@@ -35,19 +35,19 @@ pub use stability::Stability;
 /// the feature `parallel`, and through [`to_bytes`](Self::to_bytes) and
 /// [`from_bytes`](Self::from_bytes).
 ///
-/// Serialised as part of something larger it is for binary formats: its maps have keys of several
-/// numbers, and some numbers are infinite, which JSON has not. Read so, it needs
-/// [`restore`](Self::restore) before it is used.
+/// Serialised as part of something larger, it is for binary formats: its maps have composite keys, and some
+/// numbers are infinite, which JSON does not support. After reading, it needs [`restore`](Self::restore)
+/// before it is used.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct World {
     parameters: WorldParameters,
     shapes: Vec<Shape>,
     bodies: Vec<Body>,
     motions: Vec<Motion>,
-    /// Where implicit steps look ahead; those of sleeping bodies are their motions.
+    /// Predicted motions of implicit steps; those of sleeping bodies are their present motions.
     #[serde(skip)]
     ahead: Vec<Motion>,
-    /// Each with the pose it counts from.
+    /// Each with its base pose.
     wall_drives: Vec<(Drive, Pose)>,
     wall_motions: Vec<Motion>,
     batch: ContactBatch,
@@ -59,13 +59,13 @@ pub struct World {
     step_control: time_step::StepControl,
     /// Whether the loads belong to the present positions.
     loaded: bool,
-    /// What there was when the contacts were last evaluated.
+    /// Numbers of bodies and walls when the contacts were last evaluated.
     met: newcomers::Met,
-    /// Time by which the friction of the contacts is behind, s: implicit steps advance it in the next one.
+    /// Time by which the friction of the contacts lags, s: an implicit step advances it in the next one.
     behind: f64,
     initial_energy: f64,
     flows: Flows,
-    /// What deforms; absent from a world of rigid bodies.
+    /// The deformable bodies; absent in a world of rigid bodies.
     deformables: Option<Box<Deformables>>,
     #[serde(skip)]
     counters: Counters,
@@ -74,7 +74,7 @@ pub struct World {
 /// Work counters of a world since it was made or read.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Counters {
-    /// Candidate pairs handed to the narrow phase.
+    /// Candidate pairs evaluated by the narrow phase.
     pub pair_evaluations: u64,
     /// Pairs that touched.
     pub touching_evaluations: u64,
@@ -82,7 +82,7 @@ pub struct Counters {
     pub body_steps: u64,
     /// Linear systems of implicit steps.
     pub linear_systems: u64,
-    /// Rounds of conjugate gradients in them.
+    /// Iterations of conjugate gradients in them.
     pub linear_rounds: u64,
     /// Wall-clock time in the contact stage.
     pub contact_time: Duration,

@@ -1,4 +1,4 @@
-//! Overlaps of what was added since the contacts were last evaluated.
+//! Overlaps of bodies and walls added since the contacts were last evaluated.
 
 use super::World;
 use crate::error::SolveError;
@@ -6,7 +6,7 @@ use femdem_contact::Partner;
 use femdem_contact::deform::DeformablePartner;
 use serde::{Deserialize, Serialize};
 
-/// How many there were of each kind when the contacts were last evaluated.
+/// Numbers of each kind when the contacts were last evaluated.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Met {
     bodies: u32,
@@ -15,8 +15,8 @@ pub(super) struct Met {
 }
 
 impl World {
-    /// Makes the loads those of the present positions, unless they are. What bodies and walls added since the last
-    /// time overlap with holds elastic energy that they have brought.
+    /// Evaluates the loads at the present positions, if they are out of date. The elastic energy of overlaps
+    /// with bodies and walls added since the last evaluation is booked as brought in by them.
     pub(super) fn evaluate_if_due(&mut self) -> Result<(), SolveError> {
         if !self.loaded {
             self.evaluate(0.0)?;
@@ -28,7 +28,7 @@ impl World {
         Ok(())
     }
 
-    /// Counts all that there is as met.
+    /// Marks everything present as evaluated.
     pub(super) fn meet_newcomers(&mut self) {
         self.met = self.present();
     }

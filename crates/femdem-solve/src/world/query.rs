@@ -1,4 +1,4 @@
-//! Reading a world.
+//! Queries of a world.
 
 use super::deformables::all_wall_loads;
 use super::{Counters, Deformable, World};
@@ -10,9 +10,9 @@ use femdem_mesh::nalgebra::{Rotation3, Translation3, UnitQuaternion};
 use femdem_mesh::{Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// How far the bodies are from equilibrium. Net forces include gravity and are taken from
-/// all contacts on record; driven bodies are left out. Without gravity a body with a net force has
-/// an infinite one over its weight, one in balance 0.
+/// How far the bodies are from equilibrium. Net forces include gravity and are taken from all recorded
+/// contacts; driven bodies are excluded. Without gravity, net force over weight is infinite for a body with a
+/// net force, and 0 for one in balance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Residuals {
     /// Mean over bodies of net force over weight.
@@ -21,7 +21,7 @@ pub struct Residuals {
     pub max_over_weight: f64,
     /// Largest net force over the larger of the body's weight and its mean contact force.
     pub max_over_load: f64,
-    /// The body of `max_over_load`.
+    /// The body with the largest `max_over_load`.
     pub worst_body: Option<BodyId>,
     /// Largest kinetic energy of a body over m g d.
     pub kinetic_energy_over_mgd: f64,
@@ -72,7 +72,7 @@ impl World {
         self.bodies.get(id as usize)
     }
 
-    /// Pose of a body: coordinates of its shape's polyhedron -> world.
+    /// Pose of a body: from the coordinates of its shape's polyhedron to the world.
     pub fn pose(&self, id: BodyId) -> Option<Pose> {
         let body = self.body(id)?;
         Some(body.pose(&self.shapes[body.shape as usize]))
@@ -132,7 +132,7 @@ impl World {
         self.body(id).map(Body::kinetic_energy)
     }
 
-    /// Kinetic energy of all bodies but driven ones, J.
+    /// Kinetic energy of all bodies except driven ones, J.
     pub fn kinetic_energy(&self) -> f64 {
         let rigid = self.free_bodies().map(|(_, b)| b.kinetic_energy());
         // A sum of nothing is -0.
@@ -146,13 +146,13 @@ impl World {
             .filter(|(_, b)| b.driven.is_none())
     }
 
-    /// Linear momentum of all bodies but driven ones, kg m/s.
+    /// Linear momentum of all bodies except driven ones, kg m/s.
     pub fn linear_momentum(&self) -> Vector3 {
         let rigid = self.free_bodies().map(|(_, b)| b.velocity * b.mass);
         rigid.sum::<Vector3>() + self.deformables().map(|d| d.momentum()).sum::<Vector3>()
     }
 
-    /// Angular momentum of all bodies but driven ones about a point, kg m^2/s.
+    /// Angular momentum of all bodies except driven ones about a point, kg m^2/s.
     pub fn angular_momentum(&self, about: &Vector3) -> Vector3 {
         let rigid = self.free_bodies().map(|(_, b)| {
             b.orientation * b.momentum + (b.position - about).cross(&(b.velocity * b.mass))
@@ -161,7 +161,7 @@ impl World {
         rigid.sum::<Vector3>() + deformable.sum::<Vector3>()
     }
 
-    /// All contacts on record, sorted by pair and patch: a contact for each patch.
+    /// All recorded contacts, sorted by pair and patch: a contact for each patch.
     pub fn contacts(&self) -> Vec<&Contact> {
         self.batch.contacts()
     }
@@ -176,7 +176,7 @@ impl World {
         self.batch.walls()
     }
 
-    /// Where a wall is now: the coordinates it was given in -> world.
+    /// Present pose of a wall: from its own coordinates to the world.
     pub fn wall_pose(&self, wall: u32) -> Option<Pose> {
         let frame = &self.wall_motions.get(wall as usize)?.frame;
         let rotation = Rotation3::from_matrix_unchecked(frame.rotation);
@@ -186,19 +186,19 @@ impl World {
         ))
     }
 
-    /// The load on a wall, about its origin, from the contacts of the last step with bodies that were
-    /// awake, and with deformable ones.
+    /// The load on a wall, about its origin, from the contacts of the last step with awake rigid bodies and
+    /// with deformable ones.
     pub fn wall_load(&self, wall: u32) -> Option<Load> {
         let loads = all_wall_loads(&self.batch, self.deformables.as_deref());
         loads.get(wall as usize).copied()
     }
 
-    /// The load on a body, about its centroid, from all its contacts on record.
+    /// The load on a body, about its centroid, from all its recorded contacts.
     pub fn load(&self, id: BodyId) -> Option<Load> {
         self.body(id).map(|_| self.load_of(id))
     }
 
-    /// The load of a body from all its contacts on record, those with deformable bodies included.
+    /// The load of a body from all its recorded contacts, including those with deformable bodies.
     pub(super) fn load_of(&self, id: BodyId) -> Load {
         let mut load = self.batch.load_of(id);
         if let Some(deformables) = &self.deformables
@@ -252,7 +252,7 @@ impl World {
         r
     }
 
-    /// The energy ledger at this moment.
+    /// The energy ledger now.
     pub fn ledger(&self) -> Ledger {
         let contacts = self.batch.contacts();
         let soft = self.deformable_totals();
@@ -291,7 +291,7 @@ impl World {
     }
 }
 
-/// A part of a whole that may be 0: nothing is none of it.
+/// A quotient whose denominator may be 0; 0 over 0 is 0.
 fn over(part: f64, whole: f64) -> f64 {
     if part == 0.0 { 0.0 } else { part / whole }
 }

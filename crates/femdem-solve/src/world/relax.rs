@@ -1,10 +1,9 @@
-//! Bringing a world to rest: dynamic relaxation with kinetic damping, first of the bodies as a whole,
-//! then of their elements.
+//! Bringing a world to rest: dynamic relaxation with kinetic damping, first of the bodies as wholes, then of
+//! their elements.
 //!
-//! Bodies stiff in themselves and soft in their contacts have two scales of time: an element rings
-//! thousands of times while the body swings once on its contacts. So bodies are first moved as
-//! a whole, with a step that the contacts allow, and then with all their nodes, which by then hardly
-//! changes the contacts.
+//! For bodies much stiffer than their contacts there are two time scales: an element oscillates thousands of
+//! times while the body oscillates once on its contacts. So bodies are first moved as wholes, with a step
+//! that the contacts allow, and then with all their nodes, which by then hardly changes the contacts.
 
 mod residual;
 
@@ -15,28 +14,29 @@ use femdem_contact::stable_step;
 use femdem_mesh::{Matrix3, Rotation, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Kinetic damping is stable to half the critical step (physics of a leapfrog that is stopped and
-/// started again at peaks of its energy).
+/// Kinetic damping is stable up to half the critical step (physics of a leapfrog that is stopped and
+/// restarted at peaks of its energy).
 const SAFETY: f64 = 0.5;
 
-/// Of the tolerance, what bodies as a whole are relaxed to: their elements then have room.
+/// Bodies as wholes are relaxed to this fraction of the tolerance, which leaves the rest to their elements.
 const MARGIN: f64 = 0.3;
 
-/// The residual is looked at every so many steps.
+/// The residual is computed every so many steps.
 const LOOK: u64 = 20;
 
-/// After so many looks at elements bodies are moved as wholes again, if that is what is left.
+/// After this many residuals of the element phase, bodies are moved as wholes again if their net forces are
+/// what remains.
 const ROUNDS: u64 = 10;
 
-/// How a world is brought to rest.
+/// Options for bringing a world to rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldRelaxation {
-    /// Largest force left on a node or on a body as a whole, over the mean contact force. Where nothing touches, over
-    /// what gravity, loads and supports do to the body that they do least to: the larger of the sum of the norms of
-    /// gravity and loads and that of the reactions, 1 N if there are none.
+    /// Largest residual force on a node or on a body as a whole, over the mean contact force. If nothing
+    /// touches, the reference force is, for each body, the larger of sum |gravity and loads| and sum
+    /// |reactions|; the smallest positive one over the bodies is used, or 1 N if all are zero.
     pub tolerance: f64,
-    /// Most steps, those of bodies as a whole and those of elements counted alike.
+    /// Largest number of steps, of bodies as wholes and of elements together.
     pub steps: u64,
 }
 
@@ -49,16 +49,17 @@ impl Default for WorldRelaxation {
     }
 }
 
-/// How a world came to rest.
+/// Report of bringing a world to rest.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct WorldRelaxed {
-    /// Largest force left on a node or a body, over what [`WorldRelaxation::tolerance`] is.
+    /// Largest residual force on a node or a body, over the reference force of
+    /// [`WorldRelaxation::tolerance`].
     pub residual: f64,
-    /// The part of bodies as a whole.
+    /// The same for bodies as wholes only.
     pub body_residual: f64,
-    /// Mean normal force of the contacts, or what stands for it, N.
+    /// Mean normal force of the contacts, or the reference force in its place, N.
     pub mean_contact_force: f64,
-    /// Steps of bodies as a whole, and of elements.
+    /// Steps of bodies as wholes, and of elements.
     pub steps: [u64; 2],
     /// How often all motion was stopped.
     pub stops: u64,
@@ -74,10 +75,10 @@ struct Whole {
 }
 
 impl World {
-    /// Brings the world to rest under its walls, its gravity and what is prescribed. Friction is as
-    /// in motion: springs that slide at their limit. Frozen bodies wake. The time goes on, and
-    /// the ledger counts the kinetic energy removed as frozen, and with it all that bodies lose while
-    /// they are moved as wholes, by friction too.
+    /// Brings the world to rest under its walls, its gravity and what is prescribed. Friction acts as in
+    /// motion: springs that slide at their limit. Frozen bodies wake. Time advances. The ledger books the
+    /// removed kinetic energy as frozen, and with it all losses while bodies are moved as wholes, including
+    /// friction.
     ///
     /// # Errors
     /// [`SolveError::NotConverged`] if the steps do not suffice, and the errors of
@@ -171,7 +172,7 @@ impl World {
         }
         self.halt();
         self.evaluate(0.0)?;
-        // The stops, and what friction and loads have done meanwhile.
+        // The removed kinetic energy, and the work of friction and loads meanwhile.
         self.flows.frozen += books - self.ledger().error();
         Ok(())
     }
@@ -189,7 +190,7 @@ impl World {
                 let easiest = whole.inverse_inertia.symmetric_eigenvalues().max();
                 let stiffness = deformables.batch.stiffness(i as u32);
                 let springs = stiffness.iter().zip(&body.positions);
-                // A spring on a node opposes the body's translation and turning.
+                // A spring on a node resists the body's translation and rotation.
                 let squares = springs.map(|(k, x)| {
                     2.0 * k * (1.0 / whole.mass + (x - centre).norm_squared() * easiest)
                 });
@@ -199,7 +200,7 @@ impl World {
         if bound.is_finite() {
             bound
         } else {
-            // Nothing touches: all fall, in steps that the elements bear.
+            // Nothing touches: all fall, with steps that the elements allow.
             self.step_control.top(&self.parameters.time_step)
         }
     }
@@ -253,7 +254,7 @@ impl World {
         Ok(())
     }
 
-    /// Stops the bodies whose kinetic energy has begun to fall, and tells how many.
+    /// Stops the bodies whose kinetic energy has begun to fall, and returns their number.
     fn stop_at_peaks(&mut self, before: &mut [f64], rigid: &mut f64) -> u64 {
         let mut stops = 0;
         let Self {
@@ -284,7 +285,7 @@ impl World {
         stops
     }
 
-    /// Stops all that is free.
+    /// Stops all free bodies and nodes.
     fn halt(&mut self) {
         if let Some(deformables) = &mut self.deformables {
             let Deformables { models, bodies, .. } = deformables.as_mut();
@@ -324,7 +325,7 @@ impl Deformables {
         centroid(&body.positions, self.masses(body))
     }
 
-    /// A body at rest as a whole.
+    /// The mass and inertia of a body as a whole, at rest.
     fn whole(&self, body: &State) -> Whole {
         let (masses, centre) = (self.masses(body), self.centre(body));
         let mut inertia = Matrix3::zeros();
@@ -354,7 +355,7 @@ impl Deformables {
         wrench
     }
 
-    /// Carries the nodes of a body along with it as a whole; returns its kinetic energy, J.
+    /// Moves the nodes of a body with it as a whole; returns its kinetic energy, J.
     fn carry(&mut self, i: usize, whole: &Whole, dt: f64) -> f64 {
         let centre = self.centre(&self.bodies[i]);
         let Self { models, bodies, .. } = self;

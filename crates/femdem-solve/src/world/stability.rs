@@ -1,5 +1,5 @@
-//! How close the step is to the limit, measured: the highest frequency of the contacts as
-//! they are, by power iteration on differences of the forces.
+//! Measured stability: the highest frequency of the present contacts, by power iteration on differences of
+//! the forces.
 
 use super::World;
 use crate::error::SolveError;
@@ -12,7 +12,7 @@ use serde::Serialize;
 pub struct Stability {
     /// Highest angular frequency of the contacts, friction springs included, 1/s.
     pub frequency: f64,
-    /// Limit of the step with the damping ratio of the law in that mode, s.
+    /// Limit of the step for that mode, with the damping ratio of the law, s.
     pub limit: f64,
     /// The present step, s.
     pub step: f64,
@@ -29,10 +29,10 @@ impl Stability {
 type Mode = Vec<[Vector3; 2]>;
 
 impl World {
-    /// Measures the highest frequency at the present state by power iteration. Bodies asleep do not move.
+    /// Measures the highest frequency at the present state by power iteration. Sleeping bodies stay fixed.
     ///
-    /// It looks at a copy of the world; the cost is about 60 evaluations of all contacts.
-    /// `None` where no body that can move has a contact.
+    /// It works on a copy of the world; the cost is about 60 evaluations of all contacts. `None` if no body
+    /// that can move has a contact.
     ///
     /// # Errors
     /// [`SolveError`] if the contacts of the displaced state cannot be evaluated.
@@ -101,7 +101,7 @@ impl World {
             .collect()
     }
 
-    /// Root of the sum of m |x|^2 + theta.I theta.
+    /// Square root of the sum of m |x|^2 + theta.I theta.
     fn norm(&self, mode: &Mode) -> f64 {
         let square = |(b, [x, turn]): (&crate::body::Body, &[Vector3; 2])| {
             let local = b.orientation.inverse_transform_vector(turn);
@@ -131,7 +131,7 @@ impl World {
             .collect())
     }
 
-    /// Accelerations by the contacts after a displacement.
+    /// Accelerations due to the contacts after a displacement.
     fn displaced(&self, mode: &Mode, step: f64) -> Result<Mode, SolveError> {
         let mut world = self.clone();
         for (i, [x, turn]) in mode.iter().enumerate() {
@@ -199,8 +199,8 @@ mod tests {
         );
         assert!(got.used() < 1.0);
     }
-    /// Cubes that come to rest one after another: the steps they take are below the limit while some
-    /// sleep and the others do not, and not far below.
+    /// Cubes that come to rest one after another: their steps are below the limit while some sleep and the
+    /// others do not, and not far below.
     #[test]
     fn steps_among_sleepers_are_below_the_limit() {
         let mut world = World::new(WorldParameters::default()).unwrap();

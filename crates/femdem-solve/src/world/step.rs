@@ -16,22 +16,22 @@ use std::time::Instant;
 /// A step that moves a body by more than this fraction of its bounding radius is a blow-up.
 pub(super) const LARGEST_MOVE: f64 = 0.25;
 
-/// What moves as prescribed, as others may meet it.
+/// Prescribed motions, as other bodies may meet them.
 pub(super) struct Driving {
     walls: Vec<Driven>,
     /// Largest speed of a driven body, m/s.
     bodies: f64,
-    /// Steps that resolve how it swings, s.
+    /// Step that resolves their oscillations, s.
     pub step: f64,
 }
 
 impl Driving {
-    /// Whether anything may be met that moves.
+    /// Whether any body or wall that others may meet is driven.
     pub fn is_any(&self) -> bool {
         self.bodies > 0.0 || !self.walls.is_empty()
     }
 
-    /// Largest speed of what may be met within `radius` of a point, m/s.
+    /// Largest speed of driven walls within `radius` of a point, and of driven bodies, m/s.
     pub fn met(&self, x: &Vector3, radius: f64) -> f64 {
         let speeds = self.walls.iter().map(|wall| wall.fastest_near(x, radius));
         speeds.fold(self.bodies, f64::max)
@@ -81,8 +81,9 @@ impl World {
             .choose(bound, usual, &self.parameters.time_step)
     }
 
-    /// The bound, lowered to that of a face contact if a body that touches nothing may touch something in the step: a
-    /// face is met at its full stiffness, and a step that shrinks after the touch misses how hard.
+    /// The bound, lowered to that of a face contact if a body without contacts may touch something in the
+    /// step. A face contact has its full stiffness from the first touch on; a step that shrinks only after
+    /// the touch does not resolve the impact.
     fn bound_at_touch(&self, bound: f64) -> f64 {
         let touch = self.step_control.touch();
         if bound <= touch {
@@ -102,7 +103,7 @@ impl World {
         }
     }
 
-    /// The step in which nothing moves far against what it may meet, s.
+    /// The step in which nothing moves far relative to what it may meet, s.
     fn usual_step(&self) -> f64 {
         let driving = self.driving();
         let usual = |body: &Body, met: f64| USUAL_MOVE * body.radius / (body.fastest() + met);
@@ -110,7 +111,7 @@ impl World {
         let alone = free().map(|body| usual(body, 0.0));
         let mut least = alone.fold(driving.step, f64::min);
         let met = |x: &Vector3, radius: f64| driving.met(x, radius);
-        // Seldom: without what is driven a look at each body is enough.
+        // Usually nothing is driven, and one pass over the bodies is enough.
         if driving.is_any() {
             let steps = free().map(|body| usual(body, met(&body.position, body.radius)));
             least = steps.fold(least, f64::min);
@@ -119,7 +120,7 @@ impl World {
         deformables.map_or(least, |d| d.usual_step(met).min(least))
     }
 
-    /// What moves as prescribed.
+    /// The prescribed motions now.
     pub(super) fn driving(&self) -> Driving {
         let moving = |(drive, _): &&(Drive, Pose)| *drive != Drive::Fixed;
         let walls = self.wall_drives.iter().filter(moving);
@@ -175,7 +176,7 @@ impl World {
                 let (from, driven) = (drive.at(self.time), drive.at(end));
                 let reach = (body.position - driven.point).norm() + body.radius;
                 let to = driven.place(&base);
-                // Contacts see all bodies at the half step.
+                // The contact stage gets the velocities of all bodies at the half step.
                 seen = Some([
                     (to.translation.vector - body.position) / dt,
                     driven.axis * ((driven.angle - from.angle) / dt),
@@ -217,7 +218,7 @@ impl World {
             }
             let to = driven.place(base);
             let turn = driven.angle - from.angle;
-            // A wall has no end: what counts is how far it moves where bodies are.
+            // A wall is unbounded: its travel is that of its points where bodies are.
             let reach = if turn == 0.0 {
                 0.0
             } else {
@@ -231,8 +232,8 @@ impl World {
             };
             let at = to.translation.vector;
             motion.travelled += driven.way_from(&from, reach);
-            // As seen from the axis: the chord of a wall's origin far from it is off its tangent by more than
-            // bodies near the axis move.
+            // Velocity at the origin from the mean rotation about the axis. The chord of the path of an
+            // origin far from the axis deviates from its tangent by more than bodies near the axis move.
             let mean = Driven {
                 velocity: (driven.displacement - from.displacement) / dt,
                 rate: turn / dt,
@@ -255,7 +256,7 @@ impl World {
 
     /// Contacts at the present positions. `dt` is the time since the last call.
     fn touch(&mut self, dt: f64) -> Result<(), SolveError> {
-        // The contact stage sees the velocities of the half step.
+        // The contact stage gets the velocities of the half step.
         for &i in &self.awake {
             let body = &self.bodies[i as usize];
             let motion = &mut self.motions[i as usize];
@@ -271,7 +272,7 @@ impl World {
         self.touch_deformables(dt)
     }
 
-    /// Counts the work of an update of the contacts, and names the body if it has failed.
+    /// Updates the work counters after an update of the contacts, and names the body if it has failed.
     pub(super) fn count_contacts(
         &mut self,
         start: Instant,
@@ -320,8 +321,7 @@ impl World {
     }
 }
 
-/// Work exchanged with something that moves as prescribed: what its contacts do to it
-/// comes from the drive.
+/// Work exchanged with something that moves as prescribed: the drive supplies the work of its contacts.
 fn book_driven(load: &Load, velocity: &Vector3, turn: &Vector3, h: f64, flows: &mut Flows) {
     let power = |w: &Wrench| w.power(velocity, turn) * h;
     flows.work_in -= power(&load.total);

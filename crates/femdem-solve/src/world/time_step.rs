@@ -5,25 +5,25 @@ use crate::parameters::TimeStepParameters;
 use femdem_contact::{BodyShape, ContactParameters, stable_step};
 use serde::{Deserialize, Serialize};
 
-/// Step sizes are the cap divided by powers of this. A coarser ratio loses half of itself on average, and keeps energy
-/// no better.
+/// Step sizes are the cap divided by powers of this. A coarser ratio wastes half of itself on average, and
+/// does not conserve energy better.
 const LEVEL: f64 = 1.01;
 
-/// The bound of a flat face that has just touched over the cap, which knows of no lever and no friction: 0.43 to 0.52 for two
-/// cubes, 0.61 to 0.74 for one on a floor.
+/// The bound for a flat face that has just touched, over the cap, which ignores levers and friction: 0.43 to
+/// 0.52 for two cubes, 0.61 to 0.74 for one on a floor.
 const TOUCH: f64 = 0.45;
 
-/// A larger step is taken only after this many steps that would all have allowed it.
+/// A larger step is taken only after so many steps that would all have allowed it.
 const PATIENCE: u32 = 5;
 
 /// Fraction of its bounding radius that a body should move in a step at most.
 pub(super) const USUAL_MOVE: f64 = 0.1;
 
-/// Speed makes the step this many times shorter than stability does at most: what is faster still, and was not when it
-/// was added, has blown up.
+/// Speed makes the step at most this many times shorter than stability does. A body that is faster still, and
+/// was not when it was added, has blown up.
 const SHORTEST: f64 = 32.0;
 
-/// The step where nothing bounds it, as nothing is free to move, s.
+/// The step if nothing is free to move, s.
 const UNBOUNDED: f64 = 1e-3;
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ pub(crate) struct StepControl {
     lowest: f64,
     /// The bound of the last step, s.
     bound: f64,
-    /// Shortest step that a body that was added may ask for, s: what is launched fast has not blown up.
+    /// Shortest step that the speed of an added body requires, s: a body launched fast has not blown up.
     launch: f64,
     /// Smallest length scale of the fields of all shapes in use, m.
     thinnest: f64,
@@ -62,7 +62,7 @@ impl StepControl {
         self.current
     }
 
-    /// The stability bound that the last step was chosen from, s.
+    /// The stability bound of the last step, s.
     pub(crate) fn bound(&self) -> f64 {
         self.bound
     }
@@ -72,7 +72,7 @@ impl StepControl {
         *self = Self::default();
     }
 
-    /// Takes note of a shape in use. Whether its field is steeper than all before: all bodies must then be
+    /// Records a shape in use. Returns whether its field is steeper than all before: all bodies must then be
     /// [seen](Self::see) again.
     pub(crate) fn meet(&mut self, shape: &BodyShape) -> bool {
         let length = shape.inradius();
@@ -81,8 +81,8 @@ impl StepControl {
         thinner
     }
 
-    /// Lowers the cap for a body: one contact over its stiffest side against an equal body, or one as thin as the
-    /// thinnest there is.
+    /// Lowers the cap for a body: one contact over its stiffest side against an equal body, or against one as
+    /// thin as the thinnest in use.
     pub(crate) fn see(&mut self, shape: &BodyShape, body: &Body, law: &ContactParameters) {
         let length = shape.inradius();
         let steeper = 0.5 * (1.0 + length / self.thinnest.min(length));
@@ -93,12 +93,12 @@ impl StepControl {
         self.see_launch(USUAL_MOVE * body.radius / body.fastest());
     }
 
-    /// The bound of a body that comes down on a face, friction springs and levers included, s.
+    /// The bound for a body that comes down on a face, including friction springs and levers, s.
     pub(crate) fn touch(&self) -> f64 {
         TOUCH * self.cap
     }
 
-    /// Allows steps as short as the speed of something new asks for, s.
+    /// Allows steps as short as the speed of a new body requires, s.
     pub(crate) fn see_launch(&mut self, usual: f64) {
         self.launch = self.launch.min(usual);
     }

@@ -30,8 +30,8 @@ impl World {
         self.add_model_with_field(name, model, stiffness, Field::Body)
     }
 
-    /// As [`World::add_model`] with a field of choice: with the field and the penalty of a rigid body
-    /// contacts have the forces that they have there.
+    /// As [`World::add_model`], with a choice of the field. With the field and the penalty of a rigid body,
+    /// contacts have the same forces as those of that body.
     ///
     /// # Errors
     /// As [`World::add_model`].
@@ -66,8 +66,8 @@ impl World {
         Ok(deformables.models.len() as u32 - 1)
     }
 
-    /// Adds a deformable body and returns its index. Motions of its boundary count from its pose at this moment,
-    /// as those of walls and driven bodies do.
+    /// Adds a deformable body and returns its index. Motions of its boundary count from its pose at this
+    /// moment, like those of walls and driven bodies.
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown model, [`SolveError::Parameter`] for a pose or velocity
@@ -107,9 +107,8 @@ impl World {
         Ok(id)
     }
 
-    /// Lets the contact of a deformable body B begin with a friction force on B (N) and a moment about
-    /// the normal (N m), such as those of the rigid bodies that it takes the place of: see
-    /// [`DeformableBatch::begin_friction`].
+    /// Starts the contact of a deformable body B with a friction force on B (N) and a moment about the normal
+    /// (N m), such as those of the rigid bodies that it replaces: see [`DeformableBatch::begin_friction`].
     ///
     /// # Errors
     /// As [`World::add_model`] and [`DeformableBatch::begin_friction`].
@@ -126,7 +125,7 @@ impl World {
         Ok(())
     }
 
-    /// The deformable part, which knows all that is rigid.
+    /// The deformable part, created with all rigid shapes, bodies and walls if it does not exist.
     fn deformables_mut(&mut self) -> Result<&mut Deformables, SolveError> {
         self.restored()?;
         let law = ContactLaw::new(self.parameters.contact)?;
@@ -134,7 +133,7 @@ impl World {
             let new = Deformables::new(law, &self.batch, &self.bodies)?;
             self.deformables = Some(Box::new(new));
         }
-        // Just made, if it was not there.
+        // It exists: it was created above.
         self.deformables.as_deref_mut().ok_or(SolveError::NoSuch {
             what: "deformable part",
             index: 0,
@@ -180,13 +179,13 @@ impl State {
     }
 }
 
-/// Kinetic energy of what is prescribed, J.
+/// Kinetic energy of the prescribed nodes and components, J.
 pub(super) fn held_energy(boundary: &Boundary, masses: &[f64], velocities: &[Vector3]) -> f64 {
     let held = |(a, i): (u32, usize)| 0.5 * masses[a as usize] * velocities[a as usize][i].powi(2);
     boundary.held().map(held).sum()
 }
 
-/// 1/m of the nodes, 0 for those that are prescribed in all directions.
+/// Inverse masses of the nodes, 1/kg; 0 for those prescribed in all directions.
 pub(super) fn inverse_masses(masses: &[f64], boundary: &Boundary) -> Vec<f64> {
     let mut held = vec![0_u8; masses.len()];
     for (node, _) in boundary.held() {
@@ -226,7 +225,8 @@ fn young(material: &dyn Material) -> f64 {
 }
 
 impl Deformables {
-    /// Replaces the contact law, which stiffnesses [by the law](super::ContactStiffness::Law) follow.
+    /// Replaces the contact law, and with it the stiffnesses given [by the
+    /// law](super::ContactStiffness::Law).
     pub(in crate::world) fn set_law(&mut self, law: ContactLaw) -> Result<(), SolveError> {
         self.batch.set_law(law);
         let penalty = law.parameters().penalty;
@@ -240,7 +240,7 @@ impl Deformables {
         Ok(())
     }
 
-    /// Nothing that deforms yet, beside the rigid things of a world.
+    /// An empty deformable part with the rigid bodies and walls of a world.
     fn new(law: ContactLaw, rigid: &ContactBatch, bodies: &[Body]) -> Result<Self, SolveError> {
         let mut batch = DeformableBatch::new(law, Form::Sum)?;
         for shape in rigid.shapes() {

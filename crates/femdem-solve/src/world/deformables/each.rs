@@ -1,11 +1,11 @@
-//! Work on all bodies: with the feature `parallel` on the caller's thread pool. Results come in the order of
-//! the bodies, so that sums over them have the same bits on any number of threads.
+//! Loops over all bodies: with the feature `parallel` on the caller's thread pool. Results come in the order
+//! of the bodies, so that sums over them have the same bits on any number of threads.
 
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
-/// `work` on every item with its index and with memory to be reused, which must not carry a value from one item
-/// to the next.
+/// Runs `work` on every item with its index and a reused buffer, which must not carry values from one item to
+/// the next.
 #[cfg(feature = "parallel")]
 pub(super) fn on_each_with<T: Send, S, R: Send>(
     items: &mut [T],
@@ -18,8 +18,8 @@ pub(super) fn on_each_with<T: Send, S, R: Send>(
         .collect()
 }
 
-/// `work` on every item with its index and with memory to be reused, which must not carry a value from one item
-/// to the next.
+/// Runs `work` on every item with its index and a reused buffer, which must not carry values from one item to
+/// the next.
 #[cfg(not(feature = "parallel"))]
 pub(super) fn on_each_with<T, S, R>(
     items: &mut [T],
@@ -31,7 +31,7 @@ pub(super) fn on_each_with<T, S, R>(
     items.map(|(i, item)| work(&mut memory, i, item)).collect()
 }
 
-/// `work` on every item with its index.
+/// Runs `work` on every item with its index.
 pub(super) fn on_each<T: Send, R: Send>(
     items: &mut [T],
     work: impl Fn(usize, &mut T) -> R + Sync + Send,

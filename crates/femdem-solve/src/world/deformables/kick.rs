@@ -27,7 +27,7 @@ impl<'a> Contact<'a> {
     }
 }
 
-/// What kicks bodies beside the forces on their nodes, and for how long.
+/// Everything that kicks bodies beside the forces on their nodes, and the duration.
 pub(super) struct Kick<'a> {
     batch: &'a DeformableBatch,
     gravity: &'a Vector3,
@@ -63,8 +63,8 @@ impl<'a> Kick<'a> {
 }
 
 impl World {
-    /// The second half of a step: adds the impulse of `h` (s) to all nodes, books the work, and finds the largest
-    /// step that may come next, while the forces are at hand.
+    /// The second half of a step: adds the impulse of `h` (s) to all nodes, books the work, and computes the
+    /// largest next step while the forces are in the cache.
     pub(in crate::world) fn kick_deformables(&mut self, h: f64) {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return;
@@ -99,7 +99,7 @@ impl World {
 }
 
 impl State {
-    /// Half a kick of a body that nothing touches, without boundary and medium.
+    /// Half a kick of a body without contacts, boundary and medium.
     fn kick_alone(&mut self, gravity: &Vector3, h: f64) {
         let nodes = self.strain_forces.iter().zip(&self.inverse_masses);
         for (v, (force, w)) in self.velocities.iter_mut().zip(nodes) {
@@ -125,8 +125,9 @@ impl State {
         flows
     }
 
-    /// Half a kick. Works are the forces times the mean of the velocities before and after. What is held or
-    /// driven keeps its velocity: its support takes up all that acts on it, and the medium does not.
+    /// Half a kick. Works are the forces times the mean of the velocities before and after. Held and driven
+    /// components keep their velocity: their support balances all forces, and the medium does not act on
+    /// them.
     fn kick(
         &mut self,
         contact: &Contact,

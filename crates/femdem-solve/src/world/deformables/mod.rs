@@ -42,7 +42,7 @@ pub struct DeformableSpec {
     pub velocity: Vector3,
     /// Angular velocity about the centroid, world axes, rad/s.
     pub angular_velocity: Vector3,
-    /// What is prescribed at its nodes and on its skin.
+    /// Conditions at its nodes and on its skin.
     pub boundary: Boundary,
 }
 
@@ -60,7 +60,7 @@ impl DeformableSpec {
     }
 }
 
-/// How stiff the contact field of a deformable body is.
+/// Stiffness of the contact field of a deformable body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ContactStiffness {
@@ -97,8 +97,8 @@ impl Model {
         Ok(DeformableShape::with_field(mesh, edges, self.field)?)
     }
 
-    /// The step that is stable for any node alone with all its share of the skin in contact, s: a wall that mirrors
-    /// the body is the stiffest that it may meet, four times as stiff as the foundation.
+    /// The step that is stable for any node with its whole share of the skin in contact, s. The stiffest
+    /// partner is a wall that acts as a mirror image, four times as stiff as the foundation.
     fn contact_step(&self, shape: &DeformableShape, modulus: Modulus) -> f64 {
         let (nodes, masses) = (self.model.nodes(), self.model.masses());
         let mut areas = vec![0.0; masses.len()];
@@ -114,7 +114,7 @@ impl Model {
         }
         let foundation = modulus.penalty(shape.inradius()) / shape.inradius();
         let lightest = areas.iter().zip(masses).map(|(area, m)| area / m);
-        // As the step counts stiffness k on a node of mass m: 2 k/m.
+        // A stiffness k on a node of mass m counts as 2 k/m in the step.
         stable_step(8.0 * foundation * lightest.fold(0.0, f64::max), 0.0)
     }
 
@@ -127,7 +127,7 @@ impl Model {
     }
 }
 
-/// A deformable body at the present moment.
+/// The present state of a deformable body.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct State {
     pub model: ModelId,
@@ -136,7 +136,7 @@ pub(crate) struct State {
     pub positions: Vec<Vector3>,
     /// m/s.
     pub velocities: Vec<Vector3>,
-    /// 1/kg; 0 where a node is held or prescribed in all directions.
+    /// 1/kg; 0 where a node is prescribed in all directions.
     pub inverse_masses: Vec<f64>,
     pub history: Vec<f64>,
     /// Forces of the elements, and the loads of the boundary, at the present positions, N.
@@ -146,11 +146,11 @@ pub(crate) struct State {
     pub held_energy: f64,
     /// Largest speed of a node in the last step, m/s.
     pub fastest: f64,
-    /// Energies at the present positions; that of a batch of elements is computed when asked for.
+    /// Energies at the present positions; the energy of a batch of elements is computed on demand.
     pub internal: InternalState,
-    /// Bound of the elements, when it was last renewed, and the same by nodes.
+    /// Frequency bound of the elements as of its last renewal, for the body and by nodes.
     pub bound: FrequencyBound,
-    /// The step that contacts alone allow, however much of the skin they take, s.
+    /// The step that contacts alone allow, for any part of the skin, s.
     pub contact_step: f64,
     pub nodal: NodalBound,
     pub rest: Rest,
@@ -163,16 +163,16 @@ struct Scratch {
     work: Workspace,
 }
 
-/// All that deforms, with its contacts.
+/// All deformable bodies, with their contacts.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Deformables {
     pub models: Vec<Model>,
     pub bodies: Vec<State>,
     pub batch: DeformableBatch,
-    /// Loads of the rigid bodies and of the walls, by all contacts.
+    /// Loads of the rigid bodies and of the walls, from all contacts.
     loads: Vec<Load>,
     wall_loads: Vec<Load>,
-    /// The largest stable step under the present forces, s, once it is known.
+    /// The largest stable step under the present forces, s, once it has been computed.
     #[serde(skip)]
     bound: Option<f64>,
 }

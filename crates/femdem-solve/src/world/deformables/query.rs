@@ -1,4 +1,4 @@
-//! Reading the deformable bodies of a world.
+//! Queries of the deformable bodies of a world.
 
 use super::add::{centroid, held_energy, inverse_masses};
 use super::{DeformableId, Model, ModelId, State};
@@ -11,7 +11,7 @@ use femdem_contact::deform::{DeformableContact, DeformableTotals};
 use femdem_mesh::Vector3;
 use std::sync::Arc;
 
-/// A deformable body of a world, to read.
+/// Read access to a deformable body of a world.
 #[derive(Debug, Clone, Copy)]
 pub struct Deformable<'a> {
     model: &'a Model,
@@ -56,7 +56,7 @@ impl<'a> Deformable<'a> {
         &self.state.history
     }
 
-    /// What is prescribed.
+    /// The boundary conditions.
     #[must_use]
     pub fn boundary(&self) -> &'a Boundary {
         &self.state.boundary
@@ -199,13 +199,13 @@ impl World {
         self.deformables.as_ref().map(|d| d.batch.totals())
     }
 
-    /// Replaces what is prescribed at a deformable body. Motions are at the places that the boundary was given (see
-    /// [`Boundary::drive_from`]) before they begin: one that has begun is ahead of them by now, unless it
-    /// is [counted from](Boundary::counted_from) this moment. What its nodes gain or lose in kinetic
-    /// energy by being held is on the books as work.
+    /// Replaces the boundary conditions of a deformable body. The places given to the boundary (see
+    /// [`Boundary::drive_from`]) are those before a motion begins. If a motion has already begun, its nodes
+    /// jump to where it is now; use [`counted_from`](Boundary::counted_from) with the present time to avoid
+    /// that. The change of kinetic energy of its nodes by being held is booked as work.
     ///
     /// # Errors
-    /// [`SolveError::NoSuch`] for an unknown body, or a node that its model has not.
+    /// [`SolveError::NoSuch`] for an unknown body, or a node that its model does not have.
     pub fn set_boundary(&mut self, id: DeformableId, boundary: Boundary) -> Result<(), SolveError> {
         let count = self.deformable_count();
         let (models, bodies) = match self.deformables.as_deref_mut() {
@@ -232,7 +232,7 @@ impl World {
         Ok(())
     }
 
-    /// Gives custom materials that were read by name their laws again.
+    /// Binds custom materials that were read by name to their laws again.
     ///
     /// # Errors
     /// [`SolveError::UnboundMaterial`] if a law is missing.

@@ -1,11 +1,11 @@
 //! The active set of deformable bodies: which are frozen, and when they wake.
 //!
-//! A body rests when over a spell its nodes have hardly moved, their kinetic energy was small all the time, and the
-//! means of net force and moment, which are what its momentum and angular momentum have changed by, were small. What
-//! still rings inside it is then taken out by kinetic damping: it is stopped whenever its kinetic energy begins to
-//! fall, which for one mode of vibration is where it is in equilibrium. If the forces left on its nodes are small where it has
-//! stopped, it stays there: nothing of it is computed any more but its contacts with what is awake. It wakes when
-//! these leave twice as much on its nodes. What changes by less is not passed on.
+//! A body rests when over a spell its nodes have hardly moved, their kinetic energy stayed small, and the
+//! means of net force and moment, taken from the changes of its momentum and angular momentum, were small.
+//! Its remaining oscillations are then removed by kinetic damping: it is stopped whenever its kinetic energy
+//! begins to fall, which for a single mode of vibration is at equilibrium. If the residual forces on its
+//! nodes are small then, it stays frozen: only its contacts with awake bodies are computed. It wakes when
+//! these leave a residual of twice the tolerance. Smaller changes are not transferred.
 //!
 //! All decisions are functions of the state, so they are the same in every run.
 
@@ -19,10 +19,10 @@ use femdem_contact::deform::DeformableBatch;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// A frozen body wakes when what is left on its nodes is so many times the tolerance.
+/// A frozen body wakes when its imbalance exceeds the tolerance by this factor.
 const WAKE: f64 = 2.0;
 
-/// What is known of a body's rest.
+/// State of a body's rest.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Rest {
     /// Whether it is frozen.
@@ -31,7 +31,7 @@ pub(crate) struct Rest {
     steps: u32,
     /// Kinetic energy at the end of the last step, J.
     energy: f64,
-    /// How the present spell began.
+    /// State of the body at the beginning of the present spell.
     start: Start,
 }
 
@@ -49,13 +49,13 @@ struct Start {
     angular_momentum: Vector3,
 }
 
-/// What a body has done at the end of a step.
+/// Change of a body at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Change {
     None,
-    /// It was stopped and goes on; kinetic energy lost, J.
+    /// Stopped, still awake; kinetic energy lost, J.
     Stopped(f64),
-    /// It was stopped and stays; kinetic energy lost, J.
+    /// Stopped and frozen; kinetic energy lost, J.
     Asleep(f64),
     Awake,
 }
@@ -96,7 +96,7 @@ impl World {
                 Change::Asleep(energy) => {
                     self.flows.frozen += energy;
                     deformables.batch.set_awake(i as u32, false);
-                    // That was with it.
+                    // The bound included this body.
                     deformables.bound = None;
                 }
                 Change::Awake => deformables.wake(i),
@@ -119,12 +119,12 @@ impl Deformables {
         if let Some(body) = self.bodies.get_mut(i) {
             body.rest = Rest::default();
             self.batch.set_awake(i as u32, true);
-            // That was without it.
+            // The bound did not include this body.
             self.bound = None;
         }
     }
 
-    /// Wakes all bodies; those that were awake begin a new spell.
+    /// Wakes all bodies; awake ones start a new spell.
     pub(in crate::world) fn wake_all(&mut self) {
         for i in 0..self.bodies.len() {
             self.wake(i);
@@ -136,7 +136,7 @@ impl Deformables {
     }
 }
 
-/// What a body is judged by.
+/// Data by which a body is judged.
 struct Judge<'a> {
     parameters: &'a WorldParameters,
     batch: &'a DeformableBatch,
@@ -144,7 +144,7 @@ struct Judge<'a> {
     model: &'a DeformableModel,
     /// s.
     time: f64,
-    /// Whether anything moves as prescribed: what is carried slowly does not rest.
+    /// Whether anything moves as prescribed: a body that is carried slowly does not rest.
     driven: bool,
 }
 
@@ -160,7 +160,8 @@ impl Judge<'_> {
         change
     }
 
-    /// Whether a frozen body wakes. Dashpots do not count: what rings beside it pushes and pulls by them in turn.
+    /// Whether a frozen body wakes. Dashpot forces are excluded: oscillating neighbours push and pull
+    /// alternately by them.
     fn watch(&self, state: &State) -> Change {
         let limit = WAKE * self.parameters.sleeping.tolerance;
         if self.batch.is_stirred(self.body) && self.imbalance(state) > limit {
@@ -170,7 +171,7 @@ impl Judge<'_> {
         }
     }
 
-    /// The larger of the weight and half of what the contacts bear, N.
+    /// The larger of the weight and half the sum of the contact forces, N.
     fn load_scale(&self) -> f64 {
         let forces = self.batch.forces(self.body);
         let borne: f64 = forces.iter().map(Vector3::norm).sum();
@@ -183,7 +184,7 @@ impl Judge<'_> {
         2.0 * self.batch.shapes()[state.model as usize].radius()
     }
 
-    /// Follows a body that is awake, and stops it if it rests.
+    /// Updates the spell of an awake body, and stops the body if it rests.
     fn settle(
         &self,
         rest: &mut Rest,
@@ -252,8 +253,9 @@ impl Judge<'_> {
         creep < rule.creep * scale && force * diameter < bound && moment < bound
     }
 
-    /// What is left of balance in a body at rest: the forces left on its nodes over those that bear on them, both as sums
-    /// of norms; their sum over the load scale; or their moment over that times the diameter; the largest of these.
+    /// Imbalance of a body at rest, the largest of: the sum of |residual| over its nodes over the sum of
+    /// |external force|; the net residual force over the load scale; its moment over the load scale times the
+    /// diameter.
     fn imbalance(&self, state: &State) -> f64 {
         let (gravity, masses) = (self.parameters.gravity, self.model.masses());
         let centre = centroid(&state.positions, masses);

@@ -12,7 +12,7 @@ use femdem_contact::deform::{DeformableBatch, NodalState};
 use femdem_contact::{BodyId, ContactBatch, ContactError, Load, Motion, stable_step};
 use femdem_mesh::Vector3;
 
-/// Loads of the rigid bodies by all contacts.
+/// Loads of the rigid bodies from all contacts.
 pub(in crate::world) fn all_loads<'a>(
     batch: &'a ContactBatch,
     deformables: Option<&'a Deformables>,
@@ -20,7 +20,7 @@ pub(in crate::world) fn all_loads<'a>(
     summed(batch, deformables).map_or(batch.loads(), |d| &d.loads)
 }
 
-/// Loads of the walls by all contacts.
+/// Loads of the walls from all contacts.
 pub(in crate::world) fn all_wall_loads<'a>(
     batch: &'a ContactBatch,
     deformables: Option<&'a Deformables>,
@@ -28,7 +28,8 @@ pub(in crate::world) fn all_wall_loads<'a>(
     summed(batch, deformables).map_or(batch.wall_loads(), |d| &d.wall_loads)
 }
 
-/// The deformable part, if its sums are of all that is there: not before the first evaluation of what was added.
+/// The deformable part, if its sums include all bodies and walls: not before the first evaluation after an
+/// addition.
 fn summed<'a>(
     batch: &ContactBatch,
     deformables: Option<&'a Deformables>,
@@ -48,14 +49,14 @@ impl World {
         if let Some(bound) = deformables.bound {
             return bound;
         }
-        // Before the first kick, and where bodies have woken.
+        // Before the first kick, and after bodies have woken.
         let bodies = (0..).zip(&deformables.bodies);
         let awake = bodies.filter(|(_, body)| !body.rest.asleep);
         let steps = awake.map(|(i, body)| body.largest_step(&deformables.batch, i));
         steps.fold(f64::INFINITY, f64::min)
     }
 
-    /// Gives held and driven nodes their velocities of the step's end and books what that takes.
+    /// Sets held and driven nodes to their velocities at the end of the step, and books the work.
     pub(in crate::world) fn hold_deformables(&mut self) {
         let time = self.time;
         let Some(deformables) = self.deformables.as_deref_mut() else {
@@ -68,8 +69,8 @@ impl World {
         }
     }
 
-    /// The first half of a step, to the present time: kick, drift, and the forces of the elements. Body by
-    /// body, so that each is read from memory once.
+    /// The first half of a step, up to the present time: kick, drift, and the forces of the elements. Done
+    /// body by body, so that each is read from memory once.
     pub(in crate::world) fn advance_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
         let (time, steps, renew) = (self.time, self.steps, self.renews_bounds());
         let Some(deformables) = self.deformables.as_deref_mut() else {
@@ -139,7 +140,7 @@ impl World {
         Ok(())
     }
 
-    /// Wakes rigid bodies that a deformable one touches which is awake; they are not quiet as long as that lasts.
+    /// Wakes rigid bodies that touch an awake deformable one; they do not count as quiet meanwhile.
     fn wake_touched(&mut self) {
         let Some(deformables) = self.deformables.as_deref() else {
             return;
@@ -151,8 +152,9 @@ impl World {
 }
 
 impl Deformables {
-    /// The step in which no node moves far over the depth of its body against what is `met` (speed, m/s, of what is
-    /// near a point, m, within a radius, m), s.
+    /// The step, s, in which no node moves by more than [`USUAL_MOVE`] times the depth of its body, relative
+    /// to what it may meet. `met(x, r)` is the largest speed, m/s, of driven walls and bodies that may be met
+    /// within `r` (m) of `x` (m).
     pub(in crate::world) fn usual_step(&self, met: impl Fn(&Vector3, f64) -> f64) -> f64 {
         let bodies = self.bodies.iter().map(|body| {
             let shape = &self.batch.shapes()[body.model as usize];
@@ -182,7 +184,7 @@ impl Deformables {
         self.batch.update(&states, rigid, walls)
     }
 
-    /// Lets the bounds of the step follow the contacts, for steps of `dt` (s).
+    /// Updates the bounds of the step for the present contacts, for steps of `dt` (s).
     fn adapt(&mut self, dt: f64) {
         let Self { models, batch, .. } = self;
         on_each(&mut self.bodies, |i, body| {
@@ -208,7 +210,7 @@ impl Deformables {
         sum(&mut self.wall_loads, walls, self.batch.wall_loads());
     }
 
-    /// Adds the loads of both batches on a rigid body that wakes: the sum was of what it bore as it fell asleep.
+    /// Sums the loads of both batches on a rigid body that wakes: its old sum is from when it fell asleep.
     pub(in crate::world) fn sum_load(&mut self, body: BodyId, batch: &ContactBatch) {
         let i = body as usize;
         let parts = batch.loads().get(i).zip(self.batch.rigid_loads().get(i));
@@ -225,8 +227,8 @@ impl State {
         if !batch.touches(i) {
             return self.bound.critical_step();
         }
-        // The frequencies of elements and contacts add at most, even where they have nothing to do with
-        // each other.
+        // The squared frequencies of elements and contacts add at most, even where they act on different
+        // motions.
         let stiffness = batch.stiffness(i).iter().zip(&self.inverse_masses);
         let contact = stiffness.map(|(k, w)| 2.0 * k * w).fold(0.0, f64::max);
         let rate = batch.rates(i).iter().copied().fold(0.0, f64::max);
@@ -237,7 +239,7 @@ impl State {
         apart.max(self.nodal.step(&self.bound, self.contact(batch, i)))
     }
 
-    /// Stiffness over mass of the nodes of body `i` by its contacts, 1/s^2, and their damping rates, 1/s.
+    /// Stiffness over mass of the nodes of body `i` due to its contacts, 1/s^2, and their damping rates, 1/s.
     fn contact<'a>(
         &'a self,
         batch: &'a DeformableBatch,
@@ -247,7 +249,7 @@ impl State {
         move |a| (2.0 * stiffness[a] * self.inverse_masses[a], rates[a])
     }
 
-    /// Lets the bound by nodes follow the contacts of body `i`, for steps of `dt` (s).
+    /// Updates the bound by nodes for the contacts of body `i`, for steps of `dt` (s).
     fn adapt(&mut self, model: &DeformableModel, batch: &DeformableBatch, i: u32, dt: f64) {
         if batch.touches(i) {
             let mut nodal = std::mem::take(&mut self.nodal);
@@ -285,8 +287,8 @@ impl State {
         Ok(())
     }
 
-    /// Gives what is prescribed the mean velocity of its way to where it has to be at time `end`: both halves of
-    /// the step book the work on it along that way.
+    /// Sets prescribed components to their mean velocity towards their places at time `end`: both halves of
+    /// the step then book the work along that path.
     fn aim(&mut self, dt: f64, end: f64) {
         let (positions, velocities) = (&self.positions, &mut self.velocities);
         self.boundary.for_held(end, |a, i, place, _| {
@@ -294,7 +296,7 @@ impl State {
         });
     }
 
-    /// Moves the nodes; those that are prescribed go where they have to be at time `end`.
+    /// Moves the nodes; prescribed ones go to their places at time `end`.
     fn drift(&mut self, dt: f64, end: f64) {
         let Self {
             positions,
@@ -304,7 +306,7 @@ impl State {
         let mut fastest2 = 0.0_f64;
         for (x, v) in positions.iter_mut().zip(velocities.iter()) {
             *x += v * dt;
-            // No need to look for NaN, as f64::max does.
+            // A plain comparison: f64::max also handles NaN.
             let speed2 = v.norm_squared();
             fastest2 = if speed2 > fastest2 { speed2 } else { fastest2 };
         }

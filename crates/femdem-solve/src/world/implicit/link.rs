@@ -1,5 +1,5 @@
-//! A contact as the implicit step sees it: forces that change linearly with the velocities at the end of
-//! the step, within the bounds of a contact that neither pulls nor holds more than its friction.
+//! A contact in the implicit step: forces that change linearly with the velocities at the end of the step,
+//! within the bounds of a contact that neither pulls nor exceeds its friction.
 
 mod works;
 
@@ -8,13 +8,13 @@ use femdem_contact::{Contact, ContactForce, Dashpots, Springs};
 use femdem_mesh::nalgebra::{Matrix6, Vector6};
 use femdem_mesh::{Matrix3, Vector3};
 
-/// A change of a friction or moment at its bound, over that bound, that calls for another solution.
+/// Relative change of a friction force or moment at its bound that requires another solution.
 const SETTLED: f64 = 0.02;
 
-/// How a contact takes part in a solution.
+/// State of a contact in a solution.
 #[derive(Debug, Clone, Copy)]
 enum Grip {
-    /// Its friction holds.
+    /// Its friction sticks.
     Holds,
     /// It slides.
     Slides(Slip),
@@ -22,33 +22,34 @@ enum Grip {
     Parts,
 }
 
-/// Friction at its bound: it falls with the speed of the slip, so that it does not turn the slip round, and is
-/// what it should be where that speed does not change.
+/// Friction at its bound. It decreases with the slip speed, so that it does not reverse the slip, and has its
+/// full value where that speed does not change.
 #[derive(Debug, Clone, Copy)]
 struct Slip {
     /// Friction (N) and torsion (N m) at the velocities before the step.
     friction: Vector3,
     torsion: f64,
-    /// How much they fall for each unit of velocity gained, N s/m and N m s.
+    /// Decrease per unit of velocity gained, N s/m and N m s.
     slopes: [f64; 2],
 }
 
-/// Rocking at its bound: the pressure is at the edge of the patch, and it is there that the normal spring is pressed
-/// and let go. At the middle it would let go of energy that the contact keeps, since a body that tips over an edge opens
-/// the middle of the patch.
+/// Rocking at its bound: the pressure is at the edge of the patch, and the normal spring is compressed and
+/// released there. At the middle it would release energy that the contact keeps, since a body that tips over
+/// an edge opens the middle of the patch.
 #[derive(Debug, Clone, Copy)]
 struct Tilt {
-    /// Where the normal force acts beside the elastic wrench, m.
+    /// Additional lever of the normal force beside that of the elastic wrench, m.
     lever: Vector3,
-    /// Moment beside that, at the velocities before the step, N m.
+    /// Remaining moment at the velocities before the step, N m.
     moment: Vector3,
-    /// How much the moment falls for each unit of turning gained, N m s.
+    /// Decrease of the moment per unit of angular velocity gained, N m s.
     slope: f64,
 }
 
 impl Tilt {
-    /// With a moment at its bound under a normal force. The lever is in proportion to `spring`, the part of the spring in the
-    /// slope of that force: the dashpot acts along the elastic wrench, as in explicit steps.
+    /// For a moment at its bound under a normal force. The lever is proportional to `spring`, the share of
+    /// the spring in the slope of that force: the dashpot acts along the elastic wrench, as in explicit
+    /// steps.
     fn new(moment: &Vector3, normal: f64, spring: f64, slope: f64) -> Self {
         Self {
             lever: moment * (spring / normal),
@@ -58,21 +59,21 @@ impl Tilt {
     }
 }
 
-/// How much forces (N s/m) and moments (N m s) fall for each unit of velocity and turning gained.
+/// Decrease of forces (N s/m) and moments (N m s) per unit of velocity and angular velocity gained.
 #[derive(Debug, Clone, Copy)]
 struct Slopes {
     /// Along the elastic wrench.
     normal: f64,
     /// In the contact plane.
     tangential: f64,
-    /// Turning about an axis in the contact plane.
+    /// Rotation about an axis in the contact plane.
     rocking: f64,
-    /// Turning about the normal.
+    /// Rotation about the normal.
     torsion: f64,
 }
 
 impl Slopes {
-    /// Of dashpots, and of springs that the motion loads for a time, s.
+    /// Slopes of dashpots, and of springs that the motion loads for a time, s.
     fn new(c: &Dashpots, springs: &Springs, time: f64) -> Self {
         Self {
             normal: springs.normal * time + c.normal,
@@ -83,39 +84,38 @@ impl Slopes {
     }
 }
 
-/// A contact of two sides A and B; motions and forces are those of B against A.
+/// A contact of two sides A and B. Motions are those of B relative to A, forces those on B.
 #[derive(Debug)]
 pub(super) struct Link {
-    /// Places of A and B among the unknowns; none for what is not moved.
+    /// Indices of A and B among the unknowns; none for sides that are not solved for.
     sides: [Option<u32>; 2],
     /// Contact point from the origins of A and B, m.
     arms: [Vector3; 2],
     normal: Vector3,
     /// Lever of the elastic wrench about the contact point, m.
     lever: Vector3,
-    /// Velocity and turning before the step.
+    /// Relative velocity and angular velocity before the step.
     before: Twist,
-    /// Forces if the velocities did not change: elastic and damped along the normal, the others as
-    /// they would be if they held.
+    /// Forces at unchanged velocities: elastic and damped along the normal, the others as if they stuck.
     start: ContactForce,
     springs: Springs,
     slopes: Slopes,
-    /// How much less the normal force is at the start for each unit of velocity, N s/m.
+    /// Decrease of the starting normal force per unit of velocity before the step, N s/m.
     eased: f64,
     friction: f64,
-    /// Force of the normal spring where the contact was evaluated, N.
+    /// Elastic normal force where the contact was evaluated, N.
     elastic: f64,
     foreseen: bool,
     /// m.
     radius: f64,
     dt: f64,
     grip: Grip,
-    /// While it rocks by more than its springs and dashpots can resist.
+    /// Set while the rocking moment exceeds its bound.
     tilt: Option<Tilt>,
 }
 
-/// How much a force at its bound falls for each unit of velocity gained, at most `most`: so that it has vanished
-/// when the velocity has that it opposes.
+/// Decrease of a force at its bound per unit of velocity gained, at most `most`, such that the force vanishes
+/// when the velocity that it opposes does.
 fn slope_at_bound(force: &Vector3, velocity: &Vector3, most: f64) -> f64 {
     let size = force.norm();
     let speed = -force.dot(velocity) / size.max(f64::MIN_POSITIVE);
@@ -127,9 +127,9 @@ fn slope_at_bound(force: &Vector3, velocity: &Vector3, most: f64) -> f64 {
 }
 
 impl Link {
-    /// `before` is the velocity and the turning of B against A at the contact point, `friction` Coulomb's
-    /// coefficient, `dt` the step, s. The contact has the forces of its springs alone, where the sides are
-    /// or, if it is foreseen, where they would be after `dt` with those velocities.
+    /// `before` is the velocity and angular velocity of B relative to A at the contact point, `friction`
+    /// Coulomb's coefficient, `dt` the step, s. The contact has the forces of its springs alone, at the
+    /// present poses or, if it is foreseen, at those predicted after `dt` from these velocities.
     pub(super) fn new(
         contact: &Contact,
         sides: [Option<u32>; 2],
@@ -138,8 +138,8 @@ impl Link {
         friction: f64,
         dt: f64,
     ) -> Self {
-        // Rocking by all of the polar second moment, as in the bound of the explicit step: less of it,
-        // and a block on an edge rocks without end.
+        // Rocking stiffness is all of the polar second moment, as in the bound of the explicit step: with
+        // less, a block on an edge rocks endlessly.
         let (n, springs) = (contact.normal, contact.springs());
         let lever = if contact.elastic_force > 0.0 {
             contact.moment / contact.elastic_force
@@ -149,7 +149,7 @@ impl Link {
         let opening = n.dot(&before.velocity) + lever.dot(&before.turning);
         let across = |x: &Vector3| x - n * n.dot(x);
         let slopes = Slopes::new(contact.dashpots(), &springs, dt);
-        // What springs are foreseen to bear, they bear already.
+        // Springs of a foreseen contact already include the displacement of the step.
         let ahead = if contact.foreseen { 0.0 } else { dt };
         let ahead = Slopes::new(contact.dashpots(), &springs, ahead);
         let mut link = Self {
@@ -177,7 +177,7 @@ impl Link {
             tilt: None,
         };
         if contact.slides {
-            // It goes on as it did.
+            // It keeps sliding.
             let dashpots = contact.dashpots();
             let friction = contact.friction - across(&before.velocity) * dashpots.tangential;
             let torsion = contact.torsion - n.dot(&before.turning) * dashpots.torsion;
@@ -188,8 +188,9 @@ impl Link {
         link
     }
 
-    /// Velocity and turning of B against A that belong to those of the bodies. This and what follows is in line with the
-    /// product in every round: called, its vectors go through memory, for a tenth of the time of a step.
+    /// Relative velocity and angular velocity of B against A from those of the bodies. This and the next
+    /// functions are inlined into the product of every iteration: as calls they pass vectors through memory,
+    /// which costs a tenth of the time of a step.
     #[inline(always)]
     fn relative(&self, x: &[Twist]) -> Twist {
         let mut apart = Twist::default();
@@ -206,7 +207,7 @@ impl Link {
         apart
     }
 
-    /// Adds a force and a moment on B, and the opposite on A.
+    /// Adds a force and a moment on B, and the opposite ones on A.
     #[inline(always)]
     fn add(&self, force: &Vector3, moment: &Vector3, out: &mut [Twist]) {
         if let Some(b) = self.sides[1] {
@@ -247,7 +248,7 @@ impl Link {
         self.add_force(&forces, out);
     }
 
-    /// How rocking is resisted: by its spring and dashpot unless it is at its bound.
+    /// How rocking is resisted: by spring and dashpot, unless it is at its bound.
     fn rocks(&self) -> Tilt {
         self.tilt.unwrap_or(Tilt {
             lever: Vector3::zeros(),
@@ -261,8 +262,8 @@ impl Link {
         self.start.normal - self.eased * tilt.lever.dot(&self.before.turning)
     }
 
-    /// The slip that friction and torsion at their bound belong to after a change of velocity and spin;
-    /// `share` is the part of the torsional spring that is within the bound.
+    /// The slip state for friction and torsion at their bounds after a change of velocity and spin; `share`
+    /// is the fraction of the torsional spring within the bound.
     fn slip(&self, friction: &Vector3, torsion: f64, change: [f64; 2], share: f64) -> Slip {
         let slope = slope_at_bound(friction, &self.before.velocity, self.slopes.tangential);
         let turning = share * self.slopes.torsion;
@@ -337,8 +338,8 @@ impl Link {
         block
     }
 
-    /// The forces after a change of the velocities, within their bounds, and the part of friction and
-    /// torsion that was.
+    /// The forces after a change of the velocities, limited to their bounds, and the fraction of friction and
+    /// torsion within them.
     fn forces(&self, change: &Twist) -> (ContactForce, f64) {
         let (n, s) = (&self.normal, &self.slopes);
         let (along, spin) = (n.dot(&change.velocity), n.dot(&change.turning));
@@ -378,14 +379,14 @@ impl Link {
         (forces, share)
     }
 
-    /// A moment against rocking that would move the centre of the pressure out of the patch, at its bound: the sides
-    /// do not pull.
+    /// A rocking moment that would move the centre of pressure out of the patch, reduced to its bound, since
+    /// the sides do not pull; `None` if it is within.
     fn at_edge(&self, moment: &Vector3, normal: f64) -> Option<Vector3> {
         let (size, most) = (moment.norm(), normal * self.radius);
         (size > most).then(|| moment * (most / size))
     }
 
-    /// The part of friction and torsion within the ellipsoid limit surface of the friction law.
+    /// The fraction of friction and torsion within the ellipsoid limit surface of the friction law.
     fn share(&self, friction: &Vector3, torsion: f64, normal: f64) -> f64 {
         let most = self.friction * normal;
         let turning = torsion / self.radius.max(f64::MIN_POSITIVE);
@@ -397,8 +398,8 @@ impl Link {
         }
     }
 
-    /// Takes from a solution whether friction and rocking hold and whether the sides part; tells whether that
-    /// calls for another one.
+    /// Updates from a solution whether friction and rocking stick and whether the sides part; returns whether
+    /// another solution is needed.
     pub(super) fn follow(&mut self, x: &[Twist]) -> bool {
         let x = self.relative(x);
         let (found, within) = self.forces(&x);
@@ -419,7 +420,7 @@ impl Link {
         tilted || !matches!(before, Grip::Slides(_)) || off > SETTLED * size
     }
 
-    /// Takes part again if it was left out as parting and closes in a solution; tells whether.
+    /// Reactivates a contact that was excluded as parting but closes in a solution; returns whether it did.
     pub(super) fn close_again(&mut self, x: &[Twist]) -> bool {
         if !matches!(self.grip, Grip::Parts) {
             return false;
@@ -437,13 +438,14 @@ impl Link {
         true
     }
 
-    /// Slides with the forces that hold after a change of the velocities, of which `share` is within the bound.
+    /// Sliding state from the sticking forces after a change of the velocities, of which the fraction `share`
+    /// is within the bound.
     fn slides(&self, x: &Twist, held: &ContactForce, share: f64) -> Grip {
         let change = [0.0, self.normal.dot(&x.turning)];
         Grip::Slides(self.slip(&held.friction, held.torsion, change, share))
     }
 
-    /// The same for rocking; `found` is the moment that the solution had.
+    /// The same for rocking; `found` is the moment of the solution.
     fn follow_tilt(&mut self, x: &Twist, found: &Vector3, normal: f64) -> bool {
         let before = self.tilt.take();
         let n = &self.normal;

@@ -1,13 +1,13 @@
 //! A linearly implicit step: all contacts at once, with the velocities at its end.
 //!
 //! One Newton step of the backward Euler method (after Baraff & Witkin 1998, "Large steps in cloth
-//! simulation") from the present positions for the contacts that exist and do not become much harder, and for the
-//! others from those to which the present velocities would carry the bodies: so contacts are seen before they close,
-//! and a body that falls or tips over is stopped at the surface and not inside it. With x the change of the velocities
-//! (M/dt + C + dt K) x = f, f the forces there with the dashpots at the present velocities, K and C the
-//! springs and dashpots of every contact ([`Link`]). What friction holds beyond its bound, moments against rocking
-//! that would take the pressure out of the patch, and contacts that would pull, are corrected in further
-//! solutions. The forces that are applied keep their bounds in any case, and act in pairs.
+//! simulation"). Existing contacts that do not become much harder are linearised at the present positions,
+//! the others at the positions predicted from the present velocities. So contacts are detected before they
+//! close, and a body that falls or tips over is stopped at the surface and not inside it. With x the change
+//! of the velocities, (M/dt + C + dt K) x = f, where f are the forces there with the dashpots at the present
+//! velocities, and K and C the springs and dashpots of every contact ([`Link`]). Friction beyond its bound,
+//! rocking moments that would move the pressure out of the patch, and contacts that would pull, are corrected
+//! in further solutions. The applied forces respect their bounds in any case, and act in opposite pairs.
 
 mod link;
 mod system;
@@ -25,7 +25,7 @@ use link::Link;
 use std::time::Instant;
 use system::{Inertia, System, Twist};
 
-/// Tolerance of the solutions that only tell how contacts take part, over that of the last.
+/// Tolerance of the solutions that only decide the state of the contacts, over that of the last.
 const ROUGH: f64 = 3.0;
 
 /// A free body before the step.
@@ -76,7 +76,7 @@ impl World {
         self.book_driven(dt);
         self.time += dt;
         self.steps += 1;
-        // The contacts on record are not those of the present positions.
+        // The recorded contacts do not belong to the present positions.
         self.loaded = false;
         self.meet_newcomers();
         self.behind = dt;
@@ -85,8 +85,8 @@ impl World {
         Ok(())
     }
 
-    /// Evaluates the contacts that there are, and those that would close within the step. Leaves free bodies
-    /// where their present velocities would carry them, and returns where they were.
+    /// Evaluates the existing contacts, and those that would close within the step. Leaves free bodies at the
+    /// poses predicted from their present velocities, and returns their earlier states.
     fn look_ahead(&mut self, since: f64, dt: f64) -> Result<Vec<Before>, SolveError> {
         if self.ahead.len() != self.motions.len() {
             self.ahead = self.motions.clone();
@@ -142,8 +142,8 @@ impl World {
         self.step_control.choose_implicit(rule.multiple, most)
     }
 
-    /// Finds the forces of the contacts, puts them on record, and returns what they do to each
-    /// awake body in the step, about its centroid; `None` for one without contact.
+    /// Solves for the forces of the contacts, records them, and returns their wrench on each awake body in
+    /// the step, about its centroid; `None` for one without contact.
     fn answer_contacts(
         &mut self,
         dt: f64,
@@ -187,7 +187,7 @@ impl World {
         let mut sums = vec![Twist::default(); members.len()];
         let answer = |link: &Link| link.answer(&x, &mut sums);
         let forces: Vec<ContactForce> = system.links.iter().map(answer).collect();
-        // What the forces within their bounds really do.
+        // The velocity changes due to the forces within their bounds.
         for (((x, sum), other), inertia) in
             x.iter_mut().zip(&sums).zip(&others).zip(&system.inertias)
         {
@@ -209,8 +209,9 @@ impl World {
         Ok(wrenches)
     }
 
-    /// Solves the system until friction, rocking and the contacts that part agree with the solution, or as often as
-    /// the rule has it, and then until none of those left out closes. Returns the changes of the velocities.
+    /// Solves the system until friction, rocking and parting contacts agree with the solution, or up to the
+    /// largest number of systems, and then until no excluded contact closes. Returns the changes of the
+    /// velocities.
     fn solve_contacts(
         &mut self,
         system: &mut System,
@@ -237,7 +238,7 @@ impl World {
         }
         loop {
             solve(system, &mut x, rule.tolerance);
-            // The spring of one left out that closes would act as in an explicit step, far beyond its limit.
+            // If an excluded contact closes, its spring would act explicitly, far beyond the stability limit.
             let mut closed = false;
             for link in &mut system.links {
                 closed |= link.close_again(&x);
@@ -248,8 +249,9 @@ impl World {
         }
     }
 
-    /// Both sides of a contact about the same point, so that the angular momentum of the two does not
-    /// change; that of a foreseen one goes with the mean of both. `members` are the free bodies, ascending.
+    /// The link of a contact, with both arms to the same point, so that the angular momentum of the two is
+    /// conserved; for a foreseen contact that point follows the mean motion of both. `members` are the free
+    /// bodies, ascending.
     fn link(&self, contact: &Contact, members: &[BodyId], dt: f64) -> Link {
         let place = |i: BodyId| members.binary_search(&i).ok().map(|k| k as u32);
         let (a, side_a): (&Motion, _) = match contact.a {
@@ -301,7 +303,7 @@ impl World {
             let work = (force.dot(&mean) + contact.torque.dot(&spin)) * dt;
             self.flows.medium_work += energy[1] - energy[0] - work;
         }
-        // Falls freely as it should, and keeps to its contacts as it must.
+        // Free fall is exact with the mean velocity; contacts require the velocity at the end.
         let velocity = if wrench.is_some() {
             body.velocity
         } else {
@@ -310,7 +312,7 @@ impl World {
         self.flows.step_loss += body.mass * gravity.dot(&(velocity - mean)) * dt;
         body.position = before.position + velocity * dt;
         rotation::drift(&mut body.orientation, &mut body.momentum, &body.moments, dt);
-        // From where the contacts were evaluated.
+        // Distance from the pose where the contacts were evaluated.
         let apart = (velocity - before.velocity).norm()
             + 1.5 * (turning - before.turning).norm() * body.radius;
         body.travelled += apart * dt;
@@ -351,7 +353,7 @@ impl Before {
     }
 }
 
-/// Mass and inertia over the time that forces act.
+/// Mass and inertia over the effective time of the forces.
 fn inertia(before: &Before, body: &Body, reach: f64) -> Inertia {
     let axes = before.orientation.to_rotation_matrix().into_inner();
     let moments = Matrix3::from_diagonal(&(body.moments / reach));

@@ -32,7 +32,7 @@ pub(super) struct Inertia {
 }
 
 impl Inertia {
-    /// The change of the velocities by the contacts and by what else acts.
+    /// The change of the velocities due to the contacts and to other forces.
     pub(super) fn response(&self, contacts: &Twist, others: &Twist) -> Twist {
         Twist {
             velocity: (contacts.velocity + others.velocity) / self.mass,
@@ -79,10 +79,10 @@ impl System {
         all.map(Option::unwrap_or_default).collect()
     }
 
-    /// Improves `x` by conjugate gradients (Hestenes & Stiefel 1952) with `inverses` of the blocks on the
-    /// diagonal as preconditioner, until the residual is below `tolerance` times the forces `r`, in the norm of
-    /// the preconditioner, and returns the number of rounds. `r` are the forces at the
-    /// velocities before the step without those of the contacts, which are added here.
+    /// Improves `x` by conjugate gradients (Hestenes & Stiefel 1952) with `inverses` of the diagonal blocks
+    /// as preconditioner, until the residual is below `tolerance` times the forces `r`, in the norm of the
+    /// preconditioner, and returns the number of iterations. `r` are the forces at the velocities before the
+    /// step without those of the contacts, which are added here.
     pub(super) fn solve(
         &self,
         inverses: &[Matrix6<f64>],
@@ -154,7 +154,7 @@ mod tests {
     use femdem_mesh::catalogue::CatalogueShape;
     use femdem_mesh::{Pose, Rotation};
 
-    /// Three cubes that lean on each other over a floor, as they touch after some steps.
+    /// Three cubes that lean on each other over a floor, with the contacts of some steps later.
     fn leaning() -> System {
         let mut p = WorldParameters::default();
         p.contact.penalty = 1e7;
@@ -204,7 +204,7 @@ mod tests {
         dot(x, &unit(k))
     }
 
-    /// The whole matrix is symmetric and positive, and its blocks on the diagonal are those that the
+    /// The whole matrix is symmetric and positive definite, and its diagonal blocks are those that the
     /// preconditioner inverts.
     #[test]
     fn the_matrix_is_symmetric_and_its_blocks_are_known() {

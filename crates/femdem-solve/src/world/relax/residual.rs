@@ -1,4 +1,4 @@
-//! What is left of the forces, and what it is compared with.
+//! Residual forces, and the reference force that they are divided by.
 
 use super::WorldRelaxed;
 use crate::world::{Deformable, World};
@@ -13,7 +13,7 @@ struct Nodal {
 }
 
 impl World {
-    /// Residuals now; returns that of the deformable bodies as wholes.
+    /// Computes the residuals; returns that of the deformable bodies as wholes.
     pub(super) fn measure(&self, report: &mut WorldRelaxed) -> f64 {
         let nodal: Vec<Nodal> = self.deformables().map(|d| self.nodal_forces(d)).collect();
         report.mean_contact_force = self
@@ -37,7 +37,7 @@ impl World {
         whole / report.mean_contact_force
     }
 
-    /// Mean normal force of the contacts, N, if anything is pressed.
+    /// Mean normal force of the contacts, N, if there is any.
     fn mean_contact_force(&self) -> Option<f64> {
         let rigid = self.batch.contacts().into_iter().map(|c| c.normal_force);
         let soft = self.deformable_contacts().map(|c| c.normal_force);
@@ -46,7 +46,7 @@ impl World {
         (sum > 0.0).then_some(sum / count)
     }
 
-    /// What gravity, loads and supports do to the body that they do least to, N, if they do anything.
+    /// The smallest positive force given by gravity, loads and reactions over all bodies, N, if there is any.
     fn least_given(&self, nodal: &[Nodal]) -> Option<f64> {
         let g = self.parameters.gravity.norm();
         let rigid = self.free_bodies().map(|(_, body)| body.mass * g);

@@ -1,4 +1,4 @@
-//! What the forces of a contact do in an implicit step, for the books.
+//! Works of the forces of a contact in an implicit step, for the energy ledger.
 
 use super::{Link, Twist};
 use femdem_contact::ContactForce;
@@ -6,18 +6,19 @@ use femdem_contact::ContactForce;
 /// Energies of a contact over a step, J.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::world::implicit) struct Works {
-    /// Of the dashpots.
+    /// Work of the dashpots.
     pub damping: f64,
-    /// Of friction, springs included.
+    /// Work of friction, springs included.
     pub friction: f64,
-    /// That the normal spring took from the motion and does not hold.
+    /// Energy that the normal spring took from the motion and does not store.
     pub step: f64,
 }
 
 impl Link {
-    /// What forces do while the velocities change by `x`. The mean of the velocities before and after tells
-    /// what a force does to the kinetic energy; a dashpot takes what it would at the velocities after, and
-    /// what else the normal force takes and the spring does not hold is the step's.
+    /// Works of the forces while the velocities change by `x`. The work of a force on the kinetic energy is
+    /// at the mean of the velocities before and after. Dashpots are booked at the velocities after the step.
+    /// The rest of the work of the normal force, which the spring does not store, is booked as numerical
+    /// dissipation of the step.
     pub(in crate::world::implicit) fn works(&self, forces: &ContactForce, x: &[Twist]) -> Works {
         let (n, dt) = (&self.normal, self.dt);
         let change = self.relative(x);
@@ -34,12 +35,13 @@ impl Link {
         let elastic = if forces.normal > 0.0 {
             forces.normal + dashpot * (rate[0] + rate[1])
         } else {
-            // It parts faster than the dashpot lets the spring follow, which keeps what it has not lost.
+            // The sides part faster than the dashpot lets the spring expand; the spring keeps the energy it
+            // has not released.
             let passed = if self.foreseen { 0.0 } else { rate[0] };
             self.elastic - spring * (passed + rate[1])
         };
         let elastic = elastic.max(0.0);
-        // The spring's force where the step began.
+        // Force of the spring at the beginning of the step.
         let began = if self.foreseen { spring * rate[0] } else { 0.0 };
         let was = (self.elastic + began).max(0.0);
         let held = if self.springs.normal > 0.0 {
@@ -48,7 +50,7 @@ impl Link {
             0.0
         };
         let viscous = (forces.normal - elastic) * (rate[0] + rate[1]) * dt;
-        // Beside what the normal force does at the edge.
+        // Without the moment of the normal force at the edge.
         let rocking = forces.rocking - edge * forces.normal;
         Works {
             damping: viscous + rocking.dot(&mean.turning) * dt,
