@@ -6,7 +6,7 @@ use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What changes of a deformable body.
+/// The state of a deformable body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DeformableState {
     /// Positions of the nodes, m.
@@ -29,8 +29,8 @@ impl DeformableState {
     }
 }
 
-/// A deformable body that is stepped on its own: kick, drift, forces, kick, with every joule on the
-/// books. A world with contacts uses the same parts.
+/// A single deformable body that is stepped separately: kick, drift, forces, kick, with a complete energy
+/// ledger. A world with contacts uses the same parts.
 ///
 /// ```
 /// use femdem_mesh::{TetMesh, Vector3};
@@ -85,13 +85,13 @@ impl DeformableBody {
         Self::with_state(model, boundary, state, 0.0)
     }
 
-    /// A body in a state of its own, at time `time` (s). Held nodes are put in their places.
+    /// A body in a given state, at time `time` (s). Held nodes are moved to their places.
     ///
     /// # Errors
     ///
-    /// [`SolveError::Element`] if an array has another length than the model needs, or the materials
-    /// have no stress in that state; [`SolveError`] if the boundary belongs to a larger model or the
-    /// time is not finite.
+    /// [`SolveError::Element`] if an array does not have the length that the model needs, or the materials
+    /// have no stress in that state; [`SolveError`] if the boundary belongs to a larger model or the time is
+    /// not finite.
     pub fn with_state(
         model: Arc<DeformableModel>,
         boundary: Boundary,
@@ -182,7 +182,7 @@ impl DeformableBody {
         self.steps
     }
 
-    /// Where the energy is and went.
+    /// The energy ledger.
     #[must_use]
     pub fn ledger(&self) -> &BodyLedger {
         &self.ledger
@@ -200,7 +200,7 @@ impl DeformableBody {
         &self.external
     }
 
-    /// The largest stable step now, s: see [`super::FrequencyBound::critical_step`]. Take less, since
+    /// The largest stable step now, s: see [`super::FrequencyBound::critical_step`]. Use less, since
     /// stiffness changes with deformation: 0.9 of it as a rule, 0.5 for large strains.
     ///
     /// # Errors
@@ -217,9 +217,8 @@ impl DeformableBody {
     ///
     /// # Errors
     ///
-    /// [`SolveError::BodyFailed`] with the step and the element if one is inverted, which a step that is
-    /// too large brings about in the end; the body is then of no more use. [`SolveError::Parameter`]
-    /// if `dt` is not positive.
+    /// [`SolveError::BodyFailed`] with the step and the element if one is inverted, which a step that is too
+    /// large eventually causes; the body is then unusable. [`SolveError::Parameter`] if `dt` is not positive.
     pub fn step(&mut self, dt: f64) -> Result<(), SolveError> {
         check("dt", dt, dt > 0.0, "positive, in s")?;
         let (half, end) = (0.5 * dt, self.time + dt);
@@ -259,7 +258,7 @@ impl DeformableBody {
         Ok(())
     }
 
-    /// Velocities by half a step of force. Held components get theirs from the boundary after it.
+    /// Adds half a step of force to the velocities. Held components then get theirs from the boundary.
     fn kick(&mut self, half: f64) {
         let forces = self.internal.iter().zip(&self.external);
         let nodes = self.state.v.iter_mut().zip(self.model.masses());

@@ -10,12 +10,12 @@ use serde::{Deserialize, Serialize};
 /// What limits the time step of a body without contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct FrequencyBound {
-    /// Not less than omega^2 of any motion of the body, rad^2/s^2.
+    /// Upper bound of omega^2 of any motion of the body, rad^2/s^2.
     pub frequency2: f64,
-    /// Not less than the decay rate by viscosity of any motion, the largest eigenvalue of M^-1 C, 1/s.
+    /// Upper bound of the viscous decay rate of any motion, the largest eigenvalue of M^-1 C, 1/s.
     pub viscous_rate: f64,
-    /// The largest stiffness of an element over its wave modulus; infinite where an element's stiffness
-    /// comes from others, too, so that there is no bound node by node.
+    /// The largest stiffness of an element over its wave modulus. Infinite where an element's stiffness
+    /// depends on other elements, so that there is no bound node by node.
     pub(crate) stiffening: f64,
 }
 
@@ -31,7 +31,7 @@ impl FrequencyBound {
     }
 
     fn raise(&mut self, frequency2: f64, viscous_rate: f64, stiffening: f64) {
-        // A bound that is not a number must not pass for a small one.
+        // A NaN bound must not pass for a small one.
         let larger = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
         self.frequency2 = larger(self.frequency2, frequency2);
         self.viscous_rate = larger(self.viscous_rate, viscous_rate);
@@ -42,10 +42,10 @@ impl FrequencyBound {
 impl DeformableModel {
     /// A bound of the highest frequency at positions `x` (m) with the history `old`.
     ///
-    /// For T4 and T10 it is proven for every state in which the materials' stiffness bounds hold. It
-    /// exceeds the true omega by at most half as much again for meshes of usual shapes (see the
-    /// tests). With F-bar and averaged pressures it is proven for small strain; at finite strain it
-    /// carries the factors by which volume ratios differ within an average, and a bound of the terms
+    /// For T4 and T10 it is proven for every state in which the materials' stiffness bounds hold. It exceeds
+    /// the true omega by at most half for meshes of usual shapes (see the tests). With F-bar and averaged
+    /// pressures it is proven for small strain. At finite strain these bounds contain the ratios by which
+    /// volume changes differ within an average, and a bound of the terms due to stress.
     /// that stress adds.
     ///
     /// # Errors
@@ -69,8 +69,8 @@ impl DeformableModel {
         }
     }
 
-    /// The bound by the amount of strain alone, a little larger than that by its kind; `None` of elements
-    /// that are not batched or strained much.
+    /// The bound from the magnitude of strain alone, slightly larger than that from the full state; `None`
+    /// for elements that are not batched, or at large strain.
     fn bound_within(&self, x: &[Vector3]) -> Option<FrequencyBound> {
         let rows = self.batch.as_ref()?.squared_strains(x);
         let mut bound = FrequencyBound::default();
@@ -124,8 +124,8 @@ impl DeformableModel {
         Ok(bound)
     }
 
-    /// The stiffness of an average can come from any of its elements, with the weights of the
-    /// averaging there and back: theta_e^2 <= mean over its averages of theta'^2.
+    /// The stiffness of an average can come from any of its elements, with the weights of the averaging forth
+    /// and back: theta_e^2 <= mean over its averages of theta'^2.
     fn averaged_bound(&self, state: State) -> Result<FrequencyBound, ElementFailure> {
         let Some(averages) = &self.averages else {
             return Ok(FrequencyBound::default());
@@ -172,11 +172,11 @@ impl DeformableModel {
         }
     }
 
-    /// The same at a point with an averaged volume change, where `spread` is the largest weight that
-    /// this point's volume change has in the averages. With l = dF F^-1 and theta = dJbar/Jbar:
-    /// the law sees lbar = l + (theta - tr l)/3 I, and alpha theta^2 + beta |lbar|^2 <= spread
-    /// (alpha tr^2 l + beta |l|^2) in sum over the average. The second variation of Fbar adds
-    /// (eta^2 + d eta) tr tau + 2 eta tau : l with eta = (theta - tr l)/3.
+    /// The same at a point with an averaged volume change, where `spread` is the largest weight of this
+    /// point's volume change in the averages. With l = dF F^-1 and theta = dJbar/Jbar: the law gets lbar = l
+    /// + (theta - tr l)/3 I, and alpha theta^2 + beta |lbar|^2 <= spread (alpha tr^2 l + beta |l|^2) in sum
+    /// over the average. The second variation of Fbar adds (eta^2 + d eta) tr tau + 2 eta tau : l with eta =
+    /// (theta - tr l)/3.
     fn bar_stiffness(
         &self,
         e: usize,

@@ -297,8 +297,8 @@ impl Boundary {
         Ok(posed)
     }
 
-    /// The same with motions counted from time `t` (s): what is driven is then at the places that it was given, and
-    /// goes on from there by what is left of its motion.
+    /// The same with motions counted from time `t` (s). At time `t` driven nodes are at the places given to
+    /// the boundary; only the part of their motion after `t` is still to come.
     #[must_use]
     pub fn counted_from(&self, t: f64) -> Self {
         let mut counted = self.clone();

@@ -1,4 +1,4 @@
-//! How a model is made.
+//! Building a model.
 
 use super::comparison::Comparison;
 use super::nodal::NodalAverages;
@@ -10,7 +10,7 @@ use femdem_mesh::tet::QuadraticMesh;
 use femdem_mesh::{Matrix3, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// What a model is made from, and is stored as.
+/// The data that a model is built from and stored as.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "DeformableModel", deny_unknown_fields)]
 pub(super) struct Parts {
@@ -167,7 +167,7 @@ pub(super) fn history_stride(regions: &[MaterialRegion]) -> usize {
 }
 
 impl DeformableModel {
-    /// Refuses masses beyond what numbers hold.
+    /// Refuses masses that overflow.
     pub(super) fn check_mass(&self) -> Result<(), SolveError> {
         let mass: f64 = self.masses.iter().sum();
         check(

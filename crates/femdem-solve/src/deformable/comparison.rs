@@ -6,15 +6,15 @@ use femdem_contact::stable_step;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Less than this part of the largest weight no node ever has: each must be positive.
+/// Lower limit of a node's weight over the largest weight: each must be positive.
 const LEAST: f64 = 1e-100;
 
-/// A matrix without negative entries that bounds the stiffness of the elements: as
-/// |sum_a u_a (x) grad N_a| <= sum_a |u_a| |grad N_a|, for all nodal fields u
+/// A matrix without negative entries that bounds the stiffness of the elements: since |sum_a u_a (x) grad
+/// N_a| <= sum_a |u_a| |grad N_a|, for all nodal fields u
 ///
 /// u.K u <= c sum_ab |u_a| C_ab |u_b|, C_ab = sum_e s_ea s_eb, s_ea^2 = E_e sum_q w_q |grad N_a|^2,
 ///
-/// with the wave moduli E_e, where c is the largest stiffness of an element now over its wave modulus.
+/// with the wave moduli E_e, where c is the largest present stiffness of an element over its wave modulus.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Comparison {
     /// s_ea, in the order of the connectivity, (N/m)^(1/2).
@@ -59,14 +59,14 @@ impl Comparison {
     }
 }
 
-/// Squared frequencies f_a = c sum_b C_ab x_b/(m_a x_a) of the nodes, for weights x > 0. For any such weights no
-/// frequency of the elements is above the largest of them (L. Collatz, 1942), and with springs k_a and
+/// Squared frequencies f_a = c sum_b C_ab x_b/(m_a x_a) of the nodes, for weights x > 0. For any such weights
+/// no frequency of the elements is above the largest f_a (L. Collatz, 1942), and with springs k_a and
 /// dashpots r_a m_a at the nodes a step dt is stable if for all nodes
 ///
 /// dt^2/4 (f_a + k_a/m_a) + dt/2 r_a <= 1.
 ///
-/// So a contact costs step only as far as it acts where the elements leave none. The best weights are the
-/// eigenvector of that sum; they follow it by power iteration, a round at a time.
+/// So a contact shortens the step only as far as the elements around it leave no margin. The best weights are
+/// the eigenvector of that sum; they are approached by power iteration, one iteration at a time.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct NodalBound {
     weights: Vec<f64>,
@@ -75,7 +75,7 @@ pub(crate) struct NodalBound {
 }
 
 impl NodalBound {
-    /// With the best weights of a body that nothing touches.
+    /// Starts with the best weights of a body without contacts.
     pub fn new(model: &DeformableModel) -> Self {
         let mut bound = Self {
             weights: model.weights.clone(),
@@ -97,8 +97,8 @@ impl NodalBound {
         }
     }
 
-    /// Brings the weights nearer to the best ones for steps of `dt` (s). `contact` has the stiffness of every
-    /// node over its mass, 1/s^2, and its damping rate, 1/s.
+    /// One iteration of the weights towards the best ones for steps of `dt` (s). `contact` returns the
+    /// stiffness of a node over its mass, 1/s^2, and its damping rate, 1/s.
     pub fn adapt(
         &mut self,
         model: &DeformableModel,
@@ -116,7 +116,7 @@ impl NodalBound {
         if !(top > 0.0 && top.is_finite()) {
             return;
         }
-        // Half of the old weight, so that the iteration does not swing.
+        // Half of the old weight, so that the iteration does not oscillate.
         let weights = self.weights.iter_mut().zip(&parts);
         weights.for_each(|(x, part)| *x *= 0.5 * (1.0 + part / top));
         let largest = self.weights.iter().copied().fold(0.0, f64::max);
@@ -193,8 +193,8 @@ mod tests {
         value
     }
 
-    /// Contacts at a few nodes. The bound is one for any weights, adapted or not; it is never smaller by much
-    /// than that which adds the largest of all, and where the worst elements are elsewhere, larger.
+    /// Contacts at a few nodes. The bound is valid for any weights, adapted or not. It is never much smaller
+    /// than the one that adds the largest frequencies, and larger where the worst elements are elsewhere.
     #[test]
     fn contacts_count_where_they_are() {
         let mut gained = 0;
@@ -234,7 +234,7 @@ mod tests {
         assert!(gained >= 4, "{gained}");
     }
 
-    /// Elements whose stiffness comes from others have no bound by nodes.
+    /// Elements whose stiffness depends on others have no bound by nodes.
     #[test]
     fn averaged_elements_have_none() {
         for element in [Element::T10Fbar, Element::T4NodalPressure] {

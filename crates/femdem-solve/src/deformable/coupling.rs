@@ -1,4 +1,4 @@
-//! Lumped masses, and the bound of an element's frequency by the masses that it is given.
+//! Lumped masses, and the bound of an element's frequency for the masses assigned to it.
 
 use super::DeformableModel;
 use super::comparison::Comparison;
@@ -6,16 +6,16 @@ use crate::element::{T4, T10, Table, lumped};
 use crate::material::Material;
 use femdem_mesh::{Matrix3, Vector3};
 
-/// Rounds in which the masses of the nodes are shared out. The bound never rises from one to the next;
+/// Iterations of the distribution of nodal masses to elements. The bound never rises from one to the next;
 /// after 40 it is within 1 % of its limit for meshes of usual shapes.
 const ROUNDS: usize = 40;
 
 impl DeformableModel {
-    /// Masses, and what the frequencies depend on beside the materials.
+    /// Computes masses, and the factors of the frequencies that do not depend on the materials.
     ///
-    /// The frequency of the body is not higher than that of its worst element (B. M. Irons and
-    /// G. Treharne, 1972), however the masses of the nodes are shared out among the elements, as the
-    /// theorem only needs the sum. A flat element does better with a part of its neighbours' masses.
+    /// The frequency of the body is not higher than that of its worst element (B. M. Irons and G. Treharne,
+    /// 1972), for any distribution of the nodal masses to the elements, as the theorem only needs the sum. A
+    /// flat element gets a lower frequency with a part of its neighbours' masses.
     pub(super) fn lump(&mut self) {
         let shares = lumped(self.element);
         self.masses.fill(0.0);
@@ -44,7 +44,7 @@ impl DeformableModel {
         self.couplings = if better { shared } else { own };
     }
 
-    /// t of every element, m/kg, by its nodes' parts of its mass.
+    /// t of every element, m/kg, for the given shares of the nodes in its mass.
     fn couplings_by<'a>(&self, shares: impl Fn(usize) -> &'a [f64]) -> Vec<f64> {
         let inverses = self.inverses.iter().enumerate();
         inverses
@@ -59,15 +59,15 @@ impl DeformableModel {
             .collect()
     }
 
-    /// How stiff an element is beside the others.
+    /// Stiffness of an element relative to the others.
     pub(super) fn modulus(&self, e: usize) -> f64 {
         let modulus = self.material(e).wave_modulus();
         let usable = modulus > 0.0 && modulus.is_finite();
         if usable { modulus } else { 1.0 }
     }
 
-    /// The weights of the nodes that make the bound of [`NodalBound`](super::comparison::NodalBound) the best
-    /// without contact.
+    /// The weights of the nodes that are the best for [`NodalBound`](super::comparison::NodalBound) without
+    /// contact.
     fn best_weights(&self) -> Vec<f64> {
         let mut x = vec![1.0; self.masses.len()];
         let mut next = Vec::new();
@@ -78,7 +78,7 @@ impl DeformableModel {
                 *y /= m;
                 largest = largest.max(*y);
             }
-            // Half of the old one, so that the iteration does not swing.
+            // Half of the old weight, so that the iteration does not oscillate.
             for (x, y) in x.iter_mut().zip(&next) {
                 *x = 0.5 * (*x + y / largest);
             }
@@ -88,9 +88,9 @@ impl DeformableModel {
 
     /// Shares of the masses of the nodes for all elements, over the elements' own masses.
     ///
-    /// With the matrix C = sum_e s_e (x) s_e of [`Comparison`], the worst element is best when m_ea is in
-    /// proportion to s_ea sum_b s_eb x_b, x being the eigenvector of M^-1 C that belongs to the largest
-    /// eigenvalue. Any positive x gives a bound; that of a power iteration does not rise (L. Collatz, 1942).
+    /// With the matrix C = sum_e s_e (x) s_e of [`Comparison`], the bound of the worst element is lowest when
+    /// m_ea is proportional to s_ea sum_b s_eb x_b, where x is the eigenvector of M^-1 C for the largest
+    /// eigenvalue. Any positive x gives a bound; under power iteration it does not rise (L. Collatz, 1942).
     fn shared(&self) -> Vec<f64> {
         let x = &self.weights;
         let mut sums = Vec::new();
@@ -129,8 +129,8 @@ fn coupling<const N: usize, const Q: usize>(
 ) -> f64 {
     let gradients: [[Vector3; N]; Q] = std::array::from_fn(|q| table.shape_gradients(q, inverse));
     let mut largest = 0.0_f64;
-    // Row sums bound the largest eigenvalue of a matrix of non-negative entries, and the points
-    // are so symmetric that they hardly differ.
+    // Row sums bound the largest eigenvalue of a matrix of non-negative entries; by the symmetry of the
+    // points they hardly differ.
     for g in &gradients {
         let row = gradients.iter().map(|h| {
             let sum = (0..N).fold(Matrix3::zeros(), |sum, a| {

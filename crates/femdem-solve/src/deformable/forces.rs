@@ -48,7 +48,7 @@ pub struct Workspace {
     /// Per element: J, and what is averaged.
     pub(super) ratios: Vec<f64>,
     pub(super) values: Vec<f64>,
-    /// Places and forces of the nodes, as the batch reads and adds them.
+    /// Positions and forces of the nodes, in the layout of the batch.
     pub(super) nodes: Vec<Node>,
 }
 
@@ -60,7 +60,7 @@ pub(super) struct State<'a> {
     pub old: &'a [f64],
 }
 
-/// Elements whose energies are summed together, before the sums are; a multiple of eight.
+/// Number of elements whose energies are summed first, before these sums are added; a multiple of eight.
 pub(super) const RANGE: usize = 256;
 
 impl DeformableModel {
@@ -70,8 +70,8 @@ impl DeformableModel {
     ///
     /// # Errors
     ///
-    /// [`ElementFailure`] with the first element that is inverted or has no stress, or with an array
-    /// of another length than the model's; `forces` and `new` then mean nothing.
+    /// [`ElementFailure`] with the first element that is inverted or has no stress, or with an array of a
+    /// length other than the model's; `forces` and `new` are then invalid.
     pub fn internal_forces(
         &self,
         x: &[Vector3],
@@ -86,9 +86,9 @@ impl DeformableModel {
         Ok(state)
     }
 
-    /// As [`DeformableModel::internal_forces`], with the same bits of the forces, for steps after which
-    /// nobody asks for the energy: it is NaN where it would cost extra, which is with linear
-    /// neo-Hookean tetrahedra.
+    /// As [`DeformableModel::internal_forces`], with the same bits of the forces, for steps in which the
+    /// energy is not needed: it is NaN where it would cost extra, which is with linear neo-Hookean
+    /// tetrahedra.
     ///
     /// # Errors
     ///
@@ -129,7 +129,7 @@ impl DeformableModel {
         }
     }
 
-    /// Stored energy of a batch of elements, J; `None` for all others, whose forces bring theirs.
+    /// Stored energy of a batch of elements, J; `None` for other elements, which return it with their forces.
     pub(crate) fn batched_energy(&self, x: &[Vector3]) -> Option<f64> {
         let batch = self.batch.as_ref()?;
         let count = self.volumes.len();
@@ -138,13 +138,13 @@ impl DeformableModel {
         Some(each.sum())
     }
 
-    /// Puts the nodes where they are, without forces.
+    /// Sets the nodes to their positions, with zero forces.
     pub(super) fn place_nodes(x: &[Vector3], nodes: &mut Vec<Node>) {
         nodes.clear();
         nodes.extend(x.iter().map(Node::at));
     }
 
-    /// Names an element of a batch that cannot be evaluated.
+    /// Identifies an element of a batch that cannot be evaluated.
     pub(super) fn first_inverted(&self, state: State, mut range: Range<usize>) -> ElementFailure {
         let first = range.start;
         let (elements, _) = self.connectivity.as_chunks::<4>();
@@ -213,8 +213,8 @@ impl DeformableModel {
         self.element.point_count() * self.history_stride
     }
 
-    /// The forces of a range of elements, whose new history is `new`, given to `sink` with the
-    /// element's number and nodes.
+    /// The forces of a range of elements, whose new history is `new`, passed to `sink` with the element's
+    /// index and nodes.
     pub(super) fn range<const N: usize, const Q: usize>(
         &self,
         table: &Table<N, Q>,
@@ -258,7 +258,7 @@ impl DeformableModel {
         Ok(total)
     }
 
-    /// What the points of an element feel; rates only where the material is viscous.
+    /// Deformation at the points of an element; rates only if the material is viscous.
     pub(super) fn points<const N: usize, const Q: usize>(
         &self,
         table: &Table<N, Q>,
@@ -278,7 +278,7 @@ impl DeformableModel {
         points
     }
 
-    /// The response of a point of element `e`, or why there is none.
+    /// The response of a point of element `e`, or its failure.
     pub(super) fn respond(
         &self,
         e: usize,
@@ -385,8 +385,8 @@ impl DeformableModel {
         Ok(total)
     }
 
-    /// Per element its point with the averaged volume ratio, and the rate of that. Rates of F are
-    /// left in `work.rates`, which is empty if no material is viscous.
+    /// The point of each element with the averaged volume ratio, and the rate of that. Rates of F are left in
+    /// `work.rates`, which is empty if no material is viscous.
     pub(super) fn nodal_bars(
         &self,
         averages: &NodalAverages,
@@ -419,7 +419,7 @@ impl DeformableModel {
         Ok(bars.into_iter().zip(rates).collect())
     }
 
-    /// dJbar of every element for changes of F; all zero for no changes.
+    /// dJbar of every element for changes of F; all zero if `changes` is empty.
     pub(super) fn mean_changes(
         &self,
         averages: &NodalAverages,
@@ -448,7 +448,7 @@ pub(super) struct Bars<const Q: usize> {
 }
 
 impl<const Q: usize> Bars<Q> {
-    /// What point `q` feels.
+    /// Deformation that the law gets at point `q`.
     pub fn felt(&self, q: usize, points: &[Deformation; Q]) -> Deformation {
         let bar = &self.points[q];
         let mean_rate = self.mean_change(&points.each_ref().map(|p| p.rate));
@@ -480,7 +480,7 @@ impl<const Q: usize> Bars<Q> {
     }
 }
 
-/// J, or that element `e` is inverted there.
+/// J, or the failure of element `e` if it is inverted there.
 fn volume_ratio(element: usize, point: &Deformation) -> Result<f64, ElementFailure> {
     point.volume_ratio().ok_or(ElementFailure::Inverted {
         element,

@@ -2,15 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Energies of a body that is stepped on its own, J. What is in motion, stored and dissipated equals
-/// what was there and was put in, up to the integration error.
+/// Energies of a body that is stepped separately, J. Kinetic, stored and dissipated energy equals the initial
+/// energy plus all work, up to the integration error.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct BodyLedger {
     /// Kinetic and elastic energy at the start.
     pub initial: f64,
     /// Kinetic energy now.
     pub kinetic: f64,
-    /// Stored in the materials now.
+    /// Energy stored in the materials now.
     pub elastic: f64,
     /// Dissipated by viscosity.
     pub viscous: f64,
@@ -23,7 +23,7 @@ pub struct BodyLedger {
 }
 
 impl BodyLedger {
-    /// What the books miss, J: energy now and dissipated less energy at the start and put in.
+    /// The energy missing in the ledger, J: energy now plus dissipated minus initial energy and work.
     #[must_use]
     pub fn error(&self) -> f64 {
         self.kinetic + self.elastic + self.viscous + self.plastic

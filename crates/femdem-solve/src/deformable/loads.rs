@@ -9,16 +9,16 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Curve {
-    /// Always the same.
+    /// A constant.
     Constant(f64),
-    /// From zero at time 0 in a straight line to `value` at time `rise` (s), then constant.
+    /// Linear from zero at time 0 to `value` at time `rise` (s), then constant.
     Ramp {
         /// The final value.
         value: f64,
         /// Time of the rise, s.
         rise: f64,
     },
-    /// Straight between points (time in s, value), the first value before and the last one after.
+    /// Linear between points (time in s, value); the first value before and the last one after.
     Table(Vec<[f64; 2]>),
 }
 
@@ -78,7 +78,7 @@ impl Curve {
     }
 }
 
-/// What a load does.
+/// Kind of a load.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) enum LoadKind {
     /// Pressure against the current faces, Pa.
@@ -132,7 +132,7 @@ impl Load {
                 (LoadKind::Traction(direction), &[a, b, c, ref middles @ ..]) => {
                     let area = area_vector([a, b, c], model.nodes()).norm();
                     let each = direction * (value * area / 3.0);
-                    // Of a quadratic shape function over a flat triangle: corners 0, middles 1/3.
+                    // Mean of a quadratic shape function over a flat triangle: corners 0, middles 1/3.
                     let loaded = if middles.is_empty() {
                         &face[..3]
                     } else {
@@ -188,7 +188,7 @@ fn press_curved(nodes: &[u32], pressure: f64, x: &[Vector3], forces: &mut [Vecto
                 4.0 * l1 * l2,
                 4.0 * l2 * l0,
             ];
-            // By l1 and by l2, with l0 = 1 - l1 - l2.
+            // Derivatives with respect to l1 and l2, with l0 = 1 - l1 - l2.
             let (p, q, r) = (4.0 * l0 - 1.0, 4.0 * l1 - 1.0, 4.0 * l2 - 1.0);
             let along1 = [-p, q, 0.0, 4.0 * (l0 - l1), 4.0 * l2, -4.0 * l2];
             let along2 = [-p, 0.0, r, -4.0 * l1, 4.0 * l1, 4.0 * (l0 - l2)];

@@ -1,9 +1,8 @@
-//! Bodies that deform: a mesh of solid elements with materials, lumped masses and internal forces.
+//! Deformable bodies: a mesh of solid elements with materials, lumped masses and internal forces.
 //!
-//! **Use it** for bodies at finite strain, integrated explicitly or brought to rest by a static
-//! solver: [`DeformableModel`] holds what does not change and answers with forces, stresses, tangents
-//! and a bound of its highest frequency for any positions of its nodes. **Do not use it** for shells,
-//! beams or cracks.
+//! **Use it** for bodies at finite strain, integrated explicitly or brought to rest by a static solver:
+//! [`DeformableModel`] holds the constant data of a body and returns forces, stresses, tangents and a bound
+//! of its highest frequency for any positions of its nodes. **Do not use it** for shells, beams or cracks.
 //!
 //! ```
 //! use femdem_mesh::{TetMesh, Vector3};
@@ -26,8 +25,8 @@
 //!
 //! # Accuracy
 //!
-//! Forces are minus the exact gradient of the energy, F-bar and averaged pressures included; rigid
-//! motion gives forces of rounding size (1e-12 of E times an area) wherever the body is.
+//! Forces are minus the exact gradient of the energy, including F-bar and averaged pressures. Rigid motion
+//! gives forces of rounding size (1e-12 of E times an area), however far the body is from the origin.
 
 mod body;
 mod bound;
@@ -74,11 +73,11 @@ pub struct MaterialRegion {
     pub density: f64,
 }
 
-/// What does not change of a deformable body: reference nodes, elements, materials, lumped masses.
-/// Large; share it by `Arc` among bodies of the same shape and material.
+/// The constant data of a deformable body: reference nodes, elements, materials, lumped masses. Large; share
+/// it by `Arc` among bodies of the same shape and material.
 ///
-/// Arrays over nodes (`x`, `v`, forces) have the length of [`DeformableModel::nodes`], histories that
-/// of [`DeformableModel::history_len`]; others are refused.
+/// Arrays over nodes (`x`, `v`, forces) must have the length of [`DeformableModel::nodes`], histories that of
+/// [`DeformableModel::history_len`]; others are refused.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "build::Parts", into = "build::Parts")]
 pub struct DeformableModel {
@@ -88,25 +87,25 @@ pub struct DeformableModel {
     region_of: Vec<u32>,
     nodes: Vec<Vector3>,
     mid_edges: Vec<[u32; 2]>,
-    /// Nodes of the elements, one after the other.
+    /// Nodes of the elements, one element after the other.
     connectivity: Vec<u32>,
     /// Per element the gradients of the barycentric coordinates of corners 1 to 3, as rows, 1/m.
     inverses: Vec<Matrix3>,
     /// m^3.
     volumes: Vec<f64>,
     masses: Vec<f64>,
-    /// Per element its mass over that of its material; empty for 1.
+    /// For each element its mass with added mass over that without; empty if all are 1.
     mass_factors: Vec<f64>,
     /// Per element t, m/kg, such that omega^2 <= c t for a material of stiffness bound c.
     couplings: Vec<f64>,
     comparison: Comparison,
-    /// Of the nodes, for the comparison.
+    /// Weights of the nodes for the comparison.
     weights: Vec<f64>,
-    /// Numbers of history per integration point.
+    /// Length of the history per integration point.
     history_stride: usize,
-    /// For averaged nodal pressures.
+    /// Averages, for nodal pressures.
     averages: Option<NodalAverages>,
-    /// For linear tetrahedra if all are neo-Hookean.
+    /// The batch, if all elements are linear and neo-Hookean.
     batch: Option<Batch>,
     #[cfg(feature = "parallel")]
     incidence: parallel::Incidence,
@@ -118,8 +117,8 @@ impl DeformableModel {
     ///
     /// # Errors
     ///
-    /// [`SolveError`] if there is no region, a density is not positive, a custom law is not bound,
-    /// or `region_of_tet` has another length than the mesh or names a region that is not there.
+    /// [`SolveError`] if there is no region, a density is not positive, a custom law is not bound, or
+    /// `region_of_tet` has a length other than the mesh or refers to a region that does not exist.
     pub fn new(
         mesh: &TetMesh,
         element: Element,
@@ -154,7 +153,7 @@ impl DeformableModel {
         &self.nodes
     }
 
-    /// The ends of the edge that node `points + k` is the middle of; empty for linear elements.
+    /// The ends of the edge whose middle is node `points + k`; empty for linear elements.
     #[must_use]
     pub fn mid_edges(&self) -> &[[u32; 2]] {
         &self.mid_edges
@@ -177,7 +176,7 @@ impl DeformableModel {
         let added = |(e, factor): (usize, &f64)| {
             (factor - 1.0) * self.volumes[e] * self.regions[self.region_of[e] as usize].density
         };
-        // A sum over no elements is -0.
+        // An empty sum is -0.
         0.0 + self.mass_factors.iter().enumerate().map(added).sum::<f64>()
     }
 
@@ -199,13 +198,13 @@ impl DeformableModel {
         &self.volumes
     }
 
-    /// How many numbers of history a body of this model carries; all zero is the virgin state.
+    /// Length of the history of a body of this model; all zero is the virgin state.
     #[must_use]
     pub fn history_len(&self) -> usize {
         self.volumes.len() * self.element.point_count() * self.history_stride
     }
 
-    /// Gives custom laws that are known by name alone (after a file was read) their law among `laws`.
+    /// Binds custom laws that are known by name alone (after a file was read) to their law among `laws`.
     ///
     /// # Errors
     ///

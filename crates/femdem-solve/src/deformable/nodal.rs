@@ -1,12 +1,12 @@
-//! Averages over nodes: the volume ratio of a node is that of the tetrahedra around it, the one of a
-//! tetrahedron the mean of its four nodes'. A node between regions counts once for each of them.
+//! Averages over nodes: the volume ratio of a node is that of the tetrahedra around it, and that of a
+//! tetrahedron the mean over its four nodes. A node between regions has a separate average for each.
 
 use std::collections::BTreeMap;
 
 /// Which tetrahedra share an average.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct NodalAverages {
-    /// The averages that each tetrahedron has a part in: one per corner.
+    /// The averages that each tetrahedron contributes to: one per corner.
     pub of: Vec<[u32; 4]>,
     /// Volume of the tetrahedra of each average, m^3.
     pub volumes: Vec<f64>,
@@ -54,7 +54,7 @@ impl NodalAverages {
         0.25 * (a + b + c + d)
     }
 
-    /// The averaging and back, of a value per tetrahedron.
+    /// A value per tetrahedron averaged to the nodes and back.
     pub fn smoothed(&self, volumes: &[f64], values: &[f64]) -> Vec<f64> {
         let nodal = self.of_nodes(volumes, values);
         (0..values.len()).map(|e| self.of_tet(e, &nodal)).collect()

@@ -7,11 +7,11 @@ use femdem_mesh::Vector3;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
-/// The slots of each node among those of all elements, ascending; made when first asked for.
+/// The slots of each node among those of all elements, ascending; computed on first use.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Incidence(OnceLock<(Vec<u32>, Vec<u32>)>);
 
-/// It follows from the rest of the model.
+/// Determined by the rest of the model, so always equal.
 impl PartialEq for Incidence {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -70,8 +70,8 @@ impl DeformableModel {
         }
     }
 
-    /// Forces of the elements into slots, then per node in the order of the elements, as one thread
-    /// adds them.
+    /// Writes the forces of the elements into slots, then sums them per node in the order of the elements, as
+    /// a single thread does.
     fn gather<const N: usize, const Q: usize>(
         &self,
         table: &Table<N, Q>,

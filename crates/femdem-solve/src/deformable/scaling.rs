@@ -1,24 +1,24 @@
-//! Mass scaling: mass added to the few elements that would set everyone's time step.
+//! Mass scaling: mass added to the few elements that would determine the time step of the whole body.
 
 use super::DeformableModel;
 use crate::error::{SolveError, check};
 use crate::material::{Deformation, Material};
 use femdem_mesh::Matrix3;
 
-/// Rounds in which mass is added where it lacks, and the excess of a frequency's square that ends them.
+/// Largest number of iterations of adding mass, and the relative excess of a squared frequency at which they
+/// end.
 const ROUNDS: usize = 20;
 const CLOSE: f64 = 1e-3;
 
 impl DeformableModel {
-    /// The model with mass added to every element whose critical step in the reference state is
-    /// below `step` (s), just enough to bring it there. [`DeformableModel::added_mass`] reports how
-    /// much that is. Forces stay what they are; inertia and weight change, so this is for
-    /// quasi-static work, or where the added mass is small.
+    /// The model with mass added to every element whose critical step in the reference state is below `step`
+    /// (s), just enough to reach it. [`DeformableModel::added_mass`] returns the added mass. Forces do not
+    /// change; inertia and weight do, so this is for quasi-static work, or where the added mass is small.
     ///
     /// # Errors
     ///
-    /// [`SolveError::Parameter`] if `step` is not positive, or so long that the mass is not finite; [`SolveError::Element`] if a material has
-    /// no stiffness in the reference state.
+    /// [`SolveError::Parameter`] if `step` is not positive, or so long that the mass is not finite;
+    /// [`SolveError::Element`] if a material has no stiffness in the reference state.
     pub fn with_mass_scaling(mut self, step: f64) -> Result<Self, SolveError> {
         check("step of mass scaling", step, step > 0.0, "positive, in s")?;
         let count = self.volumes.len();
@@ -37,7 +37,7 @@ impl DeformableModel {
             self.lump();
         }
         if worst > 1.0 {
-            // What is left goes to all, which scales every frequency alike.
+            // The remaining excess is added to all elements, which scales every frequency alike.
             self.mass_factors.iter_mut().for_each(|f| *f *= worst);
             self.lump();
         }

@@ -1,4 +1,4 @@
-//! Nodes and faces of a body, picked by place or by name.
+//! Nodes and faces of a body, selected by position or by name.
 
 use super::DeformableModel;
 use crate::error::{SolveError, check};
@@ -6,7 +6,7 @@ use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Nodes to pick, by their places in the reference state.
+/// A selection of nodes, by their reference positions.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Selection {
@@ -52,8 +52,8 @@ impl DeformableModel {
     ///
     /// # Errors
     ///
-    /// [`SolveError`] if a number is not finite or out of its range, a node or a named set is not
-    /// there, or nothing is selected.
+    /// [`SolveError`] if a number is not finite or out of its range, a node or a named set does not exist, or
+    /// nothing is selected.
     pub fn select(&self, selection: &Selection, sets: &NodeSets) -> Result<Vec<u32>, SolveError> {
         let mut nodes = match selection {
             Selection::All => self.select_by(|_| true),

@@ -7,10 +7,9 @@ use femdem_mesh::Matrix3;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// The state of stress of an element: the mean over its points, weighted by their current volumes, so
-/// that sums of stress times current volume balance the nodal forces exactly: sum V sigma =
-/// -sum f (x) x over elements and nodes. With F-bar and averaged pressures it has the averaged
-/// pressure.
+/// The state of stress of an element: the mean over its points, weighted by their current volumes, so that
+/// sums of stress times current volume balance the nodal forces exactly: sum V sigma = -sum f (x) x over
+/// elements and nodes. With F-bar and averaged pressures it contains the averaged pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ElementStress {
     /// Cauchy stress, Pa; tension is positive.
@@ -50,8 +49,8 @@ impl ElementStress {
 }
 
 impl DeformableModel {
-    /// Equivalent plastic strain of every element, the mean over its points: 0 where the material has
-    /// none. `None` if no material has.
+    /// Equivalent plastic strain of every element, the mean over its points; 0 for elements without
+    /// plasticity. `None` if no material is plastic.
     ///
     /// # Errors
     ///
@@ -79,8 +78,8 @@ impl DeformableModel {
         Ok(plastic.then_some(strains))
     }
 
-    /// Stress of every element at positions `x` (m) with the history `old` that belongs to them; at
-    /// rest, without viscous stresses.
+    /// Stress of every element at positions `x` (m) with the history `old` of these positions; at rest,
+    /// without viscous stresses.
     ///
     /// # Errors
     ///

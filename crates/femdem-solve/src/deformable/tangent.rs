@@ -11,14 +11,14 @@ use femdem_mesh::{Matrix3, Vector3};
 /// A point of the linearised body.
 #[derive(Debug, Clone, Copy)]
 struct LinearPoint {
-    /// dP/dF of what the law feels.
+    /// dP/dF of the law at the deformation that it gets.
     law: Tangent,
     /// Its stress.
     piola: Matrix3,
 }
 
 impl LinearPoint {
-    /// dP for dF of what the law feels.
+    /// dP for a change of that deformation.
     fn stress_change(&self, change: &Matrix3) -> Matrix3 {
         // Rows of a tangent are those of the transposed column order of a matrix.
         let flat = SVector::<f64, 9>::from_column_slice(change.transpose().as_slice());
@@ -96,10 +96,10 @@ impl DeformableModel {
         }
     }
 
-    /// Calls `f` with nodes and a matrix, as many times as it takes for the sum of the matrices to be
-    /// the stiffness K = -df/dx at `x`, N/m. A matrix is square, by rows; row 3 a + i is component i
-    /// of the a-th of the nodes. Matrices are those of the elements; averaged nodal pressures add one
-    /// for each element that reaches over all nodes of its neighbours.
+    /// Calls `f` with nodes and a matrix, as many times as needed for the sum of the matrices to be the
+    /// stiffness K = -df/dx at `x`, N/m. A matrix is square, by rows; row 3 a + i is component i of the a-th
+    /// of the nodes. There is one matrix per element; averaged nodal pressures add one per element over all
+    /// nodes of its neighbours.
     ///
     /// # Errors
     ///
@@ -304,9 +304,9 @@ impl DeformableModel {
         Ok(())
     }
 
-    /// The energy of element e depends on its own F and on its mean volume ratio theta: its own
-    /// matrix, to which the curvature of all volume ratios is added with the smoothed pressures, and
-    /// a matrix over the patch of d theta with the cross terms.
+    /// The energy of element e depends on its own F and on its mean volume ratio theta. Passes its own
+    /// matrix to `f`, including the curvature of all volume ratios with the smoothed pressures, and a matrix over
+    /// the patch of d theta with the cross terms.
     fn averaged_matrices(
         &self,
         state: State,
@@ -332,7 +332,7 @@ impl DeformableModel {
             .collect();
         for (e, nodes) in elements.iter().enumerate() {
             let (bar, point) = (&linear.bars[e], &linear.points[e]);
-            // Own part: theta held, pressure held.
+            // Own part: at constant theta and pressure.
             let mut own = [0.0; 144];
             let held = |change: &Matrix3| local_change(bar, point, change, 0.0);
             for column in 0..12 {
@@ -348,7 +348,7 @@ impl DeformableModel {
             }
             f(nodes, &own);
 
-            // What the pressure of this element does: dtheta (x) dtheta and the cross terms.
+            // Part of the pressure of this element: dtheta (x) dtheta and the cross terms.
             let change = local_change(bar, point, &Matrix3::zeros(), 1.0);
             let by_mean = bar.stress_change(&point.piola, linear.smoothed[e], &change);
             let mut cross = [Vector3::zeros(); 4];
@@ -373,7 +373,7 @@ impl DeformableModel {
 struct LinearAveraged {
     bars: Vec<Bar>,
     points: Vec<LinearPoint>,
-    /// c/(3 Jbar) of the elements, and after averaging.
+    /// c/(3 Jbar) of the elements, before and after averaging.
     pressures: Vec<f64>,
     smoothed: Vec<f64>,
 }
@@ -385,7 +385,7 @@ impl LinearAveraged {
     }
 }
 
-/// How a point varies with its own F and its mean volume ratio, at held averaged pressure.
+/// Change of a point with its own F and its mean volume ratio, at constant averaged pressure.
 fn local_change(bar: &Bar, point: &LinearPoint, gradient: &Matrix3, mean: f64) -> BarChange {
     let felt = bar.gradient_change(gradient, mean);
     let piola = point.stress_change(&felt);

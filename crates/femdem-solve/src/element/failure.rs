@@ -1,12 +1,12 @@
-//! Why a body has no forces.
+//! Why a body has no internal forces.
 
 use thiserror::Error;
 
-/// An element that has no stress, or arrays that do not fit the model.
+/// An element without stress, or arrays that do not match the model.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ElementFailure {
-    /// An element is turned inside out, or a node is nowhere.
+    /// An element is inverted, or a node's position is not finite.
     #[error(
         "element {element} has a volume ratio of {volume_ratio:e} at one of its points: it must be \
          positive and finite; take a smaller step, stiffer or lighter contacts, or a finer mesh"
@@ -30,7 +30,7 @@ pub enum ElementFailure {
         /// The law's name.
         material: String,
     },
-    /// An array has another length than the model needs.
+    /// An array does not have the length that the model needs.
     #[error("{what} has {found} entries: the model needs {expected}")]
     Length {
         /// The array.
@@ -43,7 +43,7 @@ pub enum ElementFailure {
 }
 
 impl ElementFailure {
-    /// The element concerned, if it is one.
+    /// The element concerned, if any.
     #[must_use]
     pub fn element(&self) -> Option<usize> {
         match self {
@@ -52,7 +52,7 @@ impl ElementFailure {
         }
     }
 
-    /// The volume ratio J = det F of the element concerned.
+    /// The volume ratio J = det F of the element concerned, if any.
     #[must_use]
     pub fn volume_ratio(&self) -> Option<f64> {
         match self {

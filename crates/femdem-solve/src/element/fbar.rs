@@ -5,8 +5,8 @@
 //!
 //! sum w [ s Pbar : dF + (c/3) (dJbar/Jbar - F^-T : dF) ].
 //!
-//! The term with dJbar collects at every point that contributes to the average; there it is
-//! J kappa F^-T : dF, where kappa, the averaged pressure, comes from whoever did the averaging.
+//! The term with dJbar is collected at every point that contributes to the average; there it is J kappa F^-T
+//! : dF, where kappa, the averaged pressure, is supplied by the averaging.
 
 use femdem_mesh::Matrix3;
 
@@ -111,7 +111,7 @@ impl Bar {
     }
 }
 
-/// How a point with an averaged volume change varies.
+/// Change of a point with an averaged volume change.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BarChange {
     /// dF.

@@ -1,7 +1,7 @@
-//! Four numbers at a time: with AVX2 where the machine has it, as plain arrays elsewhere.
+//! Four numbers at a time: with AVX2 if the machine has it, otherwise as plain arrays.
 //!
-//! Sums, products and quotients are those of IEEE 754 one by one, never contracted, so that both give
-//! the same bits.
+//! Sums, products and quotients are those of IEEE 754 for each number, never fused, so that both give the
+//! same bits.
 
 /// Numbers of a vector.
 pub(crate) const LANES: usize = 4;
@@ -22,7 +22,7 @@ pub(super) trait Lanes: Copy {
     fn div(self, a: Self::F, b: Self::F) -> Self::F;
     /// Whether all are larger than `low` and smaller than `high`.
     fn all_within(self, a: Self::F, low: f64, high: f64) -> bool;
-    /// Rows become columns.
+    /// Transposes four rows.
     fn transpose(self, rows: [Self::F; 4]) -> [Self::F; 4];
 
     #[inline(always)]
@@ -31,7 +31,7 @@ pub(super) trait Lanes: Copy {
     }
 }
 
-/// Arrays, of which the compiler makes what the target has.
+/// Plain arrays, vectorised by the compiler for the target.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plain;
 

@@ -3,8 +3,8 @@
 use super::lanes::{Lanes, Row};
 use std::f64::consts::{FRAC_1_SQRT_2, LN_2, SQRT_2};
 
-/// (artanh s)/s = 1 + c_1 s^2 + c_2 s^4 + ..., for |s| <= (sqrt 2 - 1)/(sqrt 2 + 1): the polynomial whose
-/// largest relative error is least, 1.3e-18, by Remez's exchange in 60 digits.
+/// (artanh s)/s = 1 + c_1 s^2 + c_2 s^4 + ..., for |s| <= (sqrt 2 - 1)/(sqrt 2 + 1): the polynomial of least
+/// largest relative error, 1.3e-18, by Remez's exchange in 60 digits.
 const SERIES: [f64; 8] = [
     1.0,
     0.333_333_333_333_336_7,
@@ -99,7 +99,7 @@ mod tests {
         assert_eq!(ln(Plain, [1.0; 4]), [0.0; 4]);
     }
 
-    /// A number does not depend on those beside it.
+    /// The result of a number does not depend on its neighbours.
     #[test]
     fn lanes_are_independent() {
         for k in 0..1000 {

@@ -7,12 +7,12 @@
 //! | [`Element::T10`] | 10 | 4 | bending and stresses; locks mildly as nu approaches 1/2 |
 //! | [`Element::T10Fbar`] | 10 | 4 | the same without volumetric locking; not for bodies one element thick |
 //!
-//! T10Fbar takes the mean volume change of an element for that of all its points, and so a part of
-//! its bending for none: a cantilever of 20 elements by one across bends 1.8 times as much as it should, of
+//! T10Fbar replaces the volume change at every point of an element by the mean, and so loses a part of its
+//! bending stiffness: a cantilever of 20 elements by one across bends 1.8 times as much as it should, one of
 //! 20 by two by two 5 % too much (nu 0.3, test `fbar_wants_more_than_one_element_across`).
 //!
-//! All four have an energy, and their forces are minus its exact gradient: the last word of the
-//! integrators' conservation, of the static solvers' line search, and of every test here.
+//! All four have an energy, and their forces are minus its exact gradient. Energy conservation of the
+//! integrators, the line search of the static solvers, and the tests rely on this.
 
 mod batch;
 mod failure;
@@ -37,10 +37,10 @@ pub enum Element {
     /// Linear tetrahedron: constant strain, one point.
     #[default]
     T4,
-    /// Linear tetrahedron whose volume change is averaged over its nodes, and theirs over the
-    /// tetrahedra around them (J. Bonet and A. J. Burton, Commun. Numer. Meth. Engng 14 (1998)
-    /// 437-449), in energy form: the energy is W(Fbar) with Fbar = (Jbar/J)^(1/3) F. Nodes are not
-    /// averaged across regions of different material.
+    /// Linear tetrahedron whose volume change is averaged to its nodes and back over the tetrahedra around
+    /// them (J. Bonet and A. J. Burton, Commun. Numer. Meth. Engng 14 (1998) 437-449), in energy form: the
+    /// energy is W(Fbar) with Fbar = (Jbar/J)^(1/3) F. There is no averaging across regions of different
+    /// material.
     T4NodalPressure,
     /// Quadratic tetrahedron with straight edges in the reference state, four points.
     T10,

@@ -65,7 +65,7 @@ impl<const N: usize, const Q: usize> Table<N, Q> {
     /// gradients of the barycentric coordinates of corners 1 to 3 as its rows.
     #[inline]
     pub fn gradients(&self, values: &[Vector3; N], inverse: &Matrix3) -> [Matrix3; Q] {
-        // The derivatives sum to zero: differences keep the digits of bodies far from the origin.
+        // The derivatives sum to zero; differences preserve the digits of bodies far from the origin.
         let from_first: [Vector3; N] = std::array::from_fn(|a| values[a] - values[0]);
         self.derivatives.each_ref().map(|derivatives| {
             let mut local = Matrix3::zeros();
@@ -80,8 +80,8 @@ impl<const N: usize, const Q: usize> Table<N, Q> {
         })
     }
 
-    /// Adds to `forces` what the stress `piola` at point `q` does to the nodes, times `weight`:
-    /// weight * piola * grad N.
+    /// Adds to `forces` the nodal forces of the stress `piola` at point `q`, times `weight`: weight * piola *
+    /// grad N.
     #[inline]
     pub fn add_stress(
         &self,
@@ -98,7 +98,7 @@ impl<const N: usize, const Q: usize> Table<N, Q> {
             *force += part;
             sum += part;
         }
-        // Newton's third law to the last bit but one.
+        // The forces of an element sum to zero up to rounding.
         forces[0] -= sum;
     }
 

@@ -37,7 +37,7 @@ impl AnyMaterial {
         Self::Custom(CustomMaterial::new(law))
     }
 
-    /// Gives a custom law that is known by its name alone (after a file was read) the law of that name
+    /// Binds a custom law that is known by its name alone (after a file was read) to the law of that name
     /// among `laws`. Laws of this crate are left as they are.
     ///
     /// # Errors
@@ -58,7 +58,7 @@ impl AnyMaterial {
         }
     }
 
-    /// The name of a custom law that has yet to be bound.
+    /// The name of a custom law that is not bound yet.
     #[must_use]
     pub fn unbound(&self) -> Option<&str> {
         match self {
@@ -69,18 +69,18 @@ impl AnyMaterial {
     }
 
     /// Equivalent plastic strain in the history of a point; `None` for laws without plasticity, and for
-    /// custom ones, whose history is their own.
+    /// custom ones, whose history has no known layout.
     #[must_use]
     pub fn plastic_strain(&self, history: &[f64]) -> Option<f64> {
         match self {
-            // Theirs is the last number.
+            // It is the last number of their history.
             Self::J2(_) | Self::DruckerPrager(_) => history.last().copied(),
             Self::Viscous(viscous) => viscous.law().plastic_strain(history),
             _ => None,
         }
     }
 
-    /// The law; `None` for a custom law that has yet to be bound.
+    /// The law; `None` for a custom law that is not bound yet.
     #[inline]
     fn law(&self) -> Option<&dyn Material> {
         match self {
@@ -110,7 +110,7 @@ impl Material for AnyMaterial {
     #[inline]
     fn respond(&self, d: &Deformation, old: &[f64], new: &mut [f64]) -> Option<Response> {
         match self {
-            // Direct, so that the default law can be inlined into an element loop.
+            // A direct call, so that the default law can be inlined into an element loop.
             Self::NeoHookean(law) => law.respond(d, old, new),
             _ => self.law()?.respond(d, old, new),
         }

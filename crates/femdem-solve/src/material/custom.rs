@@ -4,8 +4,8 @@ use super::Material;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::Arc;
 
-/// A law from outside this crate. In files it is its name alone, so that after reading one the law
-/// must be bound again by [`super::AnyMaterial::bind`]; an unbound law has no stress.
+/// A law from outside this crate. Files contain only its name, so after reading one the law must be bound
+/// again by [`super::AnyMaterial::bind`]; an unbound law has no stress.
 #[derive(Debug, Clone)]
 pub struct CustomMaterial {
     name: String,
@@ -13,7 +13,7 @@ pub struct CustomMaterial {
 }
 
 impl CustomMaterial {
-    /// The law, known by its own name.
+    /// A bound law; its name is that of the law.
     #[must_use]
     pub fn new(law: Arc<dyn Material>) -> Self {
         Self {
@@ -37,7 +37,7 @@ impl CustomMaterial {
         &self.name
     }
 
-    /// The law; `None` if it has to be bound first.
+    /// The law; `None` if it is not bound yet.
     #[must_use]
     pub fn law(&self) -> Option<&dyn Material> {
         self.law.as_deref()

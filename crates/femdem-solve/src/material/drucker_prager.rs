@@ -12,13 +12,13 @@ use std::f64::consts::{FRAC_PI_2, SQRT_2};
 /// dilatancy angle; perfectly plastic (Drucker and Prager, Q. Appl. Math. 10, 157 (1952); de Souza Neto,
 /// Peric and Owen, Computational Methods for Plasticity, section 8.3).
 ///
-/// Where the cone's return would pass the apex p = c / tan(phi), the stress returns to the apex, with
-/// any dilatancy angle (a tension cut-off where it is 0). A gap opened there is plastic dilation: it
-/// does not close again without stress. Unless the dilatancy angle equals the friction angle the tangent is
-/// not symmetric.
+/// If the return to the cone would pass the apex p = c / tan(phi), the stress returns to the apex, for any
+/// dilatancy angle (a tension cut-off where it is 0). A gap opened there is plastic dilation: it does not
+/// close again without stress. The tangent is not symmetric unless the dilatancy angle equals the friction
+/// angle.
 ///
-/// Without associated flow the work dissipated in a step, stress at its end times plastic strain, is of
-/// first order in the step.
+/// Without associated flow the work dissipated in a step, the stress at its end times the plastic strain, is
+/// accurate to first order in the step.
 ///
 /// History: C_p^-1 - I (xx, yy, zz, yz, xz, xy) and the equivalent plastic strain, the sum of
 /// sqrt(2/3) |dev of the plastic strain increment|; seven numbers.

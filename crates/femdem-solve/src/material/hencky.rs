@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 /// Hooke's law in logarithmic strain eps = ln(b)/2: W = mu dev(eps) : dev(eps) + K/2 tr(eps)^2,
 /// tau = lambda tr(eps) I + 2 mu eps (Hencky 1928; Anand, J. Appl. Mech. 46, 78 (1979)).
 ///
-/// Good for metals and rock, whose elastic strains are small. In tension the stress P has a maximum at
-/// a stretch of e (uniaxial strain): not for rubber.
+/// Suitable for metals and rock, whose elastic strains are small; not for rubber: in tension the stress P has
+/// a maximum at a stretch of e (uniaxial strain).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ElasticRecord", into = "ElasticRecord")]
 pub struct Hencky {

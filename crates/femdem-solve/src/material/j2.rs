@@ -26,9 +26,9 @@ pub struct J2 {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Voce {
-    /// s_inf, Pa: the yield stress at large strain, were there no linear hardening.
+    /// s_inf, Pa: the limit of the yield stress at large strain without linear hardening.
     pub stress: f64,
-    /// delta: how fast it is reached, per unit of plastic strain.
+    /// delta, per unit of plastic strain: the rate at which it is approached.
     pub rate: f64,
 }
 
@@ -36,8 +36,8 @@ impl J2 {
     /// Linear hardening: yield stress s0 = `yield_stress` in Pa and modulus H = `hardening` in Pa.
     ///
     /// # Errors
-    /// [`SolveError::Parameter`] unless young > 0, -1 < poisson < 0.5, yield_stress > 0 and
-    /// hardening >= 0 (softening has no mesh-independent answer without a length).
+    /// [`SolveError::Parameter`] unless young > 0, -1 < poisson < 0.5, yield_stress > 0 and hardening >= 0
+    /// (softening without a length scale has no mesh-independent solution).
     pub fn new(
         young: f64,
         poisson: f64,
@@ -121,8 +121,9 @@ impl J2 {
     }
 
     /// The root x of q - 3 mu x - sigma_y(alpha + x) = 0 for a trial stress q beyond yield. The left side
-    /// falls and is convex, so Newton's steps from 0 rise to the root and never pass it; linear
-    /// hardening takes one, Voce hardening about ten, 40 where the exponential has died at the root.
+    /// decreases and is convex, so Newton iterates from 0 increase towards the root and never pass it. Linear
+    /// hardening takes one iteration, Voce hardening about ten, and 40 if the exponential has vanished at the
+    /// root.
     fn plastic_increment(&self, q: f64, alpha: f64) -> f64 {
         const STEPS: usize = 100;
         let three_mu = 3.0 * self.moduli.shear;

@@ -8,7 +8,7 @@ use super::principal::{Frame, Principal, half_log_slope};
 use super::{Deformation, Moduli, Response, Tangent};
 use femdem_mesh::Matrix3;
 
-/// What a return map makes of principal trial strains.
+/// Result of a return map for principal trial strains.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Returned {
     /// Principal Kirchhoff stresses, Pa.
@@ -28,7 +28,7 @@ pub(crate) struct Returned {
 }
 
 impl Returned {
-    /// The answer of an elastic step: tau = lambda tr(eps) I + 2 mu eps.
+    /// The result of an elastic step: tau = lambda tr(eps) I + 2 mu eps.
     pub fn elastic(moduli: &Moduli, strain: &[f64; 3], hardening: f64) -> Self {
         let dilation = strain[0] + strain[1] + strain[2];
         let two_mu = 2.0 * moduli.shear;
@@ -78,7 +78,7 @@ pub(crate) fn split(values: &[f64; 3]) -> (f64, [f64; 3]) {
 pub(crate) trait LogStrain {
     fn moduli(&self) -> &Moduli;
 
-    /// The end of a step with principal trial strains `trial` that began at `hardening`.
+    /// The result of a step with principal trial strains `trial` that began at `hardening`.
     fn return_map(&self, trial: &[f64; 3], hardening: f64) -> Returned;
 }
 
@@ -133,7 +133,7 @@ pub(crate) fn respond<L: LogStrain>(
     if end.flows {
         *new = History::after(&frame, &end);
     } else {
-        // A copy, so that elastic steps, however many, do not wear the history by round-off.
+        // A copy, so that any number of elastic steps adds no round-off to the history.
         new.copy_from_slice(old);
     }
     Response {

@@ -1,9 +1,9 @@
-//! Laws of deformable matter: from the deformation of a material point to its stress.
+//! Constitutive laws: from the deformation of a material point to its stress.
 //!
-//! **Use it** to give an element its stress, energy and tangent, or to add a law of your own. All laws
-//! are written per unit of reference volume, for the first Piola stress and the deformation gradient,
-//! and hold at any strain. **Do not use it** for anisotropic solids, damage or temperature: no law
-//! here has them (the trait allows them).
+//! **Use it** to compute the stress, energy and tangent of an element, or to add your own law. All laws are
+//! written per unit of reference volume, for the first Piola stress and the deformation gradient, and are
+//! valid at any strain. **Do not use it** for anisotropic solids, damage or temperature: no law here includes
+//! them (the trait allows them).
 //!
 //! | law | for | history |
 //! |---|---|---|
@@ -15,11 +15,10 @@
 //! | [`DruckerPrager`] | soil, concrete, rock: strength that grows with pressure | 7 numbers |
 //! | [`CustomMaterial`] | a law of yours | as it says |
 //!
-//! # A law of your own
+//! # Adding a law
 //!
-//! This one is neo-Hookean with the volumetric energy K/2 (J - 1)^2. Its tangent is taken by central
-//! differences, which is enough for the explicit integrator (it never asks for one) and for a first
-//! Newton run.
+//! This one is neo-Hookean with the volumetric energy K/2 (J - 1)^2. Its tangent is computed by central
+//! differences, which is enough for the explicit integrator (it never needs one) and for a first Newton run.
 //!
 //! ```
 //! use femdem_mesh::Matrix3;
@@ -62,15 +61,15 @@
 //!
 //! # Accuracy
 //!
-//! - Tangents and stresses agree with fourth-order differences to 3e-10 of their size (what the
-//!   differences can show), on every branch of the plastic laws, and are exact to round-off for equal
-//!   and nearly equal stretches. A rotation gives less than 1e-14 E of stress (3e-14 E at a Poisson's
-//!   ratio of 0.49: round-off times the bulk modulus).
+//! - Tangents and stresses agree with fourth-order differences to 3e-10 of their size (the accuracy of the
+//!   differences), on every branch of the plastic laws, and are exact to round-off for equal and nearly equal
+//!   stretches. A rotation gives less than 1e-14 E of stress (3e-14 E at a Poisson's ratio of 0.49: round-off
+//!   times the bulk modulus).
 //! - Return maps are exact for steps of any size when the strain keeps its direction, and of first
 //!   order in the step otherwise (backward Euler): over a loop of 4 to 8 % strain in 4,000 steps the work
 //!   is stored or dissipated to 2e-6 for associated flow, to 1e-3 for flow with less dilatancy.
-//! - The energies of [`NeoHookean`], [`Hencky`] and the plastic laws keep nine digits at a strain of
-//!   1e-6, so that a line search can follow stiff bodies; that of [`MooneyRivlin`] keeps about four.
+//! - The energies of [`NeoHookean`], [`Hencky`] and the plastic laws keep nine digits at a strain of 1e-6, so
+//!   that a line search works for stiff bodies; that of [`MooneyRivlin`] keeps about four.
 //! - Cost of a stress: 30 ns neo-Hookean, 60 ns Mooney-Rivlin, 350 to 450 ns in logarithmic strain, which
 //!   needs an eigenvalue problem (tangents 0.2 to 1 us), on one core of 2020s hardware.
 //!
@@ -110,7 +109,7 @@ use std::fmt::Debug;
 /// stress at the end of the step at fixed history (algorithmic); it need not be symmetric.
 pub type Tangent = femdem_mesh::nalgebra::SMatrix<f64, 9, 9>;
 
-/// What a material point feels.
+/// Deformation at a material point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deformation {
     /// F = dx/dX, dimensionless.
@@ -164,7 +163,7 @@ impl Deformation {
     }
 }
 
-/// What a material point answers, per unit of reference volume.
+/// Response of a material point, per unit of reference volume.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Response {
     /// Stored (recoverable) energy, J/m^3.
@@ -194,32 +193,32 @@ impl Response {
     #[inline]
     #[must_use]
     pub fn finite(self) -> Option<Self> {
-        // Without early exits, so that the nine tests run side by side.
+        // Without early exits, so that the nine tests run in parallel.
         let piola = self.piola.iter().fold(true, |ok, p| ok & p.is_finite());
         let rest = self.energy + self.viscous_power + self.plastic_work;
         (piola & rest.is_finite()).then_some(self)
     }
 }
 
-/// A law of matter. See the [module documentation](self) for an example.
+/// A constitutive law. See the [module documentation](self) for an example.
 pub trait Material: Debug + Send + Sync {
-    /// The law's name, by which a custom law is found again after a checkpoint is read.
+    /// The law's name, by which a custom law is identified after a checkpoint is read.
     fn name(&self) -> &str;
 
-    /// How many numbers of history an integration point carries. All zero is the virgin state.
+    /// Length of the history of an integration point. All zero is the virgin state.
     fn history_len(&self) -> usize {
         0
     }
 
-    /// Energy and stress at `d` for the history `old`; the history at the end of the step goes to
-    /// `new`. Both slices hold [`Material::history_len`] numbers. Must be objective: F -> Q F turns
-    /// P into Q P and leaves the history alone.
+    /// Energy and stress at `d` for the history `old`; the history at the end of the step is written to
+    /// `new`. Both slices have [`Material::history_len`] numbers. Must be objective: F -> Q F turns P into Q
+    /// P and does not affect the history.
     ///
-    /// `None` if no stress is defined there: J <= 0, a number that is not finite, a history of the
-    /// wrong length. `new` then means nothing.
+    /// `None` if no stress is defined there: J <= 0, a number that is not finite, a history of the wrong
+    /// length. `new` is then invalid.
     fn respond(&self, d: &Deformation, old: &[f64], new: &mut [f64]) -> Option<Response>;
 
-    /// dP/dF at `d` for the history `old`, at fixed dF/dt; `None` where [`Material::respond`] is.
+    /// dP/dF at `d` for the history `old`, at fixed dF/dt; `None` where [`Material::respond`] is `None`.
     fn tangent(&self, d: &Deformation, old: &[f64]) -> Option<Tangent>;
 
     /// rho c_p^2 at the undeformed state: the modulus of a plane compression wave, Pa.
@@ -229,10 +228,10 @@ pub trait Material: Debug + Send + Sync {
     /// of the largest eigenvalue of the acoustic tensor over all reference directions N, for the
     /// elastic tangent and the algorithmic one.
     ///
-    /// The laws here promise more, whether the tangent is positive or not:
-    /// G : dP/dF : G <= c (sum_a |u_a|^2) (sum_a |B_a|^2) for every G = sum_a u_a (x) B_a. A linear
-    /// tetrahedron of density rho and reference heights h_a, with a quarter of its mass at each node,
-    /// then has omega^2 <= 4 c/rho sum_a 1/h_a^2. NaN or infinite where there is no stress.
+    /// The laws of this module satisfy more, whether the tangent is positive or not: G : dP/dF : G <= c
+    /// (sum_a |u_a|^2) (sum_a |B_a|^2) for every G = sum_a u_a (x) B_a. A linear tetrahedron of density rho
+    /// and reference heights h_a, with a quarter of its mass at each node, then has omega^2 <= 4 c/rho sum_a
+    /// 1/h_a^2. NaN or infinite where there is no stress.
     fn stiffness_bound(&self, d: &Deformation, old: &[f64]) -> f64;
 
     /// The largest viscous modulus (stress per strain rate) at the undeformed state, Pa s.
@@ -247,8 +246,8 @@ pub trait Material: Debug + Send + Sync {
     }
 }
 
-/// dP/dF of a law by central differences of its stress, with an error of about 1e-9 of the stiffness
-/// where the stress is smooth; `None` where a stress is missing. Costs 18 stresses.
+/// dP/dF of a law by central differences of its stress, with an error of about 1e-9 of the stiffness where
+/// the stress is smooth; `None` where a stress is undefined. Costs 18 stresses.
 #[must_use]
 pub fn difference_tangent<M: Material + ?Sized>(
     law: &M,

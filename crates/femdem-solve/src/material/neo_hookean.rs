@@ -34,8 +34,8 @@ impl NeoHookean {
     }
 }
 
-/// Strains up to which the bound by the strain alone is taken. There ln J < 1, and the bound holds for
-/// swelling too.
+/// Strains up to which the bound from the magnitude of strain is used. There ln J < 1, and the bound holds
+/// for swelling too.
 const WITHIN: f64 = 0.2;
 
 impl Material for NeoHookean {
@@ -80,8 +80,8 @@ impl Material for NeoHookean {
     }
 
     /// With H = F^-1 G and q = mu - lambda ln J the tangent is mu |G|^2 + lambda (tr H)^2 + q tr(H H), and
-    /// |H| <= |G|/s with the smallest stretch s. Where q < 0 (much swollen bodies) tr(H H) is (tr H)^2 less
-    /// twice the second invariant of H, which is at most a third of the square of its nuclear norm.
+    /// |H| <= |G|/s with the smallest stretch s. Where q < 0 (strongly swollen bodies) tr(H H) is (tr H)^2
+    /// minus twice the second invariant of H, which is at most a third of the square of its nuclear norm.
     fn stiffness_bound(&self, d: &Deformation, _old: &[f64]) -> f64 {
         let Moduli { lambda, shear, .. } = self.moduli;
         let s2 = d.smallest_stretch2_bound();
@@ -96,9 +96,9 @@ impl Material for NeoHookean {
 }
 
 impl NeoHookean {
-    /// The stiffness bound of any F with |F^T F - I| = `strain`; `None` where that is too large for a
-    /// useful one. The squares s^2 of the stretches are not less than 1 - strain, and -ln J not more
-    /// than 3/2 (1 - s^2)/s^2 by the smallest of them.
+    /// The stiffness bound of any F with |F^T F - I| = `strain`; `None` where that is too large for a useful
+    /// bound. The squares s^2 of the stretches are not less than 1 - strain, and -ln J is at most 3/2 (1 -
+    /// s^2)/s^2 with the smallest of them.
     pub(crate) fn stiffness_bound_within(&self, strain: f64) -> Option<f64> {
         let Moduli { lambda, shear, .. } = self.moduli;
         let usable = strain < WITHIN && lambda >= 0.0;
@@ -148,7 +148,7 @@ impl Strain {
     /// ln J.
     #[inline]
     fn log_volume(&self, j: f64) -> f64 {
-        // With a trace below 1 no stretch is large, so that the invariants' terms do not cancel each other.
+        // With a trace below 1 no stretch is large, so that the terms of the invariants do not cancel.
         if self.squared_volume_change.abs() < 0.5 && self.trace < 1.0 {
             0.5 * self.squared_volume_change.ln_1p()
         } else {

@@ -4,7 +4,7 @@ use super::Tangent;
 use super::spectral::Spectral;
 use femdem_mesh::{Matrix3, Vector3};
 
-/// What an isotropic law says in the principal frame n_A of b, with b_A the eigenvalues of b and
+/// Stress and moduli of an isotropic law in the principal frame n_A of b, with b_A the eigenvalues of b and
 /// eps_A = ln(b_A)/2. For plasticity b and eps are those of the trial state.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Principal {
@@ -12,8 +12,8 @@ pub(crate) struct Principal {
     pub stress: [f64; 3],
     /// d tau_A / d eps_B, Pa.
     pub moduli: [[f64; 3]; 3],
-    /// (tau_B - tau_C) / (b_B - b_C) by the index A of the third direction, Pa: the limit where the two
-    /// are equal, so that no difference is ever divided.
+    /// (tau_B - tau_C) / (b_B - b_C), indexed by the third direction A, Pa; its limit where the two are
+    /// equal, so that no difference is ever divided by.
     pub secants: [f64; 3],
 }
 

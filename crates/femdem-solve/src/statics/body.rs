@@ -6,12 +6,12 @@ use crate::deformable::{Boundary, DeformableModel, DeformableState, MaterialRegi
 use crate::material::{AnyMaterial, Material};
 use femdem_mesh::Vector3;
 
-/// A body under the loads and with the supports of one moment. Its unknowns are the coordinates of all
-/// nodes; those that are held have no residual and do not move.
+/// A body under the loads and with the supports of one time. Its unknowns are the coordinates of all nodes;
+/// held ones have no residual and do not move.
 pub(super) struct BodyProblem<'a> {
     model: &'a DeformableModel,
     boundary: &'a Boundary,
-    /// Time at which the loads are taken, s, and the part of them that acts.
+    /// Time of the loads, s, and the fraction of them that acts.
     time: f64,
     part: f64,
     held: Vec<[bool; 3]>,
@@ -39,12 +39,12 @@ pub(super) struct BodyProblem<'a> {
     work: Workspace,
 }
 
-/// Forces round in more places than the coordinates of their node.
+/// Rounding error of a force over that due to the coordinates of its node alone.
 const ROUNDINGS: f64 = 4.0;
 
 impl<'a> BodyProblem<'a> {
     /// # Errors
-    /// If the arrays do not fit the model, or an element has no tangent at the start.
+    /// If the arrays do not match the model, or an element has no tangent at the start.
     pub(super) fn new(
         model: &'a DeformableModel,
         boundary: &'a Boundary,
@@ -85,7 +85,7 @@ impl<'a> BodyProblem<'a> {
         };
         let x = flat(&start.x);
         problem.measure_stiffness(&x)?;
-        // No load acts yet: what counts are the stresses that the body brings along.
+        // No load acts yet: the scale is that of the initial stresses.
         problem.see_internal_forces(&x)?;
         Ok(problem)
     }
@@ -102,12 +102,12 @@ impl<'a> BodyProblem<'a> {
         Ok(())
     }
 
-    /// Lets a part of the loads of a moment act.
+    /// Sets the fraction `part` of the loads of a time.
     pub(super) fn set_loads(&mut self, time: f64, part: f64) {
         (self.time, self.part) = (time, part);
     }
 
-    /// The way from `x` to where held coordinates are at a time; zero for the others.
+    /// The displacement from `x` to the places of held coordinates at a time; zero for the others.
     pub(super) fn motion_to(&self, time: f64, x: &[f64]) -> Vec<f64> {
         let mut motion = vec![0.0; x.len()];
         self.boundary.for_held(time, |node, axis, place, _| {
@@ -117,7 +117,7 @@ impl<'a> BodyProblem<'a> {
         motion
     }
 
-    /// Takes the history at `x` for the start of the next step.
+    /// Makes the history at `x` the start of the next step.
     ///
     /// # Errors
     /// If an element has no stress at `x`.
@@ -127,7 +127,7 @@ impl<'a> BodyProblem<'a> {
         Ok(())
     }
 
-    /// Evaluates the forces at `x`, and lets the internal ones count in the scale from now on.
+    /// Evaluates the forces at `x`, and includes the internal ones in the scale from now on.
     ///
     /// # Errors
     /// If an element has no stress at `x`.
@@ -152,7 +152,7 @@ impl<'a> BodyProblem<'a> {
             .collect()
     }
 
-    /// K dx at `x` on coordinates that are free, also for a motion of those that are held.
+    /// K dx at `x` on free coordinates, also for a motion of held ones.
     ///
     /// # Errors
     /// Of the tangent.
@@ -208,11 +208,12 @@ impl StaticProblem for BodyProblem<'_> {
             farthest = x.amax().max(farthest);
             *r = (total - reaction).into();
         }
-        // Once loads are taken off there may be nothing left to compare with: then what the body bore counts.
+        // After unloading there may be no load to compare with: then the earlier internal forces are the
+        // scale.
         self.scale = squares.sqrt().max(self.largest_internal);
-        // A coordinate is off by up to eps |x|, so a force by that times its stiffness, and the energy
-        // by no more than |E'| |dx| <= sqrt(2 E) sqrt(dx . K dx). Elements sum terms of the size of
-        // their moduli.
+        // A coordinate has an error of up to eps |x|, a force one of that times its stiffness, and the energy
+        // one of at most |E'| |dx| <= sqrt(2 E) sqrt(dx . K dx). Elements sum terms of the size of their
+        // moduli.
         let rounding = f64::EPSILON * farthest;
         let carried = rounding * (2.0 * state.energy.abs() * self.trace).sqrt();
         self.noise = Noise {
@@ -220,7 +221,7 @@ impl StaticProblem for BodyProblem<'_> {
             energy: ROUNDINGS * (carried + f64::EPSILON * self.largest_energy),
         };
         if !is_loaded && self.scale <= self.noise.force {
-            // All that bears is round-off, which is rest.
+            // All forces are round-off, which counts as rest.
             self.scale = self.noise.force / WORST_ROUNDING;
         }
         Ok(energy)
@@ -275,7 +276,7 @@ impl StaticProblem for BodyProblem<'_> {
                     }
                 }
             })?;
-        // Held coordinates stay where they are.
+        // Held coordinates stay at their places.
         for (node, held) in (0..).zip(held) {
             for axis in (0..3).filter(|&axis| held[axis]) {
                 entry(3 * node + axis as u32, 3 * node + axis as u32, 1.0);
@@ -304,7 +305,7 @@ fn largest_energy(model: &DeformableModel) -> f64 {
         .sum()
 }
 
-/// Whether stored energy and plastic work together are a potential of the stress over a step.
+/// Whether stored energy plus plastic work is a potential of the stress over a step.
 fn has_potential(material: &AnyMaterial) -> bool {
     match material {
         AnyMaterial::J2(_) => true,

@@ -1,7 +1,7 @@
 //! Conjugate gradients, with or without a matrix, for directions of Newton's method.
 //!
-//! The iteration stops early where the tangent turns out not to be positive definite, and returns
-//! what it has, which is a direction of descent (Steihaug, SIAM J. Numer. Anal. 20, 626 (1983)).
+//! The iteration stops early if the tangent is found not to be positive definite, and returns the present
+//! iterate, which is a direction of descent (Steihaug, SIAM J. Numer. Anal. 20, 626 (1983)).
 
 use super::linear::Effort;
 use super::sparse::LowerTriangle;
@@ -78,7 +78,7 @@ impl Diagonal {
     fn new(unknowns: usize) -> Self {
         let mut blocks = vec![[0.0; 6]; unknowns.div_ceil(3)];
         if let (Some(last), rest @ 1..) = (blocks.last_mut(), unknowns % 3) {
-            // The last block has fewer than three rows: ones in the place of the others.
+            // The last block may have fewer than three rows: ones fill its diagonal.
             last[2] = 1.0;
             if rest == 1 {
                 last[1] = 1.0;
@@ -104,7 +104,7 @@ impl Diagonal {
     }
 }
 
-/// Where an entry of the upper triangle of a block is kept.
+/// Index at which an entry of the upper triangle of a block is stored.
 fn place(i: usize, j: usize) -> Option<usize> {
     match (i, j) {
         (0, 0) => Some(0),
@@ -142,7 +142,7 @@ fn inverse(&[xx, yy, zz, xy, yz, zx]: &[f64; 6]) -> [f64; 6] {
     }
 }
 
-/// The vectors of the iteration, and the matrix if there is one.
+/// The vectors of the iteration, and the matrix if it is assembled.
 #[derive(Debug, Default)]
 pub(super) struct Cg {
     matrix: Option<LowerTriangle>,
@@ -153,7 +153,7 @@ pub(super) struct Cg {
 }
 
 impl Cg {
-    /// Products with the tangent are taken from a matrix, put together once for each direction.
+    /// Products with the tangent use a matrix, assembled once for each direction.
     pub(super) fn assembled() -> Self {
         Self {
             matrix: Some(LowerTriangle::default()),

@@ -1,8 +1,8 @@
 //! Directions from a sparse Cholesky factorisation (faer), on one thread.
 //!
-//! The fill-reducing order (approximate minimum degree) and the pattern of the factor are found once
-//! for each pattern of the tangent. A tangent that is not positive definite gets a multiple of the
-//! sizes of its diagonal added (Nocedal and Wright, Numerical Optimization, 2006, alg. 3.3).
+//! The fill-reducing order (approximate minimum degree) and the pattern of the factor are computed once for
+//! each pattern of the tangent. If a tangent is not positive definite, a multiple of the magnitudes of its
+//! diagonal is added (Nocedal and Wright, Numerical Optimization, 2006, alg. 3.3).
 
 use super::linear::Effort;
 use super::sparse::LowerTriangle;
@@ -16,11 +16,11 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
-/// First share of the diagonal added, and the factor from one try to the next.
+/// First multiple of the diagonal, and the factor from one try to the next.
 const SHIFT: f64 = 1e-3;
 const SHIFT_GROWTH: f64 = 10.0;
 const MOST_SHIFTS: usize = 8;
-/// A solution with a larger relative residual means that the matrix is as good as singular.
+/// A solution with a larger relative residual means that the matrix is numerically singular.
 const WORST_SOLUTION: f64 = 1e-6;
 
 /// The factorisation and its memory.
@@ -42,7 +42,7 @@ impl std::fmt::Debug for Cholesky {
 }
 
 impl Cholesky {
-    /// See [`Solver::direction`](super::linear::Solver::direction); `d` is zero if nothing helped.
+    /// See [`Solver::direction`](super::linear::Solver::direction); `d` is zero if no shift helped.
     ///
     /// # Errors
     /// Of the problem's tangent; [`SolveError::Factorisation`].
@@ -76,7 +76,7 @@ impl Cholesky {
         Ok(effort)
     }
 
-    /// Solves with the matrix as it is; whether that is positive definite.
+    /// Solves with the present matrix; returns whether it is positive definite.
     fn solve(&mut self, r: &[f64], d: &mut [f64]) -> Result<bool, SolveError> {
         let n = r.len();
         let failed = |why: String| SolveError::Factorisation { unknowns: n, why };
@@ -97,7 +97,7 @@ impl Cholesky {
             let factorise =
                 symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
             let need = factorise.or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-            // The old memory goes first.
+            // The old memory is released first.
             (self.memory, self.factor) = (None, Vec::new());
             let entries = symbolic.len_val();
             self.factor
@@ -137,7 +137,7 @@ impl Cholesky {
         Ok(vector::norm(&rest) <= WORST_SOLUTION * vector::norm(r))
     }
 
-    /// Adds `share` of the size of each diagonal entry to it, and to small ones more.
+    /// Adds `share` of the magnitude of each diagonal entry to it, and more to small ones.
     fn add_to_diagonal(&mut self, share: f64) {
         let LowerTriangle { starts, values, .. } = &mut self.matrix;
         let places = starts.split_last().map_or(&[][..], |(_, places)| places);

@@ -1,19 +1,19 @@
-//! How far to go along a direction of descent.
+//! Step length along a direction of descent.
 //!
-//! A step is taken if it lowers the energy enough (Armijo), or, where differences of energies drown
-//! in round-off, if the slope along the direction has fallen enough without a rise of the energy
+//! A step is accepted if it lowers the energy enough (Armijo). Where differences of energies are lost in
+//! round-off, it is accepted if the slope along the direction has fallen enough without a rise of the energy
 //! (the approximate conditions of Hager and Zhang, SIAM J. Optim. 16, 170 (2005), eq. 4.1).
 
 use super::{StaticProblem, vector};
 use crate::SolveError;
 
-/// Share of the slope at the start that the mean slope must keep.
+/// Fraction of the slope at the start that the mean slope must keep.
 const DECREASE: f64 = 1e-4;
-/// Rise of the energy that counts as round-off, relative to its size, if the problem knows no better.
+/// Rise of the energy that counts as round-off, relative to its size, if the problem gives no estimate.
 const ROUND_OFF: f64 = 1e-13;
-/// Without an energy, the slope must fall to this part of its value at the start.
+/// Without an energy, the slope must fall to this fraction of its value at the start.
 const SLOPE: f64 = 0.9;
-/// A step that has to be cut is cut to between these parts.
+/// A step that is rejected is cut to between these fractions.
 const CUT: [f64; 2] = [0.1, 0.5];
 
 /// A point with its forces.
@@ -46,12 +46,12 @@ impl Point {
     }
 }
 
-/// The end of a search.
+/// Result of a search.
 #[derive(Debug)]
 pub(super) enum Search {
     /// The point was moved; the number of cuts.
     Moved(usize),
-    /// No step was good enough; the problem's last error, if there was one.
+    /// No step was accepted; the problem's last error, if any.
     Stuck(Option<SolveError>),
 }
 
@@ -81,7 +81,7 @@ pub(super) fn search<P: StaticProblem + ?Sized>(
                     std::mem::swap(from, trial);
                     return Search::Moved(cuts);
                 }
-                // Where the slope, taken as linear, vanishes.
+                // Where the slope, assumed linear, vanishes.
                 (slope / (slope - now)).clamp(CUT[0], CUT[1])
             }
         };
@@ -156,7 +156,7 @@ mod tests {
     fn no_way_down_is_stuck() {
         let mut problem = Function::new(|x| x * x, |x| 2.0 * x, |_| 2.0);
         let mut from = start(&mut problem, 1.0);
-        // The wrong sign of the direction: the slope is against it.
+        // Along the opposite of a direction of descent.
         let end = search(&mut problem, &mut from, &mut Point::default(), &[1.0], 5);
         assert!(matches!(end, Search::Stuck(None)), "{end:?}");
         assert_eq!(from.x, [1.0]);

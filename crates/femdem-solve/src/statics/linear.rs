@@ -23,7 +23,7 @@ pub enum Linear {
     Cholesky,
 }
 
-/// What was done for one direction.
+/// Work done for one direction.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Effort {
     /// Iterations of conjugate gradients; factorisations otherwise.
@@ -77,7 +77,7 @@ impl Solver {
         if vector::all_finite(d) && vector::dot(r, d) > 0.0 {
             return Ok(effort);
         }
-        // Only round-off or a hopeless tangent leads here: take the scaled force.
+        // Only round-off or a degenerate tangent leads here: use the preconditioned force.
         cg::Blocks::of(problem, x)?.apply(r, d);
         Ok(Effort {
             modified: true,

@@ -1,17 +1,16 @@
-//! Static equilibrium: relaxation and Newton's method on anything that has forces and a tangent.
+//! Static equilibrium: relaxation and Newton's method for any problem with forces and a tangent.
 //!
-//! A [`StaticProblem`] is a vector of unknowns x (positions of free nodes, m) with a force on each of
-//! them. Two ways lead to a state where all forces vanish:
+//! A [`StaticProblem`] is a vector of unknowns x (positions of free nodes, m) with a force on each of them.
+//! Two methods find a state in which all forces vanish:
 //!
-//! - [`relax`]: explicit motion with kinetic damping. Needs forces only, stands any nonlinearity
-//!   (contact, friction, large strain), and costs many cheap steps.
+//! - [`relax`]: explicit motion with kinetic damping. Needs forces only, tolerates any nonlinearity (contact,
+//!   friction, large strain), and costs many cheap steps.
 //! - [`newton`]: needs the tangent; a few expensive iterations, quadratic convergence. Its linear
 //!   systems are solved by conjugate gradients without a matrix ([`Linear::Cg`]) or, with the feature
 //!   `implicit`, by a sparse Cholesky factorisation ([`Linear::Cholesky`]).
 //!
-//! Both run on one thread in a fixed order, so that results are the same bits everywhere, and both
-//! stop with [`SolveError::NotConverged`] rather than return a state that is not at
-//! rest.
+//! Both run on one thread in a fixed order, so that results are the same bits everywhere, and both stop with
+//! [`SolveError::NotConverged`] rather than return a state that is not at rest.
 //!
 //! ```
 //! use femdem_solve::SolveError;
@@ -71,17 +70,17 @@ pub use solve::{solve_static, solve_static_from};
 
 use crate::SolveError;
 
-/// Unknowns and the forces on them; three for each free node of a body, or whatever else is at rest
-/// when its forces vanish.
+/// Unknowns and the forces on them: three for each free node of a body, or those of any other system that is
+/// at rest when its forces vanish.
 ///
 /// # Errors
-/// Every method may refuse a state in which the forces are not defined, such as one with an inverted
-/// element. The solvers then take a smaller step; they pass the error on only if that does not help.
+/// Every method may refuse a state in which the forces are not defined, such as one with an inverted element.
+/// The solvers then take a smaller step, and return the error only if that does not help.
 pub trait StaticProblem {
     /// Number of unknowns.
     fn len(&self) -> usize;
 
-    /// Whether nothing is unknown.
+    /// Whether there are no unknowns.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -92,13 +91,13 @@ pub trait StaticProblem {
     /// See the trait.
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<f64, SolveError>;
 
-    /// Whether [`residual`](Self::residual) is minus the gradient of the energy it returns. Where it
-    /// is not (pressure that follows a surface, friction), the line search judges by forces alone.
+    /// Whether [`residual`](Self::residual) is minus the gradient of the energy it returns. If not (pressure
+    /// that follows a surface, friction), the line search uses forces alone.
     fn has_energy(&self) -> bool {
         true
     }
 
-    /// Mass of each unknown, kg, for relaxation; positive. They need not be those of the body.
+    /// Mass of each unknown, kg, for relaxation; positive. They may differ from those of the body.
     fn masses(&self) -> &[f64];
 
     /// The largest stable time step at `x`, s: 2 / omega for the largest frequency omega.
@@ -107,12 +106,12 @@ pub trait StaticProblem {
     /// See the trait.
     fn stable_step(&mut self, x: &[f64]) -> Result<f64, SolveError>;
 
-    /// What the Euclidean norm of the residual is compared with, N: such as the norm of loads and
-    /// reactions at the point of the last call of [`residual`](Self::residual).
+    /// The scale, N, of the Euclidean norm of the residual: such as the norm of loads and reactions at the
+    /// point of the last call of [`residual`](Self::residual).
     fn force_scale(&self) -> f64;
 
-    /// What the rounding of `x` alone does at the point of the last call of
-    /// [`residual`](Self::residual). Less is as good as nothing.
+    /// Effect of the rounding of `x` alone at the point of the last call of [`residual`](Self::residual).
+    /// Smaller residuals count as zero.
     fn noise(&self) -> Noise {
         Noise::default()
     }
@@ -123,8 +122,8 @@ pub trait StaticProblem {
     /// See the trait.
     fn tangent_apply(&mut self, x: &[f64], dx: &[f64], out: &mut [f64]) -> Result<(), SolveError>;
 
-    /// Calls `entry(row, column, value)` for the entries of K at `x`, both triangles; what comes more
-    /// than once is summed. The same places in the same order every time let solvers reuse their work.
+    /// Calls `entry(row, column, value)` for the entries of K at `x`, both triangles; repeated entries are
+    /// summed. The same positions in the same order every time let solvers reuse their work.
     ///
     /// # Errors
     /// See the trait.
@@ -135,7 +134,7 @@ pub trait StaticProblem {
     ) -> Result<(), SolveError>;
 }
 
-/// What rounding does to forces and energy.
+/// Effect of rounding on forces and energy.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Noise {
     /// Norm of a residual, N.
@@ -144,10 +143,10 @@ pub struct Noise {
     pub energy: f64,
 }
 
-/// Where rounding is worse than this, relative to the force scale, there is no equilibrium to be found.
+/// If rounding is worse than this, relative to the force scale, no equilibrium can be found.
 const WORST_ROUNDING: f64 = 1e-3;
 
-/// The norm of `r` over the force scale, and whether that is at most `tolerance`, or round-off.
+/// The norm of `r` over the force scale, and whether it is at most `tolerance` or round-off.
 fn judge<P: StaticProblem + ?Sized>(problem: &P, r: &[f64], tolerance: f64) -> (f64, bool) {
     let (norm, scale) = (vector::norm(r), problem.force_scale());
     let relative = if norm == 0.0 {
@@ -159,7 +158,7 @@ fn judge<P: StaticProblem + ?Sized>(problem: &P, r: &[f64], tolerance: f64) -> (
     (relative, relative <= tolerance || norm <= rounding)
 }
 
-/// Returns an error unless `x` has a finite number for every unknown.
+/// Returns an error unless `x` has the right length and is finite.
 fn check_start<P: StaticProblem + ?Sized>(problem: &P, x: &[f64]) -> Result<(), SolveError> {
     if x.len() != problem.len() {
         return Err(SolveError::WrongLength {

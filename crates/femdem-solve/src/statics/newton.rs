@@ -8,13 +8,13 @@ use crate::SolveError;
 use crate::error::check;
 use serde::{Deserialize, Serialize};
 
-/// Halvings and the like before a direction is given up.
+/// Cuts of a step before a direction is given up.
 const MOST_CUTS: usize = 30;
-/// Largest relative error of a linear solution by conjugate gradients; smaller near the end
-/// (Eisenstat and Walker, SIAM J. Sci. Comput. 17, 16 (1996), choice 2).
+/// Largest relative error of a linear solution by conjugate gradients; smaller near the solution (Eisenstat
+/// and Walker, SIAM J. Sci. Comput. 17, 16 (1996), choice 2).
 const LOOSEST: f64 = 1e-3;
 
-/// Residual over force scale below which a standstill is put down to round-off.
+/// Residual over force scale below which stagnation is attributed to round-off.
 const NEAR: f64 = 1e-6;
 const AT_ROUND_OFF: &str = "the rest may be round-off: raise the tolerance";
 
@@ -55,7 +55,7 @@ impl NewtonOptions {
     }
 }
 
-/// What [`newton`] did.
+/// Report of [`newton`].
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct NewtonReport {
     /// Directions taken.
@@ -80,8 +80,8 @@ impl NewtonReport {
     }
 }
 
-/// Newton's method with the memory of its linear solver, to be used for many problems of one pattern
-/// (the steps of a load): the symbolic factorisation is then done once.
+/// Newton's method with the memory of its linear solver, for many problems of one pattern (the steps of a
+/// load): the symbolic factorisation is then done once.
 #[derive(Debug)]
 pub struct Newton {
     options: NewtonOptions,
@@ -176,7 +176,7 @@ impl Newton {
         }
     }
 
-    /// The linear solution is not to be better than the next residual can be.
+    /// Limits of the linear solution: it need not be more accurate than the next residual can be.
     fn limits(&self, residuals: &[f64], unknowns: usize) -> CgLimits {
         let tolerance = match residuals {
             [.., before, now] => {
@@ -228,15 +228,15 @@ fn is_stalled(residuals: &[f64]) -> bool {
 
 /// Moves `x` to an equilibrium by Newton's method.
 ///
-/// The direction solves K d = r. Where K is not positive definite, conjugate gradients stop at the
-/// first direction of negative curvature, and Cholesky factorises K + t |diag K| with t = 1e-3, 1e-2,
-/// ... instead. The step along it is cut until the energy falls (or the slope, near round-off). So
-/// every iteration goes downhill, and what is found is a stable equilibrium.
+/// The direction solves K d = r. If K is not positive definite, conjugate gradients stop at the first
+/// direction of negative curvature, and Cholesky factorises K + t |diag K| with t = 1e-3, 1e-2, ... instead.
+/// The step along it is cut until the energy falls (or the slope, near round-off). So every iteration
+/// descends, and the result is a stable equilibrium.
 ///
 /// # Errors
-/// [`SolveError::NotConverged`] with the residual reached, when `x` holds the best state; a problem's
-/// own error if its forces are not defined at the start; [`SolveError::Parameter`] and
-/// [`SolveError::WrongLength`] for bad options or a bad start; [`SolveError::FeatureMissing`].
+/// [`SolveError::NotConverged`] with the residual reached, where `x` is the best state; a problem's own error
+/// if its forces are not defined at the start; [`SolveError::Parameter`] and [`SolveError::WrongLength`] for
+/// bad options or a bad start; [`SolveError::FeatureMissing`].
 pub fn newton<P: StaticProblem + ?Sized>(
     problem: &mut P,
     x: &mut [f64],

@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 pub enum Method {
     /// Newton's method: for most bodies.
     Newton(NewtonOptions),
-    /// Relaxation: where Newton's method finds no way, such as with laws whose tangent is not symmetric
-    /// (flow that is not associated), of which the linear solvers see one triangle only.
+    /// Relaxation: where Newton's method fails, such as with laws whose tangent is not symmetric (flow that
+    /// is not associated), since the linear solvers use one triangle only.
     Relax(RelaxOptions),
 }
 
@@ -22,14 +22,14 @@ impl Default for Method {
     }
 }
 
-/// How loads and weight grow. Driven nodes are on their path in time in either case.
+/// How loads and weight grow. Driven nodes follow their path in time in either case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LoadPath {
-    /// Together, from zero to what they are at the end.
+    /// Together, in proportion from zero to their values at the end.
     #[default]
     Proportional,
-    /// As their curves say at every moment: loading and unloading.
+    /// As given by their curves at every time: loading and unloading.
     InTime,
 }
 
@@ -39,13 +39,13 @@ pub enum LoadPath {
 pub struct StaticOptions {
     /// How each equilibrium is found.
     pub method: Method,
-    /// The moment of the boundary conditions that is to be reached, s.
+    /// The time of the boundary conditions that is to be reached, s.
     pub time: f64,
-    /// How loads grow on the way there.
+    /// How loads grow up to then.
     pub path: LoadPath,
-    /// Equal steps in which loads and driven nodes go there. A step that fails is halved; after one
-    /// that went well the next is longer again. Plasticity wants many, and so do large motions of
-    /// quadratic elements, which in one step may fold between their points.
+    /// Number of equal steps of loads and driven nodes. A step that fails is halved; after a successful one
+    /// the next is longer again. Plasticity needs many, and so do large motions of quadratic elements, which
+    /// may fold between their points in a single step.
     pub steps: usize,
     /// Halvings of the step before giving up.
     pub max_halvings: usize,

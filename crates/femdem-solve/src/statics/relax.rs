@@ -1,7 +1,8 @@
 //! Dynamic relaxation with kinetic damping.
 //!
-//! The unknowns move under their forces without friction. Whenever their kinetic energy has passed a
-//! maximum, they are stopped, put back half of the last step (where the maximum was, about), and left
+//! The unknowns move under their forces without friction. Whenever their kinetic energy has passed a maximum,
+//! they are stopped, moved back by half of the last step (approximately to the maximum), and released again
+//! (Cundall 1976; Barnes, Comput. Struct. 30, 685 (1988)). Finally they are at rest.
 //! to move again (Cundall 1976; Barnes, Comput. Struct. 30, 685 (1988)). What remains is at rest.
 
 use super::line_search::Point;
@@ -10,20 +11,20 @@ use crate::SolveError;
 use crate::error::check;
 use serde::{Deserialize, Serialize};
 
-/// Largest part of the stable step at which kinetic damping was found stable.
+/// Largest fraction of the stable step at which kinetic damping was found stable.
 const LARGEST_SAFETY: f64 = 0.5;
-/// Times that a step found too large is halved before giving up.
+/// Number of times that a step found too large is halved before giving up.
 const MOST_CUTS: usize = 12;
 
-/// The masses that move in [`relax`].
+/// The masses used by [`relax`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RelaxMasses {
     /// Those of the problem, with its stable step.
     #[default]
     Problem,
-    /// A quarter of the row sums of |K|, renewed at every stop, for which 1 s is a stable step (the
-    /// circles of Gershgorin). Small and stiff elements then no longer set everyone's step.
+    /// A quarter of the row sums of |K|, renewed at every stop, for which 1 s is a stable step (the circles
+    /// of Gershgorin). Small and stiff elements then no longer determine the step of all.
     Stiffness,
 }
 
@@ -35,9 +36,9 @@ pub struct RelaxOptions {
     pub tolerance: f64,
     /// Steps after which to give up.
     pub max_steps: usize,
-    /// Step over the stable step, at most 0.5: kinetic damping blew up at 0.6.
+    /// Step over the stable step, at most 0.5: kinetic damping is unstable at 0.6.
     pub safety: f64,
-    /// The masses that move.
+    /// The masses.
     pub masses: RelaxMasses,
 }
 
@@ -64,7 +65,7 @@ impl RelaxOptions {
     }
 }
 
-/// What [`relax`] did.
+/// Report of [`relax`].
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RelaxReport {
     /// Steps taken.
@@ -81,7 +82,7 @@ pub struct RelaxReport {
 
 /// The motion since the last stop.
 struct Motion {
-    /// Where it began.
+    /// The point where it began.
     origin: Point,
     at: Point,
     velocity: Vec<f64>,
@@ -95,8 +96,8 @@ struct Motion {
 /// Moves `x` to an equilibrium by dynamic relaxation with kinetic damping.
 ///
 /// # Errors
-/// [`SolveError::NotConverged`] with the residual reached, when `x` holds the state of the last stop;
-/// a problem's own error if its forces are not defined at the start or however small the step;
+/// [`SolveError::NotConverged`] with the residual reached, where `x` is the state of the last stop; a
+/// problem's own error if its forces are not defined at the start or for any step size;
 /// [`SolveError::Parameter`] and [`SolveError::WrongLength`] for bad options or a bad start.
 pub fn relax<P: StaticProblem + ?Sized>(
     problem: &mut P,
@@ -142,7 +143,7 @@ impl Motion {
         options: &RelaxOptions,
         report: &mut RelaxReport,
     ) -> Result<(), SolveError> {
-        // Halvings that were needed; they stay.
+        // Factor of all halvings so far; it is kept.
         let mut slower = 1.0;
         let mut is_rest = true;
         loop {
@@ -222,8 +223,8 @@ impl Motion {
         Ok(())
     }
 
-    /// Accelerates for a step, or half a one from rest; whether the kinetic energy has fallen, when the
-    /// velocity is as it was.
+    /// Accelerates for a step, or half a step from rest. Returns whether the kinetic energy has fallen, in
+    /// which case the velocity is unchanged.
     fn kick(&mut self, is_rest: bool) -> bool {
         let time = if is_rest { 0.5 * self.step } else { self.step };
         for ((v, r), m) in self.velocity.iter_mut().zip(&self.at.r).zip(&self.masses) {
@@ -235,7 +236,7 @@ impl Motion {
             .zip(&self.masses)
             .map(|(v, m)| m * v * v);
         let kinetic = 0.5 * squares.sum::<f64>();
-        // Not a number counts as fallen; the evaluation after it then finds the cause.
+        // NaN counts as fallen; the evaluation after it then finds the cause.
         let fallen = kinetic < self.kinetic || kinetic.is_nan();
         if fallen {
             for ((v, r), m) in self.velocity.iter_mut().zip(&self.at.r).zip(&self.masses) {
@@ -247,21 +248,21 @@ impl Motion {
         fallen
     }
 
-    /// Half of the last step back, and at rest.
+    /// Moves back by half of the last step, and stops.
     fn step_back(&mut self) {
         vector::add_scaled(&mut self.at.x, -0.5 * self.step, &self.velocity);
         self.velocity.fill(0.0);
     }
 
     /// # Errors
-    /// The problem's error, or none if energy was gained, which only a step too large does.
+    /// The problem's error, or `None` if energy was gained, which only a step too large causes.
     fn evaluate<P: StaticProblem + ?Sized>(
         &mut self,
         problem: &mut P,
     ) -> Result<(), Option<SolveError>> {
         self.at.evaluate(problem).map_err(Some)?;
-        // At half the stable step, leapfrog misses its energy by at most (omega dt / 2)^2 = 1/4 of
-        // the kinetic one.
+        // At half the stable step, the energy error of the leapfrog is at most (omega dt / 2)^2 = 1/4 of the
+        // kinetic energy.
         let rounding = (1e-12 * self.origin.energy.abs()).max(problem.noise().energy);
         let slack = 0.5 * self.largest + rounding;
         if problem.has_energy() && self.at.energy > self.origin.energy + slack {
@@ -276,14 +277,14 @@ fn quarter_row_sums<P: StaticProblem + ?Sized>(
     problem: &mut P,
     x: &[f64],
 ) -> Result<Vec<f64>, SolveError> {
-    // Entries of one place may cancel: the sum of their sizes is the safe side.
+    // Repeated entries may cancel: the sum of their magnitudes is on the safe side.
     let mut masses = vec![0.0; problem.len()];
     problem.tangent(x, &mut |i, _, value| {
         if let Some(mass) = masses.get_mut(i as usize) {
             *mass += 0.25 * value.abs();
         }
     })?;
-    // An unknown without stiffness moves with the least of the others' masses.
+    // An unknown without stiffness gets the smallest of the other masses.
     let least = masses
         .iter()
         .copied()
@@ -360,7 +361,7 @@ mod tests {
 
     #[test]
     fn a_wrong_stable_step_is_noticed_and_cut() {
-        // The problem claims a stable step 7 times what it is.
+        // The problem claims 7 times its stable step.
         let mut problem = Function::new(|x| 50.0 * x * x, |x| 100.0 * x, |_| 100.0 / 49.0);
         let mut x = [1.0];
         let report = relax(&mut problem, &mut x, &options(RelaxMasses::Problem)).unwrap();
@@ -369,7 +370,7 @@ mod tests {
 
     #[test]
     fn states_without_forces_are_stepped_back_from() {
-        // E = x - 0.01 ln x: from afar the motion shoots past zero.
+        // E = x - 0.01 ln x: from afar the motion overshoots zero.
         let mut problem = Function::new(
             |x| x - 0.01 * x.ln(),
             |x| 1.0 - 0.01 / x,

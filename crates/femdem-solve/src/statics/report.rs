@@ -1,4 +1,4 @@
-//! What the solution of a body returns.
+//! Result of the solution of a body.
 
 use super::{NewtonReport, RelaxReport};
 use crate::deformable::DeformableState;
@@ -26,10 +26,10 @@ impl StepReport {
     }
 }
 
-/// What [`solve_static`](super::solve_static) did.
+/// Report of [`solve_static`](super::solve_static).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct StaticReport {
-    /// Load steps that went well: the part of the load at their end, and how they were solved.
+    /// Successful load steps: the fraction of the load at their end, and how they were solved.
     pub steps: Vec<(f64, StepReport)>,
     /// Load steps that failed and were halved.
     pub failed: usize,
@@ -50,6 +50,6 @@ pub struct StaticSolution {
     pub state: DeformableState,
     /// Forces of the supports on the nodes, N; zero for nodes that are free.
     pub reactions: Vec<Vector3>,
-    /// What was done.
+    /// Report of the solution.
     pub report: StaticReport,
 }

@@ -6,7 +6,7 @@ use super::{StaticReport, StaticSolution, StepReport};
 use crate::SolveError;
 use crate::deformable::{Boundary, DeformableModel, DeformableState};
 
-/// A body on its way through the load steps.
+/// A body during the load steps.
 struct March<'a> {
     problem: BodyProblem<'a>,
     options: &'a StaticOptions,
@@ -23,13 +23,13 @@ enum Solver {
 /// The equilibrium of a body, from its reference state, under the loads and with the supports of a
 /// moment, [`StaticOptions::time`].
 ///
-/// Supports must hold the body: free rigid motion is not removed (relaxation alone stands a free body
-/// under balanced loads). The tangent leaves out that pressure turns with its faces, so Newton's method
-/// converges more slowly under pressures that are not small beside the moduli.
+/// Supports must hold the body: free rigid motion is not removed (only relaxation tolerates a free body under
+/// balanced loads). The tangent does not include that pressure follows the rotation of its faces, so Newton's
+/// method converges more slowly under pressures that are not small beside the moduli.
 ///
 /// Residuals are compared with the norm of loads and reactions, or with the largest norm of the nodes'
-/// internal forces at the start and at the ends of the load steps so far if that is larger. So a body that
-/// is let go, whose loads and reactions go back to zero, has a scale too.
+/// internal forces at the start and at the ends of the load steps so far if that is larger. So a body that is
+/// unloaded, whose loads and reactions return to zero, has a scale too.
 ///
 /// ```
 /// use femdem_mesh::{TetMesh, Vector3};
@@ -56,9 +56,9 @@ enum Solver {
 /// ```
 ///
 /// # Errors
-/// [`SolveError::NotConverged`] or the body's [`SolveError::Element`] for the step that failed however
-/// small it was made; [`SolveError::Parameter`] for options out of range; [`SolveError::NoSuch`] for a
-/// boundary of another model.
+/// [`SolveError::NotConverged`] or the body's [`SolveError::Element`] for a step that failed at any size;
+/// [`SolveError::Parameter`] for options out of range; [`SolveError::NoSuch`] for a boundary of another
+/// model.
 pub fn solve_static(
     model: &DeformableModel,
     boundary: &Boundary,
@@ -67,7 +67,7 @@ pub fn solve_static(
     solve_static_from(model, boundary, &DeformableState::reference(model), options)
 }
 
-/// As [`solve_static`], from a state of one's own. Loads still grow from zero, unless the path is
+/// As [`solve_static`], from a given state. Loads still grow from zero, unless the path is
 /// [`LoadPath::InTime`].
 ///
 /// # Errors
@@ -107,7 +107,7 @@ impl March<'_> {
         let longest = 1.0 / self.options.steps as f64;
         let (mut done, mut step, mut halvings) = (0.0, longest, 0);
         while done < 1.0 {
-            // The last step ends at 1 exactly, and no sliver is left before it.
+            // The last step ends at 1 exactly, and no tiny one is left before it.
             let next = if done + 1.001 * step >= 1.0 {
                 1.0
             } else {
@@ -133,7 +133,7 @@ impl March<'_> {
         Ok(())
     }
 
-    /// Goes on to a part of the whole way.
+    /// Advances to a fraction of the whole load path.
     fn advance(&mut self, part: f64) -> Result<StepReport, SolveError> {
         let (end, now) = (self.options.time, self.options.time * part);
         match self.options.path {
@@ -154,8 +154,8 @@ impl March<'_> {
         Ok(report)
     }
 
-    /// Moves held coordinates, and with Newton's method the others as the tangent says, so that the
-    /// whole body follows and not its outermost elements alone.
+    /// Moves held coordinates, and with Newton's method the others according to the tangent, so that the
+    /// whole body follows and not only the elements at the supports.
     fn predict(&mut self, x: &mut [f64], motion: &[f64]) -> Result<(), SolveError> {
         if let Solver::Newton(newton) = &mut self.solver {
             let mut force = vec![0.0; x.len()];

@@ -1,5 +1,5 @@
-//! The lower triangle of a symmetric sparse matrix by columns, put together from entries that come in
-//! the same order again and again.
+//! The lower triangle of a symmetric sparse matrix by columns, assembled from entries that come in the same
+//! order every time.
 
 use super::StaticProblem;
 use crate::SolveError;
@@ -10,12 +10,12 @@ pub(super) struct LowerTriangle {
     pub(super) starts: Vec<usize>,
     pub(super) rows: Vec<usize>,
     pub(super) values: Vec<f64>,
-    /// The place of the k-th entry on or below the diagonal that the problem gives.
+    /// The index in `values` of the k-th entry on or below the diagonal that the problem passes.
     places: Vec<usize>,
 }
 
 impl LowerTriangle {
-    /// Puts together the tangent at `x`; whether its pattern differs from the one before.
+    /// Assembles the tangent at `x`; returns whether its pattern differs from the one before.
     ///
     /// # Errors
     /// Of the problem's tangent.
@@ -32,7 +32,7 @@ impl LowerTriangle {
         Ok(true)
     }
 
-    /// Fills the values in; whether all entries came at their known places.
+    /// Fills in the values; returns whether all entries came at their known positions.
     fn refill<P: StaticProblem + ?Sized>(
         &mut self,
         problem: &mut P,

@@ -193,7 +193,7 @@ impl Chain {
         }
     }
 
-    /// Straight, slightly out of line so that all directions take part.
+    /// A straight line, with a slight offset so that all directions are involved.
     pub(super) fn start(&self) -> Vec<f64> {
         let at = |i: usize| (i + 1) as f64 / (self.points + 1) as f64;
         (0..self.points)

@@ -73,7 +73,8 @@ impl Reference {
         );
         let change = l.add(l.add(trace, minors), determinant);
         let volume = l.load(&self.volume);
-        // Where ln (1 + q) = 2 artanh (q/(2 + q)) is within the range of the series; F inside out is not.
+        // ln (1 + q) = 2 artanh (q/(2 + q)) within the range of the series. q = J^2 - 1 does not show whether F
+        // is inverted, so that det F is tested too.
         let f = dot(l, &a, &cross(l, &b, &c));
         if !(l.all_within(change, -0.29, 0.41) && l.all_within(f, 0.0, f64::INFINITY)) {
             return l.load(&self.one_by_one(&edges));
@@ -105,7 +106,7 @@ impl Reference {
         ]
     }
 
-    /// The energies of the elements by the material itself.
+    /// The energies of the elements from the material itself.
     #[cold]
     #[inline(never)]
     fn one_by_one(&self, edges: &[Row; 9]) -> Row {

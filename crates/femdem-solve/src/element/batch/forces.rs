@@ -6,7 +6,7 @@ use super::{Block, Node, Task};
 #[cfg(feature = "parallel")]
 use femdem_mesh::Vector3;
 
-/// Where forces go to.
+/// Destination of forces.
 pub(super) trait Target {
     fn place(&self, node: u32) -> &Row;
     fn add<S: Lanes>(&mut self, l: S, slot: usize, node: u32, force: S::F);
@@ -26,7 +26,7 @@ impl Target for [Node] {
     }
 }
 
-/// To a slot per corner of each element, for nodes that others add to as well.
+/// To a slot per corner of each element, for nodes that other threads add to as well.
 #[cfg(feature = "parallel")]
 pub(super) struct Slots<'a> {
     pub nodes: &'a [Node],
@@ -58,7 +58,7 @@ pub(super) struct Forces<'a, T: Target + ?Sized> {
 impl<T: Target + ?Sized> Task for Forces<'_, T> {
     type Output = bool;
 
-    /// Two blocks at a time, so that one computes while the other waits for its quotients.
+    /// Processes two blocks at a time, so that one computes while the other waits for its divisions.
     #[inline(always)]
     fn run<S: Lanes>(self, l: S) -> bool {
         let target = self.target;

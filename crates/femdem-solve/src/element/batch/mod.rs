@@ -5,8 +5,8 @@
 //!
 //! -V P D_0^-T = -V mu D (D_0^T D_0)^-1 + (mu - lambda ln J)/(6 J) cof D,  J = det D/det D_0,
 //!
-//! since V cof(D_0^-1) D_0^-T = V det(D_0^-1) = 1/6: neither F nor P is needed. The energy is, when it is
-//! asked for, from F as in [`NeoHookean`], exact for small strain.
+//! since V cof(D_0^-1) D_0^-T = V det(D_0^-1) = 1/6: neither F nor P is needed. The energy is computed on
+//! demand from F as in [`NeoHookean`], accurate at small strain.
 
 mod energy;
 mod forces;
@@ -22,7 +22,7 @@ use forces::Slots;
 use std::ops::Range;
 use strain::Strains;
 
-/// A node of a body: its place and what forces have been added, in m and N; the last numbers are 0.
+/// A node of a body: its position, m, and the sum of its forces, N; the last number of each is 0.
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
@@ -44,7 +44,7 @@ impl Node {
     }
 }
 
-/// Four elements. Those beyond the last repeat it with no stiffness.
+/// Four elements. Unused places repeat the last element with no stiffness.
 #[derive(Debug, Clone, PartialEq)]
 #[repr(C, align(64))]
 struct Block {
@@ -59,7 +59,7 @@ struct Block {
     nodes: [[u32; LANES]; 4],
 }
 
-/// What the energy needs beside it.
+/// Additional data for the energy.
 #[derive(Debug, Clone, PartialEq)]
 struct Reference {
     /// D_0^-1 by rows.
@@ -69,7 +69,7 @@ struct Reference {
     material: [NeoHookean; LANES],
 }
 
-/// An element as a batch takes it in.
+/// An element as input of a batch.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BatchElement<'a> {
     pub nodes: [u32; 4],
@@ -91,8 +91,8 @@ impl Batch {
         Self { blocks, references }
     }
 
-    /// Adds the forces of all elements to the nodes, in the order of the elements. `false` if an
-    /// element is inverted or not finite.
+    /// Adds the forces of all elements to the nodes, in the order of the elements. `false` if an element is
+    /// inverted or not finite.
     pub fn add_forces(&self, nodes: &mut [Node]) -> bool {
         dispatch(Forces {
             blocks: &self.blocks,
@@ -100,7 +100,7 @@ impl Batch {
         })
     }
 
-    /// The forces of some elements, from a multiple of four on, corner by corner into `slots`.
+    /// The forces of some elements, starting at a multiple of four, corner by corner into `slots`.
     #[cfg(feature = "parallel")]
     pub fn forces_of(&self, range: Range<usize>, nodes: &[Node], slots: &mut [Vector3]) -> bool {
         dispatch(Forces {
@@ -109,7 +109,7 @@ impl Batch {
         })
     }
 
-    /// Stored energy of some elements, from a multiple of four on, J; NaN if one is inverted.
+    /// Stored energy of some elements, starting at a multiple of four, J; NaN if one is inverted.
     pub fn energy(&self, range: Range<usize>, x: &[Vector3]) -> f64 {
         let blocks = blocks_of(range);
         dispatch(Energy {
@@ -137,7 +137,7 @@ fn blocks_of(elements: Range<usize>) -> Range<usize> {
 fn block(elements: &[BatchElement]) -> Option<(Block, Reference)> {
     let last = elements.last()?;
     let at = |lane: usize| elements.get(lane).unwrap_or(last);
-    // Of elements that are there alone.
+    // Of the real elements only.
     let own = |f: &dyn Fn(&BatchElement) -> f64| {
         Row(std::array::from_fn(|lane| {
             elements.get(lane).map_or(0.0, f)
@@ -166,7 +166,7 @@ fn block(elements: &[BatchElement]) -> Option<(Block, Reference)> {
     Some((block, reference))
 }
 
-/// Something to do with the best instructions that the machine has.
+/// A task to run with the best instructions that the machine has.
 trait Task {
     type Output;
     fn run<S: Lanes>(self, l: S) -> Self::Output;
@@ -274,7 +274,7 @@ mod tests {
                 }
             }
             prop_assert_eq!(plain.0, plain.2.is_finite());
-            // Small moves invert nothing, so that the comparison is of numbers.
+            // Small displacements invert nothing, so that numbers are compared and not NaN.
             prop_assert!(plain.0 || size > 1e-9);
         }
     }

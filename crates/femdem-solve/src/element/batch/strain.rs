@@ -1,4 +1,4 @@
-//! How far blocks are strained.
+//! Magnitude of the strain of blocks.
 
 use super::super::lanes::{LANES, Lanes, Row, cross, dot};
 use super::energy::edges;
