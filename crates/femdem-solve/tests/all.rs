@@ -1,4 +1,4 @@
-//! All tests of the public interface in one program: each by itself takes longer to link than to run.
+//! All tests of the public interface in one program, since each test file takes longer to link than to run.
 
 mod any_shape;
 mod changes;

@@ -1,5 +1,4 @@
-//! Bodies and walls of any shape in the world: they conserve what is conserved, hold each other,
-//! and go through bytes.
+//! Bodies and walls of any shape in the world: conservation laws, interlocked bodies, and checkpoints.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -13,8 +12,8 @@ use femdem_mesh::{Polyhedron, Pose, Rotation};
 use femdem_solve::{BodySpec, Drive, SolveError, World};
 use std::f64::consts::FRAC_PI_2;
 
-/// Pellets with a hole and dolosse fly about in a closed box, without friction and damping.
-/// Returns the largest energy error, its trend, and how many patches and pairs were seen.
+/// Pellets with a hole and dolosse fly about in a closed box, without friction and damping. Returns the
+/// largest energy error, its trend, and how many patches and pairs there were.
 fn elastic_box(count: u64, seconds: f64) -> (f64, f64, [usize; 2]) {
     let mut p = weightless(1e6, 0.0, 0.0);
     p.time_step.safety = 0.1;
@@ -88,8 +87,8 @@ fn elastic_box_keeps_its_energy_for_a_second() {
     );
 }
 
-/// Three dolosse meet in free space, with friction and damping: momentum and angular momentum to
-/// round-off.
+/// Three dolosse collide in free space, with friction and damping: momentum and angular momentum are
+/// conserved to round-off.
 #[test]
 fn momentum_is_kept_to_round_off() {
     let mut world = World::new(weightless(1e6, 0.5, 0.3)).unwrap();
@@ -117,8 +116,7 @@ fn momentum_is_kept_to_round_off() {
     assert!((world.angular_momentum(&about) - before[1]).norm() < 1e-12 * scale);
 }
 
-/// A block on two feet meets a floor squarely, without weight: two patches rebound as one contact
-/// would.
+/// A block on two feet hits a floor squarely, without weight: two patches rebound like one contact.
 #[test]
 fn two_patches_rebound_as_one() {
     for zeta in [0.1, 0.3, 0.6] {
@@ -152,8 +150,8 @@ fn two_patches_rebound_as_one() {
     }
 }
 
-/// Two rings hang from a third that is held: each in the one above, crosswise. They come to rest,
-/// each carries what hangs below it, and nothing creeps.
+/// Two rings hang from a third that is held, each in the one above, crosswise. They come to rest, each
+/// carries what hangs below it, and nothing creeps.
 #[test]
 fn a_chain_of_links_holds_its_weight() {
     let mut p = parameters(1e7, 0.5, 0.5);

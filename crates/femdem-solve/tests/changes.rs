@@ -1,4 +1,4 @@
-//! Worlds that are changed while they run, and the books about it.
+//! Worlds that are changed while they run, and their energy ledger.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -41,7 +41,7 @@ fn with(world: &World, change: impl Fn(&mut ContactParameters)) -> ContactParame
     law
 }
 
-/// A cube at rest on a slope that its friction holds slides once the friction is less.
+/// A cube at rest on a slope, held by friction, slides once the friction is reduced.
 #[test]
 fn a_new_law_wakes_what_sleeps() {
     let mut p = parameters(1e7, 0.8, 0.6);
@@ -64,7 +64,8 @@ fn a_new_law_wakes_what_sleeps() {
     assert!((speed / expected - 1.0).abs() < 0.02, "{speed} {expected}");
 }
 
-/// Contacts that are made stiffer under load hold more energy, which is work; springs too.
+/// Contacts that are made stiffer under load store more energy, which is booked as work; so do friction
+/// springs.
 #[test]
 fn a_new_law_is_on_the_books() {
     let mut p = parameters(1e6, 0.8, 0.6);
@@ -88,7 +89,7 @@ fn a_new_law_is_on_the_books() {
     assert!(dissipated.abs() < 1e-9 * after.elastic, "{dissipated}");
 }
 
-/// A deformable body whose contacts are as stiff as the law says sinks in by less when the law is stiffer.
+/// A deformable body whose contact stiffness follows the law penetrates less when the law is stiffer.
 #[test]
 fn deformable_bodies_follow_a_new_law() {
     let depth = |penalty: f64, later: f64| {
@@ -112,7 +113,7 @@ fn deformable_bodies_follow_a_new_law() {
     assert!(depth(1e5, 1e5) > 5.0 * made_so);
 }
 
-/// A moving body that is held all at once gives up its kinetic energy as work.
+/// A moving body that is suddenly held gives up its kinetic energy as work.
 #[test]
 fn holding_what_moves_is_on_the_books() {
     let mut world = World::new(weightless(1e6, 0.6, 0.6)).unwrap();
@@ -169,7 +170,7 @@ fn a_new_wall_wakes_what_sleeps() {
     assert!(world.position(cube).unwrap().x > 1.9e-3);
 }
 
-/// Where a driven wall is now.
+/// Pose of a driven wall.
 #[test]
 fn a_driven_wall_has_a_pose() {
     let mut world = World::new(parameters(1e6, 0.6, 0.6)).unwrap();
@@ -185,8 +186,8 @@ fn a_driven_wall_has_a_pose() {
     assert!(world.wall_pose(floor + 1).is_none() && world.wall_load(floor + 1).is_none());
 }
 
-/// Cubes are set into the floor, beside each other, and a soft one into a cube: what they overlap with drives
-/// them apart, and all of it was there at the start. A wall put where cubes are brings its own.
+/// Cubes are set into the floor, beside each other, and a soft one into a cube. Their overlaps drive them
+/// apart, and all of this energy is in the initial energy. A wall placed where cubes are brings its own.
 #[test]
 fn overlaps_of_what_is_added_are_on_the_books() {
     let mut p = parameters(1e7, 0.0, 0.0);

@@ -1,4 +1,4 @@
-//! The energy ledger closes, and nothing that dissipates gives energy back.
+//! The energy ledger closes, and no dissipative part gives energy back.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -37,9 +37,9 @@ fn impact(id: &str, seed: u64, safety: f64) -> Ledger {
     world.ledger()
 }
 
-/// The ledger of a single impact misses less than 1e-3 of what is turned over at a tenth of
-/// the stable step, and what it misses is the error of a second-order integrator: a quarter
-/// at half the step. A wrong entry would not shrink with the step.
+/// The ledger of a single impact misses less than 1e-3 of the turnover at a tenth of the stable step, and the
+/// missing part is the error of a second-order integrator: a quarter at half the step. A wrong entry would
+/// not shrink with the step.
 #[test]
 fn the_ledger_of_one_impact_closes() {
     for (seed, id) in [(5, "P1"), (6, "P5"), (7, "A10"), (8, "P3")] {
@@ -62,8 +62,8 @@ fn the_ledger_of_one_impact_closes() {
     }
 }
 
-/// A heap falls into a box and settles with the default step: the books close, and each
-/// way of dissipation only ever grows but for the lag of half a step.
+/// A heap falls into a box and settles with the default step: the ledger closes, and each kind of dissipation
+/// only grows, except for the lag of half a step.
 #[test]
 fn the_ledger_of_a_settling_pack_closes() {
     let mut p = parameters(1e6, 0.5, 0.6);

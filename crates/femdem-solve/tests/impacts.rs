@@ -1,4 +1,5 @@
-//! Impacts of a cube on a floor and on a body: restitution, and what friction leaves of the speed along the floor.
+//! Impacts of a cube on a floor and on a body: restitution, and the speed along the floor that friction
+//! leaves.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -8,8 +9,8 @@ use femdem_mesh::Rotation;
 use femdem_mesh::nalgebra::Vector3;
 use femdem_solve::{BodySpec, Drive, World};
 
-/// A world without gravity in which a cube is about to hit a floor or an equal body from a gap of `gap` m, in steps of `safety`
-/// of the bound; the cube is the last body.
+/// A world without gravity in which a cube is about to hit a floor or an equal body from a gap of `gap` m,
+/// with the step at `safety` of the bound; the cube is the last body.
 fn before_impact(
     rotation: Rotation,
     velocity: Vector3<f64>,
@@ -41,7 +42,7 @@ fn before_impact(
     (world, body)
 }
 
-/// Runs until bodies that come have parted.
+/// Runs until colliding bodies have separated.
 fn until_parted(world: &mut World) {
     let mut touched = false;
     for _ in 0..200_000 {
@@ -54,7 +55,7 @@ fn until_parted(world: &mut World) {
     }
 }
 
-/// Speed of parting over that of closing of a cube that hits a floor or an equal body at rest.
+/// Separation speed over approach speed of a cube that hits a floor or an equal body at rest.
 fn rebound(rotation: Rotation, zeta: f64, hit: (bool, f64, f64)) -> f64 {
     let contact = ContactParameters {
         friction: 0.0,
@@ -71,9 +72,9 @@ fn rebound(rotation: Rotation, zeta: f64, hit: (bool, f64, f64)) -> f64 {
     world.velocity(body).unwrap().z - other
 }
 
-/// The restitution follows from zeta alone for a face, an edge and a vertex of a cube on a wall and on a body,
-/// wherever within a step it touches: the formula of the crate's `restitution` within 1 %.
-/// A face, whose force begins with a jump, asks for shorter steps, and keeps to 15 % at the default.
+/// The restitution depends on zeta alone for a face, an edge and a vertex of a cube on a wall and on a body,
+/// wherever within a step the touch is: the formula of the crate's `restitution` within 1 %. A face, whose
+/// force begins with a jump, needs shorter steps, and is within 15 % at the default.
 #[test]
 fn restitution_does_not_depend_on_what_touches() {
     let face = Rotation::identity();
@@ -102,7 +103,8 @@ fn restitution_does_not_depend_on_what_touches() {
     }
 }
 
-/// A cube that slides down flat onto a floor: what friction leaves of its speed along the floor hardly depends on the step.
+/// A cube that slides flat onto a floor: the speed along the floor that friction leaves hardly depends on the
+/// step.
 #[test]
 fn oblique_impacts_converge() {
     let contact = ContactParameters {

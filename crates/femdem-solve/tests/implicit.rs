@@ -1,4 +1,4 @@
-//! Linearly implicit steps: what they keep, what they take, and that they end where explicit ones do.
+//! Linearly implicit steps: conservation, numerical dissipation, and the same final states as explicit steps.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -11,7 +11,7 @@ use femdem_mesh::nalgebra::Vector3;
 use femdem_mesh::{Rotation, TetMesh};
 use femdem_solve::{BodySpec, Drive, ImplicitStep, TimeStepParameters, World, WorldParameters};
 
-/// The same world stepped implicitly, `multiple` times the explicit limit of a face contact.
+/// The same world with implicit steps, `multiple` times the explicit limit of a face contact.
 fn implicit(mut p: WorldParameters, multiple: f64) -> WorldParameters {
     p.time_step.implicit = Some(ImplicitStep {
         multiple,
@@ -30,7 +30,8 @@ fn cube_on_floor(p: WorldParameters, height: f64) -> World {
     world
 }
 
-/// Three bodies meet in free space, with friction: momentum and angular momentum to round-off.
+/// Three bodies collide in free space, with friction: momentum and angular momentum are conserved to
+/// round-off.
 #[test]
 fn momentum_is_kept_to_round_off() {
     let mut world = World::new(implicit(weightless(1e7, 0.5, 0.3), 6.0)).unwrap();
@@ -57,8 +58,8 @@ fn momentum_is_kept_to_round_off() {
     assert!((world.angular_momentum(&about) - l0).norm() < 1e-12 * scale);
 }
 
-/// Without contact a body falls as it should at any step, and keeps its angular momentum, whatever its
-/// moments of inertia.
+/// Without contact a body falls exactly at any step, and keeps its angular momentum, for any moments of
+/// inertia.
 #[test]
 fn free_flight_is_exact() {
     let mut world = World::new(implicit(parameters(1e5, 0.6, 0.6), 6.0)).unwrap();
@@ -107,7 +108,7 @@ fn small_steps_give_the_restitution_of_the_law() {
                 (got - want).abs() < 0.012,
                 "zeta {zeta}: {got} instead of {want}"
             );
-            // The dashpot took it, also while the contact parts and the spring follows more slowly.
+            // The dashpot dissipated it, also while the contact parts and the spring expands more slowly.
             let books = world.ledger();
             let lost = 0.5 * world.mass(body).unwrap() * (1.0 - got * got);
             let (damped, step) = (books.dissipated_damping, books.dissipated_step);
@@ -124,7 +125,7 @@ fn small_steps_give_the_restitution_of_the_law() {
 }
 
 /// A cube dropped flat comes to rest at the depth at which its weight is carried, F = 2 p A delta/h, and the
-/// books tell where its energy went.
+/// ledger accounts for its energy.
 #[test]
 fn a_cube_rests_at_its_depth() {
     let penalty = 1e8;
@@ -148,8 +149,8 @@ fn a_cube_rests_at_its_depth() {
     assert!(books.error().abs() < 0.05 * weight * drop, "{books:?}");
 }
 
-/// A block on a slope under friction 0.6, gravity turned instead of the floor: its speed down
-/// the slope and its place.
+/// A block on a slope under friction 0.6, with gravity turned instead of the floor: its speed down the slope
+/// and its position.
 fn on_slope(slope: f64, times: [f64; 2]) -> [[f64; 3]; 2] {
     let mut p = implicit(parameters(1e8, 0.6, 0.6), 6.0);
     p.gravity = Vector3::new(G * slope.sin(), 0.0, -G * slope.cos());
@@ -172,7 +173,7 @@ fn a_block_sticks_below_the_friction_angle_and_slides_above() {
     assert!((got / want - 1.0).abs() < 0.01, "{got} instead of {want}");
 }
 
-/// An attitude for each number.
+/// An orientation for each number.
 fn attitude(k: u32, rates: [f64; 3]) -> Rotation {
     let mut place = 0.0;
     let turn = Vector3::from(rates).map(|rate| {
@@ -183,8 +184,8 @@ fn attitude(k: u32, rates: [f64; 3]) -> Rotation {
     Rotation::from_scaled_axis(turn * 3.0)
 }
 
-/// Mean distance over d that truncated dodecahedra, dropped in 64 attitudes, roll down a slope of 20 degrees in
-/// half a second.
+/// Mean distance over d that truncated dodecahedra, dropped in 64 orientations, roll down a slope of 20
+/// degrees in half a second.
 fn rolled(p: WorldParameters) -> f64 {
     let slope = 20_f64.to_radians();
     let distance = |k: u32| {
@@ -202,7 +203,7 @@ fn rolled(p: WorldParameters) -> f64 {
     (0..64).map(distance).sum::<f64>() / 64.0
 }
 
-/// Contacts do not pull: a body that rolls over its edges is held back by no more than its dashpots. Explicit steps of
+/// Contacts do not pull: a body that rolls over its edges is resisted only by its dashpots. Explicit steps of
 /// the default length carry it 1.3 % too far, these 1.5 % too little.
 #[test]
 fn polyhedra_roll_as_far_as_with_explicit_steps() {
@@ -214,7 +215,8 @@ fn polyhedra_roll_as_far_as_with_explicit_steps() {
     );
 }
 
-/// A body that was thrown on the floor in one of many attitudes, and bounces, slides, rocks and rolls, after a time.
+/// State after some time of a body thrown on the floor in one of many orientations, where it bounces, slides,
+/// rocks and rolls.
 fn thrown(name: &str, p: WorldParameters, k: u32, time: f64) -> World {
     let mut world = World::new(p).unwrap();
     let shape = world.add_shape(name, &solid(name)).unwrap();
@@ -227,7 +229,7 @@ fn thrown(name: &str, p: WorldParameters, k: u32, time: f64) -> World {
     world
 }
 
-/// Where the vertex of a truncated tetrahedron is that was thrown a third of a second ago.
+/// Position of a vertex of a truncated tetrahedron a third of a second after the throw.
 fn thrown_vertex(p: WorldParameters, k: u32) -> Vector3<f64> {
     thrown("A1", p, k, 0.3)
         .pose(0)
@@ -236,7 +238,8 @@ fn thrown_vertex(p: WorldParameters, k: u32) -> Vector3<f64> {
         .coords
 }
 
-/// Small steps do what explicit ones do: springs, dashpots and the bounds of friction and rocking are the same.
+/// Small steps agree with explicit ones: springs, dashpots and the bounds of friction and rocking are the
+/// same.
 #[test]
 fn small_steps_give_the_motion_of_explicit_ones() {
     let mut explicit = parameters(1e7, 0.3, 0.6);
@@ -249,7 +252,8 @@ fn small_steps_give_the_motion_of_explicit_ones() {
     }
 }
 
-/// Energy that the books miss of what 32 bodies turned over that were thrown on the floor and have come to rest.
+/// Energy missing in the ledger over the turnover, of 32 bodies that were thrown on the floor and have come
+/// to rest.
 fn missed(name: &str, multiple: f64) -> f64 {
     let (mut missed, mut turned) = (0.0, 0.0);
     for k in 0..32 {
@@ -261,8 +265,8 @@ fn missed(name: &str, multiple: f64) -> f64 {
     missed / turned
 }
 
-/// Bodies that tip over edges do not gain energy: a contact at the edge is not let go of by what opens the middle of its
-/// patch, and a face that comes down is not seen only when it is inside.
+/// Bodies that tip over edges do not gain energy: the spring of a contact at the edge is not released when
+/// the middle of its patch opens, and a face that comes down is detected before it is inside.
 #[test]
 fn bodies_tip_over_without_gaining_energy() {
     for name in ["P5", "A1"] {
@@ -273,8 +277,8 @@ fn bodies_tip_over_without_gaining_energy() {
     }
 }
 
-/// A floor that sets off sideways takes a block along: it slides until it has the floor's speed, and the
-/// books know the work of the drive.
+/// A floor that suddenly moves sideways carries a block along: it slides until it has the floor's speed, and
+/// the ledger contains the work of the drive.
 #[test]
 fn a_moving_floor_takes_a_block_along() {
     let mut world = World::new(implicit(parameters(1e8, 0.6, 0.6), 6.0)).unwrap();
@@ -294,7 +298,7 @@ fn a_moving_floor_takes_a_block_along() {
     run_until(&mut world, 0.9);
     assert!((world.velocity(0).unwrap() - velocity).norm() < 1e-6);
     let (books, mass) = (world.ledger(), world.mass(0).unwrap());
-    // Friction moves the block and rubs as much away again.
+    // Friction accelerates the block and dissipates the same amount again.
     let expected = mass * velocity.norm_squared();
     assert!((books.work_in / expected - 1.0).abs() < 0.05, "{books:?}");
     assert!(books.error().abs() < 0.05 * expected, "{books:?}");
@@ -314,11 +318,11 @@ fn stack(gap: f64) -> World {
     world
 }
 
-/// Where a column of cubes that fell flat on each other is after a while.
+/// Final state of a column of cubes that fell flat on each other.
 struct Dropped {
-    /// Distance of the highest cube from its place, over d.
+    /// Distance of the highest cube from its undisturbed position, over d.
     shift: f64,
-    /// Largest lean and turn of a cube, rad.
+    /// Largest inclination and rotation of a cube, rad.
     lean: f64,
     turn: f64,
     /// Kinetic energy over m g d.
@@ -339,10 +343,10 @@ fn dropped(gap: f64) -> Dropped {
     }
 }
 
-/// Cubes that fall flat on each other come to rest upright. The impacts shift and twist them a little; by how much hangs
-/// on rounding. Of 160 drops 3 % tremble for longer than this or are shifted by several times the usual (the largest shift is 0.06 d,
-/// the largest turn 0.16), and of some 1,500 one fell over, so that all must
-/// stand, all but six be calm and in place, and means and medians tell the rest.
+/// Cubes that fall flat on each other come to rest upright. The impacts shift and twist them slightly; by how
+/// much depends on rounding. Of 160 drops 3 % tremble for longer than this or are shifted by several times
+/// the usual (the largest shift is 0.06 d, the largest rotation 0.16), and of some 1,500 one fell over. So
+/// the test requires that all stand and that all but six are calm and in place, and bounds means and medians.
 #[test]
 fn columns_that_are_dropped_stand() {
     let drops: Vec<Dropped> = (0..48)
@@ -373,13 +377,13 @@ fn columns_that_are_dropped_stand() {
         mean_shift < 0.02 && mean_turn < 0.015,
         "{mean_shift} d, {mean_turn}"
     );
-    // Twice the medians of 160 drops; of the energy, ten times.
+    // Twice the medians of 160 drops; for the energy, ten times.
     assert!(shift < 0.014 && turn < 0.012, "{shift} d, {turn}");
     let (lean, energy) = (values(|d| d.lean).0, values(|d| d.energy).0);
     assert!(lean < 3e-5 && energy < 1e-9, "{lean}, {energy} m g d");
 }
 
-/// Ten cubes, aligned, set on each other: the stack stands, with their faces flat on each other.
+/// Ten aligned cubes, placed on each other: the stack stands, with their faces flat on each other.
 #[test]
 fn a_stack_of_ten_cubes_stands() {
     let mut world = stack(0.0);
@@ -417,8 +421,8 @@ fn heap(penalty: f64, multiple: f64, count: u64, wide: u64) -> World {
     world
 }
 
-/// A heap comes to rest under implicit steps; its books miss little; explicit steps, all
-/// bodies awake, then find it at rest where it is.
+/// A heap comes to rest under implicit steps, and its ledger closes within a few per cent. Explicit steps
+/// with all bodies awake then find it at rest.
 #[test]
 fn a_heap_ends_in_an_equilibrium_of_explicit_steps() {
     let mut world = heap(1e8, 6.0, 64, 4);
@@ -429,7 +433,7 @@ fn a_heap_ends_in_an_equilibrium_of_explicit_steps() {
         books.dissipated_step < 0.3 * books.dissipated(),
         "{books:?}"
     );
-    // Bodies that slept hold a part of their loads back.
+    // Bodies that slept have not transferred a part of their loads.
     world.set_sleeping(false);
     run_until(&mut world, 4.0);
     while world.residuals().kinetic_energy_over_mgd > 1e-9 && world.time() < 20.0 {
@@ -449,7 +453,7 @@ fn a_heap_ends_in_an_equilibrium_of_explicit_steps() {
     }
 }
 
-/// Friction within its bound, no contact that pulls, at every step of a heap that falls together.
+/// Friction stays within its bound and no contact pulls, at every step of a collapsing heap.
 #[test]
 fn contacts_keep_their_bounds() {
     let mut world = heap(1e8, 6.0, 27, 3);
@@ -469,8 +473,8 @@ fn contacts_keep_their_bounds() {
     assert!(slid > 100, "{slid}");
 }
 
-/// Far beyond the explicit limit contacts only stop what falls. One that a solution left out as parting and that closes
-/// in it would throw bodies with the force of its bare spring.
+/// Far beyond the explicit limit contacts only stop falling bodies. A contact that a solution excluded as
+/// parting and that closes in it would eject bodies with the force of its bare spring.
 #[test]
 fn no_contact_throws_a_body() {
     let mut world = heap(1e10, 40.0, 125, 5);
@@ -485,7 +489,7 @@ fn no_contact_throws_a_body() {
     }
 }
 
-/// A driven body presses a free one against the wall: what touches is pushed out of the way.
+/// A driven body presses a free one against the wall: the free one is pushed out of the way.
 #[test]
 fn a_driven_body_pushes_a_free_one() {
     let mut world = World::new(implicit(weightless(1e8, 0.3, 0.6), 6.0)).unwrap();
@@ -509,7 +513,7 @@ fn a_driven_body_pushes_a_free_one() {
     assert!(books.error().abs() < 0.05 * books.work_in, "{books:?}");
 }
 
-/// The same bits at any number of threads, and after a checkpoint in the middle.
+/// The same bits for any number of threads, and after a checkpoint in the middle.
 #[test]
 fn the_same_bits_with_threads_and_after_a_checkpoint() {
     let advance = |threads: usize, mut world: World, break_at: u32| {
@@ -547,8 +551,8 @@ fn parameters_out_of_range_are_named() {
     assert!(refused(|p, _| p.medium.local_damping = 0.6).contains("local_damping"));
 }
 
-/// Parameters that are set between steps to what they are change nothing: the springs of the contacts go on, those
-/// against torsion, too.
+/// Setting parameters between steps to their present values changes nothing: the springs of the contacts
+/// continue, those against torsion too.
 #[test]
 fn parameters_set_between_steps() {
     let run = |sets: bool| {
@@ -573,7 +577,7 @@ fn parameters_set_between_steps() {
     assert_eq!(run(false), run(true));
 }
 
-/// A wall or a body that is driven fast throws off what it meets with twice its speed at most.
+/// A wall or a body that is driven fast ejects bodies with at most twice its speed.
 #[test]
 fn what_is_driven_fast_is_foreseen() {
     for speed in [1.0, 5.0] {

@@ -33,7 +33,7 @@ fn a_projectile_flies_its_parabola() {
     assert!(off < 1e-11, "it is {off:e} m off its parabola");
     let speed = v - Vector3::z() * (G * t);
     assert!((world.velocity(0).unwrap() - speed).norm() < 1e-11);
-    // A cube is a sphere to rotation: its spin stays.
+    // The inertia of a cube is isotropic: its spin is constant.
     assert!((world.angular_velocity(0).unwrap() - w).norm() < 1e-10);
     assert!(world.ledger().error().abs() < 1e-12 * world.ledger().initial.abs());
 }
@@ -50,7 +50,7 @@ fn drag_leads_to_the_terminal_velocity() {
         (fall / want - 1.0).abs() < 1e-6,
         "{fall} instead of {want} m/s"
     );
-    // What gravity gave is in the motion or was taken by the medium.
+    // The work of gravity is in the motion or was dissipated by the medium.
     let ledger = world.ledger();
     assert!(ledger.dissipated_medium > 0.0);
     assert!(ledger.error_relative().abs() < 1e-3);
@@ -107,8 +107,8 @@ fn resting(p: WorldParameters) -> (World, f64) {
     (world, depth)
 }
 
-/// A cube on a slowly shaken floor goes with it: the spring is pressed by m (g + a). The
-/// dashpot sees the floor half a step ahead of the body, hence the small step.
+/// A cube on a slowly shaken floor moves with it: the spring carries m (g + a). The dashpot uses the floor's
+/// velocity half a step ahead of the body's, hence the small step.
 #[test]
 fn a_body_follows_a_slow_floor() {
     let mut p = parameters(1e6, 0.6, 0.6);
@@ -146,8 +146,8 @@ fn a_body_follows_a_slow_floor() {
     assert!(worst < 0.02, "the spring is off by {worst} of its rest");
 }
 
-/// A cube on a floor that sets off at speed v slides for v/(mu g) and then goes with it:
-/// it lags behind by v^2/(2 mu g).
+/// A cube on a floor that suddenly moves at speed v slides for v/(mu g) and then moves with it, at a distance
+/// of v^2/(2 mu g) behind.
 #[test]
 fn a_body_on_a_belt_lags_by_its_sliding() {
     let (mut world, _) = resting(parameters(1e6, 0.4, 0.6));
@@ -167,14 +167,14 @@ fn a_body_on_a_belt_lags_by_its_sliding() {
         "it lags by {lag} instead of {want} m"
     );
     let ledger = world.ledger();
-    // The belt does mu m g v for v/(mu g); half of it goes into motion, half into heat.
+    // The work of the belt is mu m g v for v/(mu g); half of it becomes motion, half heat.
     let energy = 0.5 * world.mass(0).unwrap() * v * v;
     assert!((ledger.work_in / (2.0 * energy) - 1.0).abs() < 0.01);
     assert!((ledger.dissipated_friction / energy - 1.0).abs() < 0.02);
     assert!(ledger.error_relative().abs() < 1e-3, "{ledger:?}");
 }
 
-/// A driven cube hits a free one: it goes off with (1 + e) times the speed.
+/// A driven cube hits a free one, which leaves with (1 + e) times the speed.
 #[test]
 fn a_driven_body_hits_like_an_infinite_mass() {
     let mut p = weightless(1e7, 0.0, 0.3);
@@ -205,7 +205,7 @@ fn a_driven_body_hits_like_an_infinite_mass() {
     );
 }
 
-/// Bodies in a shaken, rough, damped box: the books close with the work of the drive.
+/// Bodies in a shaken, rough, damped box: the ledger closes with the work of the drive.
 #[test]
 fn the_ledger_of_a_shaken_box_closes() {
     let mut p = parameters(1e6, 0.5, 0.3);

@@ -82,7 +82,7 @@ fn elastic_box_of_27_keeps_its_energy() {
     assert!(trend.abs() < 5e-6, "energy trend {trend:e}");
 }
 
-/// Three bodies meet in free space: momentum and angular momentum to round-off.
+/// Three bodies collide in free space: momentum and angular momentum are conserved to round-off.
 #[test]
 fn momentum_is_kept_to_round_off() {
     let mut p = parameters(1e7, 0.5, 0.3);
@@ -111,8 +111,8 @@ fn momentum_is_kept_to_round_off() {
     assert!((world.angular_momentum(&about) - l0).norm() < 1e-12 * scale);
 }
 
-/// A block on a slope of angle `slope` under a friction and one of walls, `far` m from the wall's origin: returns how far it
-/// moved down the slope between two times, and its speed at both.
+/// A block on a slope of angle `slope`, with a friction coefficient and one of walls, `far` m from the wall's
+/// origin. Returns its displacement down the slope between two times, and its speed at both.
 fn slide(
     slope: f64,
     friction: (f64, Option<f64>),
@@ -122,7 +122,7 @@ fn slide(
     let mut p = parameters(1e6, friction.0, 0.6);
     p.contact.wall_friction = friction.1;
     let g = 9.81;
-    // Turn gravity instead of the plane.
+    // Gravity is turned instead of the plane.
     p.gravity = Vector3::new(g * slope.sin(), 0.0, -g * slope.cos());
     let mut world = World::new(p).unwrap();
     let d = 0.1;
@@ -158,7 +158,7 @@ fn a_block_sticks_below_the_friction_angle() {
         ((0.6, None), 100.0),
         ((0.6, None), 3000.0),
     ] {
-        // Four seconds let the rocking of the first touch die out.
+        // In four seconds the rocking of the first touch decays.
         let (moved, _) = slide(0.9 * 0.6_f64.atan(), friction, far, [4.0, 6.0]);
         assert!(moved.abs() < 1e-12, "it drifted by {moved:e} m in 2 s");
     }

@@ -1,4 +1,4 @@
-//! Nodes that are held or driven: where they go, what that takes, and what their contacts see.
+//! Nodes that are held or driven: their paths, the work on them, and their contacts.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -60,8 +60,8 @@ fn add(world: &mut World, place: Vector3, boundary: Boundary) {
     world.add_deformable(spec).unwrap();
 }
 
-/// A cube whose nodes are all driven rubs along the floor, pressed 1 mm into it: what friction and damping dissipate
-/// the drive puts in.
+/// A cube whose nodes are all driven rubs along the floor, pressed 1 mm into it: the drive supplies what
+/// friction and damping dissipate.
 #[test]
 fn driven_nodes_that_rub_close_the_books() {
     let mut p = parameters(1e6, 0.5, 0.6);
@@ -93,7 +93,7 @@ fn driven_nodes_that_rub_close_the_books() {
     assert!(ledger.dissipated_friction > 0.1, "{ledger:?}");
     let missed = ledger.error().abs();
     assert!(missed < 2e-3 * ledger.dissipated_friction, "{ledger:?}");
-    // mu N for the way that was rubbed.
+    // mu N times the sliding distance.
     let normal: f64 = world.wall_load(0).unwrap().normal_sum;
     let rubbed = 0.5 * normal * 0.5 * 0.15;
     assert!(
@@ -102,7 +102,7 @@ fn driven_nodes_that_rub_close_the_books() {
     );
 }
 
-/// What is driven goes its way whatever the medium, which takes nothing from it.
+/// Driven nodes follow their path in any medium, which takes no energy from them.
 #[test]
 fn the_medium_does_not_resist_a_drive() {
     let mut p = weightless(1e6, 0.5, 0.6);
@@ -151,7 +151,7 @@ fn components_that_are_free_feel_the_medium() {
     );
 }
 
-/// A wall that turns about a far point lifts a deformable body, the only one there is.
+/// A wall that turns about a far point lifts the only deformable body.
 #[test]
 fn a_turning_wall_meets_what_deforms() {
     let mut world = World::new(weightless(1e6, 0.0, 0.0)).unwrap();
@@ -196,7 +196,7 @@ fn a_model_alone() {
     assert_eq!(places[0], places[1]);
 }
 
-/// A rigid body that a deformable one brakes is slowing.
+/// A rigid body that is decelerated by a deformable one is slowing.
 #[test]
 fn a_body_braked_by_a_deformable_one_is_slowing() {
     let mut world = World::new(weightless(1e6, 0.0, 0.0)).unwrap();
@@ -223,8 +223,8 @@ fn a_body_braked_by_a_deformable_one_is_slowing() {
     assert!(world.is_slowing());
 }
 
-/// Motions count from where a body is added, and when; those of a boundary that takes the place of another from
-/// where that one would be, or from now.
+/// Motions count from the position and the time at which a body is added. Those of a boundary that replaces
+/// another count from the places where that one would be, or from now.
 #[test]
 fn motions_count_from_where_a_body_is_added() {
     let mut world = World::new(weightless(1e6, 0.5, 0.6)).unwrap();
@@ -248,12 +248,12 @@ fn motions_count_from_where_a_body_is_added() {
     assert!(off(&world, start) < 1e-15);
     run_until(&mut world, 0.15);
     assert!(off(&world, start) < 1e-12);
-    // The same again goes on as it was.
+    // The same boundary again continues as before.
     let same = world.deformable(0).unwrap().boundary().clone();
     world.set_boundary(0, same).unwrap();
     run_until(&mut world, 0.2);
     assert!(off(&world, start) < 1e-12);
-    // One given for the present places, counted from now, goes on from there.
+    // One given for the present places, counted from now, continues from there.
     let here = world.deformable(0).unwrap().positions().to_vec();
     let mut anew = Boundary::default();
     anew.drive_from(
@@ -271,7 +271,7 @@ fn motions_count_from_where_a_body_is_added() {
     assert!(world.ledger().error().abs() < 1e-12);
 }
 
-/// A law that only this file knows.
+/// A law that is defined only in this file.
 #[derive(Debug)]
 struct Foreign(NeoHookean);
 
@@ -297,7 +297,7 @@ impl Material for Foreign {
     }
 }
 
-/// A world with a law of the caller's own goes on from its bytes as it would have, in contact, too.
+/// A world with a custom law continues from its bytes as before, in contact too.
 #[test]
 fn a_custom_law_goes_on_from_bytes() {
     let law = || Arc::new(Foreign(NeoHookean::new(1e6, 0.25).unwrap()));
@@ -329,7 +329,7 @@ fn a_custom_law_goes_on_from_bytes() {
     assert_eq!(world.state_hash().unwrap(), read.state_hash().unwrap());
 }
 
-/// Steps resolve a wall that swings fast under a large body, whose contacts would allow longer ones.
+/// Steps resolve a wall that oscillates fast under a large body, whose contacts would allow longer ones.
 #[test]
 fn fast_swings_are_resolved() {
     let tapped = |largest: Option<f64>| {

@@ -1,4 +1,4 @@
-//! What a world refuses, and how it reports a simulation that has blown up.
+//! Refusals of a world, and its report of a simulation that has blown up.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -106,7 +106,7 @@ fn bodies_that_are_nowhere_are_refused() {
             "driven: \"{text}\" is not in \"{error}\""
         );
     }
-    // Nothing of what was refused is left behind.
+    // Nothing refused remains in the world.
     assert_eq!(world.body_count(), 0);
     world.add_body(good).unwrap();
     world.step().unwrap();
@@ -198,7 +198,7 @@ fn drives_that_lead_nowhere_are_refused() {
 #[test]
 fn shapes_without_a_gauge_are_refused_with_advice() {
     let (mut world, _) = cubes();
-    // A cube with a pyramid pressed into one face.
+    // A cube with a pyramid-shaped dent in one face.
     let cube = solid("P5");
     let mut vertices = cube.vertices().to_vec();
     let mut faces: Vec<Vec<u32>> = cube.faces().map(<[u32]>::to_vec).collect();
@@ -271,7 +271,7 @@ fn a_body_that_becomes_too_fast_is_named() {
     }
 }
 
-/// Bodies added into each other under a penalty that makes an explosion of it.
+/// Bodies added overlapping, with a penalty that makes them explode.
 #[test]
 fn bodies_added_into_each_other_are_named() {
     let mut p = weightless(1e12, 0.0, 0.0);
@@ -295,8 +295,8 @@ fn bodies_added_into_each_other_are_named() {
     );
 }
 
-/// A law that is made a million times stiffer under load: the step follows it, or the
-/// failure is reported; no number ever stops being finite without a word.
+/// A law that is made a million times stiffer under load: either the step follows it, or the failure is
+/// reported; no number becomes non-finite silently.
 #[test]
 fn a_law_changed_under_load() {
     let (mut world, shape) = cubes();
@@ -398,7 +398,7 @@ fn altered_bytes_with_a_right_checksum_do_not_panic() {
     assert!(refused > 600, "{refused} of {}", state.len());
 }
 
-/// A world that was read as a part of something else and not restored says so, whatever is asked of it.
+/// A world that was read as a part of something else and not restored reports this from every method.
 #[test]
 fn a_world_that_was_not_restored_is_refused() {
     let (mut world, _) = cubes();
@@ -435,7 +435,7 @@ fn a_world_that_was_not_restored_is_refused() {
     }
 }
 
-/// A misspelt key of a text with parameters is an error that names it, not a default.
+/// A misspelt key in a text with parameters is an error that names it, not a default.
 #[test]
 fn keys_that_mean_nothing_are_refused() {
     let known = serde_json::to_value(WorldParameters::default()).unwrap();
@@ -465,7 +465,7 @@ fn soft_world() -> (World, u32) {
     (world, id)
 }
 
-/// What is read is checked as what is made: walls, kernels, boundaries.
+/// Values that are read are checked like those that are constructed: walls, kernels, boundaries.
 #[test]
 fn what_is_read_is_checked() {
     let wall = Wall::cylinder("mantle", 0.3, 7).unwrap();
@@ -495,7 +495,7 @@ fn what_is_read_is_checked() {
     assert!(serde_json::from_str::<DeformableKernel>(&shaped).is_err());
 }
 
-/// A quaternion that is of unit length only to 1e-6 stretches nothing.
+/// A quaternion whose length is 1 only to 1e-6 stretches nothing.
 #[test]
 fn nearly_unit_quaternions_stretch_nothing() {
     let (mut world, model) = soft_world();
@@ -507,7 +507,7 @@ fn nearly_unit_quaternions_stretch_nothing() {
         .unwrap();
     let stresses = world.deformable(soft).unwrap().stresses().unwrap();
     let most = stresses.iter().map(|s| s.von_mises() + s.pressure().abs());
-    // Of E = 1e6 Pa.
+    // Compared with E = 1e6 Pa.
     assert!(most.fold(0.0, f64::max) < 1e-8);
     let shape = world.add_shape("cube", &solid("P5")).unwrap();
     let rigid = world
@@ -517,7 +517,7 @@ fn nearly_unit_quaternions_stretch_nothing() {
     assert!((length - 1.0).abs() < 1e-15, "{length}");
 }
 
-/// Friction to begin with is that of bodies that are there, and finite.
+/// Initial friction is accepted only for existing bodies, and if finite.
 #[test]
 fn friction_to_begin_with_is_checked() {
     let (mut world, model) = soft_world();

@@ -29,7 +29,7 @@ fn stack(count: u32, young: f64, stiffness: ContactStiffness) -> World {
     let model = world.add_model("cube", model, stiffness).unwrap();
     for k in 0..count {
         let z = f64::from(k) * (SIDE - 1e-6) - 1e-6;
-        // A little to the side, so that nothing is flush.
+        // Slightly to the side, so that no side faces are in one plane.
         let pose = Pose::translation(1e-3 * f64::from(k % 2), 0.0, z);
         world
             .add_deformable(DeformableSpec::at_rest(model, pose))
@@ -38,8 +38,8 @@ fn stack(count: u32, young: f64, stiffness: ContactStiffness) -> World {
     world
 }
 
-/// Each contact carries the weight above it, and the middle of each cube the mean stress that goes
-/// with it, for cubes as soft as their contacts and for cubes of stone.
+/// Each contact carries the weight above it, and the middle of each cube the corresponding mean stress, for
+/// cubes as soft as their contacts and for cubes of stone.
 #[test]
 fn a_stack_carries_its_weight() {
     for (young, stiffness) in [
@@ -100,7 +100,7 @@ fn a_rigid_body_on_a_deformable_one() {
     assert!(world.velocity(rigid).unwrap().norm() == 0.0);
 }
 
-/// What touches nothing at first falls until it does.
+/// Bodies that touch nothing at first fall until they do.
 #[test]
 fn a_stack_that_touches_nothing_yet() {
     for gap in [0.0, 1e-4] {
@@ -126,8 +126,8 @@ fn a_stack_that_touches_nothing_yet() {
     }
 }
 
-/// Without friction all that is turned over is on the books: what bodies had at the start, and what
-/// is taken from them when they are stopped, as wholes and element by element.
+/// Without friction the ledger accounts for all energy: that of the bodies at the start, and that removed
+/// when they are stopped, as wholes and element by element.
 #[test]
 fn the_books_of_a_relaxation_close() {
     let mut world = stack(3, 1e6, ContactStiffness::default());
@@ -143,8 +143,8 @@ fn the_books_of_a_relaxation_close() {
     assert!(error.abs() < 0.02, "{error}");
 }
 
-/// A cube that is held at one side and pulled at the other, nothing else acting on it: of whatever size and under
-/// whatever load, it comes to its equilibrium to the tolerance, not to a number of newtons.
+/// A cube that is held at one side and pulled at the other, with no other load: for any size and load, it
+/// reaches equilibrium to the tolerance, not to an absolute force in newtons.
 #[test]
 fn what_is_left_is_compared_with_the_loads() {
     for (side, stress) in [(1e-4, 1e2), (0.1, 1e4), (100.0, 1e5)] {
@@ -189,7 +189,8 @@ fn what_is_left_is_compared_with_the_loads() {
     }
 }
 
-/// A rigid body is not at rest under a couple: one jammed askew between two walls turns until it lies flat.
+/// A rigid body is not at rest under a couple: one jammed obliquely between two walls turns until it lies
+/// flat.
 #[test]
 fn a_couple_is_no_equilibrium() {
     let mut p = WorldParameters {

@@ -41,7 +41,7 @@ fn advance(world: &mut World, steps: u32) {
     }
 }
 
-/// The hash after all steps, and the most pairs that a step evaluated.
+/// The hash after all steps, and the largest number of pairs evaluated in a step.
 fn run(threads: usize) -> (u64, u64) {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -69,7 +69,7 @@ fn any_number_of_threads() {
     compare_with_the_other_build(hash);
 }
 
-/// A hash tells states apart, even by the last bit of one coordinate.
+/// The hash differs between states, even if they differ by the last bit of one coordinate.
 #[test]
 fn the_hash_tells_states_apart() {
     let mut worlds = [0.0, 1e-15].map(|x| {
@@ -87,7 +87,7 @@ fn the_hash_tells_states_apart() {
     assert_ne!(hashes(&worlds)[0], a);
 }
 
-/// Written and read again while bodies slide, lie asleep and walls move.
+/// Written and read again while bodies slide and sleep, and walls move.
 #[test]
 fn through_bytes_in_the_middle() {
     let mut straight = heap(27, 3);
@@ -109,9 +109,9 @@ fn through_bytes_in_the_middle() {
     assert!(straight.kinetic_energy() < 0.1 * 27.0 * G * D);
 }
 
-/// A build with `parallel` and one without leave their hashes in the target folder, under a
-/// name made from the sources; whichever runs second compares. So run this test twice in the
-/// crate's folder, once with `--no-default-features`.
+/// A build with `parallel` and one without store their hashes in the target folder, under a name derived from
+/// the sources; whichever runs second compares them. So run this test twice in the crate's folder, once with
+/// `--no-default-features`.
 fn compare_with_the_other_build(hash: u64) {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let mut sources = Vec::new();

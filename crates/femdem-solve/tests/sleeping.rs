@@ -1,4 +1,4 @@
-//! The active set: what falls asleep, what it costs to wake it, and what wakes it.
+//! The active set: which bodies fall asleep, and what wakes them.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -45,9 +45,9 @@ fn largest_move(world: &World, from: &[Vector3<f64>]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Heaps that have settled under a strict rule sleep; woken for half a second without sleep they stay where they are (of
-/// the first twelve one does not: a body tips by 1.5e-3 d). The default rule lets a body sleep that still creeps by up to
-/// a hundredth of its size in half a second.
+/// Heaps that have settled under a strict rule sleep; woken for half a second without sleep they stay in
+/// place (of the first twelve one does not: a body tips by 1.5e-3 d). The default rule lets a body sleep that
+/// still creeps by up to a hundredth of its size in half a second.
 #[test]
 fn a_sleeping_heap_is_at_rest() {
     let mut p = sleepy();
@@ -59,7 +59,7 @@ fn a_sleeping_heap_is_at_rest() {
     }
 }
 
-/// How far a heap that sleeps moves when it is woken, over d.
+/// Largest displacement over d of a sleeping heap when it is woken.
 fn woken(p: WorldParameters, seed: u64) -> f64 {
     let mut world = World::new(p).unwrap();
     add_floor(&mut world, Drive::Fixed);
@@ -69,7 +69,7 @@ fn woken(p: WorldParameters, seed: u64) -> f64 {
     assert!((0..16).all(|i| world.is_asleep(i)));
     assert_eq!(world.kinetic_energy(), 0.0);
     let asleep = places(&world);
-    // Asleep, time passes without any motion.
+    // All asleep: time passes without any motion.
     let until = world.time() + 0.05;
     run_until(&mut world, until);
     assert_eq!(places(&world), asleep);
@@ -85,7 +85,7 @@ fn woken(p: WorldParameters, seed: u64) -> f64 {
     largest_move(&world, &asleep) / D
 }
 
-/// A floor that goes away takes its support with it: everything wakes and falls freely.
+/// A floor that moves away removes the support: everything wakes and falls freely.
 #[test]
 fn without_support_sleepers_fall() {
     let mut world = World::new(sleepy()).unwrap();
@@ -124,7 +124,7 @@ fn without_support_sleepers_fall() {
     assert_eq!(world.awake_count(), 3);
 }
 
-/// A driven body that leaves wakes what lay on it.
+/// A driven body that moves away wakes the bodies that lay on it.
 #[test]
 fn a_driven_support_that_leaves_wakes_its_load() {
     let mut world = World::new(sleepy()).unwrap();
@@ -147,8 +147,8 @@ fn a_driven_support_that_leaves_wakes_its_load() {
     assert!(before - world.position(load).unwrap().z > 0.01);
 }
 
-/// At the top of its flight a body is at rest for a moment, and nothing holds it: it must
-/// not fall asleep there, however slow the flight.
+/// At the top of its flight a body is at rest for a moment without support: it must not fall asleep there,
+/// however slow the flight.
 #[test]
 fn nothing_sleeps_in_flight() {
     let mut p = sleepy();
@@ -171,9 +171,9 @@ fn nothing_sleeps_in_flight() {
     assert!(world.velocity(body).unwrap().z < 0.0);
 }
 
-/// A hit wakes what is hit and its neighbours, and leaves the rest of the floor alone. The
-/// rule here looks at every step and takes no means: with the default a sleeping body stands
-/// like a wall for the few steps that a hard impact lasts.
+/// An impact wakes the body that is hit and its neighbours, and leaves the others on the floor asleep. The
+/// rule here examines every step and takes no means: with the default a sleeping body acts like a wall for
+/// the few steps of a hard impact.
 #[test]
 fn a_hit_wakes_those_around_it() {
     let mut p = sleepy();
@@ -207,8 +207,8 @@ fn a_hit_wakes_those_around_it() {
     assert!((world.position(top).unwrap() - before).norm() > 0.05 * D);
 }
 
-/// A cube laid on a sleeping one adds its weight to a load that balances without it: the sleeper
-/// wakes if that is more than its share, and sleeps on under less.
+/// A cube placed on a sleeping one adds its weight to a load that is balanced without it: the sleeper wakes
+/// if that weight exceeds its limit, and stays asleep otherwise.
 #[test]
 fn a_sleeper_wakes_under_more_than_its_share() {
     for (share_of_weight, wake, wakes) in [
@@ -237,15 +237,15 @@ fn a_sleeper_wakes_under_more_than_its_share() {
     }
 }
 
-/// Under nine weights a sleeper bears twice the share: 3.8 more weights on top, a third of what the
-/// lowest cube then has for a load scale, wake the cube between, and the lowest one if the share is
-/// 0.12 but not if it is 0.25.
+/// Under nine weights a sleeper tolerates twice the share. Take 3.8 more weights on top, a third of the load
+/// scale of the lowest cube then. They wake the cube between, and wake the lowest one if the share is 0.12,
+/// but not if it is 0.25.
 #[test]
 fn a_confined_sleeper_bears_twice_the_share() {
     for (wake, wakes) in [(0.25, false), (0.12, true)] {
         let mut p = sleepy();
         p.sleeping.wake = wake;
-        // At rest without ringing, so that the forces balance when it falls asleep.
+        // At rest without oscillation, so that the forces balance when it falls asleep.
         p.sleeping.ringing = 1e-9;
         let mut world = World::new(p).unwrap();
         add_floor(&mut world, Drive::Fixed);
@@ -270,8 +270,8 @@ fn a_confined_sleeper_bears_twice_the_share() {
     }
 }
 
-/// What a body did before it came to rest is not held against it: a cube that lands flat at 0.5 m/s
-/// sleeps as soon as it has been at rest for as long as the rule looks back and asks for.
+/// Motion before a body came to rest is not counted: a cube that lands flat at 0.5 m/s sleeps as soon as it
+/// has been at rest for the window and the steps of the rule.
 #[test]
 fn a_landed_body_sleeps_when_it_has_been_at_rest_for_the_window() {
     let p = sleepy();
@@ -293,15 +293,15 @@ fn a_landed_body_sleeps_when_it_has_been_at_rest_for_the_window() {
     }
     let waited = world.steps() - moved;
     let asked = u64::from(rule.window + rule.steps);
-    // The limit above is by weight and diameter alone; the load of a landing is larger.
+    // The limit above is from weight and diameter alone; the load of a landing is larger.
     assert!(
         (asked..2 * asked).contains(&waited),
         "{waited} steps where {asked} are asked for"
     );
 }
 
-/// A contact that carries next to nothing may come and go on a sleeper: a cube of a hundredth of its
-/// density bounces on it.
+/// A contact that carries almost nothing may come and go on a sleeper: a cube of a hundredth of its density
+/// bounces on it.
 #[test]
 fn a_sleeper_that_loses_a_slight_contact_sleeps_on() {
     let mut p = sleepy();
@@ -327,8 +327,8 @@ fn a_sleeper_that_loses_a_slight_contact_sleeps_on() {
     assert!(lost >= 2, "{lost} losses");
 }
 
-/// A body on a stiff floor stopped whenever it slows down comes to rest at once, where it would
-/// bounce for long; the energy taken is booked.
+/// A body on a stiff floor that is stopped whenever it slows down comes to rest at once, where it would
+/// otherwise bounce for long; the removed energy is booked.
 #[test]
 fn stopping_at_the_turn_damps_and_books_the_energy() {
     let bounce = |stops: bool| {
@@ -356,7 +356,7 @@ fn stopping_at_the_turn_damps_and_books_the_energy() {
     };
     let (free_sag, free_energy, _) = bounce(false);
     let (sag, energy, ledger) = bounce(true);
-    // Without damping it goes down to twice the equilibrium and on swinging.
+    // Without damping it sinks to twice the equilibrium and keeps oscillating.
     assert!((sag / free_sag - 0.5).abs() < 0.05, "{sag} and {free_sag}");
     assert!(energy < 1e-4 * free_energy, "{energy} and {free_energy}");
     assert!(ledger.frozen > 0.5 * free_energy, "{ledger:?}");
@@ -394,7 +394,7 @@ fn the_rule_can_be_replaced() {
     assert_eq!(world.awake_count(), 1);
 }
 
-/// Forbidden to sleep, a heap at rest stays awake.
+/// If sleep is forbidden, a heap at rest stays awake.
 #[test]
 fn sleep_can_be_forbidden() {
     let mut world = World::new(parameters(1e6, 0.6, 0.6)).unwrap();
@@ -405,8 +405,8 @@ fn sleep_can_be_forbidden() {
     assert_eq!(world.awake(), [0]);
 }
 
-/// While all sleep nothing limits the step. That in which a floor begins to shake is as small as if they
-/// had been awake.
+/// While all bodies sleep nothing limits the step. The step in which a floor begins to shake is as small as
+/// if they had been awake.
 #[test]
 fn the_step_is_chosen_for_those_that_a_drive_wakes() {
     let mut p = sleepy();
@@ -444,7 +444,7 @@ fn the_step_is_chosen_for_those_that_a_drive_wakes() {
     }
 }
 
-/// What slept on a body that is knocked away falls, however fast that goes.
+/// A body that slept on another falls when that one is knocked away, however fast.
 #[test]
 fn nothing_sleeps_on_without_its_support() {
     for (recheck, speed) in [(10, 6.0), (10, 7.5), (100, 5.0), (100, 9.0)] {
@@ -468,7 +468,7 @@ fn nothing_sleeps_on_without_its_support() {
     }
 }
 
-/// A body that is stopped is not pushed on by the dashpots of the velocity that it had.
+/// A body that is stopped is not pushed by the dashpot forces of its earlier velocity.
 #[test]
 fn what_is_stopped_goes_on_from_rest() {
     let mut p = parameters(1e6, 0.0, 0.6);

@@ -1,4 +1,5 @@
-//! Steps that contacts alone do not tell: of finely faceted bodies, of fast ones, and where nothing is free.
+//! Step sizes that are not determined by contacts alone: of finely faceted bodies, of fast ones, and without
+//! free bodies.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -28,7 +29,8 @@ fn ball(level: u32, height: f64) -> World {
     world
 }
 
-/// The step before any contact does not grow as facets get smaller, and the books of a fall and a bounce close.
+/// The step before any contact does not depend on the size of facets, and the ledger of a fall and a bounce
+/// closes.
 #[test]
 fn a_finely_faceted_body_steps_as_a_coarse_one() {
     let mut first = Vec::new();
@@ -51,7 +53,8 @@ fn a_finely_faceted_body_steps_as_a_coarse_one() {
     assert!(most < 1.3 * least, "{first:?}");
 }
 
-/// What falls for long lands: its speed shortens the step before it crosses a part of its own size.
+/// A body that falls for long lands: its speed shortens the step before it crosses a fraction of its own
+/// size.
 #[test]
 fn a_long_fall_ends_on_the_floor() {
     let mut world = World::new(parameters(1e6, 0.6, 0.6)).unwrap();
@@ -68,14 +71,14 @@ fn a_long_fall_ends_on_the_floor() {
     run_until(&mut world, 0.7);
     let speed = world.velocity(0).unwrap().norm();
     assert!(world.time_step() < 0.9 * slow);
-    // A tenth of its radius, and a little for the step that has just ended.
+    // A tenth of its radius, with a margin for the step that has just ended.
     assert!(speed * world.time_step() <= 0.101 * 0.5 * D);
     run_until(&mut world, 3.0);
     let height = world.position(0).unwrap().z;
     assert!((height / half_edge() - 1.0).abs() < 0.02, "{height}");
 }
 
-/// A world in which nothing is free goes on in time.
+/// A world without free bodies advances in time.
 #[test]
 fn driven_bodies_alone() {
     let mut world = World::new(parameters(1e6, 0.6, 0.6)).unwrap();
@@ -102,7 +105,7 @@ fn driven_bodies_alone() {
     );
 }
 
-/// What is launched spinning fast takes steps that its spin allows.
+/// A body launched with a fast spin takes steps that its spin allows.
 #[test]
 fn a_spinning_launch() {
     let mut world = World::new(parameters(1e6, 0.6, 0.6)).unwrap();
@@ -119,7 +122,7 @@ fn a_spinning_launch() {
     assert!(world.time_step() <= 0.1 / (1.5 * 500.0));
 }
 
-/// What was launched fast and was slowed down no longer shortens the step.
+/// A body that was launched fast and has been slowed down no longer shortens the step.
 #[test]
 fn a_launch_is_forgotten() {
     let mut p = weightless(1e6, 0.6, 0.6);
@@ -137,14 +140,14 @@ fn a_launch_is_forgotten() {
     let velocity = Vector3::x() * 2000.0;
     world.add_body(BodySpec { velocity, ..spec }).unwrap();
     world.step().unwrap();
-    // A tenth of its radius, although that is far below what stability asks for.
+    // A tenth of its radius, although that is far below the stability bound.
     assert!(world.time_step() <= 0.1 * 0.5 * D / 2000.0);
     run_until(&mut world, 0.5);
     assert!(world.velocity(0).unwrap().norm() < 1e-3);
     assert!((world.time_step() / slow - 1.0).abs() < 1e-12);
 }
 
-/// A body at rest that a fast wall comes to, or a driven body, is pushed and not passed.
+/// A body at rest that is approached by a fast wall, or a driven body, is pushed and not passed through.
 #[test]
 fn what_is_driven_fast_is_not_let_through() {
     let drive = Drive::Linear {
@@ -179,7 +182,7 @@ fn what_is_driven_fast_is_not_let_through() {
     }
 }
 
-/// A thin plate that is driven, whose field is steep, does not throw what it meets.
+/// A thin driven plate, whose field is steep, does not eject bodies that it meets.
 #[test]
 fn the_first_contact_with_a_thin_plate() {
     let mut p = weightless(1e7, 0.0, 0.0);
@@ -206,7 +209,7 @@ fn the_first_contact_with_a_thin_plate() {
     assert!((speed - 1.0).abs() < 0.02, "{speed}");
 }
 
-/// A soft body that is slow in itself and thrown fast at the floor comes back from it.
+/// A soft body, whose elements allow long steps, is thrown fast at the floor and rebounds from it.
 #[test]
 fn fast_nodes_do_not_go_through_the_floor() {
     let mut p = weightless(1e6, 0.0, 0.0);

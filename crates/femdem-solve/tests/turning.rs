@@ -1,4 +1,4 @@
-//! Walls and bodies that turn: what lies on them or meets them follows, and the books close.
+//! Walls and bodies that turn: bodies on them or in their way follow, and the ledger closes.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -13,7 +13,7 @@ use femdem_mesh::shapes::{Shape, Sphere};
 use femdem_mesh::{Pose, Rotation};
 use femdem_solve::{BodySpec, Drive, World};
 
-/// What a plate that moves is to the world.
+/// What the moving plate is in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Plate {
     Plane,
@@ -52,7 +52,7 @@ fn cube_on_a_plate(plate: Plate, at: Vector3<f64>, drive: Drive) -> (World, u32)
     (world, body)
 }
 
-/// A plane that rocks takes a cube along in the same way wherever the origin is.
+/// A plane that rocks carries a cube along in the same way for any position of the origin.
 #[test]
 fn a_rocking_plane_far_from_the_origin() {
     let ridden = |shift: Vector3<f64>| {
@@ -76,8 +76,8 @@ fn a_rocking_plane_far_from_the_origin() {
     assert!((far.1 / here.1 - 1.0).abs() < 1e-6, "{here:?} {far:?}");
 }
 
-/// A cube on a plate that swings smoothly about an axis beside it goes with it, without slip, and
-/// comes back; and the books close.
+/// A cube on a plate that oscillates smoothly about an axis beside it moves with it, without slip, and comes
+/// back; and the ledger closes.
 #[test]
 fn a_body_rides_on_a_swinging_plate() {
     for plate in [Plate::Plane, Plate::MeshWall, Plate::Body] {
@@ -109,8 +109,8 @@ fn a_body_rides_on_a_swinging_plate() {
     }
 }
 
-/// A plate that starts to turn at once takes a cube along: it slips first, which the drive pays
-/// for as much again as for the cube's speed.
+/// A plate that starts to turn abruptly carries a cube along. It slips first, and the drive supplies the
+/// cube's kinetic energy twice: once for the motion, once for the slip.
 #[test]
 fn a_turning_plate_drags_a_body_along() {
     for plate in [Plate::Plane, Plate::MeshWall, Plate::Body] {
@@ -135,7 +135,7 @@ fn a_turning_plate_drags_a_body_along() {
         );
         let spin = world.angular_velocity(body).unwrap().z;
         assert!((spin / rate - 1.0).abs() < 2e-2, "{plate:?}: {spin}");
-        // Slip takes v^2/2 mu g: the body lags by that much.
+        // The slip distance is v^2/2 mu g: the body lags by that much.
         let lag = rate * 0.4 * 0.2 - 0.2 * x.y.atan2(x.x);
         let expected = (rate * 0.2).powi(2) / (2.0 * 0.8 * G);
         assert!(
@@ -152,7 +152,7 @@ fn a_turning_plate_drags_a_body_along() {
     }
 }
 
-/// A blade far from any body swings round and strikes one: no cache lets it pass.
+/// A blade far from any body swings round and strikes one: no cache lets it pass through.
 #[test]
 fn a_blade_strikes_what_was_far() {
     let mut world = World::new(weightless(1e6, 0.0, 0.0)).unwrap();
@@ -196,8 +196,7 @@ fn a_blade_strikes_what_was_far() {
     assert!(ledger.error().abs() < 1e-2 * ledger.work_in, "{ledger:?}");
 }
 
-/// Bodies of both kinds in a turning drum: they are carried up on the side that rises, and the
-/// books close.
+/// Bodies of both kinds in a turning drum: they are carried up on the rising side, and the ledger closes.
 #[test]
 fn a_drum_turns_its_filling_over() {
     let mut p = parameters(1e6, 0.6, 0.5);
@@ -253,8 +252,8 @@ fn a_drum_turns_its_filling_over() {
     assert!(error < 0.01, "{error:e} {ledger:?}");
 }
 
-/// The dashpot against rocking resists the rolling of a ball as the crate docs of femdem-contact say; without
-/// damping nothing does.
+/// The dashpot against rocking resists the rolling of a ball as stated in the crate docs of femdem-contact;
+/// without damping nothing resists it.
 #[test]
 fn rolling_is_resisted_by_the_dashpot_alone() {
     let roll = |damping: f64, speed: f64| {
@@ -288,7 +287,8 @@ fn rolling_is_resisted_by_the_dashpot_alone() {
     }
 }
 
-/// Friction gives no energy to a ball that rolls on a block thirty times as large, whichever of the two was added first.
+/// A ball that rolls on a block thirty times as large gains no energy from friction, whichever of the two was
+/// added first.
 #[test]
 fn a_small_ball_rolls_on_a_large_block() {
     let roll = |ball_first: bool| {

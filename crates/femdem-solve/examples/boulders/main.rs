@@ -1,11 +1,11 @@
 //! Deformable boulders dumped into the bin of the founding paper (Fig. 1), for
 //! `cargo xtask validate boulders-deformable`.
 //!
-//! Prints lines of columns separated by tabs; each begins with the name of its table. Takes the simulated
-//! time (s), the number of threads, the number of boulders, the time (s) that they then spend in a medium
-//! that takes what rings inside them, and as long again without it, and a folder for their surfaces. With `sleep` among
-//! the arguments boulders at rest are frozen instead; all are woken where the medium would begin, and awake in the
-//! last part.
+//! Prints lines of columns separated by tabs; each begins with the name of its table. Arguments: the
+//! simulated time (s), the number of threads, the number of boulders, the time (s) that they then spend in a
+//! medium that damps their vibrations, and as long again without it, and a folder for their surfaces. With
+//! `sleep` among the arguments boulders at rest are frozen instead; all are woken where the medium would
+//! begin, and are awake in the last part.
 
 mod pack;
 
@@ -16,13 +16,13 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
-/// Lines of progress for a simulated second.
+/// Lines of progress per simulated second.
 const LINES: f64 = 4.0;
 
 /// Drag of the medium, 1/s.
 const DRAG: f64 = 10.0;
 
-/// The elements alone are evaluated so many times.
+/// Number of evaluations when the elements are timed separately.
 const REPEATS: usize = 200;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -58,7 +58,7 @@ fn run(seconds: f64, count: usize, settling: f64, sleep: bool) -> Result<Pack, B
         pack.kinetic_energy()
     )?;
     if settling > 0.0 && sleep {
-        // What changed by too little to wake a sleeper is passed on.
+        // Load changes too small to wake a sleeper are transferred now.
         pack.world.wake_all();
         progress.until(seconds + settling, &mut pack, &mut out)?;
         pack.world.set_sleeping(false);
@@ -167,7 +167,7 @@ impl Progress {
 
 /// Processor time of all threads of this process, s.
 fn processor_time() -> Result<f64, Box<dyn Error>> {
-    // The kernel counts in hundredths of a second; fields 14 and 15, the second being in parentheses.
+    // Fields 14 and 15 count hundredths of a second. Field 2, in parentheses, may contain spaces.
     let text = std::fs::read_to_string("/proc/self/stat")?;
     let rest = text.rsplit(')').next().unwrap_or_default();
     let fields: Vec<&str> = rest.split_whitespace().collect();

@@ -19,18 +19,18 @@ const DENSITY: f64 = 2700.0;
 const MASS: f64 = 40.0;
 /// Width, depth and height of the bin, m.
 const BIN: [f64; 3] = [5.26, 5.3, 3.87];
-/// Different boulders.
+/// Number of different boulders.
 const VARIETY: usize = 50;
-/// As sharp as gives about 144 triangles, and as many tetrahedra about the centroid.
+/// Angularity that gives about 144 triangles, and as many tetrahedra about the centroid.
 const ANGULARITY: f64 = 0.15;
-/// The lattice that they start from: boulders along the width and the depth, and the distance of layers, m.
+/// The initial lattice: boulders along the width and the depth, and the distance of layers, m.
 const ALONG: [usize; 2] = [8, 6];
 const LAYER: f64 = 0.55;
 
 /// All boulders in a world.
 pub struct Pack {
     pub world: World,
-    /// Tetrahedra of all boulders.
+    /// Number of tetrahedra of all boulders.
     pub tets: usize,
     size: f64,
 }
@@ -86,13 +86,13 @@ impl Pack {
         sum / f64::max(count, 1.0) / self.size
     }
 
-    /// Boulders with their centres above the rim.
+    /// Number of boulders with their centres above the rim.
     pub fn above_the_rim(&self) -> usize {
         let bodies = self.world.deformables();
         bodies.filter(|b| b.centroid().z > BIN[2]).count()
     }
 
-    /// Time of the elements' forces alone, of all bodies in turn as in a step, on one thread, ns for each
+    /// Time of the elements' forces alone, for all bodies in turn as in a step, on one thread, ns per
     /// tetrahedron.
     pub fn element_cost(&self, repeats: usize) -> Result<f64, Box<dyn Error>> {
         let (mut work, mut forces) = (Workspace::default(), Vec::new());
@@ -111,13 +111,13 @@ impl Pack {
                     &mut work,
                 )?;
             }
-            // The least of all: others use the machine too.
+            // The smallest time: other programs use the machine too.
             time = time.min(start.elapsed().as_secs_f64());
         }
         Ok(1e9 * time / self.tets as f64)
     }
 
-    /// The surfaces as they are now, and a table that places them, for `femdem picture`.
+    /// Writes the present surfaces, and a table with their poses, for `femdem picture`.
     pub fn write(&self, folder: &Path) -> Result<(), Box<dyn Error>> {
         std::fs::create_dir_all(folder)?;
         let mut table = "shape,x,y,z,qw,qx,qy,qz\n".to_owned();
@@ -139,7 +139,7 @@ impl Pack {
     }
 }
 
-/// Where boulder `i` starts: on a lattice, turned at random.
+/// Initial pose of boulder `i`: on a lattice, rotated at random.
 fn place(i: usize) -> Pose {
     let layer = ALONG[0] * ALONG[1];
     let (x, y, z) = (i % ALONG[0], i % layer / ALONG[0], i / layer);

@@ -1,4 +1,4 @@
-//! Balls meshed finely about their lowest point.
+//! Balls meshed finely around their lowest point.
 
 use femdem_mesh::{MeshError, Point3, TetMesh, Vector3};
 use std::collections::BTreeMap;
@@ -21,16 +21,16 @@ const WAYS: [[usize; 3]; 6] = [
 #[derive(Debug, Clone, Copy)]
 pub struct Ball {
     pub radius: f64,
-    /// Whether the upper half is there.
+    /// Whether it is a whole ball, with the upper half.
     pub whole: bool,
-    /// Length of edges, m, up to the distance `reach` (m) from the lowest point; they grow in proportion to
-    /// the distance beyond, to `coarsest`.
+    /// Edge length, m, up to the distance `reach` (m) from the lowest point; beyond, edges grow in proportion
+    /// to the distance, up to `coarsest`.
     pub finest: f64,
     pub reach: f64,
     pub coarsest: f64,
 }
 
-/// Where a point of the cube of half edge 1 goes in the unit ball.
+/// Image in the unit ball of a point of the cube of half edge 1.
 fn rounded(p: &Vector3) -> Vector3 {
     let [x, y, z] = [p.x * p.x, p.y * p.y, p.z * p.z];
     let factor = |a: f64, b: f64| (1.0 - 0.5 * (a + b) + a * b / 3.0).sqrt();
@@ -92,7 +92,7 @@ impl Bisection {
         })
     }
 
-    /// Cuts all that `coarse` says until it says no more and no edge has a point on it.
+    /// Bisects all tetrahedra for which `coarse` holds, until there are none and no edge has a point on it.
     fn refine(&mut self, coarse: impl Fn([Vector3; 4]) -> bool) {
         loop {
             let mut changed = false;
@@ -142,7 +142,7 @@ impl Ball {
                     longest = longest.max((corners[i] - corners[j]).norm());
                 }
             }
-            // Of the edges of such tetrahedra the longest is about 1.5 times the mean.
+            // The longest edge of such tetrahedra is about 1.5 times the mean.
             longest > 1.5 * wanted
         };
         let mut parts = Bisection::lattice(self.whole);
@@ -178,8 +178,8 @@ impl Ball {
     }
 }
 
-/// Hertz's contact of elastic bodies, as far as it is the same for a ball on a rigid plane and for one of
-/// two equal balls: the plane between them does not move.
+/// Hertz's contact of elastic bodies, in the form common to a ball on a rigid plane and to each of two equal
+/// balls: the plane between them does not move.
 #[derive(Debug, Clone, Copy)]
 pub struct Hertz {
     pub young: f64,

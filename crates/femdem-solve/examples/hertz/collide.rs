@@ -112,7 +112,7 @@ const IMPACTS: [Impact; 5] = [
     },
 ];
 
-/// Points of a curve that are printed.
+/// Number of points of a curve that are printed.
 const POINTS: usize = 100;
 
 /// The impacts of a table, on all meshes or on the first.
@@ -153,9 +153,9 @@ impl Impact {
             coarsest: 0.25 * r,
         };
         let mesh = ball.mesh()?;
-        // Edges of quadratic tetrahedra count half.
+        // Edges of quadratic tetrahedra are counted as half.
         let fine = ball.edge(&mesh) / order;
-        // The mass is that of the ball, not of the polyhedron.
+        // The mass is that of the ball, not of its polyhedron.
         let density = mass / mesh.volume();
         let model = setting::model(&mesh, element, &self.material, density, self.law)?;
         let setting = Setting::new(&model, ratio * self.material.young / fine)?;

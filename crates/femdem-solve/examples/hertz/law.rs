@@ -28,7 +28,7 @@ impl Law {
 }
 
 /// P = lambda tr(e) I + 2 mu e with e the symmetric part of F - I. Not objective: for bodies that do not
-/// turn.
+/// rotate.
 #[derive(Debug)]
 struct SmallStrain {
     lambda: f64,

@@ -30,11 +30,11 @@ const EDGES: [f64; 3] = [0.08, 0.055, 0.04];
 /// 0.245.
 const REACH: f64 = 0.26;
 
-/// A finer mesh for the smallest depths alone, which the others resolve least: its edge, the stiffnesses, the
+/// A finer mesh for the smallest depths only, which the others resolve least: its edge, the stiffnesses, the
 /// depths and the radius of its fine part. The contact radius at the larger depth is 0.141.
 const SHALLOW: (f64, [f64; 2], [f64; 2], f64) = (0.028, [1.0, 3.0], [0.01, 0.02], 0.16);
 
-/// Rest between two depths: how often sound crosses the radius.
+/// Time of rest between two depths, as the number of times that sound crosses the radius.
 const CROSSINGS: f64 = 8.0;
 
 /// One mesh, one stiffness.
@@ -149,7 +149,7 @@ impl Press {
             let force = contact.map_or(0.0, |c| c.force_on_b().z);
             let area = contact.map_or(0.0, |c| c.area);
             let height = if self.two { -0.5 * goal } else { 0.0 };
-            // A wall pushes back with 4 p phi on its plane, as the mirror image of a ball does: two balls
+            // A wall pushes back with 4 p phi on its plane, like the mirror image of a ball; two balls push
             // with 2 p (phi_A + phi_B) anywhere between their skins.
             let mirrors = if self.two { 1.0 } else { 2.0 };
             let bodies = world.deformables();

@@ -1,4 +1,4 @@
-//! What all runs share.
+//! Settings common to all runs.
 
 use crate::ball::Hertz;
 use crate::law::Law;

@@ -10,7 +10,7 @@ use femdem_solve::statics::{StaticOptions, StaticSolution, solve_static};
 const YOUNG: f64 = 70.0;
 const SHEAR: f64 = 6.25;
 const THICKNESS: f64 = 5.0;
-/// Part of the load applied, for the linear theory; displacements are divided by it.
+/// Fraction of the load applied, for the linear theory; displacements are divided by it.
 const PART: f64 = 1e-5;
 
 /// Vertical displacement of the upper corner on the right, and the solution.

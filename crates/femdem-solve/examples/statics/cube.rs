@@ -1,5 +1,5 @@
-//! A clamped rubber cube that is stretched and sheared: how Newton's method converges, and what its
-//! linear solvers cost.
+//! A clamped rubber cube that is stretched and sheared: the convergence of Newton's method, and the cost of
+//! its linear solvers.
 
 use crate::planes::plane;
 use femdem_mesh::{TetMesh, Vector3};

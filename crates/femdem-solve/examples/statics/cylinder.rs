@@ -66,7 +66,7 @@ fn on_ring(r: f64, k: u32, ring: u32, z: f64) -> Point3 {
     }
 }
 
-/// Splits a prism along diagonals that rise towards the higher number, on either side of a face.
+/// Splits a prism along diagonals that rise towards the higher index, the same on either side of a face.
 fn prism(tets: &mut Vec<[u32; 4]>, triangle: [u32; 3], offset: u32, per_layer: u32) {
     let [a, b, c] = triangle.map(|i| i + offset);
     let [d, e, f] = [a, b, c].map(|i| i + per_layer);

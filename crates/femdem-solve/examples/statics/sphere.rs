@@ -13,8 +13,8 @@ const YOUNG: f64 = 1000.0;
 /// Small enough for the linear theory.
 const PRESSURE: f64 = 0.01;
 
-/// An eighth of the sphere: mean radial displacement of the corners of the elements inside, over that
-/// of the exact solution, and the solution.
+/// An eighth of the sphere: mean radial displacement of the corners of the elements on the inner surface,
+/// over that of the exact solution, and the solution.
 ///
 /// # Errors
 /// If the model or the solution fails.

@@ -16,9 +16,9 @@ const LENGTH: f64 = 32.4e-3;
 const RADIUS: f64 = 3.2e-3;
 const SPEED: f64 = 227.0;
 const END: f64 = 80e-6;
-/// Share of the bound of the stable step that is used.
+/// Fraction of the stability bound that is used as step.
 const SAFETY: f64 = 0.9;
-/// Steps after which the bound is looked up again.
+/// Number of steps after which the bound is renewed.
 const RENEWAL: u64 = 20;
 
 /// Shape of the bar at the end.
@@ -30,7 +30,7 @@ pub struct Outcome {
     pub length: f64,
     /// Of the face on the wall, m.
     pub radius: f64,
-    /// What the energy ledger misses, over its largest entry.
+    /// Energy missing in the ledger, over its largest entry.
     pub energy_error: f64,
 }
 

@@ -48,7 +48,7 @@ fn nodes_are_picked_by_place_and_name() {
         25
     );
     assert_eq!(boundary.held().count(), 50);
-    // The same component again does not count twice.
+    // The same component again is not counted twice.
     boundary.fix(&model, &corner, [true; 3]).unwrap();
     assert_eq!(boundary.held().count(), 50 + 27 * 3 - 9 * 2);
 
@@ -95,9 +95,9 @@ fn volume(model: &DeformableModel, x: &[Vector3]) -> f64 {
         .sum()
 }
 
-/// Pressure all round is minus p times the gradient of the volume, curved faces included (the volume
-/// is measured inside the elements, by another rule). Traction sums to itself times the area, weight to
-/// mass times g.
+/// Pressure all around is minus p times the gradient of the volume, curved faces included (the volume is
+/// computed inside the elements, by another rule). Traction sums to itself times the area, weight to mass
+/// times g.
 #[test]
 fn loads_are_what_they_say() {
     for element in [Element::T4, Element::T10] {
@@ -112,7 +112,7 @@ fn loads_are_what_they_say() {
             |h: f64| -> Vec<Vector3> { x.iter().zip(&along).map(|(x, d)| x + d * h).collect() };
         let slope = (volume(&model, &moved(1e-6)) - volume(&model, &moved(-1e-6))) / 2e-6;
         let work: f64 = f.iter().zip(&along).map(|(f, d)| f.dot(d)).sum();
-        // The four-point rule of the volume is exact for straight edges alone.
+        // The four-point rule of the volume is exact only for straight edges.
         let allowed = if element == Element::T4 { 1e-8 } else { 0.02 };
         assert!(
             (work / (-50.0 * slope) - 1.0).abs() < allowed,
@@ -135,8 +135,8 @@ fn loads_are_what_they_say() {
     }
 }
 
-/// A block drawn apart by its ends at a slow rate: the supports' work is the energy stored, which is
-/// that of uniaxial stress, E e^2 V / 2, to the order of the strain.
+/// A block pulled apart at its ends at a slow rate: the supports' work is the stored energy, which is that of
+/// uniaxial stress, E e^2 V / 2, to the order of the strain.
 #[test]
 fn supports_do_work() {
     for element in ELEMENTS {
@@ -179,7 +179,7 @@ fn supports_do_work() {
             ledger.error_relative().abs() < 2e-3,
             "{element:?}: {ledger:?}"
         );
-        // The sides have come in by Poisson's ratio.
+        // The sides have contracted by Poisson's ratio.
         let corner = model.select_by(|x| (x - Vector3::new(0.4, 0.2, 0.2)).norm() < 1e-9);
         let moved = body.state().x[corner[0] as usize];
         assert!((moved.x - 0.4 * (1.0 + strain)).abs() < 1e-9);
@@ -190,7 +190,7 @@ fn supports_do_work() {
     }
 }
 
-/// Driven nodes follow a turn, and the body comes along.
+/// Driven nodes follow a rotation, and the body follows them.
 #[test]
 fn driven_nodes_turn() {
     let model = block(Element::T4);
@@ -222,7 +222,7 @@ fn driven_nodes_turn() {
     assert!(body.ledger().error_relative().abs() < 1e-9);
 }
 
-/// Scaling adds mass where elements are small, as much as it says, and the step becomes what was asked.
+/// Scaling adds the stated mass where elements are small, and the step becomes the requested one.
 #[test]
 fn mass_scaling_reaches_the_step() {
     let mesh = crooked();
@@ -237,7 +237,7 @@ fn mass_scaling_reaches_the_step() {
         let scaled_mass: f64 = scaled.masses().iter().sum();
         assert!(scaled.added_mass() > 0.0 && scaled.added_mass() < 1.25 * mass);
         assert!((scaled_mass - mass - scaled.added_mass()).abs() < 1e-12 * mass);
-        // Less than the critical step: nothing is added.
+        // A step below the critical one: nothing is added.
         let same = plain.clone().with_mass_scaling(0.9 * own).unwrap();
         assert_eq!(same.masses(), plain.masses());
         assert_eq!(same.added_mass(), 0.0);
@@ -287,7 +287,7 @@ fn models_and_boundaries_are_serialised() {
     assert!(serde_json::from_str::<DeformableModel>(&text).is_ok());
     let broken = text.replacen("\"density\":1000.0", "\"density\":-1.0", 1);
     assert!(serde_json::from_str::<DeformableModel>(&broken).is_err());
-    // Numbers of drives and directions that there are not.
+    // Indices of drives and directions that do not exist.
     let text = serde_json::to_string(&boundary).unwrap();
     assert!(serde_json::from_str::<Boundary>(&text).is_ok());
     for (good, bad) in [

@@ -23,9 +23,8 @@ fn highest_frequency2(model: &DeformableModel, x: &[Vector3], old: &[f64]) -> f6
     value
 }
 
-/// The bound is never below the true frequency. At rest it is at most 2.1 times as high; what the
-/// materials and averages add at large strain makes it more cautious there, at most 2.6 times for
-/// the plain elements.
+/// The bound is never below the true frequency. At rest it is at most 2.1 times as high. At large strain, the
+/// terms of the materials and averages make it more conservative, at most 2.6 times for the plain elements.
 #[test]
 fn the_bound_is_above_the_true_frequency() {
     let block = TetMesh::block([2, 2, 2], &Vector3::repeat(0.5)).unwrap();
@@ -55,8 +54,8 @@ fn the_bound_is_above_the_true_frequency() {
     }
 }
 
-/// Fans of boulders have flat tetrahedra between thick ones. Their nodes' masses are shared out such that
-/// the bound is close all the same; with equal parts it is 1.5 to 2.2 times the frequency.
+/// Fans of boulders have flat tetrahedra between thick ones. The masses of their nodes are distributed such
+/// that the bound is close all the same; with equal parts it is 1.5 to 2.2 times the frequency.
 #[test]
 fn the_bound_is_close_where_elements_are_uneven() {
     for seed in 1..6 {

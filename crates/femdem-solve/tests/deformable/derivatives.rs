@@ -75,7 +75,7 @@ fn tangents_are_the_derivatives_of_the_forces() {
     }
 }
 
-/// The matrices, summed, are the operator; and symmetric, as second derivatives of an energy are.
+/// The sum of the matrices is the operator, and symmetric, as second derivatives of an energy are.
 #[test]
 fn element_tangents_sum_to_the_operator() {
     for (name, model) in models() {
@@ -116,7 +116,7 @@ fn element_tangents_sum_to_the_operator() {
     }
 }
 
-/// What viscous forces take from the motion is the viscous power.
+/// The power that viscous forces take from the motion is the viscous power.
 #[test]
 fn viscous_forces_take_the_viscous_power() {
     for element in ELEMENTS {
@@ -133,7 +133,7 @@ fn viscous_forces_take_the_viscous_power() {
             (taken / moving.viscous_power - 1.0).abs() < 1e-9,
             "{element:?}"
         );
-        // A rigid rotation is free.
+        // A rigid rotation dissipates nothing.
         let spin = Vector3::new(0.4, -2.0, 1.0);
         let v: Vec<Vector3> = x.iter().map(|x| spin.cross(x)).collect();
         let (spun, all) = forces_moving(&model, &x, &v);

@@ -25,8 +25,8 @@ const ELEMENTS: [Element; 4] = [
     Element::T10Fbar,
 ];
 
-/// A second law, written down here: W = mu/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2, with a viscous
-/// stress eta J (d + d^T) F^-T where d = Fdot F^-1.
+/// A second law, independent of the crate: W = mu/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2, with a viscous stress
+/// eta J (d + d^T) F^-T where d = Fdot F^-1.
 #[derive(Debug)]
 struct Split {
     shear: f64,
@@ -65,7 +65,7 @@ impl Material for Split {
         self.bulk + 4.0 / 3.0 * self.shear
     }
 
-    /// Good for small strain.
+    /// Valid for small strain.
     fn stiffness_bound(&self, d: &Deformation, _old: &[f64]) -> f64 {
         1.2 * self.wave_modulus() / d.smallest_stretch().powi(2)
     }
@@ -104,8 +104,8 @@ fn noisy(i: usize, seed: u64) -> Vector3 {
     Vector3::new(at(0), at(1), at(2))
 }
 
-/// A block of 2 x 1 x 1 cells of a quarter metre with its points moved about, so that no two
-/// tetrahedra are alike.
+/// A block of 2 x 1 x 1 cells of a quarter metre with its points displaced, so that no two tetrahedra are
+/// alike.
 fn crooked() -> TetMesh {
     let block = TetMesh::block([2, 1, 1], &Vector3::new(0.5, 0.25, 0.25)).unwrap();
     let points = block.points().iter().enumerate();
@@ -143,7 +143,7 @@ fn strained() -> Matrix3 {
     Matrix3::new(1.1, 0.05, -0.02, 0.03, 0.93, 0.04, -0.06, 0.02, 1.02)
 }
 
-/// A rotation by 1 rad about (1, 2, 3), whatever the compiler makes of it.
+/// A rotation by 1 rad about (1, 2, 3), computed identically by any compiler.
 fn turned() -> Matrix3 {
     let axis = Vector3::new(1.0, 2.0, 3.0).normalize();
     femdem_mesh::Rotation::from_scaled_axis(axis)

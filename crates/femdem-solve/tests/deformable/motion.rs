@@ -15,8 +15,8 @@ fn bar(cells: u32, element: Element) -> Arc<DeformableModel> {
     Arc::new(model(&mesh, element, neo_hookean(YOUNG, 0.3)))
 }
 
-/// A pulse of pressure on one end runs along the bar at sqrt(E/rho), by the time between its centres
-/// of energy at two sections. Target: 0.5 %.
+/// A pulse of pressure on one end travels along the bar at sqrt(E/rho), from the times at which its centre of
+/// energy passes two sections. Target: 0.5 %.
 #[test]
 fn a_pulse_runs_at_the_speed_of_the_bar() {
     for (element, cells) in [
@@ -33,7 +33,7 @@ fn a_pulse_runs_at_the_speed_of_the_bar() {
             offset: 0.0,
             tolerance: 1e-9,
         };
-        // sin^2, in straight pieces.
+        // sin^2, piecewise linear.
         let table = (0..=40).map(|k| {
             let part = f64::from(k) / 40.0;
             [part * rise, 1e3 * (PI * part).sin().powi(2)]
@@ -48,7 +48,7 @@ fn a_pulse_runs_at_the_speed_of_the_bar() {
         let nodes = sections.map(|s| model.select_by(|x| (x.x - s).abs() < 1e-9));
         assert!(nodes.iter().all(|n| n.len() >= 4));
         let mut moments = [[0.0; 2]; 2];
-        // Until the pulse has passed the second section, before it is back from the far end.
+        // Until the pulse has passed the second section, before it returns from the far end.
         while body.time() < 1.2 * length / c {
             body.step(dt).unwrap();
             for (moment, nodes) in moments.iter_mut().zip(&nodes) {
@@ -67,7 +67,7 @@ fn a_pulse_runs_at_the_speed_of_the_bar() {
     }
 }
 
-/// A bar without supports swings along itself with c/(2 L): 0.5 %.
+/// A bar without supports oscillates longitudinally with c/(2 L): 0.5 %.
 #[test]
 fn a_free_bar_swings_at_its_frequency() {
     for (element, cells) in [
@@ -93,7 +93,7 @@ fn a_free_bar_swings_at_its_frequency() {
                 .map(|((x, reference), m)| m * (x - reference).x * shape(reference))
                 .sum()
         };
-        // Zero crossings upwards, by straight interpolation.
+        // Upward zero crossings, by linear interpolation.
         let (mut before, mut crossings) = (0.0, Vec::new());
         while crossings.len() < 2 {
             body.step(dt).unwrap();
@@ -113,9 +113,9 @@ fn a_free_bar_swings_at_its_frequency() {
     }
 }
 
-/// A block let go from a strained state keeps its energy: at 0.2 of the critical step it swings by
-/// under 0.4 %, and its mean over the last quarter is that over the second to 2e-4. (In the first one
-/// the motion goes from low to high frequencies, which the leapfrog gives a little less energy.)
+/// A block released from a strained state keeps its energy: at 0.2 of the critical step it fluctuates by
+/// under 0.4 %, and its mean over the last quarter equals that over the second to 2e-4. (In the first one the
+/// motion changes from low to high frequencies, to which the leapfrog assigns slightly less energy.)
 #[test]
 fn free_vibration_has_no_trend_of_energy() {
     for element in ELEMENTS {
@@ -141,7 +141,7 @@ fn free_vibration_has_no_trend_of_energy() {
     }
 }
 
-/// At 0.95 of the bound a block is stable for thousands of steps; well above the true limit, not.
+/// At 0.95 of the bound a block is stable for thousands of steps; well above the true limit it is not.
 #[test]
 fn the_bound_is_a_stable_step() {
     for element in ELEMENTS {
@@ -167,7 +167,7 @@ fn the_bound_is_a_stable_step() {
     }
 }
 
-/// Viscous and plastic work stand in the books: blocks that ring down, and one that is squeezed.
+/// Viscous and plastic work are in the ledger: oscillating blocks that are damped, and one that is squeezed.
 #[test]
 fn dissipation_is_accounted_for() {
     for element in ELEMENTS {

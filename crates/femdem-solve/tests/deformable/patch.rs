@@ -2,7 +2,7 @@
 
 use crate::*;
 
-/// Nodes inside feel nothing in a homogeneous deformation, and the stress is that of the law.
+/// Inner nodes have no force in a homogeneous deformation, and the stress is that of the law.
 #[test]
 fn patch_test() {
     let mesh = TetMesh::block([3, 3, 3], &Vector3::repeat(0.3)).unwrap();
@@ -74,7 +74,7 @@ fn rigid_motion_is_free_of_stress() {
     }
 }
 
-/// A rotation of a strained body turns its forces and leaves its energy alone.
+/// A rotation of a strained body rotates its forces and does not change its energy.
 #[test]
 fn forces_turn_with_the_body() {
     for element in ELEMENTS {
@@ -90,7 +90,7 @@ fn forces_turn_with_the_body() {
     }
 }
 
-/// Forces and moments of a body on itself vanish, and the stresses balance the nodal forces.
+/// Resultant force and moment of a body's internal forces vanish, and the stresses balance the nodal forces.
 #[test]
 fn stresses_balance_the_forces() {
     for element in ELEMENTS {
@@ -118,7 +118,7 @@ fn stresses_balance_the_forces() {
     }
 }
 
-/// HRZ: a positive mass for every node, the mass of the material in all.
+/// HRZ lumping: a positive mass for every node, and the total mass of the material.
 #[test]
 fn masses_sum_to_the_body() {
     let mesh = crooked();

@@ -52,7 +52,7 @@ fn velocities_that_are_not_finite_are_refused() {
     }
 }
 
-/// Every element that is pushed through itself is named, with its volume ratio; no NaN comes out.
+/// Every element that is inverted is named, with its volume ratio; no NaN is returned.
 #[test]
 fn inverted_elements_are_named() {
     for element in ELEMENTS {

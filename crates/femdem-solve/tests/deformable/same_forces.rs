@@ -2,7 +2,7 @@
 
 use crate::*;
 
-/// A law of this crate, from outside: it takes the path of any material.
+/// A law of this crate wrapped as a custom one: it takes the path of any material.
 #[derive(Debug)]
 struct Foreign(NeoHookean);
 
@@ -28,8 +28,8 @@ fn block() -> TetMesh {
     TetMesh::block([9, 7, 5], &Vector3::new(0.9, 0.7, 0.5)).unwrap()
 }
 
-/// Blocks of eight give the forces of one at a time to rounding, two materials and a last block that
-/// is not full included, at small strain and at large.
+/// Blocks of eight give the forces of one at a time to rounding, including two materials and a last block
+/// that is not full, at small and at large strain.
 #[test]
 fn batches_are_the_plain_kernel() {
     for mesh in [block(), crooked()] {
@@ -67,14 +67,14 @@ fn batches_are_the_plain_kernel() {
     }
 }
 
-/// The last element alone is turned inside out: the batch names it, not its block.
+/// Only the last element is inverted: the batch names it, not its block.
 #[test]
 fn a_batch_names_the_element() {
     let mesh = block();
     let model = model(&mesh, Element::T4, neo_hookean(1e6, 0.3));
     let last = mesh.tets().len() - 1;
     let mut x = model.nodes().to_vec();
-    // Only its elements have the corner node; move it through the body.
+    // Only its elements contain the corner node; it is moved through the body.
     let corner = mesh.tets()[last].iter().copied().max().unwrap() as usize;
     x[corner] = Vector3::new(0.1, 0.1, 0.1);
     let v = vec![Vector3::zeros(); x.len()];

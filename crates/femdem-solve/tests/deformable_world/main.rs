@@ -15,7 +15,7 @@ use femdem_solve::{
     BodySpec, ContactStiffness, DeformableId, DeformableSpec, Drive, Medium, World, WorldParameters,
 };
 
-/// A block of `cells` with the given sides, centred at the origin of its own coordinates.
+/// A block of `cells` with the given sides, centred at the origin.
 fn block(cells: [u32; 3], sides: [f64; 3], element: Element, young: f64) -> DeformableModel {
     let mesh = TetMesh::block(cells, &Vector3::from(sides)).unwrap();
     let centre = Vector3::from(sides) * 0.5;
@@ -40,7 +40,7 @@ fn smooth(safety: f64) -> WorldParameters {
     p
 }
 
-/// `work` with so many threads.
+/// Runs `work` on so many threads.
 fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.unwrap().install(work)
@@ -106,7 +106,7 @@ fn stiff_foundations_keep_the_energy() {
     }
 }
 
-/// Two blocks that collide obliquely beside a rigid one keep momentum and angular momentum.
+/// Two blocks that collide obliquely beside a rigid one conserve momentum and angular momentum.
 #[test]
 fn collisions_keep_momentum() {
     let mut p = smooth(0.5);
@@ -180,7 +180,7 @@ fn eight_cubes_in_a_box_keep_their_energy() {
     assert!(worst < 1e-3, "{worst}");
 }
 
-/// What a block slides on.
+/// The support on which a block slides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Slope {
     Wall,
@@ -272,7 +272,7 @@ fn blocks_stick_and_slide_on_slopes() {
                 world.step().unwrap();
             }
         };
-        // It comes to rest in a medium, and stays there without.
+        // It comes to rest in a medium, and stays at rest without it.
         let medium = Medium {
             drag: 100.0,
             ..Medium::default()
@@ -300,8 +300,8 @@ fn blocks_stick_and_slide_on_slopes() {
     }
 }
 
-/// A cube comes down on another that sleeps, with or without a deformable body far away from both: where they are after
-/// the first has struck, and what it has dissipated. The step is that of a limit.
+/// A cube falls on another that sleeps, with or without a deformable body far away from both. Returns their
+/// positions after the impact, the dissipated energy and the time. The step is at the upper limit that is set.
 fn strike_a_sleeper(far: bool) -> (Vec<Vector3>, f64, f64) {
     let mut p = WorldParameters::default();
     p.time_step.largest = Some(1e-4);
@@ -342,14 +342,14 @@ fn strike_a_sleeper(far: bool) -> (Vec<Vector3>, f64, f64) {
     (places.to_vec(), dissipated, world.time())
 }
 
-/// What a body that wakes is kicked by is what its contacts do to it then, not what they did as it fell asleep.
+/// The kick of a waking body uses its contact forces at that time, not those when it fell asleep.
 #[test]
 fn a_deformable_body_far_away_changes_nothing() {
     assert_eq!(strike_a_sleeper(false), strike_a_sleeper(true));
 }
 
-/// A world of deformable and rigid bodies goes on bit for bit after a checkpoint, and with any
-/// number of threads.
+/// A world of deformable and rigid bodies continues bit for bit after a checkpoint, and with any number of
+/// threads.
 #[test]
 fn the_same_bits_after_a_checkpoint_and_with_threads() {
     let run = |threads: usize, split: bool| {

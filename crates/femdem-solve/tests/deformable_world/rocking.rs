@@ -1,4 +1,4 @@
-//! A deformable block that rocks on a floor comes to rest at the rate that its dashpot has.
+//! A deformable block that rocks on a floor comes to rest at the rate of its dashpot.
 
 use femdem_contact::Wall;
 use femdem_mesh::{Pose, Rotation, TetMesh, Vector3};
@@ -10,12 +10,12 @@ use femdem_solve::{ContactStiffness, DeformableSpec, Drive, World, WorldParamete
 const SIDES: [f64; 3] = [0.2, 0.2, 0.1];
 const DENSITY: f64 = 1000.0;
 const PENALTY: f64 = 1e4;
-/// Of the contact, N/m: 4 p/h with h half of the height, over the face.
+/// Stiffness of the contact, N/m: 4 p/h with h half of the height, over the face.
 const STIFFNESS: f64 = 4.0 * PENALTY / (0.5 * SIDES[2]) * SIDES[0] * SIDES[1];
-/// rad: a third of what takes the pressure to the middle third of the face.
+/// Tilt, rad: a third of the tilt at which the pressure is at the limit of the middle third of the face.
 const TILT: f64 = 4e-3;
 
-/// A block that is much stiffer than its contact, tilted about x, as deep in the floor as its weight makes it.
+/// A block that is much stiffer than its contact, tilted about x, at the depth that carries its weight.
 fn tilted(zeta: f64) -> World {
     let mut p = WorldParameters::default();
     p.contact.friction = 0.0;
@@ -45,7 +45,7 @@ fn tilted(zeta: f64) -> World {
     world
 }
 
-/// Times and sizes of the largest angular momenta about x, one for every half swing.
+/// Times and magnitudes of the maxima of the angular momentum about x, one for every half period.
 fn swings(world: &mut World, until: f64) -> Vec<(f64, f64)> {
     let mut peaks = Vec::new();
     let mut last = [0.0; 2];
@@ -58,7 +58,7 @@ fn swings(world: &mut World, until: f64) -> Vec<(f64, f64)> {
         }
         last = [last[1], now];
     }
-    // The ringing of the block after its release makes small ones.
+    // The oscillation of the block's elements after its release makes small ones.
     let half = 0.5 * peaks.iter().map(|p| p.1).fold(0.0, f64::max);
     peaks.retain(|p| p.1 > 0.1 * half);
     peaks

@@ -1,4 +1,4 @@
-//! Deformable bodies at rest are frozen, and wake when something else bears on them.
+//! Deformable bodies at rest are frozen, and wake when another load acts on them.
 
 use crate::{block, on_threads};
 use femdem_contact::Wall;
@@ -21,7 +21,7 @@ fn sleepy() -> WorldParameters {
     p
 }
 
-/// A floor, a model of cubes and as many of them in a column as gaps (m) between them are given.
+/// A floor, a model of cubes, and a column of one cube per given gap (m).
 fn column(element: Element, gaps: &[f64]) -> World {
     column_with(sleepy(), element, gaps)
 }
@@ -76,8 +76,8 @@ fn reach(world: &World, id: u32) -> [f64; 2] {
     ]
 }
 
-/// What comes down falls asleep in equilibrium: its floor bears it, what is asleep is motionless, the ledger closes, and
-/// woken for good it stays where it is.
+/// Falling bodies fall asleep in equilibrium: the floor carries them, sleepers are motionless, the ledger
+/// closes, and woken for good they stay in place.
 #[test]
 fn a_column_falls_asleep_in_equilibrium() {
     for element in [Element::T4, Element::T10] {
@@ -92,7 +92,7 @@ fn a_column_falls_asleep_in_equilibrium() {
         world.step().unwrap();
         assert_eq!(world.kinetic_energy(), 0.0);
         let floor = -world.wall_load(0).unwrap().total.force.z;
-        // A sleeper may be out of balance by 6 % of its load scale, which is 1 and 1.5 weights.
+        // The imbalance of a sleeper may be 6 % of its load scale, which is 1 and 1.5 weights.
         let error = (floor / WEIGHT - 2.0).abs();
         assert!(error < 0.06 * 2.5, "{element:?} {floor}");
         let ledger = world.ledger();
@@ -102,14 +102,14 @@ fn a_column_falls_asleep_in_equilibrium() {
         world.set_sleeping(false);
         step_for(&mut world, 0.2);
         for (i, z) in (0..).zip(before) {
-            // Of what the weight of a cube presses into its contact, 120 um.
+            // Compared with the penetration under the weight of a cube, 120 um.
             let moved = reach(&world, i)[0] - z;
             assert!(moved.abs() < 1e-5, "{element:?}: {i} moves by {moved}");
         }
     }
 }
 
-/// A sleeper that is struck wakes and is deformed as one that never slept.
+/// A sleeper that is struck wakes and deforms like one that never slept.
 #[test]
 fn a_blow_wakes_a_sleeper() {
     let strike = |sleeps: bool| {
@@ -132,7 +132,7 @@ fn a_blow_wakes_a_sleeper() {
     assert!((slept / awake - 1.0).abs() < 0.04, "{slept} {awake}");
 }
 
-/// A rigid body that is put on a sleeper wakes it; one that weighs a hundredth of it does not.
+/// A rigid body that is placed on a sleeper wakes it; one of a hundredth of its weight does not.
 #[test]
 fn a_load_wakes_a_sleeper_and_a_trifle_does_not() {
     for (density, wakes) in [(1000.0, true), (10.0, false)] {
@@ -156,8 +156,8 @@ fn a_load_wakes_a_sleeper_and_a_trifle_does_not() {
     }
 }
 
-/// Rigid and deformable bodies on each other fall asleep together, bear the weights above them, and all wake by a blow on the
-/// uppermost.
+/// Rigid and deformable bodies on each other fall asleep together, carry the weights above them, and all wake
+/// when the uppermost is struck.
 #[test]
 fn a_mixed_column_sleeps_and_wakes() {
     let mut world = column(Element::T4, &[EDGE + 0.001]);
@@ -176,7 +176,7 @@ fn a_mixed_column_sleeps_and_wakes() {
         world.step().unwrap();
     }
     assert!(all_sleep(&world) && world.kinetic_energy() == 0.0);
-    // A rigid sleeper may be out of balance by more than a deformable one.
+    // The tolerated imbalance of a rigid sleeper is larger than that of a deformable one.
     for id in [above, below] {
         let load = world.load(id).unwrap().total.force.z / WEIGHT;
         assert!((load - 1.0).abs() < 0.3, "{id}: {load}");
@@ -198,8 +198,8 @@ fn a_mixed_column_sleeps_and_wakes() {
     }
 }
 
-/// What nothing touches, what something is prescribed for, and what moves does not sleep; nor does anything
-/// unless it is asked for.
+/// Bodies without contacts, with boundary conditions, or in motion do not sleep; nor does any body unless
+/// sleep is enabled.
 #[test]
 fn what_does_not_rest_stays_awake() {
     let mut world = column(Element::T4, &[0.5]);
@@ -224,7 +224,7 @@ fn what_does_not_rest_stays_awake() {
     assert_eq!(world.awake_deformable_count(), 1, "by default");
 }
 
-/// A wall that begins to move wakes what sleeps on it.
+/// A wall that begins to move wakes bodies that sleep on it.
 #[test]
 fn a_moving_wall_wakes_sleepers() {
     let mut world = column(Element::T4, &[0.001]);
@@ -252,8 +252,9 @@ fn add_rigid(world: &mut World, x: f64, z: f64) -> u32 {
         .unwrap()
 }
 
-/// What is carried so slowly that it might count as at rest is not stopped on the way: the ledger loses nothing and the
-/// support works against nothing but what presses. So on a wall, and on nodes that move as prescribed.
+/// A body that is carried so slowly that it might count as resting is not stopped on the way: the ledger
+/// loses nothing, and the support works only against the contact force. Tested on a wall, and on nodes that
+/// move as prescribed.
 #[test]
 fn what_is_carried_slowly_does_not_fall_asleep() {
     for by_wall in [true, false] {
@@ -320,8 +321,8 @@ fn bodies_sleep_between_taps() {
     }
 }
 
-/// A new rule judges from its own beginning: what slides without friction goes on, at whatever step the rule is
-/// replaced by one of shorter spells.
+/// A new rule starts its own spell: a body that slides without friction keeps sliding, at whichever step the
+/// rule is replaced by one of shorter spells.
 #[test]
 fn a_new_rule_begins_new_spells() {
     let mut p = sleepy();
@@ -353,7 +354,7 @@ fn a_new_rule_begins_new_spells() {
     }
 }
 
-/// A rigid body does not sleep on a deformable one that is awake, however soon it may.
+/// A rigid body does not sleep on an awake deformable one, however short its rule.
 #[test]
 fn a_rigid_body_waits_for_what_deforms_beneath_it() {
     let mut p = WorldParameters::default();
@@ -367,8 +368,8 @@ fn a_rigid_body_waits_for_what_deforms_beneath_it() {
     assert!(world.kinetic_energy() < 1e-6 * WEIGHT * EDGE);
 }
 
-/// Sleepers go on bit for bit after a checkpoint, also one right after a body fell asleep, and with any number of
-/// threads.
+/// Sleepers continue bit for bit after a checkpoint, also one right after a body fell asleep, and with any
+/// number of threads.
 #[test]
 fn sleepers_have_the_same_bits() {
     let run = |threads: usize, split: bool| {

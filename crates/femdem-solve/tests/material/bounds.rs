@@ -1,4 +1,4 @@
-//! The bounds that the time step is built on.
+//! The bounds from which the time step is computed.
 
 use crate::states::rand_free::Random;
 use crate::states::{self, YOUNG};

@@ -40,8 +40,8 @@ fn tangent_error(case: &Case, random: &mut Random) -> f64 {
     (tangent - differences).norm() / tangent.norm().max(1e-3 * YOUNG)
 }
 
-/// The largest error over random states. A step of the differences that crossed the yield surface or
-/// the border of the apex would show; with these seeds none does.
+/// The largest error over random states. A step of the differences across the yield surface or the border of
+/// the apex would show as an error; with these seeds there is none.
 fn largest(error: impl Fn(&Case, &mut Random) -> f64, cases: &[Case]) -> f64 {
     let mut random = Random(7);
     let mut largest = 0.0_f64;
@@ -81,7 +81,7 @@ fn algorithmic_tangents_are_slopes_of_the_stress() {
     assert!(largest(tangent_error, &cases) < 1e-6);
 }
 
-/// The random states of the tests above do reach every branch: elastic steps, flow, and the apex.
+/// The random states of the tests above reach every branch: elastic steps, flow, and the apex.
 #[test]
 fn every_branch_is_reached() {
     for case in states::plastic() {

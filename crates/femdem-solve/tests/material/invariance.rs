@@ -1,4 +1,4 @@
-//! What holds for any law: no stress from rotation, objectivity, smoothness at equal stretches, refusal.
+//! Properties of any law: no stress from rotation, objectivity, smoothness at equal stretches, refusals.
 
 use crate::states::rand_free::Random;
 use crate::states::{self, YOUNG, respond};
@@ -32,7 +32,7 @@ fn rotations_give_no_stress() {
     }
 }
 
-/// A superposed rotation Q(t) with dQ/dt = W Q turns the stress and changes neither energy nor history.
+/// A superposed rotation Q(t) with dQ/dt = W Q rotates the stress and changes neither energy nor history.
 #[test]
 fn laws_are_objective() {
     let mut random = Random(4);
@@ -63,7 +63,7 @@ fn laws_are_objective() {
     assert!(largest < 1e-12);
 }
 
-/// Isotropy: turning the reference configuration turns the arguments of P and nothing else.
+/// Isotropy: rotating the reference configuration rotates the arguments of P and nothing else.
 #[test]
 fn laws_are_isotropic() {
     let mut random = Random(5);
@@ -84,8 +84,8 @@ fn laws_are_isotropic() {
     assert!(largest < 1e-12);
 }
 
-/// Stretches that differ by 1e-3 .. 1e-15 of their size: stress and tangent are as near to those of
-/// equal stretches as the difference, and neither is lost to cancellation.
+/// Stretches that differ by 1e-3 .. 1e-15 of their size: stress and tangent are as near to those of equal
+/// stretches as the difference, and neither suffers from cancellation.
 #[test]
 fn nearly_equal_stretches_are_no_exception() {
     let mut random = Random(6);

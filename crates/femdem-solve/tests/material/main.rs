@@ -1,4 +1,4 @@
-//! Materials against differences, closed forms and what must hold for any law.
+//! Materials against differences, closed forms and the general properties of any law.
 
 #![expect(
     clippy::unwrap_used,

@@ -27,7 +27,7 @@ impl Specimen {
         }
     }
 
-    /// Axial and lateral Kirchhoff stress at these logarithmic strains, and the history after.
+    /// Axial and lateral Kirchhoff stress at these logarithmic strains, and the history at the end.
     fn at(&self, axial: f64, lateral: f64) -> ([f64; 2], Vec<f64>) {
         let stretches = Vector3::new(axial.exp(), lateral.exp(), lateral.exp());
         let d = Deformation::at_rest(Matrix3::from_diagonal(&stretches));
@@ -55,8 +55,8 @@ impl Specimen {
     }
 }
 
-/// Linear hardening, uniaxial stress: tau = E eps below yield, then E (s0 + H eps)/(E + H); reverse
-/// yield at minus the stress reached. The radial return is exact here for steps of any size.
+/// Linear hardening, uniaxial stress: tau = E eps below yield, then E (s0 + H eps)/(E + H); reverse yield at
+/// minus the stress reached. The radial return is exact here for steps of any size.
 #[test]
 fn uniaxial_j2_follows_the_closed_form() {
     let metal = J2::new(YOUNG, POISSON, YIELD, HARDENING).unwrap();
@@ -89,8 +89,8 @@ fn uniaxial_j2_follows_the_closed_form() {
     }
 }
 
-/// With a Voce term, at the strain sigma_y(alpha)/E + alpha the stress is sigma_y(alpha), also where
-/// the exponential has died out and for a curve that rises a thousand times faster than elasticity.
+/// With a Voce term, at the strain sigma_y(alpha)/E + alpha the stress is sigma_y(alpha), also where the
+/// exponential has vanished and for a curve that rises a thousand times faster than elasticity.
 #[test]
 fn uniaxial_voce_follows_the_closed_form() {
     for rate in [0.1, 16.0, 1e3, 1e6] {
@@ -111,8 +111,8 @@ fn uniaxial_voce_follows_the_closed_form() {
     }
 }
 
-/// Over random walks the stress stays on the yield surface, plastic flow keeps the volume, and
-/// elastic steps leave the history as it was, bit for bit.
+/// Over random walks the stress stays on the yield surface, plastic flow preserves the volume, and elastic
+/// steps leave the history unchanged, bit for bit.
 #[test]
 fn flow_stays_on_the_yield_surface_and_keeps_volume() {
     let metal = J2::new(YOUNG, POISSON, YIELD, HARDENING).unwrap();
@@ -123,7 +123,7 @@ fn flow_stays_on_the_yield_surface_and_keeps_volume() {
     let mut flows = 0;
     for _ in 0..2000 {
         gradient = states::gradient(&mut random, 0.01) * gradient;
-        // Keep the walk near volume 1, as a metal's would be.
+        // Keeps the walk near volume 1, as for a metal.
         gradient /= gradient.determinant().cbrt();
         let (response, new) = respond(&law, &Deformation::at_rest(gradient), &old);
         let kirchhoff = response.piola * gradient.transpose();
@@ -145,7 +145,7 @@ fn flow_stays_on_the_yield_surface_and_keeps_volume() {
     assert!(flows > 200 && flows < 1990, "{flows}");
 }
 
-/// (work - stored - dissipated)/work over a closed loop of stretch, shear and turning in `steps` steps.
+/// (work - stored - dissipated)/work over a closed loop of stretch, shear and rotation in `steps` steps.
 fn imbalance(law: &AnyMaterial, steps: usize) -> f64 {
     let at = |t: f64| {
         let (sine, cosine) = (std::f64::consts::TAU * t).sin_cos();
@@ -180,7 +180,7 @@ fn imbalance(law: &AnyMaterial, steps: usize) -> f64 {
     (work - before.energy - dissipated) / work
 }
 
-/// The work over a loop is what is stored and dissipated, to the order of the step (backward Euler).
+/// The work over a loop is the stored and dissipated energy, to the order of the step (backward Euler).
 #[test]
 fn work_is_stored_or_dissipated() {
     for Case { law, .. } in states::plastic() {

@@ -119,7 +119,7 @@ pub fn respond(law: &AnyMaterial, d: &Deformation, old: &[f64]) -> (Response, Ve
     (response, new)
 }
 
-/// Numbers without a crate: a 64-bit linear congruence, its high bits used.
+/// Random numbers without a crate: a 64-bit linear congruential generator, of which the high bits are used.
 pub mod rand_free {
     pub struct Random(pub u64);
 

@@ -76,8 +76,8 @@ fn neo_hookean_tension(young: f64, poisson: f64, stretch: f64) -> f64 {
     tau(stretch, low) / stretch
 }
 
-/// Linear elements take it in one step. Quadratic ones need several: in one, they fold between their
-/// points and find another equilibrium.
+/// Linear elements need one step. Quadratic ones need several: in one, they fold between their points and
+/// reach another equilibrium.
 #[test]
 fn rubber_pulled_to_three_times_its_length() {
     for (element, steps) in [(Element::T4, 1), (Element::T10, 8), (Element::T10Fbar, 8)] {
@@ -112,7 +112,7 @@ fn newton_takes_four_iterations_to_round_off() {
             report.iterations <= 4 || report.linear_iterations > 100,
             "{report:?}"
         );
-        // Quadratic: each residual is about the square of the one before, up to a factor.
+        // Quadratic convergence: each residual is about the square of the one before, up to a factor.
         for pair in report
             .residuals
             .windows(2)
@@ -149,9 +149,9 @@ fn a_bar_of_metal_hardens_along_its_curve() {
     }
 }
 
-/// Uniaxial strength of Mohr and Coulomb, 2 c cos(phi) / (1 - sin(phi)), which this cone meets, as a
-/// Kirchhoff stress. The flow is not associated, so the tangent is not symmetric:
-/// relaxation does without one.
+/// Uniaxial strength of Mohr and Coulomb, 2 c cos(phi) / (1 - sin(phi)), which this cone matches, as a
+/// Kirchhoff stress. The flow is not associated, so the tangent is not symmetric; relaxation does not need
+/// it.
 #[test]
 fn a_bar_of_rock_is_crushed_at_its_strength() {
     let (cohesion, friction): (f64, f64) = (1e6, 0.5);
@@ -171,8 +171,8 @@ fn a_bar_of_rock_is_crushed_at_its_strength() {
     assert!((ratio - 1.0).abs() < 1e-5, "{ratio}");
 }
 
-/// A bar of metal that a traction draws out plastically springs back once it is let go: its length is that
-/// of the plastic strain, and nothing pulls any more that a residual could be compared with.
+/// A metal bar that a traction stretches plastically springs back once it is unloaded: its length is that of
+/// the plastic strain, and no load remains as a scale of the residual.
 #[test]
 fn a_drawn_bar_springs_back_when_it_is_let_go() {
     let (young, yield_stress, hardening) = (200e9, 400e6, 2e9);
@@ -194,11 +194,11 @@ fn a_drawn_bar_springs_back_when_it_is_let_go() {
     };
     let whole = loaded(vec![[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]]);
     let whole = solve_static(&model, &whole, &options).unwrap();
-    // The same in two calls: the second begins where nothing holds the bar to its length.
+    // The same in two calls: the second starts with nothing holding the bar at its length.
     let up = loaded(vec![[0.0, 0.0], [1.0, 1.0]]);
     let up = solve_static(&model, &up, &options).unwrap();
     let release = solve_static_from(&model, &symmetric(&model), &up.state, &newton(1e-9));
-    // All points are strained alike.
+    // All points have the same strain.
     let strains = model.plastic_strains(&whole.state.history).unwrap();
     let alpha = strains.unwrap()[0];
     assert!(alpha > 0.02, "{alpha}");
@@ -206,7 +206,7 @@ fn a_drawn_bar_springs_back_when_it_is_let_go() {
         let longest = solution.state.x.iter().map(|x| x.x).fold(0.0, f64::max);
         assert!((longest / (LENGTH * alpha.exp()) - 1.0).abs() < 1e-9);
         let left = solution.reactions.iter().map(|f| f.norm()).sum::<f64>();
-        // Of 450 MN.
+        // Compared with 450 MN.
         assert!(left < 10.0, "{left}");
         assert!(solution.report.residual() < 1e-9);
     }

@@ -57,8 +57,8 @@ fn relaxation_finds_the_equilibrium_of_newton() {
     }
 }
 
-/// With one element across, F-bar takes a part of the bending for a change of volume that it averages out; the
-/// table of elements says how much.
+/// With one element across, F-bar treats a part of the bending as a change of volume and averages it out; the
+/// table of elements states how much.
 #[test]
 fn fbar_wants_more_than_one_element_across() {
     let bends = |cells| {

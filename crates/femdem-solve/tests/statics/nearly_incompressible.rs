@@ -1,11 +1,11 @@
-//! The benchmarks of `docs/validation/statics.md` that lock, on small meshes. Conjugate gradients take
-//! minutes there: they run with the feature `implicit` alone.
+//! The locking benchmarks of `docs/validation/statics.md`, on small meshes. Conjugate gradients take minutes
+//! there, so they run only with the feature `implicit`.
 
 use crate::{cook, newton, sphere};
 use femdem_solve::element::Element;
 
-/// Target: F-bar within 2 % of the exact solution at nu = 0.4999; what lacks on this mesh is mostly
-/// the surface of straight edges, and is the same at every nu.
+/// Target: F-bar within 2 % of the exact solution at nu = 0.4999. The error on this mesh is mostly due to the
+/// straight edges at the surface, and is the same at every nu.
 #[test]
 fn a_thick_sphere_that_hardly_changes_volume_grows_as_lame_says() {
     let ratio = |element, poisson| {

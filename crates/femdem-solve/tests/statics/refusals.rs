@@ -1,4 +1,4 @@
-//! What cannot be solved is said by name.
+//! Problems that cannot be solved are refused by name.
 
 use crate::planes::plane;
 use crate::{solvers, with};
@@ -35,7 +35,7 @@ fn a_body_that_nothing_holds_is_told_from_one_at_rest() {
     }
 }
 
-/// Held, turned and of any law, with loads that only begin later, what bears nothing is at rest at once.
+/// A body without load is at rest at once: held, rotated and of any law, with loads that only begin later.
 #[test]
 fn what_bears_nothing_yet_is_at_rest() {
     let turn = Rotation::from_euler_angles(0.3, -0.7, 1.1);
