@@ -46,7 +46,6 @@ impl DeformableModel {
     /// the true omega by at most half for meshes of usual shapes (see the tests). With F-bar and averaged
     /// pressures it is proven for small strain. At finite strain these bounds contain the ratios by which
     /// volume changes differ within an average, and a bound of the terms due to stress.
-    /// that stress adds.
     ///
     /// # Errors
     ///
@@ -173,10 +172,10 @@ impl DeformableModel {
     }
 
     /// The same at a point with an averaged volume change, where `spread` is the largest weight of this
-    /// point's volume change in the averages. With l = dF F^-1 and theta = dJbar/Jbar: the law gets lbar = l
-    /// + (theta - tr l)/3 I, and alpha theta^2 + beta |lbar|^2 <= spread (alpha tr^2 l + beta |l|^2) in sum
-    /// over the average. The second variation of Fbar adds (eta^2 + d eta) tr tau + 2 eta tau : l with eta =
-    /// (theta - tr l)/3.
+    /// point's volume change in the averages. With l = dF F^-1 and theta = dJbar/Jbar, the law gets
+    /// lbar = l + (theta - tr l)/3 I, and alpha theta^2 + beta |lbar|^2 <= spread (alpha tr^2 l + beta |l|^2)
+    /// in sum over the average. The second variation of Fbar adds (eta^2 + d eta) tr tau + 2 eta tau : l
+    /// with eta = (theta - tr l)/3.
     fn bar_stiffness(
         &self,
         e: usize,

@@ -13,7 +13,7 @@
 //! | [`Viscous`] | any of these with Kelvin-Voigt viscosity | that of the law |
 //! | [`J2`] | metals: von Mises yield, linear and Voce hardening | 7 numbers |
 //! | [`DruckerPrager`] | soil, concrete, rock: strength that grows with pressure | 7 numbers |
-//! | [`CustomMaterial`] | a law of yours | as it says |
+//! | [`CustomMaterial`] | your own law | as the law defines |
 //!
 //! # Adding a law
 //!

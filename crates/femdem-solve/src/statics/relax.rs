@@ -3,7 +3,6 @@
 //! The unknowns move under their forces without friction. Whenever their kinetic energy has passed a maximum,
 //! they are stopped, moved back by half of the last step (approximately to the maximum), and released again
 //! (Cundall 1976; Barnes, Comput. Struct. 30, 685 (1988)). Finally they are at rest.
-//! to move again (Cundall 1976; Barnes, Comput. Struct. 30, 685 (1988)). What remains is at rest.
 
 use super::line_search::Point;
 use super::{StaticProblem, check_start, judge, vector};
