@@ -271,6 +271,36 @@ fn a_body_that_becomes_too_fast_is_named() {
     }
 }
 
+/// A soft block that falls fast moves through a thin plate in one of its long steps: that is said.
+#[test]
+fn a_deformable_body_that_becomes_too_fast_is_named() {
+    let parameters = WorldParameters {
+        gravity: Vector3::x() * 1e5,
+        ..WorldParameters::default()
+    };
+    let mut world = World::new(parameters).unwrap();
+    let mesh = TetMesh::block([2, 2, 2], &Vector3::repeat(0.1)).unwrap();
+    let region = MaterialRegion {
+        material: NeoHookean::new(1.0, 0.3).unwrap().into(),
+        density: DENSITY,
+    };
+    let model = DeformableModel::new(&mesh, Element::T4, vec![region], None).unwrap();
+    let stiffness = ContactStiffness::default();
+    let model = world.add_model("soft", model, stiffness).unwrap();
+    world
+        .add_deformable(DeformableSpec::at_rest(model, at(Vector3::zeros())))
+        .unwrap();
+    let error = failure(&mut world, 1000);
+    assert!(
+        matches!(error, SolveError::BodyFailed { body: 0, .. }),
+        "{error}"
+    );
+    let text = error.to_string();
+    for part in ["body 0", "of its depth", "time_step.largest"] {
+        assert!(text.contains(part), "\"{part}\" is not in \"{text}\"");
+    }
+}
+
 /// Bodies added overlapping, with a penalty that makes them explode.
 #[test]
 fn bodies_added_into_each_other_are_named() {

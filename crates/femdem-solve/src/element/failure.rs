@@ -30,6 +30,19 @@ pub enum ElementFailure {
         /// The law's name.
         material: String,
     },
+    /// A node moves too far in one step for what it meets to be noticed.
+    #[error(
+        "its nodes move at up to {speed:.3e} m/s, {moves:.2} of its depth in a step: lower time_step.safety, \
+         or, if it was launched or fell to this speed, set time_step.largest below {step:.1e} s"
+    )]
+    TooFast {
+        /// The fastest node, m/s.
+        speed: f64,
+        /// Its way in the step over the depth of the body (the inradius of its contact field).
+        moves: f64,
+        /// A step that would do, s.
+        step: f64,
+    },
     /// An array does not have the length that the model needs.
     #[error("{what} has {found} entries: the model needs {expected}")]
     Length {
@@ -48,7 +61,7 @@ impl ElementFailure {
     pub fn element(&self) -> Option<usize> {
         match self {
             Self::Inverted { element, .. } | Self::NoStress { element, .. } => Some(*element),
-            Self::Length { .. } => None,
+            Self::TooFast { .. } | Self::Length { .. } => None,
         }
     }
 
@@ -59,7 +72,7 @@ impl ElementFailure {
             Self::Inverted { volume_ratio, .. } | Self::NoStress { volume_ratio, .. } => {
                 Some(*volume_ratio)
             }
-            Self::Length { .. } => None,
+            Self::TooFast { .. } | Self::Length { .. } => None,
         }
     }
 }

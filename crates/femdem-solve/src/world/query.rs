@@ -218,7 +218,8 @@ impl World {
         Some(over(net, weight.max(mean_force(&load))))
     }
 
-    /// Residuals over all bodies.
+    /// Residuals over all free rigid bodies. Deformable bodies are not part of them: see
+    /// [`relax`](Self::relax), which measures both.
     pub fn residuals(&self) -> Residuals {
         let mut r = Residuals {
             mean_over_weight: 0.0,

@@ -4,9 +4,11 @@ use super::each::{on_each, on_each_with};
 use super::kick::Kick;
 use super::{Deformables, RENEW, Scratch, State};
 use crate::deformable::DeformableModel;
+use crate::element::ElementFailure;
 use crate::error::SolveError;
 use crate::ledger::Flows;
 use crate::world::World;
+use crate::world::step::LARGEST_MOVE;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, NodalState};
 use femdem_contact::{BodyId, ContactBatch, ContactError, Load, Motion, stable_step};
@@ -91,7 +93,12 @@ impl World {
             body.aim(dt, time);
             let flows = kick.apply(i, body, model);
             body.drift(dt, time);
-            (flows, body.strain(model, scratch, time, renew))
+            let depth = batch.shapes()[body.model as usize].inradius();
+            let strain = body.strain(model, scratch, time, renew);
+            (
+                flows,
+                strain.and_then(|()| body.check_speed(dt, time, depth)),
+            )
         });
         for (body, (flows, strain)) in results.into_iter().enumerate() {
             self.book_kick(&flows);
@@ -313,6 +320,20 @@ impl State {
         self.fastest = fastest2.sqrt();
         self.boundary
             .for_held(end, |a, i, place, _| self.positions[a][i] = place);
+    }
+
+    /// Refuses a step that has moved a node far over the depth of the body (m): it may have passed something
+    /// unnoticed. Prescribed motions may be as fast as they like.
+    fn check_speed(&self, dt: f64, end: f64, depth: f64) -> Result<(), SolveError> {
+        let moves = self.fastest * dt / depth;
+        if moves <= LARGEST_MOVE || self.boundary.is_driven(end - dt, dt) {
+            return Ok(());
+        }
+        Err(SolveError::Element(ElementFailure::TooFast {
+            speed: self.fastest,
+            moves,
+            step: LARGEST_MOVE * depth / self.fastest,
+        }))
     }
 
     /// Velocities of prescribed nodes at time `time`; returns the kinetic energy that they gained
