@@ -4,7 +4,8 @@
 
 use femdem_contact::Wall;
 use femdem_mesh::catalogue::CatalogueShape;
-use femdem_mesh::{Pose, TetMesh, Vector3};
+use femdem_mesh::nalgebra::Unit;
+use femdem_mesh::{Pose, Rotation, TetMesh, Vector3};
 use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_solve::element::Element;
 use femdem_solve::material::NeoHookean;
@@ -215,4 +216,75 @@ fn a_couple_is_no_equilibrium() {
     let load = world.load(body).unwrap();
     let couple = load.total.torque.norm() / (SIDE * load.normal_sum.max(f64::MIN_POSITIVE));
     assert!(found.is_err() || couple < 1e-3, "{found:?} {couple}");
+}
+
+/// What does not rest yet comes to rest where it stands and is not thrown away: blocks that touch with a face, an edge or
+/// a corner, or hardly, of any stiffness.
+#[test]
+fn what_touches_lightly_comes_to_rest() {
+    for young in [1e6, 1e9] {
+        for (gap, angle) in [(-1e-6, 0.0), (1e-5, 0.0), (-1e-6, 0.1), (1e-4, 0.1)] {
+            let mut world = stack(0, young, ContactStiffness::default());
+            let turn =
+                Rotation::from_axis_angle(&Unit::new_normalize(Vector3::new(1.0, 2.0, 0.0)), angle);
+            let middle = Vector3::repeat(SIDE / 2.0);
+            // The lowest corner stands so high above the floor.
+            let lowest = (0..8).map(|k| {
+                let side = |bit: u32| f64::from(k >> bit & 1) - 0.5;
+                (turn * Vector3::new(side(0), side(1), side(2))).z * SIDE
+            });
+            let height = gap - lowest.fold(f64::INFINITY, f64::min);
+            let pose = Pose::from_parts((Vector3::z() * height).into(), turn)
+                * Pose::from_parts((-middle).into(), Rotation::identity());
+            world
+                .add_deformable(DeformableSpec::at_rest(0, pose))
+                .unwrap();
+            let report = world.relax(&WorldRelaxation::default()).unwrap();
+            assert!(report.residual <= 1e-4, "{young} {gap} {angle}: {report:?}");
+            let weight = DENSITY * SIDE.powi(3) * 9.81;
+            let force = world
+                .deformable_contacts()
+                .map(|c| c.force_on_b().z)
+                .sum::<f64>();
+            assert!(
+                (force / weight - 1.0).abs() < 2e-4,
+                "{young} {gap} {angle}: {force}"
+            );
+            let place = world.deformables().next().unwrap().centroid();
+            let moved = place - Vector3::z() * height;
+            assert!(
+                moved.norm() < 0.2 * SIDE,
+                "{young} {gap} {angle}: {moved:?}"
+            );
+        }
+    }
+}
+
+/// A light cube in the air beside a block under a large load is no equilibrium.
+#[test]
+fn a_light_body_in_the_air_falls() {
+    let mut world = stack(1, 1e6, ContactStiffness::default());
+    let lid = Wall::half_space("lid", -Vector3::z(), -0.99 * SIDE).unwrap();
+    world.add_wall(lid, Drive::Fixed).unwrap();
+    let mesh = TetMesh::block([1, 1, 1], &Vector3::repeat(0.01)).unwrap();
+    let region = MaterialRegion {
+        material: NeoHookean::new(1e5, 0.0).unwrap().into(),
+        density: 100.0,
+    };
+    let model = DeformableModel::new(&mesh, Element::T4, vec![region], None).unwrap();
+    let model = world
+        .add_model("light", model, ContactStiffness::default())
+        .unwrap();
+    let pose = Pose::translation(0.3, 0.0, 1e-3);
+    let light = world
+        .add_deformable(DeformableSpec::at_rest(model, pose))
+        .unwrap();
+    world.relax(&WorldRelaxation::default()).unwrap();
+    let force: Vector3 = world
+        .deformable(light)
+        .unwrap()
+        .contact_forces()
+        .iter()
+        .sum();
+    assert!(force.z > 0.0, "{force:?}");
 }

@@ -21,6 +21,9 @@ const SAFETY: f64 = 0.5;
 /// Bodies as wholes are relaxed to this fraction of the tolerance, which leaves the rest to their elements.
 const MARGIN: f64 = 0.3;
 
+/// Most that a point of a body moved as a whole moves in a step, over the depth of the body's contact field.
+const NEAR: f64 = 0.02;
+
 /// The residual is computed every so many steps.
 const LOOK: u64 = 20;
 
@@ -34,7 +37,9 @@ const ROUNDS: u64 = 10;
 pub struct WorldRelaxation {
     /// Largest residual force on a node or on a body as a whole, over the mean contact force. If nothing
     /// touches, the reference force is, for each body, the larger of sum |gravity and loads| and sum
-    /// |reactions|; the smallest positive one over the bodies is used, or 1 N if all are zero.
+    /// |reactions|; the smallest positive one over the bodies is used, or 1 N if all are zero. A body that touches
+    /// nothing is measured by what gravity and loads do to it, so that a light one does not hang in the air beside
+    /// large forces.
     pub tolerance: f64,
     /// Largest number of steps, of bodies as wholes and of elements together.
     pub steps: u64,
@@ -72,6 +77,8 @@ struct Whole {
     inverse_inertia: Matrix3,
     velocity: Vector3,
     turning: Vector3,
+    /// Stiffness of a contact of half of its skin, N/m.
+    stiffest: f64,
 }
 
 impl World {
@@ -139,15 +146,16 @@ impl World {
         let held: Vec<bool> = (0..self.deformable_count())
             .map(|i| self.is_held(i))
             .collect();
+        let penalty = self.parameters.contact.penalty;
         let mut wholes: Vec<Whole> = match self.deformables.as_deref() {
-            Some(d) => d.bodies.iter().map(|b| d.whole(b)).collect(),
+            Some(d) => d.bodies.iter().map(|b| d.whole(b, penalty)).collect(),
             None => return Ok(()),
         };
         if held.iter().all(|&h| h) {
             return Ok(());
         }
         let books = self.ledger().error();
-        let (mut dt, mut before) = (0.0, 0.0);
+        let mut before = 0.0;
         for step in 0.. {
             if step % LOOK == 0 {
                 let residual = self.measure(report);
@@ -155,9 +163,8 @@ impl World {
                 if residual <= MARGIN * options.tolerance || spent {
                     break;
                 }
-                dt = SAFETY * self.whole_bound(&wholes, &held);
             }
-            let energy = self.move_wholes(&mut wholes, &held, dt)?;
+            let energy = self.move_wholes(&mut wholes, &held)?;
             report.steps[0] += 1;
             if energy < before {
                 for whole in &mut wholes {
@@ -177,51 +184,28 @@ impl World {
         Ok(())
     }
 
-    /// The largest stable step of bodies moved as wholes, s.
-    fn whole_bound(&self, wholes: &[Whole], held: &[bool]) -> f64 {
-        let Some(deformables) = self.deformables.as_deref() else {
-            return f64::INFINITY;
-        };
-        let bodies = deformables.bodies.iter().zip(wholes).enumerate();
-        let bound = bodies
-            .filter(|(i, _)| !held[*i])
-            .map(|(i, (body, whole))| {
-                let centre = deformables.centre(body);
-                let easiest = whole.inverse_inertia.symmetric_eigenvalues().max();
-                let stiffness = deformables.batch.stiffness(i as u32);
-                let springs = stiffness.iter().zip(&body.positions);
-                // A spring on a node resists the body's translation and rotation.
-                let squares = springs.map(|(k, x)| {
-                    2.0 * k * (1.0 / whole.mass + (x - centre).norm_squared() * easiest)
-                });
-                stable_step(squares.sum(), 0.0)
-            })
-            .fold(f64::INFINITY, f64::min);
-        if bound.is_finite() {
-            bound
-        } else {
-            // Nothing touches: all fall, with steps that the elements allow.
-            self.step_control.top(&self.parameters.time_step)
-        }
-    }
-
     /// One step of the bodies as wholes; returns their kinetic energy, J.
-    fn move_wholes(
-        &mut self,
-        wholes: &mut [Whole],
-        held: &[bool],
-        dt: f64,
-    ) -> Result<f64, SolveError> {
+    fn move_wholes(&mut self, wholes: &mut [Whole], held: &[bool]) -> Result<f64, SolveError> {
         let gravity = self.parameters.gravity;
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(0.0);
         };
+        let free = |i: &usize| !held[*i];
+        let wrenches: Vec<[Vector3; 2]> = (0..wholes.len())
+            .map(|i| deformables.net_wrench(i, &gravity))
+            .collect();
+        // A body that comes to touch has another stiffness in every step.
+        let dt = (0..wholes.len())
+            .filter(free)
+            .map(|i| deformables.whole_step(i, &wholes[i], &wrenches[i], gravity.norm()))
+            .fold(f64::INFINITY, f64::min);
+        if !dt.is_finite() {
+            // Nothing touches, moves or weighs anything.
+            return Ok(0.0);
+        }
         let mut energy = 0.0;
-        for (i, whole) in wholes.iter_mut().enumerate() {
-            if held[i] {
-                continue;
-            }
-            let [force, torque] = deformables.net_wrench(i, &gravity);
+        for i in (0..wholes.len()).filter(free) {
+            let (whole, [force, torque]) = (&mut wholes[i], wrenches[i]);
             whole.velocity += force * (dt / whole.mass);
             whole.turning += whole.inverse_inertia * torque * dt;
             energy += deformables.carry(i, whole, dt);
@@ -326,7 +310,9 @@ impl Deformables {
     }
 
     /// The mass and inertia of a body as a whole, at rest.
-    fn whole(&self, body: &State) -> Whole {
+    fn whole(&self, body: &State, penalty: f64) -> Whole {
+        let model = &self.models[body.model as usize];
+        let shape = &self.batch.shapes()[body.model as usize];
         let (masses, centre) = (self.masses(body), self.centre(body));
         let mut inertia = Matrix3::zeros();
         for (x, m) in body.positions.iter().zip(masses) {
@@ -338,6 +324,7 @@ impl Deformables {
             inverse_inertia: inertia.try_inverse().unwrap_or_else(Matrix3::zeros),
             velocity: Vector3::zeros(),
             turning: Vector3::zeros(),
+            stiffest: 2.0 * model.foundation(shape, penalty) * model.skin_area(shape),
         }
     }
 
@@ -353,6 +340,43 @@ impl Deformables {
             wrench[1] += (x - centre).cross(&force);
         }
         wrench
+    }
+
+    /// The step of a body moved as a whole under a force and a torque, s. It is stable for the contacts of the body,
+    /// and no point moves by more than [`NEAR`] of the depth of its contact field.
+    ///
+    /// A body that comes to touch must not get deeper in one step than its speed accounts for, or it is thrown back. So
+    /// the step is stable for a contact of half of the skin, too, unless the body moves less in it than
+    /// such a contact gives way under what now acts on the body.
+    fn whole_step(&self, i: usize, whole: &Whole, wrench: &[Vector3; 2], gravity: f64) -> f64 {
+        let body = &self.bodies[i];
+        let centre = self.centre(body);
+        let shape = &self.batch.shapes()[body.model as usize];
+        let (easiest, arm) = (
+            whole.inverse_inertia.symmetric_eigenvalues().max(),
+            shape.radius(),
+        );
+        // A spring on a node resists the body's translation and rotation.
+        let square = |k: f64, arm2: f64| 2.0 * k * (1.0 / whole.mass + arm2 * easiest);
+        let springs = self.batch.stiffness(i as u32).iter().zip(&body.positions);
+        let squares = springs.map(|(k, x)| square(*k, (x - centre).norm_squared()));
+        let stable = SAFETY * stable_step(squares.sum(), 0.0);
+        let touching = SAFETY * stable_step(square(whole.stiffest, arm * arm), 0.0);
+
+        let [force, torque] = wrench;
+        let speed = whole.velocity.norm() + whole.turning.norm() * arm;
+        let acceleration =
+            force.norm() / whole.mass + (whole.inverse_inertia * torque).norm() * arm;
+        // The root of speed t + acceleration t^2 = way.
+        let within = |way: f64| {
+            let half = 0.5 * speed;
+            way / (half + (half * half + acceleration * way).sqrt())
+        };
+        let contacts: f64 = self.batch.forces(i as u32).iter().map(Vector3::norm).sum();
+        let yielding = (contacts + whole.mass * gravity) / whole.stiffest;
+        stable
+            .min(within(NEAR * shape.inradius()))
+            .min(touching.max(within(yielding)))
     }
 
     /// Moves the nodes of a body with it as a whole; returns its kinetic energy, J.

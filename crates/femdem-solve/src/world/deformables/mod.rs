@@ -100,22 +100,42 @@ impl Model {
     /// The step that is stable for any node with its whole share of the skin in contact, s. The stiffest
     /// partner is a wall that acts as a mirror image, four times as stiff as the foundation.
     fn contact_step(&self, shape: &DeformableShape, modulus: Modulus) -> f64 {
-        let (nodes, masses) = (self.model.nodes(), self.model.masses());
+        let masses = self.model.masses();
         let mut areas = vec![0.0; masses.len()];
-        for triangle in shape.skin() {
-            let corners = triangle.map(|i| nodes.get(i as usize).copied());
-            let [Some(a), Some(b), Some(c)] = corners else {
-                continue;
-            };
-            let share = (b - a).cross(&(c - a)).norm() / 6.0;
+        for (triangle, area) in self.skin_areas(shape) {
             for &i in triangle {
-                areas[i as usize] += share;
+                areas[i as usize] += area / 3.0;
             }
         }
         let foundation = modulus.penalty(shape.inradius()) / shape.inradius();
         let lightest = areas.iter().zip(masses).map(|(area, m)| area / m);
         // A stiffness k on a node of mass m counts as 2 k/m in the step.
         stable_step(8.0 * foundation * lightest.fold(0.0, f64::max), 0.0)
+    }
+
+    /// The triangles of the skin and their areas in the reference state, m^2.
+    fn skin_areas<'a>(
+        &'a self,
+        shape: &'a DeformableShape,
+    ) -> impl Iterator<Item = (&'a [u32; 3], f64)> {
+        let nodes = self.model.nodes();
+        shape.skin().iter().filter_map(move |triangle| {
+            let corners = triangle.map(|i| nodes.get(i as usize).copied());
+            let [Some(a), Some(b), Some(c)] = corners else {
+                return None;
+            };
+            Some((triangle, 0.5 * (b - a).cross(&(c - a)).norm()))
+        })
+    }
+
+    /// Area of the skin in the reference state, m^2.
+    pub(in crate::world) fn skin_area(&self, shape: &DeformableShape) -> f64 {
+        self.skin_areas(shape).map(|(_, area)| area).sum()
+    }
+
+    /// Stiffness per area of the contact field, Pa/m, with the penalty of the rigid bodies, Pa.
+    pub(in crate::world) fn foundation(&self, shape: &DeformableShape, penalty: f64) -> f64 {
+        self.modulus(shape, penalty).penalty(shape.inradius()) / shape.inradius()
     }
 
     fn modulus(&self, shape: &DeformableShape, penalty: f64) -> Modulus {

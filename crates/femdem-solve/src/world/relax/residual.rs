@@ -21,15 +21,30 @@ impl World {
             .or_else(|| self.least_given(&nodal))
             .unwrap_or(1.0);
         let (mut rigid, mut whole, mut node) = (0.0_f64, 0.0_f64, 0.0_f64);
+        // What bears nothing and is borne by nothing falls, however little it weighs beside the forces of others.
+        let falling = |net: f64, given: f64, touches: bool| {
+            let share = if touches || given <= 0.0 {
+                0.0
+            } else {
+                net / given
+            };
+            net.max(share * report.mean_contact_force)
+        };
+        let g = self.parameters.gravity.norm();
         for (i, body) in self.free_bodies() {
             let load = self.load_of(i as u32);
             let moment = load.total.torque.norm() / (2.0 * body.radius);
-            rigid = rigid.max(self.net_force(i, &load).norm()).max(moment);
+            let net = self.net_force(i, &load).norm();
+            let net = falling(net, body.mass * g, load.contacts > 0);
+            rigid = rigid.max(net).max(moment);
         }
-        for (i, Nodal { net, .. }) in nodal.iter().enumerate() {
+        for (i, Nodal { net, given }) in nodal.iter().enumerate() {
             node = net.iter().map(Vector3::norm).fold(node, f64::max);
             if !self.is_held(i) {
-                whole = whole.max(net.iter().sum::<Vector3>().norm());
+                let touches = self.deformables.as_deref();
+                let touches = touches.is_some_and(|d| d.batch.touches(i as u32));
+                let net = net.iter().sum::<Vector3>().norm();
+                whole = whole.max(falling(net, *given, touches));
             }
         }
         report.body_residual = rigid.max(whole) / report.mean_contact_force;
