@@ -250,7 +250,8 @@ impl Simulation {
     ) -> Result<(), Error> {
         let ids = match (entry.behaviour, &geometry.mesh) {
             (Behaviour::Deformable, Some(mesh)) => {
-                self.add_deformable(scenario, entry, name, mesh)?
+                let factor = geometry.density_factor();
+                self.add_deformable(scenario, entry, name, (mesh, factor))?
             }
             _ => self.add_rigid(scenario, entry, name, geometry)?,
         };
@@ -307,9 +308,12 @@ impl Simulation {
         scenario: &Scenario,
         entry: &BodyEntry,
         name: &str,
-        mesh: &TetMesh,
+        (mesh, density_factor): (&TetMesh, f64),
     ) -> Result<Vec<(MemberId, Pose)>, Error> {
-        let (regions, region_of) = scenario.regions(entry, mesh)?;
+        let (mut regions, region_of) = scenario.regions(entry, mesh)?;
+        for region in &mut regions {
+            region.density *= density_factor;
+        }
         let mut model = DeformableModel::new(mesh, entry.element, regions, Some(region_of))?;
         if let Some(step) = entry.mass_scaling {
             model = model.with_mass_scaling(step)?;

@@ -13,6 +13,9 @@ use crate::Error;
 /// Edge length of the tetrahedra of deformable bodies, in circumscribed diameters.
 const DEFAULT_MESH_SIZE: f64 = 0.2;
 
+/// Meshes whose volume is that of their surface to this, relative, are exact.
+const EXACT: f64 = 1e-9;
+
 /// What an entry describes.
 pub(super) struct Geometry {
     /// Name of the shape.
@@ -20,6 +23,20 @@ pub(super) struct Geometry {
     pub surface: Polyhedron,
     /// Tetrahedra, where the entry or its behaviour has them.
     pub mesh: Option<TetMesh>,
+}
+
+impl Geometry {
+    /// By how much the density of the tetrahedra must be larger than that of the material for the body to have the mass
+    /// that its surface encloses: a mesh that is not exact cuts off what is convex.
+    pub fn density_factor(&self) -> f64 {
+        let Some(mesh) = &self.mesh else { return 1.0 };
+        let factor = self.surface.mass_properties().volume / mesh.volume();
+        if (factor - 1.0).abs() > EXACT {
+            factor
+        } else {
+            1.0
+        }
+    }
 }
 
 impl BodyEntry {
@@ -100,7 +117,9 @@ impl BodyEntry {
             Ok(shape) => (shape.name(), shape.polyhedron(1.0)?, true),
             Err(unknown) => {
                 let path = Path::new(text);
-                if path.extension().is_none() && !path.exists() {
+                // A parameter out of its range may look like the ending of a file's name, as in ".001".
+                let of_file = io::Format::of_path(path).is_ok();
+                if !of_file && !path.exists() {
                     return Err(unknown.into());
                 }
                 let (surface, _) = io::read_file_with(path, &io::Options::default())?;
