@@ -17,8 +17,8 @@ pub(crate) fn run(workshop: &Workshop, count: u32) -> Result<Report> {
         name: "pack500",
         title: format!("The main job: {count} truncated dodecahedra"),
         text: "Sequential deposition at the program's defaults on two threads. A residual is the net \
-               force on a body at the end, with all bodies awake, over its weight; over the larger of \
-               weight and mean contact force, which is what the figure asks for, it is at most that."
+               force on a body at the end, with all bodies awake, over its weight. The target is for the \
+               net force over the larger of weight and mean contact force, which is at most that."
             .to_owned(),
         commands: vec![format!("cargo run --release -- pack {options}")],
         checks: checks(&summary)?,
