@@ -1,9 +1,9 @@
 //! Cost per body and step, and memory per body, of packs of growing size, for
 //! `cargo xtask validate size`.
 //!
-//! A column of 250 truncated dodecahedra, 5.3 d wide, is settled once. A pack of N bodies is made of
-//! copies of it side by side, without the walls between them, between walls of its own; its bodies are
-//! numbered from below, as if deposited, so that neighbours lie far apart in memory. All stay awake.
+//! A column of 250 truncated dodecahedra, 5.3 d wide, is settled once. A pack of N bodies consists of copies of
+//! it side by side, with walls around the whole but not between the copies. Bodies are numbered from below, as
+//! if deposited, so that neighbours lie far apart in memory. All stay awake.
 //!
 //! Prints lines of columns separated by tabs; each begins with the name of its table. Arguments: copies along x
 //! and y (`4x5`), steps that are not counted, rounds, steps in a round. One size per process, so that memory is

@@ -1,4 +1,4 @@
-//! Containers: a floor, a cone perhaps, and upright walls, open at the top.
+//! Containers: a floor, possibly a cone, and upright walls, open at the top.
 
 mod mesh;
 
@@ -10,12 +10,11 @@ use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
-/// Planes that make the mantle of a cylinder; the cross-section is 0.036 % larger than the
-/// circle's.
+/// Planes that form the mantle of a cylinder; the cross-section is 0.036 % larger than the circle's.
 const MANTLE_FACETS: usize = 96;
 
-/// A container is wide enough for a body if it lacks no more than this part of the body's diameter, which is
-/// rounding; less than what layers of a lattice allow.
+/// A container is wide enough for a body if it is narrower by no more than this part of the body's diameter.
+/// This allows for rounding only; it is less than the slack of lattice layers.
 const WIDTH_SLACK: f64 = 1e-10;
 
 /// What holds a pack. Inner dimensions in m; the floor is z = 0, the z axis is the container's
@@ -138,8 +137,8 @@ impl Container {
         Ok(walls.into_iter().map(WallShape::from).collect())
     }
 
-    /// Height from which on the container is as wide as its upright walls, m: 0 but for a silo, where
-    /// it is the upper end of the cone, and for a solid of any form, where it is the rim.
+    /// Height, m, above which the container has its full width: 0, except for a silo, where it is the upper end
+    /// of the cone, and for a solid of any form, where it is the rim.
     pub fn base(&self) -> f64 {
         match *self {
             Self::Mesh(ref mesh) => mesh.height(),
@@ -152,8 +151,8 @@ impl Container {
         }
     }
 
-    /// Height to which a volume (m^3) fills the container, m; for a solid of any form as if it were as
-    /// wide as its opening all the way down.
+    /// Height, m, to which a volume, m^3, fills the container; a solid of any form counts as wide as its
+    /// opening all the way down.
     pub fn level(&self, volume: f64) -> f64 {
         let Self::Silo {
             diameter,

@@ -49,21 +49,21 @@ pub enum PackError {
     LayerTooWide {
         /// The axis, x or y.
         axis: &'static str,
-        /// Bodies asked for.
+        /// Bodies specified.
         given: u32,
         /// Bodies that fit.
         most: u32,
         /// Lattice spacing, m.
         spacing: f64,
     },
-    /// No site of the rows asked for lies inside a round container.
+    /// No site of the specified rows lies inside a round container.
     #[error(
         "of {} by {} bodies in a layer at a spacing of {spacing} m none lies inside the container, {diameter} m wide: \
          rows of an even number have no site in the middle; change per_layer, or leave it out",
         per_layer[0], per_layer[1]
     )]
     LayerOutside {
-        /// Bodies asked for along x and y.
+        /// Bodies specified along x and y.
         per_layer: [u32; 2],
         /// Lattice spacing, m.
         spacing: f64,
@@ -97,7 +97,7 @@ pub enum PackError {
         /// The penalty in use, Pa.
         penalty: f64,
     },
-    /// A body flies far above all that was ever released.
+    /// A body flies far above the highest start.
     #[error(
         "body {body} was thrown to a height of {height} m, though nothing was released above \
          {released} m: the time step is probably too long for the contacts; lower \

@@ -1,11 +1,10 @@
 //! Packs of polyhedra: containers, protocols, and a job that ends with a verified pack.
 //!
-//! **Use it** to make packs of rigid bodies under gravity: deposited in sequence as in the founding
-//! paper (Xiang, Latham and Farsi 2016), poured in layers, or released all at once, in a box, a
-//! cylinder, a silo or a container of any form, from random orientations, and brought to a rest that is
-//! checked. **Do not use it** to measure packs (femdem-analysis does), for bodies that deform, for packs
-//! made by algorithms without mechanics, or where the bodies need not come to rest (build a
-//! [`femdem_solve::World`] and step it yourself).
+//! **Use it** to make packs of rigid bodies under gravity from random orientations: deposited in sequence as in
+//! the founding paper (Xiang, Latham and Farsi 2016), poured in layers, or released all at once, in a box, a
+//! cylinder, a silo or a container of any form, and brought to rest, which is verified. **Do not use it** to
+//! measure packs (femdem-analysis does), for deformable bodies, for packs made by algorithms without mechanics,
+//! or where the bodies need not come to rest (build a [`femdem_solve::World`] and step it yourself).
 //!
 //! ```
 //! use femdem_mesh::catalogue::{CatalogueShape, Solid};
@@ -30,12 +29,12 @@
 //! # What is where
 //! - [`PackSpec`]: the whole job as data, with a default for everything; [`PackShape`],
 //!   [`Container`], [`Protocol`], [`Settling`] are its parts.
-//! - [`Packing`]: the job. It advances by steps, reports its [`Progress`], can be saved and read
-//!   back at any step, and ends with a [`PackReport`].
-//! - [`Penalty`], [`automatic_penalty`]: the stiffness of the contacts from the penetration allowed.
+//! - [`Packing`]: the job. It advances by steps, reports its [`Progress`], can be saved and read back at any
+//!   step, and ends with a [`PackReport`].
+//! - [`Penalty`], [`automatic_penalty`]: the stiffness of the contacts, from the allowed penetration.
 //! - [`body_stream`], [`random_rotation`]: the random numbers.
-//! - [`solve`], [`contact`] and [`mesh`]: the crates whose types stand in the interfaces, such as the
-//!   [`solve::World`] that a finished job holds ([`Packing::world`]).
+//! - [`solve`], [`contact`] and [`mesh`]: the crates whose types appear in this interface, such as the
+//!   [`solve::World`] of a job ([`Packing::world`]).
 //!
 //! # Units
 //! SI. Gravity acts along -z; the floor is z = 0 and the container stands about the z axis. d is the
@@ -47,13 +46,13 @@
 //!   bits with any number of threads and without the feature.
 //!
 //! # Accuracy
-//! The pack is an equilibrium of the penalty contact law: bodies overlap by about what
-//! [`Penalty::Automatic`] was asked for, and the report states the mean and the largest
-//! penetration. Settled means what [`Settling`] says, with every body awake and no medium; a pack
-//! that does not get there in the stated time is reported as not settled, never forced. What the
-//! verification moved is in the report too, and so is what the last awake relaxation before it
-//! moved ([`Relaxation`]): the loads that sleeping bodies had not passed on. Packs of 500 that slept are 1.5 ± 0.3 % higher
-//! than packs that never did ([`PackSpec::sleeping`]), which cost seven times as much (`docs/validation/cost.md`).
+//! The pack is an equilibrium of the penalty contact law: bodies overlap by about the penetration given to
+//! [`Penalty::Automatic`], and the report states the mean and the largest penetration. Settled is defined by
+//! [`Settling`], with every body awake and no medium. A pack that does not settle in the time allowed is
+//! reported as not settled, never forced. The report also states how far bodies moved during the verification,
+//! and during the last awake relaxation before it ([`Relaxation`]); the latter is mostly compression under
+//! loads that sleeping bodies had not passed on. Packs of 500 that slept are 1.5 ± 0.3 % higher than packs that
+//! never did ([`PackSpec::sleeping`]), which cost seven times as much (`docs/validation/cost.md`).
 
 mod container;
 mod error;

@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How the penalty of the contact law is found.
+/// How the penalty of the contact law is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Penalty {
     /// From the expected stress in the pack, by [`automatic_penalty`].
     Automatic {
-        /// Mean penetration aimed at, over d.
+        /// Target of the mean penetration, over d.
         penetration: f64,
     },
     /// As given.
@@ -26,27 +26,26 @@ impl Default for Penalty {
     }
 }
 
-/// Packing density that the height and weight of a pack are estimated with before it is made.
+/// Packing density assumed in estimates of the height and weight of a pack.
 pub(crate) const EXPECTED_DENSITY: f64 = 0.57;
 
 /// Horizontal over vertical stress in a pack between walls (Janssen's constant).
 const STRESS_RATIO: f64 = 0.5;
 
-/// Shear over vertical stress that a wall can take up at most, however rough: the pack beside it
-/// yields first, at sin(f) cos(f)/(1 + sin^2(f)) for a friction angle f inside it, which nowhere
-/// exceeds 1/sqrt(8).
+/// Largest shear over vertical stress that a wall can take, however rough: the pack beside it yields first, at
+/// sin(f) cos(f)/(1 + sin^2(f)) for a friction angle f inside it, which never exceeds 1/sqrt(8).
 const LARGEST_GRIP: f64 = std::f64::consts::SQRT_2 / 4.0;
 
-/// Penalty times (mean penetration/d)^3 over the mean stress. The exponent is that of vertex and
-/// crossed-edge contacts, which are the softest and set the mean; the factor is calibrated on
-/// settled packs of truncated dodecahedra at friction 0.6: 60, 100 and 300 bodies with penalties
-/// of 2, 7.7 and 3 MPa gave 1.6e-4, 1.6e-4 and 1.75e-4.
+/// Penalty times (mean penetration/d)^3 over the mean stress. The exponent is that of vertex and crossed-edge
+/// contacts, which are the softest and dominate the mean. The factor is calibrated on settled packs of
+/// truncated dodecahedra at friction 0.6: 60, 100 and 300 bodies with penalties of 2, 7.7 and 3 MPa gave
+/// 1.6e-4, 1.6e-4 and 1.75e-4.
 const PENALTY_SCALE: f64 = 1.7e-4;
 
 /// Inradius over d of truncated dodecahedra: the depth over which their field rises from 0 to 1.
 pub(crate) const CALIBRATED_DEPTH: f64 = 0.42;
 
-/// What a pack weighs on: the inputs of the penalty estimate.
+/// Weight and surroundings of a pack: the inputs of the penalty estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PackLoad {
     /// Weight of the pack per volume: bulk density times g, N/m^3.
@@ -64,9 +63,9 @@ pub struct PackLoad {
 }
 
 impl PackLoad {
-    /// Vertical stress at mid height, Pa: the weight above less what the walls carry (Janssen
-    /// 1895), sigma = gamma l (1 - exp(-z/l)) with l = A/(K mu P) and K = 0.5; at least the
-    /// stress under one layer of bodies. K mu is at most 0.35, what a pack beside a rough wall bears.
+    /// Vertical stress at mid height, Pa: the weight above minus what the walls carry (Janssen 1895), sigma =
+    /// gamma l (1 - exp(-z/l)) with l = A/(K mu P) and K = 0.5; at least the stress under one layer of bodies.
+    /// K mu is at most 0.35, the most that a pack transfers to a rough wall.
     pub fn mean_stress(&self) -> f64 {
         let depth = (self.height / 2.0).max(self.diameter);
         let shear = (STRESS_RATIO * self.wall_friction).min(LARGEST_GRIP);
@@ -83,13 +82,13 @@ impl PackLoad {
 /// The penalty (Pa) at which a pack under `load` is expected to have the mean penetration
 /// `penetration_over_d`.
 ///
-/// A vertex pressed into a face by the force F sinks in by delta with F of order p delta^3/d
-/// (sum form), and F is of order sigma d^2, so p = c sigma/(delta/d)^3. The mean over all contacts
-/// of overlap volume over contact area follows the same law with c = 1.7e-4, calibrated on settled
-/// packs of truncated dodecahedra. Other shapes sink in less in trials, by up to a fifth (P3, A1,
-/// A13) or a quarter (P1, P4, P5); every report states what it came to. For bodies that are not convex,
-/// [`PackSpec::resolved_penalty`](crate::PackSpec::resolved_penalty) takes as much less as their fields
-/// rise over a smaller depth.
+/// A vertex pressed into a face by the force F penetrates by delta with F of order p delta^3/d (sum form), and
+/// F is of order sigma d^2, so p = c sigma/(delta/d)^3. The mean over all contacts of overlap volume over
+/// contact area follows the same law with c = 1.7e-4, calibrated on settled packs of truncated dodecahedra. In
+/// trials other shapes penetrated less, by up to a fifth (P3, A1, A13) or a quarter (P1, P4, P5); every report
+/// states the value reached. For bodies that are not convex
+/// [`PackSpec::resolved_penalty`](crate::PackSpec::resolved_penalty) reduces the penalty in proportion to the
+/// depth over which their fields rise.
 pub fn automatic_penalty(load: &PackLoad, penetration_over_d: f64) -> f64 {
     PENALTY_SCALE * load.mean_stress() / penetration_over_d.powi(3)
 }
@@ -112,7 +111,7 @@ mod tests {
         assert!((LOAD.mean_stress() - 1500.0).abs() < 1e-9);
     }
 
-    /// A wall rougher than the pack is no better than one as rough.
+    /// A wall rougher than the pack acts like one as rough as the pack.
     #[test]
     fn walls_grip_no_more_than_the_pack() {
         let stress = |wall_friction: f64| {

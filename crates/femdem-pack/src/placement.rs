@@ -10,13 +10,13 @@ use femdem_mesh::{Polyhedron, Pose, Rotation, Vector3};
 use femdem_solve::ShapeId;
 use rand_chacha::ChaCha8Rng;
 
-/// Places tried for a body before its batch is closed without it.
+/// Places tried for a body before its batch ends without it.
 const TRIES: u32 = 200;
 
-/// Most sites of a layer of a lattice.
+/// Largest number of sites in a layer of a lattice.
 const MOST_SITES: u64 = 10_000_000;
 
-/// The bounding circles of two bodies of a batch stay apart by this part of their radii.
+/// Factor on the radii by which the bounding circles of two bodies of a batch stay apart.
 const APART: f64 = 1.01;
 
 /// A body to be released at rest.
@@ -30,7 +30,7 @@ pub(crate) struct Start {
     pub radius: f64,
 }
 
-/// What a body's own random stream decides before its place: shape and orientation.
+/// The draws of a body's random stream before its place: shape and orientation.
 struct Draw<'a> {
     shape: ShapeId,
     polyhedron: &'a Polyhedron,
@@ -46,8 +46,8 @@ impl<'a> Draw<'a> {
         let drawn = match spec.mixing {
             Mixing::Drawn => uniform(&mut stream),
             Mixing::Dealt => {
-                // The number that would have been drawn is skipped, so that the rest of the stream
-                // does not depend on the mixing.
+                // The number that would have been drawn is skipped, so that the rest of the stream does not
+                // depend on the mixing.
                 uniform(&mut stream);
                 dealt(body, spec.count)
             }
@@ -111,10 +111,10 @@ fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// A batch of at most `most` bodies from number `first` on: lowest points at `height`, random
-/// orientations, centroids uniform over the places that keep clear of the walls and of the bodies
-/// before in the batch. A body whose place is taken tries the next place of its own stream; when
-/// none is free the batch ends before it, so a batch may be smaller but never empty.
+/// A batch of at most `most` bodies from number `first` on: lowest points at `height`, random orientations,
+/// centroids uniform over the places that keep clear of the walls and of the earlier bodies of the batch. A
+/// body whose place is taken tries the next place of its own stream; if none is free, the batch ends before it,
+/// so that a batch may be smaller but is never empty.
 pub(crate) fn batch(
     spec: &PackSpec,
     first: BodyId,
@@ -210,7 +210,7 @@ fn layer_sites(spec: &PackSpec, release: &Release) -> Result<Vec<[f64; 2]>, Pack
         }
         return Ok(layer);
     }
-    // In a cylinder one row less may hold more bodies, and the middle always holds one.
+    // In a cylinder one row less may hold more bodies, and one in the middle always fits.
     let fewer = most.map(|n| (n - 1).max(1));
     let choices = [counts, fewer, [1, 1]].map(sites);
     let best = choices

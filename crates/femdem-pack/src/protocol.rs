@@ -1,10 +1,10 @@
-//! Protocols: how bodies come into the container.
+//! Protocols: how bodies are added to the container.
 
 use crate::container::Container;
 use crate::error::{PackError, check, check_positive};
 use serde::{Deserialize, Serialize};
 
-/// How bodies come into the container.
+/// How bodies are added to the container.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Protocol {
@@ -125,10 +125,10 @@ impl Protocol {
         given.unwrap_or_else(|| default_batch(container, diameter))
     }
 
-    /// Mean penetration over d that is usual for the protocol: 0.0035. Bodies that are all released at
-    /// once strike each other at the speed of many layers' fall, and keep some of those loads locked
-    /// in: there the largest penetration, not the mean, is to stay small. At 0.0012 it is below
-    /// 0.01 d in the packs of 500 that this was tried on (`docs/validation/peers.md`).
+    /// Usual mean penetration of the protocol over d: 0.0035, or 0.0012 for a release. Bodies that are all
+    /// released at once strike each other after falling many layers, and some of those loads stay locked in, so
+    /// that the largest penetration has to be limited, not the mean. At a mean of 0.0012 it is below 0.01 d in
+    /// the packs of 500 on which this was tried (`docs/validation/peers.md`).
     pub fn usual_penetration(&self) -> f64 {
         match self {
             Self::Sequential(_) | Self::Pour(_) => 0.0035,
@@ -186,9 +186,9 @@ impl Protocol {
     }
 }
 
-/// One body for each (1.5 d)^2 of the floor that body centres can stand over: few enough that they
-/// seldom meet in the air, and the same for every unit of floor, so that the cost of a body does
-/// not depend on the size of the container.
+/// One body for each (1.5 d)^2 of the floor that body centres can stand over: few enough that they seldom meet
+/// in the air, and the same for every unit of floor, so that the cost of a body does not depend on the size of
+/// the container.
 fn default_batch(container: &Container, diameter: f64) -> u32 {
     let free = container.area_inside(diameter / 2.0);
     // The slack keeps round-off from losing a body. The cast saturates.

@@ -5,15 +5,16 @@ use femdem_contact::BodyId;
 use femdem_solve::World;
 use serde::{Deserialize, Serialize};
 
-/// What the final verification, with all bodies awake and the medium switched off, found.
+/// Results of the final verification, with all bodies awake and the medium switched off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Verification {
-    /// Whether as many checks in a row passed as were asked for.
+    /// Whether the required number of checks in a row passed.
     pub passed: bool,
-    /// Tries it took, with explicit steps. All bodies are awake, and have been brought to rest by implicit
-    /// steps before; after a try that failed those at rest sleep until the others are at rest too; one that
-    /// has moved a body by more than 1e-3 d is repeated. What follows is of the last try, and where the job's
-    /// steps are implicit also of those before it after which the checks passed: see [`Settling`](crate::Settling).
+    /// Number of attempts. Bodies are brought to rest by implicit steps before the first attempt, and an
+    /// attempt ends with explicit steps. It fails if a body does not stay at rest or moves by more than 1e-3 d;
+    /// then the bodies at rest sleep until the others are at rest, too, and another attempt follows. The fields
+    /// below refer to the last attempt. In jobs with implicit steps they include the implicit steps before it
+    /// whose checks passed, see [`Settling`](crate::Settling).
     pub tries: u32,
     /// Steps it took.
     pub steps: u64,
@@ -27,10 +28,10 @@ pub struct Verification {
     pub mean_top_change_over_d: f64,
 }
 
-/// An awake relaxation: what all bodies did when they were woken and kept awake until their mean
-/// net force was small, and stopped whenever more of them slowed down than sped up, by implicit steps unless the medium damps locally. While the
-/// pack grows that is done at numbers of bodies that follow a geometric series; the last one comes
-/// before the verification.
+/// An awake relaxation: all bodies are woken and kept awake until their mean net force is small, and are
+/// stopped whenever more of them slow down than speed up. Steps are implicit unless the medium damps locally.
+/// While the pack grows, relaxations take place at numbers of bodies that form a geometric series; the last one
+/// precedes the verification.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Relaxation {
     /// Bodies in the pack.
@@ -63,8 +64,8 @@ pub struct PackReport {
     pub steps: u64,
     /// Highest point, m.
     pub top: f64,
-    /// Mean top, m: squares of side d divide the floor plan, and the highest points of the bodies
-    /// centred over each are averaged over the squares that have any.
+    /// Mean top, m: squares of side d divide the floor plan, and the highest points of the bodies centred over
+    /// each square are averaged over the squares with bodies.
     pub mean_top: f64,
     /// Net force over weight, mean over bodies.
     pub residual_mean_over_weight: f64,

@@ -1,4 +1,4 @@
-//! What to pack, in what, and how.
+//! The specification of a packing job.
 
 use crate::container::Container;
 use crate::error::{PackError, check, check_positive};
@@ -17,21 +17,21 @@ use serde::{Deserialize, Serialize};
 /// Circumscribed diameter of the default bodies, m.
 const DEFAULT_DIAMETER: f64 = 0.02;
 
-/// Longest time step in units of sqrt(d/g), so that falling bodies are followed well even where
-/// soft contacts would allow more.
+/// Longest time step in units of sqrt(d/g), so that falling bodies are followed well even where soft contacts
+/// would allow longer steps.
 const LARGEST_STEP: f64 = 0.01;
 
-/// Damping ratio from which on contacts damp well: implicit steps are usual where the protocol suits them, and bodies
-/// come to rest without a medium.
+/// Damping ratio above which contacts damp well: implicit steps are then usual where the protocol suits them,
+/// and bodies come to rest without a medium.
 pub(crate) const LEAST_DAMPING: f64 = 0.1;
 
-/// Shares allowed: their sums, and those of lengths and volumes weighed with them, are numbers.
+/// Allowed shares: their sums, and those of lengths and volumes weighted with them, stay finite and above 0.
 const SHARES: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
-/// More bodies than this take years: a slip of the keyboard.
+/// More bodies than this would take years and are taken for a typing error.
 const MOST_BODIES: u32 = 100_000_000;
 
-/// Longest interval of checks in units of sqrt(d/g), shorter than what a verification may take by default.
+/// Longest interval of checks in units of sqrt(d/g); shorter than the default limit of a verification.
 const LONGEST_INTERVAL: f64 = 100.0;
 
 /// A shape to pack.
@@ -65,8 +65,8 @@ impl PackShape {
         }
     }
 
-    /// A shape of any closed surface, with share 1: one that is not convex is meshed, and the report
-    /// says how.
+    /// A shape of any closed surface, with share 1. A surface that is not convex is meshed, and the report
+    /// describes the mesh.
     ///
     /// # Errors
     /// [`PackError::Mesh`] if the surface cannot be meshed as the options ask.
@@ -92,9 +92,9 @@ impl PackShape {
         }
     }
 
-    /// Depth over which the field of the body rises from 0 to 1, over that of the bodies that the
-    /// automatic penalty is calibrated on: contacts are as much stiffer as the depth is smaller. 1 for
-    /// convex bodies, whose shapes differ little.
+    /// Depth over which the field of the body rises from 0 to 1, over that of the bodies on which the automatic
+    /// penalty is calibrated: contacts are stiffer in inverse proportion. 1 for convex bodies, whose shapes
+    /// differ little.
     fn field_depth(&self) -> f64 {
         let Some(mesh) = &self.mesh else {
             return 1.0;
@@ -103,7 +103,7 @@ impl PackShape {
         deepest / (CALIBRATED_DEPTH * self.diameter())
     }
 
-    /// Circumscribed diameter: of the smallest sphere about the centroid that holds the body, m.
+    /// Circumscribed diameter, m: that of the smallest sphere about the centroid that contains the body.
     pub fn diameter(&self) -> f64 {
         2.0 * self.polyhedron.bounding_radius()
     }
@@ -116,23 +116,22 @@ pub enum Mixing {
     /// Each body draws its shape, with the shares as weights.
     #[default]
     Drawn,
-    /// Each shape gets its share of the bodies, to within one body, spread evenly over their order.
+    /// Each shape has its share of the bodies, to within one body, spread evenly over their order.
     Dealt,
 }
 
 /// When a pack counts as settled.
-///
-/// Checks follow one another at `check_interval`. A check passes if every body's residual (net
-/// force over the larger of its weight and its mean contact force) and kinetic energy are within
-/// the limits. With all bodies awake, `checks` passes in a row are needed, and the last one
-/// with all residuals below `aim`; three times as many passes will do without it. Steps are explicit
-/// then; where the job asks for implicit ones at least the last three of these passes follow explicit steps.
+/// Checks follow one another at `check_interval`. A check passes if every body's residual (net force over the
+/// larger of its weight and its mean contact force) and kinetic energy are within the limits. With all bodies
+/// awake, the pack is settled after `checks` passes in a row if all residuals of the last check are below
+/// `aim`, and after three times `checks` passes in a row otherwise. These checks follow explicit steps; if the
+/// job has implicit steps, at least the last three do.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settling {
     /// Largest allowed residual of a body.
     pub residual: f64,
-    /// Residual that is waited for some time longer.
+    /// Target of the residuals: checks continue for some time until it is reached.
     pub aim: f64,
     /// Largest allowed kinetic energy of a body over m g d.
     pub kinetic_energy: f64,
@@ -142,7 +141,7 @@ pub struct Settling {
     pub check_interval: f64,
     /// Longest settling after the last body has had time to fall, in units of sqrt(d/g).
     pub longest_settling: f64,
-    /// Longest verification, all its tries together, in units of sqrt(d/g).
+    /// Longest verification, all attempts together, in units of sqrt(d/g).
     pub longest_verification: f64,
 }
 
@@ -191,16 +190,16 @@ pub struct PackSpec {
     /// The container.
     pub container: Container,
     /// Height of the container's rim, m, for drawings and for the count of bodies above it; the walls
-    /// themselves reach up without end.
+    /// themselves have no upper end.
     pub rim: Option<f64>,
-    /// How bodies come into it.
+    /// How bodies are added.
     pub protocol: Protocol,
     /// Seed of all random numbers.
     pub seed: u64,
     /// Damping by the medium; switched off when the pack is verified.
     pub medium: Medium,
-    /// Step size control; for implicit steps see [`usual_step`](Self::usual_step). The end of the verification is
-    /// explicit all the same, see [`Settling`].
+    /// Step size control; for implicit steps see [`usual_step`](Self::usual_step). The end of the verification
+    /// is always explicit, see [`Settling`].
     pub time_step: TimeStepParameters,
     /// When bodies fall asleep while the pack is made.
     pub sleeping: SleepParameters,
@@ -244,8 +243,8 @@ impl Default for PackSpec {
 }
 
 impl PackSpec {
-    /// Checks everything that can be checked before the first step, save what the world itself
-    /// checks when it is built (contact law, safety of the time step and implicit steps, sleeping, medium).
+    /// Checks everything that can be checked before the first step, except what the world itself checks when it
+    /// is built (contact law, safety of the time step and implicit steps, sleeping, medium).
     ///
     /// # Errors
     /// [`PackError::NoShapes`], [`PackError::NotConvex`] for a shape without the mesh it needs, [`PackError::Parameter`], [`PackError::ContainerTooNarrow`].
@@ -288,14 +287,14 @@ impl PackSpec {
             check_positive("rim", rim)?;
         }
         self.protocol.validate()?;
-        // As given: falling bodies bound it in the world's parameters.
+        // Checked as given: in the world's parameters it is also bounded for falling bodies.
         if let Some(largest) = self.time_step.largest {
             check_positive("time_step.largest", largest)?;
         }
         self.settling.validate()
     }
 
-    /// Mean of a quantity over the bodies to come.
+    /// Mean of a quantity over the shapes, by share.
     fn mean(&self, of: impl Fn(&PackShape) -> f64) -> f64 {
         let total: f64 = self.shapes.iter().map(|s| s.share).sum();
         self.shapes.iter().map(|s| s.share * of(s)).sum::<f64>() / total
@@ -317,13 +316,13 @@ impl PackSpec {
         self.mean(|s| s.polyhedron.mass_properties().volume)
     }
 
-    /// Height that the pack will have at a packing density of 0.57, m.
+    /// Expected height of the pack, m, at a packing density of 0.57.
     pub fn expected_height(&self) -> f64 {
         self.container
             .level(f64::from(self.count) * self.mean_volume() / EXPECTED_DENSITY)
     }
 
-    /// The penalty, Pa: as given, or what the automatic choice comes to.
+    /// The penalty, Pa: as given, or the automatic choice.
     ///
     /// # Errors
     /// As [`PackSpec::validate`].
@@ -354,11 +353,12 @@ impl PackSpec {
         (self.diameter() / self.gravity).sqrt()
     }
 
-    /// How `femdem pack` steps unless told otherwise: implicitly (`Some`) where all bodies are released at once, whose
-    /// stiff contacts make explicit steps short, else explicitly. Implicit steps take a fifth of the processor time
-    /// until such a pack is at rest; it comes out looser by 0.005 ± 0.003, and the energy ledger misses up to 5 %
-    /// of what is turned over (`docs/validation/peers.md`). Without friction, or with a damping ratio
-    /// below 0.1, it may miss most of it, and local damping they do not have: then steps are explicit, too.
+    /// The default steps of `femdem pack`: implicit (`Some`) if all bodies are released at once, because their
+    /// stiff contacts make explicit steps short; otherwise explicit. Packs of 500 bodies reach rest in a sixth
+    /// to a quarter of the processor time of explicit steps, come out looser by 0.005 ± 0.003, and the energy
+    /// ledger misses up to 5 % of the energy turned over (`docs/validation/peers.md`). Without friction, or
+    /// with a damping ratio below 0.1, it may miss most of it, and implicit steps have no local damping: in
+    /// these cases steps are explicit, too.
     pub fn usual_step(&self) -> Option<ImplicitStep> {
         let suits = self.friction > 0.0
             && self.damping_ratio >= LEAST_DAMPING
@@ -369,7 +369,7 @@ impl PackSpec {
         }
     }
 
-    /// Step size control where bodies fall; implicit steps may have asked for a longer fall.
+    /// Step size control where bodies fall; implicit steps may be given a longer limit.
     pub(crate) fn falling_time_step(&self) -> TimeStepParameters {
         let asked = self.time_step.implicit.map_or(LARGEST_STEP, |i| i.fall);
         let falling = LARGEST_STEP.max(asked) * self.time_unit();

@@ -33,7 +33,7 @@ fn cubes(count: u32) -> PackSpec {
     }
 }
 
-/// Every vertex of every body is inside the walls and above the floor but for a slack.
+/// Every vertex of every body is inside the walls and above the floor, to within a slack.
 fn assert_inside(packing: &Packing, slack: f64) {
     let world = packing.world();
     for body in 0..world.body_count() as u32 {
@@ -48,7 +48,7 @@ fn assert_inside(packing: &Packing, slack: f64) {
     }
 }
 
-/// What a settled pack must satisfy: the limits of the rule, the weight on the floor and walls.
+/// A settled pack satisfies the limits of the rule; floor and walls carry its weight.
 fn assert_settled(packing: &Packing, report: &PackReport) {
     assert!(report.settled, "{report:?}");
     assert_eq!(report.bodies, packing.spec().count);
@@ -80,7 +80,7 @@ fn cubes_deposited_in_sequence_settle() {
     let mut packing = Packing::new(cubes(8)).unwrap();
     let report = packing.run().unwrap();
     assert_settled(&packing, &report);
-    // A box 2.5 d wide takes a body at a time.
+    // A box 2.5 d wide takes one body at a time.
     assert_eq!(report.batches, 8);
     let sequence: Vec<_> = (0..9).map(|b| packing.sequence(b)).collect();
     let expected: Vec<_> = (0..8).map(Some).chain([None]).collect();
@@ -187,7 +187,7 @@ fn all_protocols_end_settled() {
     }
 }
 
-/// A pack made in a viscous medium, or with local damping, is verified without it, and stays where it is.
+/// A pack made in a viscous medium, or with local damping, is verified without it, and stays in place.
 #[test]
 fn a_pack_made_in_a_medium_rests_without_it() {
     let mut spec = cubes(5);
@@ -228,7 +228,8 @@ fn elastic(seed: u64) -> PackSpec {
     spec
 }
 
-/// Elastic bodies never come to rest without a medium: what moves in the verification does so in the job's own.
+/// Elastic bodies never come to rest without a medium: what begins to move in the verification does so in the
+/// job's medium.
 #[test]
 fn what_the_verification_sets_in_motion_rests_in_the_medium() {
     for seed in [2, 3] {
@@ -239,7 +240,7 @@ fn what_the_verification_sets_in_motion_rests_in_the_medium() {
     }
 }
 
-/// So it is where no body ever sleeps.
+/// The same if no body ever sleeps.
 #[test]
 fn a_pack_made_awake_rests_in_the_medium_too() {
     for seed in [2, 3] {
@@ -253,7 +254,7 @@ fn a_pack_made_awake_rests_in_the_medium_too() {
     }
 }
 
-/// What is reported of a pack whose time is over between two tries is without the medium, too.
+/// The report of a pack whose time is over between two attempts is computed without the medium, too.
 #[test]
 fn a_pack_out_of_time_is_reported_without_the_medium() {
     for longest in [1.5, 2.0, 3.0] {
@@ -266,7 +267,7 @@ fn a_pack_out_of_time_is_reported_without_the_medium() {
     }
 }
 
-/// Packs of 150 cubes, which are relaxed once while they grow.
+/// Packs of 150 cubes, which are relaxed once during growth.
 fn relaxed_once() -> PackSpec {
     let mut spec = cubes(150);
     spec.container = Container::Box {
@@ -276,8 +277,8 @@ fn relaxed_once() -> PackSpec {
     spec
 }
 
-/// After a relaxation with implicit steps the steps are those of before, with their limit for falling bodies. In it they
-/// keep to six times the explicit limit, whatever is asked for.
+/// After a relaxation with implicit steps the step control is as before, with its limit for falling bodies.
+/// Within it steps are at most six times the explicit limit, whatever is specified.
 #[test]
 fn a_relaxation_leaves_the_step_control_as_it_was() {
     let long = ImplicitStep {
@@ -303,7 +304,8 @@ fn a_relaxation_leaves_the_step_control_as_it_was() {
     }
 }
 
-/// Implicit steps pour, relax and settle, and begin the verification; explicit ones end it, after three checks at the least.
+/// Implicit steps pour, relax and settle, and begin the verification; explicit ones end it, after at least
+/// three checks.
 #[test]
 fn a_pack_made_with_implicit_steps_is_verified_with_explicit_ones() {
     let mut spec = relaxed_once();
@@ -354,9 +356,9 @@ fn forces(packing: &Packing) -> [[f64; 4]; 2] {
     sums
 }
 
-/// A pack between walls without friction hangs on the floor alone; between rough ones bodies without
-/// friction lean on them. The friction springs are as stiff as asked. The shaft is so narrow that the cubes are stacked: a
-/// single layer on a floor without friction slides about for long, as it should.
+/// A pack between walls without friction rests on the floor alone; between rough walls bodies without friction
+/// lean on them. The friction springs have the specified stiffness. The shaft is so narrow that the cubes are
+/// stacked: a single layer on a floor without friction slides about for long, as it should.
 #[test]
 fn friction_of_walls_and_stiffness_of_springs_are_those_asked_for() {
     for (friction, wall_friction, tangential_ratio) in [(0.6, 0.0, 0.4), (0.0, 0.6, 1.6)] {
@@ -381,8 +383,8 @@ fn friction_of_walls_and_stiffness_of_springs_are_those_asked_for() {
     }
 }
 
-/// The last relaxation takes a few quarters of the slowest oscillation, by implicit steps, and the
-/// verification that follows it, by explicit ones, moves next to nothing, in a world without any medium.
+/// The last relaxation takes a few quarters of the slowest oscillation, with implicit steps. The verification
+/// that follows, with explicit ones, moves next to nothing, in a world without any medium.
 #[test]
 fn the_last_relaxation_is_short_and_leaves_nothing_to_the_verification() {
     let mut packing = Packing::new(cubes(24)).unwrap();
@@ -409,7 +411,7 @@ fn the_last_relaxation_is_short_and_leaves_nothing_to_the_verification() {
     assert!(verification.max_displacement_over_d <= 1e-3, "{report:?}");
 }
 
-/// Where sleep is forbidden there is nobody to wake.
+/// Where sleep is forbidden no body needs to be woken.
 #[test]
 fn a_pack_made_awake_needs_no_relaxation() {
     let mut spec = cubes(5);
@@ -419,8 +421,8 @@ fn a_pack_made_awake_needs_no_relaxation() {
     assert_eq!(report.relaxation, None);
 }
 
-/// The rate of a pour is what was asked for: 8 bodies in layers of 2 at 20 bodies per second
-/// start at 0, 0.1, 0.2 and 0.3 s.
+/// A pour has the specified rate: 8 bodies in layers of 2 at 20 bodies per second start at 0, 0.1, 0.2 and 0.3
+/// s.
 #[test]
 fn a_pour_keeps_its_rate() {
     let mut spec = cubes(8);
@@ -447,8 +449,8 @@ fn a_pour_keeps_its_rate() {
     }
 }
 
-/// A job saved, read back and continued in other portions ends in the same bits as one that ran
-/// through, at whatever stage it was interrupted.
+/// A job saved, read back and continued in other portions ends in the same bits as an uninterrupted one, at
+/// whatever stage it was interrupted.
 #[test]
 fn a_job_continues_from_a_checkpoint_with_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();

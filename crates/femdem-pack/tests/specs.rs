@@ -1,4 +1,4 @@
-//! What a job may ask for: numbers without meaning are refused by name, before anything is computed.
+//! Meaningless numbers in a job are refused by name, before anything is computed.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -16,7 +16,7 @@ fn cubes(count: u32) -> PackSpec {
     }
 }
 
-/// What a changed job is refused with.
+/// The refusal of a changed job.
 fn says(change: impl FnOnce(&mut PackSpec)) -> String {
     let mut spec = cubes(4);
     change(&mut spec);
@@ -25,7 +25,7 @@ fn says(change: impl FnOnce(&mut PackSpec)) -> String {
     text
 }
 
-/// An interval beyond all waits would never be over.
+/// An interval longer than all waits would never end.
 #[test]
 fn intervals_of_checks_are_bounded() {
     for interval in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300, 101.0] {
@@ -38,7 +38,7 @@ fn intervals_of_checks_are_bounded() {
     spec.validate().unwrap();
 }
 
-/// The limit of the step is checked as it is given, not as falling bodies bound it.
+/// The limit of the step is checked as given, not as falling bodies bound it.
 #[test]
 fn the_largest_step_is_a_positive_number() {
     for largest in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
@@ -67,7 +67,7 @@ fn shares_have_a_sum() {
     }
 }
 
-/// A container as wide as its bodies holds them, though rounding makes it an ulp too narrow.
+/// A container as wide as its bodies holds them, though rounding makes it one ulp too narrow.
 #[test]
 fn bodies_that_fit_exactly_fit() {
     let mut spec = cubes(2);
@@ -97,7 +97,8 @@ fn bodies_that_fit_exactly_fit() {
     ));
 }
 
-/// In a round container a layer holds what lies within the circle; where that is nothing, rows asked for are refused.
+/// In a round container a layer consists of the sites within the circle; if there are none, the specified rows
+/// are refused.
 #[test]
 fn layers_asked_for_fit_round_containers() {
     let release = |nx, ny| {
@@ -119,7 +120,7 @@ fn layers_asked_for_fit_round_containers() {
     assert!(refused.contains("at most 2"), "{refused}");
 }
 
-/// A floor for more bodies than there are is no reason to run out of memory.
+/// A floor for more bodies than there are does not exhaust the memory.
 #[test]
 fn layers_over_huge_floors_are_refused() {
     for width in [1e6, 1e12, 1e100] {

@@ -7,11 +7,11 @@ use femdem_mesh::tet::{self, MeshOptions};
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// The opening is measured this part of the height below the highest point.
+/// The opening is measured below the highest point by this part of the height.
 const BELOW_RIM: f64 = 1e-3;
 
-/// Thickness of the walls' skin that bodies feel, over the volume by the area of the solid (half the
-/// thickness of a plate).
+/// Depth of the walls' contact skin, over the solid's volume divided by its area (half the thickness of a
+/// plate).
 const SKIN: f64 = 0.8;
 
 /// A container of any form: a solid with a hollow that is open at the top.
@@ -30,7 +30,7 @@ pub struct MeshContainer {
     high: Vector3,
 }
 
-/// What a container is made from, and is stored as.
+/// The stored form of a container.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "MeshContainer", deny_unknown_fields)]
 struct Parts {
@@ -64,7 +64,7 @@ impl MeshContainer {
         let (low, high) = corners(surface);
         let middle = (low.coords + high.coords) / 2.0;
         let foot = Vector3::new(middle.x, middle.y, low.z);
-        // Not a bit moves when a placed container is placed again.
+        // A container that is already placed keeps its bits.
         let placed = if foot.norm() <= 1e-12 * (high - low).norm() {
             surface.clone()
         } else {
@@ -104,12 +104,12 @@ impl MeshContainer {
         self.high.z
     }
 
-    /// Whether a point lies above the floor and not beside the solid.
+    /// Whether a point lies above the floor and outside the solid.
     pub(super) fn holds(&self, p: &Vector3) -> bool {
         p.z >= 0.0 && p.x.abs() <= self.high.x && p.y.abs() <= self.high.y
     }
 
-    /// The wall: the skin of the solid, exactly, or if its edges do not allow that, its tetrahedra.
+    /// The wall: the exact skin of the solid or, if its edges do not allow that, its tetrahedra.
     pub(super) fn wall(&self) -> Result<MeshWall, PackError> {
         let solid = &self.surface;
         let thickness = SKIN * solid.mass_properties().volume / solid.area();

@@ -26,7 +26,7 @@ impl Packing {
         self.release_if_due()
     }
 
-    /// Releases the next bodies if it is time; goes on to settling when none are left.
+    /// Releases the next bodies if they are due, or begins settling if none are left.
     pub(super) fn release_if_due(&mut self) -> Result<(), PackError> {
         let first = self.placed();
         let due = match self.job.spec.protocol {
@@ -90,7 +90,7 @@ impl Packing {
         }
     }
 
-    /// Whether the next batch may be released: the last has landed, or has had its time.
+    /// Whether the next batch may be released: the last one has landed, or its time is over.
     fn may_follow(&mut self, sequential: &Sequential) -> bool {
         let now = self.world.time();
         let unit = self.job.spec.time_unit();

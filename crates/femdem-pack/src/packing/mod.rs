@@ -16,7 +16,7 @@ use std::fmt;
 
 pub(crate) use surface::mean_top;
 
-/// What a packing job is at.
+/// The stage of a packing job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
@@ -24,9 +24,9 @@ pub enum Stage {
     Depositing,
     /// All bodies are in; waiting for them to come to rest.
     Settling,
-    /// All bodies are kept awake, and the medium is switched off, to see that they stay at rest. If
-    /// some do not, the others sleep until they do, and all are woken again; where contacts hardly damp, the
-    /// medium acts meanwhile.
+    /// All bodies are awake and the medium is switched off, to verify that they stay at rest. If some do not,
+    /// the others sleep until they do, and all are woken again; where contacts hardly damp, the medium acts
+    /// meanwhile.
     Verifying,
     /// Finished.
     Done,
@@ -43,7 +43,7 @@ impl fmt::Display for Stage {
     }
 }
 
-/// Where a packing job stands.
+/// The progress of a packing job.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Progress {
     /// The stage.
@@ -54,7 +54,7 @@ pub struct Progress {
     pub count: u32,
     /// Batches released so far.
     pub batches: u32,
-    /// Highest point of the bodies when last looked at, m.
+    /// Highest point of the bodies at the last check, m.
     pub top: f64,
     /// Simulated time, s.
     pub time: f64,
@@ -66,10 +66,10 @@ pub struct Progress {
 
 /// A packing job.
 ///
-/// It owns the world and advances it by whole steps; every decision is a function of the state,
-/// so that the result does not depend on how the steps are divided over calls, on the number of
-/// threads, or on whether the job was saved and read in between. Serialise it (for example with
-/// `femdem_solve::checkpoint`) to continue later with the same bits.
+/// It owns the world and advances it by whole steps. Every decision is a function of the state, so that the
+/// result does not depend on how the steps are divided over calls, on the number of threads, or on whether the
+/// job was saved and read in between. Serialise it (for example with `femdem_solve::checkpoint`) to continue
+/// later with the same bits.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(try_from = "Stored")]
 pub struct Packing {
@@ -77,7 +77,7 @@ pub struct Packing {
     job: Job,
 }
 
-/// What a job is read back from; the world then has to rebuild what is not stored.
+/// The stored form of a job; the world then has to rebuild what is not stored.
 #[derive(Deserialize)]
 #[serde(rename = "Packing")]
 struct Stored {
@@ -94,7 +94,7 @@ struct Job {
     stage: Stage,
     /// Simulated time at which the stage began, s.
     stage_began: f64,
-    /// First body of each batch.
+    /// Number of the first body of each batch.
     batches: Vec<BodyId>,
     /// Batches that were followed by the next before they had landed.
     cut_short: u32,
@@ -102,23 +102,23 @@ struct Job {
     released: f64,
     /// Whether the complete pack has been relaxed.
     is_relaxed: bool,
-    /// The awake relaxation that is going on.
+    /// The awake relaxation in progress.
     relaxing: Option<relax::Relaxing>,
-    /// The last one that is over.
+    /// The last awake relaxation that has ended.
     relaxation: Option<Relaxation>,
     /// Since when all bodies of the last batch have been at rest, s.
     landed_since: Option<f64>,
     /// Highest point of any start, m.
     highest_start: f64,
-    /// Highest point of the bodies when last looked at, m.
+    /// Highest point of the bodies at the last check, m.
     top: f64,
     /// Simulated time of the next check, s.
     next_check: f64,
     /// Checks in a row that passed.
     passed: u32,
-    /// What the verification is at; `None` while those at rest sleep.
+    /// The phase of the verification; `None` while bodies at rest sleep.
     attempt: Option<settle::Attempt>,
-    /// Tries to verify so far.
+    /// Attempts at verification so far.
     tries: u32,
     verification: Option<Verification>,
 }
@@ -188,12 +188,12 @@ impl Packing {
         Ok(packing)
     }
 
-    /// Advances by at most `steps` steps of the world; by fewer if the job is done before.
+    /// Advances by at most `steps` steps of the world; by fewer if the job ends before.
     ///
     /// # Errors
     /// [`PackError::Escaped`] or [`PackError::Thrown`] name a body that has left the container,
-    /// [`PackError::Solve`] a simulation that has blown up. The job is then of no further use; an
-    /// earlier checkpoint is.
+    /// [`PackError::Solve`] is a simulation that has blown up. The job can then not be continued; continue from
+    /// an earlier checkpoint.
     pub fn advance(&mut self, steps: u64) -> Result<Progress, PackError> {
         for _ in 0..steps {
             match self.job.stage {
@@ -218,7 +218,7 @@ impl Packing {
         Ok(self.report())
     }
 
-    /// Where the job stands.
+    /// The progress of the job.
     pub fn progress(&self) -> Progress {
         Progress {
             stage: self.job.stage,
@@ -237,7 +237,7 @@ impl Packing {
         self.job.stage == Stage::Done
     }
 
-    /// What is packed.
+    /// The specification of the job.
     pub fn spec(&self) -> &PackSpec {
         &self.job.spec
     }
@@ -247,7 +247,7 @@ impl Packing {
         &self.world
     }
 
-    /// The bodies and walls, for work that goes on from the pack.
+    /// The bodies and walls, to continue from the pack.
     pub fn into_world(self) -> World {
         self.world
     }
@@ -257,8 +257,8 @@ impl Packing {
         self.job.penalty
     }
 
-    /// Number, from 0, of the batch or layer that a body came in; `None` for an unknown body.
-    /// Within a batch bodies are numbered in the order of placement.
+    /// Number, from 0, of the batch or layer in which a body was added; `None` for an unknown body. Within a
+    /// batch bodies are numbered in the order of placement.
     pub fn sequence(&self, body: BodyId) -> Option<u32> {
         if body >= self.placed() {
             return None;

@@ -1,18 +1,16 @@
 //! Awake relaxation: from time to time all bodies are woken until the pack is calm.
 //!
-//! A sleeping body passes a load on only when its own balance is lost by more than a share of
-//! what it carries, so a pack of sleepers carries a part of every new load near the place
-//! where it was put: its lower part is compressed too little. With all bodies awake the load
-//! comes down within a few hundred steps. The numbers of bodies at which that is done follow a
-//! geometric series that ends with the last body, so that its cost per body does not depend on how
-//! many there are.
+//! A sleeping body passes a load on only when its own balance is lost by more than a share of its load, so that
+//! a pack of sleepers carries a part of every new load near the place where it was put, and its lower part is
+//! compressed too little. With all bodies awake the load comes down within a few hundred steps. Relaxations
+//! take place at numbers of bodies that form a geometric series ending with the last body, so that their cost
+//! per body does not depend on the size of the pack.
 //!
-//! What remains after that is the slowest oscillation of the whole column, which contacts damp
-//! little and the longer it lasts the higher the pack is. A relaxation therefore damps kinetically: it
-//! stops all bodies whenever more of them slow down than speed up, which is where that oscillation
-//! passes its equilibrium. Nothing at rest is held by it, and the verification shows that they are.
-//! Its steps are implicit: loads that come down a column take time, not work, and what implicit steps do to
-//! impacts does not matter where there are none.
+//! What then remains is the slowest oscillation of the whole column, which contacts damp little and which lasts
+//! longer the higher the pack is. A relaxation therefore damps kinetically: it stops all bodies whenever more
+//! of them slow down than speed up, which is where that oscillation passes its equilibrium. This holds no body
+//! that is not at rest by itself, as the verification shows. The steps are implicit: loads take time, not work,
+//! to come down a column, and the effect of implicit steps on impacts does not matter where there are none.
 
 use super::surface::positions;
 use super::{Packing, Stage};
@@ -26,30 +24,31 @@ use serde::{Deserialize, Serialize};
 /// The pack grows by this factor between two relaxations.
 const GROWTH: f64 = std::f64::consts::SQRT_2;
 
-/// Below this number of bodies all loads are near.
+/// Below this number of bodies no relaxation is needed: all loads are near.
 const FEWEST: f64 = 100.0;
 
 /// A growing pack is calm at this mean residual.
 const CALM: f64 = 0.03;
 
-/// A complete pack is calm at a mean of this part of the residual that a single body may have.
+/// A complete pack is calm if its mean residual is below this part of a single body's limit.
 const CALM_AT_LAST: f64 = 0.25;
 
-/// The mean motion of a complete pack may have this part of the kinetic energy that a single body may
-/// have.
+/// A complete pack is calm if the kinetic energy of its mean motion is below this part of a single body's
+/// limit.
 const CREEP_AT_LAST: f64 = 0.1;
 
 /// Longest implicit step over sqrt(d/g): nothing falls.
 const LONGEST_STEP: f64 = 0.02;
 
-/// Largest multiple of the explicit limit: at twice as much bodies tremble on, and a pack takes longer to become calm.
+/// Largest multiple of the explicit limit: at twice this value bodies tremble, and a pack takes longer to
+/// become calm.
 const LARGEST_MULTIPLE: f64 = 6.0;
 
-/// Calm checks in a row that end a relaxation: an oscillation has moments without force.
+/// Calm checks in a row that end a relaxation: an oscillation has moments at which forces vanish.
 const CALM_CHECKS: u32 = 2;
 
-/// The smallest number of bodies in the series down from `count`, that itself left out, above
-/// that of the last relaxation.
+/// The smallest number of bodies in the geometric series down from `count` (itself excluded) that is above the
+/// number at the last relaxation.
 fn next_size(count: u32, relaxed: u32) -> Option<f64> {
     let least = FEWEST.max(f64::from(relaxed));
     let below = |size: &f64| Some(size / GROWTH);
@@ -57,7 +56,7 @@ fn next_size(count: u32, relaxed: u32) -> Option<f64> {
     series.take_while(|&size| size > least).last()
 }
 
-/// An awake relaxation that is going on.
+/// An awake relaxation in progress.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Relaxing {
     /// Simulated time at which it began, s.
@@ -93,8 +92,8 @@ impl Packing {
         Ok(())
     }
 
-    /// Makes the steps implicit, and longer than where bodies fall, where all bodies are awake and need but come
-    /// to rest: nothing falls. Local damping, which implicit steps do not have, goes on with explicit ones.
+    /// Makes the steps implicit, and longer than where bodies fall, because nothing falls in a relaxation. Jobs
+    /// with local damping, which implicit steps do not have, continue with explicit steps.
     pub(super) fn step_implicitly(&mut self) -> Result<(), PackError> {
         let time_step = self.job.spec.time_step;
         let asked = time_step.implicit.unwrap_or_default();
@@ -111,7 +110,7 @@ impl Packing {
         Ok(())
     }
 
-    /// What follows a step of a relaxation.
+    /// Work after a step of a relaxation.
     pub(super) fn step_relaxation(&mut self) -> Result<(), PackError> {
         if self.world.is_slowing() {
             self.world.stop();
@@ -124,7 +123,7 @@ impl Packing {
         Ok(())
     }
 
-    /// Ends the relaxation that is going on if the pack is calm, or if it has had its time.
+    /// Ends the relaxation in progress if the pack is calm, or if its time is over.
     fn check_relaxation(&mut self) -> Result<(), PackError> {
         let Some(relaxing) = self.job.relaxing.take() else {
             return Ok(());
@@ -136,7 +135,7 @@ impl Packing {
         } else {
             CALM
         };
-        // Not the largest: single bodies that turn over would keep all others awake.
+        // Not the largest residual: single bodies that turn over would keep all others awake.
         let is_calm = self.mean_residual() <= limit;
         let calm = if is_calm { relaxing.calm + 1 } else { 0 };
         let longest = settling.longest_verification * self.job.spec.time_unit();
@@ -169,15 +168,15 @@ impl Packing {
         residuals.sum::<f64>() / f64::from(self.placed().max(1))
     }
 
-    /// Whether bodies come to rest in the medium or not at all, since contacts hardly damp. Elsewhere it would but
-    /// hold up what tips over.
+    /// Whether bodies come to rest only in the medium, if at all, because contacts hardly damp. In other jobs
+    /// the medium would only hold up bodies that tip over.
     pub(super) fn rests_in_the_medium(&self) -> bool {
         self.job.spec.damping_ratio < LEAST_DAMPING && self.job.spec.medium != Medium::default()
     }
 
-    /// What goes on until the next try: the medium acts where nothing else brings to rest, and if bodies may sleep at
-    /// all they do so by the limits of the verification, so that those still in motion go on without
-    /// the rest being computed, and hardly anything is held back from it.
+    /// Until the next attempt the medium acts where nothing else brings bodies to rest. If bodies may sleep at
+    /// all, they do so by the limits of the verification, so that those still in motion continue without the
+    /// cost of the rest, and hardly any load is held back from the rest.
     pub(super) fn rest_between_tries(&mut self) -> Result<(), PackError> {
         if self.rests_in_the_medium() {
             self.world.set_medium(self.job.spec.medium)?;

@@ -8,30 +8,29 @@ use femdem_mesh::Vector3;
 use femdem_solve::Medium;
 use serde::{Deserialize, Serialize};
 
-/// Without reaching the aim, this many times the passes in a row are needed.
+/// Factor on the passes in a row that are needed if the aim is not reached.
 const PASSES_WITHOUT_AIM: u32 = 3;
 
-/// The verification may move no body by more than this, over d; otherwise it begins anew from where
-/// the bodies are.
+/// If the verification moves a body by more than this, over d, it begins anew from the present places.
 const LARGEST_SHIFT: f64 = 1e-3;
 
 /// Calm checks in a row that end the calming.
 const CALM_CHECKS: u32 = 3;
 
-/// Of the checks that must pass in a row these are the last ones, and follow explicit steps, where the job asks for
-/// implicit steps; where it does not, all do.
+/// In a job with implicit steps this many of the last checks that must pass in a row follow explicit steps; in
+/// others all do.
 const EXPLICIT_CHECKS: u32 = 3;
 
-/// In a calm check no body has more than the residual aimed at, nor more than this part of the kinetic
-/// energy that it may have: the try that follows need not wait.
+/// In a calm check no body has more than the residual aimed at, nor more than this part of the kinetic energy
+/// allowed, so that the attempt that follows need not wait.
 const CALM_ENERGY: f64 = 0.1;
 
-/// What the verification is at; all bodies are awake.
+/// The phase of the verification; all bodies are awake.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) enum Attempt {
-    /// What the bodies that slept have held back comes to rest by implicit steps.
+    /// Implicit steps let the loads that sleeping bodies held back come to rest.
     Calming(Calming),
-    /// A try.
+    /// An attempt.
     Trial(Trial),
 }
 
@@ -40,20 +39,20 @@ pub(super) enum Attempt {
 pub(super) struct Calming {
     checks: u32,
     calm: u32,
-    /// From when on all checks have passed, if their passes count.
+    /// The start of the series of passed checks, if these count.
     passing: Option<Start>,
 }
 
-/// A try to verify: steps are explicit.
+/// An attempt at verification, with explicit steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trial {
-    /// From when on the bodies are to stay where they are.
+    /// The state that the bodies are to keep.
     start: Start,
-    /// Checks since the steps are explicit.
+    /// Checks since steps are explicit.
     checks: u32,
 }
 
-/// Where the bodies were when they began to be verified.
+/// The state at the beginning of the verification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Start {
     /// Simulated time, s.
@@ -100,9 +99,9 @@ impl Packing {
         Ok(())
     }
 
-    /// Goes on by explicit steps; passes of the calming count where it is known since when.
+    /// Continues with explicit steps; passes of the calming count if their start is known.
     fn begin_trial(&mut self, passing: Option<Start>) -> Result<(), PackError> {
-        // Not by the steps that brought the bodies to rest alone: those take energy themselves.
+        // Not only by the steps that brought the bodies to rest: those dissipate energy themselves.
         self.world.step_explicitly()?;
         self.world.set_sleeping(false);
         self.job.passed = match passing {
@@ -131,9 +130,9 @@ impl Packing {
         }
     }
 
-    /// Keeps all bodies awake until they pass the checks without having moved, or the time is over. If a
-    /// check fails after there have been enough for all to pass, those at rest sleep, if they may, until the others
-    /// are, too.
+    /// Keeps all bodies awake until they pass the checks without having moved, or the time is over. If a check
+    /// fails after enough checks for all to pass, bodies at rest sleep (if sleeping is on) until the others are
+    /// at rest, too.
     pub(super) fn step_verification(&mut self) -> Result<(), PackError> {
         self.world.step()?;
         let longest = self.job.spec.settling.longest_verification * self.job.spec.time_unit();
@@ -147,7 +146,7 @@ impl Packing {
             Some(Attempt::Calming(calming)) => self.step_calming(calming),
             None if self.world.awake_count() == 0 => self.begin_attempt(),
             None => {
-                // Where none may sleep they are at rest when they pass the checks.
+                // If sleeping is off, bodies are at rest when they pass the checks.
                 let may_sleep = self.job.spec.sleeping.enabled;
                 match self.check_if_due()? {
                     Some(check) if check.enough && !may_sleep => self.begin_attempt(),
@@ -207,7 +206,7 @@ impl Packing {
         Ok(())
     }
 
-    /// How far the bodies have moved while they were verified, and whether it was passed.
+    /// How far the bodies have moved during the verification, and whether it was passed.
     fn verification(&self, start: &Start) -> Verification {
         let diameter = self.job.spec.diameter();
         let top = mean_top(&self.world, diameter);

@@ -1,4 +1,4 @@
-//! Where the bodies are: the highest point, the mean top, and who has left the container.
+//! Where the bodies are: the highest point, the mean top, and bodies that have left the container.
 
 use super::Packing;
 use crate::error::PackError;
@@ -33,8 +33,8 @@ impl Packing {
         Ok(())
     }
 
-    /// Takes the highest point of all bodies. One comparison for most bodies: only those whose
-    /// bounding sphere may reach higher are looked at in full.
+    /// Updates the highest point of all bodies. This is one comparison for most bodies: only those whose
+    /// bounding sphere may reach higher are evaluated in full.
     pub(super) fn update_top(&mut self) {
         let reach = self.job.spec.largest_diameter() / 2.0;
         let mut top = 0.0;
