@@ -1,11 +1,11 @@
-//! A tree of axis-aligned boxes, to find what is near without looking at everything.
+//! A tree of axis-aligned boxes, to find neighbours without testing everything.
 //!
-//! Built once over boxes of any things (triangles, tetrahedra), kept up with [`Bvh::refit`] when
-//! they move. The order of visits depends on the boxes alone.
+//! Built once over the boxes of any items (triangles, tetrahedra), and updated with [`Bvh::refit`] when they
+//! move. The order of visits depends on the boxes alone.
 
 use crate::Point3;
 
-/// Things in one leaf, at most.
+/// Largest number of items in one leaf.
 const LEAF_SIZE: usize = 4;
 
 /// An axis-aligned box \[m\].
@@ -18,7 +18,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box that holds nothing: the neutral element of [`union`](Self::union).
+    /// The empty box: the neutral element of [`union`](Self::union).
     pub const EMPTY: Self = Self {
         low: Point3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
         high: Point3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
@@ -69,8 +69,8 @@ impl Aabb {
     }
 }
 
-/// A node: a leaf holds the things `order[first..first + count]`; an inner node (`count` 0) has
-/// its first child right behind it and the second at `first`.
+/// A node: a leaf holds the items `order[first..first + count]`; the first child of an inner node (`count` 0)
+/// directly follows it, the second is at `first`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
     aabb: Aabb,
@@ -88,7 +88,7 @@ pub struct Bvh {
 impl Bvh {
     /// Builds the tree over `boxes`, halving at the median of the longest axis of their centres.
     ///
-    /// At most 2^32 - 1 boxes are held; more are left out.
+    /// The tree holds at most 2^32 - 1 boxes; further ones are ignored.
     pub fn new(boxes: &[Aabb]) -> Self {
         let count = boxes.len().min(u32::MAX as usize);
         let mut tree = Self {
@@ -129,28 +129,28 @@ impl Bvh {
         self.build(boxes, start + half, end);
     }
 
-    /// The things as leaves hold them, one leaf after another.
+    /// The items in the order of the leaves.
     pub(crate) fn order(&self) -> &[u32] {
         &self.order
     }
 
-    /// Number of things in the tree.
+    /// Number of items in the tree.
     pub fn len(&self) -> usize {
         self.order.len()
     }
 
-    /// Whether the tree holds nothing.
+    /// Whether the tree is empty.
     pub fn is_empty(&self) -> bool {
         self.order.is_empty()
     }
 
-    /// The box around everything; [`Aabb::EMPTY`] if there is nothing.
+    /// The box around all items; [`Aabb::EMPTY`] if there are none.
     pub fn bounds(&self) -> Aabb {
         self.nodes.first().map_or(Aabb::EMPTY, |root| root.aabb)
     }
 
-    /// Takes over the boxes of things that have moved, keeping the tree's shape. Things beyond the
-    /// end of `boxes` become empty.
+    /// Updates the boxes of items that have moved, keeping the tree's shape. Items beyond the end of `boxes`
+    /// become empty.
     pub fn refit(&mut self, boxes: &[Aabb]) {
         for node in (0..self.nodes.len()).rev() {
             let Node { first, count, .. } = self.nodes[node];
@@ -170,9 +170,9 @@ impl Bvh {
         &self.order[first as usize..(first + count) as usize]
     }
 
-    /// Calls `hit` for every thing in a leaf whose ancestors' boxes all pass `enter`.
+    /// Calls `hit` for every item in a leaf whose ancestors' boxes all pass `enter`.
     ///
-    /// Leaves hold several things: `hit` must test the thing's own box where that matters.
+    /// Leaves hold several items: `hit` must test the item's own box where that matters.
     pub fn visit(&self, mut enter: impl FnMut(&Aabb) -> bool, mut hit: impl FnMut(u32)) {
         let mut stack = vec![0];
         while let Some(index) = stack.pop() {
@@ -192,15 +192,14 @@ impl Bvh {
         }
     }
 
-    /// Calls `hit` for all things that may overlap the box: at least those whose boxes do.
+    /// Calls `hit` for all items that may overlap the box: at least those whose boxes do.
     pub fn query(&self, aabb: &Aabb, hit: impl FnMut(u32)) {
         self.visit(|node| node.overlaps(aabb), hit);
     }
 
-    /// Calls `hit(i, j)` for pairs of a thing of this tree and one of the other, pruned where
-    /// `meet` denies that two boxes (this tree's first) can touch. The boxes may live in different
-    /// frames: `meet` knows how to compare them, and must be true for a pair of boxes if it is for
-    /// a pair inside them.
+    /// Calls `hit(i, j)` for pairs of an item of this tree and one of the other, pruned where `meet` excludes
+    /// that two boxes (this tree's first) touch. The boxes may be in different frames: `meet` has to convert
+    /// them. It must be true for a pair of boxes if it is true for a pair of boxes inside them.
     pub fn visit_pairs(
         &self,
         other: &Self,
@@ -233,9 +232,9 @@ impl Bvh {
         }
     }
 
-    /// The thing nearest to a point, and its squared distance: `distance_squared(i)` is that of
-    /// thing i. Of equals, the first in the tree's order. None if the tree is empty, or no
-    /// distance is below infinity.
+    /// The item nearest to a point, and its squared distance: `distance_squared(i)` is that of item i. Among
+    /// equal distances the first in the tree's order. None if the tree is empty, or no distance is below
+    /// infinity.
     pub fn nearest(
         &self,
         point: &Point3,

@@ -28,7 +28,7 @@ pub enum MeshError {
         /// Diagonal of the bounding box \[m\].
         extent: f64,
     },
-    /// The body is so far from the origin that its coordinates hold too few digits of its shape.
+    /// The body is so far from the origin that its coordinates have too few digits left for its shape.
     #[error(
         "the body has a diagonal of {extent:e} m but lies {distance:e} m from the origin, where \
          coordinates hold too few digits (the diagonal must exceed 1e-9 of the distance): \
@@ -102,7 +102,7 @@ pub enum MeshError {
         from: u32,
         /// Second vertex of the edge.
         to: u32,
-        /// The face that has it.
+        /// The face that contains it.
         face: usize,
     },
     /// Two neighbours run along their common edge in the same direction.
@@ -200,7 +200,7 @@ pub enum MeshError {
     OpenSurface {
         /// Number of sides with one facet.
         edges: usize,
-        /// The facets that have them.
+        /// The facets that contain them.
         facets: FacetList,
     },
     /// More than two facets meet at an edge, or a vertex joins parts that meet nowhere else.
@@ -258,7 +258,7 @@ pub enum MeshError {
         /// The first pairs of facets found, each once; at most eight.
         pairs: Vec<[usize; 2]>,
     },
-    /// So many triangles lie across each other that looking for cuts would take too long.
+    /// So many triangles overlap each other's boxes that searching for cuts would take too long.
     #[error(
         "the triangles of the {facets} facets are so long and thin and so many that cuts between \
          them cannot be looked for in reasonable time: split long facets"
@@ -340,7 +340,7 @@ pub enum MeshError {
         /// The names of its parameters.
         allowed: String,
     },
-    /// A parameter of a shape is no value of its kind, or lies outside its range.
+    /// A parameter of a shape has no valid value, or one outside its range.
     #[error("{parameter} of {shape} is \"{value}\": allowed is {allowed}")]
     BadParameter {
         /// The shape.
@@ -373,16 +373,16 @@ pub enum MeshError {
         /// Bytes found.
         found: u64,
     },
-    /// A file ends before all that it promises.
+    /// A file ends before all the data that its header announces.
     #[error(
         "the file promises {promised} {what}, but ends after {found}: it is cut off or damaged"
     )]
     CutOff {
         /// What is counted.
         what: &'static str,
-        /// How many the file promises.
+        /// The number announced by the file.
         promised: u64,
-        /// How many are there.
+        /// The number found.
         found: u64,
     },
     /// Nodes of a file are numbered wrongly.
@@ -393,10 +393,10 @@ pub enum MeshError {
         /// What is wrong with it.
         problem: &'static str,
     },
-    /// A file is of a kind that is not read.
+    /// A file of an unsupported kind.
     #[error("the file has {what}, which is not read: {advice}")]
     Unsupported {
-        /// What it has.
+        /// What is not supported.
         what: String,
         /// What to do.
         advice: &'static str,
@@ -413,7 +413,7 @@ pub enum MeshError {
         /// Largest size accepted \[bytes\].
         allowed: u64,
     },
-    /// The ending of a file name says nothing of its format.
+    /// The extension of a file name is not that of a known format.
     #[error("cannot tell the format of {}: its name must end in .obj, .stl, .off or .ply", path.display())]
     UnknownFormat {
         /// The file.
@@ -487,7 +487,7 @@ pub enum MeshError {
         /// Number of pieces.
         pieces: usize,
     },
-    /// A convex body was wanted.
+    /// A convex body is required.
     #[error("the body is not convex: use star_fan or tet::mesh")]
     NotConvex,
     /// There is no point from which all of the surface can be seen.
@@ -535,9 +535,9 @@ pub enum MeshError {
          length, allow more refinements, or relax the options"
     )]
     MeshingFailed {
-        /// Edge length asked for \[m\].
+        /// Edge length specified \[m\].
         asked: f64,
-        /// Shortest tried \[m\].
+        /// Shortest length tried \[m\].
         tried: f64,
         /// What was wrong with the last mesh.
         problem: Box<MeshError>,

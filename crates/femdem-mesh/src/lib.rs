@@ -1,9 +1,8 @@
 //! Polyhedra, the catalogue of Platonic and Archimedean solids, mass properties and surface files.
 //!
-//! For programs that simulate or analyse bodies of polyhedral shape: a [`Polyhedron`] is a closed,
-//! oriented surface that has been checked, with its planes, convexity, volume, centroid and inertia
-//! computed once. Knows nothing of physics. Not for you if you edit meshes, need Boolean operations
-//! or remeshing, or draw open surfaces.
+//! For programs that simulate or analyse bodies of polyhedral shape: a [`Polyhedron`] is a closed, oriented
+//! surface that has been checked, with its planes, convexity, volume, centroid and inertia computed once. The
+//! crate contains no physics. It is not for editing meshes, Boolean operations, remeshing, or open surfaces.
 //!
 //! ```
 //! use femdem_mesh::catalogue::{CatalogueShape, Solid};
@@ -30,10 +29,10 @@
 //! - [`convex_hull`]: the hull of points, with polygon faces.
 //! - [`catalogue`]: the 18 solids by identifier, name and diameter, chiral ones in both hands.
 //! - [`TetMesh`]: the checked tetrahedral mesh; [`tet`]: fans, refinement and a general mesher.
-//! - [`bvh`]: a tree of boxes. [`unit_pose`]: poses from elsewhere, as rigid motions.
+//! - [`bvh`]: a tree of boxes. [`unit_pose`]: turns poses from elsewhere into rigid motions.
 //! - [`shapes`]: spheres, pellets, boulders, armour units and other bodies with named parameters.
 //! - [`io`]: OBJ, STL, OFF and PLY surfaces in and out, Gmsh meshes of tetrahedra, VTU out.
-//! - [`repair`]: from loose facets to a body, with errors that name facets and mending on request.
+//! - [`repair`]: from loose facets to a body, with errors that name facets, and repair on request.
 //! - `strategies`: random rotations, poses and bodies for property tests (feature `proptest`).
 //!
 //! # Units
@@ -90,5 +89,5 @@ pub type Vector3 = nalgebra::Vector3<f64>;
 pub type Matrix3 = nalgebra::Matrix3<f64>;
 /// A rotation, as a unit quaternion.
 pub type Rotation = nalgebra::UnitQuaternion<f64>;
-/// A rigid placement: takes body coordinates to world coordinates.
+/// A rigid placement: transforms body coordinates to world coordinates.
 pub type Pose = nalgebra::Isometry3<f64>;

@@ -9,8 +9,7 @@ const DIAGONAL_TOLERANCE: f64 = 1e-12;
 
 /// Volume, centroid and inertia of a body of unit density (1 kg/m^3).
 ///
-/// Multiply `volume` and `inertia` by a density to have the mass \[kg\] and the inertia
-/// \[kg m^2\].
+/// Multiply `volume` and `inertia` by a density to get the mass \[kg\] and the inertia \[kg m^2\].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MassProperties {
     /// Volume \[m^3\].
@@ -24,10 +23,10 @@ pub struct MassProperties {
 /// Principal axes and moments of inertia.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PrincipalFrame {
-    /// Takes vectors from principal axes to body axes: `inertia = R diag(moments) R^T`.
+    /// Transforms vectors from principal axes to body axes: `inertia = R diag(moments) R^T`.
     pub rotation: Rotation,
-    /// Moments about the three principal axes for unit density \[m^5\]; ascending unless
-    /// `rotation` is the identity, where they are the diagonal of the inertia tensor.
+    /// Moments about the three principal axes for unit density \[m^5\], ascending; if `rotation` is the
+    /// identity, the diagonal of the inertia tensor in its order.
     pub moments: Vector3,
 }
 
@@ -73,10 +72,10 @@ impl MassProperties {
 
     /// Principal axes and moments.
     ///
-    /// The rotation is the identity where the inertia is isotropic to 1e-9 or diagonal to 1e-12.
-    /// Otherwise moments ascend, the frame is right-handed, and the largest component of each of
-    /// the first two axes is positive, so that the answer depends on the tensor alone. An inertia
-    /// that is not finite gives the identity.
+    /// The rotation is the identity where the inertia is isotropic to 1e-9 or diagonal to 1e-12. Otherwise
+    /// moments ascend, the frame is right-handed, and the largest component of each of the first two axes is
+    /// positive, so that the result depends on the tensor alone. An inertia that is not finite gives the
+    /// identity.
     pub fn principal(&self) -> PrincipalFrame {
         let diagonal = self.inertia.diagonal();
         let aligned = PrincipalFrame {
@@ -92,7 +91,7 @@ impl MassProperties {
             return aligned;
         }
 
-        // The eigenvalue iteration compares with absolute thresholds: work with numbers near 1.
+        // The eigenvalue iteration uses absolute thresholds: scale to numbers near 1.
         let eigen = (self.inertia / scale).symmetric_eigen();
         let mut order = [0, 1, 2];
         order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));

@@ -7,17 +7,16 @@ use std::collections::BTreeMap;
 /// Flat regions that are not convex are searched for convex parts up to this many triangles.
 const SEARCH_LIMIT: usize = 1000;
 
-/// Faces with more corners are not made: their convexity is judged corner by corner and side by
-/// side.
+/// Larger faces are not formed: their convexity is checked corner by corner and side by side.
 const OUTLINE_LIMIT: usize = 4096;
 
 /// Vertices and faces of a surface.
 pub(crate) type Surface = (Vec<Point3>, Vec<Vec<u32>>);
 
-/// Joins the triangles of a closed surface to convex polygons, where they lie within `tolerance`
-/// \[m\] of one plane, and drops vertices that then lie inside a face or an edge.
+/// Joins the triangles of a closed surface into convex polygons, where they lie within `tolerance` \[m\] of one
+/// plane, and drops vertices that then lie inside a face or an edge.
 ///
-/// Vertices keep their order; faces go by their first triangle, loops start at their first vertex.
+/// Vertices keep their order; faces are sorted by their first triangle, loops start at their first vertex.
 pub(crate) fn merge_coplanar(
     vertices: &[Point3],
     triangles: &[[u32; 3]],
@@ -155,8 +154,7 @@ impl Patches<'_> {
         (outline.len() == next.len() && outline.len() <= OUTLINE_LIMIT).then_some(outline)
     }
 
-    /// Covers a flat region by convex polygons, each grown from a triangle as far as it stays
-    /// convex.
+    /// Covers a flat region with convex polygons, each grown from a triangle as far as it stays convex.
     fn convex_parts(&self, region: &[usize]) -> Vec<Vec<u32>> {
         let mut free = region.to_vec();
         let mut outlines = Vec::new();
@@ -186,7 +184,7 @@ impl Patches<'_> {
     }
 }
 
-/// Drops the vertices that only two loops pass, straight on.
+/// Drops the vertices that belong to two loops only and lie straight between their neighbours.
 fn without_needless_vertices(
     vertices: &[Point3],
     loops: Vec<Vec<u32>>,
@@ -197,7 +195,7 @@ fn without_needless_vertices(
         passes[v as usize] += 1;
     }
     let mut kept: Vec<bool> = passes.iter().map(|&n| n > 2).collect();
-    // Keeping a vertex changes the lines that others are compared with: repeat until all agree.
+    // Keeping a vertex changes the lines with which others are compared: repeat until all agree.
     loop {
         let mut changed = false;
         for outline in &loops {
@@ -216,8 +214,8 @@ fn without_needless_vertices(
         .collect()
 }
 
-/// Vertices of a loop that must be kept beside those kept already: all, if fewer than three are;
-/// else those that lie off the line between the kept vertices before and after them.
+/// Vertices of a loop that must be kept in addition to those already kept: all, if fewer than three are kept;
+/// otherwise those that lie off the line between the kept vertices before and after them.
 fn bends(vertices: &[Point3], outline: &[u32], kept: &[bool], tolerance: f64) -> Vec<u32> {
     let corners: Vec<usize> = (0..outline.len())
         .filter(|&i| kept[outline[i] as usize])

@@ -1,19 +1,19 @@
-//! Poses that callers hand in.
+//! Poses given by callers.
 
 use crate::{MeshError, Pose, Rotation};
 
 /// Largest amount by which the length of a quaternion may differ from 1.
 const QUATERNION_TOLERANCE: f64 = 1e-6;
 
-/// Squared lengths this near to 1 are those of unit quaternions to rounding.
+/// Squared lengths within this of 1 are those of unit quaternions to rounding.
 const EXACT: f64 = 1e-14;
 
-/// The pose as a rigid motion to rounding: with its quaternion made of unit length, or as it is, bit for
-/// bit, where it has it already. None if the pose is not finite, or the length of its quaternion
-/// differs from 1 by more than 1e-6.
+/// The pose as a rigid motion to rounding: with its quaternion normalised, or unchanged, bit for bit, if it has
+/// unit length already. None if the pose is not finite, or the length of its quaternion differs from 1 by more
+/// than 1e-6.
 ///
-/// Nothing makes sure of a [`Pose`] that was read from a file or made without a check, and one whose
-/// quaternion is too long or short distorts what it moves.
+/// A [`Pose`] that was read from a file or built without a check is not verified by nalgebra, and a quaternion
+/// of another length distorts what it moves.
 ///
 /// ```
 /// use femdem_mesh::nalgebra::{Quaternion, UnitQuaternion};
@@ -28,7 +28,7 @@ const EXACT: f64 = 1e-14;
 /// ```
 pub fn unit_pose(pose: &Pose) -> Option<Pose> {
     let square = pose.rotation.coords.norm_squared();
-    // Written so that NaN fails it too.
+    // The condition is false for NaN.
     let near = (square.sqrt() - 1.0).abs() <= QUATERNION_TOLERANCE;
     if !near || pose.translation.vector.iter().any(|x| !x.is_finite()) {
         return None;

@@ -1,6 +1,6 @@
 //! Strategies for property tests: rotations, poses and bodies.
 //!
-//! Behind the feature `proptest`, for tests of this crate and of those that build on it.
+//! Behind the feature `proptest`, for tests of this crate and of crates that use it.
 
 use crate::catalogue::CatalogueShape;
 use crate::nalgebra::{Quaternion, Translation3};

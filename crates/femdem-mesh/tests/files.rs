@@ -52,7 +52,7 @@ fn a_folder_is_an_error() {
     ));
 }
 
-/// A quaternion from elsewhere that is not quite of unit length does not stretch a body; one that is no
+/// A quaternion from elsewhere that is not quite of unit length does not stretch a body; one that is not a
 /// rotation is refused.
 #[test]
 fn bodies_are_written_as_they_are_whatever_the_length_of_the_quaternion() {

@@ -133,7 +133,7 @@ fn cases() -> Vec<Case> {
         edge_distance,
         dihedral,
     };
-    // Blocks whose edges are whole numbers of cells are met exactly, the others but for corners.
+    // Blocks whose edges are whole numbers of cells are represented exactly, the others except at corners.
     vec![
         case("L", l_block(), 0.05, [1e-12, 1e-9, 1e-9, 44.9]),
         case("U", u_block(), 0.05, [1e-12, 1e-9, 1e-9, 44.9]),
@@ -212,7 +212,7 @@ fn general_bodies_in_any_orientation() {
 
 #[test]
 fn curved_surfaces_are_approached() {
-    // Volumes with the square of the length, as chords do.
+    // Volumes converge with the square of the length, as chords do.
     let body = torus(96, 48, 0.1, 0.04);
     let error = |length: f64| {
         let options = MeshOptions {
@@ -230,7 +230,7 @@ fn curved_surfaces_are_approached() {
 
 #[test]
 fn thin_parts_make_the_lattice_finer_or_are_refused() {
-    // A tube with walls of 10 mm, asked for with 30 mm.
+    // A tube with walls of 10 mm, meshed with a length of 30 mm.
     let tube = hollow_cylinder(32, 0.1, 0.09, 0.06);
     let options = MeshOptions {
         edge_length: Some(0.03),
@@ -430,7 +430,7 @@ fn tips_edges_and_bores_of_catalogue_shapes_are_kept() {
     }
 }
 
-/// A long thin body has no more nodes for being long in one direction only.
+/// A body that is long in one direction only does not need more nodes for that.
 #[test]
 fn slender_bodies_are_meshed() {
     let channel = |x: i32| [[x, 0, 0], [x, 1, 0], [x, 2, 0], [x, 0, 1], [x, 2, 1]];
@@ -461,7 +461,7 @@ fn refinements_without_end_end() {
     );
 }
 
-/// Refining keeps the angles of a fan: one that is refused is refused before it is made of millions.
+/// Refining keeps the angles of a fan: a bad one is refused before it is refined to millions.
 #[test]
 fn fans_of_bad_shape_are_not_refined() {
     let plate = cubes(&[[0, 0, 0]], 1.0);

@@ -2,9 +2,8 @@
 //!
 //! Named P1 to P5 and A1 to A13 as in Xiang, Latham and Farsi (7th International Conference on
 //! Discrete Element Methods, 2016), after Torquato and Jiao, "Dense packings of the Platonic and
-//! Archimedean solids", Nature 460 (2009) 876-879. Vertices come from closed formulas, faces from
-//! their convex hull. The two chiral ones, A3 and A4, come in
-//! both hands: the default one, and its image in the plane x = 0, A3m and A4m.
+//! Vertices are computed from closed formulas, faces as their convex hull. The two chiral solids, A3 and A4,
+//! exist in both hands: the default one, and its image in the plane x = 0, A3m and A4m.
 
 mod coordinates;
 

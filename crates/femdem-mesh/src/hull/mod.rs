@@ -10,13 +10,12 @@ const RESOLUTION: f64 = 1e-9;
 
 /// The convex hull of points \[m\], with coplanar triangles merged into polygon faces.
 ///
-/// Vertices keep the order of the points; loops start at their first vertex, and faces are sorted
-/// by their loops. Points that lie within 1e-9 of the bounding box's diagonal (plus the rounding of
-/// the coordinates) of the hull of the others may be left out, so that points on a face or an edge
-/// do not become vertices; should that not give clean faces, 1e-8 and 1e-7 are tried. Orientation
-/// is decided by exact predicates (J. R. Shewchuk, Discrete Comput. Geom. 18 (1997) 305-363, through
-/// the `robust` crate), in a quickhull after Barber, Dobkin and Huhdanpaa (ACM Trans. Math. Softw.
-/// 22 (1996) 469-483).
+/// Vertices keep the order of the points; loops start at their first vertex, and faces are sorted by their
+/// loops. Points within 1e-9 of the bounding box's diagonal (plus the rounding of the coordinates) from the
+/// hull of the others may be left out, so that points on a face or an edge do not become vertices. If the faces
+/// are not clean then, 1e-8 and 1e-7 are tried. Orientation is decided by exact predicates (J. R. Shewchuk,
+/// Discrete Comput. Geom. 18 (1997) 305-363, through the `robust` crate), in a quickhull after Barber, Dobkin
+/// and Huhdanpaa (ACM Trans. Math. Softw. 22 (1996) 469-483).
 ///
 /// # Errors
 ///
@@ -46,13 +45,13 @@ pub fn convex_hull(points: &[Point3]) -> Result<Polyhedron, MeshError> {
     let largest = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
     let resolution = RESOLUTION * extent + 2.0 * f64::EPSILON * largest;
 
-    // A coarser resolution clears up what happens to lie just at the limit of a finer one.
+    // A coarser resolution clears up features that lie just at the limit of a finer one.
     for factor in [1.0, 10.0, 100.0] {
         let tolerance = factor * resolution;
         let triangles = quickhull::triangles(points, tolerance)?;
         let clean = merge::merge_coplanar(points, &triangles, tolerance).and_then(
             |(vertices, mut faces)| {
-                // The order of the triangles tells of the search; that of sorted loops does not.
+                // The order of the triangles depends on the search; that of sorted loops does not.
                 faces.sort_unstable();
                 Polyhedron::new(vertices, faces)
             },

@@ -23,15 +23,15 @@ struct Hull<'a> {
     facets: Vec<Facet>,
 }
 
-/// A side of a hidden facet beyond which the hull stays: its ends and the facet that stays.
+/// A side of a hidden facet beyond which the hull is kept: its ends and the facet that is kept.
 struct Horizon {
     from: u32,
     to: u32,
     beyond: usize,
 }
 
-/// Triangles of the hull, counter-clockwise seen from outside. Points less than `tolerance` from
-/// the hull of those already taken are left out.
+/// Triangles of the hull, counter-clockwise seen from outside. Points less than `tolerance` from the hull of
+/// those already added are left out.
 pub(super) fn triangles(points: &[Point3], tolerance: f64) -> Result<Vec<[u32; 3]>, MeshError> {
     let mut hull = Hull {
         points,
@@ -99,8 +99,7 @@ fn first_simplex(points: &[Point3], tolerance: f64) -> Result<[u32; 4], MeshErro
     })
 }
 
-/// Exact sign: positive if `p` lies above the triangle, on the side from where it runs
-/// counter-clockwise.
+/// Exact sign: positive if `p` lies above the triangle, on the side from which it appears counter-clockwise.
 fn above(points: &[Point3], triangle: [u32; 3], p: u32) -> f64 {
     let at = |i: u32| {
         let p = points[i as usize];
@@ -149,7 +148,8 @@ impl Hull<'_> {
         above(self.points, self.facets[facet].corners, p) > 0.0
     }
 
-    /// Gives each point to the facet, from `first` on, that it lies highest above. Those near the hull are left out.
+    /// Assigns each point to the facet, from `first` on, above which it is highest. Points near the hull are
+    /// left out.
     fn distribute(&mut self, loose: Vec<u32>, first: usize) {
         for p in loose {
             let mut best = None;
@@ -168,8 +168,8 @@ impl Hull<'_> {
         }
     }
 
-    /// Whether a point outside is within the tolerance of the hull. Beyond a sharp rim it may be far from it and
-    /// hardly above any of its planes.
+    /// Whether a point outside is within the tolerance of the hull. Beyond a sharp rim a point may be far from
+    /// the hull and hardly above any of its planes.
     fn is_near(&self, p: u32) -> bool {
         let p = &self.points[p as usize];
         let mut facets = self.facets.iter().filter(|f| f.alive);
@@ -179,7 +179,7 @@ impl Hull<'_> {
         })
     }
 
-    /// Takes the point highest above a facet into the hull.
+    /// Adds the point highest above a facet to the hull.
     fn extend(&mut self, facet: usize) -> Result<(), MeshError> {
         let mut apex = self.facets[facet].outside[0];
         let mut highest = self.height(facet, apex);

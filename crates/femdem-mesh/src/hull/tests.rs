@@ -104,7 +104,7 @@ fn flat_points_are_refused_by_name() {
     }
 }
 
-/// Squares of such sizes leave the range of numbers; the message has the size all the same.
+/// Squares of such sizes overflow or vanish; the message states the size all the same.
 #[test]
 fn sizes_out_of_range_are_named() {
     let corners = [[0., 0., 0.], [3., 0., 0.], [0., 4., 0.], [0., 0., 12.]];
@@ -144,7 +144,7 @@ fn a_sphere_of_many_points_is_quick_and_whole() {
     assert!((volume / (std::f64::consts::PI * 4.0 / 3.0) - 1.0).abs() < 3e-3);
 }
 
-/// Clouds hardly thicker than what is resolved: a corner beyond a sharp rim lies hardly above any plane.
+/// Clouds hardly thicker than the resolution: a corner beyond a sharp rim lies hardly above any plane.
 #[test]
 fn thin_clouds_keep_their_corners() {
     let mut state = 7_u64;

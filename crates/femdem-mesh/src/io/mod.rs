@@ -1,12 +1,11 @@
 //! Files: surfaces as Wavefront OBJ, STL, OFF and PLY; meshes of tetrahedra for Gmsh and as VTU.
 //!
-//! Surfaces are welded, oriented and checked, see [`repair`](crate::repair): a file holds one
-//! closed surface, or the error names the facets at fault, counted from 0.
+//! Surfaces are welded, oriented and checked, see [`repair`](crate::repair): a file holds one closed surface,
+//! or the error names the facets at fault, counted from 0.
 //!
-//! Files may be hostile. What is read is at most [`MAX_FILE_BYTES`] long, counts in headers are
-//! not believed before what they count has been read, memory stays within a constant times the
-//! length of the file, and time within that times the logarithm of it; polygons have at most
-//! [`MAX_FACET_CORNERS`] corners.
+//! Files may be hostile. At most [`MAX_FILE_BYTES`] are read, and counts in headers are not trusted before the
+//! items have been read. Memory is bounded by a constant times the length of the file, and time by that times
+//! its logarithm; polygons have at most [`MAX_FACET_CORNERS`] corners.
 
 pub mod msh;
 pub mod obj;
@@ -48,11 +47,11 @@ impl Format {
     /// All formats.
     pub const ALL: [Self; 4] = [Self::Obj, Self::Stl, Self::Off, Self::Ply];
 
-    /// The format that the ending of a file's name tells, in any case.
+    /// The format of a file, from its extension, in any case.
     ///
     /// # Errors
     ///
-    /// [`MeshError::UnknownFormat`] if it tells none.
+    /// [`MeshError::UnknownFormat`] for any other extension.
     pub fn of_path(path: impl AsRef<Path>) -> Result<Self, MeshError> {
         let path = path.as_ref();
         let ending = path.extension().unwrap_or_default().to_string_lossy();
@@ -68,24 +67,23 @@ impl Format {
     }
 }
 
-/// Vertices and loops of vertex numbers as a file has them.
+/// Vertices and loops of vertex numbers as in the file.
 struct Facets {
     points: Vec<Point3>,
     loops: Vec<Vec<u32>>,
 }
 
-/// Reads a body from a file; the ending of its name, .obj, .stl, .off or .ply in any case, tells
-/// the format.
+/// Reads a body from a file; its extension, .obj, .stl, .off or .ply in any case, determines the format.
 ///
 /// # Errors
 ///
-/// If the ending is another one, the file cannot be read, or it does not hold one closed surface;
-/// the message names the file.
+/// If the extension is another one, the file cannot be read, or it does not hold one closed surface; the
+/// message names the file.
 pub fn read_file(path: impl AsRef<Path>) -> Result<Polyhedron, MeshError> {
     read_file_with(path, &Options::default()).map(|(body, _)| body)
 }
 
-/// Reads a body from a file as [`read_file`], with options, and says what was done to it.
+/// Reads a body from a file as [`read_file`], with options, and reports what was done to it.
 ///
 /// # Errors
 ///
@@ -105,7 +103,7 @@ pub fn read_file_with(
         })
 }
 
-/// Reads a body in a format, with options, and says what was done to it.
+/// Reads a body in a format, with options, and reports what was done to it.
 ///
 /// # Errors
 ///
@@ -118,12 +116,12 @@ pub fn read(
     parse(&read_limited(reader, MAX_FILE_BYTES)?, format, options)
 }
 
-/// Reads a body from the bytes of a file, with options, and says what was done to it.
+/// Reads a body from the bytes of a file, with options, and reports what was done to it.
 ///
 /// # Errors
 ///
-/// If the bytes are not what the format says, or the facets, after what the options allow, do not
-/// make one closed surface.
+/// If the bytes are not in the format, or the facets, after the changes that the options allow, do not form one
+/// closed surface.
 pub fn parse(
     bytes: &[u8],
     format: Format,
@@ -144,7 +142,7 @@ pub fn parse(
         });
     }
     match format {
-        // Loose triangles: flat faces are put together again.
+        // Loose triangles: flat faces are merged again.
         Format::Stl => close(points, loops, options, LOOSE_WELD)
             .map(|(body, report)| (body.with_merged_faces(), report)),
         _ => close(points, loops, options, 0.0),
@@ -161,8 +159,8 @@ fn read_limited(reader: impl Read, allowed: u64) -> Result<Vec<u8>, MeshError> {
     Ok(bytes)
 }
 
-/// World coordinates of a body's vertices; an error if a pose makes them anything but numbers, or is no
-/// rigid motion.
+/// World coordinates of a body's vertices; an error if the pose is not a rigid motion, or the coordinates are
+/// not finite.
 fn posed_vertices(body: &Polyhedron, pose: &Pose) -> Result<Vec<Point3>, MeshError> {
     let pose = checked_pose(pose)?;
     let vertices: Vec<Point3> = body.vertices().iter().map(|v| pose * v).collect();

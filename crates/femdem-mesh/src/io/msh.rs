@@ -1,10 +1,10 @@
 //! Gmsh `.msh` files of tetrahedra, formats 4.1 and 2.2.
 //!
-//! Read are ASCII files of both formats and binary ones of 4.1, of either byte order. Points,
-//! lines, triangles and quadrilaterals are passed over, and so are groups, entities, periodicity
-//! and data; nodes that no tetrahedron uses are dropped. Inverted tetrahedra are turned round.
-//! Elements of volume other than four-node tetrahedra are refused by name. Files carry no unit and
-//! are read as metres. (C. Geuzaine, J.-F. Remacle, Gmsh reference manual, "MSH file format".)
+//! ASCII files of both formats are read, and binary ones of 4.1 in either byte order. Points, lines, triangles
+//! and quadrilaterals are skipped, and so are groups, entities, periodicity and data; nodes that no tetrahedron
+//! uses are dropped. Inverted tetrahedra are reversed. Volume elements other than four-node tetrahedra are
+//! refused by name. Files carry no unit and are read as metres. (C. Geuzaine, J.-F. Remacle, Gmsh reference
+//! manual, "MSH file format".)
 
 mod elements;
 mod sections;
@@ -49,9 +49,9 @@ pub fn read(reader: impl Read) -> Result<TetMesh, MeshError> {
 ///
 /// # Errors
 ///
-/// If the format is another one, the file is cut off or holds what is no number, an element names
-/// a node that does not exist, there are no tetrahedra or volume elements of another kind, or the
-/// tetrahedra do not make a valid [`TetMesh`].
+/// If the format is another one, the file is cut off or contains an invalid number, an element names a node
+/// that does not exist, there are no tetrahedra or volume elements of another kind, or the tetrahedra do not
+/// form a valid [`TetMesh`].
 pub fn parse(bytes: &[u8]) -> Result<TetMesh, MeshError> {
     let (points, tets) = sections::read(bytes)?.tetrahedra()?;
     TetMesh::new(points, tets)

@@ -1,9 +1,9 @@
 //! Wavefront OBJ.
 //!
-//! Read are vertices (`v x y z`) and faces (`f 1 2 3`, `f 1/1 2/2 3/3`, `f 1//1 2//2 3//3`,
-//! negative indices counting back from the latest vertex). Texture coordinates, normals, groups,
-//! objects, materials and smoothing are passed over. All faces of the file together must be one
-//! closed surface. Vertices of equal coordinates are welded, vertices that no face uses are dropped.
+//! Vertices (`v x y z`) and faces (`f 1 2 3`, `f 1/1 2/2 3/3`, `f 1//1 2//2 3//3`, negative indices counting
+//! back from the latest vertex) are read. Texture coordinates, normals, groups, objects, materials and
+//! smoothing are skipped. All faces of the file together must form one closed surface. Vertices of equal
+//! coordinates are welded, vertices that no face uses are dropped.
 
 use super::text::{Lines, number, point, problem, shortened, words};
 use super::{Facets, Format, MAX_FILE_BYTES, Options, posed_vertices, read_limited};
@@ -24,9 +24,8 @@ pub fn read(reader: impl BufRead) -> Result<Polyhedron, MeshError> {
 ///
 /// # Errors
 ///
-/// If a vertex or face cannot be read (the message names the line), there are none, or they do not
-/// make one closed surface; several closed surfaces in one file are
-/// [`MeshError::Disconnected`].
+/// If a vertex or face cannot be read (the message names the line), there are none, or they do not form one
+/// closed surface; several closed surfaces in one file are [`MeshError::Disconnected`].
 pub fn parse(text: impl AsRef<[u8]>) -> Result<Polyhedron, MeshError> {
     super::parse(text.as_ref(), Format::Obj, &Options::default()).map(|(body, _)| body)
 }
@@ -81,7 +80,7 @@ pub(super) fn facets(bytes: &[u8]) -> Result<Facets, MeshError> {
     Ok(Facets { points, loops })
 }
 
-/// Where a line holds a backslash, if that ends it.
+/// The position of a backslash that ends the line.
 fn continues(line: &[u8]) -> Option<usize> {
     let line = line.trim_ascii_end();
     let before = line.strip_suffix(b"\\")?;
@@ -130,11 +129,11 @@ pub fn write(body: &Polyhedron, writer: impl Write) -> Result<(), MeshError> {
     write_posed([(body, &Pose::identity())], writer)
 }
 
-/// Writes bodies in their poses, each as an object of its own: `o body_0`, `o body_1`, ...
+/// Writes bodies in their poses, each as a separate object: `o body_0`, `o body_1`, ...
 ///
 /// # Errors
 ///
-/// If writing fails, or a pose is not finite or no rigid motion.
+/// If writing fails, or a pose is not finite or not a rigid motion.
 pub fn write_posed<'a>(
     bodies: impl IntoIterator<Item = (&'a Polyhedron, &'a Pose)>,
     mut writer: impl Write,

@@ -1,8 +1,8 @@
 //! OFF, the Object File Format of Geomview, in ASCII.
 //!
-//! Read are the headers `OFF`, `COFF`, `NOFF`, `STOFF` and their combinations (or none), the three
-//! counts, and one line for each vertex and face; colours, normals and texture coordinates are
-//! passed over, comments start with `#`. Vertices of equal coordinates are welded.
+//! The headers `OFF`, `COFF`, `NOFF`, `STOFF` and their combinations (or none), the three counts, and one line
+//! for each vertex and face are read; colours, normals and texture coordinates are skipped, comments start with
+//! `#`. Vertices of equal coordinates are welded.
 
 use super::text::{Lines, count, number, point, problem, shortened, words};
 use super::{Facets, Format, MAX_FILE_BYTES, Options, read_limited, write_lists};
@@ -23,8 +23,8 @@ pub fn read(reader: impl Read) -> Result<Polyhedron, MeshError> {
 ///
 /// # Errors
 ///
-/// If the file is binary or of another dimension, ends early, holds a line that cannot be read
-/// (the message names it), or its faces do not make one closed surface.
+/// If the file is binary or of another dimension, ends early, contains a line that cannot be read (the message
+/// names it), or its faces do not form one closed surface.
 pub fn parse(text: impl AsRef<[u8]>) -> Result<Polyhedron, MeshError> {
     super::parse(text.as_ref(), Format::Off, &Options::default()).map(|(body, _)| body)
 }

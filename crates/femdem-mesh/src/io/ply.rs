@@ -1,8 +1,8 @@
 //! PLY, the Polygon File Format of Stanford: ASCII, binary little endian and binary big endian.
 //!
-//! Read are the properties `x`, `y`, `z` of the element `vertex` and the list `vertex_indices` (or
-//! `vertex_index`) of the element `face`, of any type and in any order among others; other
-//! elements are passed over. Vertices of equal coordinates are welded.
+//! The properties `x`, `y`, `z` of the element `vertex` and the list `vertex_indices` (or `vertex_index`) of
+//! the element `face` are read, of any type and in any order among others; other elements are skipped. Vertices
+//! of equal coordinates are welded.
 
 mod header;
 mod values;
@@ -27,8 +27,8 @@ pub fn read(reader: impl Read) -> Result<Polyhedron, MeshError> {
 ///
 /// # Errors
 ///
-/// If the header cannot be read (the message names the line) or has no vertices or faces, the
-/// data end early or hold what is no number, or the faces do not make one closed surface.
+/// If the header cannot be read (the message names the line) or has no vertices or faces, the data end early or
+/// contain an invalid number, or the faces do not form one closed surface.
 pub fn parse(bytes: &[u8]) -> Result<Polyhedron, MeshError> {
     super::parse(bytes, Format::Ply, &Options::default()).map(|(body, _)| body)
 }
@@ -133,7 +133,7 @@ fn skip(element: &Element, values: &mut Values) -> Result<(), MeshError> {
     if element.properties.is_empty() {
         return Ok(());
     }
-    // Every property takes a byte or more: the end of the file ends the loop.
+    // Every property takes at least a byte, so that the end of the file ends the loop.
     for found in 0..element.count {
         for property in &element.properties {
             skip_property(property, values, || element.cut_off(found))?;

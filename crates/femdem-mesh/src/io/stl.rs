@@ -1,10 +1,10 @@
 //! STL, ASCII and binary.
 //!
-//! STL holds loose triangles: reading welds vertices within
-//! [`LOOSE_WELD`](crate::repair::LOOSE_WELD) of the diagonal, and merges coplanar neighbours into
-//! polygon faces ([`Polyhedron::with_merged_faces`]), so that a cube has 6 faces. Binary files hold
-//! single precision: coordinates are good to 6e-8 of the largest. Normals and attributes are
-//! ignored; messages count facets as the file has them, from 0.
+//! STL files consist of loose triangles. Reading welds vertices within
+//! [`LOOSE_WELD`](crate::repair::LOOSE_WELD) of the diagonal, and merges coplanar neighbours into polygon faces
+//! ([`Polyhedron::with_merged_faces`]), so that a cube has 6 faces. Binary files have single precision:
+//! coordinates are accurate to 6e-8 of the largest. Normals and attributes are ignored; messages count facets
+//! as in the file, from 0.
 
 use super::text::{Lines, point, problem, shortened, without_mark, words};
 use super::{Facets, Format, MAX_FILE_BYTES, Options, posed_vertices, read_limited};
@@ -14,13 +14,13 @@ use std::io::{Read, Write};
 const HEADER_BYTES: usize = 80;
 const TRIANGLE_BYTES: usize = 50;
 
-/// Words that lines of a text may begin with and that say nothing of where the corners are.
+/// Keywords of lines that contain no corners.
 const OTHER_KEYWORDS: [&[u8]; 5] = [b"outer", b"endloop", b"endfacet", b"facet", b"solid"];
 
 /// Reads a body, ASCII or binary.
 ///
-/// A file is binary if its length is that of the number of triangles at byte 80, else ASCII if it
-/// starts with "solid", in any case and after the mark of a byte order or without.
+/// A file is binary if its length matches the number of triangles at byte 80, else ASCII if it starts with
+/// "solid", in any case and with or without a byte order mark.
 ///
 /// # Errors
 ///
@@ -47,7 +47,7 @@ pub(super) fn facets(bytes: &[u8]) -> Result<Facets, MeshError> {
     let expected = |n: u32| (HEADER_BYTES + 4) as u64 + u64::from(n) * TRIANGLE_BYTES as u64;
     let points = match promised {
         Some(n) if expected(n) == bytes.len() as u64 => binary_corners(&bytes[HEADER_BYTES + 4..]),
-        // A binary file may begin with "solid" too, and have a byte too many.
+        // A binary file may begin with "solid", too, and have an extra byte.
         _ if is_text(bytes) && !bytes.contains(&0) => ascii_corners(bytes)?,
         Some(promised) => {
             return Err(MeshError::StlLength {
@@ -127,8 +127,8 @@ pub fn write_binary(body: &Polyhedron, writer: impl Write) -> Result<(), MeshErr
 ///
 /// # Errors
 ///
-/// If writing fails, a pose is not finite or no rigid motion, there are more than 2^32 - 1 triangles, or a coordinate is too large for
-/// single precision.
+/// If writing fails, a pose is not finite or not a rigid motion, there are more than 2^32 - 1 triangles, or a
+/// coordinate is too large for single precision.
 pub fn write_binary_posed<'a>(
     bodies: impl IntoIterator<Item = (&'a Polyhedron, &'a Pose)>,
     mut writer: impl Write,
@@ -182,7 +182,7 @@ pub fn write_ascii(body: &Polyhedron, writer: impl Write) -> Result<(), MeshErro
 ///
 /// # Errors
 ///
-/// If writing fails, or a pose is not finite or no rigid motion.
+/// If writing fails, or a pose is not finite or not a rigid motion.
 pub fn write_ascii_posed<'a>(
     bodies: impl IntoIterator<Item = (&'a Polyhedron, &'a Pose)>,
     mut writer: impl Write,

@@ -3,13 +3,13 @@
 use crate::{MeshError, Point3};
 use std::str::FromStr;
 
-/// The start of a word, for messages about files that are no text at all.
+/// The start of a word, for messages about files that are not text.
 pub(super) fn shortened(word: &[u8]) -> String {
     let start = &word[..word.len().min(40)];
     String::from_utf8_lossy(start).into_owned()
 }
 
-/// The text without the mark of its byte order, which some editors begin it with.
+/// The text without the byte order mark with which some editors begin it.
 pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
 }
@@ -21,12 +21,12 @@ pub(super) fn problem(line: usize, problem: impl Into<String>) -> MeshError {
     }
 }
 
-/// Lines with their numbers, from 1, up to a comment if `comments` start with a character.
+/// Lines with their numbers, from 1, up to a comment if a character that starts comments is given.
 #[derive(Clone)]
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
     comment: Option<u8>,
-    /// Number of the line given last.
+    /// Number of the last line returned.
     pub(super) number: usize,
 }
 
@@ -39,12 +39,12 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The next line that holds a word.
+    /// The next line that contains a word.
     pub(super) fn filled(&mut self) -> Option<(usize, &'a [u8])> {
         self.find(|(_, line)| !line.trim_ascii().is_empty())
     }
 
-    /// What comes after the lines given.
+    /// The rest after the lines returned.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.rest
     }
@@ -107,7 +107,7 @@ pub(super) fn point<'a>(
     Ok(at.into())
 }
 
-/// Reads a number of things.
+/// Reads a count.
 pub(super) fn count(word: Option<&[u8]>, what: &str, line: usize) -> Result<u64, MeshError> {
     word.and_then(number).ok_or_else(|| {
         let word = shortened(word.unwrap_or_default());

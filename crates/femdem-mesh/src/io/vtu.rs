@@ -1,4 +1,4 @@
-//! VTU, the XML file of VTK for unstructured grids: written, for ParaView and the like.
+//! VTU, the XML file of VTK for unstructured grids: writing only, for ParaView and similar programs.
 
 use crate::{MeshError, TetMesh};
 use std::fmt::Display;
@@ -7,8 +7,8 @@ use std::io::Write;
 /// Code of the tetrahedron in VTK.
 const TETRAHEDRON: u8 = 10;
 
-/// Writes a mesh in ASCII with all digits of its coordinates, with scalars at its points, each a
-/// name and a value per point.
+/// Writes a mesh in ASCII with all digits of its coordinates, and scalars at its points, each with a name and
+/// one value per point.
 ///
 /// # Errors
 ///
@@ -96,7 +96,7 @@ fn array<T: Display, const N: usize>(
     Ok(())
 }
 
-/// Text that may stand in an XML attribute.
+/// Text escaped for an XML attribute.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('"', "&quot;")

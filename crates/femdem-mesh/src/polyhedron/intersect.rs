@@ -1,14 +1,13 @@
 //! Whether two triangles of a surface meet where they should not, decided by exact predicates.
 //!
-//! Triangles that share an edge may meet in that edge only, those that share a vertex in that
-//! vertex only, others nowhere; touching counts as meeting. Signs of determinants are those of
-//! exact arithmetic (J. R. Shewchuk, Discrete Comput. Geom. 18 (1997) 305-363), so that there are
-//! no tolerances and no doubtful cases.
+//! Triangles that share an edge may meet only in that edge, those that share a vertex only in that vertex,
+//! others nowhere; touching counts as meeting. Signs of determinants are those of exact arithmetic (J. R.
+//! Shewchuk, Discrete Comput. Geom. 18 (1997) 305-363), so that there are no tolerances and no undecided cases.
 
 use crate::Point3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
-/// Whether two triangles, given by vertex indices, meet outside what they share.
+/// Whether two triangles, given by vertex indices, meet outside their shared edge or vertex.
 ///
 /// A triangle whose corners lie exactly on a line has no inside: only its edges count.
 pub(super) fn meet(vertices: &[Point3], first: [u32; 3], other: [u32; 3]) -> bool {
@@ -24,8 +23,8 @@ pub(super) fn meet(vertices: &[Point3], first: [u32; 3], other: [u32; 3]) -> boo
     }
 }
 
-/// Both triangles rotated and reordered so that the shared vertices come first, and how many there
-/// are. Orientation does not matter to what follows.
+/// Both triangles rotated and reordered so that the shared vertices come first, and the number of shared
+/// vertices. The following tests do not depend on orientation.
 fn align(mut first: [u32; 3], mut other: [u32; 3]) -> ([u32; 3], [u32; 3], usize) {
     let mut shared = 0;
     for i in 0..3 {
@@ -51,8 +50,8 @@ fn apart_meet(t: &[Point3; 3], u: &[Point3; 3]) -> bool {
     if sides_u == [0; 3] && sides_t == [0; 3] {
         return Flat::of(t, u).is_some_and(|flat| flat.overlap());
     }
-    // Convex sets that are not in one plane meet in a segment; its ends lie on edges. An edge that
-    // lies in the other's plane need not be tried: its ends belong to edges that do not.
+    // Convex sets that are not in one plane meet in a segment whose ends lie on edges. An edge in the other's
+    // plane need not be tried: its ends belong to edges that do not lie in it.
     (0..3).any(|i| {
         let j = (i + 1) % 3;
         pierces([u[i], u[j]], [sides_u[i], sides_u[j]], t)
@@ -60,7 +59,7 @@ fn apart_meet(t: &[Point3; 3], u: &[Point3; 3]) -> bool {
     })
 }
 
-/// Triangles that share their first corner: a meeting beside it reaches a side opposite to it.
+/// Triangles that share their first corner: if they meet elsewhere, they do so on a side opposite to it.
 fn fans_meet(t: &[Point3; 3], u: &[Point3; 3]) -> bool {
     let sides_u = [side(t, u[1]), side(t, u[2])];
     let sides_t = [side(u, t[1]), side(u, t[2])];
@@ -92,7 +91,7 @@ fn pierces(segment: [Point3; 2], sides: [i8; 2], triangle: &[Point3; 3]) -> bool
     turns.iter().all(|&s| s >= 0) || turns.iter().all(|&s| s <= 0)
 }
 
-/// On which side of the plane of a triangle a point lies; 0 in the plane.
+/// The side of a triangle's plane on which a point lies; 0 in the plane.
 fn side([a, b, c]: &[Point3; 3], p: Point3) -> i8 {
     let at = |p: &Point3| Coord3D {
         x: p.x,
@@ -110,7 +109,7 @@ fn sign(x: f64) -> i8 {
     i8::from(x > 0.0) - i8::from(x < 0.0)
 }
 
-/// Two triangles of one plane, seen along an axis in which they do not vanish.
+/// Two triangles in one plane, projected along an axis in which their area does not vanish.
 struct Flat {
     t: [Coord<f64>; 3],
     u: [Coord<f64>; 3],

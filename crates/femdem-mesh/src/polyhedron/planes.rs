@@ -47,12 +47,12 @@ impl Plane {
         }
     }
 
-    /// Signed distance of a point, positive on the side the normal shows to.
+    /// Signed distance of a point, positive on the side of the normal.
     pub(crate) fn distance(&self, point: &Point3) -> f64 {
         self.normal.dot(&(point - self.point))
     }
 
-    /// Area by perimeter: between a half and a sixth of the height of a triangle.
+    /// Area over perimeter: between a half and a sixth of the height of a triangle.
     pub(crate) fn thickness(&self) -> f64 {
         self.area / self.perimeter
     }
@@ -93,8 +93,8 @@ pub(super) fn check(vertices: &[Point3], faces: &[Vec<u32>], extent: f64) -> Res
 
 /// Whether no vertex lies outside any face.
 ///
-/// The vertices of neighbouring faces are tried first: a non-convex surface of many faces is found
-/// out without comparing every face with every vertex.
+/// The vertices of neighbouring faces are tried first, so that a non-convex surface of many faces is detected
+/// without comparing every face with every vertex.
 pub(super) fn is_convex(vertices: &[Point3], faces: &[&[u32]], planes: &[Plane]) -> bool {
     let (low, high) = super::bounding_box(vertices);
     let allowed = CONVEXITY_TOLERANCE * (high - low).norm();
@@ -122,7 +122,7 @@ pub(super) fn is_convex(vertices: &[Point3], faces: &[&[u32]], planes: &[Plane])
     for plane in planes {
         let offset = plane.normal.dot(&plane.point.coords);
         tree.visit(
-            // Boxes are entered a little early, for rounding; the vertices themselves decide.
+            // Boxes are entered with a margin for rounding; the vertices themselves decide.
             |b| convex.get() && reach(b, &plane.normal) - offset > 0.5 * allowed,
             |v| {
                 if plane.distance(&vertices[v as usize]) > allowed {

@@ -267,8 +267,8 @@ fn faces_that_are_not_convex_are_cut_without_overlap() {
     }
 }
 
-/// Corners on a straight side, which rounding puts a little to one side or the other: no ear is cut
-/// along that side, which would leave triangles without area.
+/// Corners on a straight side, which rounding moves a little to one side or the other: no ear is cut along that
+/// side, which would leave triangles without area.
 #[test]
 fn faces_with_corners_on_their_sides_are_cut_into_triangles_with_area() {
     let outlines: [&[[f64; 2]]; 3] = [

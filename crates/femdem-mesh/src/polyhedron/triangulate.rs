@@ -2,8 +2,8 @@
 
 use crate::{Point3, Vector3};
 
-/// The fan of a loop from its first vertex. Signed integrals over it are right for any planar
-/// polygon, convex or not.
+/// The fan of a loop from its first vertex. Signed integrals over it are correct for any planar polygon, convex
+/// or not.
 pub(super) fn fan(face: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
     let first = face.first().copied().unwrap_or(0);
     face.windows(2)
@@ -11,8 +11,8 @@ pub(super) fn fan(face: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
         .map(move |side| [first, side[0], side[1]])
 }
 
-/// Usual sharpness of triangles, twice the area by the sum of two squared sides, below which they
-/// are avoided: triangles whose vertices lie on a line have no normal.
+/// Usual limit of the sharpness of triangles (twice the area over the sum of two squared sides), below which
+/// they are avoided: triangles whose vertices lie on a line have no normal.
 pub(crate) const SHARP: f64 = 1e-9;
 
 /// Appends triangles that cover the face: its fan if the face is convex and all triangles of the
@@ -38,7 +38,7 @@ pub(crate) fn triangulate(
         return;
     }
     let mut remaining = face.to_vec();
-    // The search goes on where the last ear was: this keeps the number of trials low.
+    // The search continues where the last ear was, which keeps the number of trials low.
     let mut at = 0;
     while remaining.len() > 3 {
         let n = remaining.len();
@@ -56,8 +56,8 @@ pub(crate) fn triangulate(
             let others = remaining.iter().filter(|&&p| p != a && p != b && p != c);
             turn([a, b, c]) > 0.0 && others.copied().all(|p| !inside(p))
         };
-        // Whether a corner of the rest lies on the side that the ear leaves, where rounding may hide it from the
-        // search for ears: a triangle of that side would have no area.
+        // Whether another corner lies on the side left by the ear, where rounding may hide it from the search
+        // for ears: a triangle on that side would have no area.
         let leaves_area = |i: usize| {
             let [a, b, c] = corner(i);
             let between = |p: u32| {
@@ -68,7 +68,7 @@ pub(crate) fn triangulate(
             let others = remaining.iter().filter(|&&p| p != a && p != b && p != c);
             !others.copied().any(on_side)
         };
-        // A simple polygon always has an ear; rounding or a loop that cuts itself may hide it.
+        // A simple polygon always has an ear; rounding, or a loop that cuts itself, may hide it.
         let ear = (at..at + n)
             .find(|&i| is_sharp(corner(i)) && is_ear(i) && leaves_area(i))
             .or_else(|| (at..at + n).find(|&i| is_sharp(corner(i)) && is_ear(i)))

@@ -1,16 +1,16 @@
-//! The facets on their way to a body, and dropping those that are none.
+//! Facets before they form a body, and removal of invalid ones.
 
 use super::FacetList;
 use crate::polyhedron::{Plane, SHARP, check_coordinates, check_topology, triangulate};
 use crate::{MeshError, PLANARITY_TOLERANCE, Point3, Polyhedron, merge};
 
-/// Pairs of triangles that are compared at most in search of cuts, by the number of triangles.
+/// Largest number of pairs of triangles compared in a search for cuts, per triangle.
 const PAIRS_PER_TRIANGLE: u64 = 500;
 
 /// Pairs of facets that cut each other named in a message.
 const CUTS_NAMED: usize = 8;
 
-/// Loops of vertex numbers, each with its number in the file.
+/// Loops of vertex numbers, each with its facet number in the file.
 pub(super) struct Surface {
     pub(super) points: Vec<Point3>,
     pub(super) loops: Vec<Vec<u32>>,
@@ -27,19 +27,19 @@ impl Surface {
         })
     }
 
-    /// Drops the vertices that no loop uses; how many they were.
+    /// Drops the vertices that no loop uses and returns their number.
     pub(super) fn compact(&mut self) -> usize {
         let before = self.points.len();
         (self.points, self.loops) = merge::compact(&self.points, &self.loops);
         before - self.points.len()
     }
 
-    /// The numbers in the file of some facets.
+    /// The file's numbers of some facets.
     pub(super) fn list(&self, facets: impl IntoIterator<Item = usize>) -> FacetList {
         FacetList::of(facets.into_iter().map(|i| self.origin[i]))
     }
 
-    /// Drops facets if that is allowed, else it is an error; how many they were.
+    /// Drops facets and returns their number if that is allowed, else returns an error.
     fn drop_if(
         &mut self,
         bad: &[bool],
@@ -94,7 +94,7 @@ impl Surface {
         })
     }
 
-    /// Cuts facets that are not planar into triangles; how many they were.
+    /// Cuts facets that are not planar into triangles and returns their number.
     pub(super) fn split_bent(&mut self) -> Result<usize, MeshError> {
         let allowed = PLANARITY_TOLERANCE * check_coordinates(&self.points)?;
         let mut split = 0;
@@ -117,7 +117,7 @@ impl Surface {
         Ok(split)
     }
 
-    /// An error of the connectivity, naming facets by their number in the file.
+    /// An error of the connectivity, with the facets' numbers in the file.
     fn named(&self, error: MeshError) -> MeshError {
         match error {
             MeshError::NonManifoldVertex { vertex, fans } => {
@@ -158,7 +158,7 @@ impl Surface {
     }
 }
 
-/// Loops name vertices that exist. Other faults are looked for after welding.
+/// Checks that loops name existing vertices. Other faults are checked after welding.
 fn check_indices(count: usize, loops: &[Vec<u32>]) -> Result<(), MeshError> {
     for (face, corners) in loops.iter().enumerate() {
         if let Some(&index) = corners.iter().find(|&&v| v as usize >= count) {

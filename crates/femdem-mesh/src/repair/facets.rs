@@ -3,7 +3,7 @@ use std::fmt;
 /// How many facets a message names.
 const NAMED: usize = 8;
 
-/// Facets that something is wrong with: the first few, and how many there are.
+/// Facets at fault: the first few, and their number.
 ///
 /// Facets count from 0 in the order of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub struct FacetList {
 }
 
 impl FacetList {
-    /// Of facets in any order, named once or more.
+    /// A list of facets given in any order, possibly repeated.
     pub(crate) fn of(facets: impl IntoIterator<Item = usize>) -> Self {
         let mut first: Vec<usize> = facets.into_iter().collect();
         first.sort_unstable();
@@ -25,7 +25,7 @@ impl FacetList {
         Self { first, count }
     }
 
-    /// The words that fit one facet, or several.
+    /// One of two texts, for one facet or several.
     pub(crate) fn one_or_more<'a>(&self, one: &'a str, more: &'a str) -> &'a str {
         if self.count == 1 { one } else { more }
     }

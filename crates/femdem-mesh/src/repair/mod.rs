@@ -1,15 +1,14 @@
-//! From loose facets to a body: welding, orientation, checks that name the facets, and mending of
-//! what is nearly fine, on request and with a report.
+//! From loose facets to a body: welding, orientation, checks that name the facets, and, on request, repair of
+//! small faults with a report.
 //!
-//! All readers of [`io`](crate::io) end here. [`solid`] takes facets from any other source.
+//! All readers of [`io`](crate::io) use this module. [`solid`] takes facets from any other source.
 //!
-//! Without [`Options::repair`], only what leaves the surface as it is gets done: vertices at the
-//! same place are joined, vertices without a facet are dropped, and neighbours are made to look to
-//! the same side. Everything else is an error that names the facets, counted from 0 in the order
-//! of the file. With it, what follows is mended as well and counted in the [`Report`]: facets
-//! without area, facets given twice, vertices that lie on an edge of another facet, gaps up to
-//! [`REPAIR_WELD`], polygons that are not planar, and surfaces that are inside out. Holes are never
-//! filled, and surfaces that cut through themselves are always refused.
+//! Without [`Options::repair`], only operations that do not change the surface are done: vertices at the same
+//! place are joined, vertices without a facet are dropped, and neighbours are given the same orientation.
+//! Everything else is an error that names the facets, counted from 0 in the order of the file. With repair, the
+//! following faults are mended and counted in the [`Report`]: facets without area, facets given twice, vertices
+//! that lie on an edge of another facet, gaps up to [`REPAIR_WELD`], polygons that are not planar, and surfaces
+//! that are inside out. Holes are never filled, and surfaces that cut through themselves are always refused.
 
 mod clean;
 mod facets;
@@ -25,11 +24,11 @@ use crate::polyhedron::{check_coordinates, check_counts};
 use crate::{MeshError, Point3, Polyhedron};
 use clean::Surface;
 
-/// Default welding distance of formats that hold loose triangles, as part of the diagonal of the
-/// bounding box: that of coordinates of six or seven digits, and below what counts as planar.
+/// Default welding distance of formats with loose triangles, as part of the diagonal of the bounding box: the
+/// precision of coordinates with six or seven digits, and below the planarity tolerance.
 pub const LOOSE_WELD: f64 = 1e-6;
 
-/// Default welding distance when repair is asked for, as part of the diagonal of the bounding box.
+/// Default welding distance with repair, as part of the diagonal of the bounding box.
 pub const REPAIR_WELD: f64 = 1e-5;
 
 /// How facets become a body.
@@ -38,30 +37,30 @@ pub struct Options {
     /// Vertices nearer to each other than this part of the bounding box's diagonal become one: the
     /// first of them. 0, or from 1e-9 to 1e-2; with 0, vertices of equal coordinates are welded.
     ///
-    /// If not given: [`REPAIR_WELD`] with repair, else [`LOOSE_WELD`] for STL and 0 for formats
-    /// whose facets share vertices by number.
+    /// Default: [`REPAIR_WELD`] with repair, else [`LOOSE_WELD`] for STL and 0 for formats whose facets share
+    /// vertices by number.
     pub weld: Option<f64>,
-    /// What is done about facets that look to different sides.
+    /// Treatment of facets with inconsistent orientation.
     pub orient: Orient,
-    /// Whether facets that spoil a surface which is nearly fine are mended or dropped.
+    /// Whether faulty facets of a surface with small faults are mended or dropped.
     pub repair: bool,
 }
 
-/// What is done about the side to which facets look.
+/// Treatment of the orientation of facets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Orient {
     /// Nothing: neighbours that disagree are refused, and so are surfaces that are inside out.
     Keep,
-    /// Neighbours are made to agree; if they had to be, the surface is then turned outward. A
-    /// surface that agrees with itself and is inside out is refused, unless repair is asked for.
+    /// Neighbours are made consistent; if any facet was reversed for that, the surface is then turned outward.
+    /// A consistent surface that is inside out is refused, unless repair is on.
     #[default]
     Consistent,
-    /// Neighbours are made to agree, and the surface is turned outward.
+    /// Neighbours are made consistent, and the surface is turned outward.
     Outward,
 }
 
 impl Options {
-    /// Welds, orients, and mends what is nearly fine.
+    /// Welds, orients, and mends small faults.
     pub const REPAIR: Self = Self {
         weld: None,
         orient: Orient::Outward,
@@ -82,7 +81,7 @@ impl Options {
     }
 }
 
-/// Makes a body of facets: loops of vertex numbers, which need not be oriented.
+/// Makes a body from facets: loops of vertex numbers, which need not be oriented.
 ///
 /// Vertices are welded as for formats that share vertices by number.
 ///

@@ -1,4 +1,4 @@
-//! Edges, and the sides to which facets look.
+//! Edges, and the orientation of facets.
 
 use super::clean::Surface;
 use crate::MeshError;
@@ -15,7 +15,7 @@ pub(super) struct Side {
     pub(super) forward: bool,
 }
 
-/// A neighbour of a facet, and whether the two look to different sides.
+/// A neighbour of a facet, and whether the two are oriented differently.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Neighbour {
     of: u32,
@@ -66,8 +66,8 @@ impl Surface {
         }
     }
 
-    /// Reverses loops so that neighbours look to the same side, as few as possible in each part of
-    /// the surface; how many they were. Every edge must have two facets.
+    /// Reverses loops so that neighbours have the same orientation, as few as possible in each part of the
+    /// surface, and returns their number. Every edge must have two facets.
     pub(super) fn orient(&mut self) -> Result<usize, MeshError> {
         let neighbours = self.neighbours();
         let mut flip: Vec<Option<bool>> = vec![None; self.loops.len()];
@@ -115,7 +115,7 @@ impl Surface {
         Ok(count)
     }
 
-    /// Sorted by the facet whose neighbours they are.
+    /// The neighbours, sorted by facet.
     fn neighbours(&self) -> Vec<Neighbour> {
         let sides = self.sorted_sides();
         let mut all: Vec<Neighbour> = sides
@@ -135,9 +135,9 @@ impl Surface {
         all
     }
 
-    /// Reverses all loops if the surface encloses a negative volume; whether it did.
+    /// Reverses all loops if the surface encloses a negative volume; returns whether it did.
     pub(super) fn turn_outward(&mut self) -> bool {
-        // About a point of the surface, so that a body far from the origin loses no digits.
+        // The volume is taken about a point of the surface, so that a body far from the origin loses no digits.
         let Some(&about) = self.points.first() else {
             return false;
         };
@@ -157,7 +157,7 @@ impl Surface {
     }
 }
 
-/// Runs a loop the other way, from the same vertex.
+/// Reverses a loop, keeping its first vertex.
 fn reverse(corners: &mut [u32]) {
     if let Some((_, others)) = corners.split_first_mut() {
         others.reverse();

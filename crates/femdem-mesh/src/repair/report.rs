@@ -1,8 +1,8 @@
 use std::fmt;
 
-/// What was done to the facets of a file to make them a body.
+/// Changes made to the facets of a file to form a body.
 ///
-/// Its `Display` says it in sentences, one per line.
+/// `Display` writes one sentence per line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Report {
@@ -22,9 +22,9 @@ pub struct Report {
     pub facets_without_area: usize,
     /// Copies of other facets that were dropped (repair).
     pub facets_given_twice: usize,
-    /// Vertices on the edge of another facet to which that facet was joined (repair).
+    /// Vertices that lay on the edge of another facet and were inserted into it (repair).
     pub seams_joined: usize,
-    /// Facets cut into triangles, because they were not planar or joined to a vertex (repair).
+    /// Facets cut into triangles, because they were not planar or had a vertex inserted (repair).
     pub facets_split: usize,
 }
 
@@ -37,8 +37,8 @@ impl Report {
         }
     }
 
-    /// Whether facets were changed, dropped or turned round. Joining vertices at the same place
-    /// and dropping unused ones is no change of the surface.
+    /// Whether facets were changed, dropped or reversed. Joining vertices at the same place and dropping unused
+    /// ones does not count as a change.
     pub fn is_changed(&self) -> bool {
         self.turned_outward
             || [

@@ -1,28 +1,28 @@
-//! Joining facets to vertices that lie on their edges.
+//! Inserting vertices that lie on the edges of facets.
 
 use super::clean::Surface;
 use crate::bvh::{Aabb, Bvh};
 use crate::polyhedron::{Plane, triangulate};
 use crate::{Point3, Vector3};
 
-/// Triangles less sharp than this are avoided where a facet is cut along a seam: vertices there lie
-/// on a line only within the welding distance.
+/// Triangles less sharp than this are avoided where a facet is cut along a seam: vertices there lie on a line
+/// only to within the welding distance.
 const SHARP: f64 = 1e-2;
 
-/// A vertex to be put into a loop.
+/// A vertex to be inserted into a loop.
 #[derive(PartialEq, PartialOrd)]
 struct Joint {
     facet: u32,
     /// The corner of the loop after which it comes.
     corner: usize,
-    /// Where on the side from this corner to the next, from 0 to 1.
+    /// Position on the side from this corner to the next, from 0 to 1.
     along: f64,
     vertex: u32,
 }
 
 impl Surface {
-    /// Puts vertices of open edges that lie on another open edge, within `distance` \[m\], into the
-    /// loop of its facet, which is cut into triangles; numbers of such vertices and facets.
+    /// Inserts vertices of open edges that lie on another open edge, within `distance` \[m\], into the loop of
+    /// its facet, which is cut into triangles; returns the numbers of such vertices and facets.
     pub(super) fn join_seams(&mut self, distance: f64) -> (usize, usize) {
         let joints = self.joints(distance);
         let mut facets = 0;
@@ -50,7 +50,7 @@ impl Surface {
         (joints.len(), facets)
     }
 
-    /// By facet, corner and place on its side.
+    /// The joints, sorted by facet, corner and position on its side.
     fn joints(&self, distance: f64) -> Vec<Joint> {
         let sides = self.sorted_sides();
         let open: Vec<_> = sides
@@ -107,7 +107,7 @@ impl Surface {
     }
 }
 
-/// Where a point lies on a segment, if within the distance of it and not of its ends.
+/// Position of a point along a segment, if it is within the distance of the segment and not of its ends.
 fn along(p: Point3, start: Point3, segment: Vector3, distance: f64) -> Option<f64> {
     let length = segment.norm();
     let along = (p - start).dot(&segment) / length;

@@ -4,19 +4,19 @@ use super::clean::Surface;
 use crate::Point3;
 use std::collections::BTreeMap;
 
-/// Side of the cells that points are sorted into, by the welding distance: few points lie so near
-/// the border of their cell that a neighbouring one must be searched.
+/// Side of the cells into which points are sorted, in welding distances: few points lie so near the border of
+/// their cell that a neighbouring cell must be searched.
 const CELL: f64 = 4.0;
 
 impl Surface {
-    /// Joins each vertex to the first one within `distance` \[m\], or of equal coordinates if that
-    /// is 0; removes corners that then follow themselves in a loop. The number of vertices joined.
+    /// Joins each vertex to the first one within `distance` \[m\], or of equal coordinates if that is 0;
+    /// removes corners that then repeat the one before in a loop. Returns the number of vertices joined.
     pub(super) fn weld(&mut self, distance: f64) -> usize {
         let mut to = equal(&self.points);
         if distance > 0.0 {
             let mut cells = Cells::new(&self.points, distance);
             for i in 0..to.len() {
-                // Copies follow what became of the first of their kind, which comes before them.
+                // Copies are mapped as the first of their kind, which comes before them.
                 to[i] = match to[i] as usize {
                     first if first == i => cells.first_near(i as u32),
                     first => to[first],
@@ -38,7 +38,7 @@ impl Surface {
 
 /// For each point the first of equal coordinates.
 fn equal(points: &[Point3]) -> Vec<u32> {
-    // Adding zero makes -0.0 and 0.0 one.
+    // Adding zero turns -0.0 into 0.0.
     let key = |i: u32| {
         points[i as usize]
             .coords
@@ -56,8 +56,8 @@ fn equal(points: &[Point3]) -> Vec<u32> {
     to
 }
 
-/// Points that are kept, by cell. They are farther than the distance from each other, so that a
-/// cell holds a few dozen of them at most.
+/// Kept points, by cell. They are farther than the distance from each other, so that a cell holds a few dozen
+/// at most.
 struct Cells<'a> {
     points: &'a [Point3],
     low: Point3,
@@ -76,8 +76,8 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// The first kept point within the distance of point `i`; the point itself, which is then kept,
-    /// if there is none.
+    /// The first kept point within the distance of point `i`; if there is none, the point itself, which is then
+    /// kept.
     fn first_near(&mut self, i: u32) -> u32 {
         let p = self.points[i as usize];
         let place = (p - self.low) / (CELL * self.distance);

@@ -11,15 +11,15 @@ pub const BOULDER_SMALLEST_ALTITUDE: f64 = 0.05;
 
 /// Attempts with fresh points before giving up. The first one nearly always does.
 const ATTEMPTS: u32 = 64;
-/// Trial points of which the one farthest from the others is taken.
+/// Number of trial points, of which the one farthest from the others is used.
 const TRIALS: usize = 8;
 
 family! {
     /// A rock-like boulder: the convex hull of random points in an ellipsoidal shell.
     ///
-    /// The size fixes the volume, and with the density the mass: [`size_for_mass`](Self::size_for_mass).
-    /// Along x, y and z the extents are long, intermediate and short, exactly in the ratios asked for
-    /// (T. Zingg's two ratios, Schweiz. Mineral. Petrogr. Mitt. 15 (1935) 39-140).
+    /// The size determines the volume and, with the density, the mass: [`size_for_mass`](Self::size_for_mass).
+    /// Along x, y and z the extents are long, intermediate and short, exactly in the given ratios (T. Zingg's
+    /// two ratios, Schweiz. Mineral. Petrogr. Mitt. 15 (1935) 39-140).
     ///
     /// More `angularity` means fewer points (96 at 0, 16 at 1) with more scatter in depth (none at 0,
     /// 45 % of the radius at 1), so fewer and larger faces with sharper edges. Points that would make
@@ -102,15 +102,15 @@ impl Boulder {
         points
     }
 
-    /// The hull of the points, scaled to its extents and its volume, after as many points are
-    /// dropped as it takes to meet the floor; none if too few remain.
+    /// The hull of the points, scaled to its extents and its volume, after dropping points until the smallest
+    /// altitude is met; none if too few points remain.
     fn without_slivers(&self, mut points: Vec<Vector3>) -> Result<Option<Polyhedron>, MeshError> {
         loop {
             let body = self.scaled_hull(&points)?;
             let Some(corner) = corner_of_worst_triangle(&body) else {
                 return Ok(Some(body));
             };
-            // The hull keeps the vertices, not the points inside: go on with the former.
+            // The hull keeps the vertices, not the points inside: continue with the vertices.
             points = body.vertices().iter().map(|v| v.coords).collect();
             points.remove(corner);
             if points.len() < 8 {
@@ -137,8 +137,7 @@ impl Boulder {
     }
 }
 
-/// The corner opposite the longest edge of the triangle with the smallest altitude, if that lies
-/// below the floor.
+/// The corner opposite the longest edge of the triangle with the smallest altitude, if that is too small.
 fn corner_of_worst_triangle(body: &Polyhedron) -> Option<usize> {
     let mut worst = (BOULDER_SMALLEST_ALTITUDE, None);
     for triangle in body.triangles() {

@@ -1,4 +1,4 @@
-//! What every family of shapes has in common: a name, named parameters with ranges, a surface.
+//! The common parts of all families of shapes: a name, named parameters with ranges, a surface.
 
 use crate::{MeshError, Polyhedron};
 use std::fmt;
@@ -8,11 +8,11 @@ use std::fmt;
 pub struct Parameter {
     /// Name, as in `cylinder:aspect=2`.
     pub name: &'static str,
-    /// What it is; lengths are ratios to the size of the shape unless said otherwise.
+    /// Meaning; lengths are ratios to the size of the shape unless stated otherwise.
     pub meaning: String,
     /// Its value.
     pub value: String,
-    /// Its value if nothing is said.
+    /// Default value.
     pub default: String,
     /// The values allowed.
     pub range: String,
@@ -51,7 +51,7 @@ pub(super) trait Family {
     fn name(&self) -> String;
     /// What the family is, in one line.
     fn summary(&self) -> &'static str;
-    /// Which length of the body is its size.
+    /// The length of the body that is its size.
     fn size_meaning(&self) -> &'static str;
     /// The parameters, in order.
     fn parameters(&self) -> Vec<Parameter>;
@@ -63,7 +63,7 @@ pub(super) trait Family {
     fn unit(&self) -> Result<Polyhedron, MeshError>;
 }
 
-/// A parameter that lies outside its range, or is no value of its kind.
+/// The error for a parameter outside its range or without a valid value.
 pub(super) fn bad_value(
     shape: &str,
     parameter: &'static str,
@@ -79,9 +79,8 @@ pub(super) fn bad_value(
 }
 
 /// Declares a family: a struct of named parameters with defaults and ranges.
-///
-/// The struct's own file gives it `fn build(&self) -> Result<Polyhedron, MeshError>`, which may
-/// count on every parameter lying in its range.
+/// The struct's own file defines `fn build(&self) -> Result<Polyhedron, MeshError>`, which may assume that
+/// every parameter is in its range.
 macro_rules! family {
     (
         $(#[doc = $doc:literal])+

@@ -5,16 +5,16 @@ use std::collections::BTreeMap;
 
 /// Most cells of the lattice.
 const MOST_CELLS: f64 = 4e6;
-/// Cut points keep at least this part of a lattice edge from its ends, so that no two coincide.
+/// Cut points stay at least this part of a lattice edge away from its ends, so that no two coincide.
 const CLEARANCE: f64 = 0.15;
 /// Rounds of smoothing that make the triangles well-shaped.
 const ROUNDS: usize = 12;
 
 /// Triangles with a smaller altitude than this part of a cell count as slivers.
 const SMALLEST_ALTITUDE: f64 = 0.1;
-/// Times that vertices near slivers and cuts go halfway back before all go back for good.
+/// Number of times that vertices near slivers and cuts go halfway back before all go back completely.
 const RETREATS: usize = 24;
-/// Cuts looked for at a time.
+/// Largest number of cuts searched for at a time.
 const MOST_CUTS: usize = 1000;
 
 /// A body given by its signed distance, negative inside.
@@ -30,8 +30,8 @@ pub(super) struct LevelSet<Distance, Project> {
     pub(super) cell: f64,
 }
 
-/// Place in the body-centred lattice: twice its coordinates in cells. All even: a cube's corner;
-/// all odd: a cube's middle.
+/// Position in the body-centred lattice: twice its coordinates in cells. All even: a cube's corner; all odd: a
+/// cube's middle.
 type Site = [i32; 3];
 
 impl<Distance, Project> LevelSet<Distance, Project>
@@ -39,10 +39,10 @@ where
     Distance: Fn(&Point3) -> f64,
     Project: Fn(&Point3) -> Point3,
 {
-    /// The surface, closed and manifold: every tetrahedron of a body-centred cubic lattice is cut
-    /// between the corners inside and outside, then vertices are smoothed along the surface. Where
-    /// that would make slivers or let faces cut each other, they stay nearer to the lattice's cuts,
-    /// which never let faces cross.
+    /// The surface, closed and manifold: every tetrahedron of a body-centred cubic lattice is cut between the
+    /// corners inside and outside, then vertices are smoothed along the surface. Where that would make slivers
+    /// or let faces cut each other, vertices stay nearer to the cuts of the lattice, with which faces never
+    /// cross.
     pub(super) fn polyhedron(&self) -> Result<Polyhedron, MeshError> {
         let size = (self.high - self.low) / self.cell;
         let count = size.map(|x| x.ceil() + 4.0);
@@ -78,7 +78,7 @@ where
         for _ in 0..ROUNDS {
             smooth = self.smoothed(&smooth, &polygons);
         }
-        // How far each vertex goes from the cut to its smoothed place.
+        // The fraction of the way from cut to smoothed position that each vertex moves.
         let mut part = vec![1.0; rough.len()];
         let fallback = body(rough.clone(), &polygons)?;
         for _ in 0..RETREATS {
@@ -115,7 +115,7 @@ where
             .collect()
     }
 
-    /// Each vertex moved to the mean of the polygons around it, weighted by area, and back to the
+    /// Each vertex moved to the mean of the polygons around it, weighted by area, and projected back to the
     /// surface.
     fn smoothed(&self, vertices: &[Point3], polygons: &[Vec<u32>]) -> Vec<Point3> {
         let mut sums = vec![(Vector3::zeros(), 0.0); vertices.len()];
@@ -144,7 +144,7 @@ fn body(vertices: Vec<Point3>, polygons: &[Vec<u32>]) -> Result<Polyhedron, Mesh
     Polyhedron::new(vertices, triangles)
 }
 
-/// Halves the part of the vertices of bad faces and of their neighbours.
+/// Halves the fraction of the vertices of bad faces and of their neighbours.
 fn retreat(part: &mut [f64], body: &Polyhedron, bad: &[usize]) {
     let mut marked = vec![false; part.len()];
     for &face in bad {
@@ -166,7 +166,7 @@ fn retreat(part: &mut [f64], body: &Polyhedron, bad: &[usize]) {
     }
 }
 
-/// A triangle as it is; a quadrilateral as two triangles.
+/// A triangle unchanged; a quadrilateral as two triangles.
 fn along_shorter_diagonal(vertices: &[Point3], polygon: &[u32]) -> Vec<Vec<u32>> {
     let length = |i: u32, j: u32| (vertices[i as usize] - vertices[j as usize]).norm();
     match *polygon {
@@ -178,7 +178,7 @@ fn along_shorter_diagonal(vertices: &[Point3], polygon: &[u32]) -> Vec<Vec<u32>>
 
 struct Cut<'a, Distance, Project> {
     surface: &'a LevelSet<Distance, Project>,
-    /// Where the lattice has its origin: the middle of the box, for symmetry.
+    /// Origin of the lattice: the middle of the box, for symmetry.
     middle: Point3,
     distances: BTreeMap<Site, f64>,
     cuts: BTreeMap<[Site; 2], u32>,
@@ -205,9 +205,9 @@ where
             .or_insert_with(|| (self.surface.distance)(&place))
     }
 
-    /// The tetrahedra around the three cube faces on the upper sides of a cube's middle.
+    /// The tetrahedra around the three faces on the upper sides of a cube's middle.
     fn tetrahedra_at(&mut self, middle: Site) {
-        // Twice a cell is more than any site of these tetrahedra is away.
+        // All sites of these tetrahedra are within twice a cell.
         if self.distance(middle).abs() > 2.0 * self.surface.cell {
             return;
         }

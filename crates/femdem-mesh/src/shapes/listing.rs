@@ -1,4 +1,4 @@
-//! The list of shapes for people.
+//! The list of shapes as text.
 
 use super::Shape;
 use std::fmt::Write;

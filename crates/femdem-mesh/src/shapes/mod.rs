@@ -1,11 +1,11 @@
 //! Shapes beyond the solids of the [catalogue](crate::catalogue): round and square bodies, pellets,
 //! boulders, armour units, clumps.
 //!
-//! Each family is a struct of named parameters with defaults ([`Cylinder`], [`Dolos`], ...); a
-//! [`Shape`] is one of them, and reads from text such as `dolos:waist=0.34`. A shape has one size, a
-//! length whose meaning the family says; all its parameters are ratios. Bodies have their centroid at
-//! the origin. Round surfaces are polyhedral, with their vertices on the true surface: volumes are
-//! smaller than the smooth body's by the amount each family states.
+//! Each family is a struct of named parameters with defaults ([`Cylinder`], [`Dolos`], ...); a [`Shape`] is one
+//! of them and can be parsed from text such as `dolos:waist=0.34`. A shape has one size, a length whose meaning
+//! the family states; all its parameters are ratios. Bodies have their centroid at the origin. Round surfaces
+//! are polyhedral, with their vertices on the true surface: volumes are smaller than the smooth body's by the
+//! amount that each family states.
 //!
 //! Sphere, ellipsoid, superquadric, box, rounded cube, cylinder and boulder are convex. Lobed
 //! extrudates, tetrapods and many clumps are star-shaped: their centroid sees all of the surface.
@@ -142,12 +142,12 @@ impl Shape {
         self.family().name()
     }
 
-    /// What the family is, in a few words.
+    /// The family in a few words.
     pub fn summary(&self) -> &'static str {
         self.family().summary()
     }
 
-    /// Which length of the body is its size.
+    /// The length of the body that is its size.
     pub fn size_meaning(&self) -> &'static str {
         self.family().size_meaning()
     }
@@ -161,15 +161,15 @@ impl Shape {
     ///
     /// # Errors
     ///
-    /// If the family has no such parameter, or the text is no value of its kind. Ranges are checked
-    /// by [`polyhedron`](Self::polyhedron).
+    /// If the family has no such parameter, or the text is not a valid value. Ranges are checked by
+    /// [`polyhedron`](Self::polyhedron).
     pub fn set(&mut self, name: &str, text: &str) -> Result<(), MeshError> {
         self.family_mut().set(name, text)
     }
 
     /// The body with its centroid at the origin.
     ///
-    /// `size` \[m\] is the length that [`size_meaning`](Self::size_meaning) names.
+    /// `size` \[m\] is the length described by [`size_meaning`](Self::size_meaning).
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! A small generator of random numbers, so that a seed means the same body for ever.
+//! A small generator of random numbers, so that a seed always gives the same body.
 
 /// SplitMix64 (G. L. Steele, D. Lea and C. H. Flood, OOPSLA 2014).
 pub(super) struct Random(u64);

@@ -1,11 +1,12 @@
-//! Superquadrics, as users of superquadric discrete elements know them.
+//! Superquadrics, as used in superquadric discrete element codes.
 
 use super::family::family;
 use crate::{MeshError, Point3, Polyhedron, Vector3, convex_hull};
 
-/// Terms of the equation below this part of the other count as nothing.
+/// Terms of the equation below this part of the other are neglected.
 ///
-/// Without them flat and ruled parts come out exactly so; else the hull would have to tell apart
+/// Flat and ruled parts are then exact; otherwise the hull would have to distinguish faces that differ by
+/// rounding.
 /// faces that differ by rounding.
 const NEGLIGIBLE: f64 = 1e-5;
 
@@ -58,7 +59,7 @@ impl Superquadric {
                 }
             }
         }
-        // Of semi-axes of 1, where the hull resolves all directions alike; then stretched.
+        // The hull is taken with semi-axes of 1, where it resolves all directions alike; then it is stretched.
         let body = convex_hull(&points)?;
         let semi_axes = Vector3::new(0.5, 0.5 * self.width, 0.5 * self.aspect);
         let stretched = body
@@ -79,8 +80,8 @@ impl Superquadric {
     }
 }
 
-/// (large^n + small^n)^(1/n), but for a term that is negligible if large^n has a share in a larger
-/// sum.
+/// (large^n + small^n)^(1/n), where a term is neglected if it is negligible with large^n having a share in a
+/// larger sum.
 fn norm(large: f64, small: f64, n: f64, share: f64) -> f64 {
     let term = (small / large).powf(n);
     if term * share > NEGLIGIBLE {

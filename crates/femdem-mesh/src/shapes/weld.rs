@@ -1,18 +1,18 @@
-//! From polygons given by the places of their corners to a checked surface.
+//! From polygons given by the positions of their corners to a checked surface.
 
 use crate::{MeshError, Point3, Polyhedron};
 
 /// Corners nearer than this part of the unit size are the same vertex.
 const SAME: f64 = 1e-9;
 
-/// The surface of polygons given by the places of their corners, which agree within rounding where
-/// polygons meet.
+/// The surface of polygons given by the positions of their corners, which agree within rounding where polygons
+/// meet.
 pub(super) fn surface(polygons: &[Vec<Point3>]) -> Result<Polyhedron, MeshError> {
     let corners: Vec<Point3> = polygons.iter().flatten().copied().collect();
     let mut order: Vec<usize> = (0..corners.len()).collect();
     order.sort_by(|&i, &j| corners[i].x.total_cmp(&corners[j].x).then(i.cmp(&j)));
 
-    // Each corner goes by the first of those at its place, in the order of the polygons.
+    // Each corner is identified with the first one at its position, in the order of the polygons.
     let mut first: Vec<usize> = (0..corners.len()).collect();
     for (n, &i) in order.iter().enumerate() {
         for &j in order.iter().skip(n + 1) {

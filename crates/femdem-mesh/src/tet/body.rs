@@ -1,10 +1,10 @@
-//! Questions to a closed surface: inside or outside, nearest point, crossings.
+//! Queries on a closed surface: inside or outside, nearest point, crossings.
 
 use super::distance::Triangles;
 use super::winding::Winding;
 use crate::{Point3, Polyhedron, Vector3};
 
-/// A surface, prepared for questions.
+/// A surface prepared for queries.
 pub(super) struct Body {
     pub(super) triangles: Triangles,
     winding: Winding,
@@ -27,7 +27,7 @@ impl Body {
         self.winding.number(p) > 0.5
     }
 
-    /// Where the way from a point inside to one outside first leaves the body.
+    /// Where the segment from a point inside to one outside first leaves the body.
     pub(super) fn crossing(&self, inside: &Point3, outside: &Point3) -> Point3 {
         let way = outside - inside;
         let mut first = f64::INFINITY;
@@ -39,7 +39,7 @@ impl Body {
         if first.is_finite() {
             return inside + way * first;
         }
-        // Rounding can let the way slip through between two triangles: halve it instead.
+        // By rounding the segment can slip through between two triangles: bisect instead.
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..40 {
             let middle = 0.5 * (low + high);

@@ -3,7 +3,7 @@
 use crate::bvh::{Aabb, Bvh};
 use crate::{Point3, Vector3};
 
-/// Triangles in a tree, to be asked for the nearest.
+/// Triangles in a tree, for queries of the nearest one.
 pub(crate) struct Triangles {
     pub(crate) corners: Vec<[Point3; 3]>,
     tree: Bvh,
@@ -35,7 +35,7 @@ impl Triangles {
         self.nearest_of(p, |_| true)
     }
 
-    /// The nearest among the triangles that `wanted` chooses.
+    /// The nearest among the triangles for which `wanted` is true.
     pub(crate) fn nearest_of(
         &self,
         p: &Point3,
@@ -62,8 +62,8 @@ impl Triangles {
     }
 }
 
-/// The point of a triangle nearest to `p`, by the region of the plane that `p` lies over
-/// (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+/// The point of a triangle nearest to `p`, by the region of the plane over which `p` lies (C. Ericson,
+/// Real-Time Collision Detection, 2005, section 5.1.5).
 pub(crate) fn closest_point([a, b, c]: &[Point3; 3], p: &Point3) -> Point3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));

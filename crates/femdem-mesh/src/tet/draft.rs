@@ -11,7 +11,7 @@ const ON_FEATURE: f64 = 1e-5;
 /// Tetrahedra of a radius ratio below this are worth improving.
 const GOAL: f64 = 0.35;
 
-/// Points, tetrahedra and where they may go.
+/// Points, tetrahedra and the constraints on their motion.
 pub(super) struct Draft<'a> {
     features: &'a Features,
     length: f64,
@@ -23,7 +23,7 @@ pub(super) struct Draft<'a> {
 }
 
 impl<'a> Draft<'a> {
-    /// Finds out where the points of a stuffed lattice lie.
+    /// Determines where the points of a stuffed lattice lie.
     pub(super) fn new(
         features: &'a Features,
         stuffed: Stuffed,
@@ -79,8 +79,8 @@ impl<'a> Draft<'a> {
         worst
     }
 
-    /// Moves a point to `position` in a new place, unless that leaves a tetrahedron with a radius
-    /// ratio below `floor`.
+    /// Moves a point to `position` in a new place, unless this leaves a tetrahedron with a radius ratio below
+    /// `floor`.
     pub(super) fn try_move(
         &mut self,
         point: u32,
@@ -96,7 +96,7 @@ impl<'a> Draft<'a> {
         accepted
     }
 
-    /// The allowed position nearest to `position` for a point in its place.
+    /// The position allowed for a point in its place that is nearest to `position`.
     fn allowed(&self, point: u32, position: &Point3) -> Option<Point3> {
         match self.places[point as usize] {
             Place::Inside => Some(*position),

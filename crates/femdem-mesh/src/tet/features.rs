@@ -6,10 +6,10 @@ use crate::{Point3, Polyhedron};
 /// Edges whose faces' normals differ by more than this angle \[rad\] are sharp.
 const SHARP: f64 = 0.6;
 
-/// What holds a point of a mesh.
+/// The constraint on a point of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Place {
-    /// Nothing: it moves freely.
+    /// None: it moves freely.
     Inside,
     /// A smooth patch of the surface.
     Patch(u32),
@@ -130,8 +130,7 @@ impl Features {
         self.sharp.corners.iter().map(|&[a, b, _]| [a, b])
     }
 
-    /// Where a point of the surface lies; it lies on edges and corners that are nearer than the
-    /// tolerance.
+    /// The place of a point of the surface; points nearer than the tolerance to edges and corners lie on them.
     pub(super) fn place(&self, p: &Point3, tolerance: f64) -> Place {
         if let Some(i) = self.corners.iter().position(|c| (c - p).norm() < tolerance) {
             return Place::Corner(i as u32);

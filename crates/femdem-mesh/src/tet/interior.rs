@@ -1,4 +1,4 @@
-//! The field rule: every tetrahedron owns a point inside the body.
+//! The rule for fields: every tetrahedron has a point inside the body.
 
 use super::quality::radius_ratio;
 use super::{EDGES, TetMesh};
@@ -7,9 +7,9 @@ use crate::Point3;
 /// A split of some tetrahedra by one new point.
 struct Split {
     point: Point3,
-    /// The tetrahedra that go.
+    /// The tetrahedra that are replaced.
     old: Vec<u32>,
-    /// What replaces them; the new point has the index that `new_index` gave.
+    /// Their replacement; the new point has the index that `new_index` returned.
     new: Vec<[u32; 4]>,
 }
 
@@ -32,8 +32,7 @@ struct Round {
     tets: Vec<[u32; 4]>,
 }
 
-/// Splits the tetrahedra without interior point, as far as their splits touch different
-/// tetrahedra.
+/// Splits the tetrahedra without interior point, as far as their splits affect different tetrahedra.
 fn round(mesh: &TetMesh) -> Round {
     let inner_edges = InnerEdges::of(mesh);
     let mut gone = vec![false; mesh.tets.len()];

@@ -4,7 +4,7 @@ use crate::{Matrix3, Point3, Polyhedron, Vector3};
 
 /// Normals count as parallel or perpendicular within this sine or cosine.
 const ALIGNED: f64 = 1e-6;
-/// A direction is worth following if faces with this part of the area look along it.
+/// A direction is followed if faces with this part of the area are normal to it.
 const DOMINANT: f64 = 0.02;
 /// Layers of cells around the body.
 const MARGIN: f64 = 1.2;
@@ -23,11 +23,11 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    /// A lattice of cells with edges of about `length` \[m\] that holds the body with a margin.
+    /// A lattice of cells with edges of about `length` \[m\] that contains the body with a margin.
     ///
-    /// It follows the directions of the largest flat faces, and cells are stretched a little so
-    /// that layers of nodes lie in the outermost faces where these are flat: prismatic bodies are
-    /// met exactly, in any orientation.
+    /// It follows the directions of the largest flat faces, and cells are stretched a little so that layers of
+    /// nodes lie in the outermost faces where these are flat: prismatic bodies are represented exactly, in any
+    /// orientation.
     pub(super) fn around(body: &Polyhedron, length: f64) -> Self {
         let axes = dominant_axes(body);
         let extents = extents(body, &axes);
@@ -60,7 +60,7 @@ impl Lattice {
         2 * self.half()
     }
 
-    /// The number of nodes a lattice would have, rather too high, before it is made.
+    /// An upper estimate of the number of nodes of a lattice, before it is made.
     pub(super) fn estimate(body: &Polyhedron, length: f64) -> f64 {
         let layers = 2.0 * MARGIN + 2.0;
         let along = |(low, high): (f64, f64)| (high - low) / (0.74 * length) + layers;
@@ -157,8 +157,7 @@ fn extents(body: &Polyhedron, axes: &Matrix3) -> [(f64, f64); 3] {
     })
 }
 
-/// Three perpendicular directions along which the largest flat faces look; where faces are small,
-/// those of the coordinates.
+/// Three perpendicular directions normal to the largest flat faces; where faces are small, the coordinate axes.
 fn dominant_axes(body: &Polyhedron) -> Matrix3 {
     let mut directions: Vec<(Vector3, f64)> = Vec::new();
     let vertices = body.vertices();
@@ -205,8 +204,8 @@ mod tests {
         for id in 0..lattice.len() {
             assert_eq!(lattice.id(lattice.node(id)), Some(id));
         }
-        // Around an inner corner there are 24 of them, all alike, joined along lattice edges; the
-        // lattice has 12 for each cell.
+        // Around an inner corner there are 24 tetrahedra, all alike, joined along lattice edges; the lattice
+        // has 12 for each cell.
         let middle = lattice.size.map(|n| n as i32 / 2 * 2);
         let center = lattice.id(middle).unwrap();
         let around: Vec<[usize; 4]> = lattice.tets().filter(|t| t.contains(&center)).collect();

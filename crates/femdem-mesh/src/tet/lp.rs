@@ -2,7 +2,7 @@
 
 /// Bound on all variables: the problems are scaled to order one.
 const BOX: f64 = 1e3;
-/// Rows whose largest coefficient is below this say nothing about the variables.
+/// Rows whose largest coefficient is below this do not constrain the variables.
 const ZERO: f64 = 1e-13;
 
 /// A half-space `coefficients . x <= limit`.

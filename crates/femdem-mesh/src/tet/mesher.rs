@@ -1,4 +1,4 @@
-//! The front door: a mesh of any closed surface.
+//! The general mesher: a mesh of any closed surface.
 
 use super::body::Body;
 use super::distance::Triangles;
@@ -12,28 +12,28 @@ use crate::{MeshError, Point3, Polyhedron};
 const MOST_NODES: f64 = 2e7;
 /// Meshes are not refined beyond this number of tetrahedra.
 const MOST_TETS: usize = 20_000_000;
-/// Where an edge length is asked for, fans of smaller dihedral angles \[rad\] than this (15 degrees)
-/// are taken only if stuffing fails.
+/// If an edge length is given, fans with smaller dihedral angles \[rad\] than this (15 degrees) are used only
+/// if stuffing fails.
 const GOOD_FAN: f64 = 0.26;
 /// Samples along an edge, for distances.
 const SAMPLES: usize = 4;
-/// Most parts that a side of a triangle is cut into, for distances.
+/// Largest number of parts into which a side of a triangle is cut, for distances.
 const MOST_PARTS: u32 = 64;
 
-/// What is asked of a mesh.
+/// Options of the mesher.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshOptions {
-    /// The only way to be tried; none chooses.
+    /// The only method to try; with none the mesher chooses.
     pub method: Option<Method>,
-    /// Length of edges that is aimed at \[m\], positive and finite. None leaves fans unrefined, and takes twice the
-    /// volume over the area of the surface for other bodies (half the width of a square bar).
+    /// Target length of edges \[m\], positive and finite. With none fans are not refined, and other bodies use
+    /// twice the volume over the area of the surface (half the width of a square bar).
     pub edge_length: Option<f64>,
     /// Smallest dihedral angle allowed \[rad\], 0 or more and below 0.7: meshes with smaller ones are refused.
     pub min_dihedral: f64,
     /// Largest error of the volume allowed, relative to the body's, 0 to 1.
     pub max_volume_error: f64,
-    /// How often the length may be divided by the square root of 2 where a mesh with the length
-    /// asked for fails; not beyond lattices of 2e7 nodes.
+    /// How often the length may be divided by the square root of 2 if a mesh with the given length fails; not
+    /// beyond lattices of 2e7 nodes.
     pub refinements: u32,
 }
 
@@ -61,7 +61,7 @@ pub enum Method {
     Stuffing,
 }
 
-/// What came out.
+/// Properties of the mesh that was made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshReport {
     /// How the mesh was made.
@@ -72,15 +72,15 @@ pub struct MeshReport {
     pub tets: usize,
     /// Longest edge \[m\].
     pub longest_edge: f64,
-    /// The length the lattice was made with \[m\]: less than asked for if the body needed it; none
+    /// The length with which the lattice was made \[m\]: less than the given one if the body required it; none
     /// for fans.
     pub lattice_length: Option<f64>,
-    /// Whether sharp edges of the surface longer than the lattice's length were kept; false where
-    /// that would have spoiled the shapes.
+    /// Whether sharp edges of the surface longer than the lattice's length were kept; false where keeping them
+    /// would have spoiled the shapes.
     pub edges_kept: bool,
     /// Shapes of the tetrahedra.
     pub quality: Quality,
-    /// Volume of the mesh less that of the body, relative to the latter.
+    /// Volume of the mesh minus that of the body, relative to the latter.
     pub volume_error: f64,
     /// Largest distance between the skin and the surface, either way, by samples \[m\].
     pub distance: f64,
@@ -89,24 +89,23 @@ pub struct MeshReport {
     pub edge_distance: f64,
 }
 
-/// Makes a tetrahedral mesh of a body: a centroid fan if it is convex, else a star fan if it is
-/// star-shaped, else by isosurface stuffing with corners and sharp edges (more than 34 degrees
-/// between normals) recovered. Stuffing also serves where a fan does not meet the options, or has
-/// an edge length to keep and dihedral angles below 15 degrees. Every tetrahedron has a point
-/// inside the body. The same input gives the same bits.
+/// Makes a tetrahedral mesh of a body: a centroid fan if it is convex, else a star fan if it is star-shaped,
+/// else by isosurface stuffing with corners and sharp edges (more than 34 degrees between normals) recovered.
+/// Stuffing is also used where a fan does not meet the options, or if an edge length is given and the fan has
+/// dihedral angles below 15 degrees. Every tetrahedron has a point inside the body. The same input gives the
+/// same bits.
 ///
-/// The skin of fans is the surface, exactly. That of a stuffed lattice approaches it: see
-/// [`MeshReport`]. It always is one valid surface that does not cut itself, with as many holes as the
-/// body's.
+/// The skin of fans is exactly the surface. That of a stuffed lattice approximates it: see [`MeshReport`]. It
+/// is always one valid surface that does not cut itself, with as many holes as the body's.
 ///
 /// # Errors
 ///
-/// If options are out of range, the lattice would be too large, or no mesh meets the options within
-/// the refinements allowed: the error names what failed at the finest length tried.
+/// If options are out of range, the lattice would be too large, or no mesh meets the options within the
+/// refinements allowed: the error states what failed at the finest length tried.
 pub fn mesh(body: &Polyhedron, options: &MeshOptions) -> Result<(TetMesh, MeshReport), MeshError> {
     check(options)?;
     let least = options.min_dihedral;
-    // Where there is a length to keep, a fan of lesser shape is refined when stuffing has failed.
+    // If there is a length to keep, a fan of lesser shape is refined only after stuffing has failed.
     let good = match options.edge_length {
         Some(_) => least.max(GOOD_FAN),
         None => least,
@@ -137,7 +136,7 @@ pub fn mesh(body: &Polyhedron, options: &MeshOptions) -> Result<(TetMesh, MeshRe
     let mut result = stuff(body, &prepared, length, options);
     for _ in 0..options.refinements {
         let finer = length * std::f64::consts::FRAC_1_SQRT_2;
-        // A lattice that is too large stays so: what failed before says more.
+        // A lattice that is too large stays so; the earlier failure is more informative.
         if result.is_ok() || is_too_fine(body, finer) {
             break;
         }
@@ -160,8 +159,8 @@ pub fn mesh(body: &Polyhedron, options: &MeshOptions) -> Result<(TetMesh, MeshRe
         })
 }
 
-/// A fan, refined as often as the edge length asks, if it meets the options and has no dihedral angle below
-/// `least` \[rad\] before.
+/// A fan, refined as often as the edge length requires, if it meets the options and has no dihedral angle below
+/// `least` \[rad\] before refinement.
 fn fan(
     method: Method,
     body: &Polyhedron,
@@ -172,7 +171,7 @@ fn fan(
         Method::StarFan => TetMesh::star_fan(body)?,
         Method::CentroidFan | Method::Stuffing => TetMesh::centroid_fan(body)?,
     };
-    // The corners of a tetrahedron that is cut have its shape, so that cutting makes no angle better.
+    // The corners of a refined tetrahedron have its shape, so that refinement does not improve any angle.
     check_shape(&mesh.quality(), least)?;
     let mesh = refine_to(mesh, options.edge_length)?;
     accept(mesh, body, method, None, options)
@@ -195,7 +194,7 @@ fn check(options: &MeshOptions) -> Result<(), MeshError> {
             "a positive, finite number of metres",
         );
     }
-    // The regular tetrahedron's 70.5 degrees cannot be had throughout, nor 45 by a lattice.
+    // Neither the regular tetrahedron's 70.5 degrees can be reached throughout, nor 45 degrees by a lattice.
     if !(0.0..0.7).contains(&options.min_dihedral) {
         return refuse(
             "the smallest dihedral angle",
@@ -213,8 +212,8 @@ fn check(options: &MeshOptions) -> Result<(), MeshError> {
     Ok(())
 }
 
-/// Refines until no edge is longer than twice the root of 1/2 of the length: on average edges then
-/// have about that length.
+/// Refines until no edge is longer than twice the root of 1/2 of the length, so that edges have about that
+/// length on average.
 fn refine_to(mut mesh: TetMesh, length: Option<f64>) -> Result<TetMesh, MeshError> {
     let Some(length) = length else {
         return Ok(mesh);
@@ -253,8 +252,7 @@ fn longest_edge(mesh: &TetMesh) -> f64 {
     lengths.fold(0.0, f64::max)
 }
 
-/// Stuffs the body with the sharp edges kept that are longer than `length`, or, if that fails,
-/// without regard to edges.
+/// Stuffs the body, keeping the sharp edges that are longer than `length` or, if that fails, ignoring edges.
 fn stuff(
     polyhedron: &Polyhedron,
     body: &Body,
@@ -286,7 +284,7 @@ fn stuff(
     attempt(length).or_else(|_| attempt(f64::INFINITY))
 }
 
-/// Measures a mesh and refuses it if it is not what was asked for.
+/// Measures a mesh and refuses it if it does not meet the options.
 fn accept(
     mesh: TetMesh,
     body: &Polyhedron,
@@ -343,7 +341,7 @@ fn measure(
         .iter()
         .flat_map(samples)
         .map(|p| surface.triangles.distance(&p));
-    // The body's faces, as finely as the mesh could miss something there.
+    // The body's faces, sampled as finely as the mesh could miss something there.
     let step = 0.5 * lattice_length.unwrap_or(f64::INFINITY);
     let faces = surface.triangles.corners.iter();
     let inward = faces

@@ -1,18 +1,18 @@
 //! Tetrahedral meshes of bodies, and how to make them.
 //!
-//! A [`TetMesh`] is checked: every triangle has one or two tetrahedra, all of positive volume.
-//! [`mesh`] makes one of any closed surface and says in a [`MeshReport`] what came out:
+//! A [`TetMesh`] is checked: every triangle has one or two tetrahedra, all of positive volume. [`mesh`] makes
+//! one from any closed surface and describes it in a [`MeshReport`]:
 //!
-//! - convex bodies: tetrahedra about the centroid; star-shaped ones: about the centre of the largest
-//!   sphere in the kernel. Refined by cutting edges in half. The skin is the surface, exactly.
-//! - all others: isosurface stuffing. A body-centred cubic lattice is warped and cut to the surface;
-//!   then points of the skin are moved to the surface's corners and sharp edges, where shapes allow,
-//!   and shapes are improved. Blocks whose faces are perpendicular are met to rounding, in any
-//!   orientation; curved surfaces to the second order of the edge length.
+//! - convex bodies: tetrahedra about the centroid; star-shaped ones: about the centre of the largest sphere in
+//!   the kernel. They are refined by cutting edges in half. The skin is exactly the surface.
+//! - all others: isosurface stuffing. A body-centred cubic lattice is warped and cut to the surface; then
+//!   points of the skin are moved to the surface's corners and sharp edges, where shapes allow, and shapes are
+//!   improved. Blocks whose faces are perpendicular are represented to rounding, in any orientation; curved
+//!   surfaces to the second order of the edge length.
 //!
-//! A mesh that does not meet [`MeshOptions`], or has other holes than the body, is refused; the
-//! lattice is made finer a few times before that. Every tetrahedron has a point inside the body, as
-//! a field that is zero on the skin needs it.
+//! A mesh that does not meet [`MeshOptions`], or has other holes than the body, is refused after a few attempts
+//! with finer lattices. Every tetrahedron has a point inside the body, as required for a field that is zero on
+//! the skin.
 //!
 //! ```
 //! use femdem_mesh::shapes::{Dolos, Shape};
@@ -27,11 +27,10 @@
 //! # Ok::<(), femdem_mesh::MeshError>(())
 //! ```
 //!
-//! Parts thinner than the edge length are not seen by the lattice: if that changes the number of
-//! parts or holes, the mesh is refused; a thin fin or spike can be lost, which
-//! [`MeshReport::distance`] shows. Noise of a surface on the scale of the edge length is smoothed
-//! over. The surface must not cut through itself; where it does, its inside is where its winding
-//! number exceeds one half.
+//! Parts thinner than the edge length are invisible to the lattice. If that changes the number of parts or
+//! holes, the mesh is refused; a thin fin or spike can be lost, which [`MeshReport::distance`] shows. Noise of
+//! a surface on the scale of the edge length is smoothed. The surface must not cut through itself; if it does,
+//! its inside is where its winding number exceeds one half.
 
 mod body;
 pub(crate) mod distance;
@@ -81,7 +80,7 @@ pub struct TetMesh {
     on_skin: Vec<bool>,
 }
 
-/// What a mesh is made from, and is stored as.
+/// The parts from which a mesh is made; its stored form.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "TetMesh", deny_unknown_fields)]
 struct Parts {
@@ -107,16 +106,16 @@ impl From<TetMesh> for Parts {
 }
 
 impl TetMesh {
-    /// Makes a mesh from points \[m\] and tetrahedra, each four indices of points (a, b, c, d) with
-    /// (b - a) . ((c - a) x (d - a)) > 0.
+    /// Makes a mesh from points \[m\] and tetrahedra, each given by four indices of points (a, b, c, d) with (b
+    /// - a) . ((c - a) x (d - a)) > 0.
     ///
     /// # Errors
     ///
-    /// Refuses, naming the place: coordinates that are not finite, or too small, large or far from
-    /// the origin for the arithmetic; no tetrahedra; indices out of range; points that no
-    /// tetrahedron uses; tetrahedra that are inverted or flat; triangles shared by more than two
-    /// tetrahedra, or by two on the same side; and meshes in several pieces (pieces that share no
-    /// triangle). Tetrahedra that overlap without sharing a triangle are not found out.
+    /// Refuses, naming the place: coordinates that are not finite, or too small, large or far from the origin
+    /// for the arithmetic; no tetrahedra; indices out of range; points that no tetrahedron uses; tetrahedra
+    /// that are inverted or flat; triangles shared by more than two tetrahedra, or by two on the same side; and
+    /// meshes in several pieces (pieces that share no triangle). Tetrahedra that overlap without sharing a
+    /// triangle are not detected.
     pub fn new(points: Vec<Point3>, tets: Vec<[u32; 4]>) -> Result<Self, MeshError> {
         topology::check_indices(points.len(), &tets)?;
         check_coordinates(&points)?;
@@ -157,9 +156,9 @@ impl TetMesh {
         fan::about_kernel(polyhedron)
     }
 
-    /// A block from the origin to `size` \[m\], cut into `cells` along x, y and z, each of six
-    /// tetrahedra. With one or two cells along an axis some tetrahedra have no point inside the
-    /// body; [`TetMesh::with_interior_points`] mends that where it matters.
+    /// A block from the origin to `size` \[m\], cut into `cells` along x, y and z, each of six tetrahedra. With
+    /// one or two cells along an axis some tetrahedra have no point inside the body; use
+    /// [`TetMesh::with_interior_points`] where that matters.
     ///
     /// # Errors
     ///
@@ -169,9 +168,9 @@ impl TetMesh {
         structured::block(cells, size)
     }
 
-    /// The eighth of a hollow sphere about the origin that lies in x, y, z >= 0, between two radii
-    /// \[m\]: `around` cells along each curved edge, `through` layers. The three plane faces are
-    /// planes exactly; points of the spheres lie on them.
+    /// The eighth of a hollow sphere about the origin that lies in x, y, z >= 0, between two radii \[m\]:
+    /// `around` cells along each curved edge, `through` layers. The three plane faces are exactly plane; points
+    /// of the spheres lie on them.
     ///
     /// # Errors
     ///
@@ -254,9 +253,9 @@ impl TetMesh {
 
     /// The mesh with every tetrahedron split whose four points all lie on the skin.
     ///
-    /// A field that is zero on the skin is zero throughout such a tetrahedron: it would offer no
-    /// resistance. It is cut at the middle of an edge that runs through the body, together with
-    /// all tetrahedra around that edge, or at its centroid, whichever leaves the better shapes.
+    /// A field that is zero on the skin is zero throughout such a tetrahedron, which would offer no resistance.
+    /// The tetrahedron is cut at the middle of an edge that runs through the body, together with all tetrahedra
+    /// around that edge, or at its centroid, whichever leaves the better shapes.
     pub fn with_interior_points(&self) -> Self {
         interior::with_interior_points(self)
     }

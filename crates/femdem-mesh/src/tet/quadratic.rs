@@ -91,7 +91,7 @@ impl QuadraticMesh {
     }
 }
 
-/// Where an edge of the mesh stands in the sorted list.
+/// Position of an edge of the mesh in the sorted list.
 fn place_of(edges: &[[u32; 2]], [a, b]: [u32; 2]) -> usize {
     edges.binary_search(&[a.min(b), a.max(b)]).unwrap_or(0)
 }

@@ -3,7 +3,7 @@
 use super::{EDGES, FACES, six_volumes};
 use crate::{Point3, Vector3};
 
-/// How well shaped the tetrahedra of a mesh are.
+/// Shape measures of the tetrahedra of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     /// Smallest radius ratio: 3 times the inscribed over the circumscribed radius, 1 for the
@@ -15,8 +15,8 @@ pub struct Quality {
     pub min_dihedral: f64,
     /// Largest dihedral angle \[rad\].
     pub max_dihedral: f64,
-    /// Smallest height of a point over the opposite triangle \[m\]: what limits the time step of
-    /// explicit dynamics.
+    /// Smallest height of a point over the opposite triangle \[m\]; it limits the time step of explicit
+    /// dynamics.
     pub smallest_height: f64,
 }
 
@@ -68,7 +68,7 @@ pub(crate) fn radius_ratio(tet: [Point3; 4]) -> f64 {
     }
 }
 
-/// Smallest and largest dihedral angle \[rad\]; an inverted tetrahedron's angles mean nothing.
+/// Smallest and largest dihedral angle \[rad\]; meaningless for an inverted tetrahedron.
 pub(crate) fn dihedral_range(tet: [Point3; 4]) -> [f64; 2] {
     let normals = area_vectors(tet);
     let mut range = [f64::INFINITY, 0.0_f64];

@@ -4,9 +4,8 @@ use super::distance::Triangles;
 use crate::{Point3, Vector3};
 use std::f64::consts::PI;
 
-/// Groups of triangles farther away than this many of their radii are taken as one dipole: its
-/// error is of the order of the inverse square, while the winding numbers to be told apart are 0
-/// and 1.
+/// Groups of triangles farther away than this many of their radii are treated as one dipole: the error is of
+/// the order of the inverse square, while the winding numbers to be distinguished are 0 and 1.
 const FAR: f64 = 4.0;
 
 /// A closed surface in groups of neighbouring triangles.
@@ -22,7 +21,7 @@ struct Group {
 }
 
 impl Winding {
-    /// About as many groups as triangles in each.
+    /// Makes about as many groups as there are triangles in each.
     pub(super) fn new(triangles: &Triangles) -> Self {
         let order = triangles.order();
         let size = (order.len() as f64).sqrt().ceil().max(1.0) as usize;

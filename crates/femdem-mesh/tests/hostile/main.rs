@@ -1,5 +1,5 @@
-//! Surfaces that are no bodies, in every format: each a named error, in time and memory bounded by
-//! the length of the file.
+//! Surfaces that are not bodies, in every format: each gives a named error, in time and memory bounded by the
+//! length of the file.
 
 mod scan;
 

@@ -1,11 +1,11 @@
-//! What holds for every shape; names, text and refusals.
+//! Properties of every shape; names, text and refusals.
 
 use crate::body;
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::shapes::{Boulder, Clump, ClumpSpheres, Cylinder, Dolos, Shape, Sphere, listing};
 use femdem_mesh::{MeshError, Point3};
 
-/// Family, whether convex, whether all of it can be seen from the centroid, holes through it.
+/// Family, whether convex, whether the centroid sees all of it, holes through it.
 const FAMILIES: [(&str, bool, bool, i64); 14] = [
     ("sphere", true, true, 0),
     ("ellipsoid", true, true, 0),

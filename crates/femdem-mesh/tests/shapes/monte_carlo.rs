@@ -1,5 +1,4 @@
-//! Volume, centroid and inertia of non-convex shapes by sampling tests of their own of what is
-//! inside.
+//! Volume, centroid and inertia of non-convex shapes by sampling, with independent tests of what is inside.
 
 use crate::body;
 use femdem_mesh::{Point3, Polyhedron, Vector3, convex_hull};
@@ -111,7 +110,7 @@ fn dolos() {
             let (a, b) = (across.abs(), (z - middle).abs());
             along.abs() <= 0.5 && a <= wide && b <= wide && a + b <= 2.0 * wide - chamfer
         };
-        // The shank is the hull of where it leaves the flukes.
+        // The shank is the hull of the rings where it leaves the flukes.
         let mut ends = Vec::new();
         for (x, y, z) in [
             (half(0.0), 0.0, middle - half(0.0) + chamfer),
@@ -208,7 +207,7 @@ fn pellet() {
 fn antifer() {
     let groove = 0.12;
     let text = format!("antifer:groove={groove},segments=48");
-    // The body lies about its centroid: its lower face tells by how much it was moved.
+    // The body lies about its centroid: its lower face shows by how much it was moved.
     let moved = body(&text, 1.0)
         .vertices()
         .iter()

@@ -3,20 +3,20 @@
 use super::TETRAHEDRON;
 use crate::MeshError;
 
-/// What is done with the elements of a type.
+/// How the elements of a type are treated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Use {
     /// Four-node tetrahedra.
     Read,
-    /// Passed over: elements of points, lines and surfaces, with this many nodes.
+    /// Skipped: elements of points, lines and surfaces, with this many nodes.
     Skip(u64),
 }
 
-/// What is done with the elements of a type, after the table of the Gmsh manual.
+/// How the elements of a type are treated, after the table of the Gmsh manual.
 ///
 /// # Errors
 ///
-/// Volume elements that are no four-node tetrahedra, and unknown ones.
+/// Volume elements that are not four-node tetrahedra, and unknown ones.
 pub(super) fn usage(code: i64) -> Result<Use, MeshError> {
     let nodes = match code {
         TETRAHEDRON => return Ok(Use::Read),

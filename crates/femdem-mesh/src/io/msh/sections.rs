@@ -5,10 +5,10 @@ use super::values::{Encoding, Values};
 use crate::io::text::shortened;
 use crate::{MeshError, Point3};
 
-/// Nodes and tetrahedra as the file has them.
+/// Nodes and tetrahedra as in the file.
 #[derive(Default)]
 pub(super) struct Contents {
-    /// Tags, which are any numbers, and places.
+    /// Tags, which may be any numbers, and positions.
     nodes: Vec<(u64, Point3)>,
     /// Tags of the corners.
     tets: Vec<[u64; 4]>,
@@ -48,7 +48,7 @@ enum Version {
     V22,
 }
 
-/// Reads the section of the format, and finds how numbers are written.
+/// Reads the section of the format and determines the encoding of numbers.
 fn format(values: &mut Values) -> Result<Version, MeshError> {
     let name = values.word().unwrap_or_default();
     let version = match name {
@@ -70,7 +70,7 @@ fn format(values: &mut Values) -> Result<Version, MeshError> {
                 advice: "save it in format 4.1, or as ASCII",
             });
         }
-        // A one tells the order of bytes.
+        // The number 1 shows the byte order.
         values.encoding = Encoding::LittleEndian;
         if values.int()? != 1 {
             values.encoding = Encoding::BigEndian;
@@ -82,7 +82,7 @@ fn format(values: &mut Values) -> Result<Version, MeshError> {
     Ok(version)
 }
 
-/// Goes on behind the end of a section.
+/// Continues after the end of a section.
 fn end(name: &[u8], values: &mut Values) -> Result<(), MeshError> {
     let mark = [b"$End", name].concat();
     if values.pass(&mark) {
@@ -171,7 +171,7 @@ impl Contents {
         Ok(())
     }
 
-    /// Points that tetrahedra use, in the order of the file, and tetrahedra of positive volume.
+    /// The points used by tetrahedra, in the order of the file, and tetrahedra of positive volume.
     pub(super) fn tetrahedra(self) -> Result<(Vec<Point3>, Vec<[u32; 4]>), MeshError> {
         let Self { nodes, tets } = self;
         if tets.is_empty() {

@@ -1,10 +1,10 @@
-//! The header: what the data consist of.
+//! The header, which describes the data.
 
 use super::values::{Encoding, Scalar, Values};
 use crate::MeshError;
 use crate::io::text::{Lines, count, problem, shortened, words};
 
-/// What the header says, and the data after it.
+/// The contents of the header, and the data after it.
 pub(super) struct Header<'a> {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
@@ -30,7 +30,7 @@ pub(super) enum Kind {
 }
 
 impl Element {
-    /// The error of data that end within this element.
+    /// The error for data that end within this element.
     pub(super) fn cut_off(&self, found: u64) -> MeshError {
         MeshError::CutOff {
             what: match self.name.as_slice() {

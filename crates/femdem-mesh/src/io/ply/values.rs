@@ -3,7 +3,7 @@
 use crate::MeshError;
 use crate::io::text::{Lines, coordinate, problem, shortened};
 
-/// How numbers are written.
+/// Encoding of the numbers.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -69,7 +69,7 @@ impl Scalar {
         }
     }
 
-    /// Of bytes in little endian order, zeros after the last.
+    /// The value of bytes in little endian order, padded with zeros.
     fn value(self, bytes: [u8; 8]) -> f64 {
         let [a, b, c, d, ..] = bytes;
         match self {
@@ -85,7 +85,7 @@ impl Scalar {
     }
 }
 
-/// The numbers that are still to be read.
+/// The numbers not yet read.
 pub(super) struct Values<'a> {
     rest: &'a [u8],
     lines: Lines<'a>,
@@ -93,7 +93,7 @@ pub(super) struct Values<'a> {
 }
 
 impl<'a> Values<'a> {
-    /// Those of the lines after the header.
+    /// The numbers in the lines after the header.
     pub(super) fn new(lines: Lines<'a>, encoding: Encoding) -> Self {
         let rest = match encoding {
             Encoding::Ascii => &[],
@@ -106,8 +106,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// The next number; `cut_off` if there is none. Whether it is finite is seen later if the data
-    /// are binary.
+    /// The next number; `cut_off` if there is none. In binary data whether it is finite is checked later.
     pub(super) fn scalar(
         &mut self,
         scalar: Scalar,
@@ -128,7 +127,7 @@ impl<'a> Values<'a> {
         Ok(scalar.value(bytes))
     }
 
-    /// The next number, which must be a whole one from 0.
+    /// The next number, which must be a non-negative integer.
     pub(super) fn whole(
         &mut self,
         scalar: Scalar,
@@ -156,7 +155,7 @@ impl<'a> Values<'a> {
         Some(word)
     }
 
-    /// Binary data must end where the header says: else it did not fit them.
+    /// Binary data must end where the header says; otherwise they do not match it.
     pub(super) fn check_end(&self, encoding: Encoding) -> Result<(), MeshError> {
         if encoding == Encoding::Ascii || self.rest.iter().all(u8::is_ascii_whitespace) {
             return Ok(());

@@ -27,8 +27,8 @@ family! {
 
 type Polygon = Vec<Point3>;
 
-/// The symmetry that takes the upper fluke to the lower one: a quarter turn and a reflection in
-/// z = 0. It turns polygons inside out, which is undone.
+/// The symmetry that maps the upper fluke to the lower one: a quarter turn and a reflection in z = 0. It turns
+/// polygons inside out, which is undone.
 fn swap_ends(polygon: &Polygon) -> Polygon {
     polygon
         .iter()
@@ -136,7 +136,7 @@ impl Ring {
 
     /// The shank's face towards +y, and its chamfer towards +x and +y.
     fn quarter_of_shank(&self) -> Vec<Polygon> {
-        // A half turn about x = y, z = 0 takes the upper ring to the lower one.
+        // A half turn about x = y, z = 0 maps the upper ring to the lower one.
         let below = |p: Point3| Point3::new(p.y, p.x, -p.z);
         let (middle_below, side_below, inner_below) =
             (below(self.middle), below(self.side), below(self.inner));
