@@ -6,7 +6,7 @@ use crate::bounds::Bounds;
 use crate::error::AnalysisError;
 use crate::pack::Pack;
 
-/// Most cells along one axis, in one layer and in all.
+/// Largest number of cells along one axis, in one layer and in all.
 const MOST: [f64; 3] = [65_536.0, 134_217_728.0, 4_294_967_296.0];
 
 /// Cells of equal width along one axis.
@@ -18,7 +18,7 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// Cuts `low..high` into cells as near to `spacing` as fits a whole number of times.
+    /// Cuts `low..high` into a whole number of cells, of width as near to `spacing` as possible.
     fn new(low: f64, high: f64, spacing: f64) -> Self {
         let count = cells_along(low, high, spacing);
         Self {
@@ -28,12 +28,12 @@ impl Axis {
         }
     }
 
-    /// Cells over a box, refused when they would be too many.
+    /// Cells over a box; an error if they would be too many.
     pub(crate) fn grid(bounds: &Bounds, spacing: f64) -> Result<[Self; 3], AnalysisError> {
         let counts = [0, 1, 2].map(|k| cells_along(bounds.min[k], bounds.max[k], spacing));
         let layer = counts[0] * counts[1];
         let cells = layer * counts[2];
-        // Written so that NaN fails it too.
+        // The condition is false for NaN.
         let fits = counts.iter().all(|n| *n <= MOST[0]) && layer <= MOST[1] && cells <= MOST[2];
         if !fits {
             return Err(AnalysisError::GridTooFine { cells, layer });
@@ -51,7 +51,7 @@ impl Axis {
         self.low + i as f64 * self.step
     }
 
-    /// The cells that have a part in `low..=high`, but for round-off.
+    /// The cells that overlap `low..=high`, to round-off.
     pub(crate) fn meeting(&self, low: f64, high: f64) -> Range<usize> {
         // Conversion to usize saturates: what lies before the first cell becomes 0.
         let first = ((low - self.low) / self.step).floor() as usize;
@@ -69,13 +69,13 @@ impl Axis {
         first.min(end)..end
     }
 
-    /// The cells whose centre lies in `low..=high`, and perhaps one more on either side: none is missed
-    /// by round-off.
+    /// The cells whose centre lies in `low..=high`, and possibly one more on either side: none is missed by
+    /// round-off.
     pub(crate) fn near(&self, low: f64, high: f64) -> Range<usize> {
         self.within(low - 0.5 * self.step, high + 0.5 * self.step)
     }
 
-    /// For each cell of axis `k` the bodies whose box holds its centre, ascending.
+    /// For each cell of axis `k` the bodies whose box contains its centre, ascending.
     pub(crate) fn sort_bodies(&self, k: usize, pack: &Pack) -> Vec<Vec<usize>> {
         let mut sorted = vec![Vec::new(); self.count];
         for body in 0..pack.len() {

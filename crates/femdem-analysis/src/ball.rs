@@ -1,18 +1,19 @@
-//! Volume that a closed surface has in a ball, in closed form.
+//! Volume of the part of a closed surface's inside that lies in a ball, in closed form.
 //!
-//! Seen from the centre of a ball of radius `R`, a face on a plane at the signed distance `h` is the base of
-//! a cone. Where the face lies in the ball the cone ends on it, elsewhere on the sphere, so the volume that
-//! the face adds is the integral over it, in polar coordinates about the foot of the centre on its plane, of
+//! Seen from the centre of a ball of radius `R`, a face on a plane at the signed distance `h` is the base of a
+//! cone. Where the face lies in the ball the cone ends on it, elsewhere on the sphere, so that the contribution
+//! of the face to the volume is the integral over it, in polar coordinates about the foot of the centre on its
+//! plane, of
 //!
 //! `h/3` for `r <= a`,  `R³ h / (3 (r² + h²)^1.5)` for `r > a`,  with `a² = max(R² - h², 0)`.
 //!
-//! Its radial integral `G(r)` turned into an integral over the border, `∮ G(r) dθ`, has an elementary
-//! form for every piece of a straight edge. Nothing has to be decided but where an edge crosses the circle
-//! `r = a`, where `G` is continuous.
+//! Its radial integral `G(r)`, turned into an integral over the border, `∮ G(r) dθ`, has an elementary form for
+//! every piece of a straight edge. The only decision is where an edge crosses the circle `r = a`, where `G` is
+//! continuous.
 
 use femdem_mesh::{Point3, Vector3};
 
-/// What a triangle (outward counter-clockwise) adds to the volume that its surface has in the ball.
+/// Contribution of a triangle (outward counter-clockwise) to the volume that its surface has in the ball.
 pub(crate) fn volume_in_ball(triangle: &[Point3; 3], centre: &Point3, radius: f64) -> f64 {
     let [a, b, c] = triangle.map(|p| p - centre);
     let area = (b - a).cross(&(c - a));
@@ -31,7 +32,7 @@ pub(crate) fn volume_in_ball(triangle: &[Point3; 3], centre: &Point3, radius: f6
 
 struct Cone {
     height: f64,
-    /// Radius of the circle that the sphere leaves on the plane; 0 when it leaves none.
+    /// Radius of the circle in which the sphere cuts the plane; 0 if it does not.
     circle: f64,
     /// `R³ / 3`.
     outside: f64,
@@ -114,8 +115,8 @@ mod tests {
             .unwrap()
     }
 
-    /// Balls that a cube of side 2 about the origin cuts to nothing, a cap, a half, a quarter, an eighth, and
-    /// to six caps less.
+    /// Balls of which a cube of side 2 about the origin contains nothing, a cap, a half, a quarter, an eighth,
+    /// and all but six caps.
     #[test]
     fn parts_of_a_ball_in_a_cube() {
         let cube = solid("P5").scaled(3_f64.sqrt()).unwrap();
@@ -163,7 +164,7 @@ mod tests {
                     let turn = f64::from(i) * PI * (3.0 - 5_f64.sqrt());
                     let s = (1.0 - z * z).sqrt();
                     let point = centre + radius * Vector3::new(s * turn.cos(), s * turn.sin(), z);
-                    // A small ball about a point is wholly inside, or it is not: its part says so.
+                    // A small ball about a point is either wholly inside or not, as its part shows.
                     inside += in_ball(shape, &point, tiny) / (4.0 / 3.0 * PI * tiny.powi(3));
                 }
                 let area = inside / f64::from(n) * 4.0 * PI * radius * radius;

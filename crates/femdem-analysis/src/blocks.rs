@@ -9,23 +9,23 @@ use crate::error::AnalysisError;
 use crate::network::ForceNetwork;
 use crate::region::Region;
 
-/// Most blocks along one axis.
+/// Largest number of blocks along one axis.
 const MOST: usize = 8;
 
 /// A mean and its standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// The mean; of nothing, 0.
+    /// The mean; 0 if there are no values.
     pub mean: f64,
-    /// Its standard error by block bootstrap over sub-boxes of the pack: scatter within this pack. `None`
-    /// with fewer than four blocks that hold anything.
+    /// Its standard error by block bootstrap over sub-boxes of the pack: scatter within this pack. `None` with
+    /// fewer than four blocks that contain values.
     pub standard_error: Option<f64>,
     /// Number of values.
     pub count: usize,
 }
 
-/// The box around the centres of a pack, cut into equal blocks: at least one and at most 8 along each
-/// axis, of the side that the bootstrap asks for or more.
+/// The box around the centres of a pack, cut into equal blocks: at least one and at most 8 along each axis,
+/// with at least the side that the bootstrap requires.
 #[derive(Clone, Debug)]
 pub(crate) struct Blocks {
     low: Point3,
@@ -54,7 +54,7 @@ impl Blocks {
         bootstrap.validate()?;
         let (min, max) = region.corners();
         let mut blocks = Self::cut(&Bounds { min, max }, diameter, bootstrap);
-        // What is not equal blocks is one.
+        // A region that cannot be cut into equal blocks is one block.
         match region {
             Region::Box { .. } => {}
             Region::Cylinder { .. } => (blocks.counts[0], blocks.counts[1]) = (1, 1),
@@ -85,7 +85,7 @@ impl Blocks {
         cell(0) + self.counts[0] * (cell(1) + self.counts[1] * cell(2))
     }
 
-    /// Mean of values weighed equally, each somewhere in the pack.
+    /// Mean of equally weighted values, each with a position in the pack.
     pub(crate) fn mean(&self, values: impl IntoIterator<Item = (Point3, f64)>) -> Estimate {
         let mut count = 0;
         let weighed = values.into_iter().map(|(at, value)| {
@@ -100,8 +100,8 @@ impl Blocks {
         }
     }
 
-    /// Sum of values over sum of weights, each somewhere in the pack, and its standard error; 0 where
-    /// there is no weight.
+    /// Sum of values over sum of weights, each with a position in the pack, and its standard error; 0 if the
+    /// weights are zero.
     pub(crate) fn ratio(
         &self,
         items: impl IntoIterator<Item = (Point3, f64, f64)>,
@@ -119,7 +119,7 @@ impl Blocks {
         (mean, self.bootstrap.ratio_error(&blocks))
     }
 
-    /// Standard error of the sum of values over the volume of all blocks; `None` for one block.
+    /// Standard error of the sum of values over the volume of all blocks; `None` with fewer than four blocks.
     pub(crate) fn density_error(
         &self,
         items: impl IntoIterator<Item = (Point3, f64)>,

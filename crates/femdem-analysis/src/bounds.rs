@@ -23,7 +23,7 @@ impl Bounds {
         bounds
     }
 
-    /// Whether the two boxes have a point in common.
+    /// Whether the two boxes have a common point.
     pub(crate) fn meets(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }

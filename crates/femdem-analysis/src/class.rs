@@ -66,7 +66,7 @@ impl ContactClass {
         }
     }
 
-    /// The class of a name, as [`name`](Self::name) gives it.
+    /// The class with a given name, as returned by [`name`](Self::name).
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|class| class.name() == name)
@@ -82,10 +82,10 @@ impl ContactClass {
         }
     }
 
-    /// Motions that a contact of rigid bodies of this class takes from the pair, of six: without
-    /// friction one more than the dimension (approach, and rocking where the patch is extended); with
-    /// friction also the two directions of sliding, and the spin about the normal where the patch is
-    /// extended. So face-face 3 and 6, edge-face 2 and 5, point 1 and 3 (Jaoshvili et al. 2010 count so).
+    /// Degrees of freedom that a contact of rigid bodies of this class removes from the pair, of six. Without
+    /// friction these are one more than the dimension (approach, and rocking where the patch is extended); with
+    /// friction also the two directions of sliding, and the spin about the normal where the patch is extended.
+    /// So face-face 3 and 6, edge-face 2 and 5, point 1 and 3 (as in Jaoshvili et al. 2010).
     #[must_use]
     pub const fn constraints(self, friction: bool) -> u32 {
         match (self, friction) {
@@ -98,7 +98,7 @@ impl ContactClass {
     }
 }
 
-/// What the class of a contact is found from.
+/// The quantities from which the class of a contact is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// Contact area A (m²).

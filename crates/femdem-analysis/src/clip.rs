@@ -1,4 +1,4 @@
-//! Polyhedra cut by planes: the kernel under the exact volumes.
+//! Polyhedra cut by planes: the basis of the exact volumes.
 
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
 
@@ -7,13 +7,13 @@ use crate::bounds::Bounds;
 use crate::prisms::volume_in_cylinder;
 use crate::region::Region;
 
-/// A closed surface of polygons that planes cut down, with memory that is reused.
+/// A closed surface of polygons that is cut by planes, with memory that is reused.
 ///
-/// The surface is kept as loops over shared vertices. A cut decides once per vertex on which side it
-/// lies (on the plane counts as kept) and makes one new vertex per cut edge, so the surface stays
-/// closed whatever the round-off; there are no tolerances. Faces that a plane meets more than twice
-/// (non-convex ones) are joined along the cut: such a loop runs over itself there, and as volume is a
-/// signed sum over loops, this does not change it. The same holds for a cap of several loops.
+/// The surface is stored as loops over shared vertices. A cut decides once per vertex on which side it lies (on
+/// the plane counts as kept) and makes one new vertex per cut edge, so that the surface stays closed whatever
+/// the round-off; there are no tolerances. Faces that a plane meets more than twice (non-convex ones) are
+/// joined along the cut: such a loop overlaps itself there, which does not change the volume, a signed sum over
+/// loops. The same holds for a cap of several loops.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Clipper {
     surface: Surface,
@@ -21,7 +21,7 @@ pub(crate) struct Clipper {
     distances: Vec<f64>,
     /// Cut edges as (kept vertex, dropped vertex), sorted.
     edges: Vec<(u32, u32)>,
-    /// For each cut edge the one before it on the faces around, hence the next on the cap.
+    /// For each cut edge the one before it on the faces around, which is the next on the cap.
     successor: Vec<u32>,
     renumbered: Vec<u32>,
     visited: Vec<bool>,
@@ -66,7 +66,7 @@ fn edges_of(corners: &[u32]) -> impl Iterator<Item = (u32, u32)> {
 }
 
 impl Clipper {
-    /// Starts anew from `shape` at `pose`.
+    /// Restarts with `shape` at `pose`.
     pub(crate) fn load(&mut self, shape: &Polyhedron, pose: &Pose) {
         self.surface.clear();
         self.surface
@@ -78,7 +78,7 @@ impl Clipper {
         }
     }
 
-    /// Starts anew from a box.
+    /// Restarts with a box.
     pub(crate) fn load_box(&mut self, bounds: &Bounds) {
         self.surface.clear();
         let corners = [&bounds.min, &bounds.max];
@@ -99,37 +99,37 @@ impl Clipper {
         }
     }
 
-    /// Leaves nothing.
+    /// Makes the rest empty.
     pub(crate) fn clear(&mut self) {
         self.surface.clear();
     }
 
-    /// Starts anew from what is left in another.
+    /// Restarts with the rest in another clipper.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.surface.vertices.clone_from(&other.surface.vertices);
         self.surface.corners.clone_from(&other.surface.corners);
         self.surface.ends.clone_from(&other.surface.ends);
     }
 
-    /// Moves what is left.
+    /// Moves the rest.
     pub(crate) fn transform(&mut self, pose: &Pose) {
         for vertex in &mut self.surface.vertices {
             *vertex = pose * *vertex;
         }
     }
 
-    /// Whether nothing is left.
+    /// Whether the rest is empty.
     pub(crate) fn is_empty(&self) -> bool {
         self.surface.vertices.is_empty()
     }
 
-    /// Box around what is left.
+    /// Box around the rest.
     pub(crate) fn bounds(&self) -> Bounds {
         Bounds::around(self.surface.vertices.iter().copied())
     }
 
-    /// Calls `hit` with the triangles of what is left. They are fans of the loops: signed integrals
-    /// over them are right, though some may be turned over.
+    /// Calls `hit` with the triangles of the rest. They are fans of the loops: signed integrals over them are
+    /// correct, though some triangles may be reversed.
     pub(crate) fn each_triangle(&self, mut hit: impl FnMut([Point3; 3])) {
         let place = |v: u32| self.surface.vertices[v as usize];
         for corners in self.surface.loops() {
@@ -142,7 +142,7 @@ impl Clipper {
         }
     }
 
-    /// Volume of what is left: signed tetrahedra from one of its vertices.
+    /// Volume of the rest: signed tetrahedra from one of its vertices.
     pub(crate) fn volume(&self) -> f64 {
         let vertices = &self.surface.vertices;
         let Some(&apex) = vertices.first() else {
@@ -274,8 +274,7 @@ impl Clipper {
         }
     }
 
-    /// Keeps the part inside the planes of `region`; what is round is left to
-    /// [`volume_in`](Self::volume_in).
+    /// Keeps the part inside the planes of `region`; round surfaces are left to [`volume_in`](Self::volume_in).
     pub(crate) fn clip_to_planes(&mut self, region: &Region) {
         let (min, max) = region.corners();
         let axes: &[usize] = match region {
@@ -292,7 +291,7 @@ impl Clipper {
         }
     }
 
-    /// Volume of the part inside `region`, to whose planes the rest is clipped.
+    /// Volume of the part inside `region`, after the rest was clipped to its planes.
     pub(crate) fn volume_in(&mut self, region: &Region) -> f64 {
         self.clip_to_planes(region);
         match *region {
@@ -361,7 +360,7 @@ mod tests {
     }
 
     proptest! {
-        /// Cutting further never adds volume, the order of cuts is no matter, and an empty rest stays so.
+        /// Further cuts never add volume, the order of cuts does not matter, and an empty rest stays empty.
         #[test]
         fn cuts_commute_and_shrink(
             cuts in prop::collection::vec((-1.0..1.0_f64, -1.0..1.0_f64, -1.0..1.0_f64, -0.6..0.6_f64), 1..8),

@@ -8,17 +8,17 @@ use crate::pack::Pack;
 use crate::region::{NOT_UPRIGHT, Region};
 use crate::top::{TopPlane, top_plane};
 
-/// How [`choose_core`] insets.
+/// How [`choose_core`] chooses the inset.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CoreOptions {
-    /// Largest inset from walls, floor and mean top, over the mean diameter; 0 or more. Default 5,
-    /// the founding paper's.
+    /// Largest inset from walls, floor and mean top, over the mean diameter; 0 or more. Default 5, as in the
+    /// founding paper.
     pub inset_over_d: f64,
-    /// Extent over the mean diameter that the core keeps where it can, at the inset's cost; above 0.
+    /// Extent over the mean diameter that the core keeps where possible, by reducing the inset; above 0.
     /// Default 3.
     pub minimum_core_over_d: f64,
-    /// Spacing over the mean diameter of the columns that find the mean top; above 0. Default 1/4.
+    /// Spacing over the mean diameter of the columns used to find the mean top; above 0. Default 1/4.
     pub column_spacing_over_d: f64,
 }
 
@@ -32,15 +32,15 @@ impl Default for CoreOptions {
     }
 }
 
-/// What set the inset.
+/// The reason for the inset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InsetLimit {
-    /// Nothing: it is the inset asked for.
+    /// None: it is the inset of the options.
     None,
-    /// The container is too narrow for the inset asked for.
+    /// The container is too narrow for the inset of the options.
     Width,
-    /// The pack is too low for the inset asked for.
+    /// The pack is too low for the inset of the options.
     Height,
 }
 
@@ -53,22 +53,22 @@ pub struct CoreRegion {
     pub inset: f64,
     /// The same over the mean diameter.
     pub inset_over_d: f64,
-    /// What kept the inset below the one asked for.
+    /// Why the inset is smaller than that of the options.
     pub limit: InsetLimit,
-    /// The top of the pack that the inset starts from.
+    /// The top of the pack from which the inset is measured.
     pub top: TopPlane,
 }
 
 /// Chooses the core of a pack that lies in `container` (its inside, walls and floor being its faces).
 ///
-/// The founding paper (Xiang, Latham and Farsi 2016) keeps 5 diameters from the walls and from the mean
-/// top plane. Small packs cannot: here the inset, the same on all sides and from the floor, is
+/// The founding paper (Xiang, Latham and Farsi 2016) keeps 5 diameters from the walls and from the mean top
+/// plane. Small packs do not allow that. Here the inset, the same on all sides and from the floor, is
 ///
-/// `min(inset asked for, max((L - minimum core)/2, L/4))`
+/// `min(inset of the options, max((L - minimum core)/2, L/4))`
 ///
-/// with `L` the least of the container's widths and the pack's height (floor to mean top, or to the
-/// container's own top where that is lower). So the core keeps the minimum extent, or half of `L` where
-/// the pack is smaller still; [`CoreRegion::limit`] says which extent decided.
+/// with `L` the smallest of the container's widths and the pack's height (floor to mean top, or to the
+/// container's own top where that is lower). The core thus keeps the minimum extent, or half of `L` where the
+/// pack is smaller still; [`CoreRegion::limit`] states which extent was decisive.
 ///
 /// ```
 /// use femdem_analysis::{CoreOptions, InsetLimit, Pack, PosedBody, Region, choose_core};
@@ -89,9 +89,9 @@ pub struct CoreRegion {
 /// ```
 ///
 /// # Errors
-/// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`] for the container, [`AnalysisError::RegionKind`]
-/// for a sphere (take [`Region::inset`]), [`AnalysisError::Option`],
-/// [`AnalysisError::NoPackInContainer`], [`AnalysisError::GridTooFine`] for the columns.
+/// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`] for the container, [`AnalysisError::RegionKind`] for
+/// a sphere (use [`Region::inset`]), [`AnalysisError::Option`], [`AnalysisError::NoPackInContainer`],
+/// [`AnalysisError::GridTooFine`] for the columns.
 pub fn choose_core(
     pack: &Pack,
     container: &Region,

@@ -6,7 +6,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum AnalysisError {
-    /// The pack holds no body, so it has no size, no top and no mean.
+    /// The pack is empty, so that it has no size, no top and no mean.
     #[error("the pack holds no body; an analysis needs at least one")]
     EmptyPack,
     /// More bodies than a body index (`u32`) can name.
@@ -25,7 +25,7 @@ pub enum AnalysisError {
         /// Number of shapes.
         shapes: usize,
     },
-    /// A pose holds NaN or infinity, or its rotation is not of unit length.
+    /// A pose contains NaN or infinity, or its rotation is not of unit length.
     #[error(
         "body {body} has the translation {translation:?} m and a quaternion of length {length}; they must be finite \
          and 1 to 1e-6"
@@ -51,9 +51,9 @@ pub enum AnalysisError {
     /// A kind of region for which there is no such analysis.
     #[error("{what} cannot be had in such a region; give {instead}")]
     RegionKind {
-        /// What was asked for.
+        /// The analysis.
         what: &'static str,
-        /// The regions it can be had in.
+        /// The regions for which it is possible.
         instead: &'static str,
     },
     /// Fewer bodies in a region than an analysis needs.
@@ -63,19 +63,19 @@ pub enum AnalysisError {
     TooFewBodies {
         /// Number of bodies there.
         bodies: usize,
-        /// The least number.
+        /// The smallest number required.
         least: usize,
     },
-    /// A set of directions without any.
+    /// An empty set of directions.
     #[error("there is no direction to analyse; select bodies, and faces that they have")]
     NoDirections,
-    /// Faces with a number of sides that no face has.
+    /// Faces with a number of sides that no face of the bodies has.
     #[error(
         "no body has a face of {sides} sides; there are faces of {}",
         listed(found)
     )]
     NoFaces {
-        /// Number of sides asked for.
+        /// Number of sides specified.
         sides: u32,
         /// Numbers of sides that faces of the bodies have, ascending.
         found: Vec<usize>,
@@ -104,12 +104,12 @@ pub enum AnalysisError {
          raise the grid spacing or shrink the region"
     )]
     GridTooFine {
-        /// Cells asked for.
+        /// Number of cells.
         cells: f64,
-        /// Cells asked for in one horizontal layer.
+        /// Cells in one horizontal layer.
         layer: f64,
     },
-    /// No body lies over the floor of the container, so there is no pack to take a core from.
+    /// No body lies over the floor of the container, so that there is no pack for a core.
     #[error(
         "the mean top of the pack, z = {mean_top} m, is not above the container's floor, z = {floor} m; \
          check that container and pack use the same frame"
@@ -172,7 +172,7 @@ pub enum AnalysisError {
         /// What is allowed.
         allowed: &'static str,
     },
-    /// An analysis that compares forces with weights met a body without one.
+    /// An analysis that compares forces with weights was given a body without weight.
     #[error("body {body} has no weight; give the mass or the density of the bodies, and gravity")]
     NoWeight {
         /// Index of the first body without a weight.

@@ -20,8 +20,8 @@ pub struct Fabric {
     /// Anisotropy a = √(3/2 A:A) with A = 15/2 (mean of n ⊗ n − 1/3), the second-order coefficient of
     /// P(n) = (1 + A_ij n_i n_j)/4π (Kanatani 1984): 0 if isotropic, 7.5 if all directions are one.
     pub anisotropy: f64,
-    /// Root mean square of the anisotropy of as many independent uniform directions, 7.5/√count: smaller
-    /// values mean nothing.
+    /// Root mean square of the anisotropy of as many independent uniform directions, 7.5/√count: smaller values
+    /// are not significant.
     pub anisotropy_noise: f64,
     /// Number of directions.
     pub count: usize,
@@ -30,10 +30,10 @@ pub struct Fabric {
 /// Fabric of the touching pairs of bodies, walls left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactFabric {
-    /// Of the contact normals, one for each contact: a pair that meets in several patches counts with each, however
-    /// weak it is.
+    /// Of the contact normals, one for each contact: all contacts of a touching pair count, however weak they
+    /// are.
     pub normals: Fabric,
-    /// Of the same, each weighed with its normal force, or with 0 where it pulls.
+    /// Of the same normals, each weighted with its normal force, or with 0 where it pulls.
     pub forces: Fabric,
     /// Of the branches, the lines from centre to centre, one for each touching pair.
     pub branches: Fabric,
@@ -105,7 +105,7 @@ impl Fabric {
             principal,
             directions: directions.map(Into::into),
             anisotropy: (1.5 * deviator.norm_squared()).sqrt(),
-            // With unequal weights as with so many equal ones (Kish 1965).
+            // The effective number of unequal weights is that of Kish (1965).
             anisotropy_noise: 7.5 * weights.1.sqrt() / weights.0,
             count,
         }

@@ -1,14 +1,14 @@
 //! Statistics of packs of polyhedra, convex or not: packing density, contacts, forces and stress.
 //!
-//! Plain data in, plain tables out. The bodies may come from femdem, from a file or from another
-//! code; this crate knows neither how they were made nor how they are stored.
+//! Input and output are plain data and plain tables. The bodies may come from femdem, from a file or from
+//! another code; this crate does not depend on how they were made or stored.
 //!
-//! **Use it** to measure settled packs of rigid polyhedra: the density of a stated region, exactly and
-//! by the counting grid of the founding paper (Xiang, Latham and Farsi 2016), with its error; how bodies lie
-//! and touch; how contact forces are distributed, which chains carry them, and what stress they make. The
-//! tables of contacts and forces need no shapes and serve for spheres or clumps as well. **Do not use it** to find
-//! contacts (femdem-contact does), for the density of bodies that deform or of spheres (closed formulas
-//! serve better), or for periodic boxes, whose images it does not make.
+//! **Use it** to measure settled packs of rigid polyhedra: the density of a region, exactly and by the counting
+//! grid of the founding paper (Xiang, Latham and Farsi 2016), with its error; how bodies lie and touch; how
+//! contact forces are distributed, which chains carry them, and the stress. The tables of contacts and forces
+//! need no shapes, so that they also serve for spheres or clumps. **Do not use it** to find contacts
+//! (femdem-contact does), for the density of deformable bodies or of spheres (closed formulas are better), or
+//! for periodic boxes, whose images it does not make.
 //!
 //! ```
 //! use femdem_analysis::*;
@@ -37,13 +37,13 @@
 //! - [`height_profile`], [`wall_profile`]: packing density and layers against height and wall distance.
 //! - [`density_map`]: local packing density on a grid.
 //! - [`set_voronoi`]: the space and the density of every body.
-//! - [`body_directions`], [`stereonet`], [`orientation_order`]: how bodies are turned.
-//! - [`radial_distribution`]: where neighbours are.
-//! - [`pair_overlaps`]: how far bodies run into each other. [`volume_inside`] and
-//!   [`intersection_volume`] are the kernels, for one body and for one pair.
+//! - [`body_directions`], [`stereonet`], [`orientation_order`]: orientations of the bodies.
+//! - [`radial_distribution`]: distances between bodies.
+//! - [`pair_overlaps`]: volumes that bodies share. [`volume_inside`] and [`intersection_volume`] are the
+//!   kernels, for one body and for one pair.
 //! - [`Table`]: every result as CSV; JSON through serde. [`BlockBootstrap`]: errors of means.
 //! - [`coordination`] from [`Touch`]es; [`contact_counts`] body by body.
-//! - [`ForceNetwork`] of [`ForceBody`]s and [`ForceContact`]s: the input of all that follows.
+//! - [`ForceNetwork`] of [`ForceBody`]s and [`ForceContact`]s: the input of everything below.
 //! - [`ContactClass`], [`contact_classes`], [`rattlers`] with the count of constraints,
 //!   [`mean_coordination`] with its error.
 //! - [`force_distribution`], P(f) with its tail ([`fit_tail`]); [`force_maxima`]; [`wall_forces`].
@@ -62,20 +62,22 @@
 //! # Accuracy
 //! Clipped volumes are exact to round-off (about 1e-13 of a body), in boxes, cylinders and spheres. Bodies may
 //! have any closed surface, and overlaps of non-convex bodies are as exact as all others. Overlaps are
-//! subtracted pair by pair: volume shared by three bodies is subtracted once too often. Errors of the
-//! grid are stated with its result. Set-Voronoi cells sum to the region; a single one errs by about 0.1 %
-//! ([`set_voronoi`]). Stresses and balances are sums of the forces given, exact to round-off; intervals of
-//! tails hold the true exponent as often as they say when the start is given ([`fit_tail`]). Volumes of shells in the radial distribution function are exact.
+//! subtracted pair by pair: volume shared by three bodies is subtracted once too often. Errors of the grid are
+//! given with its result. Set-Voronoi cells sum to the region; a single one has an error of about 0.1 %
+//! ([`set_voronoi`]). Stresses and balances are sums of the given forces, exact to round-off. If the start of a
+//! tail is given, its interval contains the true exponent with the stated probability ([`fit_tail`]). Volumes
+//! of shells in the radial distribution function are exact.
 //!
 //! # Time
-//! One thread of a busy machine, 343 bodies with some 900 overlaps, density both ways with bootstrap: 0.03 s
-//! for truncated dodecahedra, 0.1 s for dolosse, 0.5 s for surfaces of 1,280 triangles, 2 s for 5,120.
+//! One thread of a busy machine, 343 bodies with some 900 overlaps, density by both methods with bootstrap:
+//! 0.03 s for truncated dodecahedra, 0.1 s for dolosse, 0.5 s for surfaces of 1,280 triangles, 2 s for 5,120.
 //!
-//! 11,000 truncated dodecahedra with 23,000 overlaps on a busy machine: 11 s of processor time and 34 MB for overlaps,
-//! density, both profiles, density map, Set-Voronoi cells (half of it), stereonet of 134,000 face normals,
-//! order and radial distribution function, which work on any number of threads. A wall profile of as many bodies in a
-//! cylinder takes 2.5 s. `tests/cost.rs` has the command. All tables of forces of 11,000 bodies with 32,000
-//! contacts take 1 s on two threads, most of it the bootstrap of the tail (`tests/cost_forces.rs`).
+//! 11,000 truncated dodecahedra with 23,000 overlaps on a busy machine: 11 s of processor time and 34 MB for
+//! overlaps, density, both profiles, density map, Set-Voronoi cells (half of it), stereonet of 134,000 face
+//! normals, order and radial distribution function, all of which can use any number of threads. A wall profile
+//! of as many bodies in a cylinder takes 2.5 s. `tests/cost.rs` states the command. All tables of forces of
+//! 11,000 bodies with 32,000 contacts take 1 s on two threads, most of it for the bootstrap of the tail
+//! (`tests/cost_forces.rs`).
 
 mod axis;
 mod ball;

@@ -28,9 +28,8 @@ pub(crate) fn convex_span(
 
 /// Coordinate `axis` where the line through `at` crosses a triangle, or `None`.
 ///
-/// A line through an edge or vertex is taken as shifted by an infinitesimal amount that is the same
-/// for all triangles, and sides are decided exactly, so a closed surface is crossed an even number of
-/// times.
+/// A line through an edge or vertex is treated as shifted by an infinitesimal amount that is the same for all
+/// triangles, and sides are decided exactly, so that a closed surface is crossed an even number of times.
 pub(crate) fn crossing(triangle: &[Point3; 3], axis: usize, at: &Point3) -> Option<f64> {
     let [u, v] = others(axis);
     let flat = |p: &Point3| [p[u], p[v]];
@@ -55,8 +54,8 @@ pub(crate) fn crossing(triangle: &[Point3; 3], axis: usize, at: &Point3) -> Opti
 /// Twice the signed area of `(a, b, p)`, of exact sign (Shewchuk's predicate), and whether `p` lies left
 /// of `a -> b`.
 ///
-/// A `p` on the line counts as left of `a -> b` if `a` comes before `b` in lexicographic order and as
-/// right if it comes after, which is what the shift `(-ε², ε)` of `p` makes of it for every edge.
+/// A `p` on the line counts as left of `a -> b` if `a` comes before `b` in lexicographic order and as right if
+/// it comes after; this is the effect of the shift `(-ε², ε)` of `p` for every edge.
 fn side(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> (f64, bool) {
     let [a_at, b_at, p_at] = [a, b, p].map(|[x, y]| Coord { x, y });
     let area = orient2d(a_at, b_at, p_at);

@@ -1,4 +1,4 @@
-//! Pairs of bodies whose boxes meet.
+//! Pairs of bodies whose boxes overlap.
 
 use crate::bounds::Bounds;
 use crate::ordered::ordered_map;
@@ -6,7 +6,7 @@ use crate::pack::Pack;
 
 type Cell = [i64; 3];
 
-/// Pairs `(i, j)`, `i < j`, of `members` whose boxes meet, sorted.
+/// Pairs `(i, j)`, `i < j`, of `members` whose boxes overlap, sorted.
 ///
 /// Boxes are sorted into cubic cells of the largest extent, so partners lie in adjoining cells.
 pub(crate) fn neighbour_pairs(pack: &Pack, members: &[usize]) -> Vec<(usize, usize)> {

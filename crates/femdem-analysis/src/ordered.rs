@@ -1,10 +1,10 @@
-//! Parallel map with ordered results: the one place where threads meet.
+//! Parallel map with ordered results: the only use of threads.
 
 /// `work(scratch, i)` for `i` in `0..count`, results in index order.
 ///
-/// With the feature `parallel` the calls run on the caller's rayon pool. `scratch` is memory to be
-/// reused and must not carry a value from one call to the next, so the result does not depend on
-/// how the calls are shared among threads.
+/// With the feature `parallel` the calls run on the caller's rayon pool. `scratch` is memory to be reused and
+/// must not carry a value from one call to the next, so that the result does not depend on how the calls are
+/// distributed to threads.
 #[cfg(feature = "parallel")]
 pub(crate) fn ordered_map<T: Send, S>(
     count: usize,

@@ -42,10 +42,10 @@ impl PairOverlaps {
 
 /// Shared volume of every pair of bodies, exact to round-off for bodies of any form.
 ///
-/// Where one body is convex and has few faces, the other is cut by its face planes; all other pairs
-/// are measured by signed prisms between their triangles, which needs neither to be convex and no
-/// mesh of their inside. Bodies apart share nothing, and are not listed; a volume as small as
-/// round-off makes of faces that merely touch (some 1e-16 of the body) is reported as it comes.
+/// Where one body is convex and has few faces, the other is cut by its face planes. All other pairs are
+/// measured by signed prisms between their triangles, which require neither convexity nor a mesh of the inside.
+/// Bodies apart share nothing and are not listed. A volume at the level of round-off, as of faces that merely
+/// touch (some 1e-16 of the body), is reported unchanged.
 ///
 /// ```
 /// use femdem_analysis::{Pack, PosedBody, pair_overlaps};
@@ -110,7 +110,7 @@ pub fn intersection_volume(
 /// Two bodies, by index.
 pub(crate) type Pair = (usize, usize);
 
-/// Those of `pairs` that share volume inside `region`, and how much.
+/// Those of `pairs` that share volume inside `region`, and the volume.
 pub(crate) fn measure_pairs(
     pack: &Pack,
     pairs: &[Pair],
@@ -142,7 +142,7 @@ pub(crate) fn shared_volume(
         return 0.0;
     }
     let common = pack.bounds(i).clamped_to(pack.bounds(j));
-    // The region where it cuts, none where it holds all of what is shared.
+    // The region where it cuts, none where it contains all of the shared part.
     let region = match region.map(|r| (r, r.relation(&common))) {
         Some((_, Relation::Outside)) => return 0.0,
         Some((region, Relation::Crosses)) => Some(region),
@@ -159,7 +159,8 @@ pub(crate) fn shared_volume(
     }
 }
 
-/// The surface in the world of what two bodies share, when one of them goes by planes; it may be empty.
+/// The surface, in the world frame, of the part that two bodies share, if one of them is handled by its planes;
+/// it may be empty.
 pub(crate) fn load_shared<'a>(
     scratch: &'a mut Scratch,
     pack: &Pack,
@@ -171,7 +172,7 @@ pub(crate) fn load_shared<'a>(
     Some(&scratch.clipper)
 }
 
-/// `body` is cut by the half-spaces that make up `knife`.
+/// `body` is cut by the half-spaces whose intersection is `knife`.
 fn shared_by_planes(
     scratch: &mut Scratch,
     pack: &Pack,
@@ -188,7 +189,7 @@ fn shared_by_planes(
     clipper.volume()
 }
 
-/// Leaves what `body` shares with `knife` in the scratch's clipper, in the frame of `knife`.
+/// Leaves the part that `body` shares with `knife` in the scratch's clipper, in the frame of `knife`.
 fn cut_by_planes(scratch: &mut Scratch, pack: &Pack, body: usize, knife: usize) {
     let to_knife = pack.pose(knife).inverse();
     let Scratch {
@@ -207,7 +208,7 @@ fn cut_by_planes(scratch: &mut Scratch, pack: &Pack, body: usize, knife: usize) 
             .map(|(k, s)| (s, k))
             .filter(|(s, _)| *s > -radius),
     );
-    // The plane that most nearly separates the two goes first: most pairs end there.
+    // The plane that separates the two best goes first: most pairs end there.
     planes.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     if planes.first().is_some_and(|(s, _)| *s >= radius) {
         clipper.clear();
@@ -223,8 +224,8 @@ fn cut_by_planes(scratch: &mut Scratch, pack: &Pack, body: usize, knife: usize) 
     }
 }
 
-/// By signed tetrahedra between a point and the triangles of `i`, for bodies that do not go by planes and a
-/// region that prisms cannot be cut by. Slower than prisms: every tetrahedron cuts all of `j`.
+/// By signed tetrahedra between a point and the triangles of `i`, for bodies that are not handled by planes and
+/// a region that prisms cannot be cut by. Slower than prisms: every tetrahedron cuts all of `j`.
 fn shared_by_cones(
     scratch: &mut Scratch,
     pack: &Pack,
@@ -269,7 +270,8 @@ fn shared_by_cones(
     total
 }
 
-/// By signed prisms, for bodies that do not go by planes, cut by a region of planes or an upright cylinder.
+/// By signed prisms, for bodies that are not handled by planes, cut by a region of planes or an upright
+/// cylinder.
 fn shared_by_prisms(
     scratch: &mut Scratch,
     pack: &Pack,
@@ -291,7 +293,7 @@ fn shared_by_prisms(
     let common = reach[0].clamped_to(&reach[1]);
     let mut origin = common.middle_and_half().0;
     let (axes, radius) = match region {
-        // The round side is seen as a circle along z only.
+        // The round side projects to a circle along z only.
         Some(Region::Cylinder { centre, radius, .. }) => {
             [origin.x, origin.y] = *centre;
             (2..3, Some(*radius))
@@ -321,16 +323,16 @@ fn shared_by_prisms(
     }
 }
 
-/// From where the prisms between two bodies are seen.
+/// The direction along which the prisms between two bodies are projected.
 #[derive(Clone, Copy, Debug)]
 struct View {
     axis: usize,
-    /// Which of the two bodies gives the lower ends of the prisms.
+    /// Which of the two bodies forms the lower ends of the prisms.
     lower: usize,
 }
 
 impl View {
-    /// The view along one of `axes` in which the windows hold least, so that few triangles are in them.
+    /// The view along one of `axes` with the smallest windows, so that few triangles are in them.
     fn choose(axes: Range<usize>, reach: &[Bounds; 2], common: &Bounds) -> Self {
         let size = common.max - common.min;
         let content = |view: &Self| {
@@ -354,7 +356,7 @@ impl View {
         best
     }
 
-    /// Where triangles of the lower or the upper body have a part in the shared volume.
+    /// Where triangles of the lower or the upper body contribute to the shared volume.
     fn window(&self, common: &Bounds, lower: bool) -> Bounds {
         let mut window = *common;
         if lower {

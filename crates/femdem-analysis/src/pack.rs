@@ -10,7 +10,7 @@ use crate::lines::crossing;
 use crate::region::Region;
 use crate::triangle::closest_point;
 
-/// A body: which shape it has and where it lies.
+/// A body: its shape and pose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PosedBody {
     /// Index into the pack's list of shapes.
@@ -19,14 +19,14 @@ pub struct PosedBody {
     pub pose: Pose,
 }
 
-/// What every analysis needs of a shape, worked out once.
+/// Data of a shape that the analyses need, computed once.
 #[derive(Clone, Debug)]
 struct ShapeData {
     /// Outward unit normal and offset of each face's plane, body frame.
     planes: Vec<(Vector3, f64)>,
-    /// Whether the shape goes by its planes: it is convex and they are few.
+    /// Whether the shape is handled by its planes: it is convex and has few of them.
     by_planes: bool,
-    /// Triangles of the surface, and a tree over them; filled for shapes that go by them only.
+    /// Triangles of the surface, and a tree over them; filled only for shapes that are handled by triangles.
     triangles: Vec<[u32; 3]>,
     tree: Bvh,
     /// Largest coordinate of a vertex.
@@ -34,7 +34,7 @@ struct ShapeData {
     diameter: f64,
 }
 
-/// Most faces for which cutting by all planes is faster than looking up triangles in a tree.
+/// Largest number of faces for which cutting by all planes is faster than looking up triangles in a tree.
 const MOST_PLANES: usize = 64;
 
 /// A checked pack: shapes, the bodies that use them, and a box around each body.
@@ -62,9 +62,9 @@ pub struct Pack<'a> {
 }
 
 impl<'a> Pack<'a> {
-    /// Checks indices and poses. A pack without bodies is allowed here and refused by what needs one.
-    /// Quaternions that differ a little from unit length are made of it in all that follows, so that they turn
-    /// bodies without stretching them.
+    /// Checks indices and poses. An empty pack is allowed here and refused by analyses that need a body.
+    /// Quaternions that differ a little from unit length are normalised, so that they turn bodies without
+    /// stretching them.
     ///
     /// # Errors
     /// [`AnalysisError::TooManyBodies`], [`AnalysisError::ShapeIndex`], or [`AnalysisError::Pose`]
@@ -125,8 +125,8 @@ impl<'a> Pack<'a> {
         self.bodies.is_empty()
     }
 
-    /// Mean over the bodies of the circumscribed diameter, twice the largest distance of a vertex
-    /// from the centroid (m): the `d` in which insets and spacings are given.
+    /// Mean over the bodies of the circumscribed diameter, twice the largest distance of a vertex from the
+    /// centroid (m): the `d` used for insets and spacings.
     ///
     /// # Errors
     /// [`AnalysisError::EmptyPack`].
@@ -191,7 +191,7 @@ impl<'a> Pack<'a> {
         })
     }
 
-    /// Whether a body is convex with few enough faces to be handled by its planes; all others go by
+    /// Whether a body is convex with few enough faces to be handled by its planes; all others are handled by
     /// their triangles.
     pub(crate) fn by_planes(&self, body: usize) -> bool {
         self.data(body).by_planes
@@ -202,7 +202,8 @@ impl<'a> Pack<'a> {
         self.data[shape].by_planes
     }
 
-    /// The point of a body's surface nearest to `point`, by its triangles; for bodies that do not go by planes.
+    /// The point of a body's surface nearest to `point`, by its triangles; for bodies that are not handled by
+    /// planes.
     pub(crate) fn nearest_on_surface(&self, body: usize, point: &Point3) -> Point3 {
         let (pose, shape, data) = (self.pose(body), self.shape(body), self.data(body));
         let local = pose.inverse_transform_point(point);
@@ -216,7 +217,7 @@ impl<'a> Pack<'a> {
         pose * nearest.map_or(local, |(i, _)| closest(i))
     }
 
-    /// Whether a body holds `point`, by the crossings of a line; for bodies that do not go by planes.
+    /// Whether a body contains `point`, by the crossings of a line; for bodies that are not handled by planes.
     pub(crate) fn holds(&self, body: usize, point: &Point3) -> bool {
         if !self.bounds(body).holds(&Bounds {
             min: *point,
@@ -238,8 +239,8 @@ impl<'a> Pack<'a> {
         inside
     }
 
-    /// Calls `hit` with the surface triangles of a body (world frame) that meet `window`, in an order
-    /// that depends on the shape alone. For bodies that do not go by planes.
+    /// Calls `hit` with the surface triangles of a body (world frame) that overlap `window`, in an order that
+    /// depends on the shape alone. For bodies that are not handled by planes.
     pub(crate) fn triangles_in(
         &self,
         body: usize,
@@ -253,7 +254,7 @@ impl<'a> Pack<'a> {
         let half = half.add_scalar(slack);
         let turn = pose.rotation.to_rotation_matrix();
         let spread = turn.matrix().abs();
-        // Whether the box in the world around a box of the tree meets the window.
+        // Whether the world box of a box of the tree overlaps the window.
         let enter = |local: &Aabb| {
             let reach = spread * (local.high - local.low) * 0.5 + half;
             let apart = pose * local.center() - middle;

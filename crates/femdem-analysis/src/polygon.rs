@@ -1,6 +1,6 @@
 //! Convex polygons in a plane, cut by lines and by a circle, and volumes over them.
 
-/// Most corners: a triangle cut by three lines, by a fourth, and by the two of a quadrant.
+/// Largest number of corners: a triangle cut by three lines, by a fourth, and by the two of a quadrant.
 const CORNERS: usize = 9;
 
 type Place = [f64; 2];
@@ -20,8 +20,8 @@ impl Polygon {
     }
 
     fn push(&mut self, point: Place) {
-        // Round-off can make a cut meet a polygon's border more than twice; a corner too many is
-        // worth no more than round-off.
+        // By round-off a cut can meet a polygon's border more than twice; a corner dropped here changes the
+        // result by round-off only.
         if let Some(place) = self.points.get_mut(self.count) {
             *place = point;
             self.count += 1;
@@ -79,8 +79,8 @@ impl Polygon {
         if gap(0).hypot(gap(1)) >= radius {
             return 0.0;
         }
-        // In a quadrant no arc is longer than a quarter turn, so the angle between its ends tells
-        // all: round-off cannot turn an arc of no length into a whole circle.
+        // In a quadrant no arc is longer than a quarter turn, so that the angle between its ends determines it:
+        // round-off cannot turn an arc of no length into a whole circle.
         let mut volume = 0.0;
         for (x, y) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)] {
             let quarter = self.cut(|p| x * p[0]).cut(|p| y * p[1]);
@@ -91,7 +91,7 @@ impl Polygon {
 
     /// For a polygon that lies in one quadrant.
     fn volume_in_quarter(&self, radius: f64, height: &impl Fn(Place) -> f64) -> f64 {
-        // Where the sides enter the disc and leave it, or begin and end in it.
+        // Where the sides enter and leave the disc, or begin and end in it.
         let mut rest = [[[0.0; 2]; 2]; CORNERS];
         let mut count = 0;
         for (p, q) in self.sides() {
@@ -130,7 +130,7 @@ fn fan(points: impl Iterator<Item = Place>, height: &impl Fn(Place) -> f64) -> f
     six_volumes / 6.0
 }
 
-/// The part in the circle of the segment from `p` to `q`; ends inside are kept as they are.
+/// The part of the segment from `p` to `q` that lies in the circle; ends inside are unchanged.
 fn part_in_circle(p: &Place, q: &Place, radius: f64) -> Option<[Place; 2]> {
     let d = [q[0] - p[0], q[1] - p[1]];
     let a = d[0] * d[0] + d[1] * d[1];

@@ -1,26 +1,26 @@
 //! Volume shared by two closed surfaces of any form: signed prisms.
 //!
-//! Look along an axis `w`. A point lies in a closed surface when the triangles below it, each counted
-//! `+1` where the line upwards enters and `-1` where it leaves, sum to 1; the same holds for the
-//! triangles above it with the signs changed. Take the first way for a body `L` and the second for a
-//! body `U`: the product of the two sums, integrated over space, is
+//! Look along an axis `w`. A point lies in a closed surface if the triangles below it, each counted `+1` where
+//! the line upwards enters and `-1` where it leaves, sum to 1; the same holds for the triangles above it with
+//! the signs changed. Use the first criterion for a body `L` and the second for a body `U`: the product of the
+//! two sums, integrated over space, is
 //!
 //! `V(L ∩ U) = - sum_ij s_i s_j ∫ max(w_j - w_i, 0) du dv`  over where the triangles `i` of `L` and
 //! `j` of `U` lie over one another, with `s` the sign of the outward normal's component along `w`.
 //!
-//! Every term is continuous in the corners (a triangle seen edge-on has no area), so nothing has to be
-//! decided and coinciding or touching faces are no special case. The sum is right for every closed
-//! surface, convex or not, in one part or more. Only triangles of `L` below the top of `U` and of `U`
-//! above the bottom of `L` have a part in it.
+//! Every term is continuous in the corners (a triangle seen edge-on has no area), so that there are no
+//! decisions, and coinciding or touching faces are no special case. The sum is correct for every closed
+//! surface, convex or not, in one part or more. Only triangles of `L` below the top of `U` and of `U` above the
+//! bottom of `L` contribute.
 
 use femdem_mesh::{Point3, Vector3};
 
 use crate::polygon::Polygon;
 
-/// Part of the summed sizes of all prisms below which a volume is round-off.
+/// A volume below this part of the summed sizes of all prisms is round-off.
 const ROUND_OFF: f64 = 1e-14;
 
-/// A triangle seen along an axis.
+/// A triangle projected along an axis.
 #[derive(Clone, Copy, Debug)]
 struct Shadow {
     /// Counter-clockwise seen against the axis.
@@ -71,8 +71,8 @@ impl Shadow {
         })
     }
 
-    /// Height over `p`, which lies in the triangle but for round-off: steep triangles must not make
-    /// more of that than their own height.
+    /// Height over `p`, which lies in the triangle to round-off: for steep triangles the height is limited to
+    /// that of the triangle, so that round-off is not amplified.
     fn height(&self, p: [f64; 2]) -> f64 {
         let [u, v] = [p[0] - self.corners[0][0], p[1] - self.corners[0][1]];
         (self.height + self.slope[0] * u + self.slope[1] * v).clamp(self.reach[0], self.reach[1])
@@ -88,7 +88,7 @@ pub(crate) struct Shadows {
 }
 
 impl Shadows {
-    /// Starts anew.
+    /// Restarts.
     pub(crate) fn clear(&mut self) {
         self.list.clear();
         self.widest = 0.0;
@@ -108,10 +108,9 @@ impl Shadows {
     }
 }
 
-/// Volume shared by the body of which `lower` holds the triangles below the top of the other, and
-/// the body of which `upper` holds those above the bottom of the first. Same axis and origin. With a
-/// `radius` the part in the cylinder about the axis through the origin. Zero where round-off cannot be
-/// told from a volume.
+/// Volume shared by two bodies: `lower` contains the triangles of one body below the top of the other, `upper`
+/// those of the other above the bottom of the first. Same axis and origin. With a `radius`, the part in the
+/// cylinder about the axis through the origin. Zero where a volume cannot be distinguished from round-off.
 pub(crate) fn shared_volume(lower: &mut Shadows, upper: &mut Shadows, radius: Option<f64>) -> f64 {
     upper.sort();
     lower.sort();
@@ -156,7 +155,7 @@ fn between(lower: &Shadow, upper: &Shadow, radius: Option<f64>) -> f64 {
     }
 }
 
-/// What a triangle adds to the volume that its surface has in a cylinder of `radius` about the axis
+/// Contribution of a triangle to the volume that its surface has in a cylinder of `radius` about the axis
 /// through `origin`: the signed prism between it and the plane of `origin`.
 pub(crate) fn volume_in_cylinder(
     triangle: &[Point3; 3],
@@ -185,7 +184,7 @@ mod tests {
             .unwrap()
     }
 
-    /// Shared volume seen along every axis, either body below.
+    /// Shared volume projected along every axis, with either body below.
     fn by_prisms(bodies: [(&Polyhedron, &Pose); 2]) -> Vec<f64> {
         let mut found = Vec::new();
         for axis in 0..3 {
@@ -252,7 +251,7 @@ mod tests {
         }
     }
 
-    /// The part of a clipped surface is a body as any other.
+    /// The part of a clipped surface can be used like any body.
     #[test]
     fn a_clipped_surface_can_be_one_of_the_two() {
         let (body, cube) = (solid("A10"), solid("P5"));

@@ -17,10 +17,10 @@ use crate::pack::Pack;
 use crate::region::Region;
 use crate::table::{Cell, Table};
 
-/// Most bins.
+/// Largest number of bins.
 const MOST_BINS: f64 = 10_000.0;
 
-/// Shortest and longest distances (m) whose cubes are numbers.
+/// Shortest and longest distances (m) whose cubes neither vanish nor overflow.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-90..=1e90;
 
 /// How [`radial_distribution`] measures.
@@ -31,7 +31,7 @@ pub struct RadialOptions {
     pub width_over_d: f64,
     /// Largest distance over the mean diameter; above 0. Default 5.
     pub reach_over_d: f64,
-    /// How the errors are drawn: from blocks of bodies.
+    /// How the errors are computed: from blocks of bodies.
     pub bootstrap: BlockBootstrap,
 }
 
@@ -52,14 +52,14 @@ pub struct RadialBin {
     pub low: f64,
     /// Where it ends (m).
     pub high: f64,
-    /// Radial distribution function: pairs over the pairs expected of points strewn at random; 0 where the box
-    /// has no room for any.
+    /// Radial distribution function: pairs over the pairs expected for random points; 0 where the box has no
+    /// room for any.
     pub value: f64,
     /// Standard error by block bootstrap; `None` with fewer than four blocks.
     pub standard_error: Option<f64>,
-    /// Pairs of bodies at such a distance.
+    /// Pairs of bodies with a distance in the bin.
     pub pairs: u64,
-    /// Pairs expected of as many points strewn at random in the box.
+    /// Pairs expected for as many random points in the box.
     pub expected: f64,
 }
 
@@ -78,10 +78,10 @@ pub struct RadialDistribution {
 
 /// Radial distribution function of the centroids in a box.
 ///
-/// About every body the volume of each spherical shell inside the box is worked out in closed form, so that bodies
-/// at faces, edges and corners count as all others and none is left out: with `n_i` the others in the
-/// shell and `V_i` its volume in the box, `g = Σ n_i / (ρ Σ V_i)`, `ρ = (N - 1)/V`. Points strewn at random give 1 at
-/// every distance. Near walls bodies are layered, so give a core to see the bulk.
+/// About every body the volume of each spherical shell inside the box is computed in closed form, so that
+/// bodies at faces, edges and corners count like all others and none is left out: with `n_i` the others in the
+/// shell and `V_i` its volume in the box, `g = Σ n_i / (ρ Σ V_i)`, `ρ = (N - 1)/V`. Random points give 1 at
+/// every distance. Near walls bodies are layered: pass a core to measure the bulk.
 ///
 /// ```
 /// use femdem_analysis::*;
@@ -98,9 +98,9 @@ pub struct RadialDistribution {
 /// ```
 ///
 /// # Errors
-/// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`], [`AnalysisError::RegionKind`] for a region that is no box,
-/// [`AnalysisError::TooFewBodies`] for fewer than two in it, [`AnalysisError::Option`], also for more than 10,000 bins
-/// and for lengths beyond 1e-90 to 1e90 m.
+/// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`], [`AnalysisError::RegionKind`] for a region that is
+/// not a box, [`AnalysisError::TooFewBodies`] for fewer than two in it, [`AnalysisError::Option`], also for
+/// more than 10,000 bins and for lengths beyond 1e-90 to 1e90 m.
 pub fn radial_distribution(
     pack: &Pack,
     region: &Region,
@@ -146,7 +146,7 @@ pub fn radial_distribution(
                 high: width * (k + 1) as f64,
                 value,
                 standard_error,
-                // Each pair has been met from both its ends.
+                // Each pair was counted from both ends.
                 pairs: pairs / 2,
                 expected: expected / 2.0,
             }
@@ -185,15 +185,15 @@ fn shells(points: &[Point3], bounds: &Bounds, width: f64, bins: usize) -> Vec<Ve
     })
 }
 
-/// Volume (m³) of the part of a ball inside a box that holds its centre.
+/// Volume (m³) of the part of a ball inside a box that contains its centre.
 fn ball_in_box(clipper: &mut Clipper, centre: &Point3, radius: f64, bounds: &Bounds) -> f64 {
     let [low, high] = [centre - bounds.min, bounds.max - centre];
     let farthest = low.sup(&high).norm();
     if farthest <= radius {
         return (bounds.max - bounds.min).product();
     }
-    // Distances of the nearer faces: where their edges are out of reach, so are all others, and what lies beyond
-    // the faces are caps without a common part.
+    // Distances of the nearer faces: if their edges are out of reach, so are all others, and the parts beyond
+    // the faces are caps without overlap.
     let near = low.inf(&high);
     let edge = (0..3)
         .map(|k| near[k].hypot(near[(k + 1) % 3]))
@@ -276,7 +276,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Caps, where they serve, agree with the closed form over the faces; volumes grow with the radius to the box.
+        /// Volumes by caps, where caps suffice, agree with the closed form over the faces; volumes grow with
+        /// the radius up to the box.
         #[test]
         fn balls_in_boxes(at in prop::array::uniform3(0.0..1.0_f64), radius in 0.0..4.0_f64) {
             let bounds = Bounds { min: Point3::origin(), max: Point3::new(1.0, 2.0, 3.0) };

@@ -1,4 +1,4 @@
-//! Regions of space to measure in: boxes, upright cylinders, spheres.
+//! Regions of space for measurements: boxes, upright cylinders, spheres.
 
 use std::f64::consts::PI;
 
@@ -41,13 +41,13 @@ pub enum Region {
     },
 }
 
-/// What is said of a sphere where only upright walls will do.
+/// The error for a sphere where upright walls are needed.
 pub(crate) const NOT_UPRIGHT: AnalysisError = AnalysisError::RegionKind {
     what: "a floor with upright walls",
     instead: "a box or a cylinder",
 };
 
-/// How a body's box lies to a region.
+/// Position of a body's box relative to a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Relation {
     Outside,
@@ -173,8 +173,8 @@ impl Region {
         self.contains(&Point3::new(x, y, height))
     }
 
-    /// The region less everything within `distance` (m) of its boundary: the core by inset.
-    /// A negative distance makes it larger.
+    /// The region without the points within `distance` (m) of its boundary: the core by inset. A negative
+    /// distance enlarges it.
     ///
     /// ```
     /// use femdem_analysis::Region;
@@ -187,7 +187,7 @@ impl Region {
     /// ```
     ///
     /// # Errors
-    /// [`AnalysisError::Region`] when nothing is left.
+    /// [`AnalysisError::Region`] if nothing remains.
     pub fn inset(&self, distance: f64) -> Result<Self, AnalysisError> {
         let rest = match *self {
             Self::Box { min, max } => Self::Box {
@@ -231,7 +231,7 @@ impl Region {
         let mut slab = *self;
         match &mut slab {
             Self::Box { min, max } => {
-                // Written so that NaN stays.
+                // This form preserves NaN.
                 min.z = if low < min.z { min.z } else { low };
                 max.z = if high > max.z { max.z } else { high };
             }
@@ -264,7 +264,7 @@ impl Region {
         }
     }
 
-    /// How `bounds` lies to the region. `Inside` and `Outside` are certain; `Crosses` may be neither.
+    /// Position of `bounds` relative to the region. `Inside` and `Outside` are certain; `Crosses` may be any.
     pub(crate) fn relation(&self, bounds: &Bounds) -> Relation {
         let (min, max) = self.corners();
         let around = Bounds { min, max };
@@ -321,7 +321,7 @@ impl Region {
     /// Equal parts for the block bootstrap, of side `side` or more: `floor(extent / side)` along each
     /// axis of a box (at least 1, at most 8), slices along z of a cylinder (at most 64), one for a sphere.
     pub(crate) fn blocks(&self, side: f64) -> Vec<Self> {
-        // Round-off in an extent that is a whole number of sides must not cost a block.
+        // Round-off in an extent that is a whole multiple of the side must not cost a block.
         let parts =
             |extent: f64, most: f64| (extent / side + 1e-9).floor().clamp(1.0, most) as usize;
         let cut = |low: f64, high: f64, n: usize, i: usize| {

@@ -12,17 +12,17 @@ pub enum Cell {
     Count(u64),
     /// A word. Quoted in CSV where it has to be.
     Text(Cow<'static, str>),
-    /// Nothing is known here; an empty field in CSV.
+    /// Unknown; an empty field in CSV.
     Empty,
 }
 
 /// A result that can be laid out in rows and columns.
 ///
 /// Every table of this crate is written the same way: one header line, comma-separated, `\n` at line ends,
-/// fields quoted after RFC 4180 where they need it, numbers with a point and as many digits as give the
-/// same bits back, unknown values as empty fields. Column names end in their SI unit where they have one
-/// (`z_m`, `volume_m3`, `force_n`, `stress_pa`), with `_over_d` for lengths in mean diameters, and in
-/// nothing where they have none. JSON comes from serde.
+/// fields quoted after RFC 4180 where needed, numbers with a point and enough digits to give the same bits
+/// back, unknown values as empty fields. Column names end in their SI unit if they have one (`z_m`,
+/// `volume_m3`, `force_n`, `stress_pa`), with `_over_d` for lengths in mean diameters. JSON is written through
+/// serde.
 ///
 /// ```
 /// use femdem_analysis::{Cell, Table};

@@ -3,18 +3,18 @@
 use femdem_mesh::Vector3;
 use femdem_mesh::nalgebra::Matrix3;
 
-/// Rows of a matrix, as tables and JSON have them.
+/// Rows of a matrix, for tables and JSON.
 pub(crate) fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| m[(i, j)]))
 }
 
 /// Principal values, largest first, and unit directions of a symmetric matrix, by Jacobi rotations.
 ///
-/// The largest coordinate of each direction is positive, so that the sign is no matter of chance.
+/// The largest coordinate of each direction is positive, so that the sign is unique.
 pub(crate) fn principal(m: &Matrix3<f64>) -> ([f64; 3], [Vector3; 3]) {
     let mut a = *m;
     let mut v = Matrix3::identity();
-    // Convergence is quadratic: five sweeps reach round-off, the rest is caution.
+    // Convergence is quadratic: five sweeps reach round-off, the others are a reserve.
     for _ in 0..12 {
         let off = a[(0, 1)].abs() + a[(0, 2)].abs() + a[(1, 2)].abs();
         if off <= f64::EPSILON * f64::EPSILON * a.amax() {
@@ -65,7 +65,7 @@ mod tests {
     }
 
     proptest! {
-        /// A matrix made from known values and a known turn gives them back.
+        /// Values and directions are recovered from a matrix made with known values and a known rotation.
         #[test]
         fn values_and_directions_come_back(
             values in [-3.0..3.0_f64, -3.0..3.0, -3.0..3.0],

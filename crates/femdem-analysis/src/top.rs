@@ -14,15 +14,15 @@ use crate::region::Region;
 /// Height of the top of a pack.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TopPlane {
-    /// Mean over the columns of the highest solid point (m); minus infinity when no column meets a body, which text
-    /// formats write as null.
+    /// Mean over the columns of the highest solid point (m); minus infinity if no column meets a body, written
+    /// as null in text formats.
     #[serde(deserialize_with = "read_mean")]
     pub mean: f64,
     /// Standard deviation of the heights (m): how rough or tilted the top is.
     pub deviation: f64,
     /// Columns that meet a body.
     pub columns: usize,
-    /// Columns in the container that meet none; they are left out of the mean.
+    /// Columns in the container that meet no body; they are left out of the mean.
     pub empty_columns: usize,
 }
 
@@ -37,8 +37,8 @@ fn read_mean<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
 /// The mean top plane: vertical lines on a square grid of spacing near `spacing` (m) over the
 /// container's floor, each giving the height of the highest solid point on it.
 ///
-/// Lines that meet no body, as along a wall, are left out and counted. The container's height plays
-/// no part, so a pack that stands out of it is measured whole.
+/// Lines that meet no body, as along a wall, are left out and counted. The container's height has no effect, so
+/// that a pack that reaches above it is measured completely.
 ///
 /// # Errors
 /// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`], [`AnalysisError::Option`] for a spacing that
@@ -56,7 +56,7 @@ pub fn top_plane(pack: &Pack, container: &Region, spacing: f64) -> Result<TopPla
         });
     }
     let (min, max) = container.corners();
-    // One cell in height: only the footprint counts.
+    // One cell in height: only the plan view matters.
     let footprint = Bounds {
         min: Point3::new(min.x, min.y, 0.0),
         max: Point3::new(max.x, max.y, spacing),

@@ -38,7 +38,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// No point of a fine net over the triangle is nearer, and the point found is of the triangle.
+        /// No point of a fine net over the triangle is nearer, and the returned point lies in the triangle.
         #[test]
         fn none_is_nearer(corners in prop::array::uniform3(prop::array::uniform3(-1.0..1.0_f64)), at in prop::array::uniform3(-2.0..2.0_f64)) {
             let triangle = corners.map(Point3::from);
@@ -59,7 +59,7 @@ mod tests {
         }
     }
 
-    /// Triangles without area are their longest side.
+    /// Triangles without area act as their longest side.
     #[test]
     fn flat_triangles() {
         let line = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0]].map(Point3::from);

@@ -16,7 +16,7 @@ fn touch(first: u32, second: Partner, normal_force: f64) -> Touch {
     }
 }
 
-/// A simple cubic block of 4 x 4 x 4: six neighbours each, walls standing in at the faces.
+/// A simple cubic block of 4 x 4 x 4: six neighbours each, with walls in place of neighbours at the faces.
 #[test]
 fn simple_cubic_block() {
     let n = 4;
@@ -165,7 +165,7 @@ fn bad_touches_are_refused() {
 }
 
 proptest! {
-    /// Against a matrix of who touches whom; the order of the list and of each pair is no matter.
+    /// Compared with a matrix of touching pairs; the order of the list and of each pair does not matter.
     #[test]
     fn counts_agree_with_a_matrix(list in prop::collection::vec((0_u32..12, 0_u32..15, any::<bool>()), 0..80)) {
         let mut met = [[false; 15]; 12];

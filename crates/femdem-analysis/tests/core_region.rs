@@ -36,7 +36,7 @@ fn mean_top_of_steps_with_a_hole() {
     assert!((top.mean - 1.0).abs() < 1e-12, "{top:?}");
     assert!((top.deviation - (2.0_f64 / 3.0).sqrt()).abs() < 1e-12);
     assert_eq!((top.columns, top.empty_columns), (300, 100));
-    // A drum's floor is round: the corners are not asked.
+    // A drum's floor is round: the corners are not used.
     let drum = Region::Cylinder {
         centre: [1.0, 1.0],
         radius: 1.0,
@@ -70,7 +70,7 @@ fn mean_top_of_a_non_convex_body() {
         "{top:?}"
     );
     assert_eq!(top.empty_columns, 0);
-    // Beside the body there is no top, which comes back from a file.
+    // Beside the body there is no top; such a result can be read back from a file.
     let aside = Region::Box {
         min: Point3::new(50.0, 50.0, 0.0),
         max: Point3::new(51.0, 51.0, 1.0),
@@ -129,7 +129,7 @@ fn smaller_packs_inset_less() {
     let (min, max) = tiny.region.corners();
     assert!((max.x - min.x - 2.0).abs() < 1e-9 && (tiny.inset - 1.0).abs() < 1e-9);
 
-    // A lid below the top of the pack is the top.
+    // A lid below the top of the pack counts as the top.
     let lidded = choose(&slab(16, 14), &container(16.0, 12.0));
     assert!((lidded.region.corners().1.z - (11.0 - lidded.inset)).abs() < 1e-9);
 

@@ -8,9 +8,9 @@ use femdem_analysis::{
 use femdem_mesh::{Point3, Pose, Vector3};
 use proptest::prelude::*;
 
-/// Over many packs of turned bodies, on a lattice that is itself turned and shifted so that nothing is in
-/// step with the grid, the grid's error scatters as stated: hardly ever beyond four standard deviations,
-/// and the stated one is neither idle nor too small.
+/// Over many packs of turned bodies, on a lattice that is itself turned and shifted so that nothing is in step
+/// with the grid, the grid's error scatters as stated: hardly ever beyond four standard deviations, and the
+/// stated deviation is neither too large nor too small.
 #[test]
 fn grid_errs_as_stated() {
     let mut random = Random(21);
@@ -49,7 +49,7 @@ fn grid_errs_as_stated() {
     }
 }
 
-/// Where bodies overlap the grid counts the union, and so does the exact way.
+/// Where bodies overlap the grid counts the union, and so does the exact method.
 #[test]
 fn overlapping_bodies_count_once_in_both() {
     let mut random = Random(22);
@@ -97,7 +97,7 @@ fn standard_error_of_independent_blocks() {
     let found = result.standard_error.unwrap();
     assert!((found / expected - 1.0).abs() < 0.1, "{found} {expected}");
     assert!((result.exact - 1.0 / 16.0).abs() < 4.0 * expected);
-    // One block alone gives no error, and that is said.
+    // One block alone gives no error.
     let small = Region::Box {
         min: Point3::origin(),
         max: Point3::from([2.0; 3]),

@@ -1,4 +1,4 @@
-//! What callers may hand in: numbers without meaning are refused by name, and nothing is written as -0.
+//! Meaningless numbers from callers are refused by name, and nothing is written as -0.
 
 use crate::common::forces::{between, body as weight_at};
 use crate::common::{at, body, cube};
@@ -48,13 +48,13 @@ fn radial_distributions_need_a_region_and_bins_with_meaning() {
     assert!(says(0.05, f64::NAN).contains("reach_over_d = NaN"));
     assert!(says(0.05, -1.0).contains("reach_over_d = -1"));
     assert!(says(f64::INFINITY, 5.0).contains("width_over_d = inf"));
-    // The number at fault, not one that is fine.
+    // The error names the number at fault, not a valid one.
     let many = says(0.05, 5e6);
     assert!(
         many.contains("= 100000000 ") && many.contains("10000"),
         "{many}"
     );
-    // Lengths that leave the range of numbers.
+    // Lengths whose powers overflow.
     assert!(says(1.0, 1e100).contains("reach_over_d"));
     assert!(says(1e-320, 1e-318).contains("width_over_d"));
 }
@@ -92,7 +92,7 @@ fn widths_without_end_are_refused() {
     assert_eq!(name(found), "width_over_d");
 }
 
-/// A quaternion that is a little too long or short is a rotation all the same, and turns without stretching.
+/// A quaternion that is a little too long or short is still a rotation, and turns without stretching.
 #[test]
 fn quaternions_are_made_of_unit_length() {
     let shapes = [cube(1.0)];
@@ -189,7 +189,7 @@ fn bodies_whose_forces_cancel_touch_all_the_same() {
     assert_eq!((found.median, found.largest), (2.0, 2.0));
 }
 
-/// The Schmidt net knows directions, not lengths.
+/// The Schmidt net depends on directions, not on lengths.
 #[test]
 fn the_net_is_the_same_for_vectors_of_any_length() {
     let axis = [0.3, -0.4, -0.6];

@@ -102,10 +102,10 @@ fn truncated_octahedra_fill_space() {
 /// Densest known lattice packings, solids of circumradius 1, in a cubic region whose side is a period
 /// of the lattice: the density there is the lattice's, wherever the region lies.
 ///
-/// Bases: own optimisation of the project, density in agreement to six digits with Torquato and Jiao, Phys. Rev. E 80,
-/// 041104 (2009); given here as integers times a length, of which they were found to be multiples.
-/// Densities: tetrahedra 18/49 (Hoylman 1970), octahedra 18/19 (Minkowski 1904), dodecahedra
-/// (2 + φ)/4 (Betke and Henk 2000), truncated tetrahedra 207/304 (Betke and Henk 2000).
+/// Bases: from an optimisation made for this project, with densities that agree to six digits with Torquato and
+/// Jiao, Phys. Rev. E 80, 041104 (2009); given here as integers times a length, of which they were found to be
+/// multiples. Densities: tetrahedra 18/49 (Hoylman 1970), octahedra 18/19 (Minkowski 1904), dodecahedra (2 +
+/// φ)/4 (Betke and Henk 2000), truncated tetrahedra 207/304 (Betke and Henk 2000).
 #[test]
 fn densest_lattices() {
     let golden = 0.5 * (1.0 + 5_f64.sqrt());

@@ -36,7 +36,7 @@ fn triangle_with_a_tail_and_a_ring() {
         body(0.0, 0.0, 0.0),
         body(1.0, 0.0, 0.0),
         body(0.5, 0.75_f64.sqrt(), 0.0),
-        // The tail goes on from body 1 along x, then turns up.
+        // The tail continues from body 1 along x, then turns up.
         body(2.0, 0.0, 0.0),
         body(3.0, 0.0, 0.0),
         body(3.0, 0.0, 1.0),
@@ -107,8 +107,8 @@ fn triangle_with_a_tail_and_a_ring() {
     assert!(none.chains.is_empty() && none.share_of_force.is_sign_positive());
 }
 
-/// The factor times the mean of the largest F_c/W decides, with friction and with the mean weight of a
-/// pair; a contact at the threshold is out.
+/// The threshold is the factor times the mean of the largest F_c/W, with friction and with the mean weight of a
+/// pair; a contact at the threshold does not count.
 #[test]
 fn weight_rule_by_hand() {
     let mut bodies = vec![
@@ -165,7 +165,7 @@ fn stress_rule_on_two_columns() {
     let with_offset = |offset: f64| {
         let mut bodies: Vec<ForceBody> = (0..5).map(|k| body(0.0, 0.0, f64::from(k))).collect();
         bodies.extend((0..5).map(|k| body(1.0, 0.0, f64::from(k) + offset)));
-        // Bodies that carry next to nothing bring the mean down.
+        // Bodies that carry next to nothing lower the mean.
         bodies.extend((0..10).map(|k| body(5.0 + f64::from(k), 0.0, 0.0)));
         let mut contacts = Vec::new();
         for column in [0, 5] {
@@ -282,7 +282,7 @@ fn random_links(random: &mut Random, count: u32, links: usize) -> Vec<(u32, u32,
     found
 }
 
-/// Rattlers against looking at every body again and again; the curve against a flood fill for each threshold.
+/// Rattlers are compared with a repeated check of every body, the curve with a flood fill for each threshold.
 #[test]
 fn random_graphs_against_brute_force() {
     for seed in 1..40 {

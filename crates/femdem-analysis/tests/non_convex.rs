@@ -147,7 +147,7 @@ fn rings_rods_and_links() {
         let height = (0.25_f64.min(dz + 0.2) - (-0.25_f64).max(dz - 0.2)).max(0.0);
         let expected = (area(0.8) - area(0.6)) * height;
         assert!((found - expected).abs() < 1e-13, "{found} {expected}");
-        // Links: the second stands upright in the first one's bore, around its wall.
+        // Links: the second ring stands upright in the first one's bore, around its wall.
         let upright = Pose::from_parts(
             Translation3::new(0.4, 0.0, 0.0),
             Rotation::from_scaled_axis(Vector3::x() * std::f64::consts::FRAC_PI_2),
@@ -239,7 +239,7 @@ fn nearly_upright_faces() {
                 z_min,
                 z_max,
             };
-            // Two drums on one another hold what the high one does, and the parts what the whole.
+            // Two drums on one another contain what the high one does, and the parts sum to the whole.
             let inside =
                 |shape: &Polyhedron, low, high| volume_inside(shape, &p, &drum(low, high)).unwrap();
             let both = inside(&whole, -0.9, 0.4) + inside(&whole, 0.4, 2.0);
@@ -464,7 +464,7 @@ fn two_ways_to_cut_a_scan_agree() {
         let sum: f64 = parts.iter().map(|part| shared(&shape, &p, part, &q)).sum();
         let found = shared(&shape, &p, &comb, &q);
         assert!((found - sum).abs() < 1e-13, "{found} {sum}");
-        // A box as a region and as a body; a sphere of many faces goes by prisms.
+        // A box as a region and as a body; a sphere of many faces is handled by prisms.
         let cube = Region::Box {
             min: Point3::from([-0.5; 3]),
             max: Point3::from([0.5; 3]),

@@ -1,4 +1,4 @@
-//! Stereonets and order parameters of directions that are known, and of random ones.
+//! Stereonets and order parameters of known directions and of random ones.
 
 use crate::common::{Random, body, cube, solid};
 use femdem_analysis::*;
@@ -49,7 +49,7 @@ fn uniform_directions_are_flat() {
             }
         }
         let spread = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
-        // Nodes share directions: what 6 nets know of the spread is about 5 %.
+        // Nodes share directions: from 6 nets the spread is known to about 5 %.
         assert!(
             (spread - 1.0).abs() < 0.15,
             "{count}: {spread} of the stated noise"
@@ -57,7 +57,7 @@ fn uniform_directions_are_flat() {
     }
 }
 
-/// The net counts as counting one by one does, also across the equator; up and down are the same.
+/// The net's counts agree with counting one by one, also across the equator; up and down are the same.
 #[test]
 fn circles_hold_what_they_should() {
     let mut random = Random(5);

@@ -128,7 +128,7 @@ fn layers_show() {
     }
 }
 
-/// The error that one pack states is the scatter over packs that are made alike.
+/// The error stated for one pack agrees with the scatter over packs made in the same way.
 #[test]
 fn standard_errors_are_the_scatter_of_packs() {
     let shapes = [solid("A10", 1.0)];
@@ -151,7 +151,7 @@ fn standard_errors_are_the_scatter_of_packs() {
     let mean = densities.iter().sum::<f64>() / n;
     let scatter = (densities.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
     let stated = errors.iter().sum::<f64>() / n;
-    // 24 packs know their scatter to 15 %.
+    // The scatter of 24 packs is known to 15 %.
     assert!(
         (0.6..1.5).contains(&(stated / scatter)),
         "stated {stated}, scatter {scatter}"

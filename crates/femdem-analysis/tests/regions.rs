@@ -28,13 +28,13 @@ fn stacked_cubes_fill_a_sphere() {
     }
 }
 
-/// The grid counts cells one by one, so it is an independent measure of what the closed form gives.
+/// The grid counts cells one by one and is thus independent of the closed form.
 #[test]
 fn the_grid_agrees_in_a_sphere() {
     let mut random = Random(11);
     let dolos = Shape::from(Dolos::default()).polyhedron(1.0).unwrap();
     for shapes in [[solid("A10", 1.0)], [dolos]] {
-        // Bodies run into each other in places, so that pairs on the sphere count.
+        // Bodies overlap in places, so that pairs on the sphere matter.
         let bodies = turned_lattice(&mut random, 1, 8, 0.85);
         let pack = Pack::new(&shapes, &bodies).unwrap();
         let mut squares = 0.0;
@@ -88,7 +88,7 @@ fn insets_and_slabs() {
         sphere([1.0; 3], 3.0).inset(1.0).unwrap(),
         sphere([1.0; 3], 2.0)
     );
-    // A slab does not reach beyond the region it is of.
+    // A slab does not reach beyond its region.
     assert_eq!(tank.slab(-1.0, 2.0).unwrap().volume(), 40.0);
     assert!(tank.slab(2.0, 2.0).is_err() && tank.slab(f64::NAN, 2.0).is_err());
     assert!(matches!(

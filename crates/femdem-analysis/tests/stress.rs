@@ -297,7 +297,7 @@ fn error_of_a_pressure() {
     // standard deviation 1/2, so that of the mean is 1/4.
     let error = network_in_blocks.pressure_error.unwrap();
     assert!((error * 4.0 - 1.0).abs() < 0.01, "{error}");
-    // Two blocks tell nothing.
+    // Two blocks give no error.
     let lower = region.slab(-1.5, 2.5).unwrap();
     let of_two = region_stress(&network, &lower, options).unwrap();
     assert_eq!(of_two.pressure_error, None);

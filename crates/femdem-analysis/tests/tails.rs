@@ -1,4 +1,4 @@
-//! Tail exponents on samples whose law is known.
+//! Tail exponents of samples from a known law.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -57,8 +57,8 @@ fn intervals_hold_the_exponent_95_times_in_100() {
     }
 }
 
-/// The law holds above 1 only, and below it the density is flat: the start is found, the exponent too. The
-/// intervals, which know that the start was found, hold the exponent 91 times of these 100.
+/// The law holds above 1 only, and below it the density is flat: both the start and the exponent are found. The
+/// intervals, which account for the search of the start, contain the exponent in 91 of these 100 cases.
 #[test]
 fn start_of_a_tail_is_found() {
     let mut held = 0;
@@ -79,7 +79,7 @@ fn start_of_a_tail_is_found() {
     assert!((88..=99).contains(&held), "{held} of 100");
 }
 
-/// A law that is not exponential is told by its distance.
+/// A law that is not exponential is detected by its distance.
 #[test]
 fn a_wrong_law_is_far_away() {
     let mut random = Random(5);

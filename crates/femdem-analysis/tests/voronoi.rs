@@ -1,4 +1,4 @@
-//! Set-Voronoi cells against cells that are known.
+//! Set-Voronoi cells compared with known cells.
 
 use crate::common::{Random, at, body, cube, moved, solid, turned_lattice};
 use femdem_analysis::*;
@@ -61,7 +61,7 @@ fn cells_sum_to_the_region() {
     }
 }
 
-/// What is left of a leaf by rounding is no part of a cell: the same cells reach the boundary wherever the pack is.
+/// Rounding in a leaf does not create a part of a cell: the same cells reach the boundary wherever the pack is.
 #[test]
 fn cells_reach_the_boundary_wherever_the_pack_is() {
     let shapes = [solid("A1", 1.0)];
@@ -237,9 +237,9 @@ fn error_of_a_cell_is_as_stated() {
     assert!(fine < 0.4 * coarse, "{fine} {coarse}");
 }
 
-/// Icosahedra and tetrahedra, whose densest known lattices are of no simple lengths. Bases: own optimisation of the
-/// project, densities in agreement to six digits with Torquato and Jiao, Phys. Rev. E 80, 041104 (2009); tetrahedra
-/// 18/49 (Hoylman 1970). Solids of circumradius 1.
+/// Icosahedra and tetrahedra, whose densest known lattices have no simple lengths. Bases: from an optimisation
+/// made for this project, with densities that agree to six digits with Torquato and Jiao, Phys. Rev. E 80,
+/// 041104 (2009); tetrahedra 18/49 (Hoylman 1970). Solids of circumradius 1.
 #[test]
 fn density_of_oblique_lattices() {
     let cases = [

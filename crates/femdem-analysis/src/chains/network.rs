@@ -9,7 +9,7 @@ use crate::network::graph::Graph;
 use crate::ordered::ordered_map;
 use crate::table::{Cell, Table};
 
-/// A link that a rule has chosen.
+/// A link chosen by a rule.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Link {
     pub(super) bodies: [u32; 2],
@@ -29,11 +29,11 @@ pub struct ChainLink {
     pub chain: u32,
 }
 
-/// Force chains of a pack. A chain is a connected part of the network of links, with at least the
-/// number of bodies asked for; smaller parts are left out everywhere below.
+/// Force chains of a pack. A chain is a connected part of the network of links with at least the required
+/// number of bodies; smaller parts are left out everywhere below.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChainNetwork {
-    /// What the rule compared with: F_c/W (no unit) or the mean major principal stress (Pa).
+    /// The threshold of the rule: F_c/W (no unit) or the mean major principal stress (Pa).
     pub threshold: f64,
     /// Bodies in chains.
     pub bodies: usize,
@@ -45,9 +45,9 @@ pub struct ChainNetwork {
     pub share_of_force: f64,
     /// Independent loops: links − bodies + chains.
     pub cycles: usize,
-    /// Contacts with walls that pass the rule; 0 for a rule that knows no walls.
+    /// Contacts with walls that pass the rule; 0 for a rule without walls.
     pub wall_contacts: usize,
-    /// Links that meet in a body that has three or more of them: how much the chains branch.
+    /// Links at bodies with three or more links: a measure of branching.
     pub branch_bodies: usize,
     /// Mean number of bodies of a chain.
     pub chain_bodies: Estimate,
@@ -66,7 +66,7 @@ pub struct ChainNetwork {
 }
 
 impl ChainNetwork {
-    /// The parts of a network of links. `threshold` and `wall_contacts` are for the rule to fill in.
+    /// The parts of a network of links. The rule sets `threshold` and `wall_contacts` afterwards.
     pub(super) fn of(
         network: &ForceNetwork,
         links: Vec<Link>,
@@ -77,7 +77,7 @@ impl ChainNetwork {
         let edges: Vec<[u32; 2]> = links.iter().map(|link| link.bodies).collect();
         let mut parts = Graph::new(count, &edges).components();
         parts.retain(|part| part.len() >= least_bodies);
-        // A stable sort: chains of one size stay in the order of their first bodies.
+        // A stable sort: chains of equal size stay in the order of their first bodies.
         parts.sort_by_key(|part| std::cmp::Reverse(part.len()));
         let mut chain_of = vec![u32::MAX; count];
         for (part, number) in parts.iter().zip(0_u32..) {

@@ -1,4 +1,4 @@
-//! Two rules for what a force chain is.
+//! Two rules that define force chains.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -14,13 +14,13 @@ use crate::forces::{ForceMaxima, force_maxima};
 use crate::network::ForceNetwork;
 use crate::stress::{BodyStresses, body_stresses};
 
-/// What both rules share.
+/// Options of both rules.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ChainOptions {
-    /// Fewest bodies of a chain, 2 or more. Default 3, as Peters et al. (2005) ask for.
+    /// Fewest bodies of a chain, 2 or more. Default 3, as in Peters et al. (2005).
     pub least_bodies: usize,
-    /// How errors of means are found.
+    /// How errors of means are computed.
     pub bootstrap: BlockBootstrap,
 }
 
@@ -66,9 +66,9 @@ impl Default for StressRule {
 
 /// Force chains by the founding paper's rule.
 ///
-/// F_c is the whole force of a pair, friction included; W is the body's weight, of two bodies the mean of
-/// both. Forces on walls count in the maxima and, apart, as
-/// [`wall_contacts`](ChainNetwork::wall_contacts) of the network, but join no bodies.
+/// F_c is the whole force of a pair, friction included; W is the body's weight, for two bodies their mean
+/// weight. Forces on walls count in the maxima and, separately, as
+/// [`wall_contacts`](ChainNetwork::wall_contacts) of the network, but do not join bodies.
 ///
 /// ```
 /// use femdem_analysis::*;
@@ -145,11 +145,10 @@ pub(crate) fn by_weight(
 
 /// Force chains by the rule of Peters et al. (2005).
 ///
-/// A body counts when its major principal stress (Love-Weber, compression positive) is above the mean over
-/// all bodies that touch anything. Two such bodies are linked if they touch and the line between their
-/// centres is within the angle of the major principal direction of both. So chains may branch; bodies that
-/// no link reaches are in none. In a pack under gravity the mean stress grows with depth, hence so do the
-/// chains.
+/// A body counts if its major principal stress (Love-Weber, compression positive) is above the mean over all
+/// bodies that touch anything. Two such bodies are linked if they touch and the line between their centres is
+/// within the angle of the major principal direction of both. Chains may therefore branch; bodies without links
+/// are in none. In a pack under gravity the mean stress grows with depth, and so do the chains.
 ///
 /// ```
 /// use femdem_analysis::*;
@@ -185,7 +184,7 @@ pub(crate) fn by_stress(
     options: &ChainOptions,
     stresses: &BodyStresses,
 ) -> Result<ChainNetwork, AnalysisError> {
-    // Written so that NaN fails it too.
+    // The condition is false for NaN.
     let inside = rule.angle > 0.0 && rule.angle < FRAC_PI_2;
     if !inside {
         return Err(AnalysisError::Option {

@@ -18,8 +18,8 @@ pub struct Chain {
     pub links: usize,
     /// Independent loops: links − bodies + 1.
     pub cycles: usize,
-    /// Length of its backbone (m): of the shortest ways, counted in links, between any two of its bodies,
-    /// one with the most links; the sum of the distances between successive centres.
+    /// Length of its backbone (m): of the shortest paths, counted in links, between any two of its bodies, one
+    /// with the most links. The length is the sum of the distances between successive centres.
     pub length: f64,
     /// Links of the backbone.
     pub length_links: usize,
@@ -35,8 +35,8 @@ pub struct Chain {
     pub centre: Point3,
 }
 
-/// An unbranched part of a chain: from a body that has one link, or three and more, to the next such body
-/// along bodies with two; or a loop of bodies with two.
+/// An unbranched part of a chain: from a body with one link, or with three or more, along bodies with two links
+/// to the next such body; or a loop of bodies with two links.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChainSegment {
     /// Number of its chain.
@@ -57,11 +57,11 @@ pub struct ChainSegment {
     pub centre: Point3,
 }
 
-/// A chain of up to so many bodies is searched from each of them for its backbone.
+/// The backbone of a chain of up to this many bodies is searched for from each of them.
 const EVERY_START: usize = 1500;
 
-/// A larger one from so many of them, evenly spread, and from the body farthest from each: what this may
-/// miss is a link or two.
+/// That of a larger chain is searched for from this many of them, evenly spread, and from the body farthest
+/// from each; this may miss a link or two.
 const STARTS: usize = 64;
 
 /// Measures one connected part.
@@ -102,7 +102,7 @@ fn mean_point(points: impl Iterator<Item = Point3>) -> Point3 {
     Point3::from(sum / f64::max(count, 1.0))
 }
 
-/// Length, distance of the ends, and their ratio, of a way through bodies.
+/// Length, distance of the ends, and their ratio, of a path through bodies.
 fn measures(network: &ForceNetwork, way: &[u32]) -> (f64, f64, f64) {
     let between = |a: u32, b: u32| (network.centre(b) - network.centre(a)).norm();
     let length: f64 = way.windows(2).map(|w| between(w[0], w[1])).sum();
@@ -114,8 +114,8 @@ fn measures(network: &ForceNetwork, way: &[u32]) -> (f64, f64, f64) {
     (length, ends, straightness)
 }
 
-/// The shortest way between the two bodies that are farthest apart, counted in links; of equals the
-/// one with the lowest start, then the lowest end.
+/// The shortest path between the two bodies that are farthest apart, counted in links; among equals the one
+/// with the lowest start, then the lowest end.
 fn backbone(graph: &Graph, part: &[u32]) -> Vec<u32> {
     let local = graph.part(part);
     let mut search = Search::new(&local);
@@ -146,7 +146,7 @@ fn backbone(graph: &Graph, part: &[u32]) -> Vec<u32> {
 /// Breadth-first search with memory that is reused.
 struct Search<'a> {
     graph: &'a Graph,
-    /// Of each node the distance in links, the node before, and the number of the search that wrote them.
+    /// For each node the distance in links, the node before, and the number of the search that wrote them.
     found: Vec<(usize, u32, u32)>,
     round: u32,
     queue: VecDeque<u32>,
@@ -162,7 +162,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The node farthest from `start` in links, the lowest of equals, and how far it is.
+    /// The node farthest from `start` in links, the lowest among equals, and its distance.
     fn farthest(&mut self, start: u32) -> (u32, usize) {
         self.round += 1;
         self.queue.clear();
@@ -185,7 +185,7 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// The way of the last search to `end`, from its start.
+    /// The path of the last search from its start to `end`.
     fn way_to(&self, end: u32) -> Vec<u32> {
         let mut way = vec![end];
         let mut at = end;
@@ -212,7 +212,7 @@ pub(super) fn segments(
     let mut used = vec![false; links.len()];
     let mut segments = Vec::new();
     for (part, chain) in parts.iter().zip(0_u32..) {
-        // Ends and branches first; what is left then are loops of bodies with two links.
+        // Ends and branches first; the rest are loops of bodies with two links.
         let ends = part.iter().filter(|body| graph.degree(**body) != 2);
         for &start in ends.chain(part) {
             for &(next, link) in graph.neighbours(start) {
@@ -226,7 +226,7 @@ pub(super) fn segments(
     segments
 }
 
-/// Goes on from `start` over `next` along bodies with two links.
+/// Follows bodies with two links from `start` through `next`.
 fn follow(graph: &Graph, start: u32, next: u32, used: &mut [bool]) -> Vec<u32> {
     let mut way = vec![start, next];
     let mut at = next;

@@ -43,7 +43,7 @@ pub struct ThresholdPoint {
 /// Components and cycles against threshold.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ThresholdCurve {
-    /// The points, in the order asked for.
+    /// The points, in the order of the options.
     pub points: Vec<ThresholdPoint>,
 }
 
@@ -88,7 +88,7 @@ pub fn threshold_curve(
         .body_pairs()
         .map(|(i, j, pair)| (pair.normal_force, i, j))
         .collect();
-    // From strong to weak, so that parts only ever join.
+    // From strong to weak, so that parts can only join.
     links.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut order: Vec<usize> = (0..thresholds.len()).collect();
     order.sort_by(|a, b| thresholds[*b].total_cmp(&thresholds[*a]));
@@ -107,7 +107,7 @@ pub fn threshold_curve(
     })
 }
 
-/// The network so far.
+/// The network up to the present link.
 struct Growing {
     sets: Sets,
     links: usize,
@@ -134,7 +134,7 @@ impl Growing {
         };
         let lone = sizes.iter().filter(|size| **size == 1).count();
         self.bodies += lone;
-        // Two lone bodies make a part, two parts become one.
+        // Two single bodies form a part, two parts become one.
         match lone {
             2 => self.components += 1,
             0 => self.components -= 1,

@@ -20,8 +20,8 @@ pub struct ExactDensity {
     pub region_volume: f64,
     /// Sum of the volumes of the bodies' parts inside the region (m³).
     pub body_volume: f64,
-    /// Sum of the volumes shared by pairs inside the region (m³). Where three bodies share a point it
-    /// is subtracted once too often; in a pack this is of the third order in the penetration.
+    /// Sum of the volumes shared by pairs inside the region (m³). Volume shared by three bodies is subtracted
+    /// once too often; in a pack this is of the third order in the penetration.
     pub overlap_volume: f64,
     /// Bodies whose box reaches into the region.
     pub bodies: usize,
@@ -29,8 +29,8 @@ pub struct ExactDensity {
 
 /// Packing density of `region`: every body clipped by it (divergence theorem) minus pair overlaps.
 ///
-/// Accurate to about 1e-13, whatever the form of the bodies. Parts of the region without bodies count as
-/// void, also where it reaches beyond the pack; a region that no body reaches has density 0.
+/// Accurate to about 1e-13, whatever the form of the bodies. Parts of the region without bodies count as void,
+/// also where the region extends beyond the pack; a region without any body has density 0.
 ///
 /// ```
 /// use femdem_analysis::{Pack, PosedBody, Region, exact_density};
@@ -77,7 +77,7 @@ pub fn volume_inside(
     ))
 }
 
-/// The bodies and pairs that count in a region, with their summed volumes.
+/// The bodies and pairs that take part in a region, with their summed volumes.
 pub(crate) struct Measured {
     members: Vec<usize>,
     /// Pairs that share volume.
@@ -134,7 +134,8 @@ impl Measured {
     }
 }
 
-/// Solid volume of every body inside `region` (m³), less half of what it shares with each other body there.
+/// Solid volume of every body inside `region` (m³), minus half of the volume that it shares with each other
+/// body there.
 pub(crate) fn solid_of_bodies(pack: &Pack, region: &Region) -> Vec<f64> {
     let mut solids = ordered_map(pack.len(), Clipper::default, |clipper, body| {
         body_volume(clipper, pack, body, region)

@@ -1,4 +1,4 @@
-//! Packing density by counting cells of a regular grid: the founding paper's way.
+//! Packing density by counting cells of a regular grid: the founding paper's method.
 
 use std::f64::consts::PI;
 
@@ -25,18 +25,18 @@ const AREA_ERROR: f64 = 0.27;
 pub struct GridDensity {
     /// Share of the cell centres that lie in a body.
     pub density: f64,
-    /// Standard deviation of `density` from counting: `0.30 Δ² √A / V`, with `Δ` the largest spacing,
-    /// `A` the surface area of all bodies that reach into the region and `V` the region's volume. It
-    /// supposes that the bodies lie to the grid at random: bodies that repeat in step with the grid
-    /// err together, and faces along the grid err more. Where the pack fades out at the region's
-    /// boundary, an error of second order in `Δ` comes on top.
+    /// Standard deviation of `density` from counting: `0.30 Δ² √A / V`, with `Δ` the largest spacing, `A` the
+    /// surface area of all bodies that reach into the region and `V` the region's volume. It assumes that the
+    /// bodies lie at random relative to the grid: errors of bodies that repeat in step with the grid add up,
+    /// and faces along the grid have larger errors. Where the pack ends gradually at the region's boundary, an
+    /// error of second order in `Δ` is added.
     ///
-    /// A cylinder adds in squares what its round edge misplaces: columns of height `H` and area
-    /// `0.27 Δ^1.5 √(2πR)` in all, each off the mean density by `√(φ(1-φ) d/H)`. So does a sphere: cells of
-    /// `0.30 Δ² √(4πR²)` in all, each off the mean density by `√(φ(1-φ))`.
+    /// For a cylinder, the error of its round side is added in squares: columns of height `H` and area `0.27
+    /// Δ^1.5 √(2πR)` in all are misplaced, each off the mean density by `√(φ(1-φ) d/H)`. For a sphere, cells of
+    /// `0.30 Δ² √(4πR²)` in all are, each off the mean density by `√(φ(1-φ))`.
     pub error: f64,
-    /// Distance between cell centres along x, y and z (m): the spacing asked for, changed so that a
-    /// whole number of cells fits.
+    /// Distance between cell centres along x, y and z (m): the given spacing, changed so that a whole number of
+    /// cells fits.
     pub spacing: [f64; 3],
     /// Cells with their centre in the region.
     pub cells: u64,
@@ -89,7 +89,7 @@ pub fn grid_density(
     let (cells, solid_cells) = counts
         .iter()
         .fold((0, 0), |sum, c| (sum.0 + c.0, sum.1 + c.1));
-    // A region narrower than a cell has its one centre on its axis, so there is always a cell.
+    // A region narrower than a cell has one centre, on its axis, so that there is always a cell.
     let density = solid_cells as f64 / cells as f64;
     let spacing = axes.map(|a| a.step);
     let largest = spacing.into_iter().fold(0.0, f64::max);
@@ -137,7 +137,7 @@ fn counting_error(
 /// One layer of cells and memory to fill it.
 #[derive(Default)]
 struct Layer {
-    /// Row after row along x: whether the centre lies in a body.
+    /// Row by row along x: whether the centre lies in a body.
     solid: Vec<bool>,
     planes: Vec<(Vector3, f64)>,
     /// Where rows cross a surface of triangles: row and x.
@@ -151,7 +151,7 @@ struct LayerCounter<'a> {
 }
 
 impl LayerCounter<'_> {
-    /// Cells and solid cells of layer `k`, which the boxes of `bodies` reach.
+    /// Cells and solid cells of layer `k`, with the bodies whose boxes reach it.
     fn count(&self, layer: &mut Layer, k: usize, bodies: &[usize]) -> (u64, u64) {
         let [x_axis, y_axis, z_axis] = &self.axes;
         let z = z_axis.centre(k);
@@ -215,7 +215,7 @@ impl LayerCounter<'_> {
         let slab = Bounds::slab(2, z, z);
         self.pack.triangles_in(body, &slab, |triangle| {
             let bounds = Bounds::around(triangle);
-            // A triangle left out would leave its row with an odd number of crossings.
+            // A missing triangle would leave its row with an odd number of crossings.
             for row in self.axes[1].near(bounds.min.y, bounds.max.y) {
                 let at = Point3::new(0.0, self.axes[1].centre(row), z);
                 let x = crossing(&triangle, 0, &at);

@@ -21,8 +21,8 @@ use crate::region::Region;
 pub struct DensityOptions {
     /// Grid spacing over the mean diameter; above 0. Default 1/20.
     pub grid_spacing_over_d: f64,
-    /// Least side of a bootstrap block over the mean diameter; above 0. Default 1.5, a length beyond
-    /// which the density of a random pack is but weakly correlated.
+    /// Smallest side of a bootstrap block over the mean diameter; above 0. Default 1.5, a length beyond which
+    /// the density of a random pack is only weakly correlated.
     pub block_over_d: f64,
     /// Number of bootstrap draws, 2 or more. Default 1000.
     pub resamples: u32,
@@ -68,15 +68,15 @@ impl DensityOptions {
 pub struct PackingDensity {
     /// By exact clipping, overlaps subtracted.
     pub exact: f64,
-    /// By counting cells of a regular grid. `None` when there would be too many of them
-    /// ([`AnalysisError::GridTooFine`]), as then the two after it.
+    /// By counting cells of a regular grid. `None` if there would be too many of them
+    /// ([`AnalysisError::GridTooFine`]); the next two fields are `None` then, too.
     pub grid: Option<f64>,
     /// Distance of the grid's cell centres along x, y and z (m).
     pub grid_spacing: Option<[f64; 3]>,
     /// Standard deviation of `grid` from counting (see [`GridDensity::error`]).
     pub grid_error: Option<f64>,
-    /// Standard error of `exact` as the density of a larger pack of the kind, by block bootstrap.
-    /// `None` when the region is too small for two blocks.
+    /// Standard error of `exact` as the density of a larger pack of the same kind, by block bootstrap. `None`
+    /// if the region is too small for four blocks.
     pub standard_error: Option<f64>,
     /// Number of blocks the bootstrap drew from.
     pub blocks: usize,
@@ -90,11 +90,11 @@ pub struct PackingDensity {
 ///
 /// The region is best taken from [`choose_core`](crate::choose_core).
 ///
-/// **Standard error.** The region is cut into equal blocks of side `block_over_d` diameters or more (at
-/// most 8 along each axis of a box; slices along z of a cylinder). The exact density of each is found;
-/// blocks are drawn with replacement, as many as there are, `resamples` times, and the standard
-/// deviation of the means is reported. It measures scatter within this pack: what differs
-/// from pour to pour as a whole it cannot see, and with fewer than some 8 blocks it is rough and low.
+/// **Standard error.** The region is cut into equal blocks of side `block_over_d` diameters or more (at most 8
+/// along each axis of a box; slices along z of a cylinder). The exact density of each is computed; blocks are
+/// drawn with replacement, as many as there are, `resamples` times, and the standard deviation of the means,
+/// times sqrt(n/(n - 1)) for n blocks, is reported. It measures scatter within this pack and does not include
+/// differences between pours. With fewer than about 8 blocks it is rough, with fewer than 4 there is none.
 ///
 /// # Errors
 /// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`], [`AnalysisError::Option`].

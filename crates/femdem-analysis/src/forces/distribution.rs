@@ -1,4 +1,4 @@
-//! P(f): how contact forces are distributed about their mean.
+//! P(f): the distribution of contact forces about their mean.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ pub struct ForceDistributionOptions {
     pub bin: f64,
     /// How the tail is fitted; its start is in f, the force over the mean.
     pub tail: TailOptions,
-    /// How the error of the mean force is found.
+    /// How the error of the mean force is computed.
     pub bootstrap: BlockBootstrap,
 }
 
@@ -42,7 +42,7 @@ pub struct ForceBin {
     pub count: u64,
     /// Probability density P(f), per unit of f.
     pub density: f64,
-    /// Its counting error, √count over count of the density; it takes the pairs as independent.
+    /// Its counting error, the density times √count over count; pairs are assumed to be independent.
     pub error: f64,
 }
 
@@ -99,7 +99,7 @@ pub fn force_distribution(
         let middle = femdem_mesh::nalgebra::center(&network.centre(i), &network.centre(j));
         (middle, pair.normal_force)
     }));
-    // Written so that NaN fails it too.
+    // The condition is false for NaN.
     let positive = mean_force.mean > 0.0;
     if !positive {
         return Ok(None);
@@ -121,7 +121,7 @@ pub fn force_distribution(
     }))
 }
 
-/// Most bins; forces beyond them are in the last.
+/// Largest number of bins; larger forces are in the last one.
 const MOST_BINS: usize = 10_000;
 
 fn bins(f: &[f64], width: f64) -> Vec<ForceBin> {

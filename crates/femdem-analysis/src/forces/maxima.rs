@@ -9,8 +9,8 @@ use crate::error::AnalysisError;
 use crate::network::ForceNetwork;
 use crate::table::{Cell, Table};
 
-/// Largest contact force on each body over its weight, F_c/W: what the founding paper (Xiang, Latham and
-/// Farsi 2016) normalises its force chains by.
+/// Largest contact force on each body over its weight, F_c/W, by which the founding paper (Xiang, Latham and
+/// Farsi 2016) normalises its force chains.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ForceMaxima {
     /// Mean over the bodies that touch anything.
@@ -19,11 +19,11 @@ pub struct ForceMaxima {
     pub median: f64,
     /// The largest of all.
     pub largest: f64,
-    /// For each body; 0 for one that touches nothing, or whose contacts with each partner cancel.
+    /// For each body; 0 for a body that touches nothing, or whose contacts with each partner cancel.
     pub bodies: Vec<f64>,
 }
 
-/// The largest contact force on each body, friction included, over its weight. Contacts of a pair are
+/// The largest contact force on each body, friction included, over its weight. Contacts of a pair are summed to
 /// one force; walls count.
 ///
 /// ```
@@ -49,7 +49,7 @@ pub fn force_maxima(
     network.need_weights()?;
     let blocks = Blocks::of(network, bootstrap)?;
     let bodies = largest_over_weight(network);
-    // Not by the force, which may be 0 where patches cancel.
+    // Not by the force, which may be 0 if patches cancel.
     let touches = network.touches();
     let touching = || (0..bodies.len()).filter(|body| touches[*body]);
     let mean = blocks.mean(touching().map(|body| (network.bodies()[body].centre, bodies[body])));

@@ -1,4 +1,4 @@
-//! What the pack does to each wall.
+//! Forces of the pack on each wall.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! What each body and each overlap puts into the cells of a grid.
+//! Contributions of each body and each overlap to the cells of a grid.
 
 use femdem_mesh::{Point3, Vector3};
 
@@ -46,7 +46,7 @@ impl Cells {
         }
     }
 
-    /// The bootstrap's block that cell `i` is in: at most 8 along each axis, of width `side` or more.
+    /// The bootstrap's block that contains cell `i`: at most 8 along each axis, of width `side` or more.
     pub(super) fn block_of(&self, i: usize, side: f64) -> usize {
         let at = self.place(i);
         let along = |k: usize| {
@@ -58,7 +58,7 @@ impl Cells {
         (along(2) * 8 + along(1)) * 8 + along(0)
     }
 
-    /// Volume of every cell's part in the region.
+    /// Volume of every cell's part inside the region.
     pub(super) fn volumes(&self) -> Vec<f64> {
         ordered_map(self.len(), Clipper::default, |clipper, i| {
             let bounds = self.bounds(self.place(i));
@@ -73,7 +73,7 @@ impl Cells {
         })
     }
 
-    /// All deposits, in the order of the bodies and then of the overlaps, which are below zero.
+    /// All deposits, in the order of the bodies and then of the overlaps, which are negative.
     pub(super) fn deposits(&self, pack: &Pack) -> Vec<Vec<Deposit>> {
         let members: Vec<usize> = (0..pack.len())
             .filter(|&i| self.region.relation(pack.bounds(i)) != Relation::Outside)
@@ -145,7 +145,7 @@ impl Cells {
         }
     }
 
-    /// For a pair that does not go by planes.
+    /// For a pair of which neither body is handled by its planes.
     fn shared_in_cells(&self, scratch: &mut Scratch, pack: &Pack, pair: Pair) -> Vec<Deposit> {
         let common = pack.bounds(pair.0).clamped_to(pack.bounds(pair.1));
         let middle = common.middle_and_half().0;

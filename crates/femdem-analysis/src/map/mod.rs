@@ -14,7 +14,7 @@ use crate::region::Region;
 use crate::table::{Cell, Table};
 use cells::Cells;
 
-/// Most cells of a map.
+/// Largest number of cells of a map.
 const MOST_CELLS: f64 = 1e7;
 
 /// How [`density_map`] measures.
@@ -24,7 +24,7 @@ pub struct DensityMapOptions {
     /// Side of a cell over the mean diameter; above 0. Default 1. It is changed so that a whole number of
     /// cells fits along each axis. Cells much smaller than a body show the bodies, not a density.
     pub cell_over_d: f64,
-    /// How the error of the mean is drawn: from blocks of whole cells.
+    /// How the error of the mean is computed: from blocks of whole cells.
     pub bootstrap: BlockBootstrap,
 }
 
@@ -37,8 +37,8 @@ impl Default for DensityMapOptions {
     }
 }
 
-/// Local packing density on a regular grid. The lists hold one value per cell, x running fastest, then y, then z,
-/// as VTK's image data has it. As a [`Table`] one row per cell.
+/// Local packing density on a regular grid. The lists have one value per cell, x running fastest, then y, then
+/// z, as in VTK's image data. As a [`Table`] one row per cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DensityMap {
     /// The region measured; the grid covers the smallest box around it.
@@ -59,8 +59,8 @@ pub struct DensityMap {
     pub mean: f64,
     /// Standard error of `mean` by block bootstrap; `None` with fewer than four blocks.
     pub standard_error: Option<f64>,
-    /// Standard deviation of the cells' densities, each weighted by its volume: how uneven the pack is at the
-    /// length of a cell.
+    /// Standard deviation of the cells' densities, each weighted by its volume: the unevenness of the pack at
+    /// the length of a cell.
     pub deviation: f64,
     /// Number of blocks that the bootstrap drew from.
     pub blocks: usize,
@@ -69,8 +69,8 @@ pub struct DensityMap {
 /// Packing density of every cell of a grid over `region`, by exact clipping.
 ///
 /// Bodies are cut by the cells' sides, and by the region where it is round; overlaps are subtracted pair by
-/// pair in the cells where they are. (Overlaps of two bodies that are both non-convex or have many faces are
-/// counted whole or not at all by their middle where they lie on the round side of a region.)
+/// pair in the cells where they are. (Overlaps of two bodies that are both non-convex or have many faces, at
+/// the round side of a region, count as a whole or not at all, depending on their middle.)
 ///
 /// ```
 /// use femdem_analysis::*;
@@ -106,7 +106,7 @@ pub fn density_map(
         .iter()
         .map(|extent| (extent / side).max(1.0))
         .product();
-    // Written so that NaN fails it too.
+    // The condition is false for NaN.
     if !(side > 0.0 && side.is_finite() && cells <= MOST_CELLS) {
         return Err(AnalysisError::Option {
             name: "cell_over_d",

@@ -32,8 +32,8 @@ impl Graph {
         Self { starts, entries }
     }
 
-    /// The graph of some of the nodes, sorted and with all their neighbours among them, numbered by their
-    /// places in the list.
+    /// The subgraph of some of the nodes, which must be sorted and include all their neighbours, numbered by
+    /// their positions in the list.
     pub(crate) fn part(&self, nodes: &[u32]) -> Self {
         let place = |node: u32| nodes.partition_point(|other| *other < node) as u32;
         let mut starts = vec![0];
@@ -111,7 +111,7 @@ impl Sets {
         i
     }
 
-    /// Joins the sets of `a` and `b`: the sizes they had, or `None` if they were one already.
+    /// Joins the sets of `a` and `b` and returns the sizes that they had; `None` if they were the same set.
     pub(crate) fn join(&mut self, a: u32, b: u32) -> Option<[u32; 2]> {
         let [a, b] = [self.root(a), self.root(b)];
         if a == b {
@@ -154,7 +154,7 @@ mod tests {
                 let together: Vec<u32> = (0..20).filter(|i| sets.root(*i) == root).collect();
                 prop_assert_eq!(together, component);
             }
-            // A forest has as many edges as nodes less trees.
+            // The number of edges of a forest is nodes minus trees.
             let roots = (0..20).filter(|i| sets.root(*i) == *i).count();
             prop_assert_eq!(roots + joined, 20);
         }

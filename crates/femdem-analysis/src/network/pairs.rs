@@ -30,7 +30,7 @@ pub struct PairForce {
     pub constraints_frictional: u32,
 }
 
-/// Pairs of `contacts`, sorted by their partners; sums run in the order given.
+/// Pairs of `contacts`, sorted by their partners; sums are taken in the order given.
 pub(super) fn of_contacts(contacts: &[ForceContact]) -> Vec<PairForce> {
     let mut ordered: Vec<PairForce> = contacts.iter().map(PairForce::of).collect();
     // A stable sort, so that the sums do not depend on how the sort works.

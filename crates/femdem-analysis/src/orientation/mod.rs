@@ -1,4 +1,4 @@
-//! How bodies are turned: directions of axes and faces, their stereonet, order and fabric.
+//! Orientations of bodies: directions of axes and faces, their stereonet, order and fabric.
 
 mod order;
 mod quartic;
@@ -15,12 +15,12 @@ pub use stereonet::{NetNode, Stereonet, StereonetOptions, schmidt, stereonet};
 use crate::error::AnalysisError;
 use crate::pack::Pack;
 
-/// Which directions of a body are looked at. All are axes: a direction and its opposite are the same.
+/// Which directions of a body are used. All are axes: a direction and its opposite are the same.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum BodyAxes {
-    /// The principal axis of least moment of inertia: the long axis. Without meaning for bodies of equal
-    /// moments, such as the Platonic solids; take face normals for them.
+    /// The principal axis of smallest moment of inertia: the long axis. Meaningless for bodies with equal
+    /// moments, such as the Platonic solids; use face normals for them.
     Long,
     /// The principal axis of largest moment of inertia: the short axis.
     Short,
@@ -30,7 +30,7 @@ pub enum BodyAxes {
     Fixed(Vec<[f64; 3]>),
     /// Normals of all faces, or of those with this many sides.
     FaceNormals {
-        /// Number of sides of the faces that count; `None`: all faces.
+        /// Number of sides of the faces used; `None`: all faces.
         sides: Option<u32>,
     },
 }
@@ -83,7 +83,7 @@ pub fn body_directions(
     Ok(found)
 }
 
-/// Why there is no axis: faces of another number of sides than asked for, or no bodies or axes at all.
+/// The reason why there is no axis: no face with the given number of sides, or no bodies or axes at all.
 fn no_directions(pack: &Pack, axes: &BodyAxes) -> AnalysisError {
     let faces = pack.shapes().iter().flat_map(|shape| {
         let count = shape.face_count();
@@ -153,11 +153,11 @@ fn axes_of(shape: &Polyhedron, axes: &BodyAxes) -> Vec<Vector3> {
     }
 }
 
-/// The vectors, made of unit length.
+/// The vectors, normalised.
 fn unit_vectors(list: &[[f64; 3]]) -> Result<Vec<Vector3>, AnalysisError> {
     let unit = |(index, &vector): (usize, &[f64; 3])| {
         let v = Vector3::from(vector);
-        // The largest component first, so that no square leaves the range of numbers.
+        // Divided by the largest component first, so that squares neither overflow nor vanish.
         let scaled = v / v.amax();
         let unit = scaled.normalize();
         if unit.iter().all(|x| x.is_finite()) {

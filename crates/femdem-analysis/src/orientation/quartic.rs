@@ -66,7 +66,8 @@ impl Moments {
 
     /// The direction where the mean of `P4` is largest, and its value.
     ///
-    /// From every peak of a net of directions that may lead to it a pattern search whose steps halve to 1e-9.
+    /// A pattern search, with steps halved down to 1e-9, from every direction of a net that may lead to the
+    /// largest value.
     pub(super) fn largest_p4(&self) -> (Vector3, f64) {
         let heights: Vec<(Vector3, f64)> = net().map(|n| (n, self.mean_p4(&n))).collect();
         let most = heights
@@ -84,7 +85,7 @@ impl Moments {
             .unwrap_or((Vector3::z(), self.mean_p4(&Vector3::z())))
     }
 
-    /// The top of the hill that a direction with its value stands on.
+    /// The local maximum reached from a direction with its value.
     fn climb(&self, (mut best, mut most): (Vector3, f64)) -> (Vector3, f64) {
         let value = |n: &Vector3| self.mean_p4(n);
         let mut step = 0.1;
@@ -102,11 +103,11 @@ impl Moments {
     }
 }
 
-/// Cosine of the angle (14 degrees) within which directions of the net lie beside each other.
+/// Cosine of the angle (14 degrees) within which directions of the net are neighbours.
 const BESIDE: f64 = 0.97;
 
-/// Most that `P4` rises from the nearest direction of the net, 6.5 degrees away at most, to its top: its second
-/// derivative is at most 10.
+/// Largest rise of `P4` from the nearest direction of the net, at most 6.5 degrees away, to a maximum: its
+/// second derivative is at most 10.
 const RISE: f64 = 0.065;
 
 /// `P4(x)`.
@@ -131,7 +132,7 @@ mod tests {
     use super::*;
     use femdem_mesh::Rotation;
 
-    /// The moments give the mean of P4 that the axes themselves give, in any direction.
+    /// The moments give the same mean of P4 as the axes themselves, in any direction.
     #[test]
     fn moments_hold_the_mean() {
         let axes: Vec<Vector3> = net().skip(7).step_by(11).collect();
@@ -144,7 +145,7 @@ mod tests {
         assert!((moments.mean_square().trace() - 1.0).abs() < 1e-14);
     }
 
-    /// The largest of several hills of similar height is found: no direction of a fine scan is higher.
+    /// The largest of several maxima of similar height is found: no direction of a fine scan is higher.
     #[test]
     fn no_direction_is_higher() {
         let mut state = 3_u64;

@@ -12,10 +12,11 @@ use crate::table::{Cell, Table};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct StereonetOptions {
-    /// Kamb's number of standard deviations that the count expected in a circle makes; above 0. Default 3.
+    /// Kamb's number of standard deviations to which the count expected in a circle corresponds; above 0.
+    /// Default 3.
     pub sigmas: f64,
-    /// Least part of the hemisphere that a counting circle covers, above 0 and below 1. Default 0.01: Kamb's circle shrinks
-    /// with the number of directions, and many would leave it smaller than the net's meshes.
+    /// Smallest part of the hemisphere that a counting circle covers, above 0 and below 1. Default 0.01: Kamb's
+    /// circle shrinks with the number of directions, and would become smaller than the net's meshes with many.
     pub least_circle: f64,
     /// Nodes across the net, 3 to 1001. Default 41.
     pub nodes_across: u32,
@@ -34,7 +35,7 @@ impl Default for StereonetOptions {
 /// A node of the net.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NetNode {
-    /// Place in the unit disc: x to the east, y to the north ([`schmidt`]).
+    /// Position in the unit disc: x to the east, y to the north ([`schmidt`]).
     pub place: [f64; 2],
     /// The direction there, on the lower hemisphere.
     pub direction: [f64; 3],
@@ -42,8 +43,8 @@ pub struct NetNode {
     pub count: u32,
     /// Density in multiples of the uniform one.
     pub density: f64,
-    /// Kamb's measure: the count less the expected one, in standard deviations of uniform directions. Beyond
-    /// 3 it is hardly chance; single nodes of many pass 2.
+    /// Kamb's measure: the count minus the expected one, in standard deviations for uniform directions. Values
+    /// beyond 3 are hardly due to chance; values beyond 2 occur at single nodes of many.
     pub sigmas: f64,
 }
 
@@ -64,16 +65,16 @@ pub struct Stereonet {
     pub nodes: Vec<NetNode>,
 }
 
-/// Place of an axis on a Schmidt net: Lambert's equal-area projection of the lower hemisphere (z down) onto the
-/// unit disc, x to the east and y to the north. The vector need not be of unit length; a vector that points up stands
-/// for its opposite; zero, and what is not finite, is at the centre.
+/// Position of an axis on a Schmidt net: Lambert's equal-area projection of the lower hemisphere (z down) onto
+/// the unit disc, x to the east and y to the north. The vector need not be of unit length; a vector that points
+/// up is replaced by its opposite; zero and non-finite vectors give the centre.
 ///
 /// ```
 /// assert_eq!(femdem_analysis::schmidt([0.0, 0.0, 1.0]), [0.0, 0.0]);
 /// assert_eq!(femdem_analysis::schmidt([2.0, 0.0, 0.0]), [1.0, 0.0]);
 /// ```
 pub fn schmidt(axis: [f64; 3]) -> [f64; 2] {
-    // Squares of lengths beyond these leave the range of numbers.
+    // Squares of larger or smaller lengths would overflow or vanish.
     let largest = Vector3::from(axis).amax();
     let axis = if (1e-100..=1e100).contains(&largest) {
         axis
@@ -82,7 +83,7 @@ pub fn schmidt(axis: [f64; 3]) -> [f64; 2] {
     };
     let length = Vector3::from(axis).norm();
     let [x, y, z] = axis;
-    // Axes that point up are turned over.
+    // Axes that point up are reversed.
     let scale = if z > 0.0 { -1.0 } else { 1.0 } / (length * (length + z.abs())).sqrt();
     if scale.is_finite() {
         [scale * x, scale * y]
@@ -91,7 +92,7 @@ pub fn schmidt(axis: [f64; 3]) -> [f64; 2] {
     }
 }
 
-/// The axis at a place of the unit disc.
+/// The axis at a position of the unit disc.
 fn lower_hemisphere([x, y]: [f64; 2]) -> Vector3 {
     let square = x * x + y * y;
     let flat = (2.0 - square).max(0.0).sqrt();
@@ -100,10 +101,11 @@ fn lower_hemisphere([x, y]: [f64; 2]) -> Vector3 {
 
 /// Density of axes on a Schmidt net after Kamb (J. Geophys. Res. 64, 1891, 1959).
 ///
-/// About each node the axes within a circle are counted that covers the part `a = k²/(N + k²)` of the hemisphere, with `k` the
-/// `sigmas` of the options: the count expected of uniform axes is then `k` of its standard deviations. Vectors need
-/// not be of unit length. Axes that hang together, as the faces of one body, scatter less than independent ones in circles
-/// that hold several of a body, and much the same in smaller ones.
+/// The axes within a circle about each node are counted. The circle covers the part `a = k²/(N + k²)` of the
+/// hemisphere, with `k` the `sigmas` of the options: the count expected for uniform axes is then `k` times its
+/// standard deviation. Vectors need not be of unit length. Correlated axes, such as the face normals of one
+/// body, scatter less than independent ones in circles that contain several of a body, and nearly the same in
+/// smaller circles.
 ///
 /// ```
 /// use femdem_analysis::{StereonetOptions, stereonet};
@@ -168,7 +170,7 @@ pub fn stereonet(
 
 /// Axes of the lower hemisphere, sorted by z, whose angle to `centre` has at least the cosine given.
 fn count_within(axes: &[Vector3], centre: &Vector3, cosine: f64) -> u32 {
-    // Heights that the circle reaches; beyond the equator it comes back from the other side.
+    // Heights within the circle; beyond the equator it continues on the opposite side.
     let angle = cosine.acos();
     let tilt = centre.z.clamp(-1.0, 1.0).acos();
     let [high, low] =
@@ -189,7 +191,7 @@ impl StereonetOptions {
                 allowed,
             })
         };
-        // Written so that NaN fails it too.
+        // The condition is false for NaN.
         if !(self.sigmas > 0.0 && self.sigmas <= 1e3) {
             return refuse("sigmas", self.sigmas, "above zero and at most 1000");
         }

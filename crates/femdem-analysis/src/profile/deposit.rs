@@ -1,4 +1,4 @@
-//! What each body and each overlap puts into the bins.
+//! Contributions of each body and each overlap to the bins.
 
 use super::nest::{Nest, first};
 use super::sectors::{Sector, reaches};
@@ -10,7 +10,7 @@ use crate::overlap::{Pair, Scratch, load_shared, measure_pairs, shared_volume};
 use crate::pack::Pack;
 use crate::region::{Region, Relation};
 
-/// Solid volume (m³) in bins that follow one another, from one body or, below zero, from one overlap.
+/// Solid volume (m³) in successive bins, from one body or, negative, from one overlap.
 pub(super) struct Deposit {
     pub(super) block: usize,
     pub(super) first: usize,
@@ -77,8 +77,8 @@ fn by_blocks(
     reached.filter_map(deposit).collect()
 }
 
-/// The first bin that something within `bounds` reaches, and its volume in that and those that follow;
-/// `within` gives its volume in parts of the region, one smaller than the other.
+/// The first bin that a part within `bounds` reaches, and its volume in that bin and the following ones;
+/// `within` returns its volume in nested parts of the region.
 fn into_bins(
     nest: &Nest,
     bounds: &Bounds,
@@ -98,7 +98,7 @@ fn into_bins(
             Some(part) if k < left => within(&part),
             _ => 0.0,
         };
-        // What the first part of all does not hold is in no bin.
+        // What lies outside the first part is in no bin.
         if k > 0 {
             volumes.push(rest - next);
         }
@@ -121,7 +121,8 @@ fn overlap(
             clipper.copy_from(shared);
         });
     }
-    // Bodies that do not go by planes: the blocks have no say in where the volume lies, only in whose it is.
+    // For bodies that are not handled by planes, blocks do not cut the volume; they only decide to which block
+    // it belongs.
     let common = pack.bounds(pair.0).clamped_to(pack.bounds(pair.1));
     let (middle, half) = common.middle_and_half();
     let centre = Bounds {

@@ -15,7 +15,7 @@ use deposit::deposits;
 use nest::{Direction, Nest};
 use sectors::sectors;
 
-/// Most bins of a profile.
+/// Largest number of bins of a profile.
 const MOST_BINS: f64 = 100_000.0;
 
 /// How [`height_profile`] and [`wall_profile`] measure.
@@ -25,8 +25,8 @@ pub struct ProfileOptions {
     /// Width of a bin over the mean diameter; above 0. Default 0.1. It is changed so that a whole number
     /// of bins fits.
     pub width_over_d: f64,
-    /// How the errors are drawn. The blocks cut across all bins: columns of a box against height, slices along
-    /// its height against wall distance, wedges of a cylinder.
+    /// How the errors are computed. The blocks cut across all bins: columns of a box for a height profile;
+    /// slices along its height, or wedges of a cylinder, for a wall profile.
     pub bootstrap: BlockBootstrap,
 }
 
@@ -39,7 +39,7 @@ impl Default for ProfileOptions {
     }
 }
 
-/// What the position of a bin is.
+/// The coordinate of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ProfileCoordinate {
@@ -71,7 +71,7 @@ pub struct ProfileBin {
 /// Packing density against height or wall distance. As a [`Table`] one row per bin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DensityProfile {
-    /// What `low` and `high` of the bins are.
+    /// The meaning of `low` and `high` of the bins.
     pub coordinate: ProfileCoordinate,
     /// The region measured.
     pub region: Region,
@@ -82,9 +82,8 @@ pub struct DensityProfile {
 }
 
 /// Packing density of horizontal slabs of `region`, a box or a cylinder, from its floor to its top.
-///
 /// Bodies are clipped exactly by every slab and by the region's sides; overlaps are subtracted pair by pair
-/// where they are. Bins above the pack hold nothing and say so: let the region end where the profile should.
+/// where they are. Bins above the pack have density 0: end the region where the profile should end.
 ///
 /// ```
 /// use femdem_analysis::*;
@@ -116,9 +115,9 @@ pub fn height_profile(
 /// Packing density of shells of `region`, a box or a cylinder, at equal distance from its side walls: square
 /// frames in a box, tubes in a cylinder, from its lower to its upper end. The last bin ends at the axis.
 ///
-/// Clipping is exact, as in [`height_profile`]. The walls are the sides of `region`; the floor is no wall here, as
-/// the height profile shows it. So that floor and top do not weigh in, give the container less its ends
-/// ([`Region::slab`]).
+/// Clipping is exact, as in [`height_profile`]. The walls are the sides of `region`; the floor is not treated
+/// as a wall, since the height profile shows it. To exclude effects of floor and top, pass the container
+/// without its ends ([`Region::slab`]).
 ///
 /// ```
 /// use femdem_analysis::*;
@@ -159,7 +158,7 @@ fn profile(
     let width = options.width_over_d * diameter;
     let (min, max) = region.corners();
     let bins = (max - min).amax() / width;
-    // Written so that NaN fails it too.
+    // The condition is false for NaN.
     if !(width > 0.0 && width.is_finite() && bins < MOST_BINS) {
         return Err(AnalysisError::Option {
             name: "width_over_d",

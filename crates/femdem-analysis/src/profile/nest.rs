@@ -1,4 +1,4 @@
-//! Nested parts of a region: the bins of a profile are what one has and the next has not.
+//! Nested parts of a region: a bin of a profile is the difference of two successive parts.
 
 use femdem_mesh::Point3;
 
@@ -24,7 +24,7 @@ pub(super) struct Nest {
 }
 
 impl Nest {
-    /// Parts as near to `width` apart as fits a whole number of times.
+    /// Parts whose number is whole and whose distance is as near to `width` as possible.
     pub(super) fn new(region: &Region, direction: Direction, width: f64) -> Self {
         let (min, max) = region.corners();
         let (start, extent) = match direction {
@@ -76,7 +76,7 @@ impl Nest {
         self.volume(k) - self.volume(k + 1)
     }
 
-    /// The bin that holds a point, if one does.
+    /// The bin that contains a point, if any.
     pub(super) fn bin_of(&self, point: &Point3) -> Option<usize> {
         let holds = |k: usize| self.part(k).is_some_and(|part| part.contains(point));
         let parts = first(0..self.count, |k| !holds(k));
@@ -84,7 +84,8 @@ impl Nest {
     }
 }
 
-/// The first of a range for which `is` holds, it holding for all that follow; the range's end if none.
+/// The first of a range for which `is` is true, provided that it is true for all that follow; the range's end
+/// if none.
 pub(super) fn first(range: std::ops::Range<usize>, is: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (range.start, range.end);
     while low < high {

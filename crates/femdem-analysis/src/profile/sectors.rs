@@ -8,14 +8,14 @@ use super::nest::Direction;
 use crate::bounds::Bounds;
 use crate::region::Region;
 
-/// Half-spaces `normal · x <= offset` whose common part is a block.
+/// Half-spaces `normal · x <= offset` whose intersection is a block.
 pub(super) type Sector = Vec<(Vector3, f64)>;
 
 /// Equal blocks of width `side` or more that each have the same part of every bin: columns of a box (at most 8
-/// by 8) for bins that lie on one another, slices along z of a box for bins that lie in one another (at most
-/// 64), wedges of a cylinder (at most 64). One block without planes when there is no room for two.
+/// by 8) for bins stacked on one another, slices along z of a box for nested bins (at most 64), wedges of a
+/// cylinder (at most 64). One block without planes if there is no room for two.
 pub(super) fn sectors(region: &Region, direction: Direction, side: f64) -> Vec<Sector> {
-    // Round-off in an extent that is a whole number of sides must not cost a block.
+    // Round-off in an extent that is a whole multiple of the side must not cost a block.
     let parts = |extent: f64, most: f64| (extent / side + 1e-9).floor().clamp(1.0, most) as usize;
     let (min, max) = region.corners();
     match *region {
@@ -64,18 +64,18 @@ fn wedge(centre: &Vector3, i: usize, count: usize) -> Sector {
     if count < 2 {
         return Sector::new();
     }
-    // Outward normals of the two sides; those of neighbours are the same vector but for the sign.
+    // Outward normals of the two sides; those of neighbours are the same vector except for the sign.
     let normal = |i: usize| {
         let (sin, cos) = (TAU * (i % count) as f64 / count as f64).sin_cos();
         Vector3::new(-sin, cos, 0.0)
     };
     let [low, high] = [-normal(i), normal(i + 1)];
     let planes = [low, high].map(|n| (n, n.dot(centre)));
-    // Of two halves both sides are one plane.
+    // With two halves both sides are one plane.
     planes[..if count == 2 { 1 } else { 2 }].to_vec()
 }
 
-/// Whether a box may have a part in a block.
+/// Whether a box may overlap a block.
 pub(super) fn reaches(sector: &Sector, bounds: &Bounds) -> bool {
     let (middle, half) = bounds.middle_and_half();
     sector

@@ -1,4 +1,4 @@
-//! Vertical balance: the force carried through horizontal cuts against the weight above.
+//! Vertical balance: the force carried through horizontal cuts compared with the weight above.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,8 +12,8 @@ use crate::table::{Cell, Table};
 pub struct BalanceCut {
     /// Height of the cut (m).
     pub height: f64,
-    /// Upward force that the part below exerts on the part above (N): over all lines from the centre of a
-    /// body to one of its contact points that pass the cut.
+    /// Upward force (N) that the part below exerts on the part above: summed over all lines from the centre of
+    /// a body to one of its contact points that cross the cut.
     pub carried: f64,
     /// Weight of the bodies whose centres lie above the cut (N).
     pub weight_above: f64,
@@ -28,18 +28,17 @@ pub struct BalanceCut {
 /// Vertical balance at several heights.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct VerticalBalance {
-    /// The cuts, in the order asked for.
+    /// The cuts, in the order given.
     pub cuts: Vec<BalanceCut>,
     /// Largest magnitude of the residuals of the cuts that have at least a tenth of the weight above them.
     pub worst: f64,
 }
 
-/// Compares the vertical force through horizontal cuts with the weight above less what the walls carry.
+/// Compares the vertical force through horizontal cuts with the weight above minus what the walls carry.
 ///
-/// The force through a cut is that of all lines from a body's centre to its contact points that cross it.
-/// When every body is in equilibrium the balance holds to the last digit at any height, so that the
-/// residual measures nothing but how far the bodies are from equilibrium and whether a force is
-/// missing or has the wrong sign.
+/// The force through a cut is that of all lines from a body's centre to its contact points that cross it. If
+/// every body is in equilibrium the balance is exact at any height, so that the residual shows only how far the
+/// bodies are from equilibrium, or that a force is missing or has the wrong sign.
 ///
 /// ```
 /// use femdem_analysis::*;
@@ -79,7 +78,7 @@ pub fn vertical_balance(
     let mut order: Vec<usize> = (0..heights.len()).collect();
     order.sort_by(|a, b| heights[*a].total_cmp(&heights[*b]));
     let sorted: Vec<f64> = order.iter().map(|i| heights[*i]).collect();
-    // Cuts below a height: it lies above all of them. What lies at the height of a cut counts as below it.
+    // Number of cuts below a height. What lies at the height of a cut counts as below it.
     let below = |z: f64| sorted.partition_point(|cut| *cut < z);
     let mut carried = vec![0.0; sorted.len()];
     let mut walls = vec![0.0; sorted.len()];

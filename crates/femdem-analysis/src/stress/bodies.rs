@@ -29,12 +29,12 @@ pub struct BodyStresses {
 ///
 /// σ_ij = −(1/V) Σ_c [ f_i r_j − ½ ε_ijk m_k ],
 ///
-/// with the force f on the body, its lever r from the body's centre of mass to the contact point, the
-/// moment m about that point, and the body's own volume V. The minus sign makes compression positive. The
-/// centre of mass as the origin takes the weight and any acceleration out of the sum. Of a patch the
-/// single tractions are not known. The moment gives the antisymmetric part of their first moment about
-/// the contact point; the symmetric part is zero for tractions of one direction in proportion to the
-/// pressure when the point is the centre of pressure, and is left out.
+/// with the force f on the body, its lever r from the body's centre of mass to the contact point, the moment m
+/// about that point, and the body's own volume V. The minus sign makes compression positive. With the centre of
+/// mass as the origin, the weight and any acceleration drop out of the sum. The single tractions of a patch are
+/// not known. The moment gives the antisymmetric part of their first moment about the contact point. The
+/// symmetric part is neglected; it is zero if the tractions have one direction and are proportional to the
+/// pressure, and the point is the centre of pressure.
 ///
 /// ```
 /// use femdem_analysis::*;

@@ -22,8 +22,8 @@ pub use region::{RegionStress, region_stress};
 /// A mean stress (Pa), compression positive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Stress {
-    /// The tensor: row i is the component of the force, column j that of the lever. Off equilibrium of
-    /// moments it is not symmetric.
+    /// The tensor: row i is the component of the force, column j that of the lever. It is symmetric only in
+    /// equilibrium of moments.
     pub tensor: [[f64; 3]; 3],
     /// Mean of the diagonal.
     pub pressure: f64,
@@ -37,7 +37,7 @@ pub struct Stress {
 
 impl Stress {
     pub(crate) fn of(tensor: &Matrix3) -> Self {
-        // Adding zero makes 0 of -0.
+        // Adding zero turns -0 into 0.
         let tensor = tensor.add_scalar(0.0);
         let symmetric = (tensor + tensor.transpose()) * 0.5;
         let pressure = symmetric.trace() / 3.0;
@@ -52,7 +52,7 @@ impl Stress {
         }
     }
 
-    /// How far the tensor is from symmetric, over its norm: 0 in equilibrium of moments.
+    /// Norm of the antisymmetric part over that of the tensor: 0 in equilibrium of moments.
     #[must_use]
     pub fn asymmetry(&self) -> f64 {
         let t = &self.tensor;
@@ -77,7 +77,7 @@ impl Stress {
     }
 }
 
-/// The columns that a stress takes in a table, after three that say where it is.
+/// The columns of a stress in a table, after three columns for its place.
 macro_rules! stress_columns {
     ($($before:literal),* $(,)?) => {
         &[

@@ -29,12 +29,12 @@ pub struct StressProfile {
     pub slabs: Vec<StressSlab>,
 }
 
-/// Most slabs.
+/// Largest number of slabs.
 const MOST: usize = 10_000;
 
-/// Mean stress in `slabs` equal horizontal slabs of a region that holds the whole pack, such as the inside
+/// Mean stress in `slabs` equal horizontal slabs of a region that contains the whole pack, such as the inside
 /// of its container. As in [`region_stress`](crate::region_stress), contacts count in each slab by the part of
-/// their lines in it; what lies beside the region counts too.
+/// their lines in it; lines beside the region count, too.
 ///
 /// ```
 /// use femdem_analysis::*;
@@ -70,7 +70,7 @@ pub fn stress_profile(
         });
     }
     let (Point3 { coords: low }, Point3 { coords: high }) = region.corners();
-    // Refuses what has no horizontal slabs.
+    // Refuses regions without horizontal slabs.
     region.slab(low.z, high.z)?;
     let step = (high.z - low.z) / slabs as f64;
     let level = |k: usize| low.z + step * k as f64;

@@ -16,7 +16,8 @@ pub struct RegionStress {
     /// The stress (Pa), over the volume of the region, voids included.
     pub stress: Stress,
     /// Standard error of the pressure (Pa) by block bootstrap over sub-boxes of the region (slices of a
-    /// cylinder), to which a contact belongs by its point; `None` where it is one block. In a pack under gravity most of it is the change with depth.
+    /// cylinder), to which a contact belongs by its point; `None` with fewer than four blocks. In a pack under
+    /// gravity most of it is the change with depth.
     pub pressure_error: Option<f64>,
     /// Contacts with a part of their lines in the region.
     pub contacts: usize,
@@ -90,7 +91,7 @@ pub fn region_stress(
     })
 }
 
-/// The part of the segment from `a` to `b` that lies in `region`, 0 to 1.
+/// The fraction of the segment from `a` to `b` that lies in `region`, 0 to 1.
 fn part_inside(region: &Region, a: &Point3, b: &Point3) -> f64 {
     let (min, max) = region.corners();
     let (flat, round): (&[usize], _) = match *region {

@@ -1,4 +1,4 @@
-//! How many contacts are face-face, edge-face and point.
+//! Numbers of face-face, edge-face and point contacts.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,8 +22,8 @@ pub struct ClassCount {
 
 /// Contacts by class: face-face, edge-face, point, and last those of unknown class.
 ///
-/// Every patch counts, so that a pair may count in two classes. Contacts of pairs that do not touch by the
-/// network's threshold are left out.
+/// Every patch counts, so that a pair may count in two classes. Contacts of pairs below the network's threshold
+/// are left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactClasses {
     /// Between bodies.

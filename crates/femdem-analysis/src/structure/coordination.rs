@@ -7,8 +7,9 @@ use crate::error::AnalysisError;
 use crate::network::ForceNetwork;
 use crate::region::Region;
 
-/// Mean number of partners of the bodies with their centre in `region` (all without one), walls among them,
-/// with the error that [`coordination`](crate::coordination) lacks, as it knows no places.
+/// Mean number of partners, walls included, of the bodies with their centre in `region` (without one, of all
+/// bodies), with a standard error. [`coordination`](crate::coordination) cannot give that error, because its
+/// input has no positions.
 ///
 /// ```
 /// use femdem_analysis::*;

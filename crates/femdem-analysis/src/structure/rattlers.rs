@@ -1,4 +1,4 @@
-//! Rattlers, and whether the rest is held by more contacts than it needs.
+//! Rattlers, and whether the other bodies have more contacts than they need.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,15 +11,15 @@ use crate::network::graph::Graph;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SupportRule {
-    /// By at least so many partners, walls among them. The usual rule for spheres; a stack of cubes
-    /// fails it, from the top down.
+    /// By at least this many partners, walls included. The usual rule for spheres; a stack of cubes fails it,
+    /// from the top down.
     Partners {
         /// 1 or more.
         least: u32,
     },
-    /// By contacts whose classes take at least six motions from it (see
-    /// [`ContactClass::constraints`](crate::ContactClass::constraints)): fewer unknown forces than
-    /// equations of equilibrium hold nothing in general.
+    /// By contacts whose classes remove at least six degrees of freedom from the body (see
+    /// [`ContactClass::constraints`](crate::ContactClass::constraints)): in general a body with fewer unknown
+    /// forces than equations of equilibrium is not held.
     Constraints {
         /// Whether friction acts.
         friction: bool,
@@ -32,27 +32,27 @@ impl Default for SupportRule {
     }
 }
 
-/// Rattlers, and the count of constraints of the bodies that are left.
+/// Rattlers, and the count of constraints of the remaining bodies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rattlers {
     /// Indices of the rattlers, ascending.
     pub bodies: Vec<u32>,
     /// Their share of all bodies, 0 to 1.
     pub share: f64,
-    /// Number of bodies left.
+    /// Number of remaining bodies.
     pub held: usize,
-    /// Mean number of partners of the bodies left, walls among them, rattlers not; 0 if none is left.
+    /// Mean number of partners of the remaining bodies, walls included, rattlers excluded; 0 if none remains.
     pub mean_coordination: f64,
-    /// Touching pairs left, of bodies and with walls.
+    /// Remaining touching pairs, of bodies and with walls.
     pub pairs: usize,
-    /// Motions of the bodies left: six each.
+    /// Degrees of freedom of the remaining bodies: six each.
     pub degrees_of_freedom: u64,
-    /// Constraints by the pairs left without friction, by their classes.
+    /// Constraints by the remaining pairs without friction, by their classes.
     pub constraints_frictionless: u64,
     /// Constraints with friction.
     pub constraints_frictional: u64,
-    /// Constraints without friction over degrees of freedom: 1 is isostatic, more is hyperstatic. 0 if no
-    /// body is left.
+    /// Constraints without friction over degrees of freedom: 1 is isostatic, more is hyperstatic. 0 if no body
+    /// remains.
     pub stiffness_ratio_frictionless: f64,
     /// The same with friction.
     pub stiffness_ratio_frictional: f64,
@@ -62,7 +62,7 @@ pub struct Rattlers {
 
 /// Finds the rattlers: bodies that are not held, then those that are not held without them, and so on.
 ///
-/// The result does not depend on the order in which they are taken away.
+/// The result does not depend on the order in which they are removed.
 ///
 /// ```
 /// use femdem_analysis::*;
@@ -148,7 +148,7 @@ pub fn rattlers(network: &ForceNetwork, rule: SupportRule) -> Result<Rattlers, A
     })
 }
 
-/// Takes bodies away until all that are left are held by what is left.
+/// Removes bodies until all remaining ones are held by the remaining contacts.
 fn held_bodies(network: &ForceNetwork, rule: SupportRule) -> Vec<bool> {
     let worth = |pair: &crate::PairForce| match rule {
         SupportRule::Partners { .. } => 1,

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use femdem_mesh::{Point3, Polyhedron, Vector3};
 
-/// A convex body, prepared for many questions of distance; body frame.
+/// A convex body in the body frame, prepared for many distance queries.
 #[derive(Clone, Debug)]
 pub(super) struct ConvexField {
     faces: Vec<Face>,
@@ -55,12 +55,12 @@ impl Line {
         }
     }
 
-    /// Where the foot of a point is, 0 at the start and 1 at the end.
+    /// Position of a point's foot on the edge, 0 at the start and 1 at the end.
     fn foot(&self, point: &Point3) -> f64 {
         (point - self.start).dot(&self.along) * self.scale
     }
 
-    /// From the place `t` of the line to a point.
+    /// From the position `t` on the line to a point.
     fn apart(&self, t: f64, point: &Point3) -> Vector3 {
         point - self.start - t * self.along
     }
@@ -124,9 +124,9 @@ impl ConvexField {
     /// Distance of `point` from the surface, below zero inside, and its gradient; `None` when it is
     /// known to be above `limit`.
     ///
-    /// The largest distance from a face's plane is the distance itself inside, and a lower bound outside,
-    /// which is reached when the foot lies on that face. Otherwise the nearest point is on an edge of a face that
-    /// the point can see.
+    /// The largest distance from a face's plane is the distance itself inside, and a lower bound outside, which
+    /// is attained if the foot lies on that face. Otherwise the nearest point is on an edge of a face that is
+    /// visible from the point.
     pub(super) fn distance(
         &self,
         memory: &mut Vec<f64>,
@@ -158,7 +158,8 @@ impl ConvexField {
             over_face = false;
             let t = side.line.foot(point);
             let apart = side.line.apart(t, point);
-            // Inside the edge, and no way down on either face: of a convex body that is the nearest point.
+            // The foot is inside the edge and neither face is nearer: on a convex body this is the nearest
+            // point.
             if t > 0.0 && t < 1.0 && apart.dot(&side.beyond) >= 0.0 {
                 let distance = apart.norm();
                 return (distance <= limit).then(|| (distance, apart / distance));
@@ -189,7 +190,7 @@ mod tests {
     use femdem_mesh::catalogue::CatalogueShape;
     use proptest::prelude::*;
 
-    /// Distance from a triangle by Ericson, Real-Time Collision Detection (2005), section 5.1.5: another way.
+    /// Independent distance from a triangle, by Ericson, Real-Time Collision Detection (2005), section 5.1.5.
     fn brute(shape: &Polyhedron, p: &Point3) -> f64 {
         let mut least = f64::INFINITY;
         for t in shape.triangles() {

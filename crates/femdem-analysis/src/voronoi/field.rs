@@ -5,10 +5,10 @@ use femdem_mesh::{Point3, Vector3};
 use super::convex::ConvexField;
 use crate::pack::Pack;
 
-/// The bodies of a pack, prepared for many questions of distance.
+/// The bodies of a pack, prepared for many distance queries.
 pub(super) struct Fields<'a> {
     pack: &'a Pack<'a>,
-    /// One per shape; `None` for shapes that go by their triangles.
+    /// One per shape; `None` for shapes that are handled by their triangles.
     convex: Vec<Option<ConvexField>>,
 }
 
@@ -46,7 +46,7 @@ impl<'a> Fields<'a> {
             1.0
         };
         let distance = sign * apart.norm();
-        // On the surface itself no direction is known, and none is needed: it is a point.
+        // On the surface itself the direction is undefined; it is not needed for a single point.
         let gradient = apart.try_normalize(0.0).unwrap_or_default() * sign;
         (distance <= limit).then_some((distance, gradient))
     }

@@ -25,20 +25,20 @@ use octree::{Memory, Octree, Share};
 /// How often a root of the octree is halved.
 const LEVELS: u32 = 3;
 
-/// Most roots of the octree.
+/// Largest number of roots of the octree.
 const MOST_ROOTS: f64 = 1e7;
 
 /// How [`set_voronoi`] measures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SetVoronoiOptions {
-    /// Side of the smallest cubes over the mean diameter; above 0. Default 1/8. The error of a cell goes with
-    /// its square.
+    /// Side of the smallest cubes over the mean diameter; above 0. Default 1/8. The error of a cell is
+    /// proportional to its square.
     pub leaf_over_d: f64,
-    /// Bodies count in the means when their centroid lies here. `None`: all whose cell does not touch the
+    /// Bodies count in the means if their centroid lies here. `None`: all bodies whose cell does not touch the
     /// region's boundary.
     pub core: Option<Region>,
-    /// How the errors of the means are drawn: from blocks of bodies, by their centroids.
+    /// How the errors of the means are computed: from blocks of bodies, by their centroids.
     pub bootstrap: BlockBootstrap,
 }
 
@@ -59,7 +59,7 @@ pub struct VoronoiCell {
     pub body: u32,
     /// Volume of the part of the cell in the region (m³).
     pub volume: f64,
-    /// Solid volume of the body in the region (m³), less half of what it shares with others.
+    /// Solid volume of the body in the region (m³), minus half of what it shares with others.
     pub solid: f64,
     /// Local packing density: `solid / volume`; 0 for a body without a cell.
     pub density: f64,
@@ -72,36 +72,38 @@ pub struct VoronoiCell {
 /// Set-Voronoi cells of a pack, and means over bodies. As a [`Table`] one row per body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SetVoronoi {
-    /// The region shared out.
+    /// The region that is divided into cells.
     pub region: Region,
     /// Sides of the smallest cubes (m).
     pub leaf: [f64; 3],
-    /// The cells of all bodies that reach into the region or own a part of it, by body.
+    /// The cells of all bodies that reach into the region or have a part of it in their cell, by body.
     pub cells: Vec<VoronoiCell>,
     /// Mean over the counted bodies of the local density, and their number.
     pub mean: Estimate,
     /// Standard deviation of the local densities over those bodies.
     pub deviation: f64,
     /// Packing density of those bodies: their solid volume over the volume of their cells, that is the mean of
-    /// the local densities weighed by cell.
+    /// the local densities weighted by the volume of the cells.
     pub density: Estimate,
 }
 
-/// Set-Voronoi cells (Schaller et al., Phil. Mag. 93, 3993, 2013): every point of `region` goes to the body
+/// Set-Voronoi cells (Schaller et al., Phil. Mag. 93, 3993, 2013): every point of `region` belongs to the body
 /// whose surface is nearest, points inside two bodies to the one in which they lie deeper.
 ///
-/// **Method.** No points on surfaces: the distance to each body is exact. Cubes are halved while more than one
-/// body can own a part of them (a distance changes by no more than one moves, so most cubes are settled early), down
-/// to a side near `leaf_over_d` diameters. In a leaf the distances are taken as linear with their exact gradients, so that
-/// borders between two bodies are planes, and the parts are measured exactly. The cells sum to the region to
-/// round-off.
+/// **Method.** No points on surfaces are used: the distance to each body is exact. Cubes are halved while more
+/// than one body can own a part of them, down to a side near `leaf_over_d` diameters. (A distance changes by no
+/// more than the displacement of the point, so that most cubes are settled early.) In a leaf the distances are
+/// linearised with their exact gradients, so that borders between two bodies are planes, and the parts are
+/// measured exactly. The cells sum to the region to round-off.
 ///
-/// **Error** of a single cell's volume, one standard deviation: 0.1 % with leaves of `d/8` for truncated dodecahedra at
-/// a density near 0.55, and a quarter of it or less when the leaf is halved. Where sharp bodies fill space almost
-/// wholly a single cell can err by 0.8 % (octahedra at 18/19). What one cell loses its neighbour gains, so means err less.
+/// **Error** of a single cell's volume, one standard deviation: 0.1 % with leaves of `d/8` for truncated
+/// dodecahedra at a density near 0.55, and a quarter of it or less if the leaf is halved. Where sharp bodies
+/// fill space almost completely, a single cell can have an error of 0.8 % (octahedra at 18/19). Errors of
+/// neighbouring cells cancel, so that means have smaller errors.
 ///
-/// Cells end at the boundary of the region, as at walls where the region is the container. Let it end at the mean
-/// top of the pack, and let `core` keep away from it, or the cells of the top bodies are too large.
+/// Cells end at the boundary of the region, for example at walls if the region is the container. End the region
+/// at the mean top of the pack, and keep `core` away from it; otherwise the cells of the top bodies are too
+/// large.
 ///
 /// ```
 /// use femdem_analysis::*;
@@ -136,7 +138,7 @@ pub fn set_voronoi(
         .iter()
         .map(|extent| (extent / root).max(1.0))
         .product();
-    // Written so that NaN fails it too.
+    // The condition is false for NaN.
     if !(root > 0.0 && root.is_finite() && roots <= MOST_ROOTS) {
         return Err(AnalysisError::Option {
             name: "leaf_over_d",
@@ -194,7 +196,7 @@ pub fn set_voronoi(
     })
 }
 
-/// What each root of the octree gives to whom.
+/// The shares of the bodies in each root of the octree.
 fn shares(pack: &Pack, region: &Region, axes: &[Axis; 3]) -> Vec<Vec<Share>> {
     let fields = Fields::new(pack);
     let boxes: Vec<Aabb> = (0..pack.len())
@@ -222,7 +224,7 @@ fn shares(pack: &Pack, region: &Region, axes: &[Axis; 3]) -> Vec<Vec<Share>> {
                 max: corner(1),
             };
             let (centre, half) = root.middle_and_half();
-            // No body farther from the centre than the nearest and two radii more can own a part.
+            // Only bodies no farther from the centre than the nearest one plus two radii can own a part.
             let square = |body: u32| {
                 let found = fields.distance(heights, body as usize, &centre, f64::INFINITY);
                 found.map_or(f64::INFINITY, |(distance, _)| distance.max(0.0).powi(2))

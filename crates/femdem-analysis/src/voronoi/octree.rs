@@ -1,4 +1,4 @@
-//! Space shared out among bodies: cubes that are halved until each has one owner, or is a leaf.
+//! Division of space among bodies: cubes that are halved until each has one owner, or is a leaf.
 
 use femdem_mesh::{Point3, Vector3};
 
@@ -8,7 +8,7 @@ use crate::bounds::Bounds;
 use crate::clip::Clipper;
 use crate::region::{Region, Relation};
 
-/// Parts of a cube up to this share of it are no parts of a cell, but what rounding leaves of a cube that others own.
+/// Parts of a cube up to this share of it are rounding errors in a cube that others own, not parts of a cell.
 const ROUNDING: f64 = 1e-10;
 
 /// A body that may own a part of a cube, with its distance from the cube's centre and its gradient.
@@ -45,7 +45,7 @@ pub(super) struct Octree<'a> {
 }
 
 impl Octree<'_> {
-    /// Shares out the part of a root in the region among `bodies`, which must hold all that own some of it.
+    /// Divides the part of a root in the region among `bodies`, which must include all that own some of it.
     pub(super) fn share_out(
         &self,
         memory: &mut Memory,
@@ -98,8 +98,9 @@ impl Octree<'_> {
         }
     }
 
-    /// The candidates that may be nearest somewhere within `radius` of `centre`, nearest first: distances change by
-    /// no more than one moves, so theirs is at most the least one plus two radii.
+    /// The candidates that may be nearest somewhere within `radius` of `centre`, nearest first. Distances
+    /// change by no more than the displacement of the point, so that theirs are at most the smallest one plus
+    /// two radii.
     fn nearest(
         &self,
         memory: &mut Memory,
@@ -111,7 +112,7 @@ impl Octree<'_> {
         let mut kept = Vec::with_capacity(from.len());
         for candidate in from {
             let limit = least + 2.0 * radius;
-            // Its distance was found at the centre of the cube that was halved, one radius away.
+            // Its distance was computed at the centre of the parent cube, one radius away.
             if candidate.distance - radius > limit {
                 continue;
             }
@@ -132,7 +133,7 @@ impl Octree<'_> {
         kept
     }
 
-    /// In a leaf distances are taken as linear, so the border of two bodies is a plane.
+    /// In a leaf distances are linearised, so that the border of two bodies is a plane.
     fn share_leaf(
         &self,
         memory: &mut Memory,
@@ -203,7 +204,7 @@ impl Octree<'_> {
 }
 
 /// Those of the candidates, nearest first, that own a part of a cube where distances are linear: the first, and
-/// those that come below it in a corner.
+/// those that are below it in a corner.
 fn owners_if_linear(mut candidates: Vec<Candidate>, half: &Vector3) -> Vec<Candidate> {
     if let Some(first) = candidates.first().copied() {
         let comes_below = |c: &Candidate| {
@@ -220,7 +221,7 @@ fn owners_if_linear(mut candidates: Vec<Candidate>, half: &Vector3) -> Vec<Candi
 
 /// One share per body, ascending.
 fn merged(shares: &mut [Share]) -> Vec<Share> {
-    // Stable: a body's shares are summed in the order they were found.
+    // A stable sort: a body's shares are summed in the order in which they were found.
     shares.sort_by_key(|s| s.body);
     let one = |group: &[Share]| Share {
         body: group[0].body,

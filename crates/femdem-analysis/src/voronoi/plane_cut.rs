@@ -13,7 +13,8 @@ pub(super) fn share_below(slope: &Vector3, offset: f64) -> f64 {
     }
     let mut m: [f64; 3] = slope.abs().into();
     m.sort_by(f64::total_cmp);
-    // The least slopes divide differences that cancel; below this they are worth less than round-off.
+    // Differences that cancel are divided by the smallest slopes; slopes below this have less effect than
+    // round-off.
     let [m1, m2, m3] = m.map(|x| (x / total).max(1e-6));
     let height = (0.5 * (offset / total + 1.0)).clamp(0.0, 1.0);
     let low = height.min(1.0 - height);

@@ -80,8 +80,8 @@ impl Superquadric {
     }
 }
 
-/// (large^n + small^n)^(1/n), where a term is neglected if it is negligible with large^n having a share in a
-/// larger sum.
+/// (large^n + small^n)^(1/n). The small term is left out if it is negligible in the larger sum in which large^n
+/// has the given share.
 fn norm(large: f64, small: f64, n: f64, share: f64) -> f64 {
     let term = (small / large).powf(n);
     if term * share > NEGLIGIBLE {
