@@ -1,4 +1,4 @@
-//! What can go wrong at the front door.
+//! The error type of this crate.
 
 use std::io;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use femdem_contact::ContactError;
 use femdem_pack::PackError;
 use femdem_solve::SolveError;
 
-/// Everything that the files, pictures and scenes of this crate can refuse.
+/// Errors of the files, pictures and scenes of this crate.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -16,7 +16,7 @@ pub enum Error {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: io::Error,
     },
     /// A file could not be read.
@@ -24,7 +24,7 @@ pub enum Error {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: io::Error,
     },
     /// A body names a shape that does not exist.
@@ -34,7 +34,7 @@ pub enum Error {
         body: usize,
         /// Its shape.
         shape: u32,
-        /// How many shapes there are.
+        /// Number of shapes.
         shapes: usize,
     },
     /// A contact names a body that does not exist.
@@ -42,17 +42,17 @@ pub enum Error {
     BodyIndex {
         /// Index of the contact.
         contact: usize,
-        /// The body it names.
+        /// The body that it names.
         body: u32,
-        /// How many bodies there are.
+        /// Number of bodies.
         bodies: usize,
     },
     /// Some bodies have masses, but not all.
     #[error("{masses} masses for {bodies} bodies; give one for each, or none")]
     Masses {
-        /// How many masses there are.
+        /// Number of masses.
         masses: usize,
-        /// How many bodies there are.
+        /// Number of bodies.
         bodies: usize,
     },
     /// A pose, a mass or a force is NaN or infinite.
@@ -60,7 +60,7 @@ pub enum Error {
     NotFinite {
         /// "body", "the mass of body" or "contact".
         what: &'static str,
-        /// Which one.
+        /// Its index.
         index: usize,
     },
     /// There is no body to draw.
@@ -81,7 +81,7 @@ pub enum Error {
     Scene {
         /// The file.
         path: PathBuf,
-        /// Where and what.
+        /// The place and the fault.
         message: String,
     },
     /// A table from elsewhere has a fault.
@@ -120,8 +120,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// The same error; if a library refused a number of a name among `keys`, with the key of a scene that
-    /// stands beside it.
+    /// The same error; if a library refused a number whose name is among `keys`, with the key of the scene that
+    /// belongs to it.
     pub(crate) fn by_keys(self, keys: &[(&str, &'static str)]) -> Self {
         let refused = match &self {
             Self::Contact(error) | Self::Pack(PackError::Contact(error)) => by_contact(error),

@@ -1,10 +1,10 @@
-//! The combined finite-discrete element method: bodies of any shape, from their geometry to the
-//! measured pack. One front door to five crates, and the `femdem` program.
+//! The combined finite-discrete element method: bodies of any shape, from their geometry to the measured pack.
+//! This crate re-exports the five libraries and contains the `femdem` program.
 //!
-//! **Use it** to pack rigid bodies under gravity with friction, to measure and draw packs, to let
-//! rigid and deformable bodies collide, slide and squeeze each other, or to take the parts that you
-//! need into a simulation of your own. **Do not use it** where bodies break, where a fluid matters, or
-//! for rigid spheres, for which closed formulas and lighter codes exist.
+//! **Use it** to pack rigid bodies under gravity with friction, to measure and draw packs, to let rigid and
+//! deformable bodies collide, slide and squeeze each other, or to use its parts in a simulation of your own.
+//! **Do not use it** where bodies break, where a fluid matters, or for rigid spheres, for which closed formulas
+//! and lighter codes exist.
 //!
 //! ```
 //! use femdem::mesh::catalogue::{CatalogueShape, Solid};
@@ -32,7 +32,7 @@
 //!
 //! # Guide
 //!
-//! Take the lowest layer that does the job.
+//! Use the lowest layer that suffices.
 //!
 //! | you have | you want | use |
 //! |---|---|---|
@@ -48,25 +48,23 @@
 //! | poses, from anywhere | one page for the browser, plots | [`report::Report`], [`plot::plots`] |
 //! | vertices, or a surface file | a checked body with its mass properties, a mesh of it | [`mesh`] |
 //!
-//! A pack moves through these as data: [`pack::Packing`] → [`results::snapshot`] → [`Snapshot`] →
-//! [`output`], [`picture`], [`Summary`]. Nothing here holds global state, prints, or starts threads;
-//! only the program does.
+//! A pack passes through these as data: [`pack::Packing`] → [`results::snapshot`] → [`Snapshot`] → [`output`],
+//! [`picture`], [`Summary`]. Nothing here holds global state, prints, or starts threads; only the program does.
 //!
 //! # Units
 //! SI: m, kg, s, N, J, Pa. d is the circumscribed diameter of a body; `_over_d` is relative to it.
 //! Gravity acts along −z.
 //!
 //! # Features
-//! - `parallel` (default): contacts and analysis use the caller's rayon pool. Results are the same
-//!   bits at any number of threads and without the feature. (Pictures use the pool always, and are
-//!   the same too.)
+//! - `parallel` (default): contacts and analysis use the caller's rayon pool. Results are the same bits at any
+//!   number of threads and without the feature. (Pictures always use the pool, and are the same, too.)
 //! - `implicit`: sparse Cholesky factorisation in the static solvers of [`solve::statics`].
 //!
 //! # Accuracy
-//! Contact is by penalty: bodies overlap by a stated amount ([`Summary::penetration`]), and
-//! equilibrium holds to a stated residual ([`Summary::residual`]); the energy ledger says what the
-//! time integration lost ([`Summary::energy`]). CSV holds all digits; VTU and VTP double precision,
-//! STL single. The class of a contact is a rule with limits ([`ContactClass::of_patch`]).
+//! Contact is by penalty: bodies overlap by a stated amount ([`Summary::penetration`]), and equilibrium holds
+//! to a stated residual ([`Summary::residual`]); the energy ledger states the error of the time integration
+//! ([`Summary::energy`]). CSV files have all digits, VTU and VTP double precision, STL single. The class of a
+//! contact is a rule with limits ([`ContactClass::of_patch`]).
 
 pub mod analysis;
 mod colouring;

@@ -1,4 +1,4 @@
-//! A pack at one moment, as plain data: what every output file and picture is made from.
+//! A pack at one moment, as plain data: the source of every output file and picture.
 //!
 //! It may come from a simulation, from a checkpoint, or from another code.
 
@@ -24,7 +24,7 @@ pub struct NamedShape {
 pub struct Body {
     /// Index into the shapes.
     pub shape: u32,
-    /// Takes the shape's coordinates to world coordinates.
+    /// Transforms the shape's coordinates to world coordinates.
     pub pose: Pose,
     /// Number in the order of placement, from 0.
     pub sequence: u32,
@@ -32,7 +32,7 @@ pub struct Body {
     pub sleeping: bool,
 }
 
-/// What a body touches.
+/// The partner of a body in a contact.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Partner {
     /// Another body, by index.
@@ -86,20 +86,20 @@ pub struct Snapshot {
     pub bodies: Vec<Body>,
     /// The contacts, each once.
     pub contacts: Vec<ContactRow>,
-    /// Inside of the container: where the pack is measured, and what pictures show of the container.
+    /// Inside of the container: where the pack is measured, and how pictures show the container.
     pub container: Option<Region>,
-    /// What pictures show of the container instead, where a region does not tell all.
+    /// How pictures show the container instead, if a region does not describe it completely.
     pub drawing: Option<Drawing>,
-    /// Masses of the bodies \[kg\], one each; empty where they are not known.
+    /// Masses of the bodies \[kg\], one each; empty if unknown.
     pub masses: Vec<f64>,
-    /// Gravity along −z \[m/s²\]; 0 where there is none or it is not known.
+    /// Gravity along −z \[m/s²\]; 0 if there is none or it is unknown.
     pub gravity: f64,
-    /// What the source of the snapshot did not tell.
+    /// Data that the source of the snapshot did not contain.
     pub gaps: Gaps,
 }
 
-/// What the source of a snapshot did not tell: the fields hold stand-ins that no result may rest on. All
-/// `false` for a snapshot of a simulation.
+/// Data that the source of a snapshot did not contain: the fields hold placeholders that no result may depend
+/// on. All `false` for a snapshot of a simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gaps {
     /// There is no list of contacts.
@@ -110,7 +110,7 @@ pub struct Gaps {
     pub classes: bool,
 }
 
-/// What a picture shows of a container.
+/// The drawing of a container in a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
     /// The floor: corners of a convex polygon, counter-clockwise seen from above \[m\].
@@ -119,7 +119,7 @@ pub struct Drawing {
     pub lines: Vec<[Point3; 2]>,
 }
 
-/// What the contacts do to one body.
+/// Effect of the contacts on one body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyLoad {
     /// Bodies and walls that push on it: each counts once.
@@ -201,7 +201,7 @@ impl Snapshot {
         &self.shapes[body.shape as usize]
     }
 
-    /// What a picture shows of the container: its own drawing, or the outline of its region up to the
+    /// The drawing of the container in a picture: its own drawing, or the outline of its region up to the
     /// highest body. `None` without a container.
     #[must_use]
     pub fn outline(&self) -> Option<Drawing> {
@@ -238,7 +238,7 @@ impl Snapshot {
         Ok(loads)
     }
 
-    /// The contacts as analysis counts them: walls by number, in the order of their first contact.
+    /// The contacts in the form that the analysis takes: walls by number, in the order of their first contact.
     pub(crate) fn touches(&self) -> Vec<Touch> {
         let mut walls = Vec::new();
         let touch = |row: &ContactRow| Touch {
@@ -269,7 +269,7 @@ impl Snapshot {
 }
 
 impl ContactRow {
-    /// The bodies that take part: one or two.
+    /// The bodies of the contact: one or two.
     pub(crate) fn bodies(&self) -> impl Iterator<Item = u32> + use<> {
         let other = match self.partner {
             Partner::Body(other) => Some(other),

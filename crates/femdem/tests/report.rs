@@ -14,7 +14,7 @@ fn pack(out: &Path, options: &[&str]) {
     assert_eq!(code(&result), 0, "{result:?}");
 }
 
-/// Everything that the page needs is in it: no address of another file or host.
+/// The page is self-contained: no address of another file or host.
 fn stands_alone(page: &str) {
     for word in ["src=\"", "@import", "fetch(", "XMLHttpRequest"] {
         assert!(!page.contains(word), "{word}");
@@ -109,7 +109,7 @@ fn pictures_from_every_side_by_every_colour() {
     fails(femdem("report").arg(folder.path()), &["pack.ckpt"]);
 }
 
-/// Without the checkpoint the tables are read; what they do not tell stands on the page.
+/// Without the checkpoint the tables are read; the page lists what they do not contain.
 #[test]
 fn a_pack_from_elsewhere_has_a_report_and_pictures_too() {
     let folder = tempdir().unwrap();

@@ -18,8 +18,9 @@ fn pack(shape: &str, count: u32) -> Packing {
     packing
 }
 
-/// Convex bodies, also those that a lattice would not leave convex, and bodies that are not come to rest without moving from where they lay, with the
-/// contact forces that they had, and their mean stresses are those of the forces on them.
+/// Bodies come to rest without moving from their places, with the contact forces that they had, and their mean
+/// stresses are those of the forces on them. This holds for convex bodies, also those that a lattice would not
+/// leave convex, and for bodies that are not convex.
 #[test]
 fn a_pack_of_stone_keeps_its_forces_and_its_stresses_balance() {
     for (shape, count) in [("P5", 6), ("boulder", 3), ("cylinder", 2), ("dolos", 2)] {

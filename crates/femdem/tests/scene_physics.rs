@@ -1,4 +1,4 @@
-//! What a scene means and what a run says of it: planes, supports, overlaps, the largest values.
+//! The meaning of a scene and the results of a run: planes, supports, overlaps, the largest values.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
@@ -59,7 +59,7 @@ fn a_normal_of_any_length_leaves_the_offset_alone() {
     }
 }
 
-/// A block hangs from its upper side: its support bears its weight.
+/// A block hangs from its upper side: its support carries its weight.
 #[test]
 fn a_support_bears_the_weight_of_a_hanging_body() {
     let hung = "[[body.boundary]]\nname = \"top\"\nfix = true\n\
@@ -79,7 +79,7 @@ fn a_support_bears_the_weight_of_a_hanging_body() {
     assert_eq!(bottom.boundary, "boundary 2");
     let [x, y, z] = top.force;
     assert!((z / weight - 1.0).abs() < 1e-3, "{z} {weight}");
-    // What one pushes sideways the other bears.
+    // The sideways forces of the two supports balance.
     assert!((x + bottom.force[0]).abs() < 1e-3 * weight && y.abs() < 1e-3 * weight);
     assert_eq!(bottom.force[1..], [0.0, 0.0]);
     assert!(top.peak_force >= z && top.peak_time > 0.0);
@@ -99,7 +99,7 @@ fn a_support_bears_the_weight_of_a_hanging_body() {
     assert_eq!(rows.last().unwrap()[place].parse(), Ok(z));
 }
 
-/// Work of the supports, from their forces, is what the books have.
+/// The work of the supports, computed from their forces, agrees with the ledger.
 #[test]
 fn a_driven_support_does_the_work_of_its_force() {
     let pulled = "[[body.boundary]]\nfix = true\n\
@@ -125,7 +125,7 @@ fn a_driven_support_does_the_work_of_its_force() {
         .windows(2)
         .map(|pair| 0.01 * (pair[1][0] - pair[0][0]) * 0.5 * (pair[0][1] + pair[1][1]))
         .sum();
-    // The books have the kinetic energy of the gripped nodes as work too, which is given at once.
+    // The ledger also counts the kinetic energy of the gripped nodes as work, which is put in at once.
     let nodes = summary.bodies[0].mass / 4.0;
     let booked = summary.energy.work_in;
     assert!(work > 1e-6 && (work - booked).abs() < 0.02 * booked + nodes * 0.01_f64.powi(2));
@@ -219,8 +219,8 @@ fn deep_overlaps_at_the_start_are_told() {
     }
 }
 
-/// The summary has the largest plastic strain of each body, the deepest contact, and how far the last
-/// step went beyond the duration.
+/// The summary states the largest plastic strain of each body, the deepest contact, and how far the last step
+/// went beyond the duration.
 #[test]
 fn the_summary_has_the_largest_values() {
     let folder = tempdir().unwrap();
@@ -260,8 +260,8 @@ fn the_summary_has_the_largest_values() {
     }
 }
 
-/// Deformable bodies at rest are frozen if the scene says so, which frames show; one in which that has no effect is
-/// refused.
+/// Deformable bodies at rest are frozen if the scene says so, which frames show; a scene in which that has no
+/// effect is refused.
 #[test]
 fn deformable_bodies_sleep_if_asked_for() {
     let scene = |keys: &str, body: &str| {

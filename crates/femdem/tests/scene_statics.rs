@@ -1,4 +1,4 @@
-//! Scenes that end in equilibrium, what they say of stresses, and mass scaling.
+//! Scenes that end in equilibrium, their stresses, and mass scaling.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
@@ -104,7 +104,7 @@ fn the_stress_of_a_bar_under_tension_is_in_the_frames() {
     }
 }
 
-/// A block on a floor comes to bear on it with its weight, by parts or at once to the same bits.
+/// A relaxed block presses on the floor with its weight; in parts or at once it ends with the same bits.
 #[test]
 fn a_relaxed_body_stands_on_the_floor_with_its_weight() {
     let text = format!(
@@ -214,7 +214,7 @@ fn what_still_moves_or_grows_is_not_relaxed() {
     }
 }
 
-/// The mass of a bar that is scaled to twice its step is told, and the step is reached.
+/// The added mass of a bar scaled to twice its step is reported, and the step is reached.
 #[test]
 fn mass_scaling_reaches_its_step_and_says_what_it_adds() {
     let of = |body: &str| {

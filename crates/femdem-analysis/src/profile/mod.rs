@@ -25,8 +25,8 @@ pub struct ProfileOptions {
     /// Width of a bin over the mean diameter; above 0. Default 0.1. It is changed so that a whole number
     /// of bins fits.
     pub width_over_d: f64,
-    /// How the errors are computed. The blocks cut across all bins: columns of a box for a height profile;
-    /// slices along its height, or wedges of a cylinder, for a wall profile.
+    /// How the errors are computed. The blocks cut across all bins: columns of a box for a height profile, slices
+    /// along its height for a wall profile, wedges of a cylinder for both.
     pub bootstrap: BlockBootstrap,
 }
 

@@ -1,14 +1,15 @@
-//! One row per body, from all tables that have one.
+//! One row per body, from all tables with values by body.
 
 use femdem_analysis::{Cell, ContactCount, Table, contact_counts};
 
 use super::Tables;
 use crate::{Error, Snapshot};
 
-/// A body is within the region of the cells if it has this part of its volume there; overlaps take the rest.
+/// A body counts as inside the region of the cells if this part of its volume lies there; the rest may be
+/// overlaps.
 const WHOLE: f64 = 0.95;
 
-/// What is known of each body, as a [`Table`]; what is not known is empty.
+/// The known values of each body, as a [`Table`]; unknown ones are empty.
 #[derive(Clone, Debug)]
 pub struct BodyTable<'a> {
     tables: &'a Tables,
@@ -21,7 +22,7 @@ pub struct BodyTable<'a> {
 }
 
 impl<'a> BodyTable<'a> {
-    /// Of a snapshot and its tables.
+    /// From a snapshot and its tables.
     ///
     /// # Errors
     ///
@@ -44,7 +45,7 @@ impl<'a> BodyTable<'a> {
         for cell in tables.set_voronoi.iter().flat_map(|v| &v.cells) {
             let body = snapshot.bodies.get(cell.body as usize);
             let whole = body.and_then(|body| volumes.get(body.shape as usize));
-            // A body that sticks out of the region has no cell of its own there.
+            // A body that reaches beyond the region has an incomplete cell there.
             if whole.is_some_and(|whole| cell.solid > WHOLE * whole) {
                 density[cell.body as usize] = Some(cell.density);
             }

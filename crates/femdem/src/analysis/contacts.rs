@@ -1,4 +1,4 @@
-//! Tables that need contacts: those of who touches whom, of forces, and of forces against weights.
+//! Tables that need contacts: touching pairs, forces, and forces compared with weights.
 
 use femdem_analysis::{
     CoordinationOptions, ForceNetwork, Pack, Region, body_stresses, chains_by_stress,
@@ -15,7 +15,7 @@ const CUTS: u32 = 20;
 
 const NO_CONTACTS: &str = "there is no list of contacts; give contacts.csv";
 
-/// Tables of normal forces.
+/// Tables that need normal forces.
 const NORMAL_TABLES: [&str; 5] = [
     "classes",
     "rattlers",
@@ -24,7 +24,7 @@ const NORMAL_TABLES: [&str; 5] = [
     "fabric",
 ];
 
-/// Tables of whole contact forces.
+/// Tables that need whole contact forces.
 const FORCE_TABLES: [&str; 4] = [
     "wall_forces",
     "body_stresses",
@@ -32,7 +32,7 @@ const FORCE_TABLES: [&str; 4] = [
     "stress_profile",
 ];
 
-/// Tables of forces against weights.
+/// Tables that compare forces with weights.
 const WEIGHT_TABLES: [&str; 3] = ["force_maxima", "chains_by_weight", "vertical_balance"];
 
 impl Tables {
@@ -98,7 +98,8 @@ impl Tables {
         self.add_weights(network)
     }
 
-    /// Books what needs whole forces; what needs the core too only if there is one.
+    /// Records the tables that need whole forces as missing; those that also need the core only if there is
+    /// one.
     fn miss_forces(&mut self, reason: &str) {
         self.miss(&FORCE_TABLES, reason);
         self.miss(&WEIGHT_TABLES, reason);
@@ -163,7 +164,7 @@ impl Tables {
         let heights = network.bodies().iter().map(|b| b.centre.z);
         let low = heights.clone().fold(f64::INFINITY, f64::min);
         let high = heights.fold(f64::NEG_INFINITY, f64::max);
-        // Between the lowest and the highest centre, so that every cut has something above it.
+        // Between the lowest and the highest centre, so that every cut has weight above it.
         let cuts: Vec<f64> = (0..CUTS)
             .map(|k| low + (high - low) * (f64::from(k) + 0.5) / f64::from(CUTS))
             .collect();

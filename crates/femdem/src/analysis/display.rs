@@ -1,4 +1,4 @@
-//! The tables in a few lines for people.
+//! The tables as a few lines of text.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use femdem_analysis::Estimate;
 
 use super::Tables;
 
-/// A pack at rest balances its weight to better than this.
+/// The residual of a pack at rest is below this.
 const UNBALANCED: f64 = 0.05;
 
 impl fmt::Display for Tables {
@@ -25,7 +25,7 @@ impl fmt::Display for Tables {
         line("stress of the core", self.stress_text())?;
         line("vertical balance", self.balance_text())?;
         line("fabric", self.fabric_text())?;
-        // Tables that lack for one reason come in one line.
+        // Tables that are missing for the same reason share a line.
         let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
         for missing in &self.missing {
             match reasons
@@ -66,7 +66,7 @@ impl Tables {
 
     fn orientation_text(&self) -> Option<String> {
         let order = &self.orientation.as_ref()?.order;
-        // Three axes at right angles never have nematic order: nothing is worth saying of it.
+        // Three axes at right angles never have nematic order: it is not worth mentioning.
         let parts = [("nematic", &order.nematic), ("cubatic", &order.cubatic)]
             .into_iter()
             .filter(|(_, found)| found.random_deviation > 1e-9)

@@ -13,13 +13,13 @@ use crate::{Error, Snapshot};
 /// Folder of the tables within that of a pack.
 pub const FOLDER: &str = "analysis";
 
-/// Name of the file of all that is no long list.
+/// Name of the file of everything except the long lists.
 pub const JSON: &str = "analysis.json";
 
 impl Tables {
-    /// Writes `analysis/*.csv` and `analysis/density-map.vti` for the tables that there are, and last
-    /// `analysis.json`. Files of an earlier analysis that are not written anew are removed, so that those
-    /// there are belong together.
+    /// Writes `analysis/*.csv` and `analysis/density-map.vti` for the tables that exist, and `analysis.json`
+    /// last. Files of an earlier analysis that are not written again are removed, so that the files there
+    /// belong together.
     ///
     /// # Errors
     ///

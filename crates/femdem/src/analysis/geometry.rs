@@ -1,4 +1,4 @@
-//! Tables that need poses alone.
+//! Tables that need only poses.
 
 use femdem_analysis::AnalysisError::{NoPackInContainer, Region as BadRegion};
 use femdem_analysis::{
@@ -67,7 +67,7 @@ impl Tables {
             self.miss(&["density.grid"], reason);
         }
         self.density = Some(density);
-        // Between the heights of the core, so that neither floor nor top weighs in.
+        // Between the heights of the core, to exclude effects of floor and top.
         let (low, high) = core.region.corners();
         let middle = container.slab(low.z, high.z)?;
         self.wall_profile = Some(wall_profile(pack, &middle, &self.options.profiles)?);

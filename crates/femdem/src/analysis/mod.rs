@@ -1,8 +1,8 @@
-//! Everything that `femdem analyse` finds, and the crate that finds it.
+//! Everything that `femdem analyse` computes, and the crate that does it.
 //!
-//! [`Tables::compute`] measures a [`Snapshot`](crate::Snapshot), from a simulation or from elsewhere, in every way that its
-//! data allow, and says what they do not allow. The parts are those of [`femdem_analysis`], re-exported
-//! here, which take plain data.
+//! [`Tables::compute`] computes every measurement that the data of a [`Snapshot`](crate::Snapshot) allow, from
+//! a simulation or from elsewhere, and lists what is missing. The single measurements are those of
+//! [`femdem_analysis`], re-exported here, which take plain data.
 //!
 //! ```
 //! use femdem::analysis::{TableOptions, Tables};

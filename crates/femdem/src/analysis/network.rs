@@ -1,4 +1,4 @@
-//! A snapshot as the analysis of forces takes it.
+//! A snapshot in the form that the analysis of forces takes.
 
 use femdem_analysis::{ForceBody, ForceContact, Partner};
 
@@ -12,7 +12,7 @@ pub(super) struct Data {
 }
 
 impl Data {
-    /// Of a snapshot that has passed [`Snapshot::check`].
+    /// From a snapshot that has passed [`Snapshot::check`].
     pub(super) fn of(snapshot: &Snapshot) -> Self {
         let body = |(k, body): (usize, &crate::Body)| {
             let polyhedron = &snapshot.shape_of(body).polyhedron;

@@ -7,7 +7,7 @@ use femdem_analysis::{
 };
 use serde::{Deserialize, Serialize};
 
-/// How [`Tables::compute`](super::Tables::compute) measures. The defaults are those of the parts.
+/// How [`Tables::compute`](super::Tables::compute) measures. The defaults are those of the single analyses.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TableOptions {
@@ -23,8 +23,9 @@ pub struct TableOptions {
     pub map: DensityMapOptions,
     /// Set-Voronoi cells; their core is that of the pack.
     pub voronoi: SetVoronoiOptions,
-    /// Axes of the stereonet and of the order parameters. `None`: as [`telling_axes`](super::telling_axes)
-    /// says, and the axes of the body's frame for the order of bodies with equal moments of inertia.
+    /// Axes of the stereonet and of the order parameters. `None`: those of
+    /// [`telling_axes`](super::telling_axes), and the axes of the body's frame for the order of bodies with
+    /// equal moments of inertia.
     pub axes: Option<BodyAxes>,
     /// The net of directions.
     pub net: StereonetOptions,
@@ -34,13 +35,13 @@ pub struct TableOptions {
     pub radial: RadialOptions,
     /// P(f) and its tail.
     pub forces: ForceDistributionOptions,
-    /// What a rattler is.
+    /// The definition of a rattler.
     pub support: SupportRule,
     /// The founding paper's rule for force chains.
     pub weight_rule: WeightRule,
     /// The rule of Peters et al. (2005).
     pub stress_rule: StressRule,
-    /// What the rules share.
+    /// Options of both rules.
     pub chains: ChainOptions,
     /// Thresholds of the curve of components and cycles.
     pub thresholds: ThresholdOptions,

@@ -1,4 +1,4 @@
-//! How the bodies of a snapshot are turned, by axes that mean something for their shapes.
+//! Orientations of the bodies of a snapshot, by axes that suit their shapes.
 
 use femdem_analysis::{
     BodyAxes, OrientationOrder, Pack, Stereonet, body_directions, orientation_order, stereonet,
@@ -9,28 +9,28 @@ use serde::{Deserialize, Serialize};
 use super::TableOptions;
 use crate::Error;
 
-/// Principal moments of inertia that differ by less than this share are equal.
+/// Principal moments of inertia that differ by less than this share count as equal.
 const ISOTROPIC: f64 = 0.02;
 
-/// Most bodies that the order is found for; its baseline is drawn from many random packs.
+/// Largest number of axes for which the order is computed; its baseline needs many random packs.
 const MOST_AXES: usize = 400_000;
 
 /// Directions of body axes or faces: their stereonet and their order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Orientation {
-    /// Which directions.
+    /// The directions used.
     pub axes: BodyAxes,
-    /// The Schmidt net with Kamb density; in CSV only, as it is long.
+    /// The Schmidt net with Kamb density; in CSV only, because it is long.
     #[serde(skip)]
     pub net: Option<Stereonet>,
-    /// Nematic and cubatic order beside chance.
+    /// Nematic and cubatic order, compared with random orientations.
     pub order: OrientationOrder,
-    /// Which directions the order is that of.
+    /// The directions used for the order.
     pub order_axes: BodyAxes,
 }
 
-/// The axis that a shape's orientation is told by: the principal axis that differs most from the other
-/// two, or the normals of the faces with most sides where the moments are equal.
+/// The axis that describes a shape's orientation: the principal axis that differs most from the other two, or
+/// the normals of the faces with most sides if the moments are equal.
 #[must_use]
 pub fn telling_axes(shape: &Polyhedron) -> BodyAxes {
     let mut moments: [f64; 3] = shape.mass_properties().principal().moments.into();
@@ -46,7 +46,8 @@ pub fn telling_axes(shape: &Polyhedron) -> BodyAxes {
     }
 }
 
-/// Of the axes asked for, or of a pack of one kind of axis; of all face normals for a mixture of kinds. `None` without bodies.
+/// For the axes of the options; without them by the shapes, or by all face normals if the shapes need different
+/// kinds of axes. `None` without bodies.
 pub(super) fn of_pack(pack: &Pack, options: &TableOptions) -> Result<Option<Orientation>, Error> {
     let kinds: Vec<BodyAxes> = pack.shapes().iter().map(telling_axes).collect();
     let Some(first) = kinds.first().filter(|_| !pack.is_empty()) else {

@@ -17,27 +17,27 @@ use crate::{Error, Snapshot};
 /// Version of the keys of `analysis.json`.
 pub const SCHEMA: u32 = 1;
 
-/// A table, or a number of one, that could not be found.
+/// A table, or a value of one, that could not be computed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Missing {
-    /// Name of the table: its field in [`Tables`]; for a number of it, its path there.
+    /// Name of the table (its field in [`Tables`]), or the path of the value in it.
     pub table: String,
-    /// Why, and what to give.
+    /// The reason, and the input needed.
     pub reason: String,
 }
 
-/// Everything that was found about a pack. A table that could not be made is `None` and has a line in
+/// Everything that was computed about a pack. A table that could not be made is `None` and has an entry in
 /// [`missing`](Self::missing).
 ///
-/// Serialised, it is `analysis.json`. Lists by body and by cell are left out there, as they are long: they are
-/// in the CSV files that [`write`](Self::write) makes.
+/// Serialised, it is `analysis.json`. Lists by body and by cell are left out there because of their length:
+/// they are in the CSV files written by [`write`](Self::write).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tables {
     /// Version of these keys: [`SCHEMA`].
     pub schema: u32,
     /// How it was measured.
     pub options: TableOptions,
-    /// What could not be found, and why.
+    /// What could not be computed, with the reasons.
     pub missing: Vec<Missing>,
     /// Number of bodies.
     pub bodies: usize,
@@ -61,7 +61,7 @@ pub struct Tables {
     /// Set-Voronoi cells between the floor and the mean top; the cells themselves in CSV only.
     #[serde(serialize_with = "without_cells")]
     pub set_voronoi: Option<SetVoronoi>,
-    /// How the bodies are turned.
+    /// Orientations of the bodies.
     pub orientation: Option<Orientation>,
     /// Radial distribution function of the centres in the core.
     pub radial_distribution: Option<RadialDistribution>,
@@ -103,12 +103,12 @@ pub struct Tables {
 }
 
 impl Tables {
-    /// Measures a pack in every way that its data allow.
+    /// Computes every measurement that the data of a pack allow.
     ///
     /// # Errors
     ///
-    /// As [`Snapshot::check`], and [`Error::Analysis`] for a pack without bodies, a contact that means
-    /// nothing or an option out of its range.
+    /// As [`Snapshot::check`], and [`Error::Analysis`] for a pack without bodies, an invalid contact or an
+    /// option out of its range.
     pub fn compute(snapshot: &Snapshot, options: &TableOptions) -> Result<Self, Error> {
         snapshot.check()?;
         let shapes: Vec<Polyhedron> = snapshot
@@ -174,7 +174,7 @@ impl Tables {
         }
     }
 
-    /// Books tables that cannot be made.
+    /// Records tables that cannot be made.
     pub(super) fn miss(&mut self, tables: &[&str], reason: &str) {
         self.missing.extend(tables.iter().map(|table| Missing {
             table: (*table).to_owned(),

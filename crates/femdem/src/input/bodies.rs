@@ -11,10 +11,10 @@ use super::csv::{Record, Text};
 use crate::output::surface::{distinct_file_name, shape_file_name};
 use crate::{Body, Error, NamedShape, Snapshot};
 
-/// How far from 1 the length of a direction or a quaternion may be; it is then made 1.
+/// Tolerance of the length of a direction or a quaternion, which is then normalised.
 pub(super) const LENGTH_TOLERANCE: f64 = 1e-3;
 
-/// Bodies, and which index each id of the file has.
+/// Bodies, and the index of each id of the file.
 pub(super) struct Posed {
     pub(super) snapshot: Snapshot,
     pub(super) index_of: BTreeMap<u32, u32>,
@@ -92,7 +92,7 @@ pub(super) fn read(folder: &Path, density: Option<f64>) -> Result<Posed, Error> 
 fn rotation(record: &Record, [w, x, y, z]: [f64; 4]) -> Result<Rotation, Error> {
     let quaternion = Quaternion::new(w, x, y, z);
     let length = quaternion.norm();
-    // Written so that NaN fails it too.
+    // The condition is false for NaN.
     let unit = (length - 1.0).abs() <= LENGTH_TOLERANCE;
     if !unit {
         return Err(record.refuse(format!(
@@ -103,7 +103,7 @@ fn rotation(record: &Record, [w, x, y, z]: [f64; 4]) -> Result<Rotation, Error> 
 }
 
 fn read_shape(folder: &Path, name: &str, record: &Record) -> Result<NamedShape, Error> {
-    // A file of the first name is there only if another shape has the second.
+    // A file with the first name exists only if another shape has the second.
     let mut candidates = vec![
         distinct_file_name(name),
         shape_file_name(name),

@@ -9,7 +9,7 @@ use super::bodies::{LENGTH_TOLERANCE, Posed};
 use super::csv::{Column, Record, Text};
 use crate::{ContactRow, Error, Partner};
 
-/// The columns that may be there.
+/// The optional columns.
 struct Optional {
     friction: Option<[Column; 3]>,
     friction_size: Option<Column>,
@@ -38,7 +38,7 @@ pub(super) fn read(path: &Path, pack: &mut Posed) -> Result<(), Error> {
     let gaps = &mut pack.snapshot.gaps;
     gaps.classes = optional.class.is_none();
     gaps.friction = optional.friction.is_none();
-    // No friction at all is known without its direction.
+    // Zero friction needs no direction.
     if let (None, Some(size)) = (optional.friction, optional.friction_size) {
         let mut none = true;
         for record in text.records() {
@@ -126,7 +126,7 @@ fn class(record: &Record, column: Option<Column>) -> Result<ContactClass, Error>
     })
 }
 
-/// That normals point from i to j: most of them have the partner's centre before them.
+/// Checks that normals point from i to j: for most of them the partner's centre lies ahead.
 fn check_normals(path: &Path, pack: &Posed) -> Result<(), Error> {
     let snapshot = &pack.snapshot;
     let centre = |index: u32| {

@@ -12,7 +12,7 @@ pub(super) struct Text {
     rows: Vec<Row>,
 }
 
-/// A row and the line it begins at.
+/// A row and the line on which it begins.
 struct Row {
     line: usize,
     fields: Vec<String>,
@@ -25,7 +25,7 @@ pub(super) struct Record<'a> {
     row: &'a Row,
 }
 
-/// A column that a table may have.
+/// A column of a table.
 #[derive(Clone, Copy)]
 pub(super) struct Column {
     index: usize,
@@ -82,13 +82,13 @@ impl Text {
         self.rows.iter().map(|row| Record { text: self, row })
     }
 
-    /// A column that may be missing.
+    /// An optional column.
     pub(super) fn find(&self, name: &'static str) -> Option<Column> {
         let index = self.columns.iter().position(|column| column == name)?;
         Some(Column { index, name })
     }
 
-    /// A column that has to be there.
+    /// A required column.
     pub(super) fn need(&self, name: &'static str) -> Result<Column, Error> {
         self.find(name).ok_or_else(|| Error::Table {
             path: self.path.clone(),
@@ -100,7 +100,7 @@ impl Text {
         })
     }
 
-    /// Several columns that have to be there.
+    /// Several required columns.
     pub(super) fn need_all<const N: usize>(
         &self,
         names: [&'static str; N],
@@ -112,7 +112,7 @@ impl Text {
         Ok(found)
     }
 
-    /// Several columns that are all there or count as missing.
+    /// Several columns; they count as missing unless all are present.
     pub(super) fn find_all<const N: usize>(&self, names: [&'static str; N]) -> Option<[Column; N]> {
         let mut found = [Column { index: 0, name: "" }; N];
         for (column, name) in found.iter_mut().zip(names) {
@@ -157,7 +157,7 @@ impl<'a> Record<'a> {
         })
     }
 
-    /// The error of this row.
+    /// An error that names this row.
     pub(super) fn refuse(&self, message: String) -> Error {
         Error::Table {
             path: self.text.path.clone(),
@@ -167,7 +167,7 @@ impl<'a> Record<'a> {
     }
 }
 
-/// Rows of fields; lines without any character are left out. The error is the line of a quote that is not closed.
+/// Rows of fields; empty lines are left out. The error is the line of a quote that is not closed.
 fn split(text: &str) -> Result<Vec<Row>, usize> {
     let mut rows = Vec::new();
     let mut fields = Vec::new();
@@ -235,7 +235,7 @@ mod tests {
         assert_eq!(rows[1].numbers([a, b]).unwrap(), [3.0, 4.0]);
         assert_eq!(rows[1].whole(b).unwrap(), 4);
         assert!(text.find("c").is_none() && text.find_all(["a", "c"]).is_none());
-        // The quoted field holds a line end.
+        // The quoted field contains a line end.
         assert!(rows[1].number(a).is_ok() && rows[1].row.line == 5);
     }
 

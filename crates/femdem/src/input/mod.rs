@@ -5,10 +5,10 @@
 //! | `bodies.csv` | `shape`, `x`, `y`, `z`, `qw`, `qx`, `qy`, `qz` | `id`, `mass`, `sequence`, `sleeping` |
 //! | `contacts.csv` | `i`, `j`, `x`, `y`, `z`, `nx`, `ny`, `nz`, `normal_force` | `tx`, `ty`, `tz`, `mx`, `my`, `mz`, `tangential_force`, `area`, `volume`, `class`, `patch` |
 //!
-//! The columns mean what [`output::csv`](crate::output::csv) writes, in SI units and in any order; others are
-//! ignored. The shape `NAME` is read from `shape-NAME.obj` (see
+//! The columns have the meaning that [`output::csv`](crate::output::csv) states, in SI units and in any order;
+//! others are ignored. The shape `NAME` is read from `shape-NAME.obj` (see
 //! [`shape_file_names`](crate::output::surface::shape_file_names)), `NAME.obj`, or `NAME` itself if it is the
-//! name of a surface file (OBJ, STL, OFF, PLY). What the files do not tell is left open in the
+//! name of a surface file (OBJ, STL, OFF, PLY). Data that the files do not contain are marked in the
 //! [`gaps`](Snapshot::gaps) of the snapshot.
 
 mod bodies;
@@ -28,7 +28,7 @@ pub const BODIES: &str = "bodies.csv";
 /// Name of the table of contacts.
 pub const CONTACTS: &str = "contacts.csv";
 
-/// What the files of a pack do not tell.
+/// Data that the files of a pack do not contain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InputOptions {
     /// Density of the bodies \[kg/m³\], where they have no column `mass`.
@@ -43,7 +43,7 @@ pub struct InputOptions {
 ///
 /// # Errors
 ///
-/// [`Error::Read`], [`Error::Table`] with file and line, [`Error::Mesh`] for a shape that is no body,
+/// [`Error::Read`], [`Error::Table`] with file and line, [`Error::Mesh`] for a shape that is not a body,
 /// [`Error::Option`], and [`Error::Analysis`] for a container without a volume.
 pub fn read_folder(folder: impl AsRef<Path>, options: &InputOptions) -> Result<Snapshot, Error> {
     let folder = folder.as_ref();

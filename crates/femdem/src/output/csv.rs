@@ -11,10 +11,10 @@ pub const BODY_COLUMNS: &str = "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping,mas
 pub const CONTACT_COLUMNS: &str =
     "i,j,x,y,z,nx,ny,nz,normal_force,tangential_force,area,class,patch,volume,tx,ty,tz,mx,my,mz";
 
-/// Writes the bodies, one a line.
+/// Writes the bodies, one per line.
 ///
-/// `x, y, z` \[m\] and the unit quaternion `qw, qx, qy, qz` are the pose: they take a point of
-/// `shape-<name>.obj` to the world. `sleeping` is 0 or 1; `mass` is in kg, empty where it is not known.
+/// `x, y, z` \[m\] and the unit quaternion `qw, qx, qy, qz` are the pose, which transforms a point of
+/// `shape-<name>.obj` to the world. `sleeping` is 0 or 1; `mass` is in kg, empty if unknown.
 ///
 /// # Errors
 ///
@@ -47,14 +47,14 @@ pub fn write_bodies(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<(
     Ok(())
 }
 
-/// Writes the contacts, one a line: bodies that are not convex may touch in several patches, each of
-/// which is a contact.
+/// Writes the contacts, one per line: bodies that are not convex may touch in several patches, each of which is
+/// a contact.
 ///
-/// `i` is a body, `j` a body or the name of a wall. `x, y, z` \[m\] is the centre of pressure,
-/// `nx, ny, nz` the unit normal from `i` to `j`; the forces \[N\] are magnitudes, the normal one
-/// positive when it pushes the two apart; `area` is in m²; `class` is face-face, edge-face or point
-/// (see [`ContactClass`](crate::ContactClass)); `patch` numbers the patches of a pair, from 0; `volume` is that
-/// of the overlap in m³; `tx, ty, tz` \[N\] is the friction force on `j`, and `mx, my, mz` \[N m\] the moment on
+/// `i` is a body, `j` a body or the name of a wall. `x, y, z` \[m\] is the centre of pressure, `nx, ny, nz` the
+/// unit normal from `i` to `j`. The forces \[N\] are magnitudes, the normal one positive when it pushes the two
+/// apart; `area` is in m²; `class` is face-face, edge-face or point (see
+/// [`ContactClass`](crate::ContactClass)); `patch` numbers the patches of a pair, from 0; `volume` is that of
+/// the overlap in m³. `tx, ty, tz` \[N\] is the friction force on `j`, and `mx, my, mz` \[N m\] the moment on
 /// it about the centre of pressure.
 ///
 /// # Errors
@@ -100,7 +100,7 @@ pub(super) fn invalid(error: crate::Error) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, error)
 }
 
-/// A field, in quotes where it needs them (RFC 4180).
+/// A field, quoted where needed (RFC 4180).
 pub(crate) fn quoted(field: &str) -> String {
     if field.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", field.replace('"', "\"\""))

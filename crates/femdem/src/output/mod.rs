@@ -1,4 +1,4 @@
-//! The files that a run leaves: tables, ParaView files, surfaces.
+//! The files that a run writes: tables, ParaView files, surfaces.
 //!
 //! | file | module | for |
 //! |---|---|---|
@@ -9,8 +9,8 @@
 //! | `pack.stl`, `shape-<name>.obj` | [`surface`] | CFD meshing; one body alone |
 //! | `*.pvd` | [`write_pvd`] | ParaView: files of a time series with their times |
 //!
-//! Every function takes a [`Snapshot`](crate::Snapshot) and a writer, so that a host can write
-//! anywhere; [`write_file`] makes a file of what such a function writes.
+//! Every function takes a [`Snapshot`](crate::Snapshot) and a writer, so that a host can write anywhere;
+//! [`write_file`] writes the output of such a function to a file.
 
 pub mod csv;
 mod pvd;
@@ -28,8 +28,8 @@ pub use pvd::{write_pvd, write_pvd_parts};
 
 use crate::Error;
 
-/// Writes a file through a buffer, beside the old one first: a file that is there stays whole until
-/// the new one is complete.
+/// Writes a file through a buffer under a temporary name first: an existing file stays complete until the new
+/// one is.
 ///
 /// # Errors
 ///
@@ -45,7 +45,7 @@ pub fn write_file(
     let beside = path.with_file_name(name);
     let written = write_whole(&beside, content).and_then(|()| fs::rename(&beside, path));
     written.map_err(|source| {
-        // The first error is the one to report; a file that was never made cannot be removed.
+        // The first error is reported; a file that was never created cannot be removed.
         let _ = fs::remove_file(&beside);
         Error::Write {
             path: path.to_path_buf(),
@@ -68,7 +68,7 @@ fn write_whole(
     let mut writer = BufWriter::with_capacity(1 << 18, File::create(path)?);
     content(&mut writer)?;
     writer.flush()?;
-    // A full disk may show only now.
+    // A full disk may be reported only here.
     writer.get_ref().sync_all()
 }
 

@@ -8,9 +8,9 @@ use crate::Error;
 
 /// Writes a `.pvd` file that lists the files of a time series, so that ParaView opens them as one.
 ///
-/// Each step is its time \[s\] and its file (`.vtu` or `.vtp`), named relative to the folder of the
-/// `.pvd` file. The list may grow: writing it again after every output keeps it complete at all times,
-/// as the old file stands until the new one is whole.
+/// Each step is its time \[s\] and its file (`.vtu` or `.vtp`), named relative to the folder of the `.pvd`
+/// file. The list may grow: if it is written again after every output it is always complete, because the old
+/// file remains until the new one is complete.
 ///
 /// ```
 /// # let folder = std::env::temp_dir().join("femdem-doc-pvd");
@@ -29,8 +29,8 @@ pub fn write_pvd<P: AsRef<Path>>(path: impl AsRef<Path>, steps: &[(f64, P)]) -> 
     write_pvd_parts(path, &steps)
 }
 
-/// As [`write_pvd`] for steps of several files: each is its time \[s\], the number of its part, and its
-/// file. ParaView shows the parts of a time together.
+/// As [`write_pvd`] for steps of several files: each is its time \[s\], the number of its part, and its file.
+/// ParaView shows all parts of a time together.
 ///
 /// # Errors
 ///
@@ -65,7 +65,7 @@ pub fn write_pvd_parts<P: AsRef<Path>>(
     })
 }
 
-/// Text within an XML attribute, with forward slashes in paths.
+/// Text for an XML attribute, with forward slashes in paths.
 fn attribute(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

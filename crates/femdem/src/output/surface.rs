@@ -10,7 +10,7 @@ use crate::Snapshot;
 
 /// Writes all bodies as one binary STL \[m\], for CFD meshing.
 ///
-/// The surfaces are those of the bodies: where two touch they overlap by the penetration.
+/// The surfaces are those of the bodies: touching bodies overlap by the penetration.
 ///
 /// # Errors
 ///
@@ -41,15 +41,15 @@ fn as_io(error: MeshError) -> io::Error {
     }
 }
 
-/// Name of the file of a shape: `shape-<name>.obj`, where `_` stands for every character but letters,
-/// digits, `-`, `_` and `+`. Of a pack with several shapes see [`shape_file_names`].
+/// Name of the file of a shape: `shape-<name>.obj`, where `_` replaces every character except letters, digits,
+/// `-`, `_` and `+`. For a pack with several shapes see [`shape_file_names`].
 #[must_use]
 pub fn shape_file_name(name: &str) -> String {
     file_name(name, |_| "_".to_owned())
 }
 
-/// [`shape_file_name`] with the UTF-8 bytes of each replaced character as `%XX` instead: no two names
-/// have one file.
+/// [`shape_file_name`] with the UTF-8 bytes of each replaced character as `%XX` instead, so that no two names
+/// share a file.
 pub(crate) fn distinct_file_name(name: &str) -> String {
     file_name(name, |c| {
         let bytes = c.to_string().into_bytes();
@@ -57,8 +57,8 @@ pub(crate) fn distinct_file_name(name: &str) -> String {
     })
 }
 
-/// Names of the files of the shapes of a pack: [`shape_file_name`], but where several shapes would share
-/// one, `%XX` stands for the bytes of each character replaced.
+/// Names of the files of the shapes of a pack: [`shape_file_name`], but where several shapes would share one,
+/// `%XX` for the bytes of each replaced character.
 #[must_use]
 pub fn shape_file_names(names: &[&str]) -> Vec<String> {
     let short: Vec<String> = names.iter().map(|name| shape_file_name(name)).collect();

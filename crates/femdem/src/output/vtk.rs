@@ -1,25 +1,25 @@
-//! The XML frame that VTU, VTP and VTI share: arrays in one appended block, base64.
+//! The XML frame shared by VTU, VTP and VTI: arrays in one appended block, base64.
 //!
-//! VTK XML, version 1.0: an appended array is a 64-bit count of bytes followed by the bytes, little
-//! endian; each is encoded by itself, and `offset` counts characters from the underscore. Lengths tell all
-//! offsets, so that the values are asked for when they are written: a document takes no memory for them.
+//! VTK XML, version 1.0: an appended array is a 64-bit count of bytes followed by the bytes, little endian;
+//! each is encoded separately, and `offset` counts characters from the underscore. All offsets follow from the
+//! lengths, so that the values are requested only when they are written: a document takes no memory for them.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-/// Bytes that are encoded together: a multiple of 3, so that only the last are padded.
+/// Bytes that are encoded together: a multiple of 3, so that only the last block is padded.
 const BLOCK: usize = 3 << 10;
 
 /// Writes the values of an array.
 type Array<'a> = Box<dyn FnOnce(&mut Base64) -> io::Result<()> + 'a>;
 
-/// The document under construction: the XML before the data, and where the data come from.
+/// The document under construction: the XML before the data, and the sources of the data.
 pub(crate) struct Document<'a> {
     kind: &'static str,
     attributes: String,
     xml: String,
     arrays: Vec<Array<'a>>,
-    /// Characters of the arrays.
+    /// Number of characters of the arrays.
     length: usize,
 }
 
@@ -35,7 +35,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Attributes of the element that has the type's name, each with a space before it.
+    /// Attributes of the element named after the type, each preceded by a space.
     pub fn with_attributes(mut self, attributes: String) -> Self {
         self.attributes = attributes;
         self
@@ -119,7 +119,7 @@ impl<'a> Document<'a> {
     }
 }
 
-/// Writes bytes as base64 while they come.
+/// Writes bytes as base64 in a stream.
 struct Base64<'w> {
     writer: &'w mut dyn Write,
     block: Vec<u8>,
@@ -145,7 +145,7 @@ impl<'w> Base64<'w> {
         Ok(())
     }
 
-    /// Writes what is left of an array, with padding if need be.
+    /// Writes the rest of an array, with padding if needed.
     fn finish(&mut self) -> io::Result<()> {
         self.text.clear();
         encode(&self.block, &mut self.text);
@@ -194,7 +194,7 @@ mod tests {
         }
     }
 
-    /// Over several blocks, with one, two and no bytes left over, and lengths that iterators do not tell.
+    /// Over several blocks, with one, two and no bytes left over, and lengths that iterators do not report.
     #[test]
     fn arrays_of_any_length_are_encoded_as_a_whole() {
         for count in [0, 1, 2, BLOCK - 8, BLOCK, 3 * BLOCK + 5] {

@@ -37,7 +37,7 @@ pub fn write(snapshot: &Snapshot, writer: impl Write) -> io::Result<()> {
         bodies.iter().flat_map(|body| coordinates(snapshot, body)),
     );
     out.line("</Points>\n<Cells>");
-    // The vertices of the bodies follow each other, so that a cell's are a run of numbers.
+    // The vertices of the bodies follow each other, so that those of a cell are consecutive numbers.
     out.integers("connectivity", 0..points);
     out.integers("offsets", starts.iter().skip(1).copied());
     out.bytes("types", bodies.iter().map(|_| VTK_POLYHEDRON));
@@ -83,8 +83,8 @@ fn coordinates<'a>(
         .flat_map(|vertex| <[f64; 3]>::from(body.pose * vertex))
 }
 
-/// What VTK calls the face stream of a polyhedron: the number of its faces, then for each face the
-/// number of its corners and their point indices.
+/// The face stream of a polyhedron in VTK: the number of its faces, then for each face the number of its
+/// corners and their point indices.
 fn face_stream(snapshot: &Snapshot, body: &Body, start: i64) -> Vec<i64> {
     let polyhedron = &snapshot.shape_of(body).polyhedron;
     let mut stream = vec![polyhedron.face_count() as i64];

@@ -1,4 +1,4 @@
-//! The finished picture, and lines and writing upon it.
+//! The finished picture, with lines and text on it.
 
 use std::io::Write;
 
@@ -82,7 +82,7 @@ impl Image {
         )
     }
 
-    /// Copies another picture into this one; what reaches over the edge is lost.
+    /// Copies another picture into this one; parts beyond the edge are lost.
     pub(super) fn paste(&mut self, tile: &Self, [left, top]: [usize; 2]) {
         for y in 0..tile.height {
             for x in 0..tile.width {
@@ -98,8 +98,8 @@ impl Image {
         }
     }
 
-    /// Draws lines of a width in pixels with round ends, as one mark: where they meet they do not
-    /// darken each other. `shown` says how much of a pixel's mark is visible.
+    /// Draws lines of a width in pixels with round ends, as one mark, so that they do not darken each other
+    /// where they meet. `shown` is the visible part of the mark at a pixel.
     pub(super) fn stroke(
         &mut self,
         segments: &[Segment],

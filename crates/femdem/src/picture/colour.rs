@@ -1,4 +1,4 @@
-//! Colours: a perceptually uniform map, and the way between light and screen.
+//! Colours: a perceptually uniform map, and conversions between light and screen.
 
 use std::fmt;
 
@@ -28,7 +28,7 @@ impl Srgb {
         Self([r, g, b])
     }
 
-    /// The amount of light it stands for.
+    /// The corresponding amount of light.
     pub fn to_light(self) -> Light {
         self.0.map(|byte| {
             let value = f32::from(byte) / 255.0;
@@ -40,7 +40,7 @@ impl Srgb {
         })
     }
 
-    /// The colour that shows an amount of light; clipped to what a screen can show.
+    /// The colour that shows an amount of light, clipped to the range of a screen.
     pub fn of_light(light: Light) -> Self {
         Self(light.map(|value| {
             let value = value.clamp(0.0, 1.0);
@@ -53,7 +53,7 @@ impl Srgb {
         }))
     }
 
-    /// Between two colours, `amount` 0 to 1 of the way to the other.
+    /// A colour between two, at `amount` 0 to 1 of the way to the other.
     pub fn towards(self, other: Self, amount: f32) -> Self {
         let mix = |k: usize| {
             let (a, b) = (f32::from(self.0[k]), f32::from(other.0[k]));

@@ -2,7 +2,7 @@
 
 use super::canvas::Segment;
 
-/// Units per capital height.
+/// Height of capitals in units.
 const CAPITAL: f64 = 10.0;
 
 /// Space between letters, in units.
@@ -11,7 +11,7 @@ const SPACING: f64 = 2.6;
 /// Width of a space, in units.
 const SPACE: f64 = 3.2;
 
-/// The bowl that several small letters share: a loop, see [`strokes`].
+/// The bowl shared by several small letters: a loop, see [`strokes`].
 const BOWL: &str = "~0k0d6d6k0k";
 
 /// The strokes of a character, separated by spaces.
@@ -112,7 +112,7 @@ pub(super) fn segments(c: char, at: [f64; 2], height: f64) -> Vec<Segment> {
     segments
 }
 
-/// How far the next character stands to the right.
+/// Distance to the next character.
 pub(super) fn advance(c: char, height: f64) -> f64 {
     let right = |stroke: &&str| {
         outline(stroke)
@@ -155,7 +155,7 @@ fn outline(stroke: &str) -> Vec<[f64; 2]> {
     }
 }
 
-/// One round of Chaikin's corner cutting (1974), which leads to a quadratic B-spline.
+/// One round of Chaikin's corner cutting (1974), which converges to a quadratic B-spline.
 fn cut_corners(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mix = |a: &[f64; 2], b: &[f64; 2]| [0.75 * a[0] + 0.25 * b[0], 0.75 * a[1] + 0.25 * b[1]];
     let mut cut = Vec::with_capacity(2 * points.len());

@@ -11,14 +11,14 @@ use crate::{Body, BodyValues, Error, NamedShape, Snapshot, Spacing};
 const INK: Srgb = Srgb([0x33, 0x33, 0x33]);
 const PAPER: Srgb = Srgb([0xff; 3]);
 
-/// Height of the capitals of a label and of the strip that it stands in, over the width of a tile.
+/// Height of the capitals of a label and of its strip, over the width of a tile.
 const LETTER: f64 = 0.045;
 const STRIP: f64 = 0.13;
 
 /// A shape in a gallery.
 #[derive(Clone, Debug)]
 pub struct Exhibit {
-    /// What is written below it; one or two lines.
+    /// Text below it; one or two lines.
     pub label: String,
     /// Its surface.
     pub polyhedron: Polyhedron,

@@ -1,4 +1,4 @@
-//! How much light reaches a point: the lamp's shadows, and the dimness of narrow gaps.
+//! The light that reaches a point: shadows of the lamp, and dark narrow gaps.
 
 use femdem_mesh::{Point3, Vector3};
 
@@ -15,8 +15,8 @@ fn disc<const N: usize>() -> [[f64; 2]; N] {
     })
 }
 
-/// One of four turns of a sample pattern, different for neighbouring pixels: bands that few samples
-/// would leave become a fine grain that the eye does not see.
+/// One of four rotations of a sample pattern, different for neighbouring pixels: bands caused by few samples
+/// become a fine grain that the eye does not see.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     sin: f64,
@@ -34,7 +34,7 @@ impl Turn {
     }
 }
 
-/// The lamp and what it sees; what it does not see lies in shadow.
+/// The lamp and its view; what it does not see lies in shadow.
 pub(super) struct Lamp {
     view: View,
     seen: DepthMap,
@@ -74,12 +74,12 @@ impl Lamp {
     }
 }
 
-/// Ambient occlusion from what the eye sees (after McGuire et al. 2011, "The Alchemy
-/// screen-space ambient obscurance algorithm").
+/// Ambient occlusion from the visible surfaces (after McGuire et al. 2011, "The Alchemy screen-space ambient
+/// obscurance algorithm").
 pub(super) struct Gaps<'a> {
     pub view: &'a View,
     pub seen: &'a DepthBuffer,
-    /// How far neighbours dim each other \[m\].
+    /// The distance over which neighbours darken each other \[m\].
     pub reach: f64,
 }
 

@@ -1,8 +1,8 @@
 //! Pictures of a pack, drawn without a GPU.
 //!
-//! Triangles go into a depth buffer; then each pixel is lit by a lamp with soft shadows and by a
-//! sky that narrow gaps see less of, and the edges of bodies and faces are inked. Bodies are
-//! coloured by sequence of placement with viridis, which is perceptually uniform.
+//! Triangles are drawn into a depth buffer. Then each pixel is lit by a lamp with soft shadows and by a sky
+//! that is less visible from narrow gaps, and the edges of bodies and faces are drawn. Bodies are coloured by
+//! sequence of placement with viridis, which is perceptually uniform.
 //!
 //! ```
 //! use femdem::mesh::{Pose, catalogue::Solid, catalogue::CatalogueShape};
@@ -60,9 +60,9 @@ pub struct PictureOptions {
     pub width: usize,
     /// Height in pixels, 16 to 8192. Default 1200.
     pub height: usize,
-    /// How far the eye goes round to the right of the front, degrees. Default 24.
+    /// Azimuth of the eye, to the right of the front, degrees. Default 24.
     pub azimuth: f64,
-    /// How far the eye looks down, −90 to 90 degrees. Default 16.
+    /// Elevation of the eye, −90 to 90 degrees. Default 16.
     pub elevation: f64,
 }
 
@@ -177,7 +177,7 @@ pub(crate) fn viridis_png(
     Ok(bytes)
 }
 
-/// Draws a mesh as `view` sees it, and says what is seen where.
+/// Draws a mesh seen from `view`, and returns what is visible at each pixel.
 fn paint(
     mesh: &Mesh,
     extent: &[Point3],

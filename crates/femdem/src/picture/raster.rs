@@ -6,15 +6,15 @@ use super::view::{Seen, View};
 /// No facet.
 pub(super) const NOTHING: u32 = u32::MAX;
 
-/// For each pixel how near the nearest facet is, row by row from the top; less than any number where there
-/// is none.
+/// For each pixel the nearness of the nearest facet, row by row from the top; minus infinity where there is
+/// none.
 pub(super) struct DepthMap {
     pub width: usize,
     pub height: usize,
     pub nearness: Vec<f32>,
 }
 
-/// For each pixel the nearest facet too.
+/// The same with the nearest facet of each pixel.
 pub(super) struct DepthBuffer {
     pub depth: DepthMap,
     pub facet: Vec<u32>,
@@ -28,7 +28,7 @@ impl DepthBuffer {
         }
     }
 
-    /// What `view` sees of a mesh. Faces that are turned away are left out.
+    /// The visible parts of a mesh. Back faces are left out.
     pub fn of(mesh: &Mesh, view: &View, width: usize, height: usize) -> Self {
         let mut buffer = Self::new(width, height);
         each_triangle(mesh, view, |corners, facet| buffer.fill(corners, facet));
@@ -47,8 +47,7 @@ impl DepthBuffer {
     }
 }
 
-/// Calls `draw` with the corners, as `view` sees them, and the facet of each triangle of a mesh that is not
-/// turned away.
+/// Calls `draw` with the corners in the view and the facet of each triangle of a mesh that is not a back face.
 fn each_triangle(mesh: &Mesh, view: &View, mut draw: impl FnMut([Seen; 3], u32)) {
     let mut seen: Vec<Seen> = Vec::new();
     mesh.for_each_part(|points, triangles, first, normals| {
@@ -73,7 +72,7 @@ impl DepthMap {
         }
     }
 
-    /// How near `view` sees a mesh. Faces that are turned away are left out.
+    /// The nearness of a mesh. Back faces are left out.
     pub fn of(mesh: &Mesh, view: &View, width: usize, height: usize) -> Self {
         let mut map = Self::new(width, height);
         each_triangle(mesh, view, |corners, _| map.fill(corners, |_| {}));
@@ -92,8 +91,8 @@ impl DepthMap {
         inside.then_some(y * self.width + x)
     }
 
-    /// Fills the pixels whose centres lie in a triangle, where it is the nearest so far, and tells `at` which
-    /// they are.
+    /// Fills the pixels whose centres lie in a triangle, where it is the nearest so far, and calls `at` with
+    /// them.
     fn fill(&mut self, [a, b, c]: [Seen; 3], mut at: impl FnMut(usize)) {
         let doubled_area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
         if doubled_area == 0.0 || !doubled_area.is_finite() {

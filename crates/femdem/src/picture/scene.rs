@@ -1,4 +1,4 @@
-//! What is drawn: the bodies' surfaces as coloured triangles, and the floor.
+//! The drawn objects: the bodies' surfaces as coloured triangles, and the floor.
 
 use femdem_analysis::Region;
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
@@ -6,7 +6,7 @@ use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
 use super::colour::{Light, Srgb, viridis};
 use crate::{BodyValues, Drawing, Snapshot};
 
-/// Corners of a polygon that stands for a circle.
+/// Number of corners of the polygon that approximates a circle.
 const CIRCLE_SIDES: usize = 96;
 
 /// Bodies without a value.
@@ -35,7 +35,7 @@ pub(super) struct Triangle {
 pub(super) struct Mesh<'a> {
     shapes: Vec<Surface<'a>>,
     bodies: Vec<Placed>,
-    /// What is no body of a shape; its facets are numbered after those of the bodies.
+    /// Everything that is not a body; its facets are numbered after those of the bodies.
     pub rest: Rest,
     /// Facets of the bodies.
     placed: u32,

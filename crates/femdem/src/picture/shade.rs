@@ -9,24 +9,24 @@ use super::raster::{DepthBuffer, NOTHING};
 use super::scene::{Facet, Mesh};
 use super::view::Seen;
 
-/// How much light of each kind there is.
+/// Amount of light of each kind.
 const SKY: f64 = 0.42;
 const SKY_FROM_ABOVE: f64 = 0.14;
 const LAMP: f64 = 0.76;
 const EYE: f64 = 0.14;
 
-/// What a line leaves of the light: at the border of a body, and between two of its faces.
+/// The fraction of the light that remains on a line: at the border of a body, and between two of its faces.
 const BORDER: f32 = 0.22;
 const CREASE: f32 = 0.62;
 
-/// Cosine of the smallest angle between two faces that counts as an edge; facets of smooth bodies
-/// meet at less.
+/// Cosine of the smallest angle between two faces that counts as an edge; facets of smooth bodies meet at
+/// smaller angles.
 const SHARP: f64 = 0.978;
 
-/// How far the most distant bodies fade towards the background.
+/// How much the most distant bodies fade towards the background.
 const HAZE: f64 = 0.10;
 
-/// Lights what `gaps` sees of a mesh, and averages `sub` by `sub` pixels to one.
+/// Lights the visible part of a mesh, and averages `sub` by `sub` pixels to one.
 pub(super) fn shade(mesh: &Mesh, lamp: &Lamp, gaps: &Gaps, sub: usize) -> Image {
     let seen = &gaps.seen.depth;
     let width = seen.width / sub;
@@ -41,8 +41,8 @@ pub(super) fn shade(mesh: &Mesh, lamp: &Lamp, gaps: &Gaps, sub: usize) -> Image 
     Image::new(width, pixels)
 }
 
-/// One pixel of the picture. Shadow and gaps are found once, at its first place that shows a body;
-/// colours, facets and lines at every place.
+/// One pixel of the picture. Shadow and gaps are evaluated once, at its first place that shows a body; colours,
+/// facets and lines at every place.
 fn pixel(
     mesh: &Mesh,
     lamp: &Lamp,
@@ -89,7 +89,7 @@ fn pixel(
     Srgb::of_light(sum.map(|total| total / (sub * sub) as f32))
 }
 
-/// What the lines leave of the light: 1 away from edges.
+/// The fraction of the light that remains after lines: 1 away from edges.
 fn ink(mesh: &Mesh, seen: &DepthBuffer, [x, y]: [usize; 2]) -> f32 {
     let here = seen.facet[y * seen.depth.width + x];
     let Some(Facet {

@@ -21,7 +21,7 @@ pub struct Skin {
 }
 
 impl Mesh<'_> {
-    /// Surfaces coloured by `scale`. Points that are not there are left out with their triangles.
+    /// Surfaces coloured by `scale`. Triangles with points that do not exist are left out.
     fn of_skins(skins: &[Skin], scale: &BodyValues) -> Self {
         let mut mesh = Self::default();
         let rest = &mut mesh.rest;
@@ -51,8 +51,8 @@ impl Mesh<'_> {
     }
 }
 
-/// Draws surfaces, coloured by their values on a scale, whose title stands at the colour bar (its own
-/// values are not looked at).
+/// Draws surfaces, coloured by their values on a scale whose title is shown at the colour bar (the scale's own
+/// values are not used).
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Where the eye and the lamp stand: from world coordinates to picture coordinates.
+//! Positions of eye and lamp: from world coordinates to picture coordinates.
 
 use femdem_mesh::{Point3, Vector3};
 
@@ -95,7 +95,7 @@ impl View {
         }
     }
 
-    /// Size of things at a depth, relative to those at the centre.
+    /// Apparent size at a depth, relative to that at the centre.
     fn shrink(&self, depth: f64) -> f64 {
         if self.distance.is_finite() {
             self.distance / (self.distance - depth)
@@ -104,7 +104,7 @@ impl View {
         }
     }
 
-    /// Distance of a nearness in front of the centre \[m\].
+    /// The distance in front of the centre that corresponds to a nearness \[m\].
     pub fn depth(&self, nearness: f64) -> f64 {
         if self.distance.is_finite() {
             self.distance * (1.0 - 1.0 / nearness)
@@ -113,7 +113,7 @@ impl View {
         }
     }
 
-    /// The point that appears at a place.
+    /// The point that appears at a position of the picture.
     pub fn point(&self, seen: Seen) -> Point3 {
         let depth = self.depth(seen.nearness);
         let metres = 1.0 / (self.scale * self.shrink(depth));
@@ -122,7 +122,7 @@ impl View {
             + self.toward * depth
     }
 
-    /// Whether a face with this normal through this point shows its front.
+    /// Whether a face with this normal through this point is a front face.
     pub fn faces(&self, normal: &Vector3, point: &Point3) -> bool {
         if self.distance.is_finite() {
             let eye = self.centre + self.toward * self.distance;

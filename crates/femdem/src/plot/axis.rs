@@ -55,7 +55,7 @@ impl Axis {
         }
     }
 
-    /// What stands at a tick: the number, or the name in its place.
+    /// Text at a tick: the number, or the name in its place.
     pub fn text(&self, tick: f64) -> String {
         let number = || short(tick).replace('-', "\u{2212}");
         if self.classes.is_empty() {
@@ -82,7 +82,7 @@ impl Axis {
         }
     }
 
-    /// Place of a value along the axis, 0 to 1 and beyond.
+    /// Position of a value along the axis, 0 to 1 and beyond.
     pub fn place(&self, value: f64) -> f64 {
         if self.log {
             (value.max(self.low * 1e-3) / self.low).ln() / (self.high / self.low).ln()
@@ -95,7 +95,7 @@ impl Axis {
     pub fn ticks(&self) -> Vec<f64> {
         if self.log {
             let ticks = decades(self.low, self.high);
-            // Over very many powers of ten, only some of them have a number.
+            // Over many powers of ten, only some of them are labelled.
             let every = ticks.len().div_ceil(7).max(1);
             ticks.into_iter().step_by(every).collect()
         } else {

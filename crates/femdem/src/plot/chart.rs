@@ -12,7 +12,7 @@ const RIGHT: f64 = 14.0;
 const TOP: f64 = 14.0;
 const BOTTOM: f64 = 46.0;
 
-/// Which of the colours of the style sheet a mark has.
+/// Colour of a mark, from the style sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Hue {
     First,
@@ -46,7 +46,7 @@ impl Chart {
         }
     }
 
-    /// Place of a point in SVG units; kept near the chart.
+    /// Position of a point in SVG units; kept near the chart.
     fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let across = self.x.place(x).clamp(-0.5, 1.5);
         let up = self.y.place(y).clamp(-0.5, 1.5);
@@ -56,7 +56,7 @@ impl Chart {
         ]
     }
 
-    /// Names a colour in the key.
+    /// Adds a name for a colour to the key.
     pub fn name(&mut self, hue: Hue, name: &str) {
         self.names.push((hue, name.to_owned()));
     }
@@ -108,7 +108,7 @@ impl Chart {
         }
     }
 
-    /// An upright bar from 0, with words for who points at it.
+    /// An upright bar from 0, with a text that appears on hovering.
     pub fn bar(&mut self, hue: Hue, [from, to]: [f64; 2], height: f64, words: &str) {
         let ([left, top], [right, bottom]) = (self.at([from, height]), self.at([to, 0.0]));
         let (width, tall) = ((right - left).max(0.5), (bottom - top).max(0.0));
@@ -120,7 +120,7 @@ impl Chart {
         );
     }
 
-    /// A dashed line across the chart at a value of y.
+    /// A dashed horizontal line at a value of y.
     pub fn level(&mut self, y: f64) {
         let [_, y] = self.at([0.0, y]);
         let _ = writeln!(
@@ -130,7 +130,7 @@ impl Chart {
         );
     }
 
-    /// A dashed line up the chart at a value of x.
+    /// A dashed vertical line at a value of x.
     pub fn upright(&mut self, x: f64) {
         let [x, _] = self.at([x, 0.0]);
         let _ = writeln!(
@@ -149,7 +149,7 @@ impl Chart {
         path
     }
 
-    /// The inside of the SVG element.
+    /// The contents of the SVG element.
     pub fn finish(self) -> String {
         let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
         let mut svg = String::new();

@@ -1,4 +1,4 @@
-//! Plots of how forces spread.
+//! Plots of the distribution of forces.
 
 use super::Plot;
 use super::axis::Axis;

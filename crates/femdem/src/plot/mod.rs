@@ -1,10 +1,10 @@
 //! Plots of the tables of a pack, as SVG: for the report, and as files for papers.
 //!
-//! Every plot has a title, units at its axes, and a caption that says what it means. Colours come from a
-//! style sheet, so that the same SVG follows the light or dark scheme of a page.
+//! Every plot has a title, units at its axes, and a caption that explains it. Colours are taken from a style
+//! sheet, so that the same SVG follows the light or dark scheme of a page.
 //!
-//! A small writer of its own, because plots here need a style sheet, words for readers of a screen, and
-//! text that stays text; plotters draws with fixed colours and places text by guessed widths.
+//! The writer is our own, because plots here need a style sheet, texts for screen readers, and text that stays
+//! text; plotters uses fixed colours and positions text by estimated widths.
 
 mod axis;
 mod chart;
@@ -48,7 +48,7 @@ impl Plot {
         }
     }
 
-    /// The SVG element for a page that holds the style of the plots.
+    /// The SVG element for a page that contains the style of the plots.
     #[must_use]
     pub fn svg(&self) -> String {
         self.element("")
@@ -71,7 +71,7 @@ impl Plot {
         )
     }
 
-    /// Writes the plot as a file of its own.
+    /// Writes the plot as a separate file.
     ///
     /// # Errors
     ///
@@ -87,7 +87,7 @@ impl Plot {
     }
 }
 
-/// The plots that the tables allow, in the order of the report.
+/// The plots for which tables exist, in the order of the report.
 #[must_use]
 pub fn plots(tables: &Tables) -> Vec<Plot> {
     let mut plots = Vec::new();

@@ -41,7 +41,7 @@ pub(super) fn stereonet(tables: &Tables) -> Option<Plot> {
         " of the axes of the bodies' frames"
     };
     let named = [("Nematic", &order.nematic), ("Cubatic", &order.cubatic)];
-    // Axes of high symmetry have no order of these kinds, however they lie.
+    // Axes of high symmetry have no order of these kinds, whatever their orientation.
     let told = named
         .iter()
         .filter(|(_, order)| order.random_deviation > 1e-6);
@@ -76,7 +76,7 @@ fn content(net: &Stereonet, top: f64) -> Option<String> {
     let disc = viridis_png(across, pixels.iter().map(|density| density / top)).ok()?;
     let bar = viridis_png(1, (0..64).map(|k| 1.0 - f64::from(k) / 63.0)).ok()?;
     let [x, y] = CENTRE;
-    // The outer nodes are the middles of the outer pixels.
+    // The outer nodes are the centres of the outer pixels.
     let half = RADIUS * across as f64 / (across as f64 - 1.0);
     let [left, high, wide, tall] = BAR;
     let mut svg = format!(

@@ -1,4 +1,4 @@
-//! Plots of the packing density against place.
+//! Plots of the packing density against position.
 
 use super::Plot;
 use super::axis::Axis;
@@ -70,7 +70,7 @@ pub(super) fn wall(tables: &Tables) -> Option<Plot> {
 /// The radial distribution function of the bodies' centres.
 pub(super) fn radial(tables: &Tables) -> Option<Plot> {
     let found = tables.radial_distribution.as_ref()?;
-    // Where the box has no room for a pair there is nothing to show.
+    // Bins for which the box has no room for a pair are left out.
     let bins: Vec<_> = found.bins.iter().filter(|bin| bin.expected > 0.0).collect();
     let d = tables.diameter;
     let ends = |sign: f64| -> Vec<[f64; 2]> {
@@ -124,7 +124,7 @@ fn middle(bin: &ProfileBin) -> f64 {
     0.5 * (bin.low + bin.high)
 }
 
-/// The density shifted by its standard error, within what a density can be.
+/// The density shifted by its standard error, limited to the range of a density.
 fn shifted(bin: &ProfileBin, sign: f64) -> f64 {
     (bin.density + sign * bin.standard_error.unwrap_or(0.0)).clamp(0.0, 1.0)
 }

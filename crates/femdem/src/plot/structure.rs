@@ -1,4 +1,4 @@
-//! Plots of how bodies touch.
+//! Plots of the contacts between bodies.
 
 use super::Plot;
 use super::axis::Axis;

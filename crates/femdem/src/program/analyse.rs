@@ -1,4 +1,4 @@
-//! `femdem analyse`: everything that can be measured, of a run or of a pack from elsewhere.
+//! `femdem analyse`: all measurements of a run or of a pack from elsewhere.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -12,7 +12,7 @@ use super::job::{Outcome, in_pool, report};
 use super::say;
 use super::source::{self, ForeignArgs};
 
-/// Extent of the core that an inset asked for leaves at least, in d.
+/// Smallest extent of the core that a given inset must leave, in d.
 const SMALLEST_CORE: f64 = 0.5;
 
 pub(crate) const HELP: &str = "\
@@ -63,7 +63,7 @@ pub(crate) struct AnalyseArgs {
     pub quiet: bool,
 }
 
-/// Axes of bodies, as the command line has them.
+/// Axes of bodies, as given on the command line.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Axes(BodyAxes);
 
@@ -99,7 +99,7 @@ fn directions(text: &str) -> Option<Vec<[f64; 3]>> {
 pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
         let (snapshot, saved) = source::read(&args.folder, &args.foreign)?;
-        // Options that cannot be met are refused before a file is written anew.
+        // Options that cannot be met are refused before any file is written.
         let tables = tables(args, &snapshot)?;
         if let Some(saved) = saved {
             let summary = results::write(&args.folder, &saved.packing, &saved.usage)?;

@@ -1,4 +1,4 @@
-//! `femdem run --check`: what a scene holds, and what it would cost.
+//! `femdem run --check`: the contents and the estimated cost of a scene.
 
 use std::time::{Duration, Instant};
 
@@ -8,14 +8,14 @@ use femdem::run::{BodySummary, Run};
 use super::progress::span;
 use super::{complain, overlaps, say};
 
-/// Trial steps, and the time on the clock after which no more are taken.
+/// Largest number of trial steps, and the time on the clock after which no more are taken.
 const TRIAL_STEPS: u64 = 50;
 const TRIAL_TIME: Duration = Duration::from_secs(2);
 
 /// Bodies of one entry are listed one by one up to this number.
 const LISTED: usize = 12;
 
-/// Prints the bodies, then the steps and the time that the run would take if it went on as it begins.
+/// Prints the bodies, then the steps and the time of the run, extrapolated from its beginning.
 pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     let mut simulation = run.simulation().clone();
     let scenario = run.scenario();

@@ -13,10 +13,10 @@ use serde::{Deserialize, Serialize};
 /// Name of the checkpoint.
 pub(crate) const CHECKPOINT: &str = "pack.ckpt";
 
-/// What checkpoints of this program hold.
+/// The kind of checkpoint that this program writes.
 const KIND: &str = "pack";
 
-/// Name of the checkpoint of `femdem run`, and what it holds.
+/// Name and kind of the checkpoint of `femdem run`.
 pub(crate) const RUN_CHECKPOINT: &str = "run.ckpt";
 const RUN_KIND: &str = "run";
 
@@ -27,7 +27,7 @@ pub(crate) struct Saved {
     pub usage: Usage,
 }
 
-/// The same, as written.
+/// The same, for writing.
 #[derive(Serialize)]
 struct Saving<'a> {
     packing: &'a Packing,
@@ -42,7 +42,7 @@ pub(crate) struct Claim {
 
 /// Claims a folder for a job that writes into it.
 pub(crate) fn claim(folder: &Path) -> Result<Claim> {
-    // Where folders cannot be opened or locked there is no telling.
+    // Where folders cannot be opened or locked, other jobs cannot be detected.
     let handle = File::open(folder).ok();
     if let Some(Err(TryLockError::WouldBlock)) = handle.as_ref().map(File::try_lock) {
         bail!(
@@ -53,7 +53,7 @@ pub(crate) fn claim(folder: &Path) -> Result<Claim> {
     Ok(Claim { _lock: handle })
 }
 
-/// Makes the folder, or checks that the one there is empty; `force` lets it hold files. Claims it.
+/// Creates the folder, or checks that an existing one is empty; `force` allows files in it. Claims it.
 pub(crate) fn prepare(folder: &Path, force: bool) -> Result<Claim> {
     let shown = folder.display();
     fs::create_dir_all(folder)
@@ -73,8 +73,8 @@ pub(crate) fn prepare(folder: &Path, force: bool) -> Result<Claim> {
 /// Name of the results in numbers.
 const SUMMARY: &str = "summary.json";
 
-/// Removes what an earlier job in the folder left that would pass for the present one's, which is not at
-/// its end: the results in numbers, and the checkpoint of the other kind.
+/// Removes files of an earlier job in the folder that could be taken for those of the present, unfinished one:
+/// the results in numbers, and the checkpoint of the other kind.
 pub(crate) fn forget_other_jobs(folder: &Path, own: &str) -> Result<()> {
     for name in [CHECKPOINT, RUN_CHECKPOINT, SUMMARY] {
         let path = folder.join(name);
@@ -86,7 +86,7 @@ pub(crate) fn forget_other_jobs(folder: &Path, own: &str) -> Result<()> {
     Ok(())
 }
 
-/// Says which results in a folder are of the pack as it was when it was interrupted.
+/// Names the results in a folder that show the pack as it was when it was interrupted.
 pub(crate) fn warn_of_old_results(folder: &Path, page_follows: bool) {
     let kept = |name: &str| {
         let is_made_anew = page_follows && name == "report.html";
@@ -134,7 +134,7 @@ pub(crate) struct SavedRun {
     pub usage: Usage,
 }
 
-/// The same, as written.
+/// The same, for writing.
 #[derive(Serialize)]
 struct SavingRun<'a> {
     run: &'a Run,

@@ -22,7 +22,7 @@ pub(crate) enum Outcome {
     Interrupted,
 }
 
-/// How often the job looks up from its work.
+/// Interval at which the job checks for interrupts and shows its progress.
 pub(super) const BREATH: Duration = Duration::from_millis(80);
 
 pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
@@ -33,7 +33,7 @@ pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
     }
     let every = checkpoint_interval(Some(scene.checkpoint_every))?;
     in_pool(scene.threads, |threads| {
-        // Everything that can be refused is refused before the folder is touched.
+        // All refusals come before the folder is touched.
         let (packing, notes) = scene.packing()?;
         if !args.run.quiet {
             for note in notes.iter().filter(|note| note.is_news()) {
@@ -89,7 +89,7 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
     })
 }
 
-/// Runs `work` on a thread pool of its own, and tells it how many threads that has.
+/// Runs `work` on its own thread pool, and passes it the number of threads.
 pub(crate) fn in_pool<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce(usize) -> Result<T> + Send,
@@ -138,7 +138,7 @@ impl Run {
     fn to_end(&self, mut packing: Packing, before: Usage, threads: usize) -> Result<Outcome> {
         let interrupted = watch_for_interrupt()?;
         let meter = Meter::start(before, threads, packing.is_done());
-        // At once, so that a folder that cannot be written to is found now and not after the work.
+        // Written at once, so that a folder without write access is detected before the work.
         folder::save(
             &self.folder,
             &packing,
@@ -193,14 +193,14 @@ impl Run {
             let began = Instant::now();
             let progress = packing.advance(steps)?;
             bar.show(&progress);
-            // The job does not depend on how its steps are divided, so the clock may decide here.
+            // The job does not depend on how its steps are divided, so that the clock may be used here.
             steps = if began.elapsed() < BREATH {
                 (steps * 2).min(1 << 16)
             } else {
                 (steps / 2).max(1)
             };
             if saved.elapsed() >= self.every {
-                // A full disk may have room again when the job ends; until then the last one stands.
+                // A full disk may have room again when the job ends; until then the last checkpoint remains.
                 if let Err(error) = folder::save(
                     &self.folder,
                     packing,
@@ -222,7 +222,7 @@ impl Run {
     }
 }
 
-/// A flag that Ctrl-C raises. A second Ctrl-C ends the program at once.
+/// A flag that Ctrl-C sets. A second Ctrl-C ends the program at once.
 pub(super) fn watch_for_interrupt() -> Result<Arc<AtomicBool>> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);
@@ -235,7 +235,7 @@ pub(super) fn watch_for_interrupt() -> Result<Arc<AtomicBool>> {
     Ok(flag)
 }
 
-/// Prints the summary, and how close the step is to its measured limit.
+/// Prints the summary, and the ratio of the step to its measured limit.
 pub(crate) fn report(
     summary: &Summary,
     packing: &Packing,

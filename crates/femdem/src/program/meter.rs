@@ -9,13 +9,13 @@ use femdem::solve::Counters;
 /// Ticks per second in which Linux counts processor time for programs (USER_HZ).
 const TICKS_PER_SECOND: f64 = 100.0;
 
-/// Adds the cost of this part of a run to that of the parts before.
+/// Adds the cost of this part of a run to that of the earlier parts.
 pub(crate) struct Meter {
     before: Usage,
     started: Instant,
     cpu_at_start: Option<f64>,
     threads: usize,
-    /// Whether there is nothing left to do: looking at what was done costs nothing.
+    /// Whether the job was complete before: reading it costs nothing.
     done: bool,
 }
 
@@ -34,7 +34,7 @@ impl Meter {
         self.started.elapsed()
     }
 
-    /// The cost until now. The counters of a world start at zero when it is made or read.
+    /// The cost so far. The counters of a world start at zero when it is made or read.
     pub(crate) fn read(&self, counters: &Counters) -> Usage {
         if self.done {
             return self.before;
@@ -58,12 +58,12 @@ impl Meter {
     }
 }
 
-/// Processor time of this program \[s\]; none where the system does not tell.
+/// Processor time of this program \[s\]; none if the system does not report it.
 fn cpu_seconds() -> Option<f64> {
     parse_cpu(&fs::read_to_string("/proc/self/stat").ok()?)
 }
 
-/// Fields 14 and 15 of proc(5)'s stat; field 2, the name in brackets, may hold spaces.
+/// Fields 14 and 15 of proc(5)'s stat; field 2, the name in brackets, may contain spaces.
 fn parse_cpu(stat: &str) -> Option<f64> {
     let after_name = stat.rsplit_once(')')?.1;
     let mut ticks = after_name
@@ -73,7 +73,7 @@ fn parse_cpu(stat: &str) -> Option<f64> {
     Some((ticks.next()?.ok()? + ticks.next()?.ok()?) / TICKS_PER_SECOND)
 }
 
-/// Largest resident memory of this program; none where the system does not tell.
+/// Largest resident memory of this program; none if the system does not report it.
 fn peak_memory_bytes() -> Option<u64> {
     parse_memory(&fs::read_to_string("/proc/self/status").ok()?)
 }

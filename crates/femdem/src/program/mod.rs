@@ -17,15 +17,15 @@ mod source;
 
 use std::io::Write;
 
-/// Exit code after Ctrl-C, as shells have it: 128 + SIGINT.
+/// Exit code after Ctrl-C, as in shells: 128 + SIGINT.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// Writes a line to standard output. A reader that has gone away, such as `head`, is no error.
+/// Writes a line to standard output. A closed reader, such as `head`, is not an error.
 pub(crate) fn say(text: &str) {
     let _ = writeln!(std::io::stdout(), "{text}");
 }
 
-/// An error with its causes, each said once: many messages hold their cause already.
+/// An error with its causes, each stated once: many messages contain their cause already.
 pub(crate) fn described(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {

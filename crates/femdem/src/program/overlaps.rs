@@ -5,7 +5,7 @@ use femdem::run::Simulation;
 /// Overlaps are named one by one up to this number.
 const NAMED: usize = 5;
 
-/// Tells of deep overlaps after the first step, or after its failure.
+/// Reports deep overlaps after the first step, or after its failure.
 pub(crate) fn warn(simulation: &Simulation, tell: impl Fn(&str)) {
     let deep = simulation.deep_overlaps();
     for pair in deep.iter().take(NAMED) {

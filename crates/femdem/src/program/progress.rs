@@ -7,7 +7,7 @@ use femdem::pack::{Progress, Stage};
 use femdem::run::{Run, Simulation};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Shows how far a job is, on a terminal; elsewhere nothing.
+/// Shows the progress of a job, on a terminal only.
 pub(crate) struct Bar {
     bar: ProgressBar,
     started: Instant,
@@ -57,14 +57,14 @@ impl Bar {
     }
 }
 
-/// Time to go if the work goes on as it went; none before there is enough to judge by.
+/// Time to go if the work continues at its present rate; none before that can be estimated.
 fn time_left(share: f64, share_at_start: f64, started: Instant) -> Option<Duration> {
     let (done, elapsed) = (share - share_at_start, started.elapsed());
     let judged = done > 0.02 && elapsed > Duration::from_secs(1);
     judged.then(|| elapsed.mul_f64((1.0 - share).max(0.0) / done))
 }
 
-/// Shows how much of its time a simulation has covered, on a terminal; elsewhere nothing.
+/// Shows the simulated time, on a terminal only.
 pub(crate) struct Clock {
     bar: ProgressBar,
     started: Instant,

@@ -55,8 +55,8 @@ pub(crate) fn run(args: &ReportArgs) -> Result<Outcome> {
     })
 }
 
-/// Writes the page of a pack, with what is known of the run that made it and whose scene is in `folder`, and
-/// the plots; returns the path of the page.
+/// Writes the page and the plots of a pack, with the results of the run that made it, if known, and the scene
+/// in `folder`; returns the path of the page.
 pub(crate) fn write(
     folder: &Path,
     out: &Path,

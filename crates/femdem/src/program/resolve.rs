@@ -82,7 +82,7 @@ impl ResolveArgs {
     }
 }
 
-/// Refuses a pack that is still being made; says so if it is made but did not come to rest.
+/// Refuses a pack that is not finished; warns if it is finished but did not come to rest.
 fn check_rest(packing: &Packing, args: &ResolveArgs) -> Result<()> {
     let shown = args.folder.display();
     if !packing.is_done() {

@@ -50,7 +50,7 @@ pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
     let every = checkpoint_interval(Some(every))?;
     let threads = args.run.threads.map(usize::from).or(scenario.threads);
     in_pool(threads, |threads| {
-        // Everything that can be refused is refused before the folder is touched.
+        // All refusals come before the folder is touched.
         let run = Run::new(scenario)?;
         if args.check {
             check::report(&run, threads)?;
@@ -67,7 +67,7 @@ pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
     })
 }
 
-/// Goes on with a run.
+/// Continues a run.
 pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
     let RunArgs {
         threads,
@@ -109,7 +109,7 @@ impl Part {
         let interrupted = watch_for_interrupt()?;
         let done = run.ending().is_some();
         let meter = Meter::start(before, threads, done);
-        // At once, so that a folder that cannot be written to is found now and not after the work.
+        // Written at once, so that a folder without write access is detected before the work.
         self.save(&mut run, &meter)?;
         if !done {
             folder::forget_other_jobs(&self.folder, folder::RUN_CHECKPOINT)?;
@@ -118,7 +118,8 @@ impl Part {
         let advanced = self.advance(&mut run, &meter, &clock, &interrupted);
         clock.clear();
         if advanced.is_err() {
-            // The rows up to the failure help to understand it; a lack of them is no second error.
+            // The rows up to the failure help to understand it; if they cannot be written, that is not a second
+            // error.
             let _ = run.flush(&self.folder);
         }
         advanced.with_context(|| self.after_failure())?;
@@ -164,19 +165,19 @@ impl Part {
             let first = run.simulation().world.steps() == 0;
             let advanced = run.advance(&self.folder, steps);
             if first {
-                // Above all if that step has failed.
+                // In particular if that step has failed.
                 overlaps::warn(run.simulation(), |text| clock.note(text));
             }
             advanced?;
             clock.show(run);
-            // The run does not depend on how its steps are divided, so the clock may decide here.
+            // The run does not depend on how its steps are divided, so that the clock may be used here.
             steps = if began.elapsed() < BREATH {
                 (steps * 2).min(1 << 16)
             } else {
                 (steps / 2).max(1)
             };
             if saved.elapsed() >= self.every {
-                // A full disk may have room again when the run ends; until then the last one stands.
+                // A full disk may have room again when the run ends; until then the last checkpoint remains.
                 if let Err(error) = self.save(run, meter) {
                     clock.note(&format!("warning: {}", described(&error)));
                 }

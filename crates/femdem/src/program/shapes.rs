@@ -1,4 +1,4 @@
-//! `femdem shapes`: what --shape knows.
+//! `femdem shapes`: the shapes that --shape accepts.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ struct Row {
     area_over_d2: f64,
     /// Of the largest sphere about the centroid inside; none for a body that is not convex.
     inradius_over_d: Option<f64>,
-    /// Mean of the three principal moments; for the solids, which are isotropic, about any axis.
+    /// Mean of the three principal moments; for the solids, which are isotropic, the moment about any axis.
     inertia_over_m_d2: f64,
     vertices: usize,
     faces: usize,
@@ -154,7 +154,7 @@ fn draw(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The name that --shape takes, and for a solid what it is.
+/// The name that --shape takes, and for a solid its description.
 fn label(shape: &Shape) -> String {
     match shape {
         Shape::Solid(solid) => format!("{}\n{}", solid.id(), solid.name()),

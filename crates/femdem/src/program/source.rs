@@ -12,7 +12,7 @@ use femdem::{Snapshot, results};
 
 use super::folder::{self, Saved};
 
-/// Gravity where nothing else is said \[m/s²\].
+/// Default gravity \[m/s²\].
 const GRAVITY: f64 = 9.81;
 
 /// What the files of a pack from elsewhere do not tell.
@@ -39,7 +39,7 @@ impl ForeignArgs {
     }
 }
 
-/// The inside of a container, as the command line has it.
+/// The inside of a container, as given on the command line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Inside(Region);
 
@@ -73,7 +73,8 @@ impl FromStr for Inside {
     }
 }
 
-/// Reads the checkpoint of a folder or, where there is none, its tables; the run comes with the former.
+/// Reads the checkpoint of a folder or, if there is none, its tables; with a checkpoint it also returns the
+/// run.
 pub(crate) fn read(folder: &Path, foreign: &ForeignArgs) -> Result<(Snapshot, Option<Saved>)> {
     if !folder::has_checkpoint(folder) {
         if !folder.join(input::BODIES).is_file() {

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::output::base64;
 
-/// Arrays, each at an offset that its type divides.
+/// Arrays, each at an offset that is a multiple of its type's size.
 #[derive(Default)]
 pub(super) struct Block {
     bytes: Vec<u8>,

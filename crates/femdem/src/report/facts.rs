@@ -8,7 +8,7 @@ use crate::results::short;
 use crate::scene::{ContainerKind, DEFAULT_CONE, DEFAULT_OUTLET, ProtocolKind, Unit};
 use crate::{Scene, Summary};
 
-/// A number that stands at the head of the page.
+/// A number at the head of the page.
 pub(super) struct Figure {
     label: &'static str,
     value: String,
@@ -93,7 +93,7 @@ fn by_grid(density: Option<f64>) -> String {
     density.map_or(String::new(), |grid| format!("; by grid {grid:.4}"))
 }
 
-/// What could not be found, and why.
+/// What could not be computed, with the reasons.
 pub(super) fn missing(tables: &Tables) -> Option<Facts> {
     let row = |missing: &Missing| (missing.table.replace('_', " "), missing.reason.clone());
     let rows: Vec<_> = tables.missing.iter().map(row).collect();
@@ -117,7 +117,7 @@ pub(super) fn figures_html(figures: &[Figure]) -> String {
     }
 }
 
-/// What options of a scene are called, with their units; others have the names of their keys.
+/// Labels of options of a scene, with their units; others are labelled with their keys.
 const LABELS: [(&str, &str); 21] = [
     ("batch", "bodies in a batch"),
     ("cone", "half angle of the cone / degrees"),
@@ -142,7 +142,7 @@ const LABELS: [(&str, &str); 21] = [
     ("wall-friction", "friction coefficient of the walls"),
 ];
 
-/// The options of a run that have a meaning for it.
+/// The options of a run that apply to it.
 pub(super) fn parameters(scene: &Scene) -> Facts {
     let kind = scene.container_kind().ok();
     let silo = kind == Some(ContainerKind::Silo);
@@ -186,7 +186,7 @@ fn plain(value: &toml::Value) -> String {
     }
 }
 
-/// What the run did and cost.
+/// Course and cost of the run.
 pub(super) fn run(summary: &Summary) -> Facts {
     let mut rows: Vec<(String, String)> = Vec::new();
     let mut row = |name: &str, value: String| rows.push((name.to_owned(), value));
@@ -242,7 +242,7 @@ pub(super) fn run(summary: &Summary) -> Facts {
     Facts { title: "Run", rows }
 }
 
-/// What made the pack and this page.
+/// The programs that made the pack and this page.
 pub(super) fn versions(summary: Option<&Summary>) -> Facts {
     let mut rows = vec![("femdem".to_owned(), env!("CARGO_PKG_VERSION").to_owned())];
     if let Some(summary) = summary {

@@ -1,11 +1,11 @@
-//! A shape's surface as the graphics processor wants it.
+//! A shape's surface in the form that the graphics processor takes.
 
 use femdem_mesh::{Polyhedron, Vector3};
 
 /// Triangles over shared vertices, where the last corner of each triangle carries its face's normal.
 ///
-/// A flat-shaded triangle takes its normal from its last corner only, so a vertex may serve triangles
-/// of other faces in the other places: few vertices are doubled.
+/// A flat-shaded triangle takes its normal from its last corner only, so that a vertex may be shared with
+/// triangles of other faces as a first or second corner: few vertices are duplicated.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Surface {
     /// Three coordinates for each vertex, relative to the centroid \[m\].
@@ -32,7 +32,7 @@ impl Surface {
                 let free = |v: &u32| made.get(*v as usize).is_some_and(|m| m.1.is_none());
                 listed = fan(outline, outline.iter().position(free).unwrap_or(0));
             }
-            // Doubles of vertices that this face has made.
+            // Duplicates of vertices made for this face.
             let mut doubled: Vec<u32> = Vec::new();
             for triangle in listed {
                 corners.extend(carried(triangle, face, &mut made, &mut doubled));

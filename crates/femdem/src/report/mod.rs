@@ -1,8 +1,8 @@
 //! One page that shows a pack: `report.html`.
 //!
-//! The page holds everything that it needs and opens offline in any browser: a 3-D view of the pack
-//! drawn with WebGL 2 (rotate, zoom, cut by a plane, colour, force chains, the numbers of a body), plots
-//! as SVG, and tables of parameters and results. Without WebGL it says so and keeps the rest.
+//! The page is self-contained and opens offline in any browser: a 3-D view of the pack drawn with WebGL 2
+//! (rotate, zoom, cut by a plane, colour, force chains, the numbers of a body), plots as SVG, and tables of
+//! parameters and results. Without WebGL the page says so and shows the rest.
 //!
 //! ```
 //! use femdem::mesh::{Pose, catalogue::Solid, catalogue::CatalogueShape};
@@ -30,7 +30,7 @@ use crate::analysis::Tables;
 use crate::plot::{Plot, escape, plots};
 use crate::{BodyValues, Colouring, Error, Scene, Snapshot, Summary};
 
-/// What goes into a report. Only the snapshot is needed; what is not given is left out.
+/// The contents of a report. Only the snapshot is required; what is not given is left out.
 #[derive(Clone, Debug)]
 pub struct Report<'a> {
     snapshot: &'a Snapshot,
@@ -58,14 +58,14 @@ impl<'a> Report<'a> {
         self
     }
 
-    /// Adds the options of the run that made the pack, and the command with them.
+    /// Adds the options of the run that made the pack, and thus its command.
     #[must_use]
     pub fn with_scene(mut self, scene: &'a Scene) -> Self {
         self.scene = Some(scene);
         self
     }
 
-    /// Adds what was measured: the plots.
+    /// Adds the measurements, and thus the plots.
     #[must_use]
     pub fn with_tables(mut self, tables: &'a Tables) -> Self {
         self.tables = Some(tables);

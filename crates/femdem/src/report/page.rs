@@ -1,4 +1,4 @@
-//! The page: a template with its style, script and shaders put in.
+//! The page: a template into which style, script and shaders are inserted.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use crate::plot;
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/style.css");
 
-/// Parts of the script in the order in which they need each other.
+/// Parts of the script in the order of their dependencies.
 const SCRIPT: [&str; 11] = [
     include_str!("page/linear.js"),
     include_str!("page/data.js"),
@@ -36,7 +36,7 @@ const SHADERS: [(&str, &str); 10] = [
     ("tubes-frag", include_str!("page/tubes.frag.glsl")),
 ];
 
-/// The page with these parts in their places; each part is a name and HTML.
+/// The page with these parts inserted; each part is a name and HTML.
 pub(super) fn fill(parts: &[(&str, &str)]) -> String {
     let script = SCRIPT.join("\n") + "\n" + START;
     let mut shaders = String::new();

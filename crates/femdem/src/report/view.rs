@@ -1,4 +1,4 @@
-//! What the 3-D view shows, as numbers for the page.
+//! The contents of the 3-D view, as numbers for the page.
 
 use std::collections::BTreeMap;
 
@@ -10,13 +10,13 @@ use super::mesh::Surface;
 use crate::picture::outline;
 use crate::{BodyValues, ContactClass, Drawing, Partner, Snapshot};
 
-/// Partners from here up are walls: the last number is the first wall.
+/// Partner numbers from here up are walls: the largest number is the first wall.
 const FIRST_WALL: u32 = u32::MAX;
 
 /// The index and the base64 text of a pack for the 3-D view.
 ///
-/// Bodies are listed shape by shape, as they are drawn; `body` holds their numbers. Places are 16-bit
-/// fractions of a box, quaternions 16-bit: far finer than a pixel.
+/// Bodies are listed shape by shape, in the order of drawing; `body` contains their numbers. Positions are
+/// 16-bit fractions of a box, quaternions 16-bit: far finer than a pixel.
 pub(super) fn of(snapshot: &Snapshot, fields: &[(&str, BodyValues)]) -> (Value, String) {
     let mut order: Vec<usize> = (0..snapshot.bodies.len()).collect();
     order.sort_by_key(|i| snapshot.bodies.get(*i).map(|body| body.shape));
@@ -62,7 +62,7 @@ fn shapes(snapshot: &Snapshot, block: &mut Block) -> Vec<Value> {
     shapes.collect()
 }
 
-/// The box that places are fractions of.
+/// The box of which positions are fractions.
 struct Frame {
     low: [f64; 3],
     size: [f64; 3],
@@ -176,11 +176,11 @@ fn contacts<'a>(
     walls
 }
 
-/// How strong each contact is: the force of its pair, friction included, over the weight of the body or
-/// the mean of both, over the mean of the bodies' own largest force over weight. Those above 1.5 are chains
-/// by the rule of Xiang, Latham and Farsi (2016).
+/// Strength of each contact: the ratio of the force of its pair, friction included, to the weight of the body
+/// (of two bodies their mean weight), divided by the mean over the bodies of their largest such ratio. Contacts
+/// above 1.5 belong to chains by the rule of Xiang, Latham and Farsi (2016).
 pub(super) fn strengths(snapshot: &Snapshot) -> Vec<f64> {
-    // Weights enter as a ratio only, so that volumes will do where masses are not known.
+    // Weights enter as a ratio only, so that volumes suffice if masses are not known.
     let weights: Vec<f64> = if snapshot.masses.is_empty() {
         let volume = |body| snapshot.shape_of(body).polyhedron.mass_properties().volume;
         snapshot.bodies.iter().map(volume).collect()

@@ -13,12 +13,12 @@ use super::{BodyMean, ResolveOptions, Resolved};
 use crate::output::write_file;
 use crate::{Drawing, Error};
 
-/// What `resolve.json` holds.
+/// The contents of `resolve.json`.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct ResolveSummary {
     /// Version of these keys.
     pub schema: u32,
-    /// What was asked for.
+    /// The options.
     pub options: ResolveOptions,
     /// Bodies, and their tetrahedra together.
     pub bodies: usize,
@@ -26,12 +26,13 @@ pub struct ResolveSummary {
     pub tetrahedra: usize,
     /// How the pack came to rest.
     pub relaxed: WorldRelaxed,
-    /// Mean and largest displacement of the bodies' centroids on the way there \[m\].
+    /// Mean and largest displacement of the bodies' centroids by the relaxation \[m\].
     pub moves: [f64; 2],
     /// Mean over the bodies of the von Mises stress of the mean stress \[Pa\], and the largest of any
     /// element.
     pub von_mises: [f64; 2],
-    /// Love-Weber against the elements, with forces on nodes: median and largest over the bodies.
+    /// Love-Weber with forces on nodes, compared with the elements: median and largest difference over the
+    /// bodies.
     pub nodes_difference: [f64; 2],
     /// The same with forces at contact points.
     pub contacts_difference: [f64; 2],

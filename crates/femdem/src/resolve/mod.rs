@@ -1,9 +1,9 @@
-//! Stresses inside the bodies of a rigid pack: the bodies made deformable where they lie, and brought to
+//! Stresses inside the bodies of a rigid pack: the bodies are made deformable in place and brought to
 //! equilibrium again.
 //!
-//! Every body keeps its place, its contact field and the friction of its contacts, so that contacts
-//! begin with the forces that they had; then [`World::relax`] finds the deformed equilibrium. The mean
-//! stress of each body is checked against what its contact forces give (Love-Weber).
+//! Every body keeps its place, its contact field and the friction of its contacts, so that contacts begin with
+//! the forces that they had; then [`World::relax`] finds the deformed equilibrium. The mean stress of each body
+//! is checked against that of its contact forces (Love-Weber).
 //!
 //! ```
 //! use femdem::pack::{Container, PackShape, PackSpec, Packing};
@@ -45,7 +45,7 @@ use crate::run::{Member, MemberId, Simulation};
 
 pub use files::ResolveSummary;
 
-/// What the bodies are made of, and how closely they are brought to equilibrium.
+/// The material of the bodies, and how closely they are brought to equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResolveOptions {
     /// Young's modulus \[Pa\].
@@ -81,7 +81,7 @@ pub struct BodyMean {
     /// Love-Weber with the contact forces f on the nodes at x, (1/V) Σ f ⊗ (x − c), its symmetric part
     /// \[Pa\].
     pub nodes: Matrix3,
-    /// The same with one force at the point of each contact. It leaves out that a contact is spread over an
+    /// The same with one force at the point of each contact. It neglects that a contact extends over an
     /// overlap, whose pressure adds about its energy over V.
     pub contacts: Matrix3,
     /// Largest von Mises stress of an element \[Pa\].
@@ -91,8 +91,8 @@ pub struct BodyMean {
 }
 
 impl BodyMean {
-    /// How far Love-Weber is from the elements, with forces on nodes and with forces at points: norm of
-    /// the difference over that of the elements; 0 without stress.
+    /// Difference of Love-Weber from the elements, with forces on nodes and with forces at points: norm of the
+    /// difference over that of the elements; 0 without stress.
     #[must_use]
     pub fn differences(&self) -> [f64; 2] {
         let size = self.elements.norm();
@@ -119,10 +119,10 @@ pub struct Resolved {
     pub moves: [f64; 2],
 }
 
-/// Makes the bodies of a rigid world deformable where they lie, and finds their equilibrium.
+/// Makes the bodies of a rigid world deformable in place, and finds their equilibrium.
 ///
-/// Walls stay where they were added, and press on the bodies as on rigid ones ([`WallResponse::Rigid`]).
-/// Friction starts as on record, patch by patch.
+/// Walls stay where they were added, and act on the bodies as on rigid ones ([`WallResponse::Rigid`]). Friction
+/// starts with its recorded values, patch by patch.
 ///
 /// # Errors
 ///
@@ -203,7 +203,7 @@ impl Models {
             return Ok(model);
         }
         let (mesh, field) = mesh_of(shape, options.mesh_size)?;
-        // The mass is that of the surface, which the mesh may cut.
+        // The mass is that of the surface, which the mesh may cut off in places.
         let region = MaterialRegion {
             material: NeoHookean::new(options.young, options.poisson)?.into(),
             density: mass / mesh.volume(),
@@ -216,7 +216,7 @@ impl Models {
     }
 }
 
-/// Tetrahedra of a shape, and the field that its contacts have as a rigid body.
+/// Tetrahedra of a shape, and the contact field that it has as a rigid body.
 fn mesh_of(shape: &Shape, size: f64) -> Result<(TetMesh, Field), Error> {
     if let Some((mesh, field)) = &shape.mesh {
         return Ok((mesh.clone(), *field));
@@ -230,8 +230,8 @@ fn mesh_of(shape: &Shape, size: f64) -> Result<(TetMesh, Field), Error> {
     if report.method == Method::CentroidFan || mesh.surface()?.is_convex() {
         return Ok((mesh, Field::Gauge));
     }
-    // A lattice that is fitted to a round body or to many faces is not convex, as the gauge needs it. About the
-    // centroid the skin is the body's own, whatever the shapes of the tetrahedra.
+    // A lattice fitted to a round body or to many faces is not convex, as the gauge requires. A fan about the
+    // centroid has the body's own skin, whatever the shapes of the tetrahedra.
     let fan = MeshOptions {
         method: Some(Method::CentroidFan),
         min_dihedral: 0.0,

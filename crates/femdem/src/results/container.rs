@@ -1,4 +1,4 @@
-//! A job's container, as analysis and pictures see it.
+//! A job's container in the form that analysis and pictures take.
 
 use femdem_analysis::Region;
 use femdem_mesh::{Point3, Polyhedron, Vector3};

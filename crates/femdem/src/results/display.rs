@@ -1,4 +1,4 @@
-//! The summary for people.
+//! The summary as text.
 
 use std::fmt;
 
@@ -82,7 +82,8 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 impl Summary {
-    /// Simulated time and steps. Implicit ones explain why the ledger misses more.
+    /// Simulated time and steps. Implicit ones are mentioned, because they explain a larger error of the
+    /// ledger.
     pub(crate) fn steps_text(&self) -> String {
         let kind = self.implicit_multiple.map_or(String::new(), |multiple| {
             format!(", implicit (x{multiple}) up to the verification")

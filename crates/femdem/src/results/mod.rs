@@ -23,7 +23,7 @@ use crate::output::{csv, surface, vtp, vtu, write_file};
 use crate::picture::{PictureOptions, draw};
 use crate::{Body, ContactClass, ContactRow, Error, Gaps, NamedShape, Partner, Patch, Snapshot};
 
-/// The pack of a job at this moment, as plain data.
+/// The present state of a job's pack, as plain data.
 #[must_use]
 pub fn snapshot(packing: &Packing) -> Snapshot {
     let world = packing.world();
@@ -89,8 +89,8 @@ fn row(world: &World, contact: &Contact) -> ContactRow {
     }
 }
 
-/// Moment on side B about the contact point \[N m\]: the elastic one, which damping scales with the normal
-/// force, that of the dashpots against rocking, and torsion.
+/// Moment on side B about the contact point \[N m\]: the elastic one, scaled by damping like the normal force,
+/// that of the dashpots against rocking, and torsion.
 fn moment(contact: &Contact) -> Vector3 {
     let scale = if contact.elastic_force > 0.0 {
         contact.normal_force / contact.elastic_force
@@ -113,8 +113,8 @@ fn mean_diameter(world: &World, contact: &Contact) -> f64 {
     }
 }
 
-/// Measures a pack and writes every file but the checkpoint; `summary.json` comes last, so that it
-/// is there only if all others are.
+/// Measures a pack and writes every file except the checkpoint; `summary.json` is written last, so that it
+/// exists only if all others do.
 ///
 /// # Errors
 ///
@@ -144,7 +144,7 @@ pub fn write(folder: &Path, packing: &Packing, usage: &Usage) -> Result<Summary,
             surface::write_shape_obj(&shape.polyhedron, w)
         })?;
     }
-    // The picture takes most memory of all, and shows no contacts.
+    // The picture takes the most memory of all, and shows no contacts.
     snapshot.contacts = Vec::new();
     let picture = draw(&snapshot, &PictureOptions::default())?;
     write_file(folder.join("pack.png"), |w| picture.write_png(w))?;

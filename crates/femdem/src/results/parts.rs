@@ -23,11 +23,11 @@ pub struct ShapeSummary {
     pub faces: usize,
     /// Whether it is convex.
     pub convex: bool,
-    /// Number of tetrahedra that its contacts go by; `null` for a convex shape.
+    /// Number of tetrahedra with which its contacts are computed; `null` for a convex shape.
     pub tetrahedra: Option<usize>,
 }
 
-/// What holds a pack \[m\]; what its kind does not have is `null`.
+/// The container \[m\]; values that its kind does not have are `null`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContainerSummary {
     /// "box", "cylinder", "silo" or "solid".

@@ -1,7 +1,7 @@
 //! `summary.json`: the result of a run in numbers.
 //!
-//! SI units throughout; `_over_d` is over the circumscribed diameter. A key never changes its
-//! meaning within a [`SCHEMA`]; new keys may come. Numbers that could not be found are `null`.
+//! SI units throughout; `_over_d` is over the circumscribed diameter. A key keeps its meaning within a
+//! [`SCHEMA`]; new keys may be added. Numbers that could not be computed are `null`.
 
 use std::io::{self, Write};
 
@@ -19,16 +19,16 @@ use crate::{Error, Snapshot};
 /// Version of the keys of `summary.json`.
 pub const SCHEMA: u32 = 1;
 
-/// What a run has cost so far; the parts of a resumed run add up.
+/// The cost of a run so far; the parts of a resumed run add up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Usage {
     /// Threads of the last part of the run.
     pub threads: usize,
     /// Time on the clock \[s\].
     pub wall_seconds: f64,
-    /// Time of all processor cores \[s\]; `None` where the system does not tell.
+    /// Time of all processor cores \[s\]; `None` if the system does not report it.
     pub cpu_seconds: Option<f64>,
-    /// Largest resident memory; `None` where the system does not tell.
+    /// Largest resident memory; `None` if the system does not report it.
     pub peak_memory_bytes: Option<u64>,
     /// Time on the clock in the contact stage \[s\].
     pub contact_seconds: f64,
@@ -49,7 +49,7 @@ pub struct Summary {
     pub diameter: f64,
     /// The shapes, by index.
     pub shapes: Vec<ShapeSummary>,
-    /// What holds the pack.
+    /// The container.
     pub container: ContainerSummary,
     /// Density of the bodies \[kg/m³\].
     pub density: f64,
@@ -63,7 +63,7 @@ pub struct Summary {
     pub contact: ContactLawSummary,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Threads that worked.
+    /// Threads used.
     pub threads: usize,
     /// Whether the pack is complete, at rest, and verified with all bodies awake.
     pub settled: bool,
@@ -73,7 +73,8 @@ pub struct Summary {
     pub steps: u64,
     /// Last time step \[s\].
     pub time_step: f64,
-    /// Implicit steps over the explicit limit of one contact; `null` if only relaxations were implicit.
+    /// Upper limit of implicit steps as a multiple of the explicit limit of one contact; `null` if only
+    /// relaxations were implicit.
     pub implicit_multiple: Option<f64>,
     /// Whether bodies at rest slept while the pack was made.
     pub sleeping: bool,
@@ -88,7 +89,7 @@ pub struct Summary {
     pub packing_density: Option<DensitySummary>,
     /// Coordination number: bodies and walls that push on a body, each counted once; over all bodies.
     pub coordination: CoordinationSummary,
-    /// How far the penalty bodies run into each other and the walls.
+    /// Overlaps of the bodies with each other and with the walls.
     pub penetration: PenetrationSummary,
     /// How near to equilibrium the bodies are.
     pub residual: ResidualSummary,
@@ -96,7 +97,7 @@ pub struct Summary {
     pub energy: EnergySummary,
     /// Largest resident memory while the pack was made, before its results are written \[bytes\].
     pub peak_memory_bytes: Option<u64>,
-    /// Fingerprint of all bits of the state, in 16 hexadecimal digits. Two runs agree when it agrees.
+    /// Fingerprint of all bits of the state, in 16 hexadecimal digits; equal in two runs if their states are.
     pub state_hash: String,
 }
 
@@ -173,7 +174,7 @@ pub struct ResidualSummary {
 /// The energy ledger \[J\].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EnergySummary {
-    /// Potential and kinetic energy of the bodies when they came in, and work of driven walls.
+    /// Potential and kinetic energy of the bodies when they were added, and work of driven walls.
     pub initial: f64,
     /// Kinetic, potential, contact and spring energy now.
     #[serde(rename = "final")]
@@ -182,7 +183,7 @@ pub struct EnergySummary {
     pub dissipated_friction: f64,
     /// Dissipated by normal damping.
     pub dissipated_damping: f64,
-    /// What the books miss, over the energy that was turned over.
+    /// Error of the energy ledger, over the energy turned over.
     pub ledger_error_relative: f64,
 }
 
@@ -315,7 +316,7 @@ fn coordination_of(snapshot: &Snapshot) -> Result<CoordinationSummary, Error> {
     })
 }
 
-/// Contacts over pairs that touch.
+/// Contacts over touching pairs.
 fn patches_per_pair(snapshot: &Snapshot) -> Option<f64> {
     let contacts = &snapshot.contacts;
     let mut pairs: Vec<_> = contacts.iter().map(|c| (c.body, &c.partner)).collect();

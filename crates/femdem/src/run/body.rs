@@ -46,9 +46,9 @@ pub struct RotationEntry {
 
 /// Where the tetrahedra of a deformable sphere are finer.
 ///
-/// The nodes of the skin are put on the sphere, and all are moved by the conformal map of the ball onto
-/// itself that draws them towards a point of the sphere: edges there become shorter by `ratio`, those
-/// opposite longer by as much, and shapes are kept.
+/// The nodes of the skin are put on the sphere, and all are moved by the conformal map of the ball onto itself
+/// that moves them towards a point of the sphere: edges there become shorter by the factor `ratio`, those
+/// opposite longer by the same factor, and shapes are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct FocusEntry {
@@ -72,7 +72,7 @@ pub struct Copies {
 }
 
 impl Copies {
-    /// Refuses copies that are nowhere, or all at one place.
+    /// Refuses copies with invalid spacing, or all at one place.
     fn check_spacing(&self) -> Result<(), Error> {
         for (count, spacing) in self.count.iter().zip(&self.spacing) {
             if !spacing.is_finite() || (*count > 1 && *spacing == 0.0) {
@@ -87,10 +87,10 @@ impl Copies {
     }
 }
 
-/// Most copies of a body.
+/// Largest number of copies of a body.
 const MOST_COPIES: u64 = 1_000_000;
 
-/// A body, or a lattice of copies of it: exactly one of `shape`, `mesh` and `block` says what it is.
+/// A body, or a lattice of copies of it, described by exactly one of `shape`, `mesh` and `block`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct BodyEntry {
@@ -100,12 +100,12 @@ pub struct BodyEntry {
     pub shape: Option<String>,
     /// Path of a Gmsh file with tetrahedra.
     pub mesh: Option<PathBuf>,
-    /// Numbers of cells along x, y and z of a block of tetrahedra, six a cell, about the origin; `sides`
-    /// says how large it is.
+    /// Numbers of cells along x, y and z of a block of tetrahedra, six per cell, about the origin; `sides` is
+    /// its size.
     pub block: Option<[u32; 3]>,
     /// Sides of the block \[m\].
     pub sides: Option<[f64; 3]>,
-    /// Circumscribed diameter of `shape` \[m\]; a file keeps its own size without it.
+    /// Circumscribed diameter of `shape` \[m\]; without it the body of a file has the file's size.
     pub diameter: Option<f64>,
     /// Size of a parametric shape by its own measure \[m\], instead of `diameter`.
     pub size: Option<f64>,
@@ -113,27 +113,27 @@ pub struct BodyEntry {
     pub unit: LengthUnit,
     /// Material, by name.
     pub material: String,
-    /// Parts of a deformable body made of other materials; of several at one place the last counts.
+    /// Parts of a deformable body made of other materials; where several overlap, the last one counts.
     pub region: Vec<RegionEntry>,
     /// How it responds.
     pub behaviour: Behaviour,
     /// Elements of a deformable body.
     #[serde(with = "ElementName")]
     pub element: Element,
-    /// Length of the edges of the tetrahedra that is aimed at, in circumscribed diameters. `None`: a
-    /// fifth for deformable bodies, by the shape for rigid ones that are not convex.
+    /// Target length of the edges of the tetrahedra, in circumscribed diameters. `None`: a fifth for deformable
+    /// bodies, by the shape for rigid ones that are not convex.
     pub mesh_size: Option<f64>,
     /// Where the tetrahedra of a deformable sphere are finer.
     pub focus: Option<FocusEntry>,
     /// Contact stiffness of a deformable body, κ h/E: the modulus of its contact foundation times the
     /// edge length of its skin over Young's modulus. `None`: 1.
     pub contact_ratio: Option<f64>,
-    /// Mass is added to the elements of a deformable body whose critical step is shorter than this, just enough
-    /// to bring it there \[s\]; inertia and weight grow with it. `None`: none is.
+    /// Mass is added to the elements of a deformable body whose critical step is shorter than this \[s\], just
+    /// enough to raise it to this value; inertia and weight grow with it. `None`: no mass is added.
     pub mass_scaling: Option<f64>,
     /// Where the shape's origin lies \[m\].
     pub position: [f64; 3],
-    /// How the body is turned about the shape's origin.
+    /// Rotation of the body about the shape's origin.
     pub rotation: Option<RotationEntry>,
     /// Velocity of the centroid \[m/s\].
     pub velocity: [f64; 3],
@@ -205,7 +205,7 @@ impl BodyEntry {
         Ok(())
     }
 
-    /// Refuses keys of another way to say what the body is.
+    /// Refuses keys that belong to another way of describing the body.
     fn refuse_by_source(&self) -> Result<(), Error> {
         let of_shape = [
             ("diameter", self.diameter),

@@ -13,10 +13,10 @@ use crate::Error;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct BoundaryEntry {
-    /// Name of what `fix` or `motion` holds, as its force appears in results; empty: by its number.
+    /// Name of the support (`fix` or `motion`) in results; empty: by its number.
     #[serde(default)]
     pub name: String,
-    /// Which nodes, such as `{ plane = { normal = [1, 0, 0] } }`.
+    /// The nodes, such as `{ plane = { normal = [1, 0, 0] } }`.
     pub select: SelectEntry,
     /// Holds the nodes where they are.
     #[serde(default)]
@@ -24,16 +24,16 @@ pub struct BoundaryEntry {
     /// Moves the nodes as prescribed.
     #[serde(default)]
     pub motion: Option<MotionEntry>,
-    /// Which directions of the world (x, y, z) `fix` and `motion` act on.
+    /// The directions of the world (x, y, z) on which `fix` and `motion` act.
     #[serde(default = "all")]
     pub directions: [bool; 3],
     /// Pressure against the faces of the skin between the nodes \[Pa\], following them.
     #[serde(default)]
     pub pressure: Option<f64>,
-    /// Traction on these faces per reference area \[Pa\], in directions that stay.
+    /// Traction on these faces per reference area \[Pa\], in a fixed direction.
     #[serde(default)]
     pub traction: Option<[f64; 3]>,
-    /// Time in which `pressure` or `traction` rises from zero \[s\].
+    /// Time over which `pressure` or `traction` rises from zero \[s\].
     #[serde(default)]
     pub rise: Option<f64>,
     /// Factor of `pressure` or `traction` over time, as points \[s, factor\] with straight lines
@@ -52,7 +52,7 @@ impl BoundaryEntry {
         self.fix || self.motion.is_some()
     }
 
-    /// From when on its load is constant \[s\].
+    /// The time from which on its load is constant \[s\].
     pub(super) fn settled_from(&self) -> f64 {
         let table = self.table.iter().flatten().map(|[time, _]| *time);
         table.chain(self.rise).fold(0.0, f64::max)

@@ -15,11 +15,11 @@ use super::words::KEYS;
 use super::{Behaviour, BodyEntry, MaterialEntry, Scenario, Support};
 use crate::Error;
 
-/// Most frames, and most rows of the history: numbers of outputs are counted one by one and must not be
-/// lost to rounding.
+/// Largest number of frames, and of rows of the history: outputs are counted one by one, and the count must not
+/// be lost to rounding.
 const MOST_OUTPUTS: f64 = 1e9;
 
-/// Where a body is in a world.
+/// The index of a body in a world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum MemberId {
     /// A rigid body.
@@ -35,7 +35,7 @@ pub struct Member {
     pub name: String,
     /// Its index in the world.
     pub id: MemberId,
-    /// The pose that it was placed with: coordinates of its shape -> world.
+    /// Its initial pose: coordinates of its shape -> world.
     pub placed: Pose,
 }
 
@@ -47,11 +47,11 @@ pub struct Simulation {
     pub world: World,
     /// Its bodies, in the order of the scenario.
     pub members: Vec<Member>,
-    /// What is held or moved of deformable bodies, in the same order.
+    /// The supports of deformable bodies, in the same order.
     pub supports: Vec<Support>,
 }
 
-/// A simulation as read, before its world is made whole.
+/// The stored form of a simulation, before its world is rebuilt.
 #[derive(Deserialize)]
 struct Stored {
     world: World,
@@ -82,8 +82,8 @@ impl Scenario {
     ///
     /// # Errors
     ///
-    /// [`Error::Entry`] with the wall, body or material at fault, and [`Error::Option`] or
-    /// [`Error::Solve`] for what concerns the whole.
+    /// [`Error::Entry`] with the wall, body or material at fault, and [`Error::Option`] or [`Error::Solve`] for
+    /// faults of the whole scene.
     pub fn build(&self) -> Result<Simulation, Error> {
         self.check()?;
         let world = World::new(self.parameters());
@@ -99,7 +99,7 @@ impl Scenario {
             added.map_err(in_entry(format!("wall \"{name}\"")))?;
         }
         let mut names = Names::default();
-        // Entries of one geometry often follow each other, and meshing can take long.
+        // Successive entries often have the same geometry, and meshing can take long.
         let mut last: Option<(&BodyEntry, Geometry)> = None;
         for (number, body) in (1..).zip(&self.body) {
             let place = if body.name.is_empty() {
@@ -128,7 +128,7 @@ impl Scenario {
         Ok(simulation)
     }
 
-    /// Refuses materials, and keys of them, that have no effect.
+    /// Refuses unused materials, and keys of materials without effect.
     fn check_materials(&self) -> Result<(), Error> {
         let parts = self.body.iter().flat_map(|body| &body.region);
         let used: BTreeSet<&String> = self
@@ -152,7 +152,7 @@ impl Scenario {
         Ok(())
     }
 
-    /// Refuses sleep of deformable bodies where it has no effect.
+    /// Refuses sleep of deformable bodies if it has no effect.
     fn check_sleep(&self, simulation: &Simulation) -> Result<(), Error> {
         let possible = self.sleeping && simulation.world.deformable_count() > 0;
         if self.sleeping_deformables && !possible {
@@ -208,7 +208,7 @@ impl Scenario {
         })
     }
 
-    /// The materials of a deformable body, and that of each tetrahedron.
+    /// The materials of a deformable body, and the material of each tetrahedron.
     fn regions(
         &self,
         entry: &BodyEntry,
@@ -354,8 +354,8 @@ impl Simulation {
     ///
     /// # Errors
     ///
-    /// [`Error::Entry`] with the name of the body at fault: an element that is turned inside out or
-    /// has no stress, a body that blew up. The world is then of no further use.
+    /// [`Error::Entry`] with the name of the body at fault: an element that is turned inside out or has no
+    /// stress, a body that blew up. The simulation can then not be continued.
     pub fn step(&mut self) -> Result<(), Error> {
         self.world.step().map_err(|source| self.named(source))
     }
@@ -387,7 +387,7 @@ impl Simulation {
     }
 }
 
-/// Puts the place in a scenario before an error.
+/// Adds the entry of a scenario to an error.
 fn in_entry(entry: String) -> impl FnOnce(Error) -> Error {
     |fault| Error::Entry {
         entry,

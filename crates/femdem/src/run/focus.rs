@@ -8,8 +8,8 @@ use super::body::wrong;
 use crate::Error;
 
 impl FocusEntry {
-    /// The mesh of a sphere about the origin with this radius \[m\], finer at the focus. `shape` is
-    /// what the sphere was made from.
+    /// The mesh of a sphere about the origin with this radius \[m\], finer at the focus. `shape` is the
+    /// description of the sphere.
     pub(super) fn of_sphere(
         &self,
         mesh: &TetMesh,
@@ -44,9 +44,9 @@ impl FocusEntry {
     }
 }
 
-/// The conformal map of the unit ball onto itself that takes `a` to the origin and 0 to -a (L. V.
-/// Ahlfors, Moebius Transformations in Several Dimensions, 1981, section 2.6). Lengths at x change by
-/// (1 - a^2)/(1 - 2 a.x + a^2 x^2).
+/// The conformal map of the unit ball onto itself that maps `a` to the origin and 0 to -a (L. V. Ahlfors,
+/// Moebius Transformations in Several Dimensions, 1981, section 2.6). Lengths at x change by (1 - a^2)/(1 - 2
+/// a.x + a^2 x^2).
 fn automorphism(a: &Vector3, x: &Vector3) -> Vector3 {
     let a2 = a.norm_squared();
     let from = x - a;

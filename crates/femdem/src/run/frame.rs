@@ -1,4 +1,4 @@
-//! A moment of a simulation, in files for ParaView.
+//! A frame of a simulation, in files for ParaView.
 //!
 //! Deformable bodies are tetrahedra (VTK type 10) or quadratic tetrahedra (24), all in one grid.
 //! Point data: `displacement` (m, from where the body was placed), `velocity` (m/s). Cell data: `body`
@@ -28,7 +28,7 @@ pub(super) struct Strained<'a> {
     pub entry: &'a Member,
     pub body: Deformable<'a>,
     pub stresses: Vec<ElementStress>,
-    /// Where a material has one.
+    /// If a material has one.
     pub plastic_strains: Option<Vec<f64>>,
 }
 

@@ -16,12 +16,12 @@ const DEFAULT_MESH_SIZE: f64 = 0.2;
 /// Meshes whose volume is that of their surface to this, relative, are exact.
 const EXACT: f64 = 1e-9;
 
-/// What an entry describes.
+/// The geometry described by an entry.
 pub(super) struct Geometry {
     /// Name of the shape.
     pub name: String,
     pub surface: Polyhedron,
-    /// Tetrahedra, where the entry or its behaviour has them.
+    /// Tetrahedra, if the entry or its behaviour needs them.
     pub mesh: Option<TetMesh>,
 }
 

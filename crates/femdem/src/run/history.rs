@@ -43,8 +43,8 @@ pub const MEMBER_COLUMNS: [&str; 17] = [
     "qx", "qy", "qz",
 ];
 
-/// A text file that grows by rows. The rows since the last flush are kept here, so that a file can be
-/// taken back to where a checkpoint was.
+/// A text file that grows by rows. The rows since the last flush are kept in memory, so that a file can be
+/// taken back to the state of a checkpoint.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Table {
     /// Bytes in the file.
@@ -63,7 +63,7 @@ impl Table {
         self.pending.push('\n');
     }
 
-    /// Appends what is new to the file; what the file has beyond what was written before is cut off.
+    /// Appends the new rows to the file, after cutting off anything beyond the bytes written before.
     pub fn flush(&mut self, path: &Path) -> Result<(), Error> {
         let append = || -> std::io::Result<()> {
             let mut file = open(path, self.written)?;
@@ -79,8 +79,7 @@ impl Table {
     }
 }
 
-/// The file with its first `length` bytes, to be written on. A file that has become shorter keeps what
-/// it has.
+/// The file cut to its first `length` bytes, for appending. A shorter file is left unchanged.
 fn open(path: &Path, length: u64) -> std::io::Result<File> {
     use std::io::{Seek, SeekFrom};
     let mut file = OpenOptions::new()
@@ -185,7 +184,7 @@ fn vector(v: &Vector3) -> [String; 3] {
     <[f64; 3]>::from(*v).map(number)
 }
 
-/// All digits; large and small ones by powers of ten, and no -0.
+/// All digits; large and small numbers with powers of ten, and no -0.
 fn number(value: f64) -> String {
     let value = value + 0.0;
     let mut text = String::new();

@@ -1,4 +1,4 @@
-//! A run: stepping a simulation and writing its files when they fall due.
+//! A run: stepping a simulation and writing its files when they are due.
 
 use std::fs;
 use std::path::Path;
@@ -13,16 +13,16 @@ use crate::output::{vtu, write_file, write_pvd_parts};
 use crate::picture::PictureOptions;
 use crate::{Error, Usage};
 
-/// Steps between looks at whether all is at rest.
+/// Steps between checks for rest.
 const STEPS_BETWEEN_LOOKS: u64 = 64;
 
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ending {
-    /// Its time was over.
+    /// Its duration was over.
     Time,
-    /// All was at rest.
+    /// All bodies were at rest.
     Rest,
 }
 
@@ -55,10 +55,9 @@ pub(super) struct Deepest {
     pub between: [String; 2],
 }
 
-/// A scenario that is being run. It can be saved and read back (it is serde's to write), and goes on
-/// to the same bits.
+/// A scenario in progress. It can be saved and read back through serde, and continues to the same bits.
 ///
-/// What is written when does not touch the motion: a frame is of the first step at or after its time.
+/// Output does not affect the motion: a frame shows the first step at or after its time.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct Run {
     #[serde(with = "as_text")]
@@ -66,7 +65,7 @@ pub struct Run {
     simulation: Simulation,
     /// Times of the frames that were written \[s\].
     frames: Vec<f64>,
-    /// Numbers of the frame and the row that are due next, in their intervals.
+    /// Numbers of the next frame and the next row, in their intervals.
     next_frame: u64,
     next_row: u64,
     history: Table,
@@ -74,14 +73,14 @@ pub struct Run {
     peaks: Vec<Peak>,
     reaction_peaks: Vec<Peak>,
     deepest: Deepest,
-    /// When the kinetic energy was last seen to fall below that of rest \[s\].
+    /// When the kinetic energy last fell below that of rest, as far as it was checked \[s\].
     quiet_since: Option<f64>,
     relaxing: Option<Relaxing>,
     ending: Option<Ending>,
 }
 
 impl Run {
-    /// A run at its start; nothing is written yet.
+    /// A run at its start; no file is written yet.
     ///
     /// # Errors
     ///
@@ -132,7 +131,7 @@ impl Run {
         self.ending
     }
 
-    /// How the relaxation after the motion goes; `None` before it, and without one.
+    /// Progress of the relaxation after the motion; `None` before it, and without one.
     #[must_use]
     pub fn relaxation(&self) -> Option<&RelaxSummary> {
         self.relaxing.as_ref().map(|relaxing| &relaxing.so_far)
@@ -159,9 +158,9 @@ impl Run {
         &self.deepest
     }
 
-    /// Advances by at most `steps` steps, or to the end of the run, and writes frames and rows into
-    /// `folder` as they fall due. The end has a frame and a row too. A relaxation
-    /// goes on in parts of up to 4,000 steps, and has neither frames nor rows before its end.
+    /// Advances by at most `steps` steps, or to the end of the run, and writes frames and rows into `folder`
+    /// when they are due. The end has a frame and a row, too. A relaxation continues in parts of up to 4,000
+    /// steps, and has neither frames nor rows before its end.
     ///
     /// # Errors
     ///
@@ -198,7 +197,7 @@ impl Run {
         Ok(())
     }
 
-    /// Writes what belongs to the end: of a run that was stopped before, a frame of this moment; the
+    /// Writes the files of the end: for a run that was stopped before, a frame of the present state; the
     /// picture; and last of all `summary.json`.
     ///
     /// # Errors
@@ -216,7 +215,7 @@ impl Run {
         Ok(summary)
     }
 
-    /// Does a part of the relaxation; returns its steps.
+    /// Performs a part of the relaxation; returns its steps.
     fn relax_on(&mut self) -> Result<u64, Error> {
         let entry = self.scenario.relax.unwrap_or_default();
         let Some(Relaxing { ending, so_far, .. }) = &mut self.relaxing else {
@@ -230,7 +229,7 @@ impl Run {
         Ok((so_far.steps - before).max(1))
     }
 
-    /// Judges whether the motion is over, and with it the run if nothing is to relax.
+    /// Checks whether the motion is over, and with it the run if there is no relaxation.
     fn look(&mut self) {
         let Some(ending) = self.end_of_motion() else {
             return;
@@ -297,7 +296,7 @@ impl Run {
             peak.see(force, time);
         }
         for contact in &contacts {
-            // The depth is at most the penetration, and dearer to find.
+            // The depth is at most the penetration, and more expensive to compute.
             if contact.area > 0.0 && contact.penetration() <= self.deepest.depth {
                 continue;
             }
@@ -379,7 +378,7 @@ fn file_name((stem, extension): (&str, &str), number: usize) -> String {
     format!("{stem}-{number:05}.{extension}")
 }
 
-/// The number after that of the latest output that is due, if one is.
+/// The number after that of the latest due output, if any is due.
 fn due(time: f64, interval: f64, next: u64) -> Option<u64> {
     let is_due = |number: u64| time >= number as f64 * interval;
     if !is_due(next) {
@@ -395,7 +394,7 @@ fn due(time: f64, interval: f64, next: u64) -> Option<u64> {
     Some(latest + 1)
 }
 
-/// The scenario in a checkpoint is its text: all keys of a file may be absent.
+/// The scenario in a checkpoint is stored as text, because all keys of a file may be absent.
 mod as_text {
     use serde::de::Error as _;
     use serde::ser::Error as _;

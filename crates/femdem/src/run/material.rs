@@ -25,7 +25,7 @@ pub enum Law {
     DruckerPrager,
 }
 
-/// A material. Rigid bodies need its density only; keys that its law does not have are refused.
+/// A material. Rigid bodies need its density only; keys that do not belong to its law are refused.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct MaterialEntry {
@@ -49,10 +49,10 @@ pub struct MaterialEntry {
     /// Hardening modulus \[Pa\] (J2); 0 if left out.
     #[serde(default)]
     pub hardening: Option<f64>,
-    /// Yield stress at large strain \[Pa\], approached exponentially (J2).
+    /// Yield stress at large plastic strain \[Pa\], approached exponentially (J2).
     #[serde(default)]
     pub saturation_stress: Option<f64>,
-    /// How fast `saturation-stress` is approached, per plastic strain (J2).
+    /// Rate at which `saturation-stress` is approached, per unit of plastic strain (J2).
     #[serde(default)]
     pub saturation_rate: Option<f64>,
     /// Cohesion \[Pa\] (Drucker-Prager).
@@ -166,7 +166,7 @@ impl MaterialEntry {
         Ok(())
     }
 
-    /// Refuses keys that the law does not have: they would be silently without effect.
+    /// Refuses keys that do not belong to the law: they would silently have no effect.
     fn refuse_strangers(&self, law: Law) -> Result<(), Error> {
         for (name, value, of) in self.keys_of_one_law() {
             if let Some(value) = value.filter(|_| of != law) {
@@ -180,7 +180,7 @@ impl MaterialEntry {
         Ok(())
     }
 
-    /// The keys that belong to one law, and which.
+    /// The keys that belong to one law, with that law.
     fn keys_of_one_law(&self) -> [(&'static str, Option<f64>, Law); 8] {
         [
             ("share", self.share, Law::MooneyRivlin),

@@ -1,9 +1,9 @@
 //! Scenarios: any mixture of rigid and deformable bodies, materials, walls and prescribed motions, in
 //! a file.
 //!
-//! A scenario is TOML. `femdem run FILE` steps it and leaves a time series for ParaView; [`Run`] does
-//! the same for programs, and [`Scenario::build`] gives the world alone. Every key is documented in
-//! `docs/scenes.md`. Units are SI, angles degrees.
+//! A scenario is TOML. `femdem run FILE` runs it and writes a time series for ParaView; [`Run`] does the same
+//! for programs, and [`Scenario::build`] returns the world alone. Every key is documented in `docs/scenes.md`.
+//! Units are SI, angles degrees.
 //!
 //! ```
 //! use femdem::run::Scenario;
@@ -87,7 +87,7 @@ use crate::{Error, toml_file};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Scenario {
-    /// One line on what it shows.
+    /// One line that describes the scenario.
     pub title: String,
     /// Simulated time \[s\].
     pub duration: f64,
@@ -95,13 +95,14 @@ pub struct Scenario {
     pub every: Option<f64>,
     /// Time between rows of the history \[s\]. `None`: a tenth of that between frames.
     pub history_every: Option<f64>,
-    /// Whether the history has a row for every body too.
+    /// Whether the history has a row for every body, too.
     pub track: bool,
     /// Whether every frame is drawn too.
     pub pictures: bool,
-    /// Ends the run before its time once all is at rest.
+    /// Ends the run early once all bodies are at rest.
     pub rest: Option<RestEntry>,
-    /// Brings all bodies to rest after its time, under what then acts on them. `None`: it ends in motion.
+    /// Brings all bodies to rest after the duration, under the forces that act then. `None`: the run ends in
+    /// motion.
     pub relax: Option<RelaxEntry>,
     /// Acceleration of gravity \[m/s²\].
     pub gravity: [f64; 3],
@@ -161,7 +162,7 @@ impl Scenario {
     ///
     /// # Errors
     ///
-    /// [`Error::Read`], or [`Error::Scene`] that says where the text is not a scenario.
+    /// [`Error::Read`], or [`Error::Scene`] with the place where the text is not a scenario.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         toml_file::read(path.as_ref())
     }

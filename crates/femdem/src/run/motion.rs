@@ -4,7 +4,7 @@ use femdem_mesh::Vector3;
 use femdem_solve::Drive;
 use serde::{Deserialize, Serialize};
 
-/// A prescribed motion of a wall, a body or nodes. Displacements count from where these were placed.
+/// A prescribed motion of a wall, a body or nodes. Displacements count from their initial places.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub enum MotionEntry {

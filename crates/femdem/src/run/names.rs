@@ -1,4 +1,4 @@
-//! Names of the entries of a scene, by which results tell them apart.
+//! Names of the entries of a scene, which identify them in the results.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ use crate::Error;
 pub(super) struct Names(BTreeSet<String>);
 
 impl Names {
-    /// The name given, which must be free, or the default with a number if that is taken.
+    /// The given name, which must be free, or the default with a number if that is taken.
     pub fn of(&mut self, what: &'static str, given: &str, default: &str) -> Result<String, Error> {
         let name = if given.is_empty() {
             let numbered = (2..).map(|k| format!("{default} ({k})"));
@@ -31,8 +31,8 @@ impl Names {
     }
 }
 
-/// Refuses what would have one name in the results: copies of a body and walls of a box carry more than the
-/// name that they were given, and a support is known by its body's name and its own.
+/// Refuses equal names in the results: copies of a body and walls of a box have names derived from the given
+/// one, and a support is named after its body and itself.
 pub(super) fn check_names(simulation: &Simulation) -> Result<(), Error> {
     let members = &simulation.members;
     let bodies = members.iter().map(|member| member.name.clone());

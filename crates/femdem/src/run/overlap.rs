@@ -26,10 +26,9 @@ pub struct Overlap {
 }
 
 impl Simulation {
-    /// What overlaps by more than 2 % of the circumscribed diameter of the smaller body, the deepest (by
-    /// that measure) first: bodies that were placed so burst apart, and those wholly in a wall, which do
-    /// not touch its surface, fall through it. Contacts are known after the first step, also if that has
-    /// failed.
+    /// Overlaps of more than 2 % of the circumscribed diameter of the smaller body, the deepest (by that
+    /// measure) first. Bodies placed so burst apart, and bodies wholly in a wall, which do not touch its
+    /// surface, fall through it. Contacts are known after the first step, also if that step has failed.
     #[must_use]
     pub fn deep_overlaps(&self) -> Vec<Overlap> {
         let (mut deep, mut touching) = (Vec::new(), BTreeSet::new());
@@ -58,14 +57,14 @@ impl Simulation {
             }
         }
         deep.sort_by(|x, y| y.share.total_cmp(&x.share));
-        // Bodies that are not convex have several patches; the deepest stands for the pair.
+        // Bodies that are not convex have several patches; the deepest represents the pair.
         let mut seen = BTreeSet::new();
         deep.retain(|pair| seen.insert((pair.a.clone(), pair.b.clone())));
         deep
     }
 
-    /// Depth of a contact: its [`ContactLine::penetration`], and at most the circumscribed diameter of the
-    /// smaller body, as a body that is wholly in another or in a wall has hardly an area \[m\].
+    /// Depth of a contact \[m\]: its [`ContactLine::penetration`], and at most the circumscribed diameter of
+    /// the smaller body, because a body wholly in another or in a wall has hardly any contact area.
     #[must_use]
     pub fn depth_of(&self, contact: &ContactLine) -> f64 {
         if contact.volume > 0.0 {

@@ -8,7 +8,7 @@ use crate::picture::{Image, PictureOptions, Skin, draw_skins};
 use crate::{Drawing, Error};
 
 impl Run {
-    /// Draws the bodies as they are now: deformable ones coloured by von Mises stress, rigid ones grey;
+    /// Draws the bodies in their present state: deformable ones coloured by von Mises stress, rigid ones grey;
     /// without deformable bodies, the rigid ones by their number.
     ///
     /// # Errors
@@ -144,7 +144,7 @@ impl Simulation {
 }
 
 impl Scenario {
-    /// The first plane that carries bodies, or the first box, about what is drawn.
+    /// The first plane that carries bodies, or the first box, around the drawn bodies.
     fn drawing(&self, skins: &[Skin]) -> Option<Drawing> {
         let points = || skins.iter().flat_map(|skin| &skin.points);
         let low = points().fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(&p.coords));

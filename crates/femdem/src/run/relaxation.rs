@@ -1,4 +1,4 @@
-//! The static end of a run: all bodies brought to rest under what then acts on them.
+//! The static end of a run: all bodies are brought to rest under the forces that act then.
 
 use femdem_solve::{SolveError, WorldRelaxation};
 use serde::{Deserialize, Serialize};
@@ -7,17 +7,17 @@ use super::body::wrong;
 use super::{BoundaryEntry, Ending, MotionEntry, Scenario, Simulation};
 use crate::Error;
 
-/// Steps after which a run looks up from its relaxation. It does not depend on the clock: each part begins from
-/// rest.
+/// Steps after which a run interrupts its relaxation. It does not depend on the clock, because each part begins
+/// from rest.
 const PART: u64 = 4000;
 
 /// How bodies are brought to rest after the duration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RelaxEntry {
-    /// Largest force left on a node or a body, over the mean contact force.
+    /// Largest unbalanced force on a node or a body, over the mean contact force.
     pub tolerance: f64,
-    /// Most steps.
+    /// Largest number of steps.
     pub steps: u64,
 }
 
@@ -28,13 +28,13 @@ impl Default for RelaxEntry {
     }
 }
 
-/// How a relaxation went.
+/// Result of a relaxation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RelaxSummary {
     /// Whether the tolerance was reached.
     pub converged: bool,
-    /// Largest force left on a node or a body, over the mean contact force or, where nothing touches, over the
-    /// loads (see [`WorldRelaxation::tolerance`]).
+    /// Largest unbalanced force on a node or a body, over the mean contact force or, where nothing touches,
+    /// over the loads (see [`WorldRelaxation::tolerance`]).
     pub residual: f64,
     /// Steps that were taken.
     pub steps: u64,
@@ -58,7 +58,7 @@ impl RelaxSummary {
 }
 
 impl Simulation {
-    /// A part of the relaxation after those of which `so_far` tells.
+    /// The next part of the relaxation, after those summarised in `so_far`.
     pub(super) fn relax_on(
         &mut self,
         entry: &RelaxEntry,
@@ -86,7 +86,7 @@ impl Simulation {
 }
 
 impl Scenario {
-    /// Refuses a relaxation under what still moves or grows.
+    /// Refuses a relaxation while motions or loads still change.
     pub(super) fn check_relaxation(&self) -> Result<(), Error> {
         let Some(RelaxEntry { tolerance, steps }) = self.relax else {
             return Ok(());
@@ -109,7 +109,7 @@ impl Scenario {
             ("rise or table", loads.fold(0.0, f64::max)),
         ];
         for (name, end) in ends {
-            // Periods need not add up to the last bit.
+            // Sums of periods need not be exact to the last bit.
             if end > self.duration * (1.0 + 1e-9) {
                 let value = if end < f64::MAX {
                     format!("to {end} s")
@@ -153,7 +153,7 @@ impl MotionEntry {
     }
 }
 
-/// How long so many repetitions last \[s\], with what is different of the last one.
+/// Duration of `count` repetitions, with the difference of the last one.
 fn lasting(count: u32, each: f64, more: f64) -> f64 {
     match count {
         0 => 0.0,

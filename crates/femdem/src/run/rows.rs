@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::{Ending, RelaxSummary, RunSummary};
 
-/// A name, and what is said of it.
+/// A name and its text.
 type Row = (String, String);
 
 impl fmt::Display for RunSummary {
@@ -29,7 +29,7 @@ impl fmt::Display for RunSummary {
 }
 
 impl RunSummary {
-    /// What took part, how long, and the energy.
+    /// The bodies, the duration, and the energy.
     fn rows_of_the_course(&self) -> Vec<Row> {
         let deformable = self.bodies.iter().filter(|b| b.tetrahedra > 0).count();
         let rigid = self.bodies.len() - deformable;
@@ -100,7 +100,7 @@ impl RunSummary {
         row("cost", format!("{wall:.1} s on {threads} threads{each}"))
     }
 
-    /// By how much the last step went beyond the duration.
+    /// How far the last step went beyond the duration.
     fn beyond(&self) -> String {
         let beyond = self.simulated_time - self.duration;
         if beyond > 0.0 && self.relaxed.is_none() {
@@ -110,7 +110,7 @@ impl RunSummary {
         }
     }
 
-    /// What mass scaling has added, if anything.
+    /// Mass added by mass scaling, if any.
     fn added_mass(&self) -> Option<String> {
         let added: f64 = self.bodies.iter().map(|body| body.added_mass).sum();
         let mass: f64 = self.bodies.iter().map(|body| body.mass).sum();
@@ -124,7 +124,7 @@ fn row(name: &str, text: String) -> Row {
     (name.to_owned(), text)
 }
 
-/// `of` is what the residual is compared with.
+/// `of` is the reference of the residual.
 fn relaxed(found: &RelaxSummary, of: &str) -> String {
     let RelaxSummary {
         converged,

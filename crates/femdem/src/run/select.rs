@@ -79,11 +79,11 @@ impl SelectEntry {
 pub struct RegionEntry {
     /// Its material, by name.
     pub material: String,
-    /// Where it is: tetrahedra whose centroids lie in it.
+    /// Where it is: it consists of the tetrahedra whose centroids lie there.
     pub within: Zone,
 }
 
-/// A piece of space, in the coordinates of a shape.
+/// A part of space, in the coordinates of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub enum Zone {

@@ -1,4 +1,4 @@
-//! What a scenario says about the world as a whole.
+//! Settings of a scenario for the world as a whole.
 
 use femdem_contact::{ContactParameters, WallResponse};
 use femdem_mesh::Vector3;
@@ -23,8 +23,8 @@ pub struct ContactEntry {
     pub tangential_ratio: f64,
     /// Fraction of critical damping of the tangential springs.
     pub tangential_damping: f64,
-    /// How walls meet bodies that deform: `"mirror"`, as their mirror image, or `"rigid"`, half as stiffly,
-    /// as they meet rigid bodies.
+    /// How walls act on deformable bodies: `"mirror"`, as their mirror image, or `"rigid"`, half as stiffly, as
+    /// they act on rigid bodies.
     pub wall_response: WallResponse,
 }
 
@@ -73,7 +73,7 @@ pub struct MediumEntry {
     pub local_damping: f64,
 }
 
-/// When a run may end before its time. It is looked at every 64 steps, whatever is written when.
+/// When a run may end early. It is checked every 64 steps, independently of output.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RestEntry {

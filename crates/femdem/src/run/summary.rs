@@ -26,11 +26,11 @@ pub struct RunSummary {
     pub bodies: Vec<BodySummary>,
     /// The walls.
     pub walls: Vec<WallSummary>,
-    /// Forces of what is held or moved of deformable bodies.
+    /// Forces of the supports of deformable bodies.
     pub reactions: Vec<ReactionSummary>,
     /// How deep bodies and walls overlap; `null` if nothing touched.
     pub penetration: Option<PenetrationSummary>,
-    /// Time that was asked for \[s\].
+    /// Duration of the scenario \[s\].
     pub duration: f64,
     /// Simulated time \[s\].
     pub simulated_time: f64,
@@ -54,12 +54,12 @@ pub struct RunSummary {
     pub threads: usize,
     /// Time on the clock, over all parts \[s\].
     pub wall_seconds: f64,
-    /// Time of all processor cores \[s\]; `null` where the system does not tell.
+    /// Time of all processor cores \[s\]; `null` if the system does not report it.
     pub cpu_seconds: Option<f64>,
     /// Time on the clock over tetrahedra and steps, contacts and output included \[ns\]; `null` without
     /// tetrahedra, and with a relaxation, whose steps of bodies as wholes are not among those of the world.
     pub nanoseconds_per_tet_step: Option<f64>,
-    /// Largest resident memory; `null` where the system does not tell.
+    /// Largest resident memory; `null` if the system does not report it.
     pub peak_memory_bytes: Option<u64>,
     /// Hash of the state: equal for equal bits.
     pub state_hash: String,
@@ -72,9 +72,9 @@ pub struct BodySummary {
     pub name: String,
     /// "rigid" or "deformable".
     pub behaviour: String,
-    /// Mass \[kg\], with what mass scaling has added.
+    /// Mass \[kg\], including mass scaling.
     pub mass: f64,
-    /// What mass scaling has added to it \[kg\].
+    /// Mass added by mass scaling \[kg\].
     pub added_mass: f64,
     /// Nodes; 0 for a rigid body.
     pub nodes: usize,
@@ -125,7 +125,7 @@ pub struct PenetrationSummary {
     pub peak: f64,
     /// When that was \[s\].
     pub peak_time: f64,
-    /// Names of the two that it was between.
+    /// Names of the two sides.
     pub peak_between: [String; 2],
 }
 
@@ -158,11 +158,11 @@ pub struct RunEnergy {
     pub dissipated_plastic: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
-    /// What the books miss, over the energy turned over.
+    /// Error of the energy ledger, over the energy turned over.
     pub ledger_error_relative: f64,
 }
 
-/// How far the deformable bodies are strained.
+/// Stresses and strains of the deformable bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StrainSummary {
     /// Largest von Mises stress \[Pa\].
@@ -244,7 +244,7 @@ impl RunSummary {
         })
     }
 
-    /// Writes it as JSON, one key a line.
+    /// Writes it as JSON, one key per line.
     ///
     /// # Errors
     ///
@@ -256,7 +256,7 @@ impl RunSummary {
 }
 
 impl super::Simulation {
-    /// What there is of each member, in the order of the scenario.
+    /// Data of each member, in the order of the scenario.
     #[must_use]
     pub fn bodies(&self) -> Vec<BodySummary> {
         let world = &self.world;
@@ -302,7 +302,7 @@ fn max_plastic_strain(body: &femdem_solve::Deformable) -> Option<f64> {
 }
 
 fn energy(ledger: &femdem_solve::Ledger) -> RunEnergy {
-    // A sum over no bodies is -0, which nobody wants to read.
+    // A sum over no bodies is -0; adding zero makes it 0.
     let plain = |joules: f64| joules + 0.0;
     RunEnergy {
         initial: plain(ledger.initial),

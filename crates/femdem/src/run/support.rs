@@ -1,4 +1,4 @@
-//! Supports: nodes of deformable bodies that are held or moved, and the forces that this takes.
+//! Supports: nodes of deformable bodies that are held or moved, and their reactions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,7 +10,7 @@ use super::body::wrong;
 use super::{BodyEntry, MemberId, Simulation};
 use crate::Error;
 
-/// What a boundary condition holds or moves of a body.
+/// The nodes of a body that a boundary condition holds or moves.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Support {
     /// Number of the body among the members.
@@ -22,8 +22,8 @@ pub struct Support {
 }
 
 impl BodyEntry {
-    /// What each `fix` and `motion` holds of a body that gets the number `member`. Of several conditions on
-    /// a direction of a node the last counts, as in [`Boundary`].
+    /// The supports of a body that gets the number `member`: the nodes that each `fix` and `motion` holds. If
+    /// several conditions act on a direction of a node, the last one counts, as in [`Boundary`].
     pub(super) fn supports(
         &self,
         member: usize,
@@ -83,9 +83,9 @@ impl Simulation {
         format!("{body} {}", support.name)
     }
 
-    /// Force of each support on its body now \[N\]: what balances the forces of elements, contacts, loads
-    /// and gravity on the nodes in the directions that it holds. What it takes to accelerate these nodes
-    /// themselves is not in it. Before the first step no force is known, and all are zero.
+    /// Force of each support on its body now \[N\]: it balances the forces of elements, contacts, loads and
+    /// gravity on the nodes in the held directions. The inertia of these nodes is not included. Before the
+    /// first step no force is known, and all are zero.
     #[must_use]
     pub fn reactions(&self) -> Vec<Vector3> {
         self.supports
@@ -107,7 +107,7 @@ impl Simulation {
         let mut sum = Vector3::zeros();
         for &(node, direction) in &support.holds {
             let (node, k) = (node as usize, usize::from(direction));
-            // A support that a caller made may name nodes and directions that there are not.
+            // A support made by a caller may name nodes and directions that do not exist.
             let (Some(sum), Some(mass)) = (sum.get_mut(k), masses.get(node)) else {
                 continue;
             };
@@ -115,7 +115,7 @@ impl Simulation {
             let inside = on_node(body.internal_forces()) + on_node(body.loads());
             *sum -= inside + on_node(body.contact_forces()) + mass * gravity[k];
         }
-        // No -0.
+        // Adding zero avoids -0.
         Some(sum + Vector3::zeros())
     }
 }

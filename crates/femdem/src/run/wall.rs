@@ -13,7 +13,7 @@ use super::body::wrong;
 use crate::Error;
 use crate::scene::Unit;
 
-/// A wall: exactly one of `plane`, `box`, `cylinder` and `file` says what it is.
+/// A wall, described by exactly one of `plane`, `box`, `cylinder` and `file`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct WallEntry {
@@ -21,7 +21,7 @@ pub struct WallEntry {
     pub name: String,
     /// A half-space.
     pub plane: Option<PlaneEntry>,
-    /// A box about the space for the bodies; its walls are called by the name and x-, x+, and so on.
+    /// A box around the space for the bodies; its walls are called by the name and x-, x+, and so on.
     pub r#box: Option<BoxEntry>,
     /// An upright cylinder about the z axis.
     pub cylinder: Option<CylinderEntry>,
@@ -63,7 +63,7 @@ pub struct BoxEntry {
 pub struct CylinderEntry {
     /// Inner diameter \[m\].
     pub diameter: f64,
-    /// Number of plane facets that make it.
+    /// Number of plane facets.
     #[serde(default = "facets")]
     pub facets: usize,
 }

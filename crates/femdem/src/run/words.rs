@@ -1,4 +1,4 @@
-//! Numbers that the libraries refuse, by the keys that scenes have for them.
+//! Translation of names of numbers that the libraries refuse to keys of scenes.
 
 /// Names of the libraries, and keys of scenes.
 pub(super) const KEYS: [(&str, &str); 23] = [

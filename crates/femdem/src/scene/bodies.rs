@@ -1,4 +1,4 @@
-//! From the shapes that a scene names to bodies that can be packed.
+//! From the shapes named in a scene to bodies that can be packed.
 
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,7 @@ enum Form {
     },
 }
 
-/// The bodies of a scene, and what was done to make them.
+/// The bodies of a scene, and how they were made.
 pub(super) fn bodies(scene: &Scene) -> Result<(Vec<PackShape>, Vec<ShapeNote>), Error> {
     let mut shapes = Vec::new();
     let mut notes = Vec::new();
@@ -55,7 +55,7 @@ pub(super) fn bodies(scene: &Scene) -> Result<(Vec<PackShape>, Vec<ShapeNote>), 
     Ok((shapes, notes))
 }
 
-/// Refuses what is about surface files where there is none.
+/// Refuses options for surface files if there is none.
 fn refuse_files_missing(scene: &Scene, sources: &[Source]) -> Result<(), Error> {
     let is_file = |source: &Source| matches!(source.form, Form::File { .. });
     if scene.walls.is_some() || sources.iter().any(is_file) {
@@ -154,7 +154,7 @@ fn form(text: &str, scene: &Scene) -> Result<Form, Error> {
     }
 }
 
-/// Reads a surface file as the scene says, in m.
+/// Reads a surface file with the options of the scene, in m.
 pub(super) fn read(path: &Path, scene: &Scene) -> Result<(Polyhedron, Report), Error> {
     let options = if scene.repair {
         Options::REPAIR
@@ -169,7 +169,7 @@ pub(super) fn read(path: &Path, scene: &Scene) -> Result<(Polyhedron, Report), E
     Ok((polyhedron, report))
 }
 
-/// The same shape with as many seeds, from its own on; none if it has no seed or one will do.
+/// The same shape with successive seeds, from its own on; none if it has no seed or one variant is enough.
 fn variants(form: &Form, variety: u32) -> Result<Vec<Shape>, Error> {
     let Form::Shape(shape) = form else {
         return Ok(Vec::new());
@@ -191,7 +191,7 @@ fn variants(form: &Form, variety: u32) -> Result<Vec<Shape>, Error> {
 }
 
 impl Source {
-    /// The surface in the size that the scene asks for \[m\].
+    /// The surface in the size of the scene \[m\].
     fn sized(&self, scene: &Scene) -> Result<Polyhedron, Error> {
         let own = match &self.form {
             Form::Shape(shape) => shape.polyhedron(1.0)?,
@@ -244,7 +244,7 @@ impl Source {
     }
 }
 
-/// How a body that is not convex is meshed.
+/// The mesh options of a body that is not convex.
 fn mesh_options(scene: &Scene, body: &Polyhedron) -> Result<MeshOptions, Error> {
     let size = scene.mesh_size.map(|size| positive("mesh-size", size));
     let diameter = 2.0 * body.bounding_radius();
@@ -311,7 +311,7 @@ mod tests {
         assert_ne!(shapes[0].polyhedron, shapes[1].polyhedron);
     }
 
-    /// Diameter is that of the sphere around the body, size the shape's own measure, mass by density.
+    /// Diameter is that of the sphere around the body, size a length of the shape, mass by density.
     #[test]
     fn bodies_have_the_size_asked_for() {
         let cylinder = |change: fn(&mut Scene)| {

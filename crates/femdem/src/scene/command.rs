@@ -1,9 +1,9 @@
-//! A scene as the command that makes it.
+//! The command that is equivalent to a scene.
 
 use super::Scene;
 
 impl Scene {
-    /// The call of `femdem pack` that makes this scene: every option that differs from its default.
+    /// The call of `femdem pack` that is equivalent to this scene: every option that differs from its default.
     ///
     /// ```
     /// let scene = femdem::Scene { count: 50, seed: 7, ..femdem::Scene::default() };
@@ -29,7 +29,7 @@ impl Scene {
     }
 }
 
-/// An option with its value; a list is an option for each of its values, a switch has none.
+/// An option with its value; a list becomes an option for each of its values, a switch has no value.
 fn option(key: &str, value: &toml::Value) -> Vec<String> {
     match value {
         toml::Value::Array(list) => list.iter().flat_map(|value| option(key, value)).collect(),
@@ -40,7 +40,7 @@ fn option(key: &str, value: &toml::Value) -> Vec<String> {
     }
 }
 
-/// A word for the shell, in quotes where it needs them.
+/// A word for the shell, quoted where needed.
 fn quoted(text: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=+,@%".contains(c);
     if !text.is_empty() && text.chars().all(plain) {

@@ -10,7 +10,7 @@ use super::bodies::{file_stem, read};
 use super::{ContainerKind, DEFAULT_CONE, DEFAULT_OUTLET, Footprint, Length, Scene};
 use crate::Error;
 
-/// Packing density that the automatic size of a container counts on.
+/// Packing density assumed for the automatic size of a container.
 const EXPECTED_DENSITY: f64 = 0.6;
 
 /// The container for the bodies of `spec`.
@@ -69,7 +69,8 @@ pub(super) fn rim(scene: &Scene, diameter: f64) -> Option<f64> {
     Some(scene.r#box?.height?.metres(diameter))
 }
 
-/// The file's name without its ending, unless that is the floor's name or, as contacts have it, a body's number.
+/// The file's name without its extension, prefixed if it is the floor's name or, in contacts, would look like
+/// the number of a body.
 fn wall_name(path: &Path) -> String {
     let stem = file_stem(path);
     let name = stem.trim();
@@ -88,16 +89,15 @@ const KINDS: [ContainerKind; 4] = [
     ContainerKind::Walls,
 ];
 
-/// A size that is given: its key, its value, and the kinds of container that have it.
+/// A given size: its key, its value, and the kinds of container that have it.
 type Size = (&'static str, String, &'static [ContainerKind]);
 
 impl Scene {
-    /// The kind of container: the one that is named, or else the one that has the sizes that are
-    /// given; a box without any.
+    /// The kind of container: the named one, or else the one that has the given sizes; a box without any.
     ///
     /// # Errors
     ///
-    /// [`Error::Option`] for a size that the named kind, or that of another size, has not.
+    /// [`Error::Option`] for a size that the named kind, or the kind of another size, does not have.
     pub fn container_kind(&self) -> Result<ContainerKind, Error> {
         let sizes = self.container_sizes();
         let fits = |kind: &ContainerKind| sizes.iter().all(|size| size.2.contains(kind));
@@ -116,12 +116,12 @@ impl Scene {
                 return Err(stray(b, a.0, &a.1));
             }
         }
-        // Not reached: sizes of which every two go together have a kind in common.
+        // Not reached: sizes that are compatible in pairs have a kind in common.
         Ok(ContainerKind::default())
     }
 
-    /// Takes over the container of `from` as far as it names one: sizes given there replace those
-    /// here, and if they do not belong to the kind here, those of the old kind go.
+    /// Takes the container of `from` as far as it names one: sizes given there replace those here, and if they
+    /// do not belong to the kind here, those of the old kind are dropped.
     pub fn take_container(&mut self, from: &Self) {
         let given = from.container_sizes();
         if from.container.is_none() && given.is_empty() {
@@ -149,7 +149,7 @@ impl Scene {
     fn container_sizes(&self) -> Vec<Size> {
         use ContainerKind::{Box, Cylinder, Silo, Walls};
         let walls = self.walls.as_ref().map(|path| path.display().to_string());
-        // Before they could be left out, the usual ones were written into scenes of all kinds.
+        // Before these sizes became optional, their defaults were written into scenes of all kinds.
         let counts = matches!(self.container, None | Some(Silo));
         let outlet = self.outlet.filter(|x| counts || *x != DEFAULT_OUTLET);
         let cone = self.cone.filter(|x| counts || *x != DEFAULT_CONE);
@@ -180,7 +180,7 @@ impl fmt::Display for ContainerKind {
     }
 }
 
-/// A size that does not go with another key.
+/// The error for a size that does not go with another key.
 fn stray(size: &Size, key: &str, value: &str) -> Error {
     Error::Option {
         name: size.0,

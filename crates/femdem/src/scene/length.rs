@@ -17,7 +17,7 @@ pub enum Length {
     Metres(f64),
 }
 
-/// How a scene file has a length: a plain number is in diameters.
+/// The form of a length in a scene file: a plain number is in diameters.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum Written {

@@ -1,4 +1,4 @@
-//! Lists in scene files: one value stands for a list of one.
+//! Lists in scene files: a single value is accepted as a list of one.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -23,7 +23,7 @@ pub(super) fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer.deserialize_any(OneOrMany(PhantomData))
 }
 
-/// A visitor, so that errors tell the value and what is expected, as those of other keys do.
+/// A visitor, so that errors state the value and what is expected, as those of other keys do.
 struct OneOrMany<T>(PhantomData<T>);
 
 fn one<'de, T: Deserialize<'de>, E: de::Error>(

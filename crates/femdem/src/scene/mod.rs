@@ -1,7 +1,7 @@
-//! Scenes: what to pack, in a file or on the command line, with a default for everything.
+//! Scenes: what to pack, in a file or on the command line, with defaults for everything.
 //!
-//! A scene file is TOML; its keys are the long options of `femdem pack`, and every one may be left
-//! out. `femdem pack ... --print-scene` writes one.
+//! A scene file is TOML; its keys are the long options of `femdem pack`, and all of them are optional. `femdem
+//! pack ... --print-scene` writes one.
 //!
 //! ```
 //! use femdem::Scene;
@@ -97,7 +97,7 @@ pub struct Scene {
     pub mass: Option<f64>,
     /// Unit of the coordinates in surface files.
     pub unit: Unit,
-    /// Whether surface files that are nearly fine are mended.
+    /// Whether small faults of surface files are mended.
     pub repair: bool,
     /// Target edge length of the tetrahedra of bodies that are not convex, in d of the body. `None`: by
     /// the shape, see [`MeshOptions`](femdem_mesh::tet::MeshOptions).
@@ -116,18 +116,18 @@ pub struct Scene {
     pub damping: f64,
     /// Penalty \[Pa\]. `None`: chosen for a mean penetration of `penetration`.
     pub penalty: Option<f64>,
-    /// Mean penetration over d that the automatic penalty aims at. `None`: what is usual for the
-    /// protocol ([`Protocol::usual_penetration`]).
+    /// Target of the mean penetration over d for the automatic penalty. `None`: the usual value of the protocol
+    /// ([`Protocol::usual_penetration`]).
     pub penetration: Option<f64>,
     /// Drag of the medium while the pack is made, in sqrt(g/d).
     pub drag: f64,
     /// Cundall's local damping while the pack is made: the part of each component of a body's net force
     /// and moment that is taken off against the motion, 0 to below 1.
     pub local_damping: f64,
-    /// Explicit or implicit time steps. `None`: what is usual for the job ([`PackSpec::usual_step`]).
+    /// Explicit or implicit time steps. `None`: the default of the job ([`PackSpec::usual_step`]).
     pub implicit: Option<StepKind>,
-    /// Whether bodies at rest sleep while the pack is made. Without, it takes several times as long, and packs in
-    /// sequence come out lower by 1.5 ± 0.3 %.
+    /// Whether bodies at rest sleep while the pack is made. Without sleep a job takes several times as long,
+    /// and packs in sequence come out lower by 1.5 ± 0.3 %.
     pub sleeping: bool,
     /// Gravity \[m/s²\].
     pub gravity: f64,
@@ -143,7 +143,7 @@ pub struct Scene {
     pub outlet: Option<Length>,
     /// Angle between the cone of a silo and the vertical \[degrees\]. `None`: [`DEFAULT_CONE`].
     pub cone: Option<f64>,
-    /// Surface file of the solid that makes the walls.
+    /// Surface file of the solid that forms the walls.
     pub walls: Option<PathBuf>,
     /// How bodies come into the container.
     pub protocol: ProtocolKind,
@@ -212,7 +212,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Read`], or [`Error::Scene`] that says where the text is not a scene.
+    /// [`Error::Read`], or [`Error::Scene`] with the place where the text is not a scene.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         toml_file::read(path.as_ref())
     }
@@ -244,7 +244,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Mesh`] for a shape that is unknown, cannot be read, or is no closed surface;
+    /// [`Error::Mesh`] for a shape that is unknown, cannot be read, or is not a closed surface;
     /// [`Error::Option`] and [`Error::Pack`] for values out of range.
     pub fn spec(&self) -> Result<PackSpec, Error> {
         self.prepare().map(|(spec, _)| spec)
@@ -307,7 +307,7 @@ impl Scene {
         Ok((packing, notes))
     }
 
-    /// Refuses what would be converted, or would have no effect.
+    /// Refuses values that would be converted silently, or would have no effect.
     fn check(&self) -> Result<(), Error> {
         let refuse = |name: &'static str, value: String, allowed: &'static str| {
             Err(Error::Option {

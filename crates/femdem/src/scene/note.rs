@@ -1,4 +1,4 @@
-//! What was done to make the bodies of a scene, for people.
+//! How the bodies of a scene were made, as text.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ pub struct ShapeNote {
     pub file: Option<(PathBuf, Unit, Report)>,
     /// Number of faces.
     pub faces: usize,
-    /// Whether it is convex; if not, its contacts go by its tetrahedra.
+    /// Whether it is convex; if not, its contacts are computed with its tetrahedra.
     pub is_convex: bool,
     /// Circumscribed diameter \[m\].
     pub diameter: f64,
@@ -28,7 +28,7 @@ pub struct ShapeNote {
 }
 
 impl ShapeNote {
-    /// Whether there is something to say that the command does not say already.
+    /// Whether there is anything to report beyond the command itself.
     #[must_use]
     pub fn is_news(&self) -> bool {
         self.file.is_some() || self.mesh.is_some()

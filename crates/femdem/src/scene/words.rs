@@ -1,10 +1,10 @@
-//! Numbers that the libraries refuse, by the keys that scenes have for them.
+//! Translation of names of numbers that the libraries refuse to keys of scenes.
 
 use femdem_pack::PackError;
 
 use crate::Error;
 
-/// Names of the libraries, and keys of scenes, which are the options of `femdem pack` too.
+/// Names in the libraries, and keys of scenes, which are also the options of `femdem pack`.
 const KEYS: [(&str, &str); 10] = [
     ("wall_friction", "wall-friction"),
     ("damping_ratio", "damping"),

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// Names that the browser goes by; the variable CHROMIUM names another.
+/// Names of the browser; the variable CHROMIUM names another.
 const NAMES: [&str; 5] = [
     "chromium",
     "chromium-browser",
@@ -43,14 +43,14 @@ pub fn find() -> Option<PathBuf> {
     places.into_iter().find(|path| path.is_file())
 }
 
-/// A page in a browser of its own.
+/// A page in a separate browser.
 pub struct Page {
     child: Child,
     to: ChildStdin,
     from: Receiver<Value>,
     session: String,
     asked: u64,
-    /// What the console and the log said beside plain notes.
+    /// Messages of the console and the log other than plain notes.
     pub complaints: Vec<Value>,
     _profile: TempDir,
 }
@@ -234,7 +234,7 @@ impl Page {
             "(() => { const b = document.getElementById('view').getBoundingClientRect(); \
              return { x: b.x + scrollX, y: b.y + scrollY, width: b.width, height: b.height, scale: 1 }; })()",
         );
-        // Beyond the viewport the page would be laid out anew for the moment, and drawn again.
+        // Beyond the viewport the page would temporarily be laid out and drawn again.
         let asked = json!({"format": "png", "clip": found});
         let answer = self.call("Page.captureScreenshot", asked);
         Picture::of(answer["data"].as_str().unwrap())

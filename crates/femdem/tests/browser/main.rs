@@ -213,7 +213,7 @@ fn without_webgl_the_page_says_so_and_keeps_the_plots() {
     assert_eq!(page.complaints, Vec::<serde_json::Value>::new());
 }
 
-/// The figures of the issue: under 10 MB, and open within 3 s when the processor draws.
+/// Targets: under 10 MB, and open within 3 s when the processor draws.
 #[test]
 fn eleven_thousand_bodies_open_soon() {
     let Some(browser) = browser() else { return };
@@ -225,7 +225,7 @@ fn eleven_thousand_bodies_open_soon() {
         "11,132 bodies: {size} bytes, open in {:.2} s, a plain picture in {frame} ms",
         time.as_secs_f64()
     );
-    // Three times the figure, as other work may keep the machine busy.
+    // Three times the target, as other work may keep the machine busy.
     assert!(time < Duration::from_secs(9), "{time:?}");
     page.rest();
     page.keep("eleven-thousand");
