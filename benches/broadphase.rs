@@ -22,7 +22,7 @@ fn at(position: Vector3<f64>) -> Motion {
     })
 }
 
-/// The bodies and where they are.
+/// The bodies and their positions.
 fn lattice(beside_a_large_one: bool) -> Result<(ContactBatch, Vec<Motion>), SetUpError> {
     let mut batch = ContactBatch::new(ContactLaw::new(ContactParameters::default())?);
     let shape = batch.add_shape(ConvexShape::new(&solid("A10")?)?);
@@ -49,7 +49,7 @@ fn broadphase(c: &mut Criterion) {
         let mut step = 0;
         group.bench_function(format!("8000/{name}"), |b| {
             b.iter(|| {
-                // A fifth of a half skin at most: a body is looked up again every fifth to tenth update.
+                // At most a fifth of half a skin: a body is searched for again in every fifth to tenth update.
                 for (motion, i) in motions.iter_mut().zip(0_u32..) {
                     motion.travelled += 0.0025 * DIAMETER * f64::from((i + step) % 3);
                 }

@@ -1,6 +1,6 @@
-//! Time per tetrahedron and step on one thread, the fastest of many rounds: forces of the elements
-//! alone, with the energy, with the bound of the step, and whole steps of a world of bodies that touch
-//! nothing. A name as argument runs that row alone.
+//! Time per tetrahedron and step on one thread, the fastest of many rounds: forces of the elements alone, with
+//! the energy, with the bound of the step, and whole steps of a world of bodies that touch nothing. A name as
+//! argument runs that row alone.
 
 use femdem::mesh::{Pose, TetMesh, Vector3};
 use femdem::solve::deformable::{DeformableModel, MaterialRegion, Workspace};
@@ -12,7 +12,7 @@ use femdem::solve::{ContactStiffness, DeformableSpec, World, WorldParameters};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// The same law from outside the crate: it takes the path of any material.
+/// The same law defined outside the crate, so that it takes the general path of any material.
 #[derive(Debug)]
 struct Foreign(NeoHookean);
 

@@ -1,7 +1,7 @@
-//! The general kernel on the touching pairs of settled packs, as centroid fans and as finer
-//! meshes: per touching pair beside the convex kernel, per candidate pair of tetrahedra, and the
-//! skin path per triangle-tetrahedron hit. Caches are warm. Counts per pair go to standard error,
-//! to turn times per pair into times per piece.
+//! The general kernel on the touching pairs of settled packs, as centroid fans and as finer meshes: per
+//! touching pair, compared with the convex kernel; per candidate pair of tetrahedra; and the skin path per
+//! triangle-tetrahedron hit. Caches are warm. Counts per pair are written to standard error, to convert times
+//! per pair to times per piece.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use femdem::contact::general::{GeneralCache, GeneralScratch, SkinPath};

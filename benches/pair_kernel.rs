@@ -1,7 +1,6 @@
-//! The pair kernel on the pairs of settled packs, time per pair: touching pairs with a cache
-//! from the last step (`warm`) and without (`cold`), and near misses with and without the
-//! separating axis of the last step. No pair moves, so a warm near miss asks for the cached
-//! motion allowance only.
+//! The pair kernel on the pairs of settled packs, time per pair: touching pairs with a cache from the last step
+//! (`warm`) and without (`cold`), and near misses with and without the separating axis of the last step. No
+//! pair moves, so that a warm near miss only checks the cached travel budget.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use femdem::contact::kernel::{PairCache, Scratch};

@@ -1,9 +1,9 @@
-//! Every contact kernel on the same touching pairs, and parry's contact query beside them, in one
-//! run: nanoseconds per pair, as tables.
+//! Every contact kernel and parry's contact query on the same touching pairs, in one run: nanoseconds per pair,
+//! as tables.
 //!
-//! Kernels take turns of a few rounds over the pairs, and each figure is the fastest of all rounds, so
-//! that other work on the machine matters little. No pair moves; `warm` carries the cache that the batch
-//! carries, `cold` is the stateless call.
+//! Kernels take turns of a few rounds over the pairs, and each figure is the fastest of all rounds, so that
+//! other work on the machine matters little. No pair moves; `warm` uses the cache that the batch keeps, `cold`
+//! is the stateless call.
 
 mod convex;
 mod faces;
@@ -16,7 +16,7 @@ use std::time::Instant;
 /// Turns of each kernel.
 const TURNS: u32 = 200;
 
-/// Rounds over the pairs in a turn: the first finds the processor's caches full of other things.
+/// Rounds over the pairs in a turn: at the first one the processor's caches hold other data.
 const ROUNDS: u32 = 5;
 
 /// One kernel: a name, and a round over all pairs.
@@ -65,7 +65,7 @@ fn row(name: &str, times: &[f64]) -> Vec<String> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // `cargo test --benches` runs this too: then one turn is enough.
+    // `cargo test --benches` runs this, too: then one turn is enough.
     let is_bench = std::env::args().any(|argument| argument == "--bench");
     let turns = if is_bench { TURNS } else { 1 };
     convex::table(turns)?;

@@ -110,8 +110,8 @@ pub fn general_kernels<'a>(
     Ok(kernels)
 }
 
-/// Pairs of a tetrahedron of A and one of B that the general kernel looks at with a cache, and
-/// that overlap, per pair.
+/// Pairs of a tetrahedron of A and one of B that the general kernel evaluates with a cache, and those that
+/// overlap, per pair.
 pub fn counts(mesh: &FieldMesh, pairs: &[Pair]) -> Result<[f64; 2], SetUpError> {
     let kernel = GeneralKernel::new(PENALTY, Form::Sum)?;
     let mut scratch = GeneralScratch::default();
@@ -131,7 +131,7 @@ pub fn noise(i: u32) -> f64 {
     ((x ^ (x >> 32)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// How deep bodies are in each other, over their size: as in a settled pack.
+/// Depth of the overlaps over the size of the bodies: as in a settled pack.
 const DEPTH: f64 = 0.003;
 
 /// Pairs of one body, B brought near A in random orientations and directions until they touch,

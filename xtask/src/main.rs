@@ -1,9 +1,10 @@
 //! Chores of the project, run as `cargo xtask <command>`.
 //!
-//! `tidy` looks for what the compiler does not see: the documented crate graph against the
-//! real one, the tests of the invariants, file lengths, leftovers, crate docs, broken links. `ci` runs every check that a
-//! change must pass, in the same order as `.ci/run`. `browser` tries the report page in Chromium. `validate` makes the long runs behind the
-//! figures in `docs/validation`, and `reproduce` the studies of the founding paper beside its values.
+//! `tidy` checks what the compiler does not: the documented crate graph against the real one, the tests of the
+//! invariants, file lengths, leftovers, crate docs, broken links. `ci` runs every check that a change must
+//! pass, in the same order as `.ci/run`. `browser` tests the report page in Chromium. `validate` makes the long
+//! runs whose results are in `docs/validation`, and `reproduce` the studies of the founding paper, compared
+//! with its values.
 
 mod browser;
 mod ci;
@@ -49,7 +50,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs the chosen chore; `false` means that it ran and found something wrong.
+/// Runs the chosen chore; `false` means that it ran and found a problem.
 fn run() -> Result<bool> {
     let cli = Cli::parse();
     let root = workspace_root()?;
@@ -62,7 +63,7 @@ fn run() -> Result<bool> {
     }
 }
 
-/// The folder that holds the workspace manifest: the parent of this crate's folder.
+/// The folder of the workspace manifest: the parent of this crate's folder.
 fn workspace_root() -> Result<PathBuf> {
     let manifest_dir = std::env::var_os("CARGO_MANIFEST_DIR")
         .context("CARGO_MANIFEST_DIR is not set: run this program as `cargo xtask <command>`")?;

@@ -6,7 +6,7 @@ use std::io;
 /// Processor time that the calling thread has used, s, by Linux's scheduler statistics.
 ///
 /// # Errors
-/// Where the system does not tell.
+/// If the system does not report it.
 pub fn thread_time() -> io::Result<f64> {
     let text = fs::read_to_string("/proc/thread-self/schedstat")?;
     let nanoseconds = text.split_whitespace().next().map(str::parse::<f64>);

@@ -14,12 +14,12 @@ use settle::Engine;
 use std::env;
 use std::fs;
 
-/// What is run.
+/// Options of the comparison.
 struct Options {
     shapes: Vec<String>,
     /// Bodies; `None`: 2,000 tetrahedra, 500 of the others.
     count: Option<u32>,
-    /// Mean penetrations over d that our penalties are made for.
+    /// Mean penetrations over d for which our penalties are chosen.
     penetrations: Vec<f64>,
     /// Of the other engine.
     settings: Vec<Setting>,
@@ -97,7 +97,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Runs all engines on one shape and prints how they compare.
+/// Runs all engines on one shape and prints a comparison.
 fn compare(shape: &str, count: u32, seed: u64, options: &Options, csv: &mut String) -> Result<()> {
     let mut engines: Vec<Box<dyn Engine>> = Vec::new();
     for &penetration in &options.penetrations {

@@ -1,4 +1,4 @@
-//! What the poses of a pack tell, whoever made it.
+//! Measurements of the poses of a pack, by any engine.
 
 use crate::settle::surface;
 use anyhow::Result;

@@ -1,7 +1,8 @@
 //! rapier3d, an impulse engine of single precision.
 //!
-//! Its defaults are made for bodies about a metre large. The job has no length but d and no time but
-//! sqrt(d/g), so it is given the same job with d = 1 m; its seconds are then sqrt(50) of the job's.
+//! Its defaults are made for bodies about a metre large. The job has no length except d and no time except
+//! sqrt(d/g), so that the engine computes the same job with d = 1 m; its seconds are then sqrt(50) of the
+//! job's.
 
 use crate::settle::Engine;
 use anyhow::{Context, Result};
@@ -11,7 +12,7 @@ use femdem_pack::{PackSpec, Packing};
 use rapier3d::prelude as rapier;
 use std::str::FromStr;
 
-/// How finely the engine is to compute, in a world with d = 1 m.
+/// Resolution of the engine, in a world with d = 1 m.
 #[derive(Debug, Clone, Copy)]
 pub struct Setting {
     /// Steps per second; the engine's default is 60.
@@ -48,7 +49,7 @@ pub struct Rapier {
 }
 
 impl Rapier {
-    /// All bodies at the starts that a packing job gives them.
+    /// All bodies at the starts of a packing job.
     pub fn new(spec: &PackSpec, setting: Setting, sleeps: bool) -> Result<Self> {
         let length = spec.diameter();
         let mut world = rapier::PhysicsWorld::new();

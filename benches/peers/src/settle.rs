@@ -1,4 +1,4 @@
-//! The job that every engine is given, and how long it takes.
+//! The job of every engine, and how long it takes.
 
 use crate::clock::thread_time;
 use anyhow::{Result, ensure};
@@ -24,10 +24,10 @@ const SPACING: f64 = 1.05;
 /// Largest kinetic energy of a body at rest, over m g d.
 const REST: f64 = 1e-6;
 
-/// Looks in a row that must find all bodies at rest: together one sqrt(d/g).
+/// Checks in a row that must find all bodies at rest: together one sqrt(d/g).
 const LOOKS: u32 = 10;
 
-/// Time between two looks, in sqrt(d/g).
+/// Time between two checks, in sqrt(d/g).
 const BETWEEN_LOOKS: f64 = 0.1;
 
 /// An engine that has not come to rest by then is stopped, in sqrt(d/g) after the time of fall.
@@ -35,10 +35,10 @@ const LONGEST: f64 = 60.0;
 
 /// A simulation of the job, by any engine.
 pub trait Engine {
-    /// Who it is, and with what settings.
+    /// Name and settings.
     fn name(&self) -> String;
 
-    /// Goes on to a simulated time, s, or just past it.
+    /// Continues to a simulated time, s, or just past it.
     fn advance(&mut self, until: f64) -> Result<()>;
 
     /// Simulated time, s.
@@ -54,7 +54,7 @@ pub trait Engine {
     fn poses(&self) -> Result<Vec<Pose>>;
 }
 
-/// What an engine took to bring the bodies to rest.
+/// Cost of bringing the bodies to rest.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Cost {
     /// Processor time from the release on, s.
@@ -104,8 +104,8 @@ struct Run {
     looks: u32,
 }
 
-/// Lets all engines bring their bodies to rest, a slice of simulated time each in turns, so that what
-/// else the machine does slows all of them alike.
+/// Lets all engines bring their bodies to rest, in turns of a slice of simulated time each, so that other work
+/// on the machine slows all of them alike.
 pub fn settle(
     spec: &PackSpec,
     engines: Vec<Box<dyn Engine>>,

@@ -1,4 +1,4 @@
-//! Packs that differ in the seed alone, and what they come to together.
+//! Packs that differ in the seed alone, and their combined results.
 
 use anyhow::Result;
 
@@ -13,13 +13,13 @@ use crate::validate::report::short;
 /// A pack to be made with one seed or more.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Case {
-    /// What the table of runs calls it.
+    /// Label in the table of runs.
     pub(super) label: String,
     pub(super) inset: f64,
     pub(super) jobs: Vec<Job>,
 }
 
-/// What was found of a case. Packs that are not settled are not among `packs`.
+/// Results of a case. Packs that are not settled are not among `packs`.
 #[derive(Debug, Clone)]
 pub(super) struct Found {
     pub(super) case: Case,
@@ -30,7 +30,7 @@ pub(super) struct Found {
     pub(super) commands: Vec<String>,
     /// Runs that are missing.
     pub(super) missing: usize,
-    /// Runs that are those of the last page.
+    /// Runs taken from the last page.
     pub(super) recorded: usize,
     /// Runs that are not settled.
     pub(super) restless: usize,
@@ -61,7 +61,7 @@ impl Case {
         }
     }
 
-    /// Whether its options ask for a mean penetration above `limit`, over d.
+    /// Whether its options set a mean penetration above `limit`, over d.
     pub(super) fn aims_deeper_than(&self, limit: f64) -> bool {
         self.jobs.iter().any(|job| {
             let mut words = job.options.split_whitespace();
@@ -80,7 +80,7 @@ pub(super) fn find(runs: &Runs, cases: &[Case]) -> Result<Vec<Found>> {
     find_recorded(runs, cases, &Record::default())
 }
 
-/// The same; runs that are missing, and not to be made, are taken from the record.
+/// The same; runs that are missing and not to be made are taken from the record.
 ///
 /// # Errors
 /// When the program fails, or the record lacks a column.
@@ -117,7 +117,7 @@ pub(super) fn find_recorded(runs: &Runs, cases: &[Case], record: &Record) -> Res
 }
 
 impl Found {
-    /// Before anything is found.
+    /// Empty results.
     pub(super) fn none(case: &Case) -> Self {
         Self {
             case: case.clone(),
@@ -169,7 +169,8 @@ pub(super) fn with_error(found: Option<Estimate>, digits: usize) -> String {
     }
 }
 
-/// A mean beside a published value: "0.574 ± 0.002 (+0.004, 1.2 s)", s being the combined standard error.
+/// A mean with its difference from a published value: "0.574 ± 0.002 (+0.004, 1.2 s)", s being the combined
+/// standard error.
 pub(super) fn beside(found: Option<Estimate>, published: Option<(f64, f64)>) -> String {
     let text = with_error(found, 3);
     match (found, published) {
@@ -185,7 +186,7 @@ pub(super) fn beside(found: Option<Estimate>, published: Option<(f64, f64)>) -> 
     }
 }
 
-/// Blocks of cases, each of a reading, without those of which nothing was found.
+/// Blocks of cases, each of a reading, without blocks that have no results.
 pub(super) fn by_reading(found: &[Found], each: usize) -> Vec<(Reading, &[Found])> {
     let blocks = READINGS.into_iter().zip(found.chunks(each.max(1)));
     blocks
@@ -193,7 +194,7 @@ pub(super) fn by_reading(found: &[Found], each: usize) -> Vec<(Reading, &[Found]
         .collect()
 }
 
-/// What the runs of cases cost in all.
+/// Total cost of the runs of cases.
 pub(super) fn cost(found: &[Found]) -> String {
     let sum = |path: &str| -> f64 {
         let packs = found.iter().flat_map(|f| &f.packs);

@@ -1,4 +1,4 @@
-//! Platonic solids beside experiments on dice.
+//! Platonic solids compared with experiments on dice.
 
 use anyhow::Result;
 
@@ -89,8 +89,7 @@ fn table(readings: &[(Reading, &[Found])]) -> String {
     markdown_table(&heads, &rows)
 }
 
-/// Where a density lies between two others that have an error of `DICE_ERROR` each, and the standard
-/// error of that.
+/// Position of a density between two others that have an error of `DICE_ERROR` each, and its standard error.
 fn between(density: Estimate, low: f64, high: f64) -> (f64, f64) {
     let range = high - low;
     let part = (density.mean - low) / range;

@@ -1,4 +1,4 @@
-//! Charts of values with error bars over named places, as SVG.
+//! Charts of values with error bars over named positions, as SVG.
 
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ const MARGIN: [f64; 4] = [60.0, 20.0, 60.0, 130.0];
 /// Width of a place.
 const STEP: f64 = 46.0;
 
-/// A value at a place, with its standard error where it is known.
+/// A value at a position, with its standard error if known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Dot {
     pub(super) place: usize,
@@ -28,7 +28,7 @@ pub(super) struct Series {
 }
 
 impl Series {
-    /// The densities of a reading's cases, each at its place.
+    /// The densities of a reading's cases, each at its position.
     pub(super) fn of_reading(reading: &Reading, found: &[Found]) -> Self {
         let dot = |(place, found): (usize, &Found)| {
             let density = found.density()?;
@@ -45,7 +45,7 @@ impl Series {
     }
 }
 
-/// A chart with the places side by side. Bars are of one standard error up and down.
+/// A chart with the positions side by side. Bars are one standard error up and down.
 pub(super) fn svg(labels: [&str; 2], places: &[&str], series: &[Series]) -> String {
     let [left, top, bottom, right] = MARGIN;
     let width = left + right + STEP * places.len() as f64;

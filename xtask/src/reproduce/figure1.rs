@@ -15,7 +15,7 @@ use crate::validate::report::{Check, Report, markdown_table, short};
 /// Threads of the runs.
 const THREADS: [u32; 3] = [1, 2, 4];
 
-/// How often each is timed, in turns: of all times the least counts, since others use the machine too.
+/// How often each is timed, in turns: the shortest time counts, since others use the machine, too.
 fn turns(scale: Scale) -> u32 {
     match scale {
         Scale::Quick => 1,
@@ -31,7 +31,7 @@ fn stretch(scale: Scale) -> (u32, f64) {
     }
 }
 
-/// What is given to the example `boulders`.
+/// Arguments of the example `boulders`.
 fn arguments(scale: Scale, threads: u32) -> String {
     let (boulders, seconds) = stretch(scale);
     format!("-p femdem-solve --example boulders -- {seconds} {threads} {boulders}")
@@ -52,7 +52,7 @@ fn all_runs(scale: Scale) -> impl Iterator<Item = Run> {
     (1..=turns(scale)).flat_map(|turn| THREADS.map(|threads| (turn, threads)))
 }
 
-/// The commands of the study, with the files that their results are looked for in.
+/// The commands of the study, with the files in which their results are looked for.
 pub(super) fn commands(runs: &Path, scale: Scale) -> Vec<String> {
     let command = |run: Run| {
         let file = file(runs, scale, run);
@@ -65,7 +65,7 @@ pub(super) fn commands(runs: &Path, scale: Scale) -> Vec<String> {
     all_runs(scale).map(command).collect()
 }
 
-/// What the example printed earlier, or prints now. `None`: it is not to be run.
+/// The output of the example, from an earlier run or from one now. `None`: it is not to be run.
 fn output(runs: &Runs, scale: Scale, run: Run) -> Result<Option<Output>> {
     let (file, arguments) = (file(runs.folder(), scale, run), arguments(scale, run.1));
     if file.is_file() {

@@ -19,7 +19,7 @@ const FRICTION: f64 = 0.6;
 /// Error of the means that the paper states with two digits.
 const MEAN_ERROR: f64 = 0.003;
 
-/// The rules for chains: the key in the analysis and what it is.
+/// The rules for chains: the key in the analysis and a description.
 const RULES: [(&str, &str); 2] = [
     (
         "chains_by_weight",
@@ -28,7 +28,7 @@ const RULES: [(&str, &str); 2] = [
     ("chains_by_stress", "Peters et al. (2005), by stress"),
 ];
 
-/// What is measured of the backbone of a chain: its name, and whether A10 is said to have more.
+/// The measures of the backbone of a chain; the paper says that A10 has more of all except turns.
 const MEASURES: [&str; 4] = [
     "bodies in a chain",
     "length of the backbone / d",
@@ -114,7 +114,7 @@ fn introduction() -> String {
     )
 }
 
-/// Means and shares of contacts beside the paper's.
+/// Means and shares of contacts, compared with the paper's.
 fn numbers(found: &[Found]) -> String {
     let rows: Vec<Vec<String>> = FIGURE7
         .iter()
@@ -147,7 +147,7 @@ fn numbers(found: &[Found]) -> String {
     markdown_table(&heads, &rows)
 }
 
-/// Mean numbers of contacts in all readings beside the paper's.
+/// Mean numbers of contacts in all readings, compared with the paper's.
 fn overview(readings: &[(Reading, &[Found])]) -> String {
     let mut heads = vec!["mean number of contacts", "paper"];
     heads.extend(readings.iter().map(|(reading, _)| reading.key));
@@ -195,7 +195,7 @@ fn shares(found: &Found, key: &str) -> Vec<f64> {
     counts.iter().map(|count| 100.0 * count / sum).collect()
 }
 
-/// Percent of the bodies that would have to change their bar to make the paper's histogram.
+/// Percent of the bodies that would have to change their bar to give the paper's histogram.
 fn moved(contacts: &Contacts, shares: &[f64]) -> f64 {
     let longest = shares.len().max(contacts.percent.len());
     let at = |list: &[f64], k: usize| list.get(k).copied().unwrap_or_default();
@@ -290,7 +290,7 @@ impl Chains {
         }
     }
 
-    /// The 95 % interval of the mean here less the mean there.
+    /// The 95 % interval of the mean here minus the mean there.
     fn less(&self, other: &Self, measure: usize) -> Option<[f64; 2]> {
         if let (Some(a), Some(b)) = (self.lists.get(measure), other.lists.get(measure)) {
             return bootstrap_difference(a, b, 2000);
@@ -302,7 +302,7 @@ impl Chains {
     }
 }
 
-/// The interval, and whether it supports what the paper says: more of everything but turns.
+/// The interval, and whether it supports the paper's statement: more of everything except turns.
 fn verdict(interval: Option<[f64; 2]>, measure: usize) -> [String; 2] {
     let Some([low, high]) = interval else {
         return ["unknown".to_owned(), "unknown".to_owned()];

@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use super::Scale;
 
-/// A pack to be made. Threads are no part of it: they do not change the result.
+/// A pack to be made, without its number of threads, which does not change the result.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Job {
-    /// Options of `femdem pack`, but threads and folder.
+    /// Options of `femdem pack`, without threads and folder.
     pub(super) options: String,
     pub(super) bodies: u32,
 }
@@ -22,7 +22,7 @@ pub(super) struct Size {
     pub(super) inset: f64,
 }
 
-/// A kind of packs that studies of the paper's packs are made of.
+/// A kind of pack used in the studies of the paper's packs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Kind {
     pub(super) name: &'static str,
@@ -44,7 +44,7 @@ pub(super) fn kinds(scale: Scale) -> Vec<Kind> {
     }
 }
 
-/// Packing density from which numbers and boxes are found: few packs are denser.
+/// Packing density from which numbers and boxes are computed: few packs are denser.
 const DENSITY: f64 = 0.62;
 
 impl Size {
@@ -61,8 +61,8 @@ impl Size {
         }
     }
 
-    /// `least` bodies in a box as wide as the pack is high, but not narrower than `narrowest`: more
-    /// bodies where they are needed to fill that.
+    /// `least` bodies in a box as wide as the pack is high, but not narrower than `narrowest`: more bodies if
+    /// they are needed to fill it.
     pub(super) fn cube(volume: f64, least: f64, narrowest: f64, inset: f64) -> Self {
         let width = tenths((least * volume / DENSITY).cbrt()).max(narrowest);
         let filled = DENSITY * width.powi(3) / volume;

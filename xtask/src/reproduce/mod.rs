@@ -1,9 +1,9 @@
-//! `cargo xtask reproduce`: the studies of the founding paper, and what it leaves open.
+//! `cargo xtask reproduce`: the studies of the founding paper, and of what it does not state.
 //!
-//! Each study is a list of runs of the release program and a page made from them. A run has its own
-//! folder, named by its options, under `--runs`; one that is there and complete is used, so the runs of a
-//! study may be made beforehand, side by side, by the commands that `--list` prints, and the page
-//! afterwards. `--quick` takes small packs and writes to `out/reproduce` instead of `docs/validation`.
+//! Each study is a list of runs of the release program and a page made from them. A run has its own folder,
+//! named after its options, under `--runs`. A complete run that exists is used, so that the runs of a study may
+//! be made beforehand, side by side, by the commands that `--list` prints, and the page afterwards. `--quick`
+//! uses small packs and writes to `out/reproduce` instead of `docs/validation`.
 
 mod case;
 mod dice;
@@ -86,7 +86,7 @@ enum Study {
     All,
 }
 
-/// How large the packs are.
+/// Size of the packs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scale {
     Quick,
@@ -94,7 +94,7 @@ enum Scale {
 }
 
 impl Study {
-    /// The single studies that this one stands for.
+    /// The single studies that this one includes.
     fn parts(self) -> Vec<Self> {
         match self {
             Self::All => Self::value_variants()
@@ -138,7 +138,7 @@ impl Study {
     }
 }
 
-/// Runs the studies and writes their pages; whether all runs are there and at rest.
+/// Runs the studies and writes their pages; returns whether all runs are present and at rest.
 ///
 /// # Errors
 /// When the program cannot be built or fails, or a page cannot be written.

@@ -1,4 +1,4 @@
-//! What the pages of all studies have in common.
+//! The common parts of the pages of all studies.
 
 use anyhow::Result;
 
@@ -7,7 +7,7 @@ use super::run::COLUMNS;
 use super::runs::Runs;
 use crate::validate::report::{Check, Report};
 
-/// A page of packs: the text of a study, then cost, what is missing, and the table of runs.
+/// A page of packs: the text of a study, then cost, missing runs, and the table of runs.
 pub(super) fn page(name: &'static str, title: String, text: String, found: &[Found]) -> Report {
     let gaps = match missing(found).as_str() {
         "" => String::new(),
@@ -30,7 +30,7 @@ pub(super) fn page(name: &'static str, title: String, text: String, found: &[Fou
     }
 }
 
-/// How many runs are those of the last page.
+/// The number of runs taken from the last page.
 fn recorded(found: &[Found]) -> String {
     match found.iter().map(|f| f.recorded).sum::<usize>() {
         0 => String::new(),
@@ -41,11 +41,11 @@ fn recorded(found: &[Found]) -> String {
     }
 }
 
-/// Values under names, in the order the names came.
+/// Values under names, in the order in which the names were added.
 type Named<T> = Vec<(String, T)>;
 
-/// Cases with missing runs, those that share all but the first word of their labels together, and
-/// among these those that lack as many of as many.
+/// Cases with missing runs. Those that share all except the first word of their labels are grouped, and among
+/// these those that lack the same number of the same number of runs.
 fn missing(found: &[Found]) -> String {
     let mut groups: Named<Named<Vec<String>>> = Vec::new();
     for f in found.iter().filter(|f| f.missing > 0) {
@@ -85,7 +85,7 @@ pub(super) fn capital(word: &str) -> String {
     first.into_iter().chain(letters).collect()
 }
 
-/// Bodies sink in by less than this part of d on average.
+/// The mean penetration of bodies is below this part of d.
 const MEAN_PENETRATION: f64 = 0.005;
 
 fn checks(found: &[Found]) -> Vec<Check> {
@@ -116,7 +116,7 @@ fn checks(found: &[Found]) -> Vec<Check> {
 }
 
 impl Runs<'_> {
-    /// Puts a picture beside a page.
+    /// Puts a picture next to a page.
     ///
     /// # Errors
     /// When it cannot be written.

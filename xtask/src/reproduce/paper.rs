@@ -1,4 +1,4 @@
-//! What others published, and the solids.
+//! Published values, and the solids.
 //!
 //! Table 1 and Figures 1, 6 and 7d are those of J. Xiang, J.-P. Latham and A. Farsi, "Algorithms and
 //! capabilities of Solidity to simulate interactions and packing of complex shapes", DEM7 (2016): Table 1
@@ -9,7 +9,7 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Solid {
     pub(super) name: &'static str,
-    /// Volume over d³, d the circumscribed diameter; as `femdem shapes --json` has it.
+    /// Volume over d³, d the circumscribed diameter; as in `femdem shapes --json`.
     pub(super) volume: f64,
     /// Table 1: at friction 0.6, "damping coefficient" 0.6 and 2560 kg/m³.
     pub(super) density: Option<f64>,
@@ -74,7 +74,7 @@ pub(super) struct Contacts {
     pub(super) name: &'static str,
     /// Percent of the bodies.
     pub(super) percent: [f64; 11],
-    /// The mean that is stated.
+    /// The stated mean.
     pub(super) mean: f64,
 }
 

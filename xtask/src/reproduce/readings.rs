@@ -1,12 +1,12 @@
-//! Ways to read the paper's protocol and its "damping coefficient 0.6".
+//! Interpretations ("readings") of the paper's protocol and its "damping coefficient 0.6".
 
 /// A reading, with one set of options for all shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Reading {
-    /// What tables and files call it.
+    /// Name in tables and files.
     pub(super) key: &'static str,
     pub(super) meaning: &'static str,
-    /// Options of `femdem pack` beside shape, number, box, friction and seed.
+    /// Options of `femdem pack` in addition to shape, number, box, friction and seed.
     pub(super) options: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! Runs whose folders are gone, as the table of the last page has them.
+//! Runs whose folders are gone, restored from the table of the last page.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -22,7 +22,7 @@ type Row = BTreeMap<String, String>;
 pub(super) struct Record(BTreeMap<String, Row>);
 
 impl Record {
-    /// The table of a study's page, where runs are taken as found; else nothing.
+    /// The table of a study's page if runs are taken as found; otherwise empty.
     ///
     /// # Errors
     /// When it cannot be read.
@@ -59,7 +59,7 @@ impl Record {
         Ok(Self(rows))
     }
 
-    /// The run of a label, if it is of as many bodies as the job.
+    /// The run with a label, if it has as many bodies as the job.
     ///
     /// # Errors
     /// When the row lacks a column.
@@ -71,7 +71,7 @@ impl Record {
             let cell = row.get(column);
             cell.with_context(|| format!("the row of {label} has no column {column}"))
         };
-        // What is "none" or "not recorded" is not known.
+        // "none" or "not recorded" stands for an unknown value.
         let number =
             |column: &str| -> Result<Value> { Ok(json!(text(column)?.parse::<f64>().ok())) };
         if text("bodies")?.parse() != Ok(f64::from(job.bodies)) {
@@ -120,7 +120,7 @@ fn cells(line: &str) -> Vec<String> {
     let mut letters = line.chars().peekable();
     while let Some(letter) = letters.next() {
         match letter {
-            // Two in a row inside quotes are one letter.
+            // Two quotes in a row inside quotes are one quote.
             '"' if quoted && letters.peek() == Some(&'"') => {
                 letters.next();
                 push(&mut cells, '"');

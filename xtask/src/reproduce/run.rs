@@ -1,4 +1,4 @@
-//! A finished run: its summary, and what `femdem analyse` finds in it.
+//! A finished run: its summary, and the results of `femdem analyse`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::validate::program::{Program, Summary};
 use crate::validate::report::short;
 
-/// A bootstrap over fewer blocks tells no error.
+/// With fewer blocks the bootstrap's error is not used.
 const FEWEST_BLOCKS: f64 = 8.0;
 
 /// The file with all results of `femdem analyse`.
@@ -24,7 +24,7 @@ pub(super) struct Run {
     pub(super) origin: Option<String>,
 }
 
-/// What `femdem analyse` found, with one inset of the core.
+/// The results of `femdem analyse` with one inset of the core.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Analysis {
     values: Value,
@@ -43,7 +43,7 @@ impl Run {
         })
     }
 
-    /// Whether its tables are there, and not only what a page tells of it.
+    /// Whether its tables exist, and not only the record on a page.
     pub(super) fn has_tables(&self) -> bool {
         self.folder.is_dir()
     }
@@ -51,13 +51,13 @@ impl Run {
     /// Bodies in the container.
     ///
     /// # Errors
-    /// When the summary does not say.
+    /// When the summary does not state it.
     pub(super) fn count(&self) -> Result<f64> {
         self.summary.number("count")
     }
 
-    /// Its analysis with a core that keeps `inset` d from walls, floor and top: as it was made before,
-    /// or made now.
+    /// Its analysis with a core that keeps `inset` d from walls, floor and top: an earlier one, or one made
+    /// now.
     ///
     /// # Errors
     /// When the program fails, or its results cannot be read.
@@ -69,7 +69,7 @@ impl Run {
         analysis_in(program, &self.tables()?, &self.surroundings()?, inset, &out)
     }
 
-    /// A plot of `femdem report`: as it was made before, or made now.
+    /// A plot of `femdem report`: an earlier one, or one made now.
     ///
     /// # Errors
     /// When the program fails, or the plot cannot be read.
@@ -82,8 +82,8 @@ impl Run {
         fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))
     }
 
-    /// A folder with the tables and surfaces of the run and without its checkpoint, which only the
-    /// version of the program that wrote it may be able to read.
+    /// A folder with the tables and surfaces of the run, without its checkpoint, which possibly only the
+    /// version of the program that wrote it can read.
     fn tables(&self) -> Result<PathBuf> {
         let folder = self.folder.join("tables");
         fs::create_dir_all(&folder)
@@ -155,7 +155,7 @@ impl Run {
     }
 }
 
-/// The analysis of a folder of tables, as it was made before, or made now.
+/// The analysis of a folder of tables: an earlier one, or one made now.
 ///
 /// # Errors
 /// When the program fails, or its results cannot be read.
@@ -202,7 +202,7 @@ pub(super) const COLUMNS: [&str; 16] = [
 ];
 
 impl Analysis {
-    /// Of a run of which only these numbers are left.
+    /// For a run of which only these numbers remain.
     pub(super) fn without_tables(values: Value) -> Self {
         Self {
             values,
@@ -221,7 +221,7 @@ impl Analysis {
         })
     }
 
-    /// A number by its path, such as "density.exact"; not a number where there is none.
+    /// A number by its path, such as "density.exact"; NaN if there is none.
     pub(super) fn number(&self, path: &str) -> f64 {
         self.at(path).as_f64().unwrap_or(f64::NAN)
     }
@@ -239,8 +239,8 @@ impl Analysis {
         list.map_or_else(Vec::new, |l| l.iter().filter_map(cell).collect())
     }
 
-    /// The density of the core with its standard error, which is not a number where the core holds too few
-    /// blocks for the bootstrap.
+    /// The density of the core with its standard error, which is NaN if the core has too few blocks for the
+    /// bootstrap.
     pub(super) fn density(&self) -> (f64, f64) {
         let error = if self.number("density.blocks") >= FEWEST_BLOCKS {
             self.number("density.standard_error")

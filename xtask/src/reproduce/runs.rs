@@ -1,4 +1,4 @@
-//! The folder of runs: what is there is used, what is missing is made.
+//! The folder of runs: existing runs are used, missing ones are made.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -15,8 +15,8 @@ use crate::validate::program::{Program, Workshop};
 /// Packs of fewer bodies than this are run side by side on one thread each.
 const LARGE: u32 = 3000;
 
-/// The file in a run's folder that names the commit and the machine. A run that was made by hand may
-/// have one too.
+/// The file in a run's folder that names the commit and the machine. A run that was made by hand may have one,
+/// too.
 const ORIGIN: &str = "origin.txt";
 
 /// The folder of runs and the program that makes them.
@@ -32,12 +32,12 @@ pub(super) struct Runs<'a> {
     usual: Vec<String>,
 }
 
-/// Where the run of a job is, in a folder of runs.
+/// The folder of a job's run, in a folder of runs.
 pub(super) fn folder_of(runs: &Path, job: &Job) -> PathBuf {
     runs.join(job.key())
 }
 
-/// The command that makes a run where it is looked for.
+/// The command that makes a run in its folder.
 pub(super) fn command(runs: &Path, job: &Job, threads: usize) -> String {
     let threads = if job.bodies < LARGE { 1 } else { threads };
     format!(
@@ -89,11 +89,11 @@ impl<'a> Runs<'a> {
         self.as_found
     }
 
-    /// The runs of jobs by their keys: found, or made now. Those that are missing and not to be made are
-    /// not among them.
+    /// The runs of jobs by their keys: found, or made now. Runs that are missing and not to be made are left
+    /// out.
     ///
     /// # Errors
-    /// When the program fails, or a folder holds something else than its name says.
+    /// When the program fails, or a folder does not contain what its name says.
     pub(super) fn all(&self, jobs: &[Job]) -> Result<BTreeMap<String, Run>> {
         let mut found = BTreeMap::new();
         let mut missing = Vec::new();
@@ -122,7 +122,7 @@ impl<'a> Runs<'a> {
         Ok(found)
     }
 
-    /// Works on all items side by side; what came of each, in their order.
+    /// Processes all items in parallel; returns the results in their order.
     ///
     /// # Errors
     /// The first failure.
@@ -155,8 +155,8 @@ impl<'a> Runs<'a> {
         Ok(done.into_iter().map(|(_, result)| result).collect())
     }
 
-    /// Runs the program, or goes on from the checkpoint of a run that was cut off. One that cannot be
-    /// resumed, such as that of another version, is begun anew.
+    /// Runs the program, or continues from the checkpoint of a run that was cut off. A run that cannot be
+    /// resumed, such as that of another version, is started again.
     fn make(&self, job: &Job, threads: usize) -> Result<()> {
         let folder = folder_of(&self.folder, job);
         let threads = format!("--threads {threads}");
@@ -198,8 +198,8 @@ impl<'a> Runs<'a> {
         Ok((run.count()? == f64::from(job.bodies)).then_some(run))
     }
 
-    /// Whether the scene in a folder is that of a job. A key that one of them lacks is at its default:
-    /// runs of earlier versions of the program do not have newer keys.
+    /// Whether the scene in a folder is that of a job. A key missing in one of them has its default: runs of
+    /// earlier versions of the program do not have newer keys.
     fn is_of(&self, job: &Job, folder: &Path) -> Result<bool> {
         let path = folder.join("scene.toml");
         let Ok(text) = fs::read_to_string(&path) else {
@@ -216,7 +216,7 @@ impl<'a> Runs<'a> {
     }
 }
 
-/// Lines that were written into all scenes of boxes before they could be left out.
+/// Lines that were written into all scenes of boxes before they became optional.
 const ONCE_WRITTEN: [&str; 3] = ["container = \"box\"", "outlet = 3.0", "cone = 30.0"];
 
 /// The lines of a scene that change its result.

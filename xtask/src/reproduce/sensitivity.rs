@@ -1,4 +1,4 @@
-//! How the packing density answers to everything that the paper does not state.
+//! Sensitivity of the packing density to everything that the paper does not state.
 
 use anyhow::Result;
 
@@ -14,12 +14,12 @@ use crate::validate::report::{Report, markdown_table};
 
 const FRICTION: f64 = 0.6;
 
-/// A change of one thing.
+/// A change of one parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Variant {
     what: &'static str,
     options: &'static str,
-    /// Whether a quick trial has it.
+    /// Whether a quick trial includes it.
     quick: bool,
 }
 
@@ -89,7 +89,7 @@ const VARIANTS: [Variant; 28] = [
     ),
 ];
 
-/// Insets of the core at which the default packs are measured too, in d.
+/// Insets of the core at which the default packs are measured, too, in d.
 const INSETS: [f64; 5] = [1.0, 1.5, 2.0, 2.5, 3.0];
 
 fn shapes(scale: Scale) -> &'static [&'static str] {
@@ -212,7 +212,7 @@ fn cell(this: &Found, base: &Found, scatter: Option<(f64, usize)>, is_base: bool
     }
 }
 
-/// The 95 % interval of mean(a) - mean(b), the scatter of both being known to so many degrees of freedom.
+/// The 95 % interval of mean(a) - mean(b), with the scatter of both known to the given degrees of freedom.
 fn interval(a: &[f64], b: &[f64], deviation: f64, freedom: usize) -> [f64; 2] {
     let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
     let half = student(freedom) * deviation * (1.0 / a.len() as f64 + 1.0 / b.len() as f64).sqrt();

@@ -17,7 +17,7 @@ use crate::validate::report::{Check, Report, markdown_table, short};
 /// Circumscribed diameter, m: the default of `femdem pack`.
 const DIAMETER: f64 = 0.05;
 
-/// Friction coefficient, as of the packs at rest beside dice.
+/// Friction coefficient, as for the packs at rest that are compared with dice.
 const FRICTION: f64 = 0.5;
 
 /// Distance of the bodies at the start, in d.
@@ -33,7 +33,7 @@ const INTERVAL: f64 = 0.5;
 const STROKE: f64 = 0.015;
 const FREQUENCY: f64 = 10.0;
 
-/// Penalty, Pa, about what `femdem pack` chooses for such packs.
+/// Penalty, Pa, about as `femdem pack` chooses for such packs.
 const PENALTY: f64 = 8e6;
 
 /// Taps between rows.
@@ -47,7 +47,7 @@ struct Tapped {
     taps: u32,
 }
 
-/// What was found after so many taps.
+/// Results after a number of taps.
 struct State {
     taps: u32,
     density: (f64, f64),
@@ -94,8 +94,8 @@ impl Tapped {
         DIAMETER * SPACING * (f64::from(layers) + 2.0)
     }
 
-    /// The scene for `femdem run`. Rows of the table of bodies fall on the ends of intervals, when the box is
-    /// back and the bodies have had their time.
+    /// The scene for `femdem run`. Rows of the table of bodies are at the ends of intervals, when the box is
+    /// back and the bodies have had time to settle.
     fn scene(&self) -> String {
         let half = 0.5 * self.size.width * DIAMETER;
         let space = SPACING * DIAMETER;
@@ -125,7 +125,7 @@ impl Tapped {
             .join(format!("tapped_{}_{print:08x}", self.dice.name))
     }
 
-    /// Runs the scene unless its results are there; whether they are now.
+    /// Runs the scene unless its results exist; returns whether they exist now.
     fn make(&self, runs: &Runs) -> Result<bool> {
         let folder = self.folder(runs);
         if folder.join("summary.json").is_file() {
@@ -311,7 +311,7 @@ fn row(one: &Tapped, state: &State, summary: &Summary) -> Vec<String> {
     ]
 }
 
-/// First and last density beside loose and close, and the part of the way.
+/// First and last density compared with loose and close packing, and the part of the way between these.
 fn in_short(one: &Tapped, states: &[State]) -> Option<Vec<String>> {
     let (first, last) = (states.first()?, states.last()?);
     let Dice { name, loose, close } = one.dice;

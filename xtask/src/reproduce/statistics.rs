@@ -4,22 +4,22 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Estimate {
     pub(super) mean: f64,
-    /// Not a number where nothing tells it.
+    /// NaN if unknown.
     pub(super) error: f64,
     /// Runs.
     pub(super) count: usize,
 }
 
 impl Estimate {
-    /// This less a published value: the difference, and the same over the combined standard error.
+    /// This minus a published value: the difference, and the same over the combined standard error.
     pub(super) fn against(&self, value: f64, error: f64) -> (f64, f64) {
         let difference = self.mean - value;
         (difference, difference / self.error.hypot(error))
     }
 }
 
-/// The mean of several runs, each a value with the error that it states of itself. The standard error is
-/// the larger of what the scatter between runs and what their own errors give; one run has its own.
+/// The mean of several runs, each a value with its own error. The standard error is the larger of that from the
+/// scatter between runs and that from their own errors; for one run it is its own.
 pub(super) fn estimate(runs: &[(f64, f64)]) -> Option<Estimate> {
     let n = runs.len() as f64;
     if runs.is_empty() {
@@ -33,7 +33,7 @@ pub(super) fn estimate(runs: &[(f64, f64)]) -> Option<Estimate> {
     };
     Some(Estimate {
         mean,
-        // The larger of the two; the other where one is not a number.
+        // The larger of the two; if one is NaN, the other.
         error: own.max(between),
         count: runs.len(),
     })

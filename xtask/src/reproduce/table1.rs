@@ -31,7 +31,7 @@ fn columns(scale: Scale) -> Vec<Column> {
     READINGS.into_iter().flat_map(of).collect()
 }
 
-/// `all`: the solids for which the paper states no value, too.
+/// `all`: include the solids for which the paper states no value.
 fn column(kind: Kind, reading: Reading, all: bool) -> Column {
     let chosen = SOLIDS.iter().filter(|solid| all || solid.density.is_some());
     let case = |solid: &Solid| {
@@ -150,7 +150,7 @@ fn tables(columns: &[(&Column, &Vec<Found>)]) -> String {
     )
 }
 
-/// Whether any reading has a pack of the solid at an index.
+/// Whether there is a pack of the solid at an index in any reading.
 fn was_run(columns: &[(&Column, &Vec<Found>)], index: usize) -> bool {
     let has_packs = |found: &Found| !found.packs.is_empty();
     columns
@@ -167,12 +167,12 @@ fn differences(column: &Column, found: &[Found]) -> Vec<f64> {
     pairs.filter_map(difference).collect()
 }
 
-/// How well each reading does over all solids, beside a constant.
+/// How well each reading agrees over all solids, compared with a constant.
 fn verdicts(columns: &[(&Column, &Vec<Found>)]) -> String {
     let line = |name: &str, differences: &[f64]| {
         let (size, mean) = spread(differences)?;
         let worst = differences.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        // What remains when the mean is taken off: the order of the shapes.
+        // The rest after subtracting the mean: the order of the shapes.
         let order = (size * size - mean * mean).max(0.0).sqrt();
         Some(vec![
             name.to_owned(),

@@ -1,11 +1,11 @@
-//! What every crate must have: opening docs with their sections, a licence, the shared lints.
+//! Requirements on every crate: opening docs with their sections, a licence, the shared lints.
 
 use super::files::SourceFile;
 use super::metadata::{Package, TargetRoot};
 use super::{Problem, find};
 
-/// Checks every package of the workspace; the docs sections and shared lints are asked of the
-/// packages in `crates/` only.
+/// Checks every package of the workspace; docs sections and shared lints are required of the packages in
+/// `crates/` only.
 pub(crate) fn check(files: &[SourceFile], packages: &[Package]) -> Vec<Problem> {
     let mut problems = Vec::new();
     for package in packages {
@@ -33,7 +33,7 @@ fn is_published(package: &Package) -> bool {
     package.manifest.starts_with("crates/")
 }
 
-/// Whether the manifest has a `[lints]` table that takes the workspace's.
+/// Whether the manifest has a `[lints]` table that inherits the workspace's.
 fn has_workspace_lints(manifest: &str) -> bool {
     let mut table = "";
     manifest.lines().map(str::trim).any(|line| {

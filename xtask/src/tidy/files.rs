@@ -5,10 +5,10 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-/// Endings of the files that are read.
+/// Extensions of the files that are read.
 const EXTENSIONS: [&str; 5] = ["rs", "toml", "md", "json", "sh"];
 
-/// Files without an ending that are read all the same.
+/// Files without an extension that are also read.
 const SCRIPTS: [&str; 1] = [".ci/run"];
 
 /// A text file of the workspace.
@@ -27,7 +27,7 @@ impl SourceFile {
     }
 }
 
-/// All text files below `root`, sorted by path. Build outputs and the history are left out.
+/// All text files below `root`, sorted by path, without build outputs and the history.
 pub(crate) fn read_tree(root: &Path) -> Result<Vec<SourceFile>> {
     let mut files = Vec::new();
     read_folder(root, "", &mut files)?;
@@ -54,7 +54,7 @@ fn read_folder(folder: &Path, prefix: &str, files: &mut Vec<SourceFile>) -> Resu
     Ok(())
 }
 
-/// Folders that hold what a build or a run wrote, named as in `.gitignore`.
+/// Folders with the output of builds or runs, named as in `.gitignore`.
 fn is_output(path: &str) -> bool {
     path == "out" || path == ".git" || path == "target" || path.ends_with("/target")
 }

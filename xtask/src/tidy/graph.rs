@@ -1,7 +1,7 @@
 //! The documented crate graph against the real one.
 //!
-//! The document holds one fenced block marked `crate-graph`, with a line for every package of
-//! the workspace: `name -> dependency, dependency`, or `name -> nothing`.
+//! The document contains one fenced block marked `crate-graph`, with a line for every package of the workspace:
+//! `name -> dependency, dependency`, or `name -> nothing`.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -80,7 +80,7 @@ fn compare(path: &str, entry: &Entry, package: &Package) -> Vec<Problem> {
         .collect()
 }
 
-/// Reads the block; nothing when there is none.
+/// Reads the block; `None` if there is none.
 fn parse(path: &str, text: &str, problems: &mut Vec<Problem>) -> Option<Graph> {
     let mut lines = text.lines().zip(1..);
     let Some((_, opening)) = lines.find(|(line, _)| line.trim() == FENCE) else {

@@ -43,7 +43,7 @@ fn function(line: &str) -> Option<&str> {
     rest.split_once('(').map(|(name, _)| name)
 }
 
-/// Code in a row that looks like the name of a test.
+/// Code in a row that has the form of a test's name.
 fn names(row: &str) -> impl Iterator<Item = &str> {
     let is_name = |text: &&str| {
         text.contains('_') && text.chars().all(|c| c == '_' || c.is_ascii_alphanumeric())

@@ -40,7 +40,7 @@ impl Lengths {
         self.by_length.iter().take_while(|(lines, _)| *lines > LONG)
     }
 
-    /// What breaks the limits.
+    /// Violations of the limits.
     pub(crate) fn problems(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
         for (lines, path) in self.long().filter(|(lines, _)| *lines > LONGEST) {

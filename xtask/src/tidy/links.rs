@@ -42,12 +42,12 @@ fn relative_links(text: &str) -> Vec<(String, usize)> {
     links
 }
 
-/// The line without what stands between backticks.
+/// The line without text between backticks.
 fn without_code_spans(line: &str) -> String {
     line.split('`').step_by(2).collect()
 }
 
-/// Everything that stands where Markdown or HTML expects an address.
+/// Everything at a place where Markdown or HTML expects an address.
 fn targets(prose: &str) -> Vec<&str> {
     let mut targets = Vec::new();
     for (opening, closing) in [("](", ')'), ("src=\"", '"'), ("href=\"", '"')] {
@@ -65,7 +65,7 @@ fn targets(prose: &str) -> Vec<&str> {
     targets
 }
 
-/// The file a target names; nothing for a web address or a section of the same file.
+/// The file that a target names; `None` for a web address or a section of the same file.
 fn relative_target(target: &str) -> Option<String> {
     let address = target.split_whitespace().next()?;
     let is_web = address.contains("://") || address.starts_with("mailto:");
@@ -73,8 +73,7 @@ fn relative_target(target: &str) -> Option<String> {
     (!is_web && !file.is_empty()).then(|| file.trim_matches(['<', '>']).to_owned())
 }
 
-/// The path from the workspace root of `target` as seen from `folder`; nothing when it leads
-/// out of the workspace.
+/// The path from the workspace root of `target` as seen from `folder`; `None` if it leads out of the workspace.
 fn resolve(folder: &str, target: &str) -> Option<String> {
     let mut parts: Vec<&str> = Vec::new();
     for part in folder.split('/').chain(target.split('/')) {

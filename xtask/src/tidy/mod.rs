@@ -1,7 +1,7 @@
 //! `cargo xtask tidy`: checks of the tree that the compiler does not make.
 //!
-//! Each checker is a pure function from text to a list of [`Problem`]s; this module reads the
-//! tree, calls them and prints what they found.
+//! Each checker is a pure function from text to a list of [`Problem`]s; this module reads the tree, calls them
+//! and prints the problems found.
 
 mod crates;
 mod files;
@@ -23,7 +23,7 @@ use files::SourceFile;
 /// Where the crate graph is documented.
 const ARCHITECTURE: &str = "docs/architecture.md";
 
-/// Something to mend, with its place and what to do about it.
+/// A problem, with its place and how to solve it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Problem {
     /// Path from the workspace root, with `/` between folders.
@@ -50,7 +50,7 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Checks the whole tree and prints a report; whether nothing was found.
+/// Checks the whole tree and prints a report; returns whether no problem was found.
 ///
 /// # Errors
 /// When the tree or `cargo metadata` cannot be read.

@@ -1,7 +1,7 @@
 //! Leftovers in the text: markers of unfinished work, debugging macros, paths of one machine,
 //! ignored tests without a reason, and unsafe code.
 //!
-//! The words looked for are put together from parts, so that this file passes its own check.
+//! The words to look for are put together from parts, so that this file passes its own check.
 
 use super::Problem;
 use super::files::SourceFile;
@@ -17,7 +17,7 @@ const MACHINE_FOLDERS: [&str; 6] = ["home", "root", "Users", "work", "workspace"
 /// What may follow the keyword in real unsafe code, as opposed to the word in a name.
 const AFTER_UNSAFE: [&str; 6] = ["{", "(", "fn", "impl", "trait", "extern"];
 
-/// Checks every file for the leftovers that matter in it.
+/// Checks every file for the leftovers that are relevant for its kind.
 pub(crate) fn check(files: &[SourceFile]) -> Vec<Problem> {
     files.iter().flat_map(check_file).collect()
 }
@@ -92,7 +92,7 @@ fn is_unsafe(line: &str) -> bool {
     })
 }
 
-/// What follows each place where `word` stands by itself in `line`.
+/// The text after each place where `word` occurs as a whole word in `line`.
 fn words<'a>(line: &'a str, word: &'a str) -> impl Iterator<Item = &'a str> {
     let is_part = |c: char| c.is_alphanumeric() || c == '_';
     line.match_indices(word).filter_map(move |(at, _)| {

@@ -8,7 +8,7 @@ use anyhow::Result;
 use super::program::{Summary, Workshop};
 use super::report::{Check, Report, short};
 
-/// When the run is interrupted, as parts of the time that the uninterrupted one took.
+/// Times of the interruptions, as parts of the time of the uninterrupted run.
 const INTERRUPTIONS: [f64; 2] = [0.2, 0.6];
 
 const COLUMNS: [&str; 5] = ["run", "steps", "settled", "wall_seconds", "state_hash"];

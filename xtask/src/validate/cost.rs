@@ -8,13 +8,13 @@ use super::report::{Check, Report, short};
 /// Sizes of the packs, as multiples of the smallest.
 const SIZES: [u32; 4] = [1, 2, 4, 8];
 
-/// Penalty of the first series, in Pa: about what 500 bodies in this box get by default.
+/// Penalty of the first series, in Pa: about the default for 500 bodies in this box.
 const PENALTY: &str = "5.2e6";
 
 /// The largest part by which the cost per body may differ from that of the smallest pack.
 const FLAT: f64 = 0.15;
 
-/// A way to choose box and penalty, with the options that ask for it.
+/// A way to choose box and penalty, with its options.
 const SERIES: [(&str, &str); 2] = [("fixed", "--box 7x7 --penalty 5.2e6"), ("defaults", "")];
 
 /// Packs `smallest` to eight times as many bodies, in boxes of one width and in default boxes.

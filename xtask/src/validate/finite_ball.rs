@@ -1,17 +1,17 @@
-//! What Hertz's theory leaves out: a ball is no half-space.
+//! An effect that Hertz's theory neglects: a ball is not a half-space.
 //!
-//! A linearly elastic ball is pressed on a rigid plane, or on its mirror image, and pushed by its own
-//! inertia: a body force that is the same everywhere. Its displacement is a sum over the degrees n of
-//! Legendre polynomials (A. I. Lur'e, Three-dimensional problems of the theory of elasticity, 1964),
+//! A linearly elastic ball is pressed on a rigid plane, or on its mirror image, by its own inertia: a uniform
+//! body force. Its displacement is a sum over the degrees n of Legendre polynomials (A. I. Lur'e,
+//! Three-dimensional problems of the theory of elasticity, 1964),
 //!
 //! u_r = [A (n+1)(n-2+4 nu) r^(n+1) + B n r^(n-1)] P_n(cos t),
 //! u_t = [A (n+5-4 nu) r^(n+1) + B r^(n-1)] dP_n/dt,
 //!
-//! and for n = 1 a field C r^2 e_z besides, which balances the body force. The pressure has Hertz's
-//! form sqrt(1 - (s/a)^2) on the cap s < a and is directed along the normal of the plane. With S(a) the
-//! work of a unit force on its own displacement and G(a) the mean gap between the cap and the plane, the
-//! radius a makes the complementary energy F^2 S/2 + F G least; the ball's energy is then F^2 S/2.
-//! As a goes to 0 this is Hertz's theory. What is neglected are finite strain and waves.
+//! and for n = 1 additionally a field C r^2 e_z, which balances the body force. The pressure has Hertz's form
+//! sqrt(1 - (s/a)^2) on the cap s < a and is directed along the normal of the plane. With S(a) the work of a
+//! unit force on its own displacement and G(a) the mean gap between the cap and the plane, the radius a
+//! minimises the complementary energy F^2 S/2 + F G; the ball's energy is then F^2 S/2. For a to 0 this is
+//! Hertz's theory. Finite strain and waves are neglected.
 //!
 //! Lengths are in radii, stresses in Young's moduli.
 
@@ -225,8 +225,8 @@ mod tests {
         stress
     }
 
-    /// The fields are in balance inside, with a constant body force for n = 1, and have the tractions asked
-    /// for on the surface.
+    /// The fields are in balance inside, with a constant body force for n = 1, and have the prescribed
+    /// tractions on the surface.
     #[test]
     fn every_degree_solves_its_problem() {
         let nu = 0.2;

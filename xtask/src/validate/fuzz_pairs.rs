@@ -13,7 +13,7 @@ const SEED: u32 = 1;
 
 const COLUMNS: [&str; 4] = ["kernel", "pairs", "touching", "not_finite_or_negative"];
 
-/// What the example `fuzz_pairs` prints: a line of numbers for each kernel, and single numbers.
+/// The output of the example `fuzz_pairs`: a line of numbers for each kernel, and single numbers.
 #[derive(Debug, Default, PartialEq)]
 struct Output {
     kernels: Vec<[String; 4]>,
@@ -43,7 +43,7 @@ impl Output {
         output
     }
 
-    /// A number by its name; not a number if it was not printed.
+    /// A number by its name; NaN if it was not printed.
     fn number(&self, name: &str) -> f64 {
         self.numbers.get(name).copied().unwrap_or(f64::NAN)
     }
@@ -103,7 +103,7 @@ impl Output {
     }
 }
 
-/// Draws `count` pairs and asks every kernel.
+/// Draws `count` pairs and evaluates them with every kernel.
 ///
 /// # Errors
 /// When the example cannot be built or fails.

@@ -52,7 +52,7 @@ pub(super) fn lines(
     Ok((output, commands))
 }
 
-/// What a page made of earlier lines says.
+/// The note on a page made of earlier lines.
 pub(super) fn note(earlier: Option<&Path>) -> &'static str {
     match earlier {
         Some(_) => {
@@ -104,7 +104,7 @@ goes with a penetration p/(4 kappa) beside the elastic approach. At kappa h/E = 
 in Hertz's theory, and lowers the force by 17.5 % h/a: 8.7 % at a/h = 2, 6.2 % at 2.8, 5 % at 3.5. That coarse linear \
 tetrahedra are stiff works the other way.\n\n![Force over Hertz's](hertz.svg)\n\n";
 
-/// The three unknowns of F0 + A h + B h/r by least squares; not numbers without runs enough.
+/// The three unknowns of F0 + A h + B h/r by least squares; NaN without enough runs.
 fn converged(rows: &[&[String]], against: &str, depth: &str) -> f64 {
     let mut normal = [[0.0_f64; 4]; 3];
     for row in rows.iter().filter(|row| {

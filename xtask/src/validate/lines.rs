@@ -1,4 +1,4 @@
-//! What examples print: lines of columns separated by tabs, each with the name of its table first.
+//! Output of the examples: lines of columns separated by tabs, each with the name of its table first.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ use super::program::Workshop;
 pub(crate) struct Output(Vec<Vec<String>>);
 
 impl Output {
-    /// Runs an example with `arguments` for `cargo run --release --locked`; the command too.
+    /// Runs an example with `arguments` for `cargo run --release --locked`; returns the command, too.
     ///
     /// # Errors
     /// When it cannot be built or fails.
@@ -35,7 +35,7 @@ impl Output {
         Ok((parsed, format!("cargo {arguments}")))
     }
 
-    /// The lines that an example printed earlier with `arguments`; the command too.
+    /// The lines that an example printed earlier with `arguments`; returns the command, too.
     ///
     /// # Errors
     /// When the file cannot be read.
@@ -70,7 +70,7 @@ impl Output {
         })
     }
 
-    /// A number of the first row of `table` that starts with `key`; not a number if there is none.
+    /// A number of the first row of `table` that starts with `key`; NaN if there is none.
     pub(crate) fn number(&self, table: &str, key: &[&str], column: usize) -> f64 {
         let mut rows = self.rows(table);
         let row =
@@ -79,7 +79,7 @@ impl Output {
     }
 }
 
-/// A number of a row; not a number if it is none.
+/// A number of a row; NaN if the cell is not a number.
 pub(crate) fn cell(row: &[String], column: usize) -> f64 {
     let number = row.get(column).and_then(|text| text.parse().ok());
     number.unwrap_or(f64::NAN)

@@ -1,4 +1,4 @@
-//! Where and from what a result was made.
+//! Machine, compiler and commit of a result.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 pub(crate) struct Place {
     pub(crate) processor: String,
     pub(crate) cores: usize,
-    /// Mean number of busy cores in the minute before; `None` where the system does not tell.
+    /// Mean number of busy cores in the minute before; `None` if the system does not report it.
     pub(crate) load: Option<String>,
     pub(crate) compiler: String,
     pub(crate) commit: String,

@@ -1,4 +1,4 @@
-//! `cargo xtask validate`: long runs of the program against the figures it is to reach.
+//! `cargo xtask validate`: long runs of the program, compared with targets.
 //!
 //! Each case builds the release program, runs it in a temporary folder, reads its `summary.json`
 //! and writes a page and a table with the machine, the commit and the commands. With `--count` a
@@ -87,7 +87,7 @@ enum Case {
 }
 
 impl Case {
-    /// The single cases that this one stands for.
+    /// The single cases that this one includes.
     fn parts(self) -> Vec<Self> {
         match self {
             Self::All => vec![
@@ -136,7 +136,7 @@ impl Case {
     }
 }
 
-/// Runs the cases and writes their pages; whether every figure was reached.
+/// Runs the cases and writes their pages; returns whether every target was reached.
 ///
 /// # Errors
 /// When the program cannot be built or fails, or a page cannot be written.

@@ -54,7 +54,7 @@ fn checks(summary: &Summary) -> Result<Vec<Check>> {
     ])
 }
 
-/// The numbers of the summary worth a line.
+/// The numbers of the summary that are listed on the page.
 ///
 /// # Errors
 /// When the summary has no fingerprint.
@@ -84,7 +84,7 @@ pub(super) fn rows(summary: &Summary) -> Result<Vec<Vec<String>>> {
     ];
     let mut rows = Vec::new();
     for path in paths {
-        // A small trial has no core, and a system may not tell the memory.
+        // A small trial has no core, and a system may not report the memory.
         let value = summary
             .number(path)
             .map_or_else(|_| "none".to_owned(), short);

@@ -1,4 +1,4 @@
-//! The program: building it, running it, reading what it wrote.
+//! The program: building it, running it, reading its results.
 
 use std::ffi::OsString;
 use std::fs;
@@ -18,7 +18,7 @@ pub(crate) struct Workshop {
     folder: TempDir,
 }
 
-/// A built program, copied to where later builds do not replace it.
+/// A built program, copied to a place where later builds do not replace it.
 pub(crate) struct Program {
     path: PathBuf,
 }
@@ -65,7 +65,7 @@ impl Workshop {
         Ok(Program { path })
     }
 
-    /// Writes a file for the runs; its path.
+    /// Writes a file for the runs and returns its path.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -75,7 +75,7 @@ impl Workshop {
         Ok(path)
     }
 
-    /// A copy of a file under another name; its path.
+    /// A copy of a file under another name; returns its path.
     ///
     /// # Errors
     /// When it cannot be copied.
@@ -135,7 +135,7 @@ impl Program {
         self.finish(command, options, &folders)
     }
 
-    /// What a command prints.
+    /// The output of a command.
     ///
     /// # Errors
     /// When the program fails.
@@ -151,7 +151,7 @@ impl Program {
         Ok(String::from_utf8_lossy(&output.stdout).into_owned())
     }
 
-    /// A picture of the bodies listed in a folder, by `femdem picture`; its path.
+    /// A picture of the bodies listed in a folder, by `femdem picture`; returns its path.
     ///
     /// # Errors
     /// When the program fails.
@@ -219,7 +219,7 @@ impl Program {
     }
 }
 
-/// Sends what Ctrl-C sends.
+/// Sends the signal of Ctrl-C.
 fn interrupt(child: &Child) -> Result<()> {
     let status = Command::new("kill")
         .args(["-INT", &child.id().to_string()])

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 
 use super::machine::Place;
 
-/// A figure to be reached, and what was measured.
+/// A target, and the measured value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Check {
     pub(crate) figure: String,
@@ -24,7 +24,7 @@ impl Check {
             figure: figure.to_owned(),
             wanted: format!("at most {}", text(limit)),
             measured: text(measured),
-            // Not a number is not met.
+            // NaN does not meet a limit.
             met: measured <= limit,
         }
     }
@@ -43,17 +43,17 @@ impl Check {
 /// The result of a case.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Report {
-    /// File name without its ending, and name of the case.
+    /// File name without its extension, and name of the case.
     pub(crate) name: &'static str,
     pub(crate) title: String,
-    /// What was done and how it is judged.
+    /// What was done and how it is assessed.
     pub(crate) text: String,
     /// The commands that were run, as a user would give them.
     pub(crate) commands: Vec<String>,
     pub(crate) checks: Vec<Check>,
     pub(crate) columns: Vec<&'static str>,
     pub(crate) rows: Vec<Vec<String>>,
-    /// Files to be copied beside the page, such as pictures that its text shows.
+    /// Files to be copied next to the page, such as pictures that its text shows.
     pub(crate) attachments: Vec<PathBuf>,
 }
 
@@ -77,8 +77,8 @@ impl Report {
         self.checks.iter().map(line).collect::<Vec<_>>().join("\n")
     }
 
-    /// Writes the page and the table into a folder; the path of the page. `made_by` is the command
-    /// that asked for the case.
+    /// Writes the page and the table into a folder; returns the path of the page. `made_by` is the command that
+    /// started the case.
     ///
     /// # Errors
     /// When the folder or a file cannot be written.
@@ -158,7 +158,7 @@ fn csv_cell(text: &str) -> String {
     }
 }
 
-/// A number to four digits, with an exponent where that is shorter to read; a dash for what is not known.
+/// A number to four digits, with an exponent where that is shorter; a dash for an unknown value.
 pub(crate) fn short(value: f64) -> String {
     if value.is_nan() {
         return "-".to_owned();

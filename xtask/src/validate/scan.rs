@@ -1,4 +1,4 @@
-//! A surface as a scanner writes it: irregular triangles, rough, in millimetres and single precision.
+//! A surface like those of scanners: irregular triangles, rough, in millimetres and single precision.
 
 use std::f64::consts::{PI, TAU};
 
@@ -78,7 +78,7 @@ pub(crate) fn binary_stl(triangles: &[[Point; 3]]) -> Vec<u8> {
     let mut bytes = vec![0; 80];
     bytes.extend((triangles.len() as u32).to_le_bytes());
     for triangle in triangles {
-        // Readers go by the order of the corners; the normal may be left out.
+        // Readers use the order of the corners; the normal may be left out.
         bytes.extend([0; 12]);
         for x in triangle.iter().flatten() {
             bytes.extend((*x as f32).to_le_bytes());

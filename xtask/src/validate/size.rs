@@ -9,7 +9,7 @@ use super::report::{Check, Report, short};
 /// Copies of the column of 250 bodies along x and y.
 const COPIES: [[u32; 2]; 4] = [[2, 2], [3, 4], [5, 8], [10, 12]];
 
-/// Steps of the copies before the cost is taken, rounds of which the fastest counts, and steps of a round.
+/// Steps of the copies before the cost is measured, rounds of which the fastest counts, and steps per round.
 const STEPS: &str = "500 10 10";
 
 /// The largest part by which the cost may differ from that of the smallest pack.
@@ -34,7 +34,7 @@ const NUMBERS: [(&str, &str); 6] = [
     ("bytes per body", "bytes_per_body"),
 ];
 
-/// Steps packs of up to 30,000 bodies, and packs with the program; with `count`, of up to so many.
+/// Steps packs of up to 30,000 bodies (with `count`, up to that many), and makes packs with the program.
 ///
 /// # Errors
 /// When the example or the program cannot be built or fails.

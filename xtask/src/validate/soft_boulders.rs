@@ -12,16 +12,16 @@ use super::report::{Check, Report, short};
 /// Threads of the short runs.
 const THREADS: [u32; 3] = [1, 2, 4];
 
-/// Threads of the runs to rest: two that share a core would take half as much processor time again.
+/// Threads of the runs to rest: two threads that share a core would take half as much processor time again.
 const REST_THREADS: u32 = 1;
 
 /// Simulated seconds of the short runs, one for each number of threads.
 const SHORT: f64 = 0.5;
 
-/// Simulated seconds in the medium at the end of the long run, and as many without it.
+/// Simulated seconds in the medium at the end of the long run, and again without it.
 const SETTLING: f64 = 0.5;
 
-/// Simulated seconds before all are woken where boulders at rest are frozen, over those of the run in which they are not.
+/// Simulated seconds before all boulders are woken in the run with freezing, over those of the run without.
 const FROZEN: f64 = 8.0 / 11.0;
 
 /// Kinetic energy over m g d of a boulder that counts as rest.
@@ -44,8 +44,8 @@ const NUMBERS: [&str; 13] = [
     "ledger error",
 ];
 
-/// Dumps `count` boulders for a simulated time, s, and lets them settle; then with boulders at rest
-/// frozen; then for a short time at 1, 2 and 4 threads. `earlier` is a folder with what the example printed before
+/// Dumps `count` boulders for a simulated time, s, and lets them settle; then with boulders at rest frozen;
+/// then for a short time at 1, 2 and 4 threads. `earlier` is a folder with earlier output of the example
 /// (rest.tsv, frozen.tsv, 1.tsv, 2.tsv, 4.tsv) and the boulders that it wrote (pack).
 ///
 /// # Errors
@@ -98,8 +98,8 @@ pub(crate) fn run(
     })
 }
 
-/// What a page says of the energy between the end of the medium and the end. What rings inside the boulders goes up
-/// and down by a fifth, far below the limit; boulders that gain speed again are not at rest, even below it.
+/// The text of a page on the energy between the end of the medium and the end. Vibrations inside the boulders
+/// vary by a fifth, far below the limit; boulders that gain speed again are not at rest, even below it.
 fn growth(first: &Output) -> String {
     let [start, end] = [
         "kinetic energy over m g d as the medium ends",
@@ -120,7 +120,7 @@ fn growth(first: &Output) -> String {
     )
 }
 
-/// What a page made of earlier lines says.
+/// The note on a page made of earlier lines.
 fn note(earlier: Option<&Path>) -> &'static str {
     match earlier {
         Some(_) => {
@@ -169,7 +169,7 @@ fn progress(of: &Output) -> String {
     )
 }
 
-/// What a page says of the run in which boulders at rest are frozen.
+/// The text of a page on the run in which boulders at rest are frozen.
 fn asleep(of: &Output) -> String {
     format!(
         "\nThe same with boulders at rest frozen (`sleeping.deformables`), without a medium. All are woken {} s before \
@@ -218,7 +218,7 @@ fn checks(outputs: &[Output]) -> Vec<Check> {
     ]
 }
 
-/// The all-in time of the last line of progress in which boulders are frozen, ns.
+/// Total time per tetrahedron and step in the last line of progress in which boulders are frozen, ns.
 fn at_rest(of: &Output) -> f64 {
     let all = number(of, "boulders");
     let frozen = of.rows("progress").filter(|row| cell(row, 9) < all);
@@ -233,7 +233,7 @@ fn rows(outputs: &[Output]) -> Vec<Vec<String>> {
     let hashes = std::iter::once("state hash".to_owned()).chain(outputs.iter().map(hash));
     let mut rows: Vec<Vec<String>> = NUMBERS.iter().map(line).collect();
     rows.push(hashes.collect());
-    // The last rate is the settled pack's.
+    // The last rate is that of the settled pack.
     let last = |output: &Output| {
         output
             .rows("progress")

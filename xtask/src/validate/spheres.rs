@@ -93,7 +93,7 @@ pub(crate) fn spheres(workshop: &Workshop, earlier: Option<&Path>) -> Result<Rep
     })
 }
 
-/// What comes before the first comma of an impact's name: laws and partners differ behind it.
+/// The part of an impact's name before the first comma; after it laws and partners differ.
 fn test(name: &str) -> &str {
     name.split(',').next().unwrap_or_default()
 }
@@ -151,7 +151,7 @@ tetrahedra lie on chords, in test 1 at 0.035 up to 6e-4 R inside the ball, 5 % o
 contact softer and longer than that of linear tetrahedra of the same spacing.\n\n\
 ![Force in time](spheres.svg)\n";
 
-/// The row that is judged: that of T10, or else T4, with the finest mesh at kappa h/E = 1.
+/// The row that is assessed: that of T10, or else T4, with the finest mesh at kappa h/E = 1.
 fn finest<'a>(output: &'a Output, impact: &str) -> Option<&'a [String]> {
     let rows = output
         .rows("impact")

@@ -6,7 +6,7 @@ use super::lines::Output;
 use super::program::Workshop;
 use super::report::{Check, Report};
 
-/// Runs the example `statics` of femdem-solve for one of its tables; the command too.
+/// Runs the example `statics` of femdem-solve for one of its tables; returns the command, too.
 fn run(workshop: &Workshop, table: &str) -> Result<(Output, String)> {
     Output::of(
         workshop,
@@ -14,7 +14,7 @@ fn run(workshop: &Workshop, table: &str) -> Result<(Output, String)> {
     )
 }
 
-/// A figure that is to be within a share of a value.
+/// A value that has to be within a share of another.
 fn within(figure: &str, measured: f64, value: f64, share: f64) -> Check {
     Check::holds(
         figure,
