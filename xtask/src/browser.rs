@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result};
 
-/// Names that the browser goes by.
+/// Names of the browser.
 const NAMES: [&str; 5] = [
     "chromium",
     "chromium-browser",
@@ -14,11 +14,11 @@ const NAMES: [&str; 5] = [
     "chrome",
 ];
 
-/// Where the pictures go that people look at, from the workspace root.
+/// Folder of the pictures for inspection, from the workspace root.
 const PICTURES: &str = "out/browser";
 
-/// Runs the browser tests; whether they passed. Without a browser, and without a way to install one, they
-/// are skipped with a word.
+/// Runs the browser tests; returns whether they passed. Without a browser, and without a way to install one,
+/// they are skipped with a message.
 ///
 /// # Errors
 /// When cargo cannot be started.

@@ -15,7 +15,7 @@ struct Step {
     environment: &'static [(&'static str, &'static str)],
 }
 
-/// Everything but `tidy`, which runs in this process after them. Cheap steps come first.
+/// Everything except `tidy`, which runs in this process after them. Cheap steps come first.
 ///
 /// The commands without a package option act on the default members, which are the crates of
 /// `crates/`: there, `--no-default-features` builds the serial code paths.
@@ -25,7 +25,7 @@ const STEPS: [Step; 7] = [
         arguments: "fmt --all --check",
         environment: &[],
     },
-    // A workspace of its own, whose other engine is too much to compile here.
+    // A separate workspace: its other engine takes too long to compile here.
     Step {
         name: "format of the peers",
         arguments: "fmt --manifest-path benches/peers/Cargo.toml --check",
@@ -85,7 +85,7 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     ))
 }
 
-/// Runs one step with no standard input; whether it passed.
+/// Runs one step with no standard input; returns whether it passed.
 fn run_cargo(root: &Path, step: &Step) -> Result<bool> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(cargo)
@@ -102,7 +102,7 @@ fn heading(number: usize, total: usize, name: &str, command: &str) {
     println!("\n=== {number}/{total} {name}: {command}");
 }
 
-/// Prints the summary; whether all steps passed.
+/// Prints the summary; returns whether all steps passed.
 fn finish(times: &[(&str, Duration)], failed: Option<(&str, &str)>) -> bool {
     println!("\n{}", summary(times));
     match failed {

@@ -106,8 +106,8 @@ impl From<TetMesh> for Parts {
 }
 
 impl TetMesh {
-    /// Makes a mesh from points \[m\] and tetrahedra, each given by four indices of points (a, b, c, d) with (b
-    /// - a) . ((c - a) x (d - a)) > 0.
+    /// Makes a mesh from points \[m\] and tetrahedra, each given by four indices of points (a, b, c, d) with
+    /// (b - a) . ((c - a) x (d - a)) > 0.
     ///
     /// # Errors
     ///

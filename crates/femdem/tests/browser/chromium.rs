@@ -1,4 +1,4 @@
-//! Chromium without a window, told what to do through a pipe (its DevTools protocol).
+//! Chromium without a window, controlled through a pipe (its DevTools protocol).
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -217,7 +217,7 @@ impl Page {
         before
     }
 
-    /// Whether the canvas comes to show what is wanted.
+    /// Whether the canvas shows what is wanted within the waiting time.
     pub fn comes_to(&mut self, wanted: impl Fn(&Picture) -> bool) -> bool {
         self.rest();
         (0..40).any(|look| {

@@ -45,7 +45,7 @@ pub fn stdout(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-/// Runs, and asks for failure with words in the message. Returns the message.
+/// Runs a command that must fail with these words in its message. Returns the message.
 pub fn fails(command: &mut Command, words: &[&str]) -> String {
     let output = run(command);
     let message = String::from_utf8(output.stderr.clone()).unwrap();
