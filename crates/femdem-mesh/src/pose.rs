@@ -40,10 +40,11 @@ pub fn unit_pose(pose: &Pose) -> Option<Pose> {
     Some(Pose::from_parts(pose.translation, rotation))
 }
 
-/// The same, refusing a rotation that is none. A translation that is not finite stays, for a check of what it moves.
+/// The same, with an error for a quaternion that is not of unit length. A translation that is not finite is kept; it
+/// is found where the moved points are checked.
 pub(crate) fn checked_pose(pose: &Pose) -> Result<Pose, MeshError> {
     let length = pose.rotation.coords.norm();
-    // Written so that NaN fails it too.
+    // The condition is false for NaN.
     let is_unit = (length - 1.0).abs() <= QUATERNION_TOLERANCE;
     if !is_unit {
         return Err(MeshError::OutOfRange {

@@ -24,7 +24,7 @@ pub struct DensityOptions {
     /// Smallest side of a bootstrap block over the mean diameter; above 0. Default 1.5, a length beyond which
     /// the density of a random pack is only weakly correlated.
     pub block_over_d: f64,
-    /// Number of bootstrap draws, 2 or more. Default 1000.
+    /// Number of bootstrap draws, 2 to 1e6. Default 1000.
     pub resamples: u32,
     /// Seed of the bootstrap's random stream. Default 1.
     pub seed: u64,

@@ -45,8 +45,8 @@ impl FocusEntry {
 }
 
 /// The conformal map of the unit ball onto itself that maps `a` to the origin and 0 to -a (L. V. Ahlfors,
-/// Moebius Transformations in Several Dimensions, 1981, section 2.6). Lengths at x change by (1 - a^2)/(1 - 2
-/// a.x + a^2 x^2).
+/// Moebius Transformations in Several Dimensions, 1981, section 2.6). Lengths at x change by
+/// (1 - a^2)/(1 - 2 a.x + a^2 x^2).
 fn automorphism(a: &Vector3, x: &Vector3) -> Vector3 {
     let a2 = a.norm_squared();
     let from = x - a;
