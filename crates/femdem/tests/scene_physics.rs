@@ -294,3 +294,53 @@ fn deformable_bodies_sleep_if_asked_for() {
         assert!(message.contains("sleeping-deformables"), "{message}");
     }
 }
+
+/// A mesh that cuts off corners is as heavy as what its surface encloses, deformable as rigid.
+#[test]
+fn a_body_weighs_the_same_whether_it_deforms_or_not() {
+    for shape in ["boulder", "sphere:level=2", "dolos"] {
+        let mass = |behaviour: &str| {
+            let text = format!(
+                "duration = 1\n{CLAY}[[body]]\nshape = \"{shape}\"\nsize = 0.05\nmaterial = \"clay\"\n\
+                 behaviour = \"{behaviour}\"\n"
+            );
+            let simulation = Scenario::from_toml(&text).unwrap().build().unwrap();
+            simulation.bodies()[0].mass
+        };
+        let (rigid, soft) = (mass("rigid"), mass("deformable"));
+        assert!(
+            (soft / rigid - 1.0).abs() < 1e-12,
+            "{shape}: {rigid} {soft}"
+        );
+    }
+}
+
+/// A parameter that is out of its range is no file, though a point stands in it.
+#[test]
+fn a_parameter_out_of_range_is_named() {
+    let text = format!(
+        "duration = 1\n{CLAY}[[body]]\nshape = \"cylinder:aspect=0.001\"\nsize = 0.05\nmaterial = \"clay\"\n"
+    );
+    let error = Scenario::from_toml(&text)
+        .unwrap()
+        .build()
+        .map(|_| ())
+        .unwrap_err();
+    assert!(error.to_string().contains("0.02 to 50"), "{error}");
+}
+
+/// Rigid bodies have the numbers of the scene in their frames, as contacts have.
+#[test]
+fn rigid_frames_number_bodies_as_the_scene_does() {
+    let text = format!(
+        "duration = 1\n{CLAY}{}[[body]]\nshape = \"P5\"\ndiameter = 0.05\nmaterial = \"clay\"\nposition = [0, 0, 1]\n",
+        block("position = [0, 0, 9]")
+    );
+    let simulation = Scenario::from_toml(&text).unwrap().build().unwrap();
+    assert_eq!(simulation.rigid_snapshot().bodies[0].sequence, 1);
+    let mut of_scene = Vec::new();
+    simulation.write_rigid(&mut of_scene).unwrap();
+    let mut alone = Vec::new();
+    femdem::output::vtu::write(&simulation.rigid_snapshot(), &mut alone).unwrap();
+    assert!(of_scene.len() == alone.len() && of_scene != alone);
+}

@@ -18,6 +18,16 @@ const VTK_POLYHEDRON: u8 = 42;
 /// If writing fails, or the snapshot does not pass [`Snapshot::check`] (as
 /// [`io::ErrorKind::InvalidInput`]).
 pub fn write(snapshot: &Snapshot, writer: impl Write) -> io::Result<()> {
+    let numbers: Vec<i64> = (0..snapshot.bodies.len() as i64).collect();
+    write_numbered(snapshot, &numbers, writer)
+}
+
+/// As [`write`], with the numbers of the bodies: those of a scene that has other bodies too.
+pub(crate) fn write_numbered(
+    snapshot: &Snapshot,
+    numbers: &[i64],
+    writer: impl Write,
+) -> io::Result<()> {
     let loads = snapshot.loads().map_err(invalid)?;
     let bodies = &snapshot.bodies;
     let sizes = bodies
@@ -49,13 +59,13 @@ pub fn write(snapshot: &Snapshot, writer: impl Write) -> io::Result<()> {
     out.integers("faces", streams.flatten());
     out.integers("faceoffsets", ends.into_iter().skip(1));
     out.line("</Cells>\n<CellData Scalars=\"sequence\">");
+    out.integers("body", numbers.iter().copied());
     cell_data(&mut out, bodies, &loads);
     out.line("</CellData>\n</Piece>");
     out.finish(writer)
 }
 
 fn cell_data<'a>(out: &mut Document<'a>, bodies: &'a [Body], loads: &'a [BodyLoad]) {
-    out.integers("body", 0..bodies.len() as i64);
     out.integers(
         "sequence",
         bodies.iter().map(|body| i64::from(body.sequence)),

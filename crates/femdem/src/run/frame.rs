@@ -16,6 +16,7 @@ use femdem_solve::{Deformable, SolveError};
 use super::contacts::{ContactLine, Side};
 use super::{Member, MemberId, Simulation};
 use crate::output::vtk::Document;
+use crate::output::vtu;
 use crate::{Body, Error, NamedShape, Snapshot};
 
 const VTK_TETRA: u8 = 10;
@@ -76,6 +77,18 @@ impl Simulation {
             bodies: bodies.collect(),
             ..Snapshot::default()
         }
+    }
+
+    /// Writes the rigid bodies as a VTU file; `body` is their number in the scene.
+    ///
+    /// # Errors
+    ///
+    /// If writing fails.
+    pub fn write_rigid(&self, writer: impl Write) -> io::Result<()> {
+        let snapshot = self.rigid_snapshot();
+        let bodies = snapshot.bodies.iter();
+        let numbers: Vec<i64> = bodies.map(|body| i64::from(body.sequence)).collect();
+        vtu::write_numbered(&snapshot, &numbers, writer)
     }
 
     /// Writes the deformable bodies as a VTU file.

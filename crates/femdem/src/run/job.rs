@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::history::{self, Table};
 use super::relaxation::Relaxing;
 use super::{RelaxSummary, RunSummary, Scenario, Side, Simulation};
-use crate::output::{vtu, write_file, write_pvd_parts};
+use crate::output::{write_file, write_pvd_parts};
 use crate::picture::PictureOptions;
 use crate::{Error, Usage};
 
@@ -333,7 +333,7 @@ impl Run {
         }
         if simulation.world.body_count() > 0 {
             let path = frames.join(file_name(RIGID, number));
-            write_file(path, |w| vtu::write(&simulation.rigid_snapshot(), w))?;
+            write_file(path, |w| simulation.write_rigid(w))?;
         }
         let path = frames.join(file_name(CONTACTS, number));
         write_file(path, |w| simulation.write_contacts(w))?;
