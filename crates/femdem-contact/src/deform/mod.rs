@@ -54,7 +54,9 @@
 //!   on it and on what lies in front of it), stiffness and bound. Its ends are points of both materials,
 //!   which follow the centre of pressure. A triangle newly in contact takes over the stretch of its
 //!   neighbours, as far as the energy of vanished springs allows.
-//! - **Damping**: all elastic forces of a pair are scaled by 1 + 2 ζ (dU/dt)/(√(2U) √(Σ |f_a|²/m_a)) ≥ 0,
+//! - **Patches**: where two bodies touch in several places, each is a contact with a dashpot of its own, and with its
+//!   own record; they share the energy of the pair as linear springs do.
+//! - **Damping**: all elastic forces of a patch are scaled by 1 + 2 ζ (dU/dt)/(√(2U) √(Σ |f_a|²/m_a)) ≥ 0,
 //!   where rigid bodies enter the sum with their inertia. For motion along the forces the restitution is that
 //!   of [`restitution`](crate::restitution). Rocking is damped by a moment against the rotation of the bodies
 //!   as a whole, with the rocking stiffness of the patch and the same ζ.
@@ -92,6 +94,7 @@ mod clip;
 mod current;
 mod kernel;
 mod near;
+mod patches;
 mod record;
 mod respond;
 mod rocking;

@@ -16,13 +16,15 @@ pub enum DeformablePartner {
     Wall(u32),
 }
 
-/// The contact of a pair: A, and a deformable body B. Vectors are in world axes.
+/// A contact, one connected patch: A, and a deformable body B. Vectors are in world axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct DeformableContact {
     /// Side A.
     pub a: DeformablePartner,
     /// Side B, a deformable body.
     pub b: u32,
+    /// Number of the patch, from 0: the two may touch in several places.
+    pub patch: u32,
     /// Centre of pressure, m.
     pub point: Vector3,
     /// Direction of the elastic force on B: from A to B.

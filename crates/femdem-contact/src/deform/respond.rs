@@ -4,6 +4,7 @@ use super::bristle::Bristle;
 use super::current::Operand;
 use super::kernel::DeformableScratch;
 use super::near::Near;
+use super::patches::Patches;
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
 use super::rocking::{Rocking, Turning};
 use super::rub::Rubbing;
@@ -75,7 +76,8 @@ pub(crate) struct Outcome {
     pub turning_rates: [f64; 2],
     /// Load on a rigid body or wall.
     pub load: Option<Box<(Load, Resistance)>>,
-    pub contact: Option<DeformableContact>,
+    /// One for each patch.
+    pub contacts: Vec<DeformableContact>,
     pub totals: DeformableTotals,
     pub bristles: Vec<Bristle>,
 }
@@ -94,6 +96,43 @@ pub(crate) struct Dashpot {
     power: f64,
 }
 
+/// How easily a patch gives way, and how it moves.
+#[derive(Debug, Clone, Copy, Default)]
+struct Response {
+    /// Σ |f_a|²/m_a over the nodes, and the same of rigid bodies, N²/kg.
+    of_nodes: f64,
+    of_bodies: f64,
+    /// Of the elastic forces, W.
+    power: f64,
+}
+
+impl Response {
+    /// `force` is the elastic one on B, N.
+    fn dashpot(&self, energy: f64, force: &Vector3, zeta: f64) -> Dashpot {
+        let response = self.of_bodies + self.of_nodes;
+        let scale = (2.0 * energy * response).sqrt();
+        let inverse_mass = response / force.norm_squared();
+        let usable = zeta > 0.0 && scale > 0.0 && scale.is_finite();
+        if !usable {
+            return Dashpot {
+                scale: 1.0,
+                inverse_mass,
+                ..Dashpot::default()
+            };
+        }
+        let coefficient = 2.0 * zeta / scale;
+        let factor = (1.0 - coefficient * self.power).max(0.0);
+        let both = if self.of_bodies > 0.0 { 2.0 } else { 1.0 };
+        Dashpot {
+            scale: factor,
+            inverse_mass,
+            coefficient,
+            rate: coefficient * self.of_nodes * both,
+            power: (factor - 1.0) * self.power,
+        }
+    }
+}
+
 impl Outcome {
     /// Nothing touches: the springs are dropped.
     pub fn clear(&mut self) {
@@ -101,7 +140,7 @@ impl Outcome {
         self.moment = Vector3::zeros();
         self.turning_rates = [0.0; 2];
         self.load = None;
-        self.contact = None;
+        self.contacts.clear();
         self.totals = DeformableTotals::default();
         self.bristles.clear();
     }
@@ -113,7 +152,7 @@ impl Outcome {
         // Not the negative: what is 0 stays without a sign.
         let opposite = |v: &mut Vector3| *v = Vector3::zeros() - *v;
         opposite(&mut self.moment);
-        if let Some(contact) = &mut self.contact {
+        for contact in &mut self.contacts {
             opposite(&mut contact.normal);
             opposite(&mut contact.rocking);
             opposite(&mut contact.friction);
@@ -123,41 +162,54 @@ impl Outcome {
     /// Takes over the sums from the scratch, which are consumed. Nodes, moment and contact are those of the sides of
     /// `pair`.
     pub fn take(&mut self, pair: &Pair, scratch: &mut DeformableScratch) {
-        let dashpot = pair.dashpot(scratch);
-        let elastic = scratch.sums.wrench;
+        let patches = Patches::new(&pair.sides, pair.near, &scratch.sums);
+        let dashpots = pair.dashpots(scratch, &patches);
         scratch.sums.keep_elastic();
-        for side in &mut scratch.sums.forces {
-            side.iter_mut().for_each(|f| *f *= dashpot.scale);
+        for (side, forces) in scratch.sums.forces.iter_mut().enumerate() {
+            for (at, force) in forces.iter_mut().enumerate() {
+                *force *= dashpots[patches.of_node(side, at)].scale;
+            }
         }
-        let mut contact = pair.contact(scratch, dashpot.scale);
-        let force = contact.normal_force;
-        let rocking = pair.rocking(&scratch.sums.patch, &contact.normal, force);
-        contact.rocking = rocking.moment;
-        self.moment = rocking.moment;
-        self.turning_rates = rocking.rates;
-        let friction = self.rub(pair, scratch, &mut contact, &dashpot);
+        self.contacts.clear();
+        self.moment = Vector3::zeros();
+        self.turning_rates = [0.0; 2];
+        let mut damping_power = 0.0;
+        let mut rockings = Vec::with_capacity(patches.list.len());
+        for (number, (patch, dashpot)) in patches.list.iter().zip(&dashpots).enumerate() {
+            let mut contact = pair.contact(scratch, &patches, number, dashpot.scale);
+            let force = contact.normal_force;
+            let rocking = pair.rocking(&patch.stiffness, &contact.normal, force);
+            contact.rocking = rocking.moment;
+            self.moment += rocking.moment;
+            for (rate, more) in self.turning_rates.iter_mut().zip(rocking.rates) {
+                *rate += more;
+            }
+            damping_power += dashpot.power + rocking.power;
+            self.contacts.push(contact);
+            rockings.push(rocking);
+        }
+        let friction = self.rub(pair, scratch, &patches, &dashpots);
         for (side, members) in pair.near.sides.iter().enumerate() {
             scratch.sums.fold(side, &members.slaves);
         }
         self.totals = DeformableTotals {
-            energy: contact.energy,
-            spring_energy: contact.spring_energy,
-            damping_power: dashpot.power + rocking.power,
+            energy: scratch.sums.energy,
+            spring_energy: self.contacts.iter().map(|c| c.spring_energy).sum(),
+            damping_power,
             friction_power: friction.power,
             pairs: 0,
             touching: 1,
             candidates: 0,
             pieces: 0,
         };
-        self.contact = Some(contact);
         // The stiffness counts double if both sides can move, as both motions stretch it; only once if the
         // other side is fixed.
         let both = pair.moves_rigidly() || matches!(pair.sides[0], Operand::Deformable(..));
         let share = if both || pair.series { 1.0 } else { 0.5 };
         for side in 0..2 {
-            self.list_nodes(pair, scratch, side, share, &dashpot);
+            self.list_nodes(pair, scratch, side, share, (&patches, &dashpots));
         }
-        self.load = pair.rigid_load(scratch, &elastic[0], (&dashpot, &rocking), &friction);
+        self.load = pair.rigid_load(scratch, &patches, (&dashpots, &rockings), &friction);
     }
 
     fn list_nodes(
@@ -166,7 +218,7 @@ impl Outcome {
         scratch: &DeformableScratch,
         side: usize,
         share: f64,
-        dashpot: &Dashpot,
+        (patches, dashpots): (&Patches, &[Dashpot]),
     ) {
         let list = &mut self.nodes[side];
         list.clear();
@@ -180,6 +232,7 @@ impl Outcome {
                 continue;
             }
             let elastic = sums.elastic[side][at];
+            let dashpot = &dashpots[patches.of_node(side, at)];
             list.push(NodeLoad {
                 node,
                 force,
@@ -199,61 +252,65 @@ impl<'a> Pair<'a> {
 
     /// The dashpot along the gradient of U, in the space of all nodes and bodies of the pair:
     /// f -> (1 + s) f, s = 2 zeta dU/dt / (sqrt(2 U) sqrt(sum |f_a|^2/m_a)).
-    fn dashpot(&self, scratch: &DeformableScratch) -> Dashpot {
-        let sums = &scratch.sums;
-        let (mut response, mut of_nodes, mut power) = (0.0, 0.0, 0.0);
+    fn dashpots(&self, scratch: &DeformableScratch, patches: &Patches) -> Vec<Dashpot> {
+        let mut motions = vec![Response::default(); patches.list.len()];
         for (side, mover) in self.movers.iter().enumerate() {
             match mover {
-                Mover::Nodes(state) => {
-                    for (&node, force) in self.near.sides[side].nodes.iter().zip(&sums.forces[side])
-                    {
-                        let (Some(v), Some(w)) = (
-                            state.velocities.get(node as usize),
-                            state.inverse_masses.get(node as usize),
-                        ) else {
-                            break;
-                        };
-                        of_nodes += force.norm_squared() * w;
-                        power += force.dot(v);
-                    }
-                }
+                Mover::Nodes(state) => self.respond(side, state, scratch, patches, &mut motions),
                 Mover::Rigid(motion) => {
-                    let [force, about] = sums.wrench[side];
-                    let torque = about + (self.near.origin - motion.frame.position).cross(&force);
-                    response += force.norm_squared() * motion.inverse_mass
-                        + torque.dot(&(motion.inverse_inertia * torque));
-                    power += force.dot(&motion.velocity) + torque.dot(&motion.angular_velocity);
+                    for (patch, of_patch) in patches.list.iter().zip(&mut motions) {
+                        let [force, about] = patch.wrench[side];
+                        let torque =
+                            about + (self.near.origin - motion.frame.position).cross(&force);
+                        of_patch.of_bodies += force.norm_squared() * motion.inverse_mass
+                            + torque.dot(&(motion.inverse_inertia * torque));
+                        of_patch.power +=
+                            force.dot(&motion.velocity) + torque.dot(&motion.angular_velocity);
+                    }
                 }
             }
         }
-        let both = response > 0.0;
-        response += of_nodes;
-        let zeta = self.law.damping_ratio;
-        let scale = (2.0 * sums.energy * response).sqrt();
-        let inverse_mass = response / sums.wrench[1][0].norm_squared();
-        let usable = zeta > 0.0 && scale > 0.0 && scale.is_finite();
-        if !usable {
-            return Dashpot {
-                scale: 1.0,
-                inverse_mass,
-                ..Dashpot::default()
+        let each = patches.list.iter().zip(&motions);
+        each.map(|(patch, motion)| {
+            let energy = scratch.sums.energy * patch.share;
+            motion.dashpot(energy, &patch.wrench[1][0], self.law.damping_ratio)
+        })
+        .collect()
+    }
+
+    /// Adds what the nodes of a side contribute to the patches.
+    fn respond(
+        &self,
+        side: usize,
+        state: &NodalState,
+        scratch: &DeformableScratch,
+        patches: &Patches,
+        motions: &mut [Response],
+    ) {
+        let nodes = self.near.sides[side].nodes.iter();
+        for (at, (&node, force)) in nodes.zip(&scratch.sums.forces[side]).enumerate() {
+            let (Some(v), Some(w)) = (
+                state.velocities.get(node as usize),
+                state.inverse_masses.get(node as usize),
+            ) else {
+                break;
             };
-        }
-        let coefficient = 2.0 * zeta / scale;
-        let factor = (1.0 - coefficient * power).max(0.0);
-        Dashpot {
-            scale: factor,
-            inverse_mass,
-            coefficient,
-            rate: coefficient * of_nodes * if both { 2.0 } else { 1.0 },
-            power: (factor - 1.0) * power,
+            let of_patch = &mut motions[patches.of_node(side, at)];
+            of_patch.of_nodes += force.norm_squared() * w;
+            of_patch.power += force.dot(v);
         }
     }
 
     /// The record of the elastic contact with damping.
-    fn contact(&self, scratch: &DeformableScratch, scale: f64) -> DeformableContact {
-        let sums = &scratch.sums;
-        let force = sums.wrench[1][0];
+    fn contact(
+        &self,
+        scratch: &DeformableScratch,
+        patches: &Patches,
+        number: usize,
+        scale: f64,
+    ) -> DeformableContact {
+        let (sums, patch) = (&scratch.sums, &patches.list[number]);
+        let force = patch.wrench[1][0];
         let elastic_force = force.norm();
         let normal = if elastic_force > 0.0 {
             force / elastic_force
@@ -261,10 +318,12 @@ impl<'a> Pair<'a> {
             Vector3::zeros()
         };
         let (mut pressure, mut moment, mut stiffness) = (0.0, Vector3::zeros(), 0.0);
-        for load in &sums.loads {
-            pressure += load.pressure;
-            moment += load.moment;
-            stiffness += load.stiffness;
+        for (i, load) in sums.loads.iter().enumerate() {
+            if patches.of_load(i) == number {
+                pressure += load.pressure;
+                moment += load.moment;
+                stiffness += load.stiffness;
+            }
         }
         let centre = if pressure > 0.0 {
             moment / pressure
@@ -274,6 +333,7 @@ impl<'a> Pair<'a> {
         DeformableContact {
             a: self.ids.0,
             b: self.ids.1,
+            patch: number as u32,
             point: self.near.origin + centre,
             normal,
             elastic_force,
@@ -281,9 +341,9 @@ impl<'a> Pair<'a> {
             rocking: Vector3::zeros(),
             friction: Vector3::zeros(),
             slides: false,
-            area: (0.5 * normal.dot(&sums.area)).max(0.0),
-            volume: sums.volume,
-            energy: sums.energy,
+            area: (0.5 * normal.dot(&patch.area)).max(0.0),
+            volume: sums.volume * patch.share,
+            energy: sums.energy * patch.share,
             spring_energy: 0.0,
             stiffness,
             tangential_stiffness: 0.0,
@@ -294,8 +354,8 @@ impl<'a> Pair<'a> {
     fn rigid_load(
         &self,
         scratch: &DeformableScratch,
-        elastic: &[Vector3; 2],
-        (dashpot, rocking): (&Dashpot, &Rocking),
+        patches: &Patches,
+        (dashpots, rockings): (&[Dashpot], &[Rocking]),
         rubbing: &Rubbing,
     ) -> Option<Box<(Load, Resistance)>> {
         let Mover::Rigid(motion) = self.movers[0] else {
@@ -306,15 +366,24 @@ impl<'a> Pair<'a> {
             force: *force,
             torque: torque + to.cross(force),
         };
-        let elastic = about(elastic);
-        let damping = Wrench {
-            force: elastic.force * (dashpot.scale - 1.0),
-            torque: elastic.torque * (dashpot.scale - 1.0) - rocking.moment,
-        };
         let (mut load, mut resistance) = (Load::default(), Resistance::default());
-        load.add_wrenches(&elastic, &damping, &about(&rubbing.wrench));
-        load.normal_sum = elastic.force.norm() * dashpot.scale;
-        load.contacts = 1;
+        let mut friction = about(&rubbing.wrench);
+        for ((patch, dashpot), rocking) in patches.list.iter().zip(dashpots).zip(rockings) {
+            let elastic = about(&patch.wrench[0]);
+            let damping = Wrench {
+                force: elastic.force * (dashpot.scale - 1.0),
+                torque: elastic.torque * (dashpot.scale - 1.0) - rocking.moment,
+            };
+            load.add_wrenches(&elastic, &damping, &std::mem::take(&mut friction));
+            load.normal_sum += elastic.force.norm() * dashpot.scale;
+            load.contacts += 1;
+            if motion.inverse_mass > 0.0 {
+                let viscosity = &mut resistance.viscosity;
+                viscosity.add_along(&elastic.force, &elastic.torque, 2.0 * dashpot.coefficient);
+                let any = Vector3::x();
+                viscosity.add_turning(&any, 2.0 * rocking.viscosity, 2.0 * rocking.viscosity);
+            }
+        }
         if motion.inverse_mass > 0.0 {
             // (u_B - u_A)^2 <= 2 u_A^2 + 2 u_B^2: twice the stiffness for each side.
             for spring in &scratch.sums.springs {
@@ -323,17 +392,6 @@ impl<'a> Pair<'a> {
                     .stiffness
                     .add_along(&spring.normal, &lever, 2.0 * spring.stiffness);
             }
-            resistance.viscosity.add_along(
-                &elastic.force,
-                &elastic.torque,
-                2.0 * dashpot.coefficient,
-            );
-            let any = Vector3::x();
-            resistance.viscosity.add_turning(
-                &any,
-                2.0 * rocking.viscosity,
-                2.0 * rocking.viscosity,
-            );
             for mark in &rubbing.marks {
                 let arm = mark.point + to;
                 resistance

@@ -3,7 +3,7 @@
 use super::bristle::{Bristle, Mobility, Touch};
 use super::current::Operand;
 use super::kernel::DeformableScratch;
-use super::record::DeformableContact;
+use super::patches::Patches;
 use super::respond::{Dashpot, FrictionStart, Mover, Outcome, Pair};
 use super::sums::{PairSums, TriangleLoad};
 use crate::general::cells::NONE;
@@ -52,13 +52,13 @@ impl Mark {
 }
 
 impl Outcome {
-    /// Friction of all triangles, added to the nodal forces.
+    /// Friction of all triangles, added to the nodal forces and to the contacts of their patches.
     pub fn rub(
         &mut self,
         pair: &Pair,
         scratch: &mut DeformableScratch,
-        contact: &mut DeformableContact,
-        dashpot: &Dashpot,
+        patches: &Patches,
+        dashpots: &[Dashpot],
     ) -> Rubbing {
         let mut rubbing = Rubbing::default();
         let old = std::mem::take(&mut self.bristles);
@@ -66,31 +66,47 @@ impl Outcome {
             return rubbing;
         }
         let loads = std::mem::take(&mut scratch.sums.loads);
-        let bearing = Bearing::new(&loads);
-        let scale = dashpot.scale * bearing.share;
-        let mut touches: Vec<(u32, Touch)> = loads
-            .iter()
-            .filter(|load| bearing.holds(load))
-            .filter_map(|load| Some((load.triangle, pair.touch(load, scratch, scale)?)))
+        let of_patch = |number: usize| {
+            let numbered = loads.iter().enumerate();
+            let own = numbered.filter(move |(i, _)| patches.of_load(*i) == number);
+            own.map(|(_, load)| load)
+        };
+        let bearings: Vec<Bearing> = (0..dashpots.len())
+            .map(|number| Bearing::new(of_patch(number)))
             .collect();
-        let stiffness: f64 = touches.iter().map(|(_, touch)| touch.stiffness).sum();
-        let period = 1.0 / (stiffness * dashpot.inverse_mass).sqrt();
-        for (_, touch) in &mut touches {
-            touch.period = period;
+        let mut touches: Vec<(u32, Touch)> = Vec::with_capacity(loads.len());
+        let mut numbers = Vec::with_capacity(loads.len());
+        let mut stiffness = vec![0.0; dashpots.len()];
+        for (i, load) in loads.iter().enumerate() {
+            let number = patches.of_load(i);
+            let bearing = &bearings[number];
+            if !bearing.holds(load) {
+                continue;
+            }
+            let scale = dashpots[number].scale * bearing.share;
+            if let Some(touch) = pair.touch(load, scratch, scale) {
+                stiffness[number] += touch.stiffness;
+                touches.push((load.triangle, touch));
+                numbers.push(number);
+                self.contacts[number].slides = true;
+            }
+        }
+        for ((_, touch), &number) in touches.iter_mut().zip(&numbers) {
+            touch.period = 1.0 / (stiffness[number] * dashpots[number].inverse_mass).sqrt();
         }
         let mut bristles = match &pair.begins {
             Some(start) if old.is_empty() => pair.begin(start, &touches),
             _ => pair.inherit(old, &touches),
         };
         let mut marks: Vec<Mark> = Vec::with_capacity(touches.len());
-        let mut slides = !touches.is_empty();
-        for ((_, touch), bristle) in touches.iter().zip(&mut bristles) {
+        for (((_, touch), bristle), &number) in touches.iter().zip(&mut bristles).zip(&numbers) {
             let friction = bristle.update(pair.law, &pair.sides, touch);
+            let contact = &mut self.contacts[number];
             contact.friction += friction.force;
             contact.spring_energy += friction.energy;
             contact.tangential_stiffness += friction.stiffness;
+            contact.slides &= friction.slides;
             rubbing.power += friction.force.dot(&touch.slip);
-            slides &= friction.slides;
             let (rates, viscosity) = touch.rates(friction.viscosity);
             marks.push(Mark {
                 places: touch.places,
@@ -102,7 +118,6 @@ impl Outcome {
                 viscosity,
             });
         }
-        contact.slides = slides;
         self.bristles = bristles;
         scratch.sums.loads = loads;
         for mark in &marks {
@@ -135,14 +150,14 @@ struct Bearing {
 }
 
 impl Bearing {
-    fn new(loads: &[TriangleLoad]) -> Self {
-        let force: f64 = loads.iter().map(|l| l.force.norm()).sum();
-        let stiffness: f64 = loads.iter().map(|l| l.stiffness).sum();
+    fn new<'a>(loads: impl Iterator<Item = &'a TriangleLoad> + Clone) -> Self {
+        let force: f64 = loads.clone().map(|l| l.force.norm()).sum();
+        let stiffness: f64 = loads.clone().map(|l| l.stiffness).sum();
         let mut bearing = Self {
             least: SOFT * stiffness / force,
             share: 1.0,
         };
-        let borne = loads.iter().filter(|l| bearing.holds(l));
+        let borne = loads.filter(|l| bearing.holds(l));
         let borne: f64 = borne.map(|l| l.force.norm()).sum();
         if borne > 0.0 {
             bearing.share = force / borne;

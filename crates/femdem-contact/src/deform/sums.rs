@@ -42,6 +42,9 @@ pub(crate) struct TriangleLoad {
     /// Tetrahedra of A and B (indices in the lists) between which the largest part of the load acts, and this
     /// part, N.
     pub hosts: [u32; 2],
+    /// Of the polygons on it and in front of it: stiffness, and vector area towards B, m^2.
+    pub patch: PatchStiffness,
+    pub area: Vector3,
     share: f64,
 }
 
@@ -78,6 +81,14 @@ pub(crate) struct PatchStiffness {
     first: Vector3,
     /// Integral of |x|^2, N m.
     second: f64,
+}
+
+impl std::ops::AddAssign for PatchStiffness {
+    fn add_assign(&mut self, other: Self) {
+        self.total += other.total;
+        self.first += other.first;
+        self.second += other.second;
+    }
 }
 
 impl PatchStiffness {
@@ -291,6 +302,8 @@ impl PairSums {
         load.pressure += sums.pressure;
         load.moment += sums.moment;
         load.stiffness += weight * sums.area;
+        load.patch.add(weight, sums);
+        load.area += normal * sums.area;
         if sums.pressure > load.share {
             load.hosts = sides.map(|s| s.place);
             load.share = sums.pressure;
@@ -358,6 +371,8 @@ impl PairSums {
                     moment: Vector3::zeros(),
                     stiffness: 0.0,
                     hosts: [u32::MAX; 2],
+                    patch: PatchStiffness::default(),
+                    area: Vector3::zeros(),
                     share: 0.0,
                 };
                 self.loads.insert(place, load);

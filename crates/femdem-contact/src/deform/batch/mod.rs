@@ -359,7 +359,7 @@ impl DeformableBatch {
         let mut parts = Vec::with_capacity(2 * pairs.len());
         for (place, pair) in (0..).zip(pairs) {
             self.totals += &pair.totals();
-            if pair.outcome.contact.is_none() {
+            if pair.outcome.contacts.is_empty() {
                 continue;
             }
             parts.push((pair.b, Part { place, side: 1 }));
@@ -439,12 +439,9 @@ impl DeformableBatch {
         &self.wall_loads
     }
 
-    /// The contacts, sorted by pair.
+    /// The contacts, sorted by pair and patch.
     pub fn contacts(&self) -> impl Iterator<Item = &DeformableContact> {
-        self.pairs
-            .list()
-            .iter()
-            .filter_map(|p| p.outcome.contact.as_ref())
+        self.pairs.list().iter().flat_map(|p| &p.outcome.contacts)
     }
 
     /// Sums of the last update.

@@ -69,7 +69,7 @@ impl DeformableBatch {
     /// Rigid bodies that touch an awake deformable body, in ascending order.
     pub fn rigid_beside_awake(&self) -> Vec<BodyId> {
         let touching = self.pairs.list().iter().filter_map(|pair| match pair.a {
-            DeformablePartner::Rigid(i) if pair.outcome.contact.is_some() => {
+            DeformablePartner::Rigid(i) if !pair.outcome.contacts.is_empty() => {
                 self.is_awake(pair.b).then_some(i)
             }
             _ => None,

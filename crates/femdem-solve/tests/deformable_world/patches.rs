@@ -1,0 +1,126 @@
+//! Bodies that touch in several places: each is a contact of its own.
+
+use super::{block, smooth};
+use femdem_mesh::{Point3, Pose, TetMesh, Vector3};
+use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
+use femdem_solve::element::Element;
+use femdem_solve::material::NeoHookean;
+use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, World};
+
+/// A block of 0.4 x 0.08 x 0.16 m with a slot of 0.16 m from above: two jaws on a base.
+fn clamp() -> DeformableModel {
+    let sides = Vector3::new(0.4, 0.08, 0.16);
+    let mesh = TetMesh::block([10, 2, 4], &sides).unwrap();
+    let points: Vec<Point3> = mesh.points().iter().map(|p| p - 0.5 * sides).collect();
+    let stays = |tet: &&[u32; 4]| {
+        let centre: Vector3 = tet.iter().map(|i| points[*i as usize].coords * 0.25).sum();
+        centre.x.abs() > 0.08 || centre.z < -0.04
+    };
+    let kept: Vec<[u32; 4]> = mesh.tets().iter().filter(stays).copied().collect();
+    let mut used: Vec<u32> = kept.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    let number = |node: u32| used.binary_search(&node).unwrap() as u32;
+    let tets = kept.iter().map(|tet| tet.map(number)).collect();
+    let points = used.iter().map(|i| points[*i as usize]).collect();
+    let mesh = TetMesh::new(points, tets).unwrap();
+    let region = MaterialRegion {
+        material: NeoHookean::new(1e8, 0.25).unwrap().into(),
+        density: 1000.0,
+    };
+    DeformableModel::new(&mesh, Element::T4, vec![region], None).unwrap()
+}
+
+/// A block, rigid or not, that is pressed between the jaws and swings from one to the other.
+fn held_block(deforms: bool, zeta: f64) -> World {
+    let mut p = smooth(0.5);
+    p.contact.damping_ratio = zeta;
+    let mut world = World::new(p).unwrap();
+    let model = clamp();
+    let mut boundary = Boundary::default();
+    let ends = [0.2, -0.2].map(|offset| Selection::Plane {
+        normal: Vector3::x(),
+        offset,
+        tolerance: 1e-6,
+    });
+    let base = Selection::Box {
+        lower: Vector3::repeat(-1.0),
+        upper: Vector3::new(1.0, 1.0, -0.039),
+    };
+    for fixed in ends.iter().chain([&base]) {
+        boundary.fix(&model, fixed, [true; 3]).unwrap();
+    }
+    let soft = ContactStiffness::Penalty(1e6);
+    let model = world.add_model("clamp", model, soft).unwrap();
+    let pose = Pose::identity();
+    world
+        .add_deformable(DeformableSpec {
+            boundary,
+            ..DeformableSpec::at_rest(model, pose)
+        })
+        .unwrap();
+    let sides = [0.162, 0.06, 0.06];
+    let pose = Pose::translation(0.0, 0.0, 0.03);
+    let velocity = Vector3::x() * 0.02;
+    if deforms {
+        let model = block([6, 2, 2], sides, Element::T4, 1e8);
+        let model = world.add_model("block", model, soft).unwrap();
+        world
+            .add_deformable(DeformableSpec {
+                velocity,
+                ..DeformableSpec::at_rest(model, pose)
+            })
+            .unwrap();
+    } else {
+        let sides = Vector3::from(sides);
+        let mesh = TetMesh::block([1, 1, 1], &sides).unwrap();
+        let shape = world.add_shape("block", &mesh.surface().unwrap()).unwrap();
+        let pose = pose * Pose::from_parts((-0.5 * sides).into(), pose.rotation);
+        world
+            .add_body(BodySpec {
+                velocity,
+                ..BodySpec::at_rest(shape, 1000.0, pose)
+            })
+            .unwrap();
+    }
+    world
+}
+
+/// A body between the jaws of another has a contact with each, with its own force and dashpot: their forces cancel, but
+/// not what they dissipate.
+#[test]
+fn a_block_in_a_clamp_has_two_contacts() {
+    for deforms in [false, true] {
+        let swing = |zeta: f64| {
+            let mut world = held_block(deforms, zeta);
+            world.step().unwrap();
+            let contacts: Vec<_> = world.deformable_contacts().copied().collect();
+            assert_eq!(contacts.len(), 2, "{contacts:?}");
+            assert_eq!([0, 1].map(|k| contacts[k].patch), [0, 1]);
+            let [a, b] = [0, 1].map(|k| (contacts[k].normal, contacts[k].normal_force));
+            assert!(
+                (a.0 + b.0).norm() < 0.02 && a.0.x.abs() > 0.99,
+                "{contacts:?}"
+            );
+            assert!((a.1 / b.1 - 1.0).abs() < 0.2 && a.1 > 50.0, "{contacts:?}");
+            let sides = (contacts[0].point.x, contacts[1].point.x);
+            assert!((sides.0 + sides.1).abs() < 0.01 && sides.0.abs() > 0.07);
+            let place = |world: &World| {
+                let soft = world.deformable(1).map(|body| body.centroid().x);
+                soft.or_else(|| world.position(0).map(|x| x.x)).unwrap()
+            };
+            let mut most = 0.0_f64;
+            while world.time() < 0.04 {
+                world.step().unwrap();
+                if world.time() > 0.035 {
+                    most = most.max(place(&world).abs());
+                }
+            }
+            assert!(world.ledger().error_relative().abs() < 1e-3);
+            most
+        };
+        let (free, damped) = (swing(0.0), swing(0.6));
+        assert!(free > 2e-5, "{deforms}: {free}");
+        assert!(damped < 0.05 * free, "{deforms}: {damped} of {free}");
+    }
+}
