@@ -104,6 +104,7 @@ mod shape;
 mod skins;
 mod sums;
 mod walk;
+mod whole;
 
 pub use batch::DeformableBatch;
 pub use current::Operand;

@@ -8,6 +8,7 @@ use super::patches::Patches;
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
 use super::rocking::{Rocking, Turning};
 use super::rub::Rubbing;
+use super::whole::Whole;
 use crate::contact::{Load, Wrench};
 use crate::generalized::Resistance;
 use crate::law::ContactParameters;
@@ -27,6 +28,8 @@ pub(crate) struct Pair<'a> {
     pub ids: (DeformablePartner, u32),
     pub sides: [Operand<'a>; 2],
     pub movers: [Mover<'a>; 2],
+    /// Slowest elastic oscillations of the deformable sides, rad/s; 0 if not known.
+    pub frequencies: [f64; 2],
     /// Rotation as a whole of the deformable sides.
     pub turnings: [Option<&'a Turning>; 2],
     pub near: &'a Near,
@@ -71,9 +74,10 @@ pub(crate) struct NodeLoad {
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Outcome {
     pub nodes: [Vec<NodeLoad>; 2],
-    /// Moment on B against rocking, N m, opposite to that on A; and the rates of both due to it, 1/s.
-    pub moment: Vector3,
-    pub turning_rates: [f64; 2],
+    /// Force and moment on A and on B as wholes, about their centres, N and N m: the dashpots against rocking and of the
+    /// bodies as wholes. Their rates, 1/s.
+    pub whole: [[Vector3; 2]; 2],
+    pub whole_rates: [f64; 2],
     /// Load on a rigid body or wall.
     pub load: Option<Box<(Load, Resistance)>>,
     /// One for each patch.
@@ -85,8 +89,9 @@ pub(crate) struct Outcome {
 /// The dashpot of a pair.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Dashpot {
-    /// Elastic plus viscous force over elastic force.
+    /// Elastic plus viscous force over elastic force, of the nodes, and with what acts on the bodies as wholes.
     pub scale: f64,
+    pub total: f64,
     /// Inverse mass of the contact along its force, 1/kg: sum |f_a|^2/m_a over |f|^2.
     pub inverse_mass: f64,
     /// The dashpot's matrix is this times f f^T, with f the elastic force on all nodes and bodies.
@@ -116,6 +121,7 @@ impl Response {
         if !usable {
             return Dashpot {
                 scale: 1.0,
+                total: 1.0,
                 inverse_mass,
                 ..Dashpot::default()
             };
@@ -125,6 +131,7 @@ impl Response {
         let both = if self.of_bodies > 0.0 { 2.0 } else { 1.0 };
         Dashpot {
             scale: factor,
+            total: factor,
             inverse_mass,
             coefficient,
             rate: coefficient * self.of_nodes * both,
@@ -137,8 +144,8 @@ impl Outcome {
     /// Nothing touches: the springs are dropped.
     pub fn clear(&mut self) {
         self.nodes.iter_mut().for_each(Vec::clear);
-        self.moment = Vector3::zeros();
-        self.turning_rates = [0.0; 2];
+        self.whole = Default::default();
+        self.whole_rates = [0.0; 2];
         self.load = None;
         self.contacts.clear();
         self.totals = DeformableTotals::default();
@@ -148,10 +155,10 @@ impl Outcome {
     /// Makes side A side B. The springs stay those of the side that they belong to.
     pub fn swap_sides(&mut self) {
         self.nodes.swap(0, 1);
-        self.turning_rates.swap(0, 1);
+        self.whole.swap(0, 1);
+        self.whole_rates.swap(0, 1);
         // Not the negative: what is 0 stays without a sign.
         let opposite = |v: &mut Vector3| *v = Vector3::zeros() - *v;
-        opposite(&mut self.moment);
         for contact in &mut self.contacts {
             opposite(&mut contact.normal);
             opposite(&mut contact.rocking);
@@ -163,7 +170,7 @@ impl Outcome {
     /// `pair`.
     pub fn take(&mut self, pair: &Pair, scratch: &mut DeformableScratch) {
         let patches = Patches::new(&pair.sides, pair.near, &scratch.sums);
-        let dashpots = pair.dashpots(scratch, &patches);
+        let (dashpots, wholes) = pair.dashpots(scratch, &patches);
         scratch.sums.keep_elastic();
         for (side, forces) in scratch.sums.forces.iter_mut().enumerate() {
             for (at, force) in forces.iter_mut().enumerate() {
@@ -171,22 +178,31 @@ impl Outcome {
             }
         }
         self.contacts.clear();
-        self.moment = Vector3::zeros();
-        self.turning_rates = [0.0; 2];
+        self.whole = Default::default();
+        self.whole_rates = [0.0; 2];
         let mut damping_power = 0.0;
         let mut rockings = Vec::with_capacity(patches.list.len());
         for (number, (patch, dashpot)) in patches.list.iter().zip(&dashpots).enumerate() {
-            let mut contact = pair.contact(scratch, &patches, number, dashpot.scale);
+            let mut contact = pair.contact(scratch, &patches, number, dashpot.total);
             let force = contact.normal_force;
             let rocking = pair.rocking(&patch.stiffness, &contact.normal, force);
             contact.rocking = rocking.moment;
-            self.moment += rocking.moment;
-            for (rate, more) in self.turning_rates.iter_mut().zip(rocking.rates) {
+            self.whole[0][1] -= rocking.moment;
+            self.whole[1][1] += rocking.moment;
+            for (rate, more) in self.whole_rates.iter_mut().zip(rocking.rates) {
                 *rate += more;
             }
             damping_power += dashpot.power + rocking.power;
             self.contacts.push(contact);
             rockings.push(rocking);
+        }
+        for whole in &wholes {
+            damping_power += whole.power;
+            for side in 0..2 {
+                self.whole[side][0] += whole.wrench[side][0];
+                self.whole[side][1] += whole.wrench[side][1];
+                self.whole_rates[side] += whole.rates[side];
+            }
         }
         let friction = self.rub(pair, scratch, &patches, &dashpots);
         for (side, members) in pair.near.sides.iter().enumerate() {
@@ -252,7 +268,11 @@ impl<'a> Pair<'a> {
 
     /// The dashpot along the gradient of U, in the space of all nodes and bodies of the pair:
     /// f -> (1 + s) f, s = 2 zeta dU/dt / (sqrt(2 U) sqrt(sum |f_a|^2/m_a)).
-    fn dashpots(&self, scratch: &DeformableScratch, patches: &Patches) -> Vec<Dashpot> {
+    fn dashpots(
+        &self,
+        scratch: &DeformableScratch,
+        patches: &Patches,
+    ) -> (Vec<Dashpot>, Vec<Whole>) {
         let mut motions = vec![Response::default(); patches.list.len()];
         for (side, mover) in self.movers.iter().enumerate() {
             match mover {
@@ -273,9 +293,14 @@ impl<'a> Pair<'a> {
         let each = patches.list.iter().zip(&motions);
         each.map(|(patch, motion)| {
             let energy = scratch.sums.energy * patch.share;
-            motion.dashpot(energy, &patch.wrench[1][0], self.law.damping_ratio)
+            let mut dashpot = motion.dashpot(energy, &patch.wrench[1][0], self.law.damping_ratio);
+            let response = motion.of_bodies + motion.of_nodes;
+            let whole = self.whole(patch, energy, response, dashpot.scale);
+            dashpot.total += whole.scale;
+            dashpot.coefficient += whole.coefficient;
+            (dashpot, whole)
         })
-        .collect()
+        .unzip()
     }
 
     /// Adds what the nodes of a side contribute to the patches.
@@ -371,11 +396,11 @@ impl<'a> Pair<'a> {
         for ((patch, dashpot), rocking) in patches.list.iter().zip(dashpots).zip(rockings) {
             let elastic = about(&patch.wrench[0]);
             let damping = Wrench {
-                force: elastic.force * (dashpot.scale - 1.0),
-                torque: elastic.torque * (dashpot.scale - 1.0) - rocking.moment,
+                force: elastic.force * (dashpot.total - 1.0),
+                torque: elastic.torque * (dashpot.total - 1.0) - rocking.moment,
             };
             load.add_wrenches(&elastic, &damping, &std::mem::take(&mut friction));
-            load.normal_sum += elastic.force.norm() * dashpot.scale;
+            load.normal_sum += elastic.force.norm() * dashpot.total;
             load.contacts += 1;
             if motion.inverse_mass > 0.0 {
                 let viscosity = &mut resistance.viscosity;

@@ -33,6 +33,12 @@ pub(crate) struct Turning {
     centre: Vector3,
     /// I⁻¹ of the weights, 1/(kg m^2).
     inverse_inertia: Matrix3,
+    /// Sum of the weights.
+    total: f64,
+    /// Whether all nodes are free.
+    whole: bool,
+    /// Velocity of the centre, m/s.
+    velocity: Vector3,
     /// Angular velocity, rad/s.
     rate: Vector3,
     /// Largest inverse moment of inertia, 1/(kg m^2), at most 7 % too large; 0 if no node is free.
@@ -57,11 +63,13 @@ impl Turning {
         }
         let centre = first / total;
         let (mut second, mut momentum) = (Matrix3::zeros(), Vector3::zeros());
+        let mut linear = Vector3::zeros();
         for ((x, v), m) in state.positions.iter().zip(state.velocities).zip(&weights) {
             let r = x - centre;
             let weighted = r * *m;
             second += weighted * r.transpose();
             momentum += weighted.cross(v);
+            linear += v * *m;
         }
         let trace = second.trace();
         let inertia = Matrix3::from_diagonal_element(trace) - second;
@@ -72,6 +80,9 @@ impl Turning {
         }
         let inverse_inertia = inertia.try_inverse()?;
         Some(Self {
+            total,
+            whole: is_free && weights.iter().all(|m| *m > 0.0),
+            velocity: linear / total,
             rate: inverse_inertia * momentum,
             mobility: if is_free {
                 largest_eigenvalue(&inverse_inertia)
@@ -84,15 +95,36 @@ impl Turning {
         })
     }
 
-    /// Nodal forces of a moment (N m), for the given positions of the nodes, N.
+    /// Whether the body can move as a whole: no node is held in all directions.
+    pub fn is_whole(&self) -> bool {
+        self.whole
+    }
+
+    /// m.
+    pub fn centre(&self) -> &Vector3 {
+        &self.centre
+    }
+
+    /// |f|²/M + t I⁻¹ t of a force (N) and a torque about the centre (N m), N²/kg.
+    pub fn response(&self, force: &Vector3, torque: &Vector3) -> f64 {
+        force.norm_squared() / self.total + torque.dot(&(self.inverse_inertia * torque))
+    }
+
+    /// Power of a force (N) and a torque about the centre (N m) on the body as a whole, W.
+    pub fn power(&self, force: &Vector3, torque: &Vector3) -> f64 {
+        force.dot(&self.velocity) + torque.dot(&self.rate)
+    }
+
+    /// Nodal forces of a force (N) and a moment about the centre (N m), for the given positions of the nodes, N.
     pub fn forces<'a>(
         &'a self,
-        moment: &Vector3,
+        [force, moment]: &[Vector3; 2],
         positions: &'a [Vector3],
     ) -> impl Iterator<Item = Vector3> + 'a {
-        let acceleration = self.inverse_inertia * moment;
+        let straight = force / self.total;
+        let turning = self.inverse_inertia * moment;
         let nodes = positions.iter().zip(&self.weights);
-        nodes.map(move |(x, m)| acceleration.cross(&(x - self.centre)) * *m)
+        nodes.map(move |(x, m)| (straight + turning.cross(&(x - self.centre))) * *m)
     }
 }
 
@@ -198,7 +230,7 @@ mod tests {
         let ([x, v], w) = nodes();
         let turning = Turning::new(&state(&x, &v, &w), None).unwrap();
         let moment = Vector3::new(0.3, -1.2, 0.7);
-        let forces: Vec<Vector3> = turning.forces(&moment, &x).collect();
+        let forces: Vec<Vector3> = turning.forces(&[Vector3::zeros(), moment], &x).collect();
         let sum = |f: &dyn Fn(usize) -> Vector3| (0..17).map(f).sum::<Vector3>();
         assert!(sum(&|i| forces[i]).norm() < 1e-14);
         assert!((sum(&|i| x[i].cross(&forces[i])) - moment).norm() < 1e-14);

@@ -83,7 +83,7 @@ impl Outcome {
             if !bearing.holds(load) {
                 continue;
             }
-            let scale = dashpots[number].scale * bearing.share;
+            let scale = dashpots[number].total * bearing.share;
             if let Some(touch) = pair.touch(load, scratch, scale) {
                 stiffness[number] += touch.stiffness;
                 touches.push((load.triangle, touch));

@@ -107,17 +107,21 @@ fn stiff_foundations_keep_the_energy() {
     }
 }
 
-/// Two blocks that collide obliquely beside a rigid one conserve momentum and angular momentum.
+/// Two blocks that collide obliquely beside a rigid one conserve momentum and angular momentum, as soft as their
+/// contacts and much stiffer, so that they are damped as wholes.
 #[test]
 fn collisions_keep_momentum() {
+    collide_obliquely(1e6, ContactStiffness::default());
+    collide_obliquely(1e9, ContactStiffness::Penalty(1e6));
+}
+
+fn collide_obliquely(young: f64, stiffness: ContactStiffness) {
     let mut p = smooth(0.5);
     p.contact.friction = 0.5;
     p.contact.damping_ratio = 0.3;
     let mut world = World::new(p).unwrap();
-    let model = block([2, 2, 2], [0.1; 3], Element::T4, 1e6);
-    let model = world
-        .add_model("cube", model, ContactStiffness::default())
-        .unwrap();
+    let model = block([2, 2, 2], [0.1; 3], Element::T4, young);
+    let model = world.add_model("cube", model, stiffness).unwrap();
     let a10 = "A10"
         .parse::<CatalogueShape>()
         .unwrap()

@@ -1,11 +1,12 @@
 //! Bodies that touch in several places: each is a contact of its own.
 
 use super::{block, smooth};
+use femdem_contact::{Wall, restitution};
 use femdem_mesh::{Point3, Pose, TetMesh, Vector3};
 use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_solve::element::Element;
 use femdem_solve::material::NeoHookean;
-use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, World};
+use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, World};
 
 /// A block of 0.4 x 0.08 x 0.16 m with a slot of 0.16 m from above: two jaws on a base.
 fn clamp() -> DeformableModel {
@@ -122,5 +123,61 @@ fn a_block_in_a_clamp_has_two_contacts() {
         let (free, damped) = (swing(0.0), swing(0.6));
         assert!(free > 2e-5, "{deforms}: {free}");
         assert!(damped < 0.05 * free, "{deforms}: {damped} of {free}");
+    }
+}
+
+/// A block much stiffer than its contact comes back with the restitution of its damping ratio, from a wall, a rigid body and
+/// its like, whatever its mesh.
+#[test]
+fn stiff_blocks_have_the_restitution_of_their_damping_ratio() {
+    let speed = 0.1;
+    for (zeta, cells) in [(0.3, 1), (0.3, 4), (0.6, 2)] {
+        for partner in 0..3 {
+            let mut p = smooth(0.5);
+            p.contact.damping_ratio = zeta;
+            let mut world = World::new(p).unwrap();
+            let model = block([cells; 3], [0.1; 3], Element::T4, 1e9);
+            let law = ContactStiffness::Law;
+            let model = world.add_model("block", model, law).unwrap();
+            let from = |z: f64| DeformableSpec {
+                velocity: Vector3::z() * (-speed * z.signum()),
+                ..DeformableSpec::at_rest(model, Pose::translation(0.0, 0.0, z))
+            };
+            world.add_deformable(from(0.0501)).unwrap();
+            match partner {
+                0 => {
+                    let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+                    world.add_wall(floor, Drive::Fixed).unwrap();
+                }
+                1 => {
+                    let sides = Vector3::repeat(0.1);
+                    let mesh = TetMesh::block([1; 3], &sides).unwrap();
+                    let surface = mesh.surface().unwrap();
+                    let shape = world.add_shape("block", &surface).unwrap();
+                    let spec = BodySpec {
+                        velocity: Vector3::z() * speed,
+                        ..BodySpec::at_rest(shape, 1000.0, Pose::translation(-0.05, -0.05, -0.1001))
+                    };
+                    world.add_body(spec).unwrap();
+                }
+                _ => {
+                    world.add_deformable(from(-0.0501)).unwrap();
+                }
+            }
+            let touches = |world: &World| world.deformable_contacts().next().is_some();
+            while !touches(&world) {
+                world.step().unwrap();
+            }
+            while touches(&world) {
+                world.step().unwrap();
+            }
+            let body = world.deformable(0).unwrap();
+            let back = body.momentum().z / 1.0 / speed;
+            let expected = restitution(zeta);
+            assert!(
+                (back / expected - 1.0).abs() < 0.02,
+                "{zeta} {cells} {partner}: {back} {expected}"
+            );
+        }
     }
 }

@@ -21,6 +21,8 @@ const STRETCH: f64 = 1.5;
 pub(crate) struct SoftBody {
     pub shape: u32,
     pub modulus: Modulus,
+    /// Slowest elastic oscillation, rad/s; 0 if not known.
+    pub frequency: f64,
     pub sleep: Sleep,
     /// Running bound of the distance that any node has travelled, m.
     pub travelled: f64,
@@ -45,9 +47,9 @@ pub(crate) struct SoftBody {
     pub stiffness: Vec<f64>,
     #[serde(skip)]
     pub rates: Vec<f64>,
-    /// Moment against rocking, N m, and its rate, 1/s.
+    /// Force and moment about the centre on the body as a whole, N and N m, and their rate, 1/s.
     #[serde(skip)]
-    rocking: (Vector3, f64),
+    whole: ([Vector3; 2], f64),
     /// Whether any of these is not zero.
     #[serde(skip)]
     pub loaded: bool,
@@ -61,6 +63,7 @@ impl SoftBody {
         let mut body = Self {
             shape: index,
             modulus,
+            frequency: 0.0,
             sleep: Sleep::Awake,
             travelled: 0.0,
             before: Vec::new(),
@@ -73,7 +76,7 @@ impl SoftBody {
             friction: Vec::new(),
             stiffness: Vec::new(),
             rates: Vec::new(),
-            rocking: (Vector3::zeros(), 0.0),
+            whole: Default::default(),
             loaded: false,
             stirred: false,
         };
@@ -121,22 +124,16 @@ impl SoftBody {
         }
     }
 
-    /// Adds a moment of a pair against rocking, N m, and its rate, 1/s.
-    fn rock(&mut self, moment: &Vector3, rate: f64) {
-        self.rocking.0 += moment;
-        self.rocking.1 += rate;
-    }
-
-    /// Distributes the moments against rocking to the nodes.
-    fn spread_rocking(&mut self) {
-        let (moment, rate) = std::mem::take(&mut self.rocking);
+    /// Distributes what acts on the body as a whole to the nodes.
+    fn spread(&mut self) {
+        let (wrench, rate) = std::mem::take(&mut self.whole);
         let Some(turning) = &self.turning else {
             return;
         };
-        if rate <= 0.0 && moment == Vector3::zeros() {
+        if rate <= 0.0 && wrench == [Vector3::zeros(); 2] {
             return;
         }
-        let forces = turning.forces(&moment, &self.before);
+        let forces = turning.forces(&wrench, &self.before);
         for ((total, damping), force) in self.forces.iter_mut().zip(&mut self.damping).zip(forces) {
             *total += force;
             *damping += force;
@@ -150,10 +147,13 @@ impl SoftBody {
         for part in own {
             let (outcome, side) = (&pairs[part.place as usize].outcome, usize::from(part.side));
             self.add(&outcome.nodes[side]);
-            let sign = if side == 0 { -1.0 } else { 1.0 };
-            self.rock(&(outcome.moment * sign), outcome.turning_rates[side]);
+            let (whole, rate) = &mut self.whole;
+            for (total, part) in whole.iter_mut().zip(&outcome.whole[side]) {
+                *total += part;
+            }
+            *rate += outcome.whole_rates[side];
         }
-        self.spread_rocking();
+        self.spread();
     }
 
     /// Whether a state has the right number of nodes.

@@ -137,13 +137,13 @@ impl Context<'_> {
         let tree_b = tree(body)?;
         let moduli_b = body.modulus;
         let rigid = Modulus::Penalty(self.parameters.penalty);
-        let mut turning = None;
+        let (mut turning, mut frequency) = (None, 0.0);
         let (of_a, tree_a, modulus, mover) = match a {
             DeformablePartner::Deformable(i) => {
                 let body = bodies.get(i as usize)?;
                 let state = self.states.get(i as usize)?;
                 let operand = self.soft(i, body)?;
-                turning = body.turning.as_ref();
+                (turning, frequency) = (body.turning.as_ref(), body.frequency);
                 (operand, tree(body)?, body.modulus, Mover::Nodes(*state))
             }
             DeformablePartner::Rigid(i) => {
@@ -184,6 +184,7 @@ impl Context<'_> {
             ids: (pair.a, pair.b),
             sides: sides.operands,
             movers: [mover, Mover::Nodes(*self.states.get(b as usize)?)],
+            frequencies: [frequency, body.frequency],
             turnings: [turning, body.turning.as_ref()],
             near: pair.candidates.near()?,
             law: match a {

@@ -154,6 +154,26 @@ impl DeformableBatch {
         Ok(())
     }
 
+    /// Tells the slowest elastic oscillation of a deformable body, rad/s: one that is fast beside the oscillation on its
+    /// contacts is damped as a rigid body would be, with all of its mass. 0, which it is at first: not known, so that the
+    /// dashpots are those of the nodes that touch. A bar of the length L has π c/L, with c = √(E/ρ).
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] for an unknown body, [`ContactError::Parameter`] if it is negative or not finite.
+    pub fn set_frequency(&mut self, body: u32, frequency: f64) -> Result<(), ContactError> {
+        check(
+            "frequency",
+            frequency,
+            frequency >= 0.0,
+            "at least 0 and finite, in rad/s",
+        )?;
+        check_index("deformable body", body, self.bodies.len())?;
+        let soft = &mut self.bodies[body as usize];
+        soft.frequency = frequency;
+        soft.sleep.stir();
+        Ok(())
+    }
+
     /// Adds a rigid shape and returns its index.
     ///
     /// # Errors

@@ -98,7 +98,9 @@ impl World {
         let modulus = model.modulus(shape, penalty);
         state.contact_step = model.contact_step(shape, modulus);
         let bound = state.bound.critical_step().min(state.contact_step);
+        let frequency = model.frequency(shape);
         let id = deformables.batch.add_body(spec.model, modulus)?;
+        deformables.batch.set_frequency(id, frequency)?;
         deformables.bodies.push(state);
         self.initial_energy += energy;
         self.step_control.see_elements(bound);

@@ -113,6 +113,14 @@ impl Model {
         stable_step(8.0 * foundation * lightest.fold(0.0, f64::max), 0.0)
     }
 
+    /// The slowest elastic oscillation of a free body, rad/s: that of a bar as long as it, π c/L with c = √(E/ρ).
+    fn frequency(&self, shape: &DeformableShape) -> f64 {
+        let mass: f64 = self.model.masses().iter().sum();
+        let volume: f64 = self.model.volumes().iter().sum();
+        let speed = (self.young * volume / mass).sqrt();
+        std::f64::consts::PI * speed / (2.0 * shape.radius())
+    }
+
     /// The triangles of the skin and their areas in the reference state, m^2.
     fn skin_areas<'a>(
         &'a self,
