@@ -1,6 +1,6 @@
 //! Tetrahedral meshes of closed surfaces: shapes, volumes, distances, and what is refused.
 
-#![expect(clippy::expect_used, reason = "helpers of tests")]
+#![expect(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests")]
 
 use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::shapes::Shape;
