@@ -344,3 +344,15 @@ fn rigid_frames_number_bodies_as_the_scene_does() {
     femdem::output::vtu::write(&simulation.rigid_snapshot(), &mut alone).unwrap();
     assert!(of_scene.len() == alone.len() && of_scene != alone);
 }
+
+/// The numbers of a law are checked, though only rigid bodies are made of it.
+#[test]
+fn laws_of_rigid_bodies_are_checked() {
+    let text = format!(
+        "duration = 1\n{}[[body]]\nshape = \"P5\"\ndiameter = 0.05\nmaterial = \"clay\"\n",
+        CLAY.replace("young = 1e6", "young = -5")
+    );
+    let error = Scenario::from_toml(&text).unwrap().build().map(|_| ());
+    let error = error.unwrap_err().to_string();
+    assert!(error.contains("clay") && error.contains("-5"), "{error}");
+}

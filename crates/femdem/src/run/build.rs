@@ -139,7 +139,7 @@ impl Scenario {
             .collect();
         for (name, material) in &self.material {
             let checked = if used.contains(name) {
-                material.check_without_law()
+                material.check()
             } else {
                 Err(wrong(
                     "material",

@@ -22,14 +22,15 @@ impl FocusEntry {
         if !(1.0..=10.0).contains(&self.ratio) {
             return Err(wrong("focus.ratio", &self.ratio.to_string(), "1 to 10"));
         }
-        let towards = Vector3::from(self.direction).try_normalize(0.0);
-        let towards = towards.ok_or_else(|| {
-            wrong(
+        let length = Vector3::from(self.direction).norm();
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(wrong(
                 "focus.direction",
-                "zero",
-                "a direction of a length above zero",
-            )
-        })?;
+                &format!("{:?}", self.direction),
+                "a direction of finite length above zero",
+            ));
+        }
+        let towards = Vector3::from(self.direction) / length;
         let from = towards * (-(self.ratio - 1.0) / (self.ratio + 1.0));
         let place = |(i, p): (usize, &Point3)| {
             let unit = if mesh.is_skin_point(i) {

@@ -145,8 +145,12 @@ impl MaterialEntry {
         Ok(AnyMaterial::from(Viscous::new(law, shear, bulk)?))
     }
 
-    /// Refuses the keys of laws in a material that has none.
-    pub(super) fn check_without_law(&self) -> Result<(), Error> {
+    /// Refuses the keys of laws in a material that has none, and numbers out of the range of its law, though it be of
+    /// rigid bodies only.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        if self.law.is_some() {
+            return self.region().map(|_| ());
+        }
         let of_all = [
             ("young", self.young),
             ("poisson", self.poisson),
@@ -155,7 +159,7 @@ impl MaterialEntry {
         ];
         let of_one = self.keys_of_one_law().map(|(name, value, _)| (name, value));
         for (name, value) in of_all.into_iter().chain(of_one) {
-            if let Some(value) = value.filter(|_| self.law.is_none()) {
+            if let Some(value) = value {
                 return Err(wrong(
                     name,
                     &value.to_string(),
