@@ -58,8 +58,9 @@
 //!   own record; they share the energy of the pair as linear springs do.
 //! - **Damping**: all elastic forces of a patch are scaled by 1 + 2 ζ (dU/dt)/(√(2U) √(Σ |f_a|²/m_a)) ≥ 0,
 //!   where rigid bodies enter the sum with their inertia. For motion along the forces the restitution is that
-//!   of [`restitution`](crate::restitution). Rocking is damped by a moment against the rotation of the bodies
-//!   as a whole, with the rocking stiffness of the patch and the same ζ.
+//!   of [`restitution`](crate::restitution). A body that is stiff compared with its contacts is damped with all
+//!   of its mass, if its frequency is known ([`DeformableBatch::set_frequency`]). Rocking is damped by a moment
+//!   against the rotation of the bodies as a whole, with the rocking stiffness of the patch and the same ζ.
 //! - **Step**: every node gets the sum of w S N_a(c) over the polygons of skin in contact (w the stiffness
 //!   per area, S the area, c the centroid), and its share of the tangential springs. Twice the largest of
 //!   these over the masses bounds the largest eigenvalue (it is 1.5 to 2.3 times it in the sum form, 2 to 8

@@ -166,8 +166,7 @@ impl Outcome {
         }
     }
 
-    /// Takes over the sums from the scratch, which are consumed. Nodes, moment and contact are those of the sides of
-    /// `pair`.
+    /// Takes over the sums from the scratch, which are consumed. The sides are those of `pair`.
     pub fn take(&mut self, pair: &Pair, scratch: &mut DeformableScratch) {
         let patches = Patches::new(&pair.sides, pair.near, &scratch.sums);
         let (dashpots, wholes) = pair.dashpots(scratch, &patches);

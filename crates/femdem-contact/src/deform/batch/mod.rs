@@ -154,9 +154,9 @@ impl DeformableBatch {
         Ok(())
     }
 
-    /// Tells the slowest elastic oscillation of a deformable body, rad/s: one that is fast beside the oscillation on its
-    /// contacts is damped as a rigid body would be, with all of its mass. 0, which it is at first: not known, so that the
-    /// dashpots are those of the nodes that touch. A bar of the length L has π c/L, with c = √(E/ρ).
+    /// Sets the frequency of the slowest elastic oscillation of a deformable body, rad/s; π c/L for a bar of length L, with
+    /// c = √(E/ρ). If it is high compared with the oscillation on the contacts, the dashpots damp the body as if it
+    /// were rigid, with all of its mass. With 0, the initial value, they know the mass of the touching nodes only.
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] for an unknown body, [`ContactError::Parameter`] if it is negative or not finite.
