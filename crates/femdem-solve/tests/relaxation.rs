@@ -275,7 +275,7 @@ fn a_light_body_in_the_air_falls() {
     let model = world
         .add_model("light", model, ContactStiffness::default())
         .unwrap();
-    let pose = Pose::translation(0.3, 0.0, 1e-3);
+    let pose = Pose::translation(0.3, 0.0, 0.02);
     let light = world
         .add_deformable(DeformableSpec::at_rest(model, pose))
         .unwrap();

@@ -75,10 +75,30 @@ pub struct WorldRelaxed {
 struct Whole {
     mass: f64,
     inverse_inertia: Matrix3,
+    /// Largest inverse moment of inertia, 1/(kg m^2).
+    easiest: f64,
     velocity: Vector3,
     turning: Vector3,
     /// Stiffness of a contact of half of its skin, N/m.
     stiffest: f64,
+}
+
+impl Whole {
+    /// Squared frequency, 1/s^2, that a spring k (N/m) at the squared distance `arm2` (m^2) from the centre adds at most:
+    /// it resists translation and rotation. Twice for the motion of the other side.
+    fn square(&self, k: f64, arm2: f64) -> f64 {
+        2.0 * k * (1.0 / self.mass + arm2 * self.easiest)
+    }
+
+    /// The time in which no point within `arm` (m) of the centre moves farther than `way` (m) under a force and a torque, s.
+    fn time_for(&self, way: f64, [force, torque]: &[Vector3; 2], arm: f64) -> f64 {
+        let speed = self.velocity.norm() + self.turning.norm() * arm;
+        let turning = (self.inverse_inertia * torque).norm();
+        let acceleration = force.norm() / self.mass + turning * arm;
+        // The root of speed t + acceleration t^2 = way.
+        let half = 0.5 * speed;
+        way / (half + (half * half + acceleration * way).sqrt())
+    }
 }
 
 impl World {
@@ -195,9 +215,18 @@ impl World {
             .map(|i| deformables.net_wrench(i, &gravity))
             .collect();
         // A body that comes to touch has another stiffness in every step.
+        let near = deformables.batch.have_neighbours();
         let dt = (0..wholes.len())
             .filter(free)
-            .map(|i| deformables.whole_step(i, &wholes[i], &wrenches[i], gravity.norm()))
+            .map(|i| {
+                let step = deformables.whole_step(i, &wholes[i], &wrenches[i]);
+                if near[i] {
+                    let given = wholes[i].mass * gravity.norm();
+                    step.min(deformables.touching_step(i, &wholes[i], &wrenches[i], given))
+                } else {
+                    step
+                }
+            })
             .fold(f64::INFINITY, f64::min);
         if !dt.is_finite() {
             // Nothing touches, moves or weighs anything.
@@ -319,9 +348,11 @@ impl Deformables {
             let r = x - centre;
             inertia += (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * *m;
         }
+        let inverse_inertia = inertia.try_inverse().unwrap_or_else(Matrix3::zeros);
         Whole {
             mass: masses.iter().sum(),
-            inverse_inertia: inertia.try_inverse().unwrap_or_else(Matrix3::zeros),
+            inverse_inertia,
+            easiest: inverse_inertia.symmetric_eigenvalues().max(),
             velocity: Vector3::zeros(),
             turning: Vector3::zeros(),
             stiffest: 2.0 * model.foundation(shape, penalty) * model.skin_area(shape),
@@ -342,41 +373,28 @@ impl Deformables {
         wrench
     }
 
-    /// The step of a body moved as a whole under a force and a torque, s. It is stable for the contacts of the body,
-    /// and no point moves by more than [`NEAR`] of the depth of its contact field.
-    ///
-    /// A body that comes to touch must not get deeper in one step than its speed accounts for, or it is thrown back. So
-    /// the step is stable for a contact of half of the skin, too, unless the body moves less in it than
-    /// such a contact gives way under what now acts on the body.
-    fn whole_step(&self, i: usize, whole: &Whole, wrench: &[Vector3; 2], gravity: f64) -> f64 {
+    /// The step of a body moved as a whole under a force and a torque, s: stable for its contacts, and so short that no
+    /// point moves by more than [`NEAR`] of the depth of its contact field.
+    fn whole_step(&self, i: usize, whole: &Whole, wrench: &[Vector3; 2]) -> f64 {
         let body = &self.bodies[i];
         let centre = self.centre(body);
-        let shape = &self.batch.shapes()[body.model as usize];
-        let (easiest, arm) = (
-            whole.inverse_inertia.symmetric_eigenvalues().max(),
-            shape.radius(),
-        );
-        // A spring on a node resists the body's translation and rotation.
-        let square = |k: f64, arm2: f64| 2.0 * k * (1.0 / whole.mass + arm2 * easiest);
         let springs = self.batch.stiffness(i as u32).iter().zip(&body.positions);
-        let squares = springs.map(|(k, x)| square(*k, (x - centre).norm_squared()));
+        let squares = springs.map(|(k, x)| whole.square(*k, (x - centre).norm_squared()));
         let stable = SAFETY * stable_step(squares.sum(), 0.0);
-        let touching = SAFETY * stable_step(square(whole.stiffest, arm * arm), 0.0);
+        let shape = &self.batch.shapes()[body.model as usize];
+        let way = NEAR * shape.inradius();
+        stable.min(whole.time_for(way, wrench, shape.radius()))
+    }
 
-        let [force, torque] = wrench;
-        let speed = whole.velocity.norm() + whole.turning.norm() * arm;
-        let acceleration =
-            force.norm() / whole.mass + (whole.inverse_inertia * torque).norm() * arm;
-        // The root of speed t + acceleration t^2 = way.
-        let within = |way: f64| {
-            let half = 0.5 * speed;
-            way / (half + (half * half + acceleration * way).sqrt())
-        };
+    /// The step in which a body may come to touch something, s. It must not get deeper in it than its speed accounts for,
+    /// or it is thrown back. So the step is stable for a contact of half of the skin, unless the body moves less in it
+    /// than such a contact gives way under what now acts on the body: its contacts, and what is `given` (N).
+    fn touching_step(&self, i: usize, whole: &Whole, wrench: &[Vector3; 2], given: f64) -> f64 {
+        let arm = self.batch.shapes()[self.bodies[i].model as usize].radius();
+        let stable = SAFETY * stable_step(whole.square(whole.stiffest, arm * arm), 0.0);
         let contacts: f64 = self.batch.forces(i as u32).iter().map(Vector3::norm).sum();
-        let yielding = (contacts + whole.mass * gravity) / whole.stiffest;
-        stable
-            .min(within(NEAR * shape.inradius()))
-            .min(touching.max(within(yielding)))
+        let yielding = (contacts + given) / whole.stiffest;
+        stable.max(whole.time_for(yielding, wrench, arm))
     }
 
     /// Moves the nodes of a body with it as a whole; returns its kinetic energy, J.

@@ -419,6 +419,18 @@ impl DeformableBatch {
         self.bodies.get(body as usize).map_or(&[], |b| &b.forces)
     }
 
+    /// By deformable body, whether anything is near it. The others touch nothing until they, or what they may meet, have
+    /// moved by a twentieth of their radius since the last update.
+    pub fn have_neighbours(&self) -> Vec<bool> {
+        let mut near = vec![false; self.bodies.len()];
+        for body in self.pairs.list().iter().flat_map(|pair| pair.deformables()) {
+            if let Some(near) = near.get_mut(body as usize) {
+                *near = true;
+            }
+        }
+        near
+    }
+
     /// The part of [`forces`](Self::forces) due to damping, N.
     pub fn damping_forces(&self, body: u32) -> &[Vector3] {
         self.bodies.get(body as usize).map_or(&[], |b| &b.damping)
