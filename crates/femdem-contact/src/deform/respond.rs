@@ -289,12 +289,13 @@ impl<'a> Pair<'a> {
                 }
             }
         }
+        let together = self.together(&patches.list, scratch.sums.energy);
         let each = patches.list.iter().zip(&motions);
         each.map(|(patch, motion)| {
             let energy = scratch.sums.energy * patch.share;
             let mut dashpot = motion.dashpot(energy, &patch.wrench[1][0], self.law.damping_ratio);
-            let response = motion.of_bodies + motion.of_nodes;
-            let whole = self.whole(patch, energy, response, dashpot.scale);
+            let rate = dashpot.coefficient * patch.wrench[1][0].norm();
+            let whole = self.whole(patch, &together, rate, dashpot.scale);
             dashpot.total += whole.scale;
             dashpot.coefficient += whole.coefficient;
             (dashpot, whole)

@@ -37,18 +37,46 @@ pub(crate) struct Whole {
     pub power: f64,
 }
 
+/// Wrenches on both bodies, taken as wholes.
+#[derive(Debug, Clone, Copy)]
+struct Response {
+    /// R, and the parts of it of the bodies that deform, N²/kg.
+    all: f64,
+    own: [f64; 2],
+    /// W.
+    power: f64,
+    /// The wrenches about the centres of the bodies that deform.
+    wrench: [[Vector3; 2]; 2],
+    /// The slowest elastic oscillation, rad/s; infinite if no body deforms and moves.
+    slowest: f64,
+    /// Number of bodies that move.
+    moving: f64,
+}
+
+/// All patches of a pair together. Patches that press the same way share one dashpot, as those of a rigid body do
+/// ([`crate::damping`]), and patches that press against each other have one each.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Together {
+    /// Sum of the forces of the patches, N, and their energy, J.
+    pressing: f64,
+    energy: f64,
+    /// Inverse mass along the sum of the forces, 1/kg; infinite where they cancel.
+    inverse_mass: f64,
+}
+
 impl Pair<'_> {
-    /// `energy` is that of the patch, J, `response` is r, N²/kg, and `scale` what the other dashpot makes of the elastic
-    /// force: together they leave no tension.
-    pub fn whole(&self, patch: &Patch, energy: f64, response: f64, scale: f64) -> Whole {
-        let mut whole = Whole::default();
-        let (mut all, mut power) = (0.0, 0.0);
-        let (mut slowest, mut moving) = (f64::INFINITY, 0.0);
-        let mut own = [0.0; 2];
-        for (side, own) in own.iter_mut().enumerate() {
-            let [force, about] = patch.wrench[side];
-            let torque = |centre: &Vector3| about + (self.near.origin - centre).cross(&force);
-            let (response, of_side) = match (&self.movers[side], self.turnings[side]) {
+    fn response_as_wholes(&self, wrench: &[[Vector3; 2]; 2]) -> Response {
+        let mut found = Response {
+            all: 0.0,
+            own: [0.0; 2],
+            power: 0.0,
+            wrench: Default::default(),
+            slowest: f64::INFINITY,
+            moving: 0.0,
+        };
+        for (side, [force, about]) in wrench.iter().enumerate() {
+            let torque = |centre: &Vector3| about + (self.near.origin - centre).cross(force);
+            let (response, power) = match (&self.movers[side], self.turnings[side]) {
                 (Mover::Rigid(motion), _) => {
                     let torque = torque(&motion.frame.position);
                     let turned = torque.dot(&(motion.inverse_inertia * torque));
@@ -58,33 +86,65 @@ impl Pair<'_> {
                 }
                 (Mover::Nodes(_), Some(turning)) if turning.is_whole() => {
                     let torque = torque(turning.centre());
-                    slowest = slowest.min(self.frequencies[side]);
-                    whole.wrench[side] = [force, torque];
-                    *own = turning.response(&force, &torque);
-                    (*own, turning.power(&force, &torque))
+                    found.slowest = found.slowest.min(self.frequencies[side]);
+                    found.wrench[side] = [*force, torque];
+                    found.own[side] = turning.response(force, &torque);
+                    (found.own[side], turning.power(force, &torque))
                 }
                 _ => (0.0, 0.0),
             };
-            all += response;
-            power += of_side;
-            moving += if response > 0.0 { 1.0 } else { 0.0 };
+            found.all += response;
+            found.power += power;
+            found.moving += if response > 0.0 { 1.0 } else { 0.0 };
         }
-        let softness = all / (2.0 * energy * slowest * slowest);
+        found
+    }
+
+    /// The patches of a pair with an energy, J.
+    pub fn together(&self, patches: &[Patch], energy: f64) -> Together {
+        let mut sum = [[Vector3::zeros(); 2]; 2];
+        for part in patches {
+            for (total, part) in sum.iter_mut().flatten().zip(part.wrench.iter().flatten()) {
+                *total += part;
+            }
+        }
+        let pressing: f64 = patches.iter().map(|p| p.wrench[1][0].norm()).sum();
+        let square = sum[1][0].norm_squared();
+        Together {
+            pressing,
+            energy,
+            inverse_mass: self.response_as_wholes(&sum).all * (pressing / square).powi(2),
+        }
+    }
+
+    /// `rate` is what the other dashpot has of viscous over elastic force for each m/s, s/m, and `scale` what it makes of
+    /// the elastic force: together they leave no tension.
+    pub fn whole(&self, patch: &Patch, together: &Together, rate: f64, scale: f64) -> Whole {
+        let response = self.response_as_wholes(&patch.wrench);
+        let force = patch.wrench[1][0].norm();
+        // The quotient of forces that cancel has no value.
+        let inverse_mass = together.inverse_mass.min(response.all / (force * force));
+        let twice = 2.0 * together.energy;
+        let softness =
+            inverse_mass * together.pressing.powi(2) / (twice * response.slowest.powi(2));
         let part = 1.0 / (1.0 + softness).powi(2);
-        let missing = 1.0 / all.sqrt() - 1.0 / response.sqrt();
-        let coefficient = part * 2.0 * self.law.damping_ratio * missing / (2.0 * energy).sqrt();
+        let asked = 2.0 * self.law.damping_ratio / (twice * inverse_mass).sqrt();
+        let coefficient = part * (asked - rate) / force;
         // Written so that NaN fails it too: nothing moves as a whole, or nothing is missing.
-        let acts = slowest < f64::INFINITY && coefficient > 0.0 && coefficient < f64::INFINITY;
+        let acts =
+            response.slowest < f64::INFINITY && coefficient > 0.0 && coefficient < f64::INFINITY;
         if !acts {
             return Whole::default();
         }
-        whole.coefficient = coefficient;
-        whole.scale = (-coefficient * power).max(-scale);
-        whole.power = whole.scale * power;
-        whole.rates = own.map(|response| coefficient * response * moving);
-        for part in whole.wrench.iter_mut().flatten() {
-            *part *= whole.scale;
+        let factor = (-coefficient * response.power).max(-scale);
+        Whole {
+            scale: factor,
+            coefficient,
+            wrench: response
+                .wrench
+                .map(|wrench| wrench.map(|part| part * factor)),
+            rates: response.own.map(|own| coefficient * own * response.moving),
+            power: factor * response.power,
         }
-        whole
     }
 }

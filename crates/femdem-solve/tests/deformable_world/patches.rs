@@ -2,14 +2,14 @@
 
 use super::{block, smooth};
 use femdem_contact::{Wall, restitution};
-use femdem_mesh::{Point3, Pose, TetMesh, Vector3};
+use femdem_mesh::{Point3, Pose, Rotation, TetMesh, Vector3};
 use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_solve::element::Element;
 use femdem_solve::material::NeoHookean;
 use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, World};
 
 /// A block of 0.4 x 0.08 x 0.16 m with a slot of 0.16 m from above: two jaws on a base.
-fn clamp() -> DeformableModel {
+fn clamp(young: f64) -> DeformableModel {
     let sides = Vector3::new(0.4, 0.08, 0.16);
     let mesh = TetMesh::block([10, 2, 4], &sides).unwrap();
     let points: Vec<Point3> = mesh.points().iter().map(|p| p - 0.5 * sides).collect();
@@ -26,7 +26,7 @@ fn clamp() -> DeformableModel {
     let points = used.iter().map(|i| points[*i as usize]).collect();
     let mesh = TetMesh::new(points, tets).unwrap();
     let region = MaterialRegion {
-        material: NeoHookean::new(1e8, 0.25).unwrap().into(),
+        material: NeoHookean::new(young, 0.25).unwrap().into(),
         density: 1000.0,
     };
     DeformableModel::new(&mesh, Element::T4, vec![region], None).unwrap()
@@ -37,7 +37,7 @@ fn held_block(deforms: bool, zeta: f64) -> World {
     let mut p = smooth(0.5);
     p.contact.damping_ratio = zeta;
     let mut world = World::new(p).unwrap();
-    let model = clamp();
+    let model = clamp(1e8);
     let mut boundary = Boundary::default();
     let ends = [0.2, -0.2].map(|offset| Selection::Plane {
         normal: Vector3::x(),
@@ -179,5 +179,44 @@ fn stiff_blocks_have_the_restitution_of_their_damping_ratio() {
                 "{zeta} {cells} {partner}: {back} {expected}"
             );
         }
+    }
+}
+
+/// A stiff body that falls on two feet at once rebounds as one on a single foot does.
+#[test]
+fn two_feet_rebound_as_one_does() {
+    for zeta in [0.3, 0.6] {
+        let mut p = smooth(0.5);
+        p.contact.damping_ratio = zeta;
+        let mut world = World::new(p).unwrap();
+        let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+        world.add_wall(floor, Drive::Fixed).unwrap();
+        let model = clamp(1e10);
+        let law = ContactStiffness::Law;
+        let model = world.add_model("bridge", model, law).unwrap();
+        let over = Rotation::from_axis_angle(&Vector3::y_axis(), std::f64::consts::PI);
+        let pose = Pose::from_parts((Vector3::z() * 0.08001).into(), over);
+        world
+            .add_deformable(DeformableSpec {
+                velocity: -Vector3::z() * 0.1,
+                ..DeformableSpec::at_rest(model, pose)
+            })
+            .unwrap();
+        let patches = |world: &World| world.deformable_contacts().count();
+        while patches(&world) == 0 {
+            world.step().unwrap();
+        }
+        assert_eq!(patches(&world), 2);
+        while patches(&world) > 0 {
+            world.step().unwrap();
+        }
+        let body = world.deformable(0).unwrap();
+        let mass: f64 = body.model().masses().iter().sum();
+        let back = body.momentum().z / mass / 0.1;
+        let expected = restitution(zeta);
+        assert!(
+            (back / expected - 1.0).abs() < 0.02,
+            "{zeta}: {back} {expected}"
+        );
     }
 }
