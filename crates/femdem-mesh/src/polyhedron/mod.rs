@@ -303,7 +303,7 @@ impl Polyhedron {
 
     /// The body after a rigid motion.
     ///
-    /// A quaternion whose length differs from 1 by up to 1e-6 is made of unit length ([`unit_pose`]).
+    /// A quaternion whose length differs from 1 by up to 1e-6 is made of unit length ([`unit_pose`](crate::unit_pose)).
     ///
     /// # Errors
     ///
