@@ -21,7 +21,7 @@ pub struct BlockBootstrap {
     /// Least side of a block over the mean diameter; above 0. Default 1.5, a length beyond which the
     /// density of a random pack is but weakly correlated.
     pub block_over_d: f64,
-    /// Number of draws, 2 or more. Default 1000.
+    /// Number of draws, 2 to 1e6. Default 1000.
     pub resamples: u32,
     /// Seed of the random stream. Default 1.
     pub seed: u64,

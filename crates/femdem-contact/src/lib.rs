@@ -111,6 +111,7 @@ mod broadphase;
 mod contact;
 mod damping;
 pub mod deform;
+mod disjoint;
 mod error;
 mod friction;
 pub mod general;

@@ -42,7 +42,6 @@ pub struct TimeStepParameters {
     /// An upper limit of the step, s.
     pub largest: Option<f64>,
     /// Steps linearly implicitly, with a larger step; explicitly if `None`, which is the default.
-    #[serde(default)]
     pub implicit: Option<ImplicitStep>,
 }
 
@@ -156,7 +155,6 @@ pub struct SleepParameters {
     /// `tolerance` as for rigid bodies. It wakes when one of these exceeds 2 `tolerance`. It does not follow
     /// smaller changes of its loads, nor do its stresses. Rigid bodies that touch a deformable one sleep only
     /// if it does.
-    #[serde(default)]
     pub deformables: bool,
     /// Mean net force, and mean net moment over d, below this fraction of W count as
     /// balanced.

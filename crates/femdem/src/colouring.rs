@@ -23,7 +23,7 @@ use crate::{Error, Snapshot};
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Colouring {
-    /// Number in the order of placement; bodies placed together share one
+    /// Number in the order of placement; bodies placed together share one. If all are, the number of the body
     #[default]
     Sequence,
     /// Number of bodies and walls that push on the body

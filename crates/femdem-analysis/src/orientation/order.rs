@@ -24,7 +24,7 @@ const MOST_BODIES: usize = 500;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct OrientationOptions {
-    /// Number of packs of randomly turned bodies for the baseline, 2 or more. Default 200.
+    /// Number of packs of randomly turned bodies for the baseline, 2 to 1e6. Default 200.
     pub random_packs: u32,
     /// How the errors are drawn, and the seed of the random packs.
     pub bootstrap: BlockBootstrap,

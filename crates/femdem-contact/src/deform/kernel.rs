@@ -244,7 +244,7 @@ impl DeformableScratch {
             area: 0.5 * sums.area.dot(&force) / force.norm().max(f64::MIN_POSITIVE),
             wrenches: sums.wrench.map(wrench),
             centre: near.origin + moment / pressure.max(f64::MIN_POSITIVE),
-            stiffness: sums.loads.iter().map(|l| l.stiffness).sum(),
+            stiffness: sums.loads.iter().map(|l| l.stiffness.total).sum(),
             nodes: [0, 1].map(|side| self.nodes(near, side)),
         }
     }

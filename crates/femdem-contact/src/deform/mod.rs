@@ -90,6 +90,7 @@
 
 mod add_up;
 mod batch;
+mod body_dashpot;
 mod bristle;
 mod clip;
 mod current;
@@ -105,7 +106,6 @@ mod shape;
 mod skins;
 mod sums;
 mod walk;
-mod whole;
 
 pub use batch::DeformableBatch;
 pub use current::Operand;

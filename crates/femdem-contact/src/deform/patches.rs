@@ -10,6 +10,7 @@
 use super::current::Operand;
 use super::near::Near;
 use super::sums::{PairSums, PatchStiffness};
+use crate::disjoint::{find, join};
 use femdem_mesh::Vector3;
 
 /// One of them.
@@ -55,7 +56,7 @@ impl Patches {
         let patch = Patch {
             share: 1.0,
             wrench: sums.wrench,
-            stiffness: sums.patch,
+            stiffness: sums.loads.iter().map(|load| load.stiffness).sum(),
             area: sums.area,
         };
         Self {
@@ -74,7 +75,7 @@ impl Patches {
             force.is_some_and(|force| *force != Vector3::zeros())
         };
         let place = |side: usize, node: u32| (starts[side] + node as usize) as u32;
-        let join = |groups: &mut Groups, side: usize, nodes: &[u32], with: Option<u32>| {
+        let link = |groups: &mut Groups, side: usize, nodes: &[u32], with: Option<u32>| {
             let mut last = with;
             for &node in nodes.iter().filter(|node| carries(side, **node)) {
                 let this = place(side, node);
@@ -86,14 +87,14 @@ impl Patches {
         };
         for (side, members) in near.sides.iter().enumerate() {
             for nodes in &members.corners {
-                join(&mut groups, side, nodes, None);
+                link(&mut groups, side, nodes, None);
             }
             for (_, masters) in &members.slaves {
-                join(&mut groups, side, masters, None);
+                link(&mut groups, side, masters, None);
             }
             for (load, i) in sums.loads.iter().zip(0..) {
                 if let Some(nodes) = members.corners.get(load.hosts[side] as usize) {
-                    join(&mut groups, side, nodes, Some(i));
+                    link(&mut groups, side, nodes, Some(i));
                 }
             }
         }
@@ -120,7 +121,7 @@ impl Patches {
         for (i, load) in sums.loads.iter().enumerate() {
             let patch = &mut self.list[self.of_load[i] as usize];
             pressing[self.of_load[i] as usize] += load.force.norm();
-            patch.stiffness += load.patch;
+            patch.stiffness += load.stiffness;
             patch.area += load.area;
         }
         let springs = self.list.iter().zip(&pressing);
@@ -163,8 +164,7 @@ impl Patches {
 
 /// Things that hang together.
 struct Groups {
-    /// A member of the same group with a lower number, or itself.
-    leader: Vec<u32>,
+    root: Vec<u32>,
     count: usize,
 }
 
@@ -177,34 +177,21 @@ struct Numbers {
 impl Groups {
     fn new(things: usize) -> Self {
         Self {
-            leader: (0..things as u32).collect(),
+            root: (0..things as u32).collect(),
             count: things,
         }
     }
 
     /// With more things, each by itself.
     fn grown(mut self, things: usize) -> Self {
-        let more = self.leader.len() as u32..things as u32;
+        let more = self.root.len() as u32..things as u32;
         self.count += more.len();
-        self.leader.extend(more);
+        self.root.extend(more);
         self
     }
 
-    fn find(&mut self, mut thing: u32) -> u32 {
-        while self.leader[thing as usize] != thing {
-            let next = self.leader[thing as usize];
-            self.leader[thing as usize] = self.leader[next as usize];
-            thing = next;
-        }
-        thing
-    }
-
     fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
-        if a != b {
-            self.leader[a.max(b) as usize] = a.min(b);
-            self.count -= 1;
-        }
+        self.count -= usize::from(join(&mut self.root, a, b));
     }
 
     /// Joins all things with the same key.
@@ -218,19 +205,19 @@ impl Groups {
     }
 
     /// Numbers of the groups of the first `loads` things, in their order; what belongs to none of them goes with the first.
-    fn numbers(&mut self, loads: usize) -> Numbers {
-        let mut of_leader = vec![0; self.leader.len()];
+    fn numbers(&self, loads: usize) -> Numbers {
+        let mut of_root = vec![0; self.root.len()];
         let mut count = 0;
         for load in 0..loads as u32 {
-            if self.find(load) == load {
-                of_leader[load as usize] = count;
+            if find(&self.root, load) == load {
+                of_root[load as usize] = count;
                 count += 1;
             }
         }
-        let things = 0..self.leader.len() as u32;
+        let things = 0..self.root.len() as u32;
         Numbers {
             of: things
-                .map(|thing| of_leader[self.find(thing) as usize])
+                .map(|thing| of_root[find(&self.root, thing) as usize])
                 .collect(),
             count: count as usize,
         }

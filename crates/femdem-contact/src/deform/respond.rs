@@ -1,5 +1,6 @@
 //! Damping and friction of one pair, from the sums of its elastic contact.
 
+use super::body_dashpot::BodyDashpot;
 use super::bristle::Bristle;
 use super::current::Operand;
 use super::kernel::DeformableScratch;
@@ -8,7 +9,6 @@ use super::patches::Patches;
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
 use super::rocking::{Rocking, Turning};
 use super::rub::Rubbing;
-use super::whole::Whole;
 use crate::contact::{Load, Wrench};
 use crate::generalized::Resistance;
 use crate::law::ContactParameters;
@@ -86,15 +86,16 @@ pub(crate) struct Outcome {
     pub bristles: Vec<Bristle>,
 }
 
-/// The dashpot of a pair.
+/// The dashpot of a patch.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Dashpot {
-    /// Elastic plus viscous force over elastic force, of the nodes, and with what acts on the bodies as wholes.
+    /// Elastic plus viscous force over elastic force: of the nodes.
     pub scale: f64,
+    /// The same with what acts on the bodies as wholes.
     pub total: f64,
     /// Inverse mass of the contact along its force, 1/kg: sum |f_a|^2/m_a over |f|^2.
     pub inverse_mass: f64,
-    /// The dashpot's matrix is this times f f^T, with f the elastic force on all nodes and bodies.
+    /// The matrix of `total` on a rigid body is this times f f^T, with the elastic wrench f on it, 1/(N s).
     coefficient: f64,
     /// Rate of the nodes, 1/s.
     rate: f64,
@@ -169,7 +170,7 @@ impl Outcome {
     /// Takes over the sums from the scratch, which are consumed. The sides are those of `pair`.
     pub fn take(&mut self, pair: &Pair, scratch: &mut DeformableScratch) {
         let patches = Patches::new(&pair.sides, pair.near, &scratch.sums);
-        let (dashpots, wholes) = pair.dashpots(scratch, &patches);
+        let (dashpots, of_bodies) = pair.dashpots(scratch, &patches);
         scratch.sums.keep_elastic();
         for (side, forces) in scratch.sums.forces.iter_mut().enumerate() {
             for (at, force) in forces.iter_mut().enumerate() {
@@ -195,12 +196,12 @@ impl Outcome {
             self.contacts.push(contact);
             rockings.push(rocking);
         }
-        for whole in &wholes {
-            damping_power += whole.power;
+        for dashpot in &of_bodies {
+            damping_power += dashpot.power;
             for side in 0..2 {
-                self.whole[side][0] += whole.wrench[side][0];
-                self.whole[side][1] += whole.wrench[side][1];
-                self.whole_rates[side] += whole.rates[side];
+                self.whole[side][0] += dashpot.wrench[side][0];
+                self.whole[side][1] += dashpot.wrench[side][1];
+                self.whole_rates[side] += dashpot.rates[side];
             }
         }
         let friction = self.rub(pair, scratch, &patches, &dashpots);
@@ -265,42 +266,48 @@ impl<'a> Pair<'a> {
         matches!(self.movers[0], Mover::Rigid(motion) if motion.inverse_mass > 0.0)
     }
 
-    /// The dashpot along the gradient of U, in the space of all nodes and bodies of the pair:
+    /// The dashpots of the patches: along the gradient of U, in the space of all nodes and bodies of the pair,
     /// f -> (1 + s) f, s = 2 zeta dU/dt / (sqrt(2 U) sqrt(sum |f_a|^2/m_a)).
     fn dashpots(
         &self,
         scratch: &DeformableScratch,
         patches: &Patches,
-    ) -> (Vec<Dashpot>, Vec<Whole>) {
+    ) -> (Vec<Dashpot>, Vec<BodyDashpot>) {
         let mut motions = vec![Response::default(); patches.list.len()];
         for (side, mover) in self.movers.iter().enumerate() {
             match mover {
                 Mover::Nodes(state) => self.respond(side, state, scratch, patches, &mut motions),
                 Mover::Rigid(motion) => {
                     for (patch, of_patch) in patches.list.iter().zip(&mut motions) {
-                        let [force, about] = patch.wrench[side];
-                        let torque =
-                            about + (self.near.origin - motion.frame.position).cross(&force);
-                        of_patch.of_bodies += force.norm_squared() * motion.inverse_mass
-                            + torque.dot(&(motion.inverse_inertia * torque));
-                        of_patch.power +=
-                            force.dot(&motion.velocity) + torque.dot(&motion.angular_velocity);
+                        let (response, power) = self.rigid_response(motion, &patch.wrench[side]);
+                        of_patch.of_bodies += response;
+                        of_patch.power += power;
                     }
                 }
             }
         }
-        let together = self.together(&patches.list, scratch.sums.energy);
+        let all = self.all_patches(&patches.list, scratch.sums.energy);
         let each = patches.list.iter().zip(&motions);
         each.map(|(patch, motion)| {
             let energy = scratch.sums.energy * patch.share;
             let mut dashpot = motion.dashpot(energy, &patch.wrench[1][0], self.law.damping_ratio);
             let rate = dashpot.coefficient * patch.wrench[1][0].norm();
-            let whole = self.whole(patch, &together, rate, dashpot.scale);
-            dashpot.total += whole.scale;
-            dashpot.coefficient += whole.coefficient;
-            (dashpot, whole)
+            let of_bodies = self.body_dashpot(patch, &all, rate, dashpot.scale);
+            dashpot.total += of_bodies.scale;
+            dashpot.coefficient += of_bodies.coefficient;
+            (dashpot, of_bodies)
         })
         .unzip()
+    }
+
+    /// |f|²/M + t I⁻¹ t, N²/kg, and power, W, of a wrench about the pair's origin on a rigid body.
+    pub fn rigid_response(&self, motion: &Motion, [force, about]: &[Vector3; 2]) -> (f64, f64) {
+        let torque = about + (self.near.origin - motion.frame.position).cross(force);
+        (
+            force.norm_squared() * motion.inverse_mass
+                + torque.dot(&(motion.inverse_inertia * torque)),
+            force.dot(&motion.velocity) + torque.dot(&motion.angular_velocity),
+        )
     }
 
     /// Adds what the nodes of a side contribute to the patches.
@@ -347,7 +354,7 @@ impl<'a> Pair<'a> {
             if patches.of_load(i) == number {
                 pressure += load.pressure;
                 moment += load.moment;
-                stiffness += load.stiffness;
+                stiffness += load.stiffness.total;
             }
         }
         let centre = if pressure > 0.0 {

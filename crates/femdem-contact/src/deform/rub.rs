@@ -152,7 +152,7 @@ struct Bearing {
 impl Bearing {
     fn new<'a>(loads: impl Iterator<Item = &'a TriangleLoad> + Clone) -> Self {
         let force: f64 = loads.clone().map(|l| l.force.norm()).sum();
-        let stiffness: f64 = loads.clone().map(|l| l.stiffness).sum();
+        let stiffness: f64 = loads.clone().map(|l| l.stiffness.total).sum();
         let mut bearing = Self {
             least: SOFT * stiffness / force,
             share: 1.0,
@@ -167,7 +167,7 @@ impl Bearing {
 
     fn holds(&self, load: &TriangleLoad) -> bool {
         let force = load.force.norm();
-        force > 0.0 && load.pressure > 0.0 && load.stiffness > self.least * force
+        force > 0.0 && load.pressure > 0.0 && load.stiffness.total > self.least * force
     }
 }
 
@@ -194,7 +194,7 @@ impl Pair<'_> {
             point,
             normal: load.force / force,
             force: force * scale,
-            stiffness: self.law.tangential_ratio * load.stiffness,
+            stiffness: self.law.tangential_ratio * load.stiffness.total,
             slip: vb - va,
             mobilities: [of_a, of_b],
             period: f64::INFINITY,

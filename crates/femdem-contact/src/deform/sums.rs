@@ -37,13 +37,12 @@ pub(crate) struct TriangleLoad {
     /// Integrals of p phi and x p phi, N and N m.
     pub pressure: f64,
     pub moment: Vector3,
-    /// Integral of the stiffness per area, N/m.
-    pub stiffness: f64,
+    /// Of the polygons on it and in front of it.
+    pub stiffness: PatchStiffness,
     /// Tetrahedra of A and B (indices in the lists) between which the largest part of the load acts, and this
     /// part, N.
     pub hosts: [u32; 2],
-    /// Of the polygons on it and in front of it: stiffness, and vector area towards B, m^2.
-    pub patch: PatchStiffness,
+    /// Vector area of the same polygons, towards B, m^2.
     pub area: Vector3,
     share: f64,
 }
@@ -67,8 +66,6 @@ pub(crate) struct PairSums {
     pub area: Vector3,
     /// Centre and normal times stiffness of the polygons, for rigid bodies.
     pub springs: Vec<Spring>,
-    /// Stiffness of all polygons that carry pressure.
-    pub patch: PatchStiffness,
     pub pieces: usize,
 }
 
@@ -81,6 +78,14 @@ pub(crate) struct PatchStiffness {
     first: Vector3,
     /// Integral of |x|^2, N m.
     second: f64,
+}
+
+impl std::iter::Sum for PatchStiffness {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        let mut sum = Self::default();
+        parts.for_each(|part| sum += part);
+        sum
+    }
 }
 
 impl std::ops::AddAssign for PatchStiffness {
@@ -157,7 +162,6 @@ impl PairSums {
         self.volume = 0.0;
         self.wrench = [[Vector3::zeros(); 2]; 2];
         self.area = Vector3::zeros();
-        self.patch = PatchStiffness::default();
         self.pieces = 0;
     }
 
@@ -296,13 +300,11 @@ impl PairSums {
         if !carries {
             return None;
         }
-        self.patch.add(weight, sums);
         let load = self.load(triangle);
         load.force += normal * sums.pressure;
         load.pressure += sums.pressure;
         load.moment += sums.moment;
-        load.stiffness += weight * sums.area;
-        load.patch.add(weight, sums);
+        load.stiffness.add(weight, sums);
         load.area += normal * sums.area;
         if sums.pressure > load.share {
             load.hosts = sides.map(|s| s.place);
@@ -369,9 +371,8 @@ impl PairSums {
                     force: Vector3::zeros(),
                     pressure: 0.0,
                     moment: Vector3::zeros(),
-                    stiffness: 0.0,
+                    stiffness: PatchStiffness::default(),
                     hosts: [u32::MAX; 2],
-                    patch: PatchStiffness::default(),
                     area: Vector3::zeros(),
                     share: 0.0,
                 };

@@ -2,6 +2,7 @@
 
 use super::cells::{Cells, NONE};
 use super::pieces::Record;
+use crate::disjoint::{find, join};
 use crate::kernel::Overlap;
 
 /// One connected part of the overlap of two bodies (or of a wall A and a body B).
@@ -21,7 +22,12 @@ pub(crate) fn connect(pieces: &[Record], a: &Cells, b: &Cells, root: &mut Vec<u3
     root.clear();
     root.extend(0..pieces.len() as u32);
     let place = |pair: [u32; 2]| pieces.binary_search_by_key(&pair, |r| r.pair).ok();
-    for (n, piece) in pieces.iter().enumerate() {
+    let join = |root: &mut [u32], n: u32, other: Option<usize>| {
+        if let Some(m) = other {
+            join(root, n, m as u32);
+        }
+    };
+    for (n, piece) in (0..).zip(pieces) {
         let [i, j] = piece.pair;
         let bits = piece.faces.bits;
         for k in 0..4 {
@@ -38,7 +44,7 @@ pub(crate) fn connect(pieces: &[Record], a: &Cells, b: &Cells, root: &mut Vec<u3
         }
     }
     for n in 0..root.len() {
-        root[n] = find(root, n) as u32;
+        root[n] = find(root, n as u32);
     }
 }
 
@@ -47,23 +53,4 @@ fn across(cells: &Cells, i: u32, k: usize, faces: u8) -> Option<u32> {
     let cell = cells.list.get(i as usize)?;
     let next = cell.neighbours[k];
     (faces >> k & 1 == 1 && next != NONE).then_some(next)
-}
-
-fn find(root: &[u32], mut n: usize) -> usize {
-    while root[n] as usize != n {
-        n = root[n] as usize;
-    }
-    n
-}
-
-/// Gives both the lower of their two roots.
-fn join(root: &mut [u32], n: usize, other: Option<usize>) {
-    let Some(m) = other else {
-        return;
-    };
-    let (x, y) = (find(root, n), find(root, m));
-    root[x.max(y)] = x.min(y) as u32;
-    let low = x.min(y) as u32;
-    root[n] = low;
-    root[m] = low;
 }

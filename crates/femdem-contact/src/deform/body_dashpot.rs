@@ -22,9 +22,9 @@ use super::patches::Patch;
 use super::respond::{Mover, Pair};
 use femdem_mesh::Vector3;
 
-/// What it does in a step.
+/// The dashpot of one patch.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Whole {
+pub(crate) struct BodyDashpot {
     /// Viscous over elastic force.
     pub scale: f64,
     /// c, 1/(N s).
@@ -39,7 +39,7 @@ pub(crate) struct Whole {
 
 /// Wrenches on both bodies, taken as wholes.
 #[derive(Debug, Clone, Copy)]
-struct Response {
+struct AsWholes {
     /// R, and the parts of it of the bodies that deform, N²/kg.
     all: f64,
     own: [f64; 2],
@@ -53,10 +53,10 @@ struct Response {
     moving: f64,
 }
 
-/// All patches of a pair together. Patches that press the same way share one dashpot, as those of a rigid body do
+/// All patches of a pair all. Patches that press the same way share one dashpot, as those of a rigid body do
 /// ([`crate::damping`]), and patches that press against each other have one each.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Together {
+pub(crate) struct AllPatches {
     /// Sum of the forces of the patches, N, and their energy, J.
     pressing: f64,
     energy: f64,
@@ -65,8 +65,8 @@ pub(crate) struct Together {
 }
 
 impl Pair<'_> {
-    fn response_as_wholes(&self, wrench: &[[Vector3; 2]; 2]) -> Response {
-        let mut found = Response {
+    fn response_as_wholes(&self, wrench: &[[Vector3; 2]; 2]) -> AsWholes {
+        let mut found = AsWholes {
             all: 0.0,
             own: [0.0; 2],
             power: 0.0,
@@ -74,16 +74,11 @@ impl Pair<'_> {
             slowest: f64::INFINITY,
             moving: 0.0,
         };
-        for (side, [force, about]) in wrench.iter().enumerate() {
+        for (side, wrench) in wrench.iter().enumerate() {
+            let [force, about] = wrench;
             let torque = |centre: &Vector3| about + (self.near.origin - centre).cross(force);
             let (response, power) = match (&self.movers[side], self.turnings[side]) {
-                (Mover::Rigid(motion), _) => {
-                    let torque = torque(&motion.frame.position);
-                    let turned = torque.dot(&(motion.inverse_inertia * torque));
-                    let response = force.norm_squared() * motion.inverse_mass + turned;
-                    let (v, w) = (&motion.velocity, &motion.angular_velocity);
-                    (response, force.dot(v) + torque.dot(w))
-                }
+                (Mover::Rigid(motion), _) => self.rigid_response(motion, wrench),
                 (Mover::Nodes(_), Some(turning)) if turning.is_whole() => {
                     let torque = torque(turning.centre());
                     found.slowest = found.slowest.min(self.frequencies[side]);
@@ -101,7 +96,7 @@ impl Pair<'_> {
     }
 
     /// The patches of a pair with an energy, J.
-    pub fn together(&self, patches: &[Patch], energy: f64) -> Together {
+    pub fn all_patches(&self, patches: &[Patch], energy: f64) -> AllPatches {
         let mut sum = [[Vector3::zeros(); 2]; 2];
         for part in patches {
             for (total, part) in sum.iter_mut().flatten().zip(part.wrench.iter().flatten()) {
@@ -110,7 +105,7 @@ impl Pair<'_> {
         }
         let pressing: f64 = patches.iter().map(|p| p.wrench[1][0].norm()).sum();
         let square = sum[1][0].norm_squared();
-        Together {
+        AllPatches {
             pressing,
             energy,
             inverse_mass: self.response_as_wholes(&sum).all * (pressing / square).powi(2),
@@ -119,14 +114,19 @@ impl Pair<'_> {
 
     /// `rate` is what the other dashpot has of viscous over elastic force for each m/s, s/m, and `scale` what it makes of
     /// the elastic force: together they leave no tension.
-    pub fn whole(&self, patch: &Patch, together: &Together, rate: f64, scale: f64) -> Whole {
+    pub fn body_dashpot(
+        &self,
+        patch: &Patch,
+        all: &AllPatches,
+        rate: f64,
+        scale: f64,
+    ) -> BodyDashpot {
         let response = self.response_as_wholes(&patch.wrench);
         let force = patch.wrench[1][0].norm();
         // The quotient of forces that cancel has no value.
-        let inverse_mass = together.inverse_mass.min(response.all / (force * force));
-        let twice = 2.0 * together.energy;
-        let softness =
-            inverse_mass * together.pressing.powi(2) / (twice * response.slowest.powi(2));
+        let inverse_mass = all.inverse_mass.min(response.all / (force * force));
+        let twice = 2.0 * all.energy;
+        let softness = inverse_mass * all.pressing.powi(2) / (twice * response.slowest.powi(2));
         let part = 1.0 / (1.0 + softness).powi(2);
         let asked = 2.0 * self.law.damping_ratio / (twice * inverse_mass).sqrt();
         let coefficient = part * (asked - rate) / force;
@@ -134,10 +134,10 @@ impl Pair<'_> {
         let acts =
             response.slowest < f64::INFINITY && coefficient > 0.0 && coefficient < f64::INFINITY;
         if !acts {
-            return Whole::default();
+            return BodyDashpot::default();
         }
         let factor = (-coefficient * response.power).max(-scale);
-        Whole {
+        BodyDashpot {
             scale: factor,
             coefficient,
             wrench: response
