@@ -73,7 +73,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             })
             .collect();
         let start = Instant::now();
-        batch.update(&states, &[], &[])?;
+        batch.update(&states, &[], &[], 0.0)?;
         if step >= 10 {
             time += start.elapsed().as_secs_f64();
             depth = batch.contacts().map(|c| c.penetration()).sum::<f64>()

@@ -1,10 +1,12 @@
 //! What the batch stage reports: contacts and loads.
 
 use crate::damping::Damped;
+use crate::foundation::Foundation;
 use crate::friction::Friction;
 use crate::generalized::{Resistance, stable_step};
 use crate::kernel::{Overlap, mean_penetration};
 use crate::motion::Motion;
+use crate::rocking::Rocking;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
@@ -45,12 +47,16 @@ pub struct Contact {
     pub normal_force: f64,
     /// Moment on B of the elastic force about the contact point, N m.
     pub moment: Vector3,
-    /// Moment on B of the dashpots against rocking, N m.
+    /// Moment on B of the dashpot against rocking, N m.
     pub rocking: Vector3,
     /// Friction force on B, N.
     pub friction: Vector3,
     /// Friction moment on B about the normal, N m.
     pub torsion: f64,
+    /// The part of friction and of its moment that is due to the dashpots beside the springs, N and N m.
+    pub drag: Vector3,
+    /// See `drag`.
+    pub drag_torsion: f64,
     /// Whether the patch slides.
     pub slides: bool,
     /// True if the contact was evaluated at the poses predicted for the end of the step, because the pair
@@ -65,14 +71,12 @@ pub struct Contact {
     pub energy: f64,
     /// Energy in the friction springs, J.
     pub spring_energy: f64,
-    /// Normal stiffness, N/m.
-    pub stiffness: f64,
+    /// The stiffness of the patch along its normal.
+    pub foundation: Foundation,
     /// Stiffness of the tangential spring, N/m.
     pub tangential_stiffness: f64,
-    /// Polar second moment of the normal stiffness over the patch, N m.
-    pub stiffness_second: f64,
     /// Mean distance of the pressure from the contact point, m. The friction moment of a spinning patch is mu
-    /// F times this radius, and the moment of the dashpots against rocking is at most F times it.
+    /// F times this radius.
     pub torsion_radius: f64,
     /// Shares of A and B in the stability bound; see [`Resistance::largest_step`].
     pub(crate) shares: [f64; 2],
@@ -86,8 +90,8 @@ pub struct Springs {
     pub normal: f64,
     /// In the contact plane, N/m.
     pub tangential: f64,
-    /// Turning about an axis in the contact plane, N m.
-    pub rocking: f64,
+    /// Turning about the two principal axes in the contact plane (see [`Foundation`]), N m.
+    pub rocking: [f64; 2],
     /// Turning about the normal, N m.
     pub torsion: f64,
 }
@@ -99,8 +103,8 @@ pub struct Dashpots {
     pub normal: f64,
     /// In the contact plane, N s/m.
     pub tangential: f64,
-    /// Turning about an axis in the contact plane, N m s.
-    pub rocking: f64,
+    /// Turning about the two principal axes in the contact plane (see [`Foundation`]), N m s.
+    pub rocking: [f64; 2],
     /// Turning about the normal, N m s.
     pub torsion: f64,
 }
@@ -125,7 +129,7 @@ impl Springs {
         Self {
             normal: self.normal * share,
             tangential: self.tangential * share,
-            rocking: self.rocking * share,
+            rocking: self.rocking.map(|x| x * share),
             torsion: self.torsion * share,
         }
     }
@@ -136,9 +140,24 @@ impl Dashpots {
         Self {
             normal: self.normal * share,
             tangential: self.tangential * share,
-            rocking: self.rocking * share,
+            rocking: self.rocking.map(|x| x * share),
             torsion: self.torsion * share,
         }
+    }
+}
+
+/// Of distances of both centroids from the contact point, m; infinite for a wall.
+pub(crate) fn rolling_radius(of_a: f64, of_b: f64) -> f64 {
+    // Not the quotient of product and sum, which is none where a distance is infinite or both are zero.
+    let [small, large] = if of_a < of_b {
+        [of_a, of_b]
+    } else {
+        [of_b, of_a]
+    };
+    if small > 0.0 {
+        small / (1.0 + small / large)
+    } else {
+        0.0
     }
 }
 
@@ -147,6 +166,7 @@ pub(crate) fn assemble(
     (a, b, patch): (Partner, BodyId, u32),
     overlap: &Overlap,
     damped: &Damped,
+    rocking: &Rocking,
     friction: &Friction,
     motions: [&Motion; 2],
 ) -> Contact {
@@ -170,41 +190,41 @@ pub(crate) fn assemble(
         elastic_force,
         normal_force: elastic_force * damped.scale,
         moment: overlap.moment,
-        rocking: damped.rocking,
+        rocking: rocking.moment,
         friction: friction.force,
         torsion: friction.torsion,
+        drag: friction.drag,
+        drag_torsion: friction.drag_torsion,
         slides: friction.slides,
         foreseen: false,
         area: overlap.area,
         volume: overlap.volume,
         energy: overlap.energy,
         spring_energy: friction.energy,
-        stiffness: overlap.stiffness,
+        foundation: overlap.foundation,
         tangential_stiffness: friction.stiffness,
-        stiffness_second: overlap.stiffness_second,
         torsion_radius: overlap.torsion_radius,
         shares,
         dashpots: Dashpots {
             normal: damped.viscosity,
             tangential: friction.viscosity,
-            rocking: damped.rocking_viscosity,
+            rocking: rocking.viscosity,
             torsion: friction.torsion_viscosity,
         },
     }
 }
 
 impl Contact {
-    /// Stiffnesses of the springs: those of the foundation, integrated over the patch. Rocking is taken as the
-    /// polar second moment, an upper bound that a long and narrow patch reaches, and torsion as the tangential
-    /// share of it.
+    /// Stiffnesses of the springs: those of the foundation, integrated over the patch, and of the bristles in its
+    /// plane.
     pub fn springs(&self) -> Springs {
-        let (normal, rocking) = (self.stiffness.max(0.0), self.stiffness_second.max(0.0));
+        let normal = self.foundation.stiffness;
         Springs {
             normal,
             tangential: self.tangential_stiffness,
-            rocking,
+            rocking: self.foundation.rocking,
             torsion: if normal > 0.0 {
-                rocking * self.tangential_stiffness / normal
+                self.foundation.polar() * self.tangential_stiffness / normal
             } else {
                 0.0
             },
@@ -220,6 +240,7 @@ impl Contact {
         self.normal_force = force.normal;
         self.friction = force.friction;
         self.torsion = force.torsion;
+        (self.drag, self.drag_torsion) = (Vector3::zeros(), 0.0);
         self.rocking = force.rocking;
         self.slides = force.slides;
     }
@@ -232,6 +253,16 @@ impl Contact {
     /// Penetration estimate, m: overlap volume over contact area.
     pub fn penetration(&self) -> f64 {
         mean_penetration(self.volume, self.area)
+    }
+
+    /// The radius on which A and B roll on each other, m: l_A l_B/(l_A + l_B) with the distances l of their centroids
+    /// from the contact point along the normal, l_B against a wall. It is the reduced radius of two spheres.
+    pub fn rolling_radius(&self) -> f64 {
+        let of_a = match self.a {
+            Partner::Body(_) => self.normal.dot(&self.arm_a).abs(),
+            Partner::Wall(_) => f64::INFINITY,
+        };
+        rolling_radius(of_a, self.normal.dot(&self.arm_b).abs())
     }
 
     /// Lever of the elastic wrench about the origin of `arm`, m. The normal dashpot acts along this wrench.
@@ -284,6 +315,7 @@ impl AddAssign<&Self> for Load {
         self.total += &other.total;
         self.damping += &other.damping;
         self.friction += &other.friction;
+        self.viscous += &other.viscous;
         self.normal_sum += other.normal_sum;
         self.contacts += other.contacts;
         for k in 0..2 {
@@ -298,10 +330,13 @@ impl AddAssign<&Self> for Load {
 pub struct Load {
     /// Total wrench.
     pub total: Wrench,
-    /// The part due to normal damping and rocking.
+    /// The part due to normal damping and to the dashpot against rocking.
     pub damping: Wrench,
     /// The part due to friction and torsion.
     pub friction: Wrench,
+    /// The part due to all dashpots: `damping`, and the drag in `friction`. What is left is the load if nothing
+    /// moved, by which rest is judged.
+    pub viscous: Wrench,
     /// Sum of the normal forces, N.
     pub normal_sum: f64,
     /// Number of bodies and walls in contact; the patches of a pair count once.
@@ -342,23 +377,35 @@ impl Load {
             arm,
         );
         self.friction.add(friction, torsion, arm);
-        self.damping.add(
-            elastic * (scale - 1.0),
-            moment * (scale - 1.0) + rocking,
-            arm,
-        );
+        let damping = elastic * (scale - 1.0);
+        let damping_moment = moment * (scale - 1.0) + rocking;
+        self.damping.add(damping, damping_moment, arm);
+        let drag = contact.drag * sign;
+        let drag_torsion = contact.normal * (sign * contact.drag_torsion);
+        self.viscous
+            .add(damping + drag, damping_moment + drag_torsion, arm);
         self.normal_sum += contact.normal_force;
         self.contacts += u32::from(contact.patch == 0);
         self.bounds.add(contact, arm, contact.shares[side]);
     }
 
-    /// Adds the wrenches of a deformable body on this one: elastic, damping and friction.
-    pub(crate) fn add_wrenches(&mut self, elastic: &Wrench, damping: &Wrench, friction: &Wrench) {
+    /// Adds the wrenches of a deformable body on this one: elastic, damping, friction, and the drag in friction.
+    pub(crate) fn add_wrenches(&mut self, [elastic, damping, friction, drag]: [&Wrench; 4]) {
         for part in [elastic, damping, friction] {
             self.total += part;
         }
         self.damping += damping;
         self.friction += friction;
+        self.viscous += damping;
+        self.viscous += drag;
+    }
+
+    /// The load without what dashpots add while the body or its partners move.
+    pub fn static_part(&self) -> Wrench {
+        Wrench {
+            force: self.total.force - self.viscous.force,
+            torque: self.total.torque - self.viscous.torque,
+        }
     }
 
     /// Whether a step is stable even if all contacts of the body resisted the same motion. This cheap test
@@ -382,7 +429,8 @@ impl Bounds {
         // The stiffness against any motion of the contact point is at most that of the stiffest spring.
         let point = springs.normal.max(springs.tangential);
         self.stiffness[0] += point;
-        self.stiffness[1] += point * square + springs.torsion.max(springs.rocking);
+        let [_, rocking] = springs.rocking;
+        self.stiffness[1] += point * square + springs.torsion.max(rocking);
         let dashpots = contact.dashpots.scaled(share);
         // The normal dashpot acts along another line than the spring.
         if let Some(lever) = contact.elastic_lever(arm) {
@@ -390,7 +438,9 @@ impl Bounds {
             self.viscosity[1] += dashpots.normal * lever.norm_squared();
         }
         self.viscosity[0] += dashpots.tangential;
-        self.viscosity[1] += dashpots.tangential * square + dashpots.torsion.max(dashpots.rocking);
+        let [about_long, about_short] = dashpots.rocking;
+        self.viscosity[1] +=
+            dashpots.tangential * square + dashpots.torsion.max(about_long).max(about_short);
     }
 }
 
@@ -406,8 +456,11 @@ impl Resistance {
         self.stiffness
             .add_along(n, &arm.cross(n), springs.normal - springs.tangential);
         self.stiffness.add_everywhere(arm, springs.tangential);
-        self.stiffness
-            .add_turning(n, springs.torsion, springs.rocking);
+        self.stiffness.add_about(n, springs.torsion);
+        let axes = contact.foundation.axes(n);
+        for (axis, value) in axes.iter().zip(springs.rocking) {
+            self.stiffness.add_about(axis, value);
+        }
         let dashpots = contact.dashpots.scaled(share);
         if let Some(lever) = contact.elastic_lever(arm) {
             self.viscosity.add_along(n, &lever, dashpots.normal);
@@ -415,7 +468,9 @@ impl Resistance {
         self.viscosity
             .add_along(n, &arm.cross(n), -dashpots.tangential);
         self.viscosity.add_everywhere(arm, dashpots.tangential);
-        self.viscosity
-            .add_turning(n, dashpots.torsion, dashpots.rocking);
+        self.viscosity.add_about(n, dashpots.torsion);
+        for (axis, value) in axes.iter().zip(dashpots.rocking) {
+            self.viscosity.add_about(axis, value);
+        }
     }
 }

@@ -9,10 +9,7 @@
 //! and a dashpot whose force begins with a jump within a step acts for only a part of that step ([`Birth`]).
 //! The remaining error is of second order.
 //!
-//! Rocking about the contact point is orthogonal to that gradient, so the scaling leaves it
-//! undamped. A dashpot spread over the patch damps it too: a moment against the relative
-//! rotation in the contact plane, with the same fraction of critical damping, bounded so
-//! that the centre of pressure stays within the patch (no tension).
+//! Rocking about the contact point is orthogonal to that gradient; see [`crate::rocking`].
 
 use crate::kernel::Overlap;
 use crate::motion::Motion;
@@ -21,7 +18,7 @@ use femdem_mesh::Vector3;
 /// A contact counts as new if it is at most this many times as deep as it can have become within the step.
 const SLACK: f64 = 1.1;
 
-/// Result of the normal and rocking dashpots of a patch.
+/// Result of the normal dashpot of a patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Damped {
     /// Elastic plus viscous force over elastic force; at least 0 (no tension).
@@ -30,20 +27,8 @@ pub(crate) struct Damped {
     pub inverse_mass: [f64; 2],
     /// Viscous coefficient, N s/m.
     pub viscosity: f64,
-    /// Rocking moment on B, N m.
-    pub rocking: Vector3,
-    /// Viscosity against rocking, N m s.
-    pub rocking_viscosity: f64,
     /// Correction for a new patch.
     pub birth: Option<Birth>,
-}
-
-impl Damped {
-    /// Removes the dashpot forces; their viscosities stay.
-    pub fn leave_springs(&mut self) {
-        self.scale = 1.0;
-        self.rocking = Vector3::zeros();
-    }
 }
 
 /// Generalised inverse mass of one body for a unit force at the contact with its lever.
@@ -144,7 +129,7 @@ impl Whole {
         let mut total = [Vector3::zeros(); 3];
         for patch in patches {
             energy += patch.energy;
-            stiffness += patch.stiffness.max(0.0);
+            stiffness += patch.foundation.stiffness;
             pressed += patch.force_magnitude();
             total[0] += patch.force;
             total[1] += patch.torque_a();
@@ -166,7 +151,7 @@ impl Whole {
     /// together are those of all springs on the same bodies, shared by stiffness.
     pub fn friction_share(&self, patch: &Overlap) -> f64 {
         if self.0.stiffness > 0.0 {
-            (patch.stiffness.max(0.0) / self.0.stiffness).sqrt()
+            (patch.foundation.stiffness / self.0.stiffness).sqrt()
         } else {
             1.0
         }
@@ -195,14 +180,12 @@ pub(crate) fn damp(
         scale: 1.0,
         inverse_mass,
         viscosity: 0.0,
-        rocking: Vector3::zeros(),
-        rocking_viscosity: 0.0,
         birth: None,
     };
     let alone = Sums {
         force: magnitude,
         energy: overlap.energy,
-        stiffness: overlap.stiffness,
+        stiffness: overlap.foundation.stiffness,
         inverse_mass: total,
     };
     let sums = whole.map_or(alone, |w| Sums {
@@ -224,39 +207,5 @@ pub(crate) fn damp(
     let factor = against_lag(frequency, moment.dt, sums.sharpness())
         * damped.birth.map_or(1.0, |birth| birth.weight);
     damped.scale = (1.0 + factor * rate * closing).max(0.0);
-    let inverse_inertia = a.inverse_inertia_max + b.inverse_inertia_max;
-    if inverse_inertia > 0.0 {
-        // Half of the polar second moment belongs to either axis in the plane.
-        damped.rocking_viscosity =
-            2.0 * zeta * (0.5 * overlap.stiffness_second / inverse_inertia).sqrt();
-    }
-    damped.rocking = rocking(
-        overlap,
-        a,
-        b,
-        damped.rocking_viscosity,
-        magnitude * damped.scale,
-    );
     damped
-}
-
-/// Moment on B of the dashpots spread over the patch.
-fn rocking(
-    overlap: &Overlap,
-    a: &Motion,
-    b: &Motion,
-    viscosity: f64,
-    normal_force: f64,
-) -> Vector3 {
-    let n = &overlap.normal;
-    let turn = b.angular_velocity - a.angular_velocity;
-    let turn = turn - n * n.dot(&turn);
-    let moment = -turn * viscosity;
-    let most = normal_force * overlap.torsion_radius;
-    let size = moment.norm();
-    if size > most {
-        moment * (most / size)
-    } else {
-        moment
-    }
 }

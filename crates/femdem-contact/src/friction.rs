@@ -68,6 +68,9 @@ pub(crate) struct Friction {
     pub force: Vector3,
     /// Moment on B about the normal, N m.
     pub torsion: f64,
+    /// The parts of both due to dashpots.
+    pub drag: Vector3,
+    pub drag_torsion: f64,
     /// Energy stored in both springs, J.
     pub energy: f64,
     /// Springs and dashpots, for the step bound: N/m, N s/m.
@@ -266,9 +269,8 @@ impl FrictionState {
             let v = b.velocity_at(&overlap.arm_b) - a.velocity_at(&overlap.arm_a);
             v - n * n.dot(&v)
         };
-        // The stiffness of a body deep inside another is zero up to rounding, of either sign.
-        let k = law.tangential_ratio * overlap.stiffness.max(0.0);
-        let k_theta = law.tangential_ratio * overlap.stiffness_second;
+        let k = law.tangential_ratio * overlap.foundation.stiffness;
+        let k_theta = law.tangential_ratio * overlap.foundation.polar();
         let before = self.stretch(overlap, a, b);
         let (mut stretch, mut torsion) = match pace.birth {
             Some(birth) => (slip * birth.since, spin * birth.since),
@@ -308,13 +310,15 @@ impl FrictionState {
             self.stiffness = k;
         }
         self.torsion_stiffness = k_theta;
+        let springs = (-stretch * k, -k_theta * torsion);
         if !pace.dashpots {
-            force = -stretch * k;
-            moment = -k_theta * torsion;
+            (force, moment) = springs;
         }
         Friction {
             force,
             torsion: moment,
+            drag: force - springs.0,
+            drag_torsion: moment - springs.1,
             energy: 0.5 * (k * stretch.norm_squared() + k_theta * torsion * torsion),
             stiffness: k,
             viscosity,
@@ -374,10 +378,10 @@ fn limit_surface(force: f64, moment: f64, most: f64, radius: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::foundation::Foundation;
     use crate::shape::Frame;
 
-    /// A body around the centre of another overlaps it with zero force and stiffness, up to rounding of
-    /// either sign: the friction stays finite and within its bound.
+    /// A body around the centre of another overlaps it with zero force and stiffness, up to rounding: the friction stays finite and within its bound.
     #[test]
     fn an_overlap_without_stiffness_gives_finite_friction() {
         let mut body = Motion::fixed(Frame::identity());
@@ -386,7 +390,7 @@ mod tests {
         let mut moving = body;
         moving.velocity = Vector3::new(0.3, -1.0, 0.2);
         moving.angular_velocity = Vector3::new(1.0, 2.0, 3.0);
-        for stiffness in [-1e-16, 0.0, 1e-16] {
+        for stiffness in [0.0, 1e-16] {
             let overlap = Overlap {
                 force: Vector3::z() * 1e-17,
                 moment: Vector3::zeros(),
@@ -396,8 +400,7 @@ mod tests {
                 energy: 0.1,
                 volume: 1.0,
                 area: 0.0,
-                stiffness,
-                stiffness_second: 0.0,
+                foundation: Foundation::round(stiffness, 0.0),
                 torsion_radius: 0.5,
             };
             let mut state = FrictionState::new(&overlap, &body, &moving);
@@ -433,8 +436,7 @@ mod tests {
             energy: 0.1,
             volume: 1.0,
             area: 1.0,
-            stiffness,
-            stiffness_second: stiffness,
+            foundation: Foundation::round(stiffness, stiffness),
             torsion_radius: 0.5,
         };
         let law = ContactParameters {

@@ -44,11 +44,10 @@ impl Generalized {
         self.turning += Matrix3::from_diagonal_element(a.dot(arm)) - a * arm.transpose();
     }
 
-    /// Adds one against rotation: `about` the unit axis, and `across` it.
+    /// Adds one against rotation about a unit axis.
     #[inline]
-    pub(crate) fn add_turning(&mut self, axis: &Vector3, about: f64, across: f64) {
-        self.turning +=
-            Matrix3::from_diagonal_element(across) + (axis * (about - across)) * axis.transpose();
+    pub(crate) fn add_about(&mut self, axis: &Vector3, value: f64) {
+        self.turning += (axis * value) * axis.transpose();
     }
 
     /// The matrix scaled by the body's inverse masses: its eigenvalues are squared frequencies or rates.
@@ -285,10 +284,12 @@ mod tests {
                 let (n, arm) = (vector(&mut next).normalize(), vector(&mut next));
                 stiffness.add_along(&n, &arm.cross(&n), 1.0 + next());
                 stiffness.add_everywhere(&arm, 0.3);
-                stiffness.add_turning(&n, 0.02, 0.04);
+                let [_, axis, _] = crate::kernel::complete(&n);
+                stiffness.add_about(&n, 0.02);
+                stiffness.add_about(&axis, 0.04);
                 let viscous = if case % 2 == 0 { 0.2 } else { 1.5 };
                 viscosity.add_along(&n, &vector(&mut next), viscous);
-                viscosity.add_turning(&n, 0.01, 0.03);
+                viscosity.add_about(&axis, 0.03);
             }
             let step = largest_step(&stiffness, &viscosity, &motion, f64::INFINITY);
             let times = |m: &Generalized, [x, turn]: &[Vector3; 2]| {

@@ -60,15 +60,13 @@
 //!   [`restitution`], for faces, edges and vertices alike. [`ContactBatch::update`] expects leapfrog
 //!   velocities, half a step old, and corrects for that lag. It also corrects the first force of a new
 //!   contact for the fraction of the step in which it has existed. With equal steps before and after the
-//!   first touch (see [`ContactBatch::may_touch`]) the error is of second order. A second dashpot resists
-//!   rocking on the patch, on which the first does not act.
+//!   first touch (see [`ContactBatch::may_touch`]) the error is of second order.
+//! - Rattle: the elastic rocking of a body on its face, which the first dashpot does not see, has a dashpot of
+//!   the same ratio. It acts on the part of the rotation that the patch follows elastically, and vanishes where the
+//!   pressure travels with the patch: nothing resists rolling, or toppling over an edge.
 //! - Friction: anchors in both bodies stretch a tangential spring, and a torsion spring twists about the
 //!   normal; the ellipsoid (f/μF)² + (M/M_max)² = 1 bounds both. The anchors follow the patch as it moves, so
-//!   that rolling and turning under stretched springs gains no energy. Friction does not resist rolling. The
-//!   dashpot against rocking does, as a viscoelastic foundation would: for a patch, rolling is rocking. Its
-//!   resistance vanishes at ζ = 0. At the default ζ, for a ball of 0.1 m and 2560 kg/m³ at a penalty of 1
-//!   MPa, it acts like a coefficient of rolling friction of 0.13 at 0.5 m/s and of 0.015 at 0.05 m/s (test
-//!   `rolling_is_resisted_by_the_dashpot_alone` of femdem-solve).
+//!   that rolling and turning under stretched springs gains no energy. Friction does not resist rolling.
 //! - Patches: bodies that are not convex may touch in several patches, each a [`Contact`] with a separate
 //!   friction history. A patch that splits divides its springs among the new ones, and merging patches
 //!   combine theirs by least squares. Neither creates energy, and the energy of a patch that vanishes is
@@ -113,6 +111,7 @@ mod damping;
 pub mod deform;
 mod disjoint;
 mod error;
+mod foundation;
 mod friction;
 pub mod general;
 mod generalized;
@@ -120,6 +119,7 @@ pub mod kernel;
 mod law;
 mod mark;
 mod motion;
+mod rocking;
 mod shape;
 mod sides;
 #[cfg(feature = "proptest")]
@@ -131,6 +131,7 @@ pub use femdem_mesh as mesh;
 pub use batch::{BatchTotals, ContactBatch, Snapshot};
 pub use contact::{BodyId, Contact, ContactForce, Dashpots, Load, Partner, Springs, Wrench};
 pub use error::ContactError;
+pub use foundation::Foundation;
 pub use general::{Field, FieldMesh, Form, GeneralKernel, SolidWall};
 pub use generalized::{Generalized, Resistance, stable_step};
 pub use kernel::{Overlap, PairKernel, mean_penetration};

@@ -115,6 +115,7 @@ pub struct ConvexShape {
     centroid: Vector3,
     radius: f64,
     inradius: f64,
+    volume: f64,
     face_stiffness: f64,
 }
 
@@ -129,7 +130,8 @@ impl ConvexShape {
         if !polyhedron.is_convex() {
             return Err(ContactError::NotConvex);
         }
-        let centroid = polyhedron.mass_properties().centroid.coords;
+        let mass = polyhedron.mass_properties();
+        let centroid = mass.centroid.coords;
         let vertices: Vec<Vector3> = polyhedron
             .vertices()
             .iter()
@@ -157,6 +159,7 @@ impl ConvexShape {
             centroid,
             radius,
             inradius: f64::INFINITY,
+            volume: mass.volume,
             face_stiffness: 0.0,
         };
         for (i, face) in polyhedron.faces().enumerate() {
@@ -241,6 +244,18 @@ impl ConvexShape {
     pub fn field(&self, x: &Vector3) -> f64 {
         let gauge = |p: &Plane| p.gauge.dot(x);
         1.0 - self.planes.iter().map(gauge).fold(0.0, f64::max)
+    }
+
+    /// Whether a body-frame point lies inside.
+    pub(crate) fn holds(&self, x: &Vector3) -> bool {
+        // Nothing farther from the centroid lies inside; most pairs end here.
+        x.norm_squared() < self.radius * self.radius
+            && self.planes.iter().all(|plane| plane.gauge.dot(x) < 1.0)
+    }
+
+    /// m^3.
+    pub(crate) fn volume(&self) -> f64 {
+        self.volume
     }
 
     /// Largest n.x over the vertices, for any direction n in body axes.

@@ -351,7 +351,7 @@ fn fingerprint(batch: &ContactBatch) -> Vec<u64> {
             c.energy,
             c.spring_energy,
             c.torsion,
-            c.stiffness,
+            c.foundation.stiffness,
         ] {
             all.push(x.to_bits());
         }

@@ -72,7 +72,7 @@ impl Scene {
                 inverse_masses: &self.masses[i],
             })
             .collect();
-        self.batch.update(&states, &self.rigid, &self.walls)
+        self.batch.update(&states, &self.rigid, &self.walls, 0.0)
     }
 
     /// Moves everything by its velocity.

@@ -231,7 +231,7 @@ fn bodies_in_their_reference_state_are_the_rigid_ones() {
                     general.evaluate_wall(&wall, &in_wall, &rigid, &fb, &mut old)
                 };
                 let want = total(patches);
-                let stiffness: f64 = patches.iter().map(|p| p.overlap.stiffness).sum();
+                let stiffness: f64 = patches.iter().map(|p| p.overlap.foundation.stiffness).sum();
                 let found = kernel
                     .evaluate((side, moduli.0), (deformable(&b), moduli.1), &mut scratch)
                     .unwrap()

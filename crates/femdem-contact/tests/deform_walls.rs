@@ -113,7 +113,7 @@ fn on_floor(
             inverse_masses: &inverse_masses,
         };
         batch
-            .update(&[state], &[], &[Motion::fixed(frame)])
+            .update(&[state], &[], &[Motion::fixed(frame)], 0.0)
             .unwrap();
     }
     let energy = batch.totals().energy;

@@ -208,7 +208,7 @@ fn cyclic_slip_takes_the_known_energy() {
     let friction = 0.3;
     let mut rig = Rig::new(law(friction, 0.0), 1, true);
     let contact = rig.update(&[rig.resting(Vector3::zeros())], 0.0);
-    let (force, k) = (contact.normal_force, 0.8 * contact.stiffness);
+    let (force, k) = (contact.normal_force, 0.8 * contact.foundation.stiffness);
     // A face of A = 1 m^2, h = 1/2 m from the centroid: F = 2 p A delta/h.
     let want = 2.0 * 1e6 * DEPTH / 0.5;
     assert!(

@@ -27,8 +27,12 @@ fn numbers(o: &Overlap) -> Vec<(&'static str, Vector3<f64>, f64)> {
         ("arm of B", o.arm_b, 1.0),
         ("normal", o.normal, 1.0),
         ("area", one(o.area), o.area),
-        ("stiffness", one(o.stiffness), o.stiffness),
-        ("second", one(o.stiffness_second), o.stiffness),
+        (
+            "stiffness",
+            one(o.foundation.stiffness),
+            o.foundation.stiffness,
+        ),
+        ("second", one(o.foundation.polar()), o.foundation.stiffness),
         ("radius", one(o.torsion_radius), 1.0),
     ]
 }

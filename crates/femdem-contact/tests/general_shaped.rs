@@ -26,7 +26,10 @@ fn stiffness(body: &FieldMesh, form: Form, tilt: f64) -> (f64, f64) {
                 .into_inner(),
         };
         let patches = kernel.evaluate(body, &Frame::identity(), body, &frame, &mut scratch);
-        (tets::total(patches).force.x, patches[0].overlap.stiffness)
+        (
+            tets::total(patches).force.x,
+            patches[0].overlap.foundation.stiffness,
+        )
     };
     let h = 1e-3 * tilt * DEPTH;
     (-(at(h).0 - at(-h).0) / (2.0 * h), at(0.0).1)
@@ -66,7 +69,7 @@ fn a_vanishing_contact_is_soft() {
         let o = &patches[0].overlap;
         // U = c depth^3: the force is 3 U / depth, and the stiffness 6 U / depth^2.
         assert!((o.force.z * depth / (3.0 * o.energy) - 1.0).abs() < 0.05);
-        assert!(o.stiffness < 4.0 * MODULUS * depth);
+        assert!(o.foundation.stiffness < 4.0 * MODULUS * depth);
     }
     frame.position.z = 0.5 + 0.75_f64.sqrt() - 3e-5;
     let patches = kernel.evaluate(&body, &Frame::identity(), &body, &frame, &mut scratch);

@@ -79,11 +79,16 @@ fn a_plane_is_the_same_wall_as_a_mesh() {
             near(got.energy, want.energy, PENALTY * want.volume, "energy");
             near(got.volume, want.volume, want.volume, "volume");
             near(got.area, want.area, want.area, "area");
-            near(got.stiffness, want.stiffness, want.stiffness, "stiffness");
             near(
-                got.stiffness_second,
-                want.stiffness_second,
-                want.stiffness,
+                got.foundation.stiffness,
+                want.foundation.stiffness,
+                want.foundation.stiffness,
+                "stiffness",
+            );
+            near(
+                got.foundation.polar(),
+                want.foundation.polar(),
+                want.foundation.stiffness,
                 "second moment",
             );
             near(got.torsion_radius, want.torsion_radius, 1.0, "radius");

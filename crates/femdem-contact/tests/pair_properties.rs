@@ -147,7 +147,12 @@ fn same(
         ("energy", got.energy, want.energy, energy),
         ("volume", got.volume, want.volume, want.volume),
         ("area", got.area, want.area, want.area),
-        ("stiffness", got.stiffness, want.stiffness, want.stiffness),
+        (
+            "stiffness",
+            got.foundation.stiffness,
+            want.foundation.stiffness,
+            want.foundation.stiffness,
+        ),
     ] {
         let off = (x - y).abs();
         prop_assert!(
@@ -199,7 +204,7 @@ proptest! {
             prop_assert!(far.is_some(), "lost by a shift of 1 km");
             let y = far.unwrap();
             let off = (y.force - x.force).norm();
-            let bound = 4.0 * x.stiffness * rounding + 1e-9 * x.force.norm();
+            let bound = 4.0 * x.foundation.stiffness * rounding + 1e-9 * x.force.norm();
             prop_assert!(off <= bound, "{:?}: force off by {off:e} of {:e}, bound {bound:e}", case.names, x.force.norm());
         }
     }
@@ -252,12 +257,12 @@ proptest! {
             if let Some(x) = evaluate(&case, &case.fa, &fb) {
                 let vectors = [x.force, x.moment, x.arm_a, x.arm_b, x.normal];
                 prop_assert!(vectors.iter().flatten().all(|v| v.is_finite()), "{x:?}");
-                for v in [x.energy, x.volume, x.area, x.stiffness_second, x.torsion_radius] {
+                for v in [x.energy, x.volume, x.area, x.foundation.polar(), x.torsion_radius] {
                     prop_assert!(v.is_finite() && v >= 0.0, "{x:?}");
                 }
                 // For bodies around one centre only rounding remains, of either sign.
                 let rounding = 1e-12 * case.a.face_stiffness() / case.scale.powi(2);
-                prop_assert!(x.stiffness.is_finite() && x.stiffness >= -rounding, "{x:?}");
+                prop_assert!(x.foundation.stiffness.is_finite() && x.foundation.stiffness >= -rounding, "{x:?}");
             }
         }
     }

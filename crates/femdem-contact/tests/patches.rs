@@ -172,7 +172,10 @@ fn a_plane_given_as_planes_and_as_a_mesh() {
                     assert!(off < 1e-10, "{id}: {off:e} between {x:?} and {y:?}");
                     let close = |x: f64, y: f64| (x / y - 1.0).abs() < 1e-9;
                     assert!(close(x.energy, y.energy) && close(x.volume, y.volume));
-                    assert!(close(x.stiffness, y.stiffness), "{x:?} {y:?}");
+                    assert!(
+                        close(x.foundation.stiffness, y.foundation.stiffness),
+                        "{x:?} {y:?}"
+                    );
                     compared += 1;
                 }
             }

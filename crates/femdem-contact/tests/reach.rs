@@ -107,7 +107,7 @@ fn a_body_that_stretches() {
             *x = Vector3::new(3.995 + stretch * rest.x, rest.y, rest.z);
         }
         batch
-            .update(&[states(&soft.x, &v, &w)], &[], &still)
+            .update(&[states(&soft.x, &v, &w)], &[], &still, 0.0)
             .unwrap();
     }
     let sum = |sign: f64| {
@@ -145,7 +145,7 @@ fn a_start_of_friction_does_not_wait() {
                     .unwrap();
             }
             batch
-                .update(&[states(&soft.x, &v, &w)], &[], &still)
+                .update(&[states(&soft.x, &v, &w)], &[], &still, 0.0)
                 .unwrap();
         }
         batch.friction_forces(0).iter().sum::<Vector3<f64>>().x

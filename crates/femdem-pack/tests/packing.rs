@@ -243,7 +243,7 @@ fn what_the_verification_sets_in_motion_rests_in_the_medium() {
 /// The same if no body ever sleeps.
 #[test]
 fn a_pack_made_awake_rests_in_the_medium_too() {
-    for seed in [2, 3] {
+    for seed in [2, 9] {
         let mut spec = elastic(seed);
         spec.sleeping.enabled = false;
         let mut packing = Packing::new(spec).unwrap();
@@ -347,7 +347,7 @@ fn forces(packing: &Packing) -> [[f64; 4]; 2] {
             contact.friction.norm(),
             contact.normal_force,
             contact.tangential_stiffness,
-            contact.stiffness,
+            contact.foundation.stiffness,
         ];
         for (sum, part) in sums[kind].iter_mut().zip(of_contact) {
             *sum += part;

@@ -19,8 +19,33 @@ pub(crate) struct Flows {
     pub plastic_work: f64,
     /// Numerical dissipation of implicit steps.
     pub step_loss: f64,
+    /// Of the last implicit step; `None` after an explicit one.
+    pub pending: Option<Pending>,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
+}
+
+/// What an implicit step took from the motion, J: the contacts are evaluated at its end in the next one.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct Pending {
+    /// By normal forces and moments.
+    pub taken: f64,
+    /// By the dashpots among them.
+    pub damping: f64,
+}
+
+impl Flows {
+    /// Books the last implicit step, if there is one, once it is known by how much the contacts store more (J). What they
+    /// do not store was dissipated, by dashpots and else by the step. A step gives no energy: if it does, that is not
+    /// booked.
+    pub fn settle(&mut self, stored: f64) {
+        if let Some(pending) = self.pending.take() {
+            let lost = (pending.taken - stored).max(0.0);
+            let damping = pending.damping.max(0.0).min(lost);
+            self.damping_work -= damping;
+            self.step_loss += lost - damping;
+        }
+    }
 }
 
 /// Energies of a world, J. The sum of `final_energy` and everything dissipated equals `initial + work_in` up
@@ -53,8 +78,8 @@ pub struct Ledger {
     pub dissipated_viscous: f64,
     /// Dissipated by plastic flow.
     pub dissipated_plastic: f64,
-    /// Numerical dissipation of [implicit](crate::ImplicitStep) steps, for contacts treated as springs of the
-    /// stiffness that they have at the end of each step.
+    /// Numerical dissipation of [implicit](crate::ImplicitStep) steps: what the contacts took from the motion and neither store nor
+    /// lost in dashpots. Steps in which they give more than was stored are not booked, and so appear as an error.
     pub dissipated_step: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,

@@ -14,6 +14,7 @@ mod physics;
 mod prescribed;
 mod refusals;
 mod relaxation;
+mod rolling;
 mod sleeping;
 mod step_size;
 mod turning;

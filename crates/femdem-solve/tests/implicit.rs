@@ -229,9 +229,10 @@ fn thrown(name: &str, p: WorldParameters, k: u32, time: f64) -> World {
     world
 }
 
-/// Position of a vertex of a truncated tetrahedron a third of a second after the throw.
+/// Position of a vertex of a truncated tetrahedron that has hit the floor and rocks. (Later it meets the floor with edges
+/// and faces that are nearly parallel to it, and a difference between two methods grows tenfold at each.)
 fn thrown_vertex(p: WorldParameters, k: u32) -> Vector3<f64> {
-    thrown("A1", p, k, 0.3)
+    thrown("A1", p, k, 0.14)
         .pose(0)
         .unwrap()
         .transform_point(&(Vector3::x() * (0.5 * D)).into())
@@ -243,36 +244,39 @@ fn thrown_vertex(p: WorldParameters, k: u32) -> Vector3<f64> {
 #[test]
 fn small_steps_give_the_motion_of_explicit_ones() {
     let mut explicit = parameters(1e7, 0.3, 0.6);
-    explicit.time_step.safety = 0.1;
+    explicit.time_step.safety = 0.02;
     for k in 0..8 {
         let want = thrown_vertex(explicit, k);
-        let got = thrown_vertex(implicit(explicit, 0.1), k);
+        let got = thrown_vertex(implicit(explicit, 0.02), k);
         let off = (got - want).norm() / D;
-        assert!(off < 0.01, "attitude {k}: off by {off} d");
+        assert!(off < 2e-3, "attitude {k}: off by {off} d");
     }
 }
 
-/// Energy missing in the ledger over the turnover, of 32 bodies that were thrown on the floor and have come
-/// to rest.
-fn missed(name: &str, multiple: f64) -> f64 {
-    let (mut missed, mut turned) = (0.0, 0.0);
+/// Energy that steps gave, which the ledger shows as its error, over the turnover of 32 bodies that were thrown on the
+/// floor and have come to rest.
+fn given(name: &str, multiple: f64) -> f64 {
+    let (mut given, mut turned) = (0.0, 0.0);
     for k in 0..32 {
         let p = implicit(parameters(1e8, 0.3, 0.6), multiple);
         let books = thrown(name, p, k, 1.0).ledger();
-        missed += books.error();
+        given += books.error();
         turned += books.initial - books.potential - books.elastic;
     }
-    missed / turned
+    given / turned
 }
 
-/// Bodies that tip over edges do not gain energy: the spring of a contact at the edge is not released when
+/// Bodies that tip over edges gain hardly any energy: the spring of a contact at the edge is not released when
 /// the middle of its patch opens, and a face that comes down is detected before it is inside.
 #[test]
 fn bodies_tip_over_without_gaining_energy() {
     for name in ["P5", "A1"] {
-        for (multiple, most) in [(6.0, 0.05), (9.0, 0.15)] {
-            let missed = missed(name, multiple);
-            assert!(missed.abs() < most, "{name} at {multiple}: {missed}");
+        for (multiple, most) in [(3.0, 0.005), (6.0, 0.1), (9.0, 0.4)] {
+            let given = given(name, multiple);
+            assert!(
+                (-1e-9..most).contains(&given),
+                "{name} at {multiple}: {given}"
+            );
         }
     }
 }
@@ -331,7 +335,7 @@ struct Dropped {
 
 fn dropped(gap: f64) -> Dropped {
     let mut world = stack(gap);
-    run_until(&mut world, 2.5);
+    run_until(&mut world, 5.0);
     let place = Vector3::z() * (9.5 * 2.0 * half_edge());
     let turns: Vec<Rotation> = (0..10).map(|i| world.pose(i).unwrap().rotation).collect();
     let largest = |of: fn(&Rotation) -> f64| turns.iter().map(of).fold(0.0, f64::max);
@@ -388,9 +392,9 @@ fn columns_that_are_dropped_stand() {
 fn a_stack_of_ten_cubes_stands() {
     let mut world = stack(0.0);
     let places = |w: &World| (0..10).map(|i| w.position(i).unwrap()).collect::<Vec<_>>();
-    run_until(&mut world, 1.0);
+    run_until(&mut world, 3.0);
     let settled = places(&world);
-    run_until(&mut world, 4.0);
+    run_until(&mut world, 6.0);
     for (now, then) in places(&world).iter().zip(&settled) {
         assert!((now - then).norm() < 1e-6 * D, "{now} {then}");
     }

@@ -252,10 +252,9 @@ fn a_drum_turns_its_filling_over() {
     assert!(error < 0.01, "{error:e} {ledger:?}");
 }
 
-/// The dashpot against rocking resists the rolling of a ball as stated in the crate docs of femdem-contact;
-/// without damping nothing resists it.
+/// Nothing resists the rolling of a ball, whatever the damping.
 #[test]
-fn rolling_is_resisted_by_the_dashpot_alone() {
+fn rolling_is_not_resisted() {
     let roll = |damping: f64, speed: f64| {
         let mut p = parameters(1e6, 0.8, damping);
         p.time_step.largest = Some(2e-4);
@@ -277,13 +276,9 @@ fn rolling_is_resisted_by_the_dashpot_alone() {
         let way = world.position(0).unwrap().x - from;
         (before - energy(&world)) / (world.mass(0).unwrap() * G * way)
     };
-    for (damping, speed, low, high) in [
-        (0.0, 0.5, -0.005, 0.005),
-        (0.6, 0.5, 0.1, 0.17),
-        (0.6, 0.05, 0.01, 0.03),
-    ] {
+    for (damping, speed) in [(0.0, 0.5), (0.6, 0.5), (0.6, 0.05)] {
         let found = roll(damping, speed);
-        assert!((low..high).contains(&found), "{damping} {speed}: {found}");
+        assert!(found.abs() < 0.002, "{damping} {speed}: {found}");
     }
 }
 

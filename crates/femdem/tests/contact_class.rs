@@ -33,7 +33,7 @@ fn class(overlap: &Overlap) -> ContactClass {
         volume: overlap.volume,
         energy: overlap.energy,
         force: overlap.force_magnitude(),
-        stiffness: overlap.stiffness,
+        stiffness: overlap.foundation.stiffness,
         diameter: 1.0,
     })
 }

@@ -1,14 +1,15 @@
 //! Narrow phase of a batch: one outcome per pair, in fixed slots.
 
-use super::history::{PatchRecord, inherit};
+use super::history::{History, PatchRecord, inherit};
 use super::pairs::{Cache, MeshPair, Pair, PairTable, Touch};
 use crate::contact::{BodyId, Contact, Partner, assemble};
 use crate::damping::{Moment, Whole, damp};
-use crate::friction::{FrictionState, Pace};
+use crate::friction::Pace;
 use crate::general::{FieldMesh, GeneralKernel, GeneralScratch, Patch};
 use crate::kernel::{CavityKernel, Overlap, PairKernel, Scratch};
 use crate::law::ContactParameters;
 use crate::motion::Motion;
+use crate::rocking::{Rocker, Turn};
 use crate::shape::{BodyShape, ConvexShape};
 use crate::walls::{Wall, WallShape};
 use femdem_mesh::Vector3;
@@ -124,12 +125,12 @@ impl Context<'_> {
             return;
         };
         let key = (pair.a, pair.b, 0);
-        if let Some(Touch { friction, contact }) = pair.touch.as_deref_mut() {
-            *contact = self.touch(key, &overlap, None, friction);
+        if let Some(Touch { history, contact }) = pair.touch.as_deref_mut() {
+            *contact = self.touch(key, &overlap, None, history);
         } else {
-            let mut friction = FrictionState::new(&overlap, a, b);
-            let contact = self.touch(key, &overlap, None, &mut friction);
-            pair.touch = Some(Box::new(Touch { friction, contact }));
+            let mut history = History::new(&overlap, a, b);
+            let contact = self.touch(key, &overlap, None, &mut history);
+            pair.touch = Some(Box::new(Touch { history, contact }));
         }
     }
 
@@ -137,7 +138,7 @@ impl Context<'_> {
     /// stiffness says, as when a body tips over an edge and a face comes down.
     fn foresee_if_harder(&self, pair: &mut Pair, scratch: &mut Scratch) {
         let (a, b) = (self.motion_a(pair.a), &self.bodies[pair.b as usize]);
-        let Some(Touch { friction, contact }) = pair.touch.as_deref_mut() else {
+        let Some(Touch { history, contact }) = pair.touch.as_deref_mut() else {
             return;
         };
         let velocity = b.velocity_at(&contact.arm_b) - a.velocity_at(&contact.arm_a);
@@ -148,15 +149,17 @@ impl Context<'_> {
         if closing + tipping <= DEPTHS * contact.penetration() {
             return;
         }
-        let expected = contact.elastic_force + contact.stiffness * closing;
+        let expected = contact.elastic_force + contact.foundation.stiffness * closing;
         let Some(overlap) = self.evaluate_convex(pair.a, pair.b, &mut pair.cache, scratch) else {
             return;
         };
         if overlap.force_magnitude() > HARDER * expected {
-            // The stored friction state stays that of the present pose.
-            let mut friction = *friction;
-            *contact = self.touch((pair.a, pair.b, 0), &overlap, None, &mut friction);
+            // The stored history stays that of the present pose.
+            let mut history = *history;
+            let energy = contact.energy;
+            *contact = self.touch((pair.a, pair.b, 0), &overlap, None, &mut history);
             contact.foreseen = true;
+            contact.energy = energy;
         }
     }
 
@@ -262,23 +265,34 @@ impl Context<'_> {
         ids: Ids,
         overlap: &Overlap,
         whole: Option<&Whole>,
-        state: &mut FrictionState,
+        history: &mut History,
     ) -> Contact {
         let (a, b) = (self.motion_a(ids.0), &self.bodies[ids.1 as usize]);
         // A host that asks for springs alone applies the dashpots itself, without these corrections.
         let moment = if self.pace.dashpots {
             Moment {
                 dt: self.pace.dt,
-                fresh: state.is_new(),
+                fresh: history.friction.is_new(),
             }
         } else {
             Moment::default()
         };
         let zeta = self.parameters.damping_ratio;
         let mut damped = damp(overlap, whole, a, b, zeta, moment);
+        let rocker = Rocker {
+            foundation: &overlap.foundation,
+            normal: &overlap.normal,
+            force: overlap.force,
+            moment: overlap.moment,
+            scale: damped.scale,
+            zeta,
+        };
+        let turn = Turn::of_bodies([a, b]);
+        let mut rocking = history.rocking.update(&rocker, &turn, self.pace.dt);
         let normal_force = overlap.force_magnitude() * damped.scale;
         if !self.pace.dashpots {
-            damped.leave_springs();
+            damped.scale = 1.0;
+            rocking.leave_springs();
         }
         let law = match ids.0 {
             Partner::Body(_) => &self.parameters,
@@ -290,8 +304,10 @@ impl Context<'_> {
             birth: damped.birth,
             ..self.pace
         };
-        let friction = state.update(law, overlap, normal_force, a, b, pace);
-        assemble(ids, overlap, &damped, &friction, [a, b])
+        let friction = history
+            .friction
+            .update(law, overlap, normal_force, a, b, pace);
+        assemble(ids, overlap, &damped, &rocking, &friction, [a, b])
     }
 }
 
@@ -328,6 +344,7 @@ impl Views<'_> {
         ahead.evaluate(pair, work);
         for contact in pair.contacts_mut() {
             contact.foreseen = true;
+            contact.energy = 0.0;
         }
     }
 }
@@ -346,6 +363,7 @@ pub(crate) fn run(views: Views, pairs: &mut PairTable, mut seen: impl FnMut(&Pai
     let mut work = Workspace::default();
     for k in 0..pairs.order_len() {
         let pair = pairs.slot_mut(pairs.order()[k]);
+        pair.was = pair.energy();
         if views.is_clear(pair) {
             pair.part();
         } else {
@@ -367,6 +385,7 @@ fn hand_out(views: Views, pairs: &mut PairTable) -> bool {
     for k in 0..pairs.order_len() {
         let slot = pairs.order()[k];
         let pair = pairs.slot_mut(slot);
+        pair.was = pair.energy();
         if views.is_clear(pair) {
             pair.part();
         } else {

@@ -10,11 +10,36 @@ use crate::contact::Contact;
 use crate::friction::{FrictionState, Springs};
 use crate::kernel::Overlap;
 use crate::motion::Motion;
+use crate::rocking::RockingState;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Patches farther apart than this many times the sum of their radii are not matched.
 const REACH: f64 = 4.0;
+
+/// What a patch remembers from step to step.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub(crate) struct History {
+    pub friction: FrictionState,
+    pub rocking: RockingState,
+}
+
+impl History {
+    /// Of a patch that has just formed.
+    pub fn new(overlap: &Overlap, a: &Motion, b: &Motion) -> Self {
+        FrictionState::new(overlap, a, b).into()
+    }
+}
+
+/// Of a patch that takes over friction springs.
+impl From<FrictionState> for History {
+    fn from(friction: FrictionState) -> Self {
+        Self {
+            friction,
+            rocking: RockingState::default(),
+        }
+    }
+}
 
 /// A patch on record.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -25,7 +50,7 @@ pub(crate) struct PatchRecord {
     place: [Vector3; 2],
     /// Mean distance of the pressure from the contact point, m.
     radius: f64,
-    pub friction: FrictionState,
+    pub history: History,
     pub contact: Contact,
 }
 
@@ -34,7 +59,7 @@ impl PatchRecord {
         key: [u32; 2],
         overlap: &Overlap,
         [a, b]: [&Motion; 2],
-        friction: FrictionState,
+        history: History,
         contact: Contact,
     ) -> Self {
         Self {
@@ -44,7 +69,7 @@ impl PatchRecord {
                 b.frame.rotation.tr_mul(&overlap.arm_b),
             ],
             radius: overlap.torsion_radius,
-            friction,
+            history,
             contact,
         }
     }
@@ -65,34 +90,34 @@ impl PatchRecord {
     }
 }
 
-/// Initial friction states of the patches found now, taken from the recorded ones. `ratio` is the tangential
+/// Initial histories of the patches found now, taken from the recorded ones. `ratio` is the tangential
 /// over the normal stiffness.
 pub(crate) fn inherit(
     old: &[PatchRecord],
     new: &[([u32; 2], &Overlap)],
     motions: [&Motion; 2],
     ratio: f64,
-) -> Vec<FrictionState> {
+) -> Vec<History> {
     let [a, b] = motions;
     if let ([one], [(_, overlap)]) = (old, new)
         && one.distance(overlap, motions).is_some()
     {
-        return vec![one.friction];
+        return vec![one.history];
     }
     let parents = parents(old, new, motions);
     let parts = parts(old, new, &parents, motions);
     let mut plain = true;
-    let mut states: Vec<FrictionState> = Vec::with_capacity(new.len());
+    let mut states: Vec<History> = Vec::with_capacity(new.len());
     for ((_, overlap), (parents, parts)) in new.iter().zip(parents.iter().zip(&parts)) {
         let only = matches!((parents.as_slice(), parts.as_slice()), ([_], [(_, true)]));
         let springs: Vec<Springs> = parts.iter().map(|p| p.0).collect();
         states.push(if only {
-            old[parents[0]].friction
+            old[parents[0]].history
         } else if let Some(springs) = Springs::merged(&springs, &overlap.normal) {
             plain = false;
-            FrictionState::with_springs(overlap, a, b, &springs)
+            FrictionState::with_springs(overlap, a, b, &springs).into()
         } else {
-            FrictionState::new(overlap, a, b)
+            History::new(overlap, a, b)
         });
     }
     if !plain {
@@ -148,7 +173,7 @@ fn parts(
     parents: &[Vec<usize>],
     [a, b]: [&Motion; 2],
 ) -> Vec<Vec<(Springs, bool)>> {
-    let weight = |k: usize| new[k].1.stiffness.max(f64::MIN_POSITIVE);
+    let weight = |k: usize| new[k].1.foundation.stiffness.max(f64::MIN_POSITIVE);
     let mut total = vec![0.0; old.len()];
     let mut heirs = vec![0_u32; old.len()];
     for (k, list) in parents.iter().enumerate() {
@@ -158,7 +183,7 @@ fn parts(
         }
     }
     let of = |k: usize, i: usize| {
-        let springs = old[i].friction.springs(a, b);
+        let springs = old[i].history.friction.springs(a, b);
         let all = heirs[i] == 1;
         let part = if all { 1.0 } else { weight(k) / total[i] };
         (springs.share(part), all)
@@ -171,19 +196,19 @@ fn parts(
 fn limit_energy(
     old: &[PatchRecord],
     new: &[([u32; 2], &Overlap)],
-    states: &mut [FrictionState],
+    states: &mut [History],
     [a, b]: [&Motion; 2],
     ratio: f64,
 ) {
     let before: f64 = old
         .iter()
-        .map(|o| o.friction.springs(a, b).energy(&o.contact.normal))
+        .map(|o| o.history.friction.springs(a, b).energy(&o.contact.normal))
         .sum();
     // A patch that is softer than the springs it took over stores its own stiffness times the stretch.
-    let held = |(state, (_, overlap)): (&FrictionState, &([u32; 2], &Overlap))| {
-        let mut springs = state.springs(a, b);
-        springs.stiffness = springs.stiffness.min(ratio * overlap.stiffness.max(0.0));
-        let second = ratio * overlap.stiffness_second.max(0.0);
+    let held = |(state, (_, overlap)): (&History, &([u32; 2], &Overlap))| {
+        let mut springs = state.friction.springs(a, b);
+        springs.stiffness = springs.stiffness.min(ratio * overlap.foundation.stiffness);
+        let second = ratio * overlap.foundation.polar();
         springs.torsion_stiffness = springs.torsion_stiffness.min(second);
         springs.energy(&overlap.normal)
     };
@@ -191,7 +216,7 @@ fn limit_energy(
     if after > before {
         let scale = (before / after).sqrt();
         for (state, (_, overlap)) in states.iter_mut().zip(new) {
-            state.relax(overlap, a, b, scale);
+            state.friction.relax(overlap, a, b, scale);
         }
     }
 }
@@ -201,8 +226,10 @@ mod tests {
     use super::*;
     use crate::contact::{Partner, assemble};
     use crate::damping::{Moment, damp};
+    use crate::foundation::Foundation;
     use crate::friction::Pace;
     use crate::law::ContactParameters;
+    use crate::rocking::Rocking;
     use crate::shape::Frame;
 
     /// A round patch of radius 0.1 at `x` on the plane z = 0, of stiffness `k`.
@@ -216,8 +243,7 @@ mod tests {
             energy: 1.0,
             volume: 1.0,
             area: 1.0,
-            stiffness: k,
-            stiffness_second: 0.01 * k,
+            foundation: Foundation::round(k, 0.01 * k),
             torsion_radius: 0.1,
         }
     }
@@ -248,8 +274,15 @@ mod tests {
                 let friction = state.update(&law, &now, 1.0, body, &moved, pace);
                 let damped = damp(&now, None, body, &moved, 0.0, Moment::default());
                 let ids = (Partner::Body(0), 1, i as u32);
-                let contact = assemble(ids, &now, &damped, &friction, [body, &moved]);
-                PatchRecord::new([i as u32, 0], &now, [body, &moved], state, contact)
+                let contact = assemble(
+                    ids,
+                    &now,
+                    &damped,
+                    &Rocking::default(),
+                    &friction,
+                    [body, &moved],
+                );
+                PatchRecord::new([i as u32, 0], &now, [body, &moved], state.into(), contact)
             })
             .collect()
     }
@@ -271,7 +304,7 @@ mod tests {
         inherit(old, &new, [&body, &moved], 0.8)
             .iter()
             .map(|s| {
-                let springs = s.springs(&body, &moved);
+                let springs = s.friction.springs(&body, &moved);
                 springs.stretch.x * springs.stiffness
             })
             .collect()

@@ -39,6 +39,8 @@ pub(crate) const SERIAL_BELOW: usize = 96;
 pub struct BatchTotals {
     /// Contact energy of the evaluated pairs, J.
     pub energy: f64,
+    /// By how much it is larger than before that update, J.
+    pub energy_change: f64,
     /// Energy in their friction springs, J.
     pub spring_energy: f64,
     /// Candidate pairs evaluated.

@@ -1,9 +1,8 @@
 //! The pair table: one slot per candidate pair, neighbour lists, and the sorted order of
 //! the pairs to evaluate.
 
-use super::history::PatchRecord;
+use super::history::{History, PatchRecord};
 use crate::contact::{BodyId, Contact, Partner};
-use crate::friction::FrictionState;
 use crate::general::GeneralCache;
 use crate::kernel::{CavityCache, PairCache};
 use crate::walls::LocalSolid;
@@ -20,12 +19,15 @@ pub(crate) struct Pair {
     pub b: BodyId,
     pub cache: Cache,
     pub touch: Option<Box<Touch>>,
+    /// Contact energy before the last update, J.
+    #[serde(skip)]
+    pub was: f64,
 }
 
-/// A contact and its friction state.
+/// A contact and its history.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Touch {
-    pub friction: FrictionState,
+    pub history: History,
     pub contact: Contact,
 }
 
@@ -41,6 +43,11 @@ impl Pair {
             .map(|t| &t.contact)
             .into_iter()
             .chain(patches.iter().map(|p| &p.contact))
+    }
+
+    /// Contact energy on record, J.
+    pub fn energy(&self) -> f64 {
+        self.contacts().map(|contact| contact.energy).sum()
     }
 
     /// Whether a contact is on record.
@@ -235,6 +242,7 @@ impl PairTable {
             b,
             cache,
             touch: None,
+            was: 0.0,
         };
         let slot = if let Some(slot) = self.free.pop() {
             self.slots[slot as usize] = pair;

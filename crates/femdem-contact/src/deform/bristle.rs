@@ -120,8 +120,9 @@ impl Touch<'_> {
 /// Friction of one triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct TriangleFriction {
-    /// Force on B, N.
+    /// Force on B, N, and the part of it due to the dashpot.
     pub force: Vector3,
+    pub drag: Vector3,
     /// Energy stored in the spring, J.
     pub energy: f64,
     /// Stiffness of the spring, N/m, and viscosity of its dashpot, N s/m.
@@ -241,6 +242,7 @@ impl Bristle {
         self.normal = *normal;
         TriangleFriction {
             force,
+            drag: force + stretch * k,
             energy: 0.5 * k * stretch.norm_squared(),
             stiffness: k,
             viscosity: eta,

@@ -3,8 +3,8 @@
 use super::current::Current;
 use super::row::Row;
 use super::sums::PolygonSums;
-use femdem_mesh::Vector3;
 use femdem_mesh::tet::FACES;
+use femdem_mesh::{Matrix3, Vector3};
 
 /// Room for corners: a triangle cut by four planes has at most seven, and one more is written speculatively.
 /// A power of two, so that indices wrap by a bit mask.
@@ -212,10 +212,9 @@ impl Clip {
         count >= 3
     }
 
-    /// Integrals over the polygon with the given unit normal, and its flux, J: its contribution to ∫ p φ dV
-    /// over the part of the host behind it. `None` if it comes too near to a node with pressure.
+    /// Integrals over the polygon with the given unit normal, and its fluxes. `None` if it comes too near to a node with pressure.
     #[inline(always)]
-    pub fn integrate(&self, normal: &Vector3, host: &Current) -> Option<(PolygonSums, f64)> {
+    pub fn integrate(&self, normal: &Vector3, host: &Current) -> Option<(PolygonSums, Flux)> {
         let corners = self.at[self.now].get(..self.count)?;
         let (x, rest) = corners.split_first()?;
         // Areas are projected along the largest component of the normal.
@@ -230,8 +229,10 @@ impl Clip {
         let (u, v) = ([1, 2, 0][axis], [2, 0, 1][axis]);
         let scale = self.turn / normal[axis];
         // Integrals of position and field, of the field times both, and of the squares of both.
-        let (mut first, mut moment, mut second) = (Row::default(), Row::default(), Row::default());
-        let (mut area, mut flux) = (0.0, Row::default());
+        let (mut first, mut moment) = (Row::default(), Row::default());
+        // Of x x, y y, z z and of x y, y z, z x.
+        let (mut squares, mut products) = (Row::default(), Row::default());
+        let (mut area, mut flux, mut volume_flux) = (0.0, Row::default(), Row::default());
         let mut nearest = x.shares;
         for edge in rest.windows(2) {
             let (y, z) = (&edge[0], &edge[1]);
@@ -242,8 +243,12 @@ impl Clip {
             area += doubled;
             first += sum * doubled;
             moment += (sum * sum.0[3] + p * p.0[3] + q * q.0[3] + r * r.0[3]) * doubled;
-            second += (sum * sum + p * p + q * q + r * r) * doubled;
-            flux += flux_of(x.shares, y.shares, z.shares) * doubled;
+            squares += (sum * sum + p * p + q * q + r * r) * doubled;
+            let product = |x: Row| x * x.turned();
+            products += (product(sum) + product(p) + product(q) + product(r)) * doubled;
+            let [energy, volume] = flux_of(x.shares, y.shares, z.shares);
+            flux += energy * doubled;
+            volume_flux += volume * doubled;
             nearest = nearest.max(y.shares).max(z.shares);
         }
         let mut total = 0.0;
@@ -256,24 +261,52 @@ impl Clip {
                 total -= host.values[k] * height * flux.0[k];
             }
         }
+        let pole = host.pole();
+        let height = normal.dot(&(x.point() - host.corners[pole]));
+        let volume = -height * volume_flux.0[pole];
         let vector = |row: Row, by: f64| Vector3::new(row.0[0], row.0[1], row.0[2]) * by;
         let sums = PolygonSums {
             area: area / 2.0,
             first: vector(first, 1.0 / 6.0),
-            second: (second.0[0] + second.0[1] + second.0[2]) / 24.0,
+            second: symmetric(&squares, &products) / 24.0,
             pressure: first.0[3] / 6.0,
             moment: vector(moment, 1.0 / 24.0),
         };
-        Some((sums, total / 24.0))
+        Some((
+            sums,
+            Flux {
+                energy: total / 24.0,
+                volume: volume / 6.0,
+            },
+        ))
     }
 }
 
-/// (e_1² - e_2 + e_3 - e_1 e_2 + e_1 e_3)/((1 - a)(1 - b)(1 - c)), see [`skins`](super::skins).
+/// Contributions of a polygon to integrals over the part of the host behind it: see [`skins`](super::skins).
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Flux {
+    /// To ∫ p φ dV, J.
+    pub energy: f64,
+    /// To ∫ dV, m^3.
+    pub volume: f64,
+}
+
+/// The symmetric matrix with a diagonal and with the elements xy, yz, zx beside it.
 #[inline(always)]
-fn flux_of(a: Row, b: Row, c: Row) -> Row {
+fn symmetric(diagonal: &Row, beside: &Row) -> Matrix3 {
+    let (Row([xx, yy, zz, _]), Row([xy, yz, zx, _])) = (diagonal, beside);
+    Matrix3::new(*xx, *xy, *zx, *xy, *yy, *yz, *zx, *yz, *zz)
+}
+
+/// (e_1² - e_2 + e_3 - e_1 e_2 + e_1 e_3)/P and (e_1 - e_2 + e_3)/P with P = (1 - a)(1 - b)(1 - c), see
+/// [`skins`](super::skins).
+#[inline(always)]
+fn flux_of(a: Row, b: Row, c: Row) -> [Row; 2] {
     let one = Row::all(1.0);
     let (e1, e2, e3) = (a + b + c, a * b + b * c + c * a, a * b * c);
-    (e1 * e1 - e2 + e3 + e1 * (e3 - e2)) / ((one - a) * (one - b) * (one - c))
+    let product = (one - a) * (one - b) * (one - c);
+    let lost = e1 - e2 + e3;
+    [(e1 * lost - e2 + e3) / product, lost / product]
 }
 
 impl Corner {

@@ -91,6 +91,19 @@ impl Current {
         true
     }
 
+    /// The corner with the largest value, which lies inside the body.
+    #[inline(always)]
+    pub fn pole(&self) -> usize {
+        let larger = |i: usize, k: usize| {
+            if self.values[k] > self.values[i] {
+                k
+            } else {
+                i
+            }
+        };
+        larger(larger(0, 1), larger(2, 3))
+    }
+
     fn rigid(posed: &Posed, pressure: f64) -> Self {
         let [a, b, c, d] = &posed.corners;
         let mut current = Self {

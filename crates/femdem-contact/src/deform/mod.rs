@@ -99,12 +99,12 @@ mod near;
 mod patches;
 mod record;
 mod respond;
-mod rocking;
 mod row;
 mod rub;
 mod shape;
 mod skins;
 mod sums;
+mod turning;
 mod walk;
 
 pub use batch::DeformableBatch;

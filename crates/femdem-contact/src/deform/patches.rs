@@ -9,8 +9,9 @@
 
 use super::current::Operand;
 use super::near::Near;
-use super::sums::{PairSums, PatchStiffness};
+use super::sums::PairSums;
 use crate::disjoint::{find, join};
+use crate::foundation::FoundationSums;
 use femdem_mesh::Vector3;
 
 /// One of them.
@@ -20,7 +21,7 @@ pub(crate) struct Patch {
     pub share: f64,
     /// Elastic force and torque (about the pair's origin) on A and on B.
     pub wrench: [[Vector3; 2]; 2],
-    pub stiffness: PatchStiffness,
+    pub stiffness: FoundationSums,
     /// Vector area of the skins of both in each other, towards B, m^2.
     pub area: Vector3,
 }

@@ -5,14 +5,16 @@ use super::bristle::Bristle;
 use super::current::Operand;
 use super::kernel::DeformableScratch;
 use super::near::Near;
-use super::patches::Patches;
+use super::patches::{Patch, Patches};
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
-use super::rocking::{Rocking, Turning};
 use super::rub::Rubbing;
+use super::turning::Turning;
 use crate::contact::{Load, Wrench};
+use crate::foundation::Foundation;
 use crate::generalized::Resistance;
 use crate::law::ContactParameters;
 use crate::motion::Motion;
+use crate::rocking::{Rocker, Rocking, RockingState, Turn};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -38,6 +40,8 @@ pub(crate) struct Pair<'a> {
     pub series: bool,
     /// Initial friction of the springs.
     pub begins: Option<FrictionStart>,
+    /// Time since the last evaluation, s.
+    pub dt: f64,
 }
 
 /// Initial friction of a pair's springs.
@@ -84,6 +88,8 @@ pub(crate) struct Outcome {
     pub contacts: Vec<DeformableContact>,
     pub totals: DeformableTotals,
     pub bristles: Vec<Bristle>,
+    /// One for each patch.
+    pub rocking: Vec<RockingState>,
 }
 
 /// The dashpot of a patch.
@@ -151,6 +157,7 @@ impl Outcome {
         self.contacts.clear();
         self.totals = DeformableTotals::default();
         self.bristles.clear();
+        self.rocking.clear();
     }
 
     /// Makes side A side B. The springs stay those of the side that they belong to.
@@ -182,19 +189,28 @@ impl Outcome {
         self.whole_rates = [0.0; 2];
         let mut damping_power = 0.0;
         let mut rockings = Vec::with_capacity(patches.list.len());
+        // Where the number of patches changes they are others.
+        if self.rocking.len() != patches.list.len() {
+            self.rocking = vec![RockingState::default(); patches.list.len()];
+        }
+        let turn = pair.turn();
         for (number, (patch, dashpot)) in patches.list.iter().zip(&dashpots).enumerate() {
             let mut contact = pair.contact(scratch, &patches, number, dashpot.total);
-            let force = contact.normal_force;
-            let rocking = pair.rocking(&patch.stiffness, &contact.normal, force);
-            contact.rocking = rocking.moment;
-            self.whole[0][1] -= rocking.moment;
-            self.whole[1][1] += rocking.moment;
-            for (rate, more) in self.whole_rates.iter_mut().zip(rocking.rates) {
-                *rate += more;
+            damping_power += dashpot.power;
+            let mut rocking = (Rocking::default(), [0.0; 2]);
+            if let Some(turn) = &turn {
+                rocking = pair.rocking(patch, &contact, turn, &mut self.rocking[number]);
+                let moment = rocking.0.moment;
+                contact.rocking = moment;
+                self.whole[0][1] -= moment;
+                self.whole[1][1] += moment;
+                for (rate, more) in self.whole_rates.iter_mut().zip(rocking.1) {
+                    *rate += more;
+                }
+                damping_power += moment.dot(&(turn.rates[1] - turn.rates[0]));
             }
-            damping_power += dashpot.power + rocking.power;
             self.contacts.push(contact);
-            rockings.push(rocking);
+            rockings.push(rocking.0);
         }
         for dashpot in &of_bodies {
             damping_power += dashpot.power;
@@ -300,6 +316,37 @@ impl<'a> Pair<'a> {
         .unzip()
     }
 
+    /// The dashpot of a patch against rocking, and its rates on A and B for the step, 1/s.
+    fn rocking(
+        &self,
+        patch: &Patch,
+        contact: &DeformableContact,
+        turn: &Turn,
+        state: &mut RockingState,
+    ) -> (Rocking, [f64; 2]) {
+        let normal = &contact.normal;
+        let point = contact.point - self.near.origin;
+        let foundation = Foundation::new(&patch.stiffness, normal, &point);
+        let [force, torque] = patch.wrench[1];
+        let rocker = Rocker {
+            foundation: &foundation,
+            normal,
+            force,
+            moment: torque - point.cross(&force),
+            scale: contact.normal_force / contact.elastic_force.max(f64::MIN_POSITIVE),
+            zeta: self.law.damping_ratio,
+        };
+        let rocking = state.update(&rocker, turn, self.dt);
+        let [of_a, of_b] = turn.mobilities.map(|mobility| {
+            let about = |(axis, c): (&Vector3, f64)| c * axis.dot(&(mobility * axis));
+            let rates = rocking.axes.iter().zip(rocking.viscosity).map(about);
+            rates.fold(0.0, f64::max)
+        });
+        // (ω_B - ω_A)^2 <= 2 ω_A^2 + 2 ω_B^2, if both can rotate.
+        let both = if of_a > 0.0 && of_b > 0.0 { 2.0 } else { 1.0 };
+        (rocking, [both * of_a, both * of_b])
+    }
+
     /// |f|²/M + t I⁻¹ t, N²/kg, and power, W, of a wrench about the pair's origin on a rigid body.
     pub fn rigid_response(&self, motion: &Motion, [force, about]: &[Vector3; 2]) -> (f64, f64) {
         let torque = about + (self.near.origin - motion.frame.position).cross(force);
@@ -400,20 +447,23 @@ impl<'a> Pair<'a> {
         };
         let (mut load, mut resistance) = (Load::default(), Resistance::default());
         let mut friction = about(&rubbing.wrench);
+        let mut drag = about(&rubbing.drag);
         for ((patch, dashpot), rocking) in patches.list.iter().zip(dashpots).zip(rockings) {
             let elastic = about(&patch.wrench[0]);
             let damping = Wrench {
                 force: elastic.force * (dashpot.total - 1.0),
                 torque: elastic.torque * (dashpot.total - 1.0) - rocking.moment,
             };
-            load.add_wrenches(&elastic, &damping, &std::mem::take(&mut friction));
+            let (friction, drag) = (std::mem::take(&mut friction), std::mem::take(&mut drag));
+            load.add_wrenches([&elastic, &damping, &friction, &drag]);
             load.normal_sum += elastic.force.norm() * dashpot.total;
             load.contacts += 1;
             if motion.inverse_mass > 0.0 {
                 let viscosity = &mut resistance.viscosity;
                 viscosity.add_along(&elastic.force, &elastic.torque, 2.0 * dashpot.coefficient);
-                let any = Vector3::x();
-                viscosity.add_turning(&any, 2.0 * rocking.viscosity, 2.0 * rocking.viscosity);
+                for (axis, c) in rocking.axes.iter().zip(rocking.viscosity) {
+                    viscosity.add_about(axis, 2.0 * c);
+                }
             }
         }
         if motion.inverse_mass > 0.0 {

@@ -19,6 +19,13 @@ impl Row {
         Self([f(a, p), f(b, q), f(c, r), f(d, s)])
     }
 
+    /// The first three moved up by one: (b, c, a, d).
+    #[inline(always)]
+    pub fn turned(self) -> Self {
+        let [a, b, c, d] = self.0;
+        Self([b, c, a, d])
+    }
+
     /// The larger ones. (Plain comparison: `f64::max` also handles NaN.)
     #[inline(always)]
     pub fn max(self, other: Self) -> Self {

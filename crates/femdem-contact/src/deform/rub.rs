@@ -13,8 +13,9 @@ use femdem_mesh::Vector3;
 #[derive(Default)]
 pub(crate) struct Rubbing {
     pub power: f64,
-    /// Force on A, and torque about the pair's origin.
+    /// Force on A, and torque about the pair's origin; the part of it due to dashpots.
     pub wrench: [Vector3; 2],
+    pub drag: [Vector3; 2],
     pub marks: Vec<Mark>,
 }
 
@@ -24,8 +25,9 @@ pub(crate) struct Mark {
     places: [u32; 2],
     weights: [[f64; 4]; 2],
     pub point: Vector3,
-    /// On B, N.
+    /// On B, N, and the part due to the dashpot.
     force: Vector3,
+    drag: Vector3,
     pub stiffness: f64,
     /// Rates of the corners, 1/s.
     rates: [[f64; 4]; 2],
@@ -113,6 +115,7 @@ impl Outcome {
                 weights: touch.weights,
                 point: touch.point,
                 force: friction.force,
+                drag: friction.drag,
                 stiffness: friction.stiffness,
                 rates,
                 viscosity,
@@ -128,6 +131,8 @@ impl Outcome {
             }
             rubbing.wrench[0] -= mark.force;
             rubbing.wrench[1] -= mark.point.cross(&mark.force);
+            rubbing.drag[0] -= mark.drag;
+            rubbing.drag[1] -= mark.point.cross(&mark.drag);
         }
         rubbing.marks = marks;
         rubbing

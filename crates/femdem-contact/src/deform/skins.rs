@@ -13,9 +13,10 @@
 //!
 //! flux = -(x - x_k)·n T/12 (e_1² - e_2 + e_3 - e_1 e_2 + e_1 e_3)/((1 - a_1)(1 - a_2)(1 - a_3)),
 //!
-//! in which nothing cancels for slight overlaps.
+//! in which nothing cancels for slight overlaps. The volume of the part of i that is in B is found alike, with
+//! (x - x_k) (1/3 - 1/(3 g³)) of one corner inside the body and the whole volume of i if that corner lies in B.
 
-use super::clip::{Clip, Left, depths, is_outside, sunken};
+use super::clip::{Clip, Flux, Left, depths, is_outside, sunken};
 use super::sums::{PairLaw, PairSums, Place, PolygonSums, Triangles};
 use crate::general::Form;
 use femdem_mesh::{Matrix3, Vector3};
@@ -39,8 +40,8 @@ struct HostSums {
     /// Force, N, and the sum of its parts (columns) times the points (rows) where they act, N m.
     force: Vector3,
     moment: Matrix3,
-    /// ∫ p φ dV over the part in the other body, J.
-    flux: f64,
+    /// ∫ p φ dV and ∫ dV over the part in the other body.
+    flux: Flux,
     /// Stiffness, N/m, and its first moment, N.
     stiffness: f64,
     first: Vector3,
@@ -49,9 +50,8 @@ struct HostSums {
 /// Action of the other body on one face of a skin.
 #[derive(Debug, Clone, Copy, Default)]
 struct FaceSums {
-    /// Integrals of 1 and x over the part in the other body, m^2 and m^3.
+    /// Of the part in the other body, m^2.
     area: f64,
-    place: Vector3,
     /// Integrals of p φ and x p φ, N and N m.
     pressure: f64,
     moment: Vector3,
@@ -163,7 +163,7 @@ impl PairSums {
         sides: &[Place; 2],
         (side, face): (usize, usize),
         normal: &Vector3,
-        (sums, flux): (PolygonSums, f64),
+        (sums, flux): (PolygonSums, Flux),
         triangle: u32,
         scratch: &mut SkinScratch,
     ) {
@@ -177,7 +177,6 @@ impl PairSums {
             *of_face = FaceSums::default();
         }
         of_face.area += sums.area;
-        of_face.place += sums.first;
         let on_b = if side == 0 { *normal } else { -normal };
         let weight = normal.dot(&host.tet.gradient).max(0.0);
         let Some(centre) = self.add_polygon(sides, triangle, &on_b, weight, &sums) else {
@@ -199,7 +198,8 @@ impl PairSums {
             }
             of_host.force += normal * sums.pressure;
             of_host.moment += sums.moment * normal.transpose();
-            of_host.flux += flux;
+            of_host.flux.energy += flux.energy;
+            of_host.flux.volume += flux.volume;
             of_host.stiffness += stiffness;
             of_host.first += first;
         }
@@ -212,7 +212,8 @@ impl PairSums {
         scratch: &SkinScratch,
         tet: impl Fn(usize, u32) -> Option<Place<'a>>,
     ) {
-        let mut closed = Matrix3::zeros();
+        let mut volumes = [0.0; 2];
+        let mut fields = [false; 2];
         for (side, met) in scratch.met.iter().enumerate() {
             for (at, &met) in met.iter().enumerate().filter(|(_, met)| **met != 0) {
                 let Some(place) = tet(side, at as u32) else {
@@ -227,7 +228,6 @@ impl PairSums {
                         continue;
                     }
                     let normal = place.tet.normal(face);
-                    closed += normal * of_face.place.transpose();
                     let on_b = if side == 0 { normal } else { -normal };
                     self.area += on_b * of_face.area;
                     sums.force -= normal * of_face.pressure;
@@ -238,33 +238,37 @@ impl PairSums {
                 // Corners in the other body contribute a quarter of the volume each.
                 let sunken = (0..4).filter(|k| met >> k & 1 == 1);
                 let pressure: f64 = sunken.map(|k| place.tet.values[k]).sum();
-                sums.flux += pressure * place.tet.six_volumes / 24.0;
+                sums.flux.energy += pressure * place.tet.six_volumes / 24.0;
+                let pole = place.tet.pole();
+                if place.tet.values[pole] > 0.0 {
+                    fields[side] = true;
+                    volumes[side] += sums.flux.volume;
+                    if met >> pole & 1 == 1 {
+                        volumes[side] += place.tet.six_volumes / 6.0;
+                    }
+                }
                 self.add_tet(side, &place, &sums);
             }
         }
-        // The volume enclosed by the skins, computed along the force, since skins that coincide at right
-        // angles to it are counted or not by chance. There is no force on a body that is wholly inside a
-        // wall.
-        let force = self.wrench[1][0];
-        let square = force.norm_squared();
-        let volume = if square > 0.0 {
-            force.dot(&(closed * force)) / square
-        } else {
-            closed.trace() / 3.0
+        // Both bodies give the same volume, but a wall, which has no field.
+        let volume = match fields {
+            [true, true] => 0.5 * (volumes[0] + volumes[1]),
+            _ => volumes[0] + volumes[1],
         };
         self.volume = volume.max(0.0);
     }
 
     fn add_tet(&mut self, side: usize, place: &Place, sums: &HostSums) {
         let tet = place.tet;
-        self.energy += sums.flux;
+        let flux = sums.flux.energy;
+        self.energy += flux;
         let m = &sums.moment;
         self.wrench[side][0] += sums.force;
         self.wrench[side][1] += Vector3::new(m.m23 - m.m32, m.m31 - m.m13, m.m12 - m.m21);
         for (k, &node) in place.nodes.into_iter().flatten().enumerate() {
             let (level, slope) = (tet.levels[k], &tet.slopes[k]);
             if let Some(total) = self.forces[side].get_mut(node as usize) {
-                *total += sums.force * level + m.tr_mul(slope) - slope * sums.flux;
+                *total += sums.force * level + m.tr_mul(slope) - slope * flux;
             }
             if let Some(total) = self.stiffness[side].get_mut(node as usize) {
                 *total += (sums.stiffness * level + slope.dot(&sums.first)).max(0.0);

@@ -2,10 +2,11 @@
 //! by triangle.
 
 use super::current::Current;
+use crate::foundation::FoundationSums;
 use crate::general::piece::{Moments, Piece, SURFACE};
 use crate::general::pieces::{SAME_VALUE, Split, for_skins, integral};
 use crate::general::{Form, posed::Posed};
-use femdem_mesh::Vector3;
+use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Choice of the nodal forces.
@@ -38,7 +39,7 @@ pub(crate) struct TriangleLoad {
     pub pressure: f64,
     pub moment: Vector3,
     /// Of the polygons on it and in front of it.
-    pub stiffness: PatchStiffness,
+    pub stiffness: FoundationSums,
     /// Tetrahedra of A and B (indices in the lists) between which the largest part of the load acts, and this
     /// part, N.
     pub hosts: [u32; 2],
@@ -69,50 +70,6 @@ pub(crate) struct PairSums {
     pub pieces: usize,
 }
 
-/// Integrals of the normal stiffness per area over a patch.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct PatchStiffness {
-    /// N/m.
-    pub total: f64,
-    /// First moment, N.
-    first: Vector3,
-    /// Integral of |x|^2, N m.
-    second: f64,
-}
-
-impl std::iter::Sum for PatchStiffness {
-    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
-        let mut sum = Self::default();
-        parts.for_each(|part| sum += part);
-        sum
-    }
-}
-
-impl std::ops::AddAssign for PatchStiffness {
-    fn add_assign(&mut self, other: Self) {
-        self.total += other.total;
-        self.first += other.first;
-        self.second += other.second;
-    }
-}
-
-impl PatchStiffness {
-    fn add(&mut self, weight: f64, sums: &PolygonSums) {
-        self.total += weight * sums.area;
-        self.first += sums.first * weight;
-        self.second += weight * sums.second;
-    }
-
-    /// Polar second moment about the centre, N m; 0 for a point or where there is no stiffness.
-    pub fn about_centre(&self) -> f64 {
-        if self.total > 0.0 {
-            (self.second - self.first.norm_squared() / self.total).max(0.0)
-        } else {
-            0.0
-        }
-    }
-}
-
 /// The stiffness of one polygon, N/m.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Spring {
@@ -141,7 +98,7 @@ pub(crate) struct Triangles {
 pub(crate) struct PolygonSums {
     pub area: f64,
     pub first: Vector3,
-    pub second: f64,
+    pub second: Matrix3,
     pub pressure: f64,
     pub moment: Vector3,
 }
@@ -304,7 +261,11 @@ impl PairSums {
         load.force += normal * sums.pressure;
         load.pressure += sums.pressure;
         load.moment += sums.moment;
-        load.stiffness.add(weight, sums);
+        load.stiffness += FoundationSums {
+            total: weight * sums.area,
+            first: sums.first * weight,
+            second: sums.second * weight,
+        };
         load.area += normal * sums.area;
         if sums.pressure > load.share {
             load.hosts = sides.map(|s| s.place);
@@ -371,7 +332,7 @@ impl PairSums {
                     force: Vector3::zeros(),
                     pressure: 0.0,
                     moment: Vector3::zeros(),
-                    stiffness: PatchStiffness::default(),
+                    stiffness: FoundationSums::default(),
                     hosts: [u32::MAX; 2],
                     area: Vector3::zeros(),
                     share: 0.0,
@@ -385,7 +346,7 @@ impl PairSums {
 }
 
 impl PolygonSums {
-    /// Integrals of 1, x, |x|^2, p and x p over a plane convex polygon with the field p, exactly.
+    /// Integrals of 1, x, x x^T, p and x p over a plane convex polygon with the field p, exactly.
     pub fn new(polygon: &[Vector3], normal: &Vector3, field: &Posed) -> Self {
         let mut sums = Self::default();
         let Some((x, rest)) = polygon.split_first() else {
@@ -400,8 +361,8 @@ impl PolygonSums {
             let (sum, total) = (x + y + z, fx + fy + fz);
             sums.area += area;
             sums.first += sum * (area / 3.0);
-            let squares = x.norm_squared() + y.norm_squared() + z.norm_squared();
-            sums.second += (sum.norm_squared() + squares) * (area / 12.0);
+            let squares = x * x.transpose() + y * y.transpose() + z * z.transpose();
+            sums.second += (sum * sum.transpose() + squares) * (area / 12.0);
             sums.pressure += area / 3.0 * total;
             sums.moment += (sum * total + x * fx + y * fy + z * fz) * (area / 12.0);
         }

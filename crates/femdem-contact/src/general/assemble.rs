@@ -1,8 +1,12 @@
 //! Conversion of the sums of a patch to its contact.
 
 use super::sums::Sums;
-use crate::kernel::{MEAN_OVER_RMS, Overlap};
+use crate::foundation::{Foundation, FoundationSums};
+use crate::kernel::Overlap;
 use femdem_mesh::{Matrix3, Vector3};
+
+/// Volumes below this times the cube of the body's size may be of faces that coincide.
+const ROUND_OFF: f64 = 1e-11;
 
 /// The energy as a function U(I, V) of I, the integral of the fields, and the overlap volume V: its value and
 /// derivatives at the totals of a pair.
@@ -64,13 +68,14 @@ impl Energy {
 }
 
 /// The contact of a patch in world axes; `None` if there is no net force. The sums are in A's axes about
-/// `origin`, and `between` points from A's origin to B's.
+/// `origin`, and `between` points from A's origin to B's; `size` is the diameter of B.
 pub(crate) fn assemble(
     sums: &Sums,
     energy: &Energy,
     origin: &Vector3,
     to_world: &Matrix3,
     between: &Vector3,
+    size: f64,
 ) -> Option<Overlap> {
     let (di, dv) = (energy.by_integral, energy.by_volume);
     // The vector areas of both skins are equal up to sign and round-off.
@@ -83,19 +88,29 @@ pub(crate) fn assemble(
         return None;
     }
     let normal = force / magnitude;
+    // Faces that coincide have a volume of round-off, and no area. (So has a body inside the other, but not such a
+    // volume.)
+    let area = normal.dot(&area).max(0.0);
+    if sums.volume > area * size && sums.volume < ROUND_OFF * size.powi(3) {
+        return None;
+    }
     let centre = sums.pressure_moment / sums.pressure;
     let spread = sums.pressure_second / sums.pressure - centre.norm_squared();
     let arm_a = to_world * (origin + centre);
     let curved = energy.stiffness();
-    let stiffness = (di * sums.stiffness + curved).max(0.0);
-    let (centre_k, second_k) = if sums.stiffness > 0.0 {
-        (
-            sums.stiffness_moment / sums.stiffness,
-            sums.stiffness_second / sums.stiffness,
-        )
+    let stiffness = (di * sums.stiffness.total + curved).max(0.0);
+    // The curvature acts as if it were spread like the rest.
+    let share = if sums.stiffness.total > 0.0 {
+        stiffness / sums.stiffness.total
     } else {
-        (centre, centre.norm_squared())
+        0.0
     };
+    let foundation = FoundationSums {
+        total: stiffness,
+        first: sums.stiffness.first * share,
+        second: sums.stiffness.second * share,
+    };
+    let foundation = Foundation::new(&foundation, &normal, &centre);
     Some(Overlap {
         force: to_world * force,
         moment: to_world * (torque - centre.cross(&force)),
@@ -104,9 +119,8 @@ pub(crate) fn assemble(
         normal: to_world * normal,
         energy: (energy.share * sums.energy).max(0.0),
         volume: sums.volume,
-        area: normal.dot(&area).max(0.0),
-        stiffness,
-        stiffness_second: (stiffness * (second_k - centre_k.norm_squared())).max(0.0),
-        torsion_radius: MEAN_OVER_RMS * spread.max(0.0).sqrt(),
+        area,
+        torsion_radius: foundation.mean_over_rms() * spread.max(0.0).sqrt(),
+        foundation: foundation.rotated(to_world),
     })
 }

@@ -230,9 +230,10 @@ impl GeneralKernel {
         }
         cache.set_clear(clear);
         scratch.gather(pair);
+        let size = 2.0 * pair.b.radius;
         if let Some(energy) = self.energy(pair, scratch) {
             for (key, sums) in &scratch.sums {
-                let overlap = assemble(sums, &energy, &centre, &frame_a.rotation, &between);
+                let overlap = assemble(sums, &energy, &centre, &frame_a.rotation, &between, size);
                 scratch
                     .patches
                     .extend(overlap.map(|overlap| Patch { overlap, key: *key }));

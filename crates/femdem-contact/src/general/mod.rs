@@ -68,7 +68,7 @@
 //! - Where the field is below two thirds of its mean, the traction (U/V) (1.5 h φ/(J/V) - 1) is tensile.
 //! - U is not a sum over patches. All patches of a pair share one J and V, so the patches attract or repel
 //!   each other.
-//! - [`Overlap::stiffness`](crate::Overlap::stiffness) contains only the part of faces.
+//! - [`Foundation::stiffness`](crate::Foundation::stiffness) contains only the part of faces.
 //!
 //! The sum form has none of these defects, and is the default.
 

@@ -1,5 +1,6 @@
 //! Sums over the pieces of a patch, for unit penalty, about the local origin.
 
+use crate::foundation::FoundationSums;
 use femdem_mesh::Vector3;
 use std::ops::AddAssign;
 
@@ -16,10 +17,8 @@ pub(crate) struct Sums {
     pub pressure: f64,
     pub pressure_moment: Vector3,
     pub pressure_second: f64,
-    /// Integrals of the stiffness w, x w, |x|^2 w over the polygons.
-    pub stiffness: f64,
-    pub stiffness_moment: Vector3,
-    pub stiffness_second: f64,
+    /// Of the polygons.
+    pub stiffness: FoundationSums,
     /// Integrals of n and x cross n over A's polygons less those over B's.
     pub area: Vector3,
     pub area_torque: Vector3,
@@ -35,8 +34,6 @@ impl AddAssign<&Self> for Sums {
         self.pressure_moment += other.pressure_moment;
         self.pressure_second += other.pressure_second;
         self.stiffness += other.stiffness;
-        self.stiffness_moment += other.stiffness_moment;
-        self.stiffness_second += other.stiffness_second;
         self.area += other.area;
         self.area_torque += other.area_torque;
     }
@@ -61,7 +58,7 @@ impl Sums {
             return;
         };
         let field = |x: &Vector3| face.level + face.gradient.dot(x);
-        let (mut area, mut first, mut second) = (0.0, Vector3::zeros(), 0.0);
+        let (mut area, mut first) = (0.0, Vector3::zeros());
         let fx = field(x);
         for edge in rest.windows(2) {
             let (y, z) = (&edge[0], &edge[1]);
@@ -74,15 +71,14 @@ impl Sums {
             let cubes = squares[0] * fx + squares[1] * fy + squares[2] * fz;
             area += t;
             first += sum * (t / 3.0);
-            second += t / 12.0 * (sum.norm_squared() + square);
+            if face.weight > 0.0 {
+                self.stiffness.add_triangle(face.weight * t, &[*x, *y, *z]);
+            }
             self.pressure += t / 3.0 * total;
             self.pressure_moment += (sum * total + weighted) * (t / 12.0);
             self.pressure_second += t / 60.0
                 * ((sum.norm_squared() + square) * total + 2.0 * (sum.dot(&weighted) + cubes));
         }
-        self.stiffness += face.weight * area;
-        self.stiffness_moment += first * face.weight;
-        self.stiffness_second += face.weight * second;
         self.area += face.normal * (face.side * area);
         self.area_torque += first.cross(&face.normal) * face.side;
     }
@@ -111,8 +107,11 @@ mod tests {
         assert!((s.pressure_moment - first).norm() < 1e-15);
         // x^3 + x y^2 + x.
         assert!((s.pressure_second - (0.25 + 1.0 / 6.0 + 0.5)).abs() < 1e-15);
-        assert!((s.stiffness - 2.0).abs() < 1e-15);
-        assert!((s.stiffness_second - 2.0 * (1.0 / 3.0 + 1.0 / 3.0 + 1.0)).abs() < 1e-14);
+        assert!((s.stiffness.total - 2.0).abs() < 1e-15);
+        // 2 x^2, 2 x y, 2 x, 2 y and 2 over the square.
+        let second = s.stiffness.second;
+        assert!((second.trace() - 2.0 * (1.0 / 3.0 + 1.0 / 3.0 + 1.0)).abs() < 1e-14);
+        assert!((second.m12 - 0.5).abs() < 1e-14 && (second.m13 - 1.0).abs() < 1e-14);
         assert!((s.area + Vector3::z()).norm() < 1e-15);
         assert!((s.area_torque - Vector3::new(-0.5, 0.5, 0.0)).norm() < 1e-15);
     }

@@ -6,14 +6,16 @@
 
 use super::candidates::{Candidates, ContactBox, candidates, complete};
 use super::cells::PlaneSums;
-use super::clip::{Cut, Line, Point};
+use super::clip::{Clipper, Cut, Line, Point};
+use super::deep::{Inner, volume_behind};
 use super::field::PlaneField;
-use super::overlap::{MEAN_OVER_RMS, Overlap};
+use super::overlap::Overlap;
 use super::pair::Scratch;
 use super::plan::{MOST_PLANES, Margins, Place, PlanScratch, Reach, below};
 use super::polygon::TooMany;
-use super::side::{FieldPlane, SideScratch, SideSums, cut_by_field};
+use super::side::{CLOSE, FieldPlane, Lever, SideScratch, SideSums, cut_by_field};
 use crate::error::{ContactError, check_pressure};
+use crate::foundation::{Foundation, FoundationSums};
 use crate::shape::{ConvexShape, Frame, PlaneFrame};
 use crate::walls::Wall;
 use femdem_mesh::{Matrix3, Vector3};
@@ -193,30 +195,29 @@ impl CavityKernel {
         let normal = force / magnitude;
         let centre = sums.pressure_moment / sums.pressure;
         let arm_b = rotation * (near.centre + centre);
-        let volume = normal.dot(&(sums.volume_tensor * normal)).max(0.0);
-        let stiffness = p * sums.stiffness;
-        let stiffness_centre = sums.stiffness_moment * (p / stiffness);
         let spread = sums.pressure_second / sums.pressure - centre.norm_squared();
+        let foundation = FoundationSums {
+            total: p * sums.stiffness,
+            first: sums.stiffness_moment * p,
+            second: sums.stiffness_second * p,
+        };
+        let foundation = Foundation::new(&foundation, &normal, &centre);
         Some(Overlap {
             force: rotation * force,
             moment: rotation * (sums.torque * p - centre.cross(&force)),
             arm_a: arm_b + between,
             arm_b,
             normal: rotation * normal,
-            energy: (0.25 * p * (volume + sums.lever)).max(0.0),
-            volume,
+            energy: (p * sums.energy).max(0.0),
+            volume: sums.volume.max(0.0),
             area: normal.dot(&sums.vector_area).max(0.0),
-            stiffness,
-            stiffness_second: (p * sums.stiffness_second
-                - stiffness * stiffness_centre.norm_squared())
-            .max(0.0),
-            torsion_radius: MEAN_OVER_RMS * spread.max(0.0).sqrt(),
+            torsion_radius: foundation.mean_over_rms() * spread.max(0.0).sqrt(),
+            foundation: foundation.rotated(rotation),
         })
     }
 }
 
-/// Integrals over the wall planes inside the body, and the volume outside the free space,
-/// in the body's axes about the region's centre.
+/// Integrals over the wall planes inside the body, in the body's axes about the region's centre.
 fn sections(view: &View, body: &ConvexShape, near: &Near, scratch: &mut Scratch) -> SideSums {
     let mut sums = SideSums::default();
     own_planes(body, &near.body, &mut scratch.planes);
@@ -227,8 +228,15 @@ fn sections(view: &View, body: &ConvexShape, near: &Near, scratch: &mut Scratch)
         .collect();
     let bounding = usize::from(near.body.bounding);
     for (k, plane) in planes.iter().enumerate() {
+        let normal = &plane.normal;
+        let frame = plane.frame(&near.centre);
+        let lever = Lever {
+            distance: normal.dot(&frame.origin),
+            close: CLOSE * body.inradius(),
+        };
         let section = Section {
-            frame: plane.frame(&near.centre),
+            frame,
+            lever,
             plane,
             others: &planes,
             number: k,
@@ -238,9 +246,45 @@ fn sections(view: &View, body: &ConvexShape, near: &Near, scratch: &mut Scratch)
         if section.add_fast(field, side, &mut sums).is_err() {
             section.add_general(field, bounding, side, &mut sums);
         }
-        add_skin_behind(plane, &planes[..k], body, near, side, &mut sums);
+    }
+    // What the centre of the field adds if it lies in the wall.
+    if planes.iter().any(|plane| plane.distance < 0.0) {
+        sums.volume += body.volume();
+        sums.energy += 0.25 * body.volume();
+    }
+    if sums.singular {
+        let frames: SmallVec<[_; 4]> = planes.iter().map(|p| p.frame(&near.centre)).collect();
+        sums.volume = behind_planes(body, &planes, &frames, near.reach);
+        // div ((x - c) phi) = 4 phi - 1, also at the centre.
+        sums.energy = 0.25 * (sums.volume + sums.lever);
     }
     sums
+}
+
+/// Volume of the part of the body in the wall, m^3, where a plane passes close to the centre of the body's field.
+fn behind_planes(
+    body: &ConvexShape,
+    planes: &[PosedPlane],
+    frames: &[PlaneFrame],
+    reach: f64,
+) -> f64 {
+    let mut clipper = Clipper::default();
+    let mut polygons: SmallVec<[Vec<Point>; 4]> = SmallVec::new();
+    for (k, frame) in frames.iter().enumerate() {
+        clipper.load(&square(2.0 * reach));
+        let others = planes.iter().enumerate().filter(|(j, _)| *j != k);
+        let mut lines = others.map(|(_, plane)| plane.free_side(frame));
+        let some = lines.all(|line| clipper.cut(&line) != Cut::Empty);
+        polygons.push(if some {
+            clipper.polygon().to_vec()
+        } else {
+            Vec::new()
+        });
+    }
+    let faces = polygons.iter().zip(frames).zip(planes);
+    let faces = faces.map(|((polygon, frame), plane)| (&polygon[..], *frame, plane.normal));
+    let here = (Matrix3::identity(), Vector3::zeros());
+    volume_behind(body, &here.0, &here.1, Inner::Any, faces)
 }
 
 /// The planes of the body's field, in its own axes.
@@ -255,6 +299,7 @@ fn own_planes(body: &ConvexShape, list: &Candidates, out: &mut Vec<FieldPlane>) 
 /// One wall plane across the body.
 struct Section<'a> {
     frame: PlaneFrame,
+    lever: Lever,
     plane: &'a PosedPlane,
     others: &'a [PosedPlane],
     number: usize,
@@ -299,8 +344,7 @@ impl Section<'_> {
         fast.place(frame, field, &plan.reach);
         let mut q = PlaneSums::default();
         fast.sum_cells(&plan.reach, field, normal, &origin, &mut q)?;
-        sums.add_sums(&q, frame, normal, -from.dot(normal));
-        sums.lever -= self.plane.distance * q.polygon.pressure;
+        sums.add_sums(&q, frame, normal, -from.dot(normal), self.lever);
         Ok(())
     }
 
@@ -320,33 +364,9 @@ impl Section<'_> {
                 .free_sides()
                 .all(|line| side.clipper.cut(&line) != Cut::Empty)
         {
-            let (normal, lever) = (&self.plane.normal, -self.plane.distance);
             let origin = &self.near.centre;
-            sums.add_polygon(&self.frame, normal, lever, &mut field, origin, side);
-        }
-    }
-}
-
-/// Adds the body's skin behind a wall plane and in front of the `earlier` ones, which closes the volume.
-fn add_skin_behind(
-    plane: &PosedPlane,
-    earlier: &[PosedPlane],
-    body: &ConvexShape,
-    near: &Near,
-    side: &mut SideScratch,
-    sums: &mut SideSums,
-) {
-    for &i in &near.body.facets {
-        let facet = &body.facets[usize::from(i)];
-        let clipper = &mut side.clipper;
-        let solid_side = plane.free_side(&facet.frame).flipped();
-        if clipper.load_cut(body.polygon(facet), &solid_side) != Cut::Empty
-            && earlier
-                .iter()
-                .all(|p| clipper.cut(&p.free_side(&facet.frame)) != Cut::Empty)
-        {
-            let normal = &body.planes[usize::from(facet.plane)].normal;
-            sums.add_skin(clipper.polygon(), &facet.frame, normal, &near.centre);
+            let normal = &self.plane.normal;
+            sums.add_polygon(&self.frame, normal, self.lever, &mut field, origin, side);
         }
     }
 }
@@ -363,7 +383,6 @@ impl CavityCache {
             let planes = wall.planes().len();
             near.planes.iter().all(|p| usize::from(p.plane) < planes)
                 && below(&near.body.planes, body.planes.len())
-                && below(&near.body.facets, body.facets.len())
         })
     }
 
@@ -396,7 +415,9 @@ impl CavityCache {
         let planes: SmallVec<[u16; 4]> = reach.iter().map(|r| r.1).collect();
         self.near = region(view, body, &planes, margin).and_then(|region| {
             let towards = -region.axes[0];
-            let list = candidates(body, &region, 0.0, &towards)?;
+            let mut list = candidates(body, &region, 0.0, &towards)?;
+            // The wall's planes are cut; the body's skin is not.
+            list.facets.clear();
             own_planes(body, &list, &mut scratch.planes);
             let plan = |&k: &u16| {
                 let posed = view.plane(usize::from(k));

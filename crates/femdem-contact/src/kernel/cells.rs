@@ -4,7 +4,7 @@
 //! an owner, and a new function takes over the part where it is lower than the owner's. A polygon of a pack
 //! has about two cells on average: often only one, otherwise narrow strips along cut edges.
 
-use super::clip::{Line, Point, PolygonIntegrals, integrate, split_into};
+use super::clip::{Brackets, Line, Point, PolygonIntegrals, Second, integrate, split_into};
 use super::field::{PlaneField, TIE};
 use femdem_mesh::Vector3;
 
@@ -15,17 +15,30 @@ pub(crate) struct PlaneSums {
     /// Stiffness weight times area, and its moments.
     pub stiffness: f64,
     pub stiffness_moment: Point,
-    pub stiffness_second: f64,
+    pub stiffness_second: Second,
+    pub brackets: Brackets,
 }
 
 impl PlaneSums {
+    /// Adds a polygon with the field and the stiffness weight of its owner.
     #[inline]
-    pub(crate) fn add(&mut self, q: &PolygonIntegrals, weight: f64) {
+    pub(crate) fn add_cell(
+        &mut self,
+        polygon: &[Point],
+        origin: &Point,
+        field: &Line,
+        weight: f64,
+    ) {
+        self.add(&integrate(polygon, origin, field), weight);
+        self.brackets.add(&Brackets::new(polygon, field), 1.0);
+    }
+
+    #[inline]
+    fn add(&mut self, q: &PolygonIntegrals, weight: f64) {
         let p = &mut self.polygon;
         p.area += q.area;
         p.moment.x += q.moment.x;
         p.moment.y += q.moment.y;
-        p.second += q.second;
         p.pressure += q.pressure;
         p.pressure_moment.x += q.pressure_moment.x;
         p.pressure_moment.y += q.pressure_moment.y;
@@ -38,12 +51,22 @@ impl PlaneSums {
         self.stiffness += weight * q.area;
         self.stiffness_moment.x += weight * q.moment.x;
         self.stiffness_moment.y += weight * q.moment.y;
-        self.stiffness_second += weight * q.second;
+        self.stiffness_second.add(&q.second, weight);
     }
 
-    /// Adds the change of field and weight over a part of what is already summed.
+    /// Corrects what is already summed for a part of it on which the field is `line` and not `main`, and the
+    /// weight is larger by `weight`.
     #[inline]
-    pub(crate) fn correct(&mut self, q: &PolygonIntegrals, weight: f64) {
+    pub(crate) fn correct(
+        &mut self,
+        part: &[Point],
+        origin: &Point,
+        [line, main]: [&Line; 2],
+        weight: f64,
+    ) {
+        self.brackets.add(&Brackets::new(part, line), 1.0);
+        self.brackets.add(&Brackets::new(part, main), -1.0);
+        let q = &integrate(part, origin, &line.minus(main));
         let p = &mut self.polygon;
         p.pressure += q.pressure;
         p.pressure_moment.x += q.pressure_moment.x;
@@ -81,8 +104,7 @@ impl Cells {
         let mut sums = PlaneSums::default();
         field.competitors(polygon, &mut self.competitors);
         if let [k] = self.competitors[..] {
-            let q = integrate(polygon, origin, &field.line(k));
-            sums.add(&q, field.weight(k, n));
+            sums.add_cell(polygon, origin, &field.line(k), field.weight(k, n));
             return sums;
         }
         let Some(&owner) = self.competitors.first() else {
@@ -103,8 +125,8 @@ impl Cells {
             }
         }
         for piece in &self.pieces[..used] {
-            let q = integrate(&piece.polygon, origin, &field.line(piece.owner));
-            sums.add(&q, field.weight(piece.owner, n));
+            let k = piece.owner;
+            sums.add_cell(&piece.polygon, origin, &field.line(k), field.weight(k, n));
         }
         sums
     }

@@ -4,13 +4,16 @@
 //! has more corners than the storage holds.
 
 use super::cells::PlaneSums;
-use super::clip::{Cut, Line, Point, integrate};
+use super::clip::{Cut, Line, Point};
 use super::field::TIE;
 use super::plan::{FacetPlan, Reach};
 use super::polygon::{Polygon, TooMany};
 use super::side::{FieldPlane, SideSums, Skin};
 use crate::shape::PlaneFrame;
 use femdem_mesh::Vector3;
+
+/// Where the main plane's field exceeds this, the general path takes over.
+const DEEP: f64 = 0.9;
 
 const MOST_LINES: usize = 64;
 const LINE: usize = MOST_LINES - 1;
@@ -84,11 +87,11 @@ impl Fast {
         sums: &mut SideSums,
     ) -> Result<(), TooMany> {
         let facet = &skin.shape.facets[usize::from(plan.facet)];
+        let normal = &skin.shape.planes[usize::from(facet.plane)].normal;
         let (frame, reach) = (&facet.frame, plan.reach());
         if self.cut_corners(skin.shape.polygon(facet), frame, field, reach.cut)? == Cut::Empty {
             return Ok(());
         }
-        let normal = &skin.shape.planes[usize::from(facet.plane)].normal;
         let from = skin.origin - frame.origin;
         let origin = Point {
             x: from.dot(&frame.e1),
@@ -97,8 +100,8 @@ impl Fast {
         self.place(frame, field, &reach);
         let mut q = PlaneSums::default();
         self.sum_cells(&reach, field, normal, &origin, &mut q)?;
-        sums.add_sums(&q, frame, normal, -from.dot(normal));
-        sums.lever += normal.dot(&(frame.origin - skin.field_centre)) * q.polygon.pressure;
+        let lever = skin.lever(frame, normal);
+        sums.add_sums(&q, frame, normal, -from.dot(normal), lever);
         Ok(())
     }
 
@@ -168,14 +171,18 @@ impl Fast {
         let weight = |k: usize| field.get(k).map_or(0.0, |plane| plane.weight(n));
         let main = usize::from(reach.main);
         let (line, main_weight) = (self.lines.get(main), weight(main));
-        let q = integrate(self.polygon.corners(), origin, &line);
-        sums.add(&q, main_weight);
+        let corners = self.polygon.corners();
+        // Behind the field's centre the main plane is no owner of anything.
+        if corners.iter().any(|p| line.at(p) > DEEP) {
+            return Err(TooMany);
+        }
+        sums.add_cell(corners, origin, &line, main_weight);
         let others = reach.own & !(1 << (reach.main & LINE as u8));
         for k in bits(others) {
             let excess = self.lines.get(k).minus(&line);
             if self.cut_cell(k, others, &excess)? {
-                let q = integrate(self.cell.corners(), origin, &excess);
-                sums.correct(&q, weight(k) - main_weight);
+                let lines = [&self.lines.get(k), &line];
+                sums.correct(self.cell.corners(), origin, lines, weight(k) - main_weight);
             }
         }
         Ok(())

@@ -4,6 +4,7 @@ mod candidates;
 mod cavity;
 mod cells;
 mod clip;
+mod deep;
 mod fast;
 mod field;
 #[cfg(test)]
@@ -21,4 +22,3 @@ pub use pair::{PairCache, PairKernel, Scratch};
 
 pub(crate) use candidates::complete;
 pub(crate) use clip::{Line, Point, integrate};
-pub(crate) use overlap::MEAN_OVER_RMS;

@@ -36,8 +36,8 @@ fn numbers(s: &SideSums) -> Vec<f64> {
         s.pressure,
         s.pressure_second,
         s.stiffness,
-        s.stiffness_second,
-        s.lever,
+        s.energy,
+        s.volume,
     ];
     for v in [
         s.force,
@@ -48,7 +48,7 @@ fn numbers(s: &SideSums) -> Vec<f64> {
     ] {
         all.extend(v.iter());
     }
-    all.extend(s.volume_tensor.iter());
+    all.extend(s.stiffness_second.iter());
     all
 }
 

@@ -1,5 +1,6 @@
 //! What the pair kernel returns.
 
+use crate::foundation::Foundation;
 use femdem_mesh::Vector3;
 
 /// The elastic contact of two bodies A and B (or of a wall A and a body B).
@@ -24,19 +25,12 @@ pub struct Overlap {
     pub volume: f64,
     /// Contact area, m^2: the vector area of the overlap projected on the normal.
     pub area: f64,
-    /// Normal stiffness K, N/m: minus the trace of the Hessian of U, an upper bound of
-    /// the stiffness in any direction.
-    pub stiffness: f64,
-    /// Polar second moment of the stiffness about its centre, N m (torsion foundation).
-    pub stiffness_second: f64,
+    /// The stiffness of the patch.
+    pub foundation: Foundation,
     /// Mean distance of the pressure from the contact point, m: the friction torque of
     /// a patch that spins is mu F times this radius.
     pub torsion_radius: f64,
 }
-
-/// Ratio of the mean distance to the root-mean-square distance for a uniform disc,
-/// (2/3) sqrt(2). It is within 1 % for a uniform square and 3 % for a conical pressure.
-pub(crate) const MEAN_OVER_RMS: f64 = 0.942_809_041_582_063_4;
 
 impl Overlap {
     /// Magnitude of the elastic normal force, N.

@@ -1,11 +1,15 @@
 //! The gauge-gauge pair kernel (sum form, exact polygons) with its cache.
 
 use super::candidates::{ContactBox, KeptBox, candidates, contact_box};
-use super::overlap::{MEAN_OVER_RMS, Overlap};
+use super::deep::volume_within;
+use super::overlap::Overlap;
 use super::plan::{Margins, PlanScratch, SidePlan};
 use super::separation::{gap_along, separate};
-use super::side::{FieldPlane, Region, SideScratch, SideSums, Skin, integrate_side, pose_planes};
+use super::side::{
+    CLOSE, FieldPlane, Region, SideScratch, SideSums, Skin, integrate_side, pose_planes,
+};
 use crate::error::{ContactError, check_pressure};
+use crate::foundation::{Foundation, FoundationSums};
 use crate::mark::Mark;
 use crate::shape::{ConvexShape, Frame};
 use femdem_mesh::{Matrix3, Vector3};
@@ -162,8 +166,15 @@ impl PairKernel {
         cache.last = motion;
         let near = cache.near.as_ref()?;
         let sides = sides(a, b, &rotation, &offset, near, scratch);
-        let (overlap, axis) =
-            self.assemble(&frame_a.rotation, &rotation, &between, near, &sides)?;
+        let contents = Contents::new(a, b, &rotation, &offset, &sides);
+        let (overlap, axis) = self.assemble(
+            &frame_a.rotation,
+            &rotation,
+            &between,
+            near,
+            &sides,
+            &contents,
+        )?;
         cache.axis = axis;
         Some(overlap)
     }
@@ -177,6 +188,7 @@ impl PairKernel {
         between: &Vector3,
         near: &Near,
         [on_b, on_a]: &[SideSums; 2],
+        contents: &Contents,
     ) -> Option<(Overlap, Vector3)> {
         let p = self.penalty;
         let pressure = on_a.pressure + on_b.pressure;
@@ -190,12 +202,16 @@ impl PairKernel {
         let centre = (on_a.pressure_moment + rotation * on_b.pressure_moment) / pressure;
         let torque = (on_a.torque - rotation * on_b.torque) * p;
         let arm_a = to_world * (near.region.centre + centre);
-        let volume = na.dot(&(on_a.volume_tensor * na)) + nb.dot(&(on_b.volume_tensor * nb));
-        let stiffness = p * (on_a.stiffness + on_b.stiffness);
-        let stiffness_centre =
-            (on_a.stiffness_moment + rotation * on_b.stiffness_moment) * (p / stiffness);
         let spread =
             (on_a.pressure_second + on_b.pressure_second) / pressure - centre.norm_squared();
+        let foundation = FoundationSums {
+            total: p * (on_a.stiffness + on_b.stiffness),
+            first: (on_a.stiffness_moment + rotation * on_b.stiffness_moment) * p,
+            second: (on_a.stiffness_second
+                + rotation * on_b.stiffness_second * rotation.transpose())
+                * p,
+        };
+        let foundation = Foundation::new(&foundation, &na, &centre);
         let normal = to_world * na;
         let overlap = Overlap {
             force: normal * magnitude,
@@ -203,16 +219,72 @@ impl PairKernel {
             arm_a,
             arm_b: arm_a - between,
             normal,
-            energy: (p * (0.5 * volume + 0.25 * (on_a.lever + on_b.lever))).max(0.0),
-            volume: volume.max(0.0),
+            energy: p * contents.energy,
+            volume: contents.volume,
             area: (0.5 * (na.dot(&on_a.vector_area) - nb.dot(&on_b.vector_area))).max(0.0),
-            stiffness,
-            stiffness_second: (p * (on_a.stiffness_second + on_b.stiffness_second)
-                - stiffness * stiffness_centre.norm_squared())
-            .max(0.0),
-            torsion_radius: MEAN_OVER_RMS * spread.max(0.0).sqrt(),
+            torsion_radius: foundation.mean_over_rms() * spread.max(0.0).sqrt(),
+            foundation: foundation.rotated(to_world),
         };
         Some((overlap, na))
+    }
+}
+
+/// Bodies are alike in size if the ratio of their volumes is above this.
+const ALIKE: f64 = 0.1;
+
+/// Integrals over the overlap.
+#[derive(Debug, Clone, Copy)]
+struct Contents {
+    /// Of phi_A + phi_B, m^3.
+    energy: f64,
+    /// m^3.
+    volume: f64,
+}
+
+impl Contents {
+    /// From the sums of both sides; B is posed by `rotation`, `offset` in A's axes.
+    fn new(
+        a: &ConvexShape,
+        b: &ConvexShape,
+        rotation: &Matrix3,
+        offset: &Vector3,
+        [on_b, on_a]: &[SideSums; 2],
+    ) -> Self {
+        let a_inside = b.holds(&-rotation.tr_mul(offset));
+        let b_inside = a.holds(offset);
+        let volumes = [
+            on_b.volume + if a_inside { a.volume() } else { 0.0 },
+            on_a.volume + if b_inside { b.volume() } else { 0.0 },
+        ];
+        // Both are right; that of the smaller body has more digits if its centre is not close to the other's skin.
+        let smaller = usize::from(b.volume() < a.volume());
+        let alike = a.volume().min(b.volume()) > ALIKE * a.volume().max(b.volume());
+        let outside = !(a_inside || b_inside || on_a.singular || on_b.singular);
+        let volume = if outside && alike {
+            0.5 * (volumes[0] + volumes[1])
+        } else if ![on_b.singular, on_a.singular][smaller] {
+            volumes[smaller]
+        } else if smaller == 0 {
+            let inverse = rotation.transpose();
+            volume_within(a, &inverse, &-(inverse * offset), b)
+        } else {
+            volume_within(b, rotation, offset, a)
+        };
+        let integral = |side: &SideSums, inside: bool| {
+            // Near its centre and beyond, the field is better integrated by div ((x - c) phi) = 4 phi - 1; for a slight
+            // overlap that would be a difference of large numbers.
+            let deep = inside || side.singular || side.energy > 0.25 * volume;
+            if deep {
+                0.25 * (volume + side.lever)
+            } else {
+                side.energy
+            }
+        };
+        let energy = integral(on_b, a_inside) + integral(on_a, b_inside);
+        Self {
+            energy: energy.max(0.0),
+            volume: volume.max(0.0),
+        }
     }
 }
 
@@ -233,6 +305,7 @@ pub(super) fn sides(
         shape: b,
         plan: &near.on_b,
         field_centre: pose.a_in_b,
+        close: CLOSE * a.inradius(),
         origin: pose.inverse * region.centre + pose.a_in_b,
         region: Region::Posed(&region, &pose),
     };
@@ -242,6 +315,7 @@ pub(super) fn sides(
         shape: a,
         plan: &near.on_a,
         field_centre: *offset,
+        close: CLOSE * b.inradius(),
         origin: region.centre,
         region: Region::Here(&region),
     };

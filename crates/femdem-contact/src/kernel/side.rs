@@ -3,7 +3,7 @@
 
 use super::candidates::ContactBox;
 use super::cells::{Cells, PlaneSums};
-use super::clip::{Clipper, Cut, Line, Point, area_and_moment};
+use super::clip::{Clipper, Cut, Line, Point, Second};
 use super::fast::Fast;
 use super::field::PlaneField;
 use super::pair::Pose;
@@ -53,13 +53,17 @@ pub(crate) struct SideSums {
     /// Minus the trace of the contact Hessian, and its first and second moments.
     pub stiffness: f64,
     pub stiffness_moment: Vector3,
-    pub stiffness_second: f64,
+    pub stiffness_second: Matrix3,
     /// Sum of n int dS: the vector area of the skin inside the field.
     pub vector_area: Vector3,
+    /// Integrals of phi and of 1 over the overlap; see [`Brackets`](super::clip::Brackets). What a field's
+    /// centre inside the overlap contributes is not included.
+    pub energy: f64,
+    pub volume: f64,
     /// Sum of s int phi dS with s the distance of the polygon's plane from the field's centre.
     pub lever: f64,
-    /// Sum of n (x) int x dS: the volume is u.T u for any unit u.
-    pub volume_tensor: Matrix3,
+    /// Whether a polygon passes too close to the field's centre: `energy` and `volume` are not usable then.
+    pub singular: bool,
 }
 
 /// Faces of a contact box.
@@ -98,14 +102,39 @@ fn cut_by_box(clipper: &mut Clipper, region: &Region, frame: &PlaneFrame) -> boo
     (0..BOX_FACES).all(|face| clipper.cut(&region.face(face).on(frame)) != Cut::Empty)
 }
 
+/// Planes that pass the field's centre at less than this fraction of the field body's inradius are too close to the
+/// singular point of the [`Brackets`](super::clip::Brackets).
+pub(crate) const CLOSE: f64 = 1e-3;
+
 /// The skin body's data for one side, with the region and the field's centre in its axes.
 pub(crate) struct Skin<'a> {
     pub shape: &'a ConvexShape,
     pub plan: &'a SidePlan,
     pub field_centre: Vector3,
+    /// [`CLOSE`] to that centre, m.
+    pub close: f64,
     /// Centre of the region: the origin of the moments.
     pub origin: Vector3,
     pub region: Region<'a>,
+}
+
+impl Skin<'_> {
+    /// A polygon's plane seen from the field's centre.
+    #[inline]
+    pub(crate) fn lever(&self, frame: &PlaneFrame, normal: &Vector3) -> Lever {
+        Lever {
+            distance: normal.dot(&(frame.origin - self.field_centre)),
+            close: self.close,
+        }
+    }
+}
+
+/// Distance of a polygon's plane from the field's centre along the polygon's normal, and the distance that is too close to
+/// it, m.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lever {
+    pub distance: f64,
+    pub close: f64,
 }
 
 /// The contact region on one of the bodies.
@@ -172,7 +201,9 @@ fn add_facet_of_many(
     scratch: &mut SideScratch,
 ) {
     let facet = &skin.shape.facets[usize::from(plan.facet)];
+    let normal = &skin.shape.planes[usize::from(facet.plane)].normal;
     let frame = &facet.frame;
+    let lever = skin.lever(frame, normal);
     let mut field = PlaneField::new(planes);
     field.place(frame);
     scratch.clipper.load(skin.shape.polygon(facet));
@@ -180,10 +211,8 @@ fn add_facet_of_many(
     if cut_by_field(&mut scratch.clipper, &field, bounding)
         && cut_by_box(&mut scratch.clipper, &skin.region, frame)
     {
-        let normal = skin.shape.planes[usize::from(facet.plane)].normal;
-        let lever = normal.dot(&(frame.origin - skin.field_centre));
         let origin = &skin.origin;
-        sums.add_polygon(frame, &normal, lever, &mut field, origin, scratch);
+        sums.add_polygon(frame, normal, lever, &mut field, origin, scratch);
     }
 }
 
@@ -200,7 +229,7 @@ impl SideSums {
         &mut self,
         frame: &PlaneFrame,
         normal: &Vector3,
-        lever: f64,
+        lever: Lever,
         field: &mut PlaneField,
         origin: &Vector3,
         scratch: &mut SideScratch,
@@ -212,48 +241,47 @@ impl SideSums {
         };
         let SideScratch { clipper, cells, .. } = scratch;
         let q = cells.integrate(clipper.polygon(), field, normal, &origin_2d);
-        self.add_sums(&q, frame, normal, -from.dot(normal));
-        self.lever += lever * q.polygon.pressure;
+        self.add_sums(&q, frame, normal, -from.dot(normal), lever);
     }
 
     /// Adds plane integrals; `height` is the distance of the plane from the origin.
     #[inline]
-    pub(crate) fn add_sums(&mut self, q: &PlaneSums, frame: &PlaneFrame, n: &Vector3, height: f64) {
+    pub(crate) fn add_sums(
+        &mut self,
+        q: &PlaneSums,
+        frame: &PlaneFrame,
+        n: &Vector3,
+        height: f64,
+        lever: Lever,
+    ) {
         let in_plane = |p: &Point| frame.e1 * p.x + frame.e2 * p.y;
         let p = &q.polygon;
-        let square = height * height;
         self.force += n * p.pressure;
         // (e1 x + e2 y) cross n
         self.torque += frame.e1 * p.pressure_moment.y - frame.e2 * p.pressure_moment.x;
         self.pressure += p.pressure;
         self.pressure_moment += in_plane(&p.pressure_moment) + n * (height * p.pressure);
-        self.pressure_second += p.pressure_second + square * p.pressure;
-        self.stiffness += q.stiffness;
-        self.stiffness_moment += in_plane(&q.stiffness_moment) + n * (height * q.stiffness);
-        self.stiffness_second += q.stiffness_second + square * q.stiffness;
+        self.pressure_second += p.pressure_second + height * height * p.pressure;
+        if q.stiffness > 0.0 {
+            self.stiffness += q.stiffness;
+            let moment = in_plane(&q.stiffness_moment);
+            self.stiffness_moment += moment + n * (height * q.stiffness);
+            // int x x^T w dS with x = e1 x + e2 y + n height.
+            let Second { xx, xy, yy } = q.stiffness_second;
+            let up = moment * height + n * (0.5 * height * height * q.stiffness);
+            let half = frame.e1 * (0.5 * xx) + frame.e2 * xy;
+            let half = half * frame.e1.transpose()
+                + frame.e2 * (frame.e2 * (0.5 * yy)).transpose()
+                + up * n.transpose();
+            self.stiffness_second += half + half.transpose();
+        }
         self.vector_area += n * p.area;
-        self.add_volume(&(in_plane(&p.moment) + n * (height * p.area)), n);
-    }
-
-    fn add_volume(&mut self, moment: &Vector3, normal: &Vector3) {
-        self.volume_tensor += normal * moment.transpose();
-    }
-
-    /// Adds a polygon on which the field vanishes; it only contributes to the volume.
-    pub(crate) fn add_skin(
-        &mut self,
-        polygon: &[Point],
-        frame: &PlaneFrame,
-        normal: &Vector3,
-        origin: &Vector3,
-    ) {
-        let from = origin - frame.origin;
-        let origin_2d = Point {
-            x: from.dot(&frame.e1),
-            y: from.dot(&frame.e2),
-        };
-        let (area, centre) = area_and_moment(polygon, &origin_2d);
-        let moment = frame.e1 * centre.x + frame.e2 * centre.y - normal * (from.dot(normal) * area);
-        self.add_volume(&moment, normal);
+        self.lever += lever.distance * p.pressure;
+        if lever.distance.abs() > lever.close {
+            self.energy += lever.distance * q.brackets.energy;
+            self.volume += lever.distance * q.brackets.volume;
+        } else {
+            self.singular = true;
+        }
     }
 }

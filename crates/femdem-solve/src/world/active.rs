@@ -105,9 +105,9 @@ impl World {
         weight.max(0.5 * load.normal_sum)
     }
 
-    /// Net force with gravity, N.
+    /// Net force with gravity, N, without dashpots: a body that dashpots alone hold is not at rest.
     pub(super) fn net_force(&self, i: usize, load: &Load) -> Vector3 {
-        load.total.force + self.parameters.gravity * self.bodies[i].mass
+        load.static_part().force + self.parameters.gravity * self.bodies[i].mass
     }
 
     /// Imbalance over its load scale at which a frozen body wakes.
@@ -134,7 +134,7 @@ impl World {
         let turn = body.angular_velocity();
         let means = &mut body.means;
         means.force += (net - means.force) * share;
-        means.moment += (load.total.torque - means.moment) * share;
+        means.moment += (load.static_part().torque - means.moment) * share;
         means.velocity += (body.velocity - means.velocity) * share;
         means.angular_velocity += (turn - means.angular_velocity) * share;
     }
@@ -199,7 +199,7 @@ impl World {
         let bound = self.wake_share(i as usize, &load) * self.scale(i as usize, &load);
         let diameter = 2.0 * self.bodies[i as usize].radius;
         self.net_force(i as usize, &load).norm() < bound
-            && load.total.torque.norm() < bound * diameter
+            && load.static_part().torque.norm() < bound * diameter
     }
 
     /// Frozen neighbours of awake bodies whose recorded forces no longer balance: in the mean, or at once for
@@ -301,8 +301,9 @@ impl World {
             .iter()
             .map(|&i| (i as usize, &self.bodies[i as usize], &loads[i as usize]))
             .filter(|(_, body, _)| body.driven.is_none())
-            .map(|(i, body, load)| {
-                let power = self.net_force(i, load).dot(&body.velocity)
+            .map(|(_, body, load)| {
+                let weight = self.parameters.gravity * body.mass;
+                let power = (load.total.force + weight).dot(&body.velocity)
                     + load.total.torque.dot(&body.angular_velocity());
                 i64::from(power < 0.0) - i64::from(power > 0.0)
             })

@@ -209,13 +209,22 @@ impl World {
         load
     }
 
-    /// Net force of a body over the larger of its weight and its mean contact force.
+    /// Residual of a body over the larger of its weight and its mean contact force: its net force, or its net moment over
+    /// its diameter if that is larger, both without dashpots.
     pub fn body_residual(&self, id: BodyId) -> Option<f64> {
         let body = self.body(id)?;
         let load = self.load_of(id);
         let weight = body.mass * self.parameters.gravity.norm();
-        let net = self.net_force(id as usize, &load).norm();
-        Some(over(net, weight.max(mean_force(&load))))
+        Some(over(
+            self.imbalance(id as usize, &load),
+            weight.max(mean_force(&load)),
+        ))
+    }
+
+    /// Net force of a body, or its net moment over its diameter if that is larger, without dashpots, N.
+    fn imbalance(&self, i: usize, load: &Load) -> f64 {
+        let moment = load.static_part().torque.norm() / (2.0 * self.bodies[i].radius);
+        self.net_force(i, load).norm().max(moment)
     }
 
     /// Residuals over all free rigid bodies. Deformable bodies are not part of them: see
@@ -232,7 +241,7 @@ impl World {
         let mut count = 0.0;
         for (i, body) in self.free_bodies() {
             let load = self.load_of(i as u32);
-            let net = self.net_force(i, &load).norm();
+            let net = self.imbalance(i, &load);
             let weight = body.mass * g;
             let over_load = over(net, weight.max(mean_force(&load)));
             if r.worst_body.is_none() || over_load > r.max_over_load {
@@ -273,6 +282,7 @@ impl World {
                 .sum::<f64>()
                 + deformable(&|d| d.potential(&g)),
             elastic: contacts.iter().map(|c| c.energy).sum::<f64>()
+                + self.flows.pending.map_or(0.0, |pending| pending.taken)
                 + soft.map_or(0.0, |t| t.energy),
             strain: deformable(&|d| d.internal().energy),
             friction_springs,

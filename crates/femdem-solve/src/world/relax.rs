@@ -239,7 +239,7 @@ impl World {
             whole.turning += whole.inverse_inertia * torque * dt;
             energy += deformables.carry(i, whole, dt);
         }
-        deformables.touch(&self.motions, &self.wall_motions)?;
+        deformables.touch(&self.motions, &self.wall_motions, 0.0)?;
         Ok(energy)
     }
 

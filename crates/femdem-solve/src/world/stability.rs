@@ -222,7 +222,7 @@ mod tests {
         }
         let mut used = Vec::new();
         while used.len() < 10 {
-            for _ in 0..50 {
+            for _ in 0..10 {
                 world.step().unwrap();
             }
             assert!(world.time() < 3.0, "{} samples", used.len());

@@ -127,7 +127,11 @@ impl World {
         let bodies = || self.awake_bodies().filter(|body| body.driven.is_some());
         let of_bodies = bodies().filter_map(|body| body.driven.as_deref());
         let drives = of_bodies.chain(&self.wall_drives).map(|(drive, _)| drive);
-        let steps = drives.map(|drive| drive.resolving_step(self.time, self.time_step()));
+        // The next step may be larger than the last.
+        let ahead = self
+            .time_step()
+            .max(self.step_control.top(&self.parameters.time_step));
+        let steps = drives.map(|drive| drive.resolving_step(self.time, ahead));
         Driving {
             step: steps.fold(f64::INFINITY, f64::min),
             walls: walls.map(|(drive, _)| drive.at(self.time)).collect(),
@@ -282,6 +286,7 @@ impl World {
         let totals = self.batch.totals();
         self.counters.pair_evaluations += totals.candidates as u64;
         self.counters.touching_evaluations += totals.touching as u64;
+        self.flows.settle(totals.energy_change);
         match result {
             Err(ContactError::NotFinite { body, .. }) => Err(self.blow_up(body)),
             other => Ok(other?),

@@ -102,9 +102,12 @@ fn a_column_falls_asleep_in_equilibrium() {
         world.set_sleeping(false);
         step_for(&mut world, 0.2);
         for (i, z) in (0..).zip(before) {
-            // Compared with the penetration under the weight of a cube, 120 um.
+            // The same imbalances over the stiffness with which a cube's weight penetrates by 120 um.
             let moved = reach(&world, i)[0] - z;
-            assert!(moved.abs() < 1e-5, "{element:?}: {i} moves by {moved}");
+            assert!(
+                moved.abs() < 0.06 * 2.5 * 120e-6,
+                "{element:?}: {i} moves by {moved}"
+            );
         }
     }
 }

@@ -82,7 +82,7 @@ fn row(world: &World, contact: &Contact) -> ContactRow {
             volume: contact.volume,
             energy: contact.energy,
             force: contact.elastic_force,
-            stiffness: contact.stiffness,
+            stiffness: contact.foundation.stiffness,
             diameter: mean_diameter(world, contact),
         }),
         patch: contact.patch,

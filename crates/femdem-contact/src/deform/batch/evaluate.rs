@@ -32,6 +32,8 @@ pub(crate) struct Context<'a> {
     pub states: &'a [NodalState<'a>],
     pub rigid: &'a [Motion],
     pub walls: &'a [Motion],
+    /// Time since the last update, s.
+    pub dt: f64,
 }
 
 impl Context<'_> {
@@ -193,6 +195,7 @@ impl Context<'_> {
             },
             begins: pair.begins.take().map(|start| start.seen_from(swapped)),
             series: law.form == Form::Min,
+            dt: self.dt,
         };
         pair.outcome.take(&of_pair, scratch);
         if swapped {

@@ -257,12 +257,12 @@ impl DeformableBatch {
 
     /// Finds and evaluates all contacts of the deformable bodies.
     ///
-    /// The slices hold one state per added body, rigid body and wall.
+    /// The slices hold one state per added body, rigid body and wall; `dt` is the time since the last update, s.
     ///
     /// # Errors
     /// [`ContactError::StateCount`] or [`ContactError::NodeCount`] if a slice has the wrong length,
     /// [`ContactError::NodeState`] or [`ContactError::NotFinite`] if a state is not finite or an inverse mass
-    /// is negative, [`ContactError::InvertedTet`] if a tetrahedron in a contact is inverted. The nodal values
+    /// is negative, [`ContactError::Parameter`] for a `dt` that is negative or not finite, [`ContactError::InvertedTet`] if a tetrahedron in a contact is inverted. The nodal values
     /// of a sleeping deformable body are read only in the first update after it fell asleep, or after a
     /// change of the batch that affects its contacts. After an error the histories are a mixture of two
     /// steps.
@@ -271,6 +271,7 @@ impl DeformableBatch {
         bodies: &[NodalState],
         rigid: &[Motion],
         walls: &[Motion],
+        dt: f64,
     ) -> Result<(), ContactError> {
         for (what, given, expected) in [
             ("deformable body", bodies.len(), self.bodies.len()),
@@ -297,6 +298,7 @@ impl DeformableBatch {
                 why: "its motion is not finite".to_owned(),
             });
         }
+        check("dt", dt, dt >= 0.0, "0 or more and finite, in s")?;
         body::advance(&mut self.bodies, bodies)?;
         let context = Context {
             parameters: self.law.parameters(),
@@ -310,6 +312,7 @@ impl DeformableBatch {
             states: bodies,
             rigid,
             walls,
+            dt,
         };
         let found = self.pairs.search(&context, &mut self.bodies);
         let begins = !self.starts.is_empty();

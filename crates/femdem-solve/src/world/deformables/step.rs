@@ -134,7 +134,7 @@ impl World {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
-        deformables.touch(&self.motions, &self.wall_motions)?;
+        deformables.touch(&self.motions, &self.wall_motions, dt)?;
         if renew && dt > 0.0 {
             deformables.adapt(dt);
         }
@@ -177,6 +177,7 @@ impl Deformables {
         &mut self,
         rigid: &[Motion],
         walls: &[Motion],
+        dt: f64,
     ) -> Result<(), ContactError> {
         self.bound = None;
         let states: Vec<NodalState> = self
@@ -188,7 +189,7 @@ impl Deformables {
                 inverse_masses: &body.inverse_masses,
             })
             .collect();
-        self.batch.update(&states, rigid, walls)
+        self.batch.update(&states, rigid, walls, dt)
     }
 
     /// Updates the bounds of the step for the present contacts, for steps of `dt` (s).

@@ -4,7 +4,7 @@
 mod works;
 
 use super::system::Twist;
-use femdem_contact::{Contact, ContactForce, Dashpots, Springs};
+use femdem_contact::{Contact, ContactForce, Springs};
 use femdem_mesh::nalgebra::{Matrix6, Vector6};
 use femdem_mesh::{Matrix3, Vector3};
 
@@ -43,14 +43,14 @@ struct Tilt {
     /// Remaining moment at the velocities before the step, N m.
     moment: Vector3,
     /// Decrease of the moment per unit of angular velocity gained, N m s.
-    slope: f64,
+    slope: Matrix3,
 }
 
 impl Tilt {
     /// For a moment at its bound under a normal force. The lever is proportional to `spring`, the share of
     /// the spring in the slope of that force: the dashpot acts along the elastic wrench, as in explicit
     /// steps.
-    fn new(moment: &Vector3, normal: f64, spring: f64, slope: f64) -> Self {
+    fn new(moment: &Vector3, normal: f64, spring: f64, slope: Matrix3) -> Self {
         Self {
             lever: moment * (spring / normal),
             moment: moment * (1.0 - spring),
@@ -66,22 +66,65 @@ struct Slopes {
     normal: f64,
     /// In the contact plane.
     tangential: f64,
-    /// Rotation about an axis in the contact plane.
-    rocking: f64,
+    /// Rotation about axes in the contact plane.
+    rocking: Matrix3,
     /// Rotation about the normal.
     torsion: f64,
 }
 
 impl Slopes {
     /// Slopes of dashpots, and of springs that the motion loads for a time, s.
-    fn new(c: &Dashpots, springs: &Springs, time: f64) -> Self {
+    fn new(contact: &Contact, time: f64) -> Self {
+        let (c, springs) = (contact.dashpots(), contact.springs());
         Self {
             normal: springs.normal * time + c.normal,
             tangential: springs.tangential * time + c.tangential,
-            rocking: springs.rocking * time + c.rocking,
+            rocking: rocking(contact, time),
             torsion: springs.torsion * time + c.torsion,
         }
     }
+}
+
+/// Slope of the resistance to rocking over a time, N m s: of springs without what rolling takes back, and of dashpots. When
+/// a body rolls by a small angle on a rolling radius r, the pressure F, which travels with the patch, turns it on by F r
+/// per angle. For round bodies no stiffness is left; for a face, nearly all of it.
+fn rocking(contact: &Contact, time: f64) -> Matrix3 {
+    // A contact that comes down does not roll yet.
+    let rolls = if contact.foreseen {
+        0.0
+    } else {
+        contact.elastic_force
+    };
+    let turns = rolls * contact.rolling_radius();
+    let (springs, dashpots) = (contact.springs(), contact.dashpots());
+    let mut sum = Matrix3::zeros();
+    for (k, axis) in contact.foundation.axes(&contact.normal).iter().enumerate() {
+        let slope = (springs.rocking[k] - turns).max(0.0) * time + dashpots.rocking[k];
+        sum += axis * (axis * slope).transpose();
+    }
+    sum
+}
+
+/// A principal axis of the patch, and how far the normal force may move across it, m: to the edges of the patch, taken as
+/// a uniform rectangle with the second moments of its foundation.
+#[derive(Debug, Clone, Copy)]
+struct Edge {
+    axis: Vector3,
+    /// Half the width of the patch.
+    reach: f64,
+    /// Moment of the elastic force about the centre of the patch, per force.
+    off: f64,
+}
+
+fn edges(contact: &Contact, lever: &Vector3) -> [Edge; 2] {
+    let foundation = &contact.foundation;
+    let off = lever - foundation.centre.cross(&contact.normal);
+    let axes = foundation.axes(&contact.normal);
+    [0, 1].map(|k| Edge {
+        axis: axes[k],
+        reach: (3.0 * foundation.rocking[k] / foundation.stiffness).sqrt(),
+        off: off.dot(&axes[k]),
+    })
 }
 
 /// A contact of two sides A and B. Motions are those of B relative to A, forces those on B.
@@ -106,8 +149,9 @@ pub(super) struct Link {
     /// Elastic normal force where the contact was evaluated, N.
     elastic: f64,
     foreseen: bool,
-    /// m.
+    /// Of the patch, for the bound of torsion, m.
     radius: f64,
+    edges: [Edge; 2],
     dt: f64,
     grip: Grip,
     /// Set while the rocking moment exceeds its bound.
@@ -138,8 +182,6 @@ impl Link {
         friction: f64,
         dt: f64,
     ) -> Self {
-        // Rocking stiffness is all of the polar second moment, as in the bound of the explicit step: with
-        // less, a block on an edge rocks endlessly.
         let (n, springs) = (contact.normal, contact.springs());
         let lever = if contact.elastic_force > 0.0 {
             contact.moment / contact.elastic_force
@@ -148,10 +190,10 @@ impl Link {
         };
         let opening = n.dot(&before.velocity) + lever.dot(&before.turning);
         let across = |x: &Vector3| x - n * n.dot(x);
-        let slopes = Slopes::new(contact.dashpots(), &springs, dt);
+        let slopes = Slopes::new(contact, dt);
         // Springs of a foreseen contact already include the displacement of the step.
         let ahead = if contact.foreseen { 0.0 } else { dt };
-        let ahead = Slopes::new(contact.dashpots(), &springs, ahead);
+        let ahead = Slopes::new(contact, ahead);
         let mut link = Self {
             sides,
             arms,
@@ -162,7 +204,7 @@ impl Link {
                 normal: contact.elastic_force - ahead.normal * opening,
                 friction: contact.friction - across(&before.velocity) * ahead.tangential,
                 torsion: contact.torsion - ahead.torsion * n.dot(&before.turning),
-                rocking: across(&before.turning) * -ahead.rocking,
+                rocking: -(ahead.rocking * before.turning),
                 slides: contact.slides,
             },
             springs,
@@ -172,6 +214,7 @@ impl Link {
             elastic: contact.elastic_force,
             foreseen: contact.foreseen,
             radius: contact.torsion_radius,
+            edges: edges(contact, &lever),
             dt,
             grip: Grip::Holds,
             tilt: None,
@@ -290,12 +333,12 @@ impl Link {
             return;
         };
         let (n, tilt) = (&self.normal, self.rocks());
-        let (lever, rocking) = (self.lever + tilt.lever, tilt.slope);
+        let lever = self.lever + tilt.lever;
         let x = self.relative(x);
         let (along, spin) = (n.dot(&x.velocity), n.dot(&x.turning));
         let pressed = self.slopes.normal * (along + lever.dot(&x.turning));
         let force = n * (pressed - held * along) + x.velocity * held;
-        let moment = lever * pressed + x.turning * rocking + n * (spin * (torsion - rocking));
+        let moment = lever * pressed + tilt.slope * x.turning + n * (spin * torsion);
         self.add(&force, &moment, out);
     }
 
@@ -314,7 +357,7 @@ impl Link {
     fn block(&self, arm: &Vector3, [held, torsion]: [f64; 2]) -> Matrix6<f64> {
         let (n, s) = (&self.normal, &self.slopes);
         let tilt = self.rocks();
-        let (lever, rocking) = (self.lever + tilt.lever, tilt.slope);
+        let lever = self.lever + tilt.lever;
         let mut block = Matrix6::zeros();
         let mut add_along = |turn: &Vector3, value: f64| {
             let x = Vector6::new(n.x, n.y, n.z, turn.x, turn.y, turn.z);
@@ -324,9 +367,10 @@ impl Link {
         add_along(&(turned + lever), s.normal);
         add_along(&turned, -held);
         let coupling = arm.cross_matrix() * held;
-        let turning = Matrix3::from_diagonal_element(held * arm.norm_squared() + rocking)
+        let turning = Matrix3::from_diagonal_element(held * arm.norm_squared())
             - arm * (arm * held).transpose()
-            + n * (n * (torsion - rocking)).transpose();
+            + n * (n * torsion).transpose()
+            + tilt.slope;
         for i in 0..3 {
             block[(i, i)] += held;
             for j in 0..3 {
@@ -366,8 +410,7 @@ impl Link {
         };
         let friction = friction - (change.velocity - n * along) * held;
         let torsion = torsion - spin * turning;
-        let gained = change.turning - n * spin;
-        let rocking = tilt.lever * normal + tilt.moment - gained * tilt.slope;
+        let rocking = tilt.lever * normal + tilt.moment - tilt.slope * change.turning;
         let share = self.share(&friction, torsion, normal);
         let forces = ContactForce {
             normal,
@@ -382,8 +425,15 @@ impl Link {
     /// A rocking moment that would move the centre of pressure out of the patch, reduced to its bound, since
     /// the sides do not pull; `None` if it is within.
     fn at_edge(&self, moment: &Vector3, normal: f64) -> Option<Vector3> {
-        let (size, most) = (moment.norm(), normal * self.radius);
-        (size > most).then(|| moment * (most / size))
+        let mut within = *moment;
+        for Edge { axis, reach, off } in &self.edges {
+            let asked = moment.dot(axis);
+            let room = normal * (reach - off * asked.signum()).max(0.0);
+            if asked.abs() > room {
+                within -= axis * (asked - room.copysign(asked));
+            }
+        }
+        (within != *moment).then_some(within)
     }
 
     /// The fraction of friction and torsion within the ellipsoid limit surface of the friction law.
@@ -448,13 +498,14 @@ impl Link {
     /// The same for rocking; `found` is the moment of the solution.
     fn follow_tilt(&mut self, x: &Twist, found: &Vector3, normal: f64) -> bool {
         let before = self.tilt.take();
-        let n = &self.normal;
-        let gained = x.turning - n * n.dot(&x.turning);
-        let held = self.start.rocking - gained * self.slopes.rocking;
+        let held = self.start.rocking - self.slopes.rocking * x.turning;
         let Some(moment) = self.at_edge(&held, normal) else {
             return before.is_some();
         };
-        let slope = slope_at_bound(&moment, &self.before.turning, self.slopes.rocking);
+        let square = moment.norm_squared().max(f64::MIN_POSITIVE);
+        let full = moment.dot(&(self.slopes.rocking * moment)) / square;
+        let slope = slope_at_bound(&moment, &self.before.turning, full);
+        let slope = self.slopes.rocking * if full > 0.0 { slope / full } else { 0.0 };
         let spring = self.springs.normal * self.dt / self.slopes.normal.max(f64::MIN_POSITIVE);
         self.tilt = Some(Tilt::new(&moment, normal, spring, slope));
         let off = (found - moment).norm();

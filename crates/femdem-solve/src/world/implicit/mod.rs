@@ -16,7 +16,7 @@ use super::World;
 use super::step::{LARGEST_MOVE, relaxation};
 use crate::body::Body;
 use crate::error::{SolveError, check};
-use crate::ledger::Flows;
+use crate::ledger::{Flows, Pending};
 use crate::parameters::ImplicitStep;
 use crate::rotation;
 use femdem_contact::{BodyId, Contact, ContactForce, Motion, Partner, Snapshot, Wrench};
@@ -193,12 +193,14 @@ impl World {
         {
             *x = inertia.response(sum, other);
         }
+        let mut pending = Pending::default();
         for (link, forces) in system.links.iter().zip(&forces) {
             let works = link.works(forces, &x);
-            self.flows.damping_work += works.damping;
-            self.flows.friction_work += works.friction;
-            self.flows.step_loss += works.step;
+            self.flows.friction_work -= works.friction;
+            pending.damping += works.damping;
+            pending.taken += works.pressing;
         }
+        self.flows.pending = Some(pending);
         self.batch.set_forces(&forces)?;
         for (&k, sum) in members.iter().zip(&sums) {
             wrenches[k] = Some(Wrench {
@@ -309,7 +311,8 @@ impl World {
         } else {
             mean
         };
-        self.flows.step_loss += body.mass * gravity.dot(&(velocity - mean)) * dt;
+        self.flows.pending.get_or_insert_default().taken +=
+            body.mass * gravity.dot(&(velocity - mean)) * dt;
         body.position = before.position + velocity * dt;
         rotation::drift(&mut body.orientation, &mut body.momentum, &body.moments, dt);
         // Distance from the pose where the contacts were evaluated.

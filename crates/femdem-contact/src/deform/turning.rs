@@ -1,26 +1,16 @@
-//! The dashpot of a contact against rocking.
+//! The rotation of a deformable body as a whole.
 //!
-//! The dashpot along the gradient of U (see [`super::respond`]) does not damp rocking about the contact,
-//! which is orthogonal to the gradient. As between rigid bodies (see [`crate::damping`]), a moment opposes
-//! the rotation of B relative to A across the normal, with the same fraction ζ of critical damping:
-//!
-//! M = -c (ω_B - ω_A), c = 2 ζ √(k_θ/w), k_θ = J/2,
-//!
-//! J is the polar second moment of the normal stiffness over the patch, half of which belongs to either axis
-//! in its plane, and w the sum of the largest inverse principal moments of inertia of A and B.
-//!
-//! The angular velocity ω of a deformable body is that of its nodes as a whole, I⁻¹ Σ m_a r_a × v_a, and the
-//! moment acts on all of them as f_a = m_a (I⁻¹ M) × r_a. The two are conjugate: the power is M·ω for any
-//! motion of the nodes, so the dashpot only dissipates; and Σ f_a = 0, Σ r_a × f_a = M, so momentum and
-//! angular momentum are conserved. The forces rotate the body as if it were rigid and strain nothing, so
-//! their rate, at most 2 ζ √(k_θ w), is that of a body and not that of an element: it hardly shortens the
-//! step. (Dashpots between the nodes in contact would have the rate of the nodes; at the same cost in step
-//! length they would damp the rocking of a body a hundred times less.)
+//! The dashpots of a contact that act on bodies as wholes ([`crate::rocking`], [`super::body_dashpot`]) need the
+//! velocity of a deformable body's centre, and its angular velocity ω = I⁻¹ Σ m_a r_a × v_a. A moment M acts on all of
+//! its nodes as f_a = m_a (I⁻¹ M) × r_a. The two are conjugate: the power is M·ω for any motion of the nodes, so a
+//! dashpot only dissipates; and Σ f_a = 0, Σ r_a × f_a = M, so momentum and angular momentum are conserved. The forces
+//! rotate the body as if it were rigid and strain nothing, so that their rate is that of a body and not that of an
+//! element: it hardly shortens the step. (Dashpots between the nodes in contact would have the rate of the nodes; at
+//! the same cost in step length they would damp the rocking of a body a hundred times less.)
 
 use super::record::NodalState;
 use super::respond::{Mover, Pair};
-use super::sums::PatchStiffness;
-use crate::kernel::MEAN_OVER_RMS;
+use crate::rocking::Turn;
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -41,8 +31,8 @@ pub(crate) struct Turning {
     velocity: Vector3,
     /// Angular velocity, rad/s.
     rate: Vector3,
-    /// Largest inverse moment of inertia, 1/(kg m^2), at most 7 % too large; 0 if no node is free.
-    mobility: f64,
+    /// The same as `inverse_inertia`; 0 if no node is free.
+    mobility: Matrix3,
 }
 
 impl Turning {
@@ -85,9 +75,9 @@ impl Turning {
             velocity: linear / total,
             rate: inverse_inertia * momentum,
             mobility: if is_free {
-                largest_eigenvalue(&inverse_inertia)
+                inverse_inertia
             } else {
-                0.0
+                Matrix3::zeros()
             },
             weights,
             centre,
@@ -128,64 +118,18 @@ impl Turning {
     }
 }
 
-/// Upper bound of the largest eigenvalue of a positive definite matrix, from its eighth power; at
-/// most 7 % above.
-fn largest_eigenvalue(m: &Matrix3) -> f64 {
-    let size = m.trace();
-    let unit = m / size;
-    let square = unit * unit;
-    let fourth = square * square;
-    size * (fourth * fourth).norm().sqrt().sqrt().sqrt()
-}
-
-/// The dashpot of a pair.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Rocking {
-    /// Moment on B, N m.
-    pub moment: Vector3,
-    /// c, N m s.
-    pub viscosity: f64,
-    /// Rates of A and B for the stability bound, 1/s.
-    pub rates: [f64; 2],
-    /// W.
-    pub power: f64,
-}
-
 impl Pair<'_> {
-    /// Angular velocity of a side, rad/s, and its largest inverse moment of inertia, 1/(kg m^2).
-    fn turning(&self, side: usize) -> Option<(Vector3, f64)> {
-        match &self.movers[side] {
-            Mover::Rigid(motion) => Some((motion.angular_velocity, motion.inverse_inertia_max)),
+    /// Angular velocities of both sides, and their inverse inertia; `None` if a side cannot turn.
+    pub fn turn(&self) -> Option<Turn> {
+        let side = |side: usize| match &self.movers[side] {
+            Mover::Rigid(motion) => Some((motion.angular_velocity, motion.inverse_inertia)),
             Mover::Nodes(..) => self.turnings[side].map(|t| (t.rate, t.mobility)),
-        }
-    }
-
-    /// The dashpot of a patch that presses with a force (N, damping included) along `normal`.
-    pub fn rocking(&self, patch: &PatchStiffness, normal: &Vector3, force: f64) -> Rocking {
-        let (Some((of_a, w_a)), Some((of_b, w_b))) = (self.turning(0), self.turning(1)) else {
-            return Rocking::default();
         };
-        let (second, w) = (patch.about_centre(), w_a + w_b);
-        let usable = second > 0.0 && w > 0.0;
-        if !usable {
-            return Rocking::default();
-        }
-        let viscosity = 2.0 * self.law.damping_ratio * (0.5 * second / w).sqrt();
-        let turn = of_b - of_a;
-        let turn = turn - normal * normal.dot(&turn);
-        // No tension: the centre of pressure stays within the patch.
-        let most = force * MEAN_OVER_RMS * (second / patch.total).sqrt();
-        let size = viscosity * turn.norm();
-        let part = if size > most { most / size } else { 1.0 };
-        let moment = turn * (-viscosity * part);
-        // (ω_B - ω_A)^2 <= 2 ω_A^2 + 2 ω_B^2, if both can rotate.
-        let both = if w_a > 0.0 && w_b > 0.0 { 2.0 } else { 1.0 };
-        Rocking {
-            moment,
-            viscosity,
-            rates: [w_a, w_b].map(|w| both * viscosity * w),
-            power: moment.dot(&turn),
-        }
+        let ((of_a, w_a), (of_b, w_b)) = (side(0)?, side(1)?);
+        Some(Turn {
+            rates: [of_a, of_b],
+            mobilities: [w_a, w_b],
+        })
     }
 }
 
@@ -249,18 +193,7 @@ mod tests {
         for w in [w, vec![0.0; 17]] {
             let turning = Turning::new(&state(&x, &v, &w), None).unwrap();
             assert!((turning.rate - spin).norm() < 1e-13, "{}", turning.rate);
-            assert_eq!(turning.mobility > 0.0, w[0] > 0.0);
-        }
-    }
-
-    #[test]
-    fn the_largest_eigenvalue_is_bounded() {
-        for seed in 0..20 {
-            let [a, b, c] = [0.1, 0.5, 0.9].map(|k| noise(1, f64::from(seed) + k)[0]);
-            let root = Matrix3::from_columns(&[a, b, c]);
-            let m = root * root.transpose() + Matrix3::identity() * 0.1;
-            let ratio = largest_eigenvalue(&m) / m.symmetric_eigenvalues().max();
-            assert!((1.0 - 1e-12..1.08).contains(&ratio), "{ratio}");
+            assert_eq!(turning.mobility.trace() > 0.0, w[0] > 0.0);
         }
     }
 
