@@ -1,5 +1,5 @@
-//! Friction of a contact patch: anchors in both bodies, a torsion spring, and the
-//! ellipsoid limit surface.
+//! Friction of a contact patch: anchors in both bodies, a torsion spring, and the limit surface
+//! ([`crate::limit_surface`]).
 //!
 //! The patch is a bristle foundation: its tangential modulus is `r` times the normal one, so k_t = r K and
 //! k_theta = r J. The spring is stretched between two anchor points that are fixed in the two bodies; a rigid
@@ -10,6 +10,7 @@
 use crate::damping::{Birth, against_lag};
 use crate::kernel::Overlap;
 use crate::law::ContactParameters;
+use crate::limit_surface::LimitSurface;
 use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -291,11 +292,15 @@ impl FrictionState {
         let mut force = -stretch * k - drag;
         let mut moment = -k_theta * torsion - twist_drag;
         let most = law.friction * normal_force;
-        let load = limit_surface(force.norm(), moment.abs(), most, overlap.torsion_radius);
-        let slides = load > 1.0;
+        let bounds = LimitSurface {
+            force: most,
+            moment: most * overlap.torsion_radius,
+        };
+        let within = bounds.within(force.norm(), moment.abs(), k, k_theta);
+        let slides = within != [1.0; 2];
         if slides {
-            force /= load;
-            moment /= load;
+            force *= within[0];
+            moment *= within[1];
             stretch = sliding_stretch(&force, &drag, k);
             torsion = sliding_torsion(moment, twist_drag, k_theta);
         }
@@ -357,22 +362,6 @@ fn dashpot(zeta: f64, stiffness: f64, inverse_mass: f64) -> f64 {
     } else {
         0.0
     }
-}
-
-/// Distance from the limit surface: above 1 force and moment exceed it, at most 1 they are inside. The radius
-/// of the patch turns the force bound into the moment bound.
-fn limit_surface(force: f64, moment: f64, most: f64, radius: f64) -> f64 {
-    let part = |x: f64, bound: f64| {
-        if x == 0.0 {
-            0.0
-        } else if bound > 0.0 {
-            x / bound
-        } else {
-            f64::INFINITY
-        }
-    };
-    let (push, twist) = (part(force, most), part(moment, most * radius));
-    (push * push + twist * twist).sqrt()
 }
 
 #[cfg(test)]

@@ -65,7 +65,7 @@
 //!   the same ratio. It acts on the part of the rotation that the patch follows elastically, and vanishes where the
 //!   pressure travels with the patch: nothing resists rolling, or toppling over an edge.
 //! - Friction: anchors in both bodies stretch a tangential spring, and a torsion spring twists about the
-//!   normal; the ellipsoid (f/μF)² + (M/M_max)² = 1 bounds both. The anchors follow the patch as it moves, so
+//!   normal; the limit surface of a disc bounds both ([`LimitSurface`]). The anchors follow the patch as it moves, so
 //!   that rolling and turning under stretched springs gains no energy. Friction does not resist rolling.
 //! - Patches: bodies that are not convex may touch in several patches, each a [`Contact`] with a separate
 //!   friction history. A patch that splits divides its springs among the new ones, and merging patches
@@ -117,6 +117,7 @@ pub mod general;
 mod generalized;
 pub mod kernel;
 mod law;
+mod limit_surface;
 mod mark;
 mod motion;
 mod rocking;
@@ -136,6 +137,7 @@ pub use general::{Field, FieldMesh, Form, GeneralKernel, SolidWall};
 pub use generalized::{Generalized, Resistance, stable_step};
 pub use kernel::{Overlap, PairKernel, mean_penetration};
 pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};
+pub use limit_surface::LimitSurface;
 pub use motion::Motion;
 pub use shape::{BodyShape, ConvexShape, Frame};
 pub use walls::{Drum, Hopper, MeshWall, Silo, Wall, WallPlane, WallShape};

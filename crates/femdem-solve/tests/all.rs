@@ -16,5 +16,6 @@ mod refusals;
 mod relaxation;
 mod rolling;
 mod sleeping;
+mod sliding;
 mod step_size;
 mod turning;

@@ -4,7 +4,7 @@
 mod works;
 
 use super::system::Twist;
-use femdem_contact::{Contact, ContactForce, Springs};
+use femdem_contact::{Contact, ContactForce, LimitSurface, Springs};
 use femdem_mesh::nalgebra::{Matrix6, Vector6};
 use femdem_mesh::{Matrix3, Vector3};
 
@@ -225,8 +225,12 @@ impl Link {
             let friction = contact.friction - across(&before.velocity) * dashpots.tangential;
             let torsion = contact.torsion - n.dot(&before.turning) * dashpots.torsion;
             let share = link.share(&friction, torsion, link.start.normal.max(0.0));
-            link.grip =
-                Grip::Slides(link.slip(&(friction * share), torsion * share, [0.0; 2], share));
+            link.grip = Grip::Slides(link.slip(
+                &(friction * share[0]),
+                torsion * share[1],
+                [0.0; 2],
+                share,
+            ));
         }
         link
     }
@@ -306,10 +310,10 @@ impl Link {
     }
 
     /// The slip state for friction and torsion at their bounds after a change of velocity and spin; `share`
-    /// is the fraction of the torsional spring within the bound.
-    fn slip(&self, friction: &Vector3, torsion: f64, change: [f64; 2], share: f64) -> Slip {
+    /// are the fractions of both within the bound.
+    fn slip(&self, friction: &Vector3, torsion: f64, change: [f64; 2], share: [f64; 2]) -> Slip {
         let slope = slope_at_bound(friction, &self.before.velocity, self.slopes.tangential);
-        let turning = share * self.slopes.torsion;
+        let turning = share[1] * self.slopes.torsion;
         Slip {
             friction: *friction,
             torsion: torsion + turning * change[1],
@@ -384,7 +388,7 @@ impl Link {
 
     /// The forces after a change of the velocities, limited to their bounds, and the fraction of friction and
     /// torsion within them.
-    fn forces(&self, change: &Twist) -> (ContactForce, f64) {
+    fn forces(&self, change: &Twist) -> (ContactForce, [f64; 2]) {
         let (n, s) = (&self.normal, &self.slopes);
         let (along, spin) = (n.dot(&change.velocity), n.dot(&change.turning));
         let tilt = self.rocks();
@@ -398,7 +402,7 @@ impl Link {
                 rocking: Vector3::zeros(),
                 slides: false,
             };
-            return (none, 1.0);
+            return (none, [1.0; 2]);
         }
         let (friction, torsion, [held, turning]) = match self.grip {
             Grip::Slides(slip) => (slip.friction, slip.torsion, slip.slopes),
@@ -414,10 +418,10 @@ impl Link {
         let share = self.share(&friction, torsion, normal);
         let forces = ContactForce {
             normal,
-            friction: friction * share,
-            torsion: torsion * share,
+            friction: friction * share[0],
+            torsion: torsion * share[1],
             rocking: self.at_edge(&rocking, normal).unwrap_or(rocking),
-            slides: share < 1.0 || matches!(self.grip, Grip::Slides(_)),
+            slides: share != [1.0; 2] || matches!(self.grip, Grip::Slides(_)),
         };
         (forces, share)
     }
@@ -436,16 +440,16 @@ impl Link {
         (within != *moment).then_some(within)
     }
 
-    /// The fraction of friction and torsion within the ellipsoid limit surface of the friction law.
-    fn share(&self, friction: &Vector3, torsion: f64, normal: f64) -> f64 {
+    /// The fractions of friction and torsion within the limit surface of the friction law.
+    fn share(&self, friction: &Vector3, torsion: f64, normal: f64) -> [f64; 2] {
         let most = self.friction * normal;
-        let turning = torsion / self.radius.max(f64::MIN_POSITIVE);
-        let load2 = friction.norm_squared() + turning * turning;
-        if load2 > most * most {
-            most / load2.sqrt()
-        } else {
-            1.0
-        }
+        let bounds = LimitSurface {
+            force: most,
+            moment: most * self.radius,
+        };
+        // Where it slides steadily, springs exceed the bound by what the slip stretches them in a step.
+        let [k, k_theta] = [self.springs.tangential, self.springs.torsion];
+        bounds.within(friction.norm(), torsion.abs(), k, k_theta)
     }
 
     /// Updates from a solution whether friction and rocking stick and whether the sides part; returns whether
@@ -461,12 +465,12 @@ impl Link {
             return !matches!(before, Grip::Parts);
         }
         let tilted = self.follow_tilt(&x, &found.rocking, held.normal);
-        if share == 1.0 {
+        if share == [1.0; 2] {
             return tilted || !matches!(before, Grip::Holds);
         }
         self.grip = self.slides(&x, &held, share);
         let size = held.friction.norm();
-        let off = (found.friction * (1.0 / within) - held.friction).norm();
+        let off = (found.friction * (1.0 / within[0]) - held.friction).norm();
         tilted || !matches!(before, Grip::Slides(_)) || off > SETTLED * size
     }
 
@@ -480,7 +484,7 @@ impl Link {
         if held.normal <= 0.0 {
             return false;
         }
-        self.grip = if share < 1.0 {
+        self.grip = if share != [1.0; 2] {
             self.slides(&x, &held, share)
         } else {
             Grip::Holds
@@ -488,9 +492,9 @@ impl Link {
         true
     }
 
-    /// Sliding state from the sticking forces after a change of the velocities, of which the fraction `share`
-    /// is within the bound.
-    fn slides(&self, x: &Twist, held: &ContactForce, share: f64) -> Grip {
+    /// Sliding state from the sticking forces after a change of the velocities, of which the fractions
+    /// `share` are within the bound.
+    fn slides(&self, x: &Twist, held: &ContactForce, share: [f64; 2]) -> Grip {
         let change = [0.0, self.normal.dot(&x.turning)];
         Grip::Slides(self.slip(&held.friction, held.torsion, change, share))
     }
