@@ -7,6 +7,7 @@ use crate::generalized::{Resistance, stable_step};
 use crate::kernel::{Overlap, mean_penetration};
 use crate::motion::Motion;
 use crate::rocking::Rocking;
+use crate::rolling::Rolling;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
@@ -57,6 +58,12 @@ pub struct Contact {
     pub drag: Vector3,
     /// See `drag`.
     pub drag_torsion: f64,
+    /// Moment of rolling friction on B, and the part of it that is due to the dashpot, N m.
+    pub rolling: Vector3,
+    /// See `rolling`.
+    pub drag_rolling: Vector3,
+    /// Stiffness of the spring against rolling, N m.
+    pub rolling_stiffness: f64,
     /// Whether the patch slides.
     pub slides: bool,
     /// True if the contact was evaluated at the poses predicted for the end of the step, because the pair
@@ -94,6 +101,8 @@ pub struct Springs {
     pub rocking: [f64; 2],
     /// Turning about the normal, N m.
     pub torsion: f64,
+    /// Rolling about any axis in the contact plane, N m.
+    pub rolling: f64,
 }
 
 /// Viscosities of a patch.
@@ -107,6 +116,8 @@ pub struct Dashpots {
     pub rocking: [f64; 2],
     /// Turning about the normal, N m s.
     pub torsion: f64,
+    /// Rolling about any axis in the contact plane, N m s.
+    pub rolling: f64,
 }
 
 /// Forces and moments of a contact on its side B, as an implicit step finds them.
@@ -131,6 +142,7 @@ impl Springs {
             tangential: self.tangential * share,
             rocking: self.rocking.map(|x| x * share),
             torsion: self.torsion * share,
+            rolling: self.rolling * share,
         }
     }
 }
@@ -142,6 +154,7 @@ impl Dashpots {
             tangential: self.tangential * share,
             rocking: self.rocking.map(|x| x * share),
             torsion: self.torsion * share,
+            rolling: self.rolling * share,
         }
     }
 }
@@ -166,7 +179,7 @@ pub(crate) fn assemble(
     (a, b, patch): (Partner, BodyId, u32),
     overlap: &Overlap,
     damped: &Damped,
-    rocking: &Rocking,
+    (rocking, rolling): (&Rocking, &Rolling),
     friction: &Friction,
     motions: [&Motion; 2],
 ) -> Contact {
@@ -195,12 +208,15 @@ pub(crate) fn assemble(
         torsion: friction.torsion,
         drag: friction.drag,
         drag_torsion: friction.drag_torsion,
+        rolling: rolling.moment,
+        drag_rolling: rolling.drag,
+        rolling_stiffness: rolling.stiffness,
         slides: friction.slides,
         foreseen: false,
         area: overlap.area,
         volume: overlap.volume,
         energy: overlap.energy,
-        spring_energy: friction.energy,
+        spring_energy: friction.energy + rolling.energy,
         foundation: overlap.foundation,
         tangential_stiffness: friction.stiffness,
         torsion_radius: overlap.torsion_radius,
@@ -210,6 +226,7 @@ pub(crate) fn assemble(
             tangential: friction.viscosity,
             rocking: rocking.viscosity,
             torsion: friction.torsion_viscosity,
+            rolling: rolling.viscosity,
         },
     }
 }
@@ -228,6 +245,7 @@ impl Contact {
             } else {
                 0.0
             },
+            rolling: self.rolling_stiffness,
         }
     }
 
@@ -370,20 +388,20 @@ impl Load {
         let moment = contact.moment * sign;
         let friction = contact.friction * sign;
         let torsion = contact.normal * (sign * contact.torsion);
-        let rocking = contact.rocking * sign;
+        let (rocking, rolling) = (contact.rocking * sign, contact.rolling * sign);
         self.total.add(
             elastic * scale + friction,
-            moment * scale + rocking + torsion,
+            moment * scale + rocking + rolling + torsion,
             arm,
         );
-        self.friction.add(friction, torsion, arm);
+        self.friction.add(friction, torsion + rolling, arm);
         let damping = elastic * (scale - 1.0);
         let damping_moment = moment * (scale - 1.0) + rocking;
         self.damping.add(damping, damping_moment, arm);
         let drag = contact.drag * sign;
-        let drag_torsion = contact.normal * (sign * contact.drag_torsion);
+        let drag_moment = (contact.normal * contact.drag_torsion + contact.drag_rolling) * sign;
         self.viscous
-            .add(damping + drag, damping_moment + drag_torsion, arm);
+            .add(damping + drag, damping_moment + drag_moment, arm);
         self.normal_sum += contact.normal_force;
         self.contacts += u32::from(contact.patch == 0);
         self.bounds.add(contact, arm, contact.shares[side]);
@@ -430,7 +448,7 @@ impl Bounds {
         let point = springs.normal.max(springs.tangential);
         self.stiffness[0] += point;
         let [_, rocking] = springs.rocking;
-        self.stiffness[1] += point * square + springs.torsion.max(rocking);
+        self.stiffness[1] += point * square + springs.torsion.max(rocking + springs.rolling);
         let dashpots = contact.dashpots.scaled(share);
         // The normal dashpot acts along another line than the spring.
         if let Some(lever) = contact.elastic_lever(arm) {
@@ -439,8 +457,10 @@ impl Bounds {
         }
         self.viscosity[0] += dashpots.tangential;
         let [about_long, about_short] = dashpots.rocking;
-        self.viscosity[1] +=
-            dashpots.tangential * square + dashpots.torsion.max(about_long).max(about_short);
+        self.viscosity[1] += dashpots.tangential * square
+            + dashpots
+                .torsion
+                .max(about_long.max(about_short) + dashpots.rolling);
     }
 }
 
@@ -459,7 +479,7 @@ impl Resistance {
         self.stiffness.add_about(n, springs.torsion);
         let axes = contact.foundation.axes(n);
         for (axis, value) in axes.iter().zip(springs.rocking) {
-            self.stiffness.add_about(axis, value);
+            self.stiffness.add_about(axis, value + springs.rolling);
         }
         let dashpots = contact.dashpots.scaled(share);
         if let Some(lever) = contact.elastic_lever(arm) {
@@ -470,7 +490,7 @@ impl Resistance {
         self.viscosity.add_everywhere(arm, dashpots.tangential);
         self.viscosity.add_about(n, dashpots.torsion);
         for (axis, value) in axes.iter().zip(dashpots.rocking) {
-            self.viscosity.add_about(axis, value);
+            self.viscosity.add_about(axis, value + dashpots.rolling);
         }
     }
 }

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 /// The anchors follow the patch once it has moved by this fraction of the arm of B. The stored stiffness, by
 /// which the stretch is scaled, follows the present one once it has changed by this fraction. Smaller changes
 /// are rounding, by which bodies at rest far from the origin of a wall would creep.
-const FOLLOW: f64 = 1e-9;
+pub(crate) const FOLLOW: f64 = 1e-9;
 
 /// Friction history of one patch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -356,7 +356,7 @@ fn sliding_torsion(moment: f64, drag: f64, k: f64) -> f64 {
 }
 
 /// Viscosity of a fraction `zeta` of critical damping.
-fn dashpot(zeta: f64, stiffness: f64, inverse_mass: f64) -> f64 {
+pub(crate) fn dashpot(zeta: f64, stiffness: f64, inverse_mass: f64) -> f64 {
     if inverse_mass > 0.0 {
         2.0 * zeta * (stiffness / inverse_mass).sqrt()
     } else {

@@ -34,6 +34,9 @@ pub struct ContactParameters {
     pub friction: f64,
     /// Coulomb friction coefficient between bodies and walls; `None`, the default: `friction`.
     pub wall_friction: Option<f64>,
+    /// Coefficient of rolling friction mu_r: the moment against rolling is at most mu_r N r, with the rolling radius r
+    /// ([`Contact::rolling_radius`](crate::Contact::rolling_radius)). Default 0.
+    pub rolling_friction: f64,
     /// Fraction zeta of critical damping of the normal contact; below 1/sqrt(2). Default 0.6.
     pub damping_ratio: f64,
     /// Tangential over normal foundation modulus, r = k_t/k_n; above 0, at most 2. Default 0.8.
@@ -50,6 +53,7 @@ impl Default for ContactParameters {
             penalty: 1e6,
             friction: 0.6,
             wall_friction: None,
+            rolling_friction: 0.0,
             damping_ratio: 0.6,
             tangential_ratio: 0.8,
             tangential_damping: 0.6,
@@ -98,6 +102,12 @@ impl ContactLaw {
                 "at least 0 and finite",
             )?;
         }
+        check(
+            "rolling_friction",
+            p.rolling_friction,
+            p.rolling_friction >= 0.0,
+            "at least 0 and finite",
+        )?;
         check(
             "damping_ratio",
             p.damping_ratio,

@@ -67,6 +67,8 @@
 //! - Friction: anchors in both bodies stretch a tangential spring, and a torsion spring twists about the
 //!   normal; the limit surface of a disc bounds both ([`LimitSurface`]). The anchors follow the patch as it moves, so
 //!   that rolling and turning under stretched springs gains no energy. Friction does not resist rolling.
+//! - Rolling friction, 0 by default: a spring against rolling that slides at the moment μ_r N r, with the
+//!   rolling radius r of the pair ([`Contact::rolling_radius`]).
 //! - Patches: bodies that are not convex may touch in several patches, each a [`Contact`] with a separate
 //!   friction history. A patch that splits divides its springs among the new ones, and merging patches
 //!   combine theirs by least squares. Neither creates energy, and the energy of a patch that vanishes is
@@ -121,6 +123,7 @@ mod limit_surface;
 mod mark;
 mod motion;
 mod rocking;
+mod rolling;
 mod shape;
 mod sides;
 #[cfg(feature = "proptest")]

@@ -118,7 +118,7 @@ impl RockingState {
 }
 
 /// A vector turned by a small angle, rad: without a trigonometric function, to second order, and as long as it was.
-fn turned(v: &Vector3, angle: &Vector3) -> Vector3 {
+pub(crate) fn turned(v: &Vector3, angle: &Vector3) -> Vector3 {
     let half = angle * 0.5;
     let across = half.cross(v);
     v + (across + half.cross(&across)) * (2.0 / (1.0 + half.norm_squared()))

@@ -197,6 +197,44 @@ fn a_common_motion_keeps_the_force() {
     }
 }
 
+/// A body that turns about an axis in the contact plane is resisted by the moment mu_r N r, with the rolling radius of
+/// the pair; nothing resists without the coefficient.
+#[test]
+fn rolling_friction_reaches_its_bound() {
+    for (ground, radius) in [
+        (Ground::Floor, 0.5),
+        (Ground::Rigid, 0.25),
+        (Ground::Soft, 0.25),
+    ] {
+        for rolling_friction in [0.0, 0.1] {
+            let parameters = ContactParameters {
+                rolling_friction,
+                ..law()
+            };
+            let mut rig = Rig::new(parameters, ground);
+            let centre = Vector3::z() * (0.5 - DEPTH);
+            let turning = Vector3::y() * 1e-3;
+            rig.velocity = rig
+                .upper
+                .x
+                .iter()
+                .map(|x| turning.cross(&(x - centre)))
+                .collect();
+            let mut contact = rig.update();
+            for _ in 0..50 {
+                contact = rig.update_after(0.1);
+            }
+            let want = turning.normalize() * (-rolling_friction * contact.normal_force * radius);
+            let off = (contact.rolling - want).norm();
+            assert!(
+                off < 0.01 * want.norm() + 1e-12,
+                "{ground:?}: {:?} {want:?}",
+                contact.rolling
+            );
+        }
+    }
+}
+
 /// Work of friction along a closed path of the upper body, by the trapezoidal rule, and the largest
 /// friction force.
 fn work(rig: &mut Rig, path: impl Fn(f64) -> Vector3<f64>, steps: u32) -> (f64, f64) {

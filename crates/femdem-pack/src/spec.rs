@@ -177,6 +177,8 @@ pub struct PackSpec {
     pub friction: f64,
     /// Coulomb friction coefficient between bodies and walls; `None`: `friction`.
     pub wall_friction: Option<f64>,
+    /// Coefficient of rolling friction; see [`ContactParameters::rolling_friction`].
+    pub rolling_friction: f64,
     /// Fraction of critical damping of normal contact.
     pub damping_ratio: f64,
     /// Tangential over normal foundation modulus.
@@ -222,6 +224,7 @@ impl Default for PackSpec {
             density: 2560.0,
             friction: 0.6,
             wall_friction: None,
+            rolling_friction: contact.rolling_friction,
             damping_ratio: 0.6,
             tangential_ratio: contact.tangential_ratio,
             tangential_damping: contact.tangential_damping,
@@ -357,12 +360,13 @@ impl PackSpec {
     /// stiff contacts make explicit steps short; otherwise explicit. Packs of 500 bodies reach rest in a sixth
     /// to a quarter of the processor time of explicit steps, come out looser by 0.005 ± 0.003, and the energy
     /// ledger misses up to 5 % of the energy turned over (`docs/validation/peers.md`). Without friction, or
-    /// with a damping ratio below 0.1, it may miss most of it, and implicit steps have no local damping: in
-    /// these cases steps are explicit, too.
+    /// with a damping ratio below 0.1, it may miss most of it, and implicit steps have no local damping
+    /// and no rolling friction: in these cases steps are explicit, too.
     pub fn usual_step(&self) -> Option<ImplicitStep> {
         let suits = self.friction > 0.0
             && self.damping_ratio >= LEAST_DAMPING
-            && self.medium.local_damping == 0.0;
+            && self.medium.local_damping == 0.0
+            && self.rolling_friction == 0.0;
         match self.protocol {
             Protocol::Release(_) if suits => Some(ImplicitStep::default()),
             _ => None,
@@ -387,6 +391,7 @@ impl PackSpec {
                 penalty,
                 friction: self.friction,
                 wall_friction: self.wall_friction,
+                rolling_friction: self.rolling_friction,
                 damping_ratio: self.damping_ratio,
                 tangential_ratio: self.tangential_ratio,
                 tangential_damping: self.tangential_damping,

@@ -55,7 +55,7 @@ pub struct TimeStepParameters {
 /// same. Large ones are meant for bringing bodies to rest, not for impacts, waves or vibrations.
 /// The elastic energy of the [`Ledger`](crate::Ledger) is that of the contacts where they were evaluated, so that its error tells
 /// something once the bodies are at rest.
-/// For rigid bodies without [local damping](Medium::local_damping).
+/// For rigid bodies without [local damping](Medium::local_damping) and rolling friction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImplicitStep {
@@ -230,6 +230,13 @@ impl WorldParameters {
                 self.medium.local_damping,
                 self.medium.local_damping == 0.0,
                 "0: local damping is not a function that an implicit step can follow",
+            )?;
+            let rolling = self.contact.rolling_friction;
+            check(
+                "rolling_friction with time_step.implicit",
+                rolling,
+                rolling == 0.0,
+                "0: implicit steps have no rolling friction; step explicitly",
             )?;
         }
         let s = &self.sleeping;

@@ -28,12 +28,17 @@ fn add(world: &mut World, body: &Polyhedron, pose: Pose) {
     world.add_body(spec).unwrap();
 }
 
-/// Acceleration over half a second of a round body of 20 mm on a slope; gravity is turned instead of the floor.
-fn rolling(body: &Polyhedron, turn: Rotation, slope: f64, damping: f64) -> f64 {
+/// A floor under gravity that is turned by a slope, degrees.
+fn slope(slope: f64, damping: f64, rolling_friction: f64) -> World {
     let mut p = parameters(1e6, 0.6, damping);
+    p.contact.rolling_friction = rolling_friction;
     let (sin, cos) = slope.to_radians().sin_cos();
     p.gravity = Vector3::new(sin, 0.0, -cos) * G;
-    let mut world = floor_world(p);
+    floor_world(p)
+}
+
+/// Acceleration over half a second of a round body of 20 mm.
+fn rolling(mut world: World, body: &Polyhedron, turn: Rotation) -> f64 {
     add(&mut world, body, pose(Vector3::z() * 0.009_975, turn));
     run_until(&mut world, 0.5);
     world.velocity(0).unwrap().x / world.time()
@@ -55,15 +60,54 @@ fn round_bodies_roll_down_slopes() {
         (ball, Rotation::identity(), 5.0 / 7.0),
     ];
     for (k, (body, turn, share)) in bodies.iter().enumerate() {
-        for (slope, damping) in [(5.0_f64, 0.6), (20.0, 0.6), (20.0, 0.0)] {
-            let got = rolling(body, *turn, slope, damping);
-            let want = share * G * slope.to_radians().sin();
+        for (angle, damping) in [(5.0_f64, 0.6), (20.0, 0.6), (20.0, 0.0)] {
+            let got = rolling(slope(angle, damping, 0.0), body, *turn);
+            let want = share * G * angle.to_radians().sin();
             assert!(
                 (got / want - 1.0).abs() < 0.01,
-                "{k} on {slope} degrees: {got} m/s2 for {want}"
+                "{k} on {angle} degrees: {got} m/s2 for {want}"
             );
         }
     }
+}
+
+/// With rolling friction mu_r a ball on a slope accelerates by 5/7 g (sin - mu_r cos), and stays where the slope is less
+/// than mu_r. On a level floor the spring of the ball that has come to rest holds no energy back from the ledger.
+#[test]
+fn rolling_friction_brakes_and_holds() {
+    let ball = Shape::from(Sphere { level: 3 }).polyhedron(0.02).unwrap();
+    for (angle, mu) in [(20.0_f64, 0.1), (20.0, 0.3), (5.0, 0.05)] {
+        let got = rolling(slope(angle, 0.6, mu), &ball, Rotation::identity());
+        let (sin, cos) = angle.to_radians().sin_cos();
+        let (free, want) = (5.0 / 7.0 * G * sin, 5.0 / 7.0 * G * (sin - mu * cos));
+        assert!(
+            (got - want).abs() < 0.01 * free,
+            "{mu}: {got} m/s2 for {want}"
+        );
+    }
+    let held = rolling(slope(5.0, 0.6, 0.1), &ball, Rotation::identity());
+    assert!(held.abs() < 1e-6, "{held}");
+
+    let mut world = slope(0.0, 0.6, 0.05);
+    let shape = world.add_shape("ball", &ball).unwrap();
+    let speed = 0.3;
+    let place = pose(Vector3::z() * 0.009_975, Rotation::identity());
+    let spec = BodySpec {
+        velocity: Vector3::x() * speed,
+        angular_velocity: Vector3::y() * (speed / 0.01),
+        ..BodySpec::at_rest(shape, DENSITY, place)
+    };
+    world.add_body(spec).unwrap();
+    run_until(&mut world, 1.2);
+    let want = speed * speed / (2.0 * 5.0 / 7.0 * 0.05 * G);
+    let got = world.position(0).unwrap().x;
+    assert!((got / want - 1.0).abs() < 0.02, "{got} m for {want}");
+    assert!(world.velocity(0).unwrap().norm() < 1e-6);
+    let books = world.ledger();
+    assert!(
+        books.error().abs() < 0.01 * books.kinetic.max(books.initial),
+        "{books:?}"
+    );
 }
 
 fn cuboid([x, y, z]: [f64; 3]) -> Polyhedron {

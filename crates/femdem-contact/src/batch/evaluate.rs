@@ -2,7 +2,7 @@
 
 use super::history::{History, PatchRecord, inherit};
 use super::pairs::{Cache, MeshPair, Pair, PairTable, Touch};
-use crate::contact::{BodyId, Contact, Partner, assemble};
+use crate::contact::{BodyId, Contact, Partner, assemble, rolling_radius};
 use crate::damping::{Moment, Whole, damp};
 use crate::friction::Pace;
 use crate::general::{FieldMesh, GeneralKernel, GeneralScratch, Patch};
@@ -10,6 +10,7 @@ use crate::kernel::{CavityKernel, Overlap, PairKernel, Scratch};
 use crate::law::ContactParameters;
 use crate::motion::Motion;
 use crate::rocking::{Rocker, Turn};
+use crate::rolling::{Roller, Rolling};
 use crate::shape::{BodyShape, ConvexShape};
 use crate::walls::{Wall, WallShape};
 use femdem_mesh::Vector3;
@@ -307,7 +308,25 @@ impl Context<'_> {
         let friction = history
             .friction
             .update(law, overlap, normal_force, a, b, pace);
-        assemble(ids, overlap, &damped, &rocking, &friction, [a, b])
+        let mut rolling = Rolling::default();
+        if law.rolling_friction > 0.0 {
+            let of_a = match ids.0 {
+                Partner::Body(_) => overlap.normal.dot(&overlap.arm_a).abs(),
+                Partner::Wall(_) => f64::INFINITY,
+            };
+            let of_b = overlap.normal.dot(&overlap.arm_b).abs();
+            let radius = rolling_radius(of_a, of_b);
+            let roller = Roller {
+                normal: overlap.normal,
+                most: law.rolling_friction * normal_force * radius,
+                stiffness: friction.stiffness * radius * radius,
+                zeta: law.tangential_damping,
+            };
+            let (dt, dashpots) = (self.pace.dt, self.pace.dashpots);
+            rolling = history.rolling.update(&roller, &turn, dt, dashpots);
+        }
+        let turning = (&rocking, &rolling);
+        assemble(ids, overlap, &damped, turning, &friction, [a, b])
     }
 }
 

@@ -11,6 +11,7 @@ use crate::friction::{FrictionState, Springs};
 use crate::kernel::Overlap;
 use crate::motion::Motion;
 use crate::rocking::RockingState;
+use crate::rolling::RollingState;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +23,7 @@ const REACH: f64 = 4.0;
 pub(crate) struct History {
     pub friction: FrictionState,
     pub rocking: RockingState,
+    pub rolling: RollingState,
 }
 
 impl History {
@@ -37,6 +39,7 @@ impl From<FrictionState> for History {
         Self {
             friction,
             rocking: RockingState::default(),
+            rolling: RollingState::default(),
         }
     }
 }
@@ -230,6 +233,7 @@ mod tests {
     use crate::friction::Pace;
     use crate::law::ContactParameters;
     use crate::rocking::Rocking;
+    use crate::rolling::Rolling;
     use crate::shape::Frame;
 
     /// A round patch of radius 0.1 at `x` on the plane z = 0, of stiffness `k`.
@@ -278,7 +282,7 @@ mod tests {
                     ids,
                     &now,
                     &damped,
-                    &Rocking::default(),
+                    (&Rocking::default(), &Rolling::default()),
                     &friction,
                     [body, &moved],
                 );

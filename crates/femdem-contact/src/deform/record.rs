@@ -35,6 +35,8 @@ pub struct DeformableContact {
     pub normal_force: f64,
     /// Moment on B of the dashpot against rocking, N m.
     pub rocking: Vector3,
+    /// Moment of rolling friction on B, N m.
+    pub rolling: Vector3,
     /// Friction force on B, N.
     pub friction: Vector3,
     /// Whether every part of the contact slides.

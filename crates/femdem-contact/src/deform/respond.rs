@@ -9,12 +9,13 @@ use super::patches::{Patch, Patches};
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
 use super::rub::Rubbing;
 use super::turning::Turning;
-use crate::contact::{Load, Wrench};
+use crate::contact::{Load, Wrench, rolling_radius};
 use crate::foundation::Foundation;
 use crate::generalized::Resistance;
 use crate::law::ContactParameters;
 use crate::motion::Motion;
 use crate::rocking::{Rocker, Rocking, RockingState, Turn};
+use crate::rolling::{Roller, Rolling, RollingState};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -90,6 +91,7 @@ pub(crate) struct Outcome {
     pub bristles: Vec<Bristle>,
     /// One for each patch.
     pub rocking: Vec<RockingState>,
+    pub rolling: Vec<RollingState>,
 }
 
 /// The dashpot of a patch.
@@ -158,6 +160,7 @@ impl Outcome {
         self.totals = DeformableTotals::default();
         self.bristles.clear();
         self.rocking.clear();
+        self.rolling.clear();
     }
 
     /// Makes side A side B. The springs stay those of the side that they belong to.
@@ -170,6 +173,7 @@ impl Outcome {
         for contact in &mut self.contacts {
             opposite(&mut contact.normal);
             opposite(&mut contact.rocking);
+            opposite(&mut contact.rolling);
             opposite(&mut contact.friction);
         }
     }
@@ -187,17 +191,20 @@ impl Outcome {
         self.contacts.clear();
         self.whole = Default::default();
         self.whole_rates = [0.0; 2];
-        let mut damping_power = 0.0;
+        let (mut damping_power, mut rolling_power) = (0.0, 0.0);
         let mut rockings = Vec::with_capacity(patches.list.len());
+        let mut rollings = Vec::with_capacity(patches.list.len());
         // Where the number of patches changes they are others.
         if self.rocking.len() != patches.list.len() {
             self.rocking = vec![RockingState::default(); patches.list.len()];
+            self.rolling = vec![RollingState::default(); patches.list.len()];
         }
         let turn = pair.turn();
         for (number, (patch, dashpot)) in patches.list.iter().zip(&dashpots).enumerate() {
             let mut contact = pair.contact(scratch, &patches, number, dashpot.total);
             damping_power += dashpot.power;
             let mut rocking = (Rocking::default(), [0.0; 2]);
+            let mut rolling = Rolling::default();
             if let Some(turn) = &turn {
                 rocking = pair.rocking(patch, &contact, turn, &mut self.rocking[number]);
                 let moment = rocking.0.moment;
@@ -208,7 +215,18 @@ impl Outcome {
                     *rate += more;
                 }
                 damping_power += moment.dot(&(turn.rates[1] - turn.rates[0]));
+                let stiffness = patch.stiffness.total;
+                rolling = pair.rolling(&contact, stiffness, turn, &mut self.rolling[number]);
+                contact.rolling = rolling.moment;
+                contact.spring_energy = rolling.energy;
+                self.whole[0][1] -= rolling.moment;
+                self.whole[1][1] += rolling.moment;
+                for (rate, mobility) in self.whole_rates.iter_mut().zip(&turn.mobilities) {
+                    *rate += 2.0 * rolling.viscosity * mobility.trace();
+                }
+                rolling_power += rolling.moment.dot(&(turn.rates[1] - turn.rates[0]));
             }
+            rollings.push(rolling);
             self.contacts.push(contact);
             rockings.push(rocking.0);
         }
@@ -228,7 +246,7 @@ impl Outcome {
             energy: scratch.sums.energy,
             spring_energy: self.contacts.iter().map(|c| c.spring_energy).sum(),
             damping_power,
-            friction_power: friction.power,
+            friction_power: friction.power + rolling_power,
             pairs: 0,
             touching: 1,
             candidates: 0,
@@ -241,7 +259,12 @@ impl Outcome {
         for side in 0..2 {
             self.list_nodes(pair, scratch, side, share, (&patches, &dashpots));
         }
-        self.load = pair.rigid_load(scratch, &patches, (&dashpots, &rockings), &friction);
+        self.load = pair.rigid_load(
+            scratch,
+            &patches,
+            (&dashpots, &rockings, &rollings),
+            &friction,
+        );
     }
 
     fn list_nodes(
@@ -347,6 +370,39 @@ impl<'a> Pair<'a> {
         (rocking, [both * of_a, both * of_b])
     }
 
+    /// Rolling friction of a patch of the given normal stiffness, N/m.
+    fn rolling(
+        &self,
+        contact: &DeformableContact,
+        stiffness: f64,
+        turn: &Turn,
+        state: &mut RollingState,
+    ) -> Rolling {
+        if self.law.rolling_friction <= 0.0 {
+            return Rolling::default();
+        }
+        let distance = |side: usize| {
+            if side == 0 && matches!(self.ids.0, DeformablePartner::Wall(_)) {
+                return f64::INFINITY;
+            }
+            let centre = match (&self.movers[side], self.turnings[side]) {
+                (Mover::Rigid(motion), _) => motion.frame.position,
+                (Mover::Nodes(..), Some(turning)) => *turning.centre(),
+                // There is no `turn` without it.
+                (Mover::Nodes(..), None) => contact.point,
+            };
+            contact.normal.dot(&(contact.point - centre)).abs()
+        };
+        let radius = rolling_radius(distance(0), distance(1));
+        let roller = Roller {
+            normal: contact.normal,
+            most: self.law.rolling_friction * contact.normal_force * radius,
+            stiffness: self.law.tangential_ratio * stiffness * radius * radius,
+            zeta: self.law.tangential_damping,
+        };
+        state.update(&roller, turn, self.dt, true)
+    }
+
     /// |f|²/M + t I⁻¹ t, N²/kg, and power, W, of a wrench about the pair's origin on a rigid body.
     pub fn rigid_response(&self, motion: &Motion, [force, about]: &[Vector3; 2]) -> (f64, f64) {
         let torque = about + (self.near.origin - motion.frame.position).cross(force);
@@ -418,6 +474,7 @@ impl<'a> Pair<'a> {
             elastic_force,
             normal_force: elastic_force * scale,
             rocking: Vector3::zeros(),
+            rolling: Vector3::zeros(),
             friction: Vector3::zeros(),
             slides: false,
             area: (0.5 * normal.dot(&patch.area)).max(0.0),
@@ -434,7 +491,7 @@ impl<'a> Pair<'a> {
         &self,
         scratch: &DeformableScratch,
         patches: &Patches,
-        (dashpots, rockings): (&[Dashpot], &[Rocking]),
+        (dashpots, rockings, rollings): (&[Dashpot], &[Rocking], &[Rolling]),
         rubbing: &Rubbing,
     ) -> Option<Box<(Load, Resistance)>> {
         let Mover::Rigid(motion) = self.movers[0] else {
@@ -448,7 +505,13 @@ impl<'a> Pair<'a> {
         let (mut load, mut resistance) = (Load::default(), Resistance::default());
         let mut friction = about(&rubbing.wrench);
         let mut drag = about(&rubbing.drag);
-        for ((patch, dashpot), rocking) in patches.list.iter().zip(dashpots).zip(rockings) {
+        for rolling in rollings {
+            friction.torque -= rolling.moment;
+            drag.torque -= rolling.drag;
+        }
+        let moments = rockings.iter().zip(rollings);
+        for ((patch, dashpot), (rocking, rolling)) in patches.list.iter().zip(dashpots).zip(moments)
+        {
             let elastic = about(&patch.wrench[0]);
             let damping = Wrench {
                 force: elastic.force * (dashpot.total - 1.0),
@@ -462,7 +525,10 @@ impl<'a> Pair<'a> {
                 let viscosity = &mut resistance.viscosity;
                 viscosity.add_along(&elastic.force, &elastic.torque, 2.0 * dashpot.coefficient);
                 for (axis, c) in rocking.axes.iter().zip(rocking.viscosity) {
-                    viscosity.add_about(axis, 2.0 * c);
+                    viscosity.add_about(axis, 2.0 * (c + rolling.viscosity));
+                    resistance
+                        .stiffness
+                        .add_about(axis, 2.0 * rolling.stiffness);
                 }
             }
         }

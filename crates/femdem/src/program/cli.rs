@@ -148,6 +148,11 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "MU")]
     wall_friction: Option<f64>,
 
+    /// Coefficient of rolling friction, 0 or more: the moment against rolling is at most this times the normal force
+    /// and the rolling radius [default: 0]
+    #[arg(long, value_name = "MU")]
+    rolling_friction: Option<f64>,
+
     /// Stiffness of the friction springs over that of normal contact, k_t/k_n, above 0 and at most 2
     /// [default: 0.8]
     #[arg(long, value_name = "RATIO")]
@@ -325,6 +330,7 @@ impl PackArgs {
         set(&mut scene.count, &self.count);
         set(&mut scene.density, &self.density);
         set(&mut scene.friction, &self.friction);
+        set(&mut scene.rolling_friction, &self.rolling_friction);
         set(&mut scene.tangential_stiffness, &self.tangential_stiffness);
         set(&mut scene.damping, &self.damping);
         set(&mut scene.drag, &self.drag);

@@ -90,14 +90,14 @@ fn row(world: &World, contact: &Contact) -> ContactRow {
 }
 
 /// Moment on side B about the contact point \[N m\]: the elastic one, scaled by damping like the normal force,
-/// that of the dashpots against rocking, and torsion.
+/// that of the dashpot of the rattle, rolling friction, and torsion.
 fn moment(contact: &Contact) -> Vector3 {
     let scale = if contact.elastic_force > 0.0 {
         contact.normal_force / contact.elastic_force
     } else {
         0.0
     };
-    contact.moment * scale + contact.rocking + contact.normal * contact.torsion
+    contact.moment * scale + contact.rocking + contact.rolling + contact.normal * contact.torsion
 }
 
 /// Mean circumscribed diameter of the bodies of a contact \[m\].

@@ -57,6 +57,8 @@ pub struct Summary {
     pub friction: f64,
     /// Friction coefficient between bodies and walls.
     pub wall_friction: f64,
+    /// Coefficient of rolling friction.
+    pub rolling_friction: f64,
     /// Fraction of critical damping of normal contact.
     pub damping_ratio: f64,
     /// The contact law.
@@ -207,6 +209,7 @@ impl Summary {
             density: spec.density,
             friction: spec.friction,
             wall_friction: spec.wall_friction.unwrap_or(spec.friction),
+            rolling_friction: spec.rolling_friction,
             damping_ratio: spec.damping_ratio,
             contact: ContactLawSummary {
                 law: law(packing).to_owned(),

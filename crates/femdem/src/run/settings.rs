@@ -17,6 +17,8 @@ pub struct ContactEntry {
     pub friction: f64,
     /// Coulomb friction coefficient between bodies and walls. `None`: `friction`.
     pub wall_friction: Option<f64>,
+    /// Coefficient of rolling friction.
+    pub rolling_friction: f64,
     /// Fraction of critical damping of the normal contact, below 0.7071.
     pub damping: f64,
     /// Tangential over normal foundation modulus.
@@ -35,6 +37,7 @@ impl Default for ContactEntry {
             penalty: law.penalty,
             friction: law.friction,
             wall_friction: law.wall_friction,
+            rolling_friction: law.rolling_friction,
             damping: law.damping_ratio,
             tangential_ratio: law.tangential_ratio,
             tangential_damping: law.tangential_damping,
@@ -93,6 +96,7 @@ impl Scenario {
             penalty: self.contact.penalty,
             friction: self.contact.friction,
             wall_friction: self.contact.wall_friction,
+            rolling_friction: self.contact.rolling_friction,
             damping_ratio: self.contact.damping,
             tangential_ratio: self.contact.tangential_ratio,
             tangential_damping: self.contact.tangential_damping,

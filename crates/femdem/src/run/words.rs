@@ -1,10 +1,11 @@
 //! Translation of names of numbers that the libraries refuse to keys of scenes.
 
 /// Names of the libraries, and keys of scenes.
-pub(super) const KEYS: [(&str, &str); 23] = [
+pub(super) const KEYS: [(&str, &str); 24] = [
     ("penalty", "contact.penalty"),
     ("friction", "contact.friction"),
     ("wall_friction", "contact.wall-friction"),
+    ("rolling_friction", "contact.rolling-friction"),
     ("damping_ratio", "contact.damping"),
     ("tangential_ratio", "contact.tangential-ratio"),
     ("tangential_damping", "contact.tangential-damping"),

@@ -110,6 +110,8 @@ pub struct Scene {
     pub friction: f64,
     /// Friction coefficient between bodies and walls. `None`: `friction`.
     pub wall_friction: Option<f64>,
+    /// Coefficient of rolling friction.
+    pub rolling_friction: f64,
     /// Stiffness of the friction springs over that of normal contact, above 0 and at most 2.
     pub tangential_stiffness: f64,
     /// Fraction of critical damping of normal contact, 0 to 0.707.
@@ -180,6 +182,7 @@ impl Default for Scene {
             density: spec.density,
             friction: spec.friction,
             wall_friction: None,
+            rolling_friction: spec.rolling_friction,
             tangential_stiffness: spec.tangential_ratio,
             damping: spec.damping_ratio,
             penalty: None,
@@ -264,6 +267,7 @@ impl Scene {
             density: self.density,
             friction: self.friction,
             wall_friction: self.wall_friction,
+            rolling_friction: self.rolling_friction,
             tangential_ratio: self.tangential_stiffness,
             damping_ratio: self.damping,
             gravity: self.gravity,
@@ -323,6 +327,7 @@ impl Scene {
         for (name, value) in [
             ("friction", Some(self.friction)),
             ("wall-friction", self.wall_friction),
+            ("rolling-friction", Some(self.rolling_friction)),
         ] {
             // The automatic penalty would come to nothing before anyone looks at these.
             if value == Some(f64::INFINITY) {

@@ -5,8 +5,13 @@ use femdem_pack::PackError;
 use crate::Error;
 
 /// Names in the libraries, and keys of scenes, which are also the options of `femdem pack`.
-const KEYS: [(&str, &str); 10] = [
+const KEYS: [(&str, &str); 12] = [
     ("wall_friction", "wall-friction"),
+    ("rolling_friction", "rolling-friction"),
+    (
+        "rolling_friction with time_step.implicit",
+        "rolling-friction with implicit steps",
+    ),
     ("damping_ratio", "damping"),
     ("tangential_ratio", "tangential-stiffness"),
     ("medium.local_damping", "local-damping"),
