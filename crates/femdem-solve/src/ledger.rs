@@ -23,6 +23,10 @@ pub(crate) struct Flows {
     pub pending: Option<Pending>,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
+    /// See [`Ledger::exchanged`].
+    pub exchanged: f64,
+    /// Kinetic energy and `work_in` after the last step.
+    pub last: [f64; 2],
 }
 
 /// What an implicit step took from the motion, J: the contacts are evaluated at its end in the next one.
@@ -35,6 +39,15 @@ pub(crate) struct Pending {
 }
 
 impl Flows {
+    /// Adds what the last step exchanged; `kinetic` is the energy in motion after it, J.
+    pub fn exchange(&mut self, kinetic: f64) {
+        let now = [kinetic, self.work_in];
+        for (now, last) in now.iter().zip(self.last) {
+            self.exchanged += (now - last).abs();
+        }
+        self.last = now;
+    }
+
     /// Books the last implicit step, if there is one, once it is known by how much the contacts store more (J). What they
     /// do not store was dissipated, by dashpots and else by the step. A step gives no energy: if it does, that is not
     /// booked.
@@ -83,6 +96,8 @@ pub struct Ledger {
     pub dissipated_step: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
+    /// Energy exchanged so far: the sum over the steps of |change of the kinetic energy| and |work of what is driven|.
+    pub exchanged: f64,
 }
 
 impl Ledger {
@@ -107,11 +122,15 @@ impl Ledger {
         self.final_energy() + self.dissipated() - self.initial - self.work_in
     }
 
-    /// The error over the turnover: the larger of the dissipated energy and of the kinetic and stored energy
-    /// now.
+    /// The error over the turnover: the largest of the energy exchanged so far, of the dissipated energy, and of the
+    /// kinetic and stored energy now.
     pub fn error_relative(&self) -> f64 {
         let stored = self.kinetic + self.elastic + self.strain + self.friction_springs;
-        let turnover = self.dissipated().abs().max(stored.abs());
+        let turnover = self
+            .dissipated()
+            .abs()
+            .max(stored.abs())
+            .max(self.exchanged);
         if turnover > 0.0 {
             self.error() / turnover
         } else {

@@ -212,8 +212,8 @@ impl WorldParameters {
         check(
             "time_step.safety",
             t.safety,
-            t.safety > 0.0 && t.safety <= 1.0,
-            "above 0 and at most 1",
+            (1e-6..=1.0).contains(&t.safety),
+            "from 1e-6 to 1",
         )?;
         if let Some(largest) = t.largest {
             check(

@@ -66,6 +66,21 @@ pub enum Error {
     /// There is no body to draw.
     #[error("there is no body to draw")]
     NothingToDraw,
+    /// The energy ledger of a run misses more than its limit.
+    #[error(
+        "the energy ledger misses {:.1} % of the energy turned over at {time:.6} s, and energy-error-limit = {limit}: \
+         try half of time-step.safety, and look for bodies that overlap deeply or move very fast; \
+         energy-error-limit = inf goes on",
+        100.0 * missing
+    )]
+    Books {
+        /// Error over the energy turned over.
+        missing: f64,
+        /// Simulated time, s.
+        time: f64,
+        /// What the scene allows.
+        limit: f64,
+    },
     /// An option is out of its range.
     #[error("{name} = {value} is not allowed: {allowed}")]
     Option {

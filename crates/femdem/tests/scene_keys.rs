@@ -179,6 +179,7 @@ fn scenario() -> Scenario {
         contact: ContactEntry::default(),
         time_step: step(),
         medium: MediumEntry::default(),
+        energy_error_limit: 0.5,
         sleeping: true,
         sleeping_deformables: true,
         material: BTreeMap::from([("m".to_owned(), material())]),

@@ -21,11 +21,39 @@ pub(super) fn problem(line: usize, problem: impl Into<String>) -> MeshError {
     }
 }
 
+/// Length of the line end at the start of `bytes`: LF, CR, or CR LF; of CR alone where that is the line end of the
+/// whole file, so that binary data after the last line are not cut.
+fn line_end(bytes: &[u8], cr_alone: bool) -> usize {
+    match bytes {
+        [b'\r', b'\n', ..] if !cr_alone => 2,
+        [b'\r' | b'\n', ..] => 1,
+        _ => 0,
+    }
+}
+
+/// Place of the next line end.
+fn find_line_end(bytes: &[u8]) -> Option<usize> {
+    bytes.iter().position(|b| matches!(b, b'\r' | b'\n'))
+}
+
+/// Whether the first line ends with CR alone, as all do in files of old programs.
+pub(super) fn ends_with_cr_alone(bytes: &[u8]) -> bool {
+    let end = find_line_end(bytes).map_or(&[][..], |end| &bytes[end..]);
+    end.first() == Some(&b'\r') && end.get(1) != Some(&b'\n')
+}
+
+/// Splits off the first line; the second part begins behind its end.
+pub(super) fn split_line(bytes: &[u8], cr_alone: bool) -> (&[u8], &[u8]) {
+    let (line, rest) = bytes.split_at(find_line_end(bytes).unwrap_or(bytes.len()));
+    (line, &rest[line_end(rest, cr_alone)..])
+}
+
 /// Lines with their numbers, from 1, up to a comment if a character that starts comments is given.
 #[derive(Clone)]
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
     comment: Option<u8>,
+    cr_alone: bool,
     /// Number of the last line returned.
     pub(super) number: usize,
 }
@@ -35,6 +63,7 @@ impl<'a> Lines<'a> {
         Self {
             rest: without_mark(bytes),
             comment,
+            cr_alone: ends_with_cr_alone(bytes),
             number: 0,
         }
     }
@@ -57,11 +86,7 @@ impl<'a> Iterator for Lines<'a> {
         if self.rest.is_empty() {
             return None;
         }
-        let end = self.rest.iter().position(|&b| b == b'\n');
-        let (line, rest) = match end {
-            Some(end) => (&self.rest[..end], &self.rest[end + 1..]),
-            None => (self.rest, &[][..]),
-        };
+        let (line, rest) = split_line(self.rest, self.cr_alone);
         self.rest = rest;
         self.number += 1;
         let end = self.comment.and_then(|c| line.iter().position(|&b| b == c));
@@ -125,7 +150,7 @@ mod tests {
     #[test]
     fn lines_are_counted_and_cut_at_comments() {
         let mut lines = Lines::new(b"a b\r\n\n# c\n d # e\nf", Some(b'#'));
-        assert_eq!(lines.filled(), Some((1, &b"a b\r"[..])));
+        assert_eq!(lines.filled(), Some((1, &b"a b"[..])));
         let (number, line) = lines.filled().unwrap();
         assert_eq!(
             (number, words(line).collect::<Vec<_>>()),
@@ -134,6 +159,21 @@ mod tests {
         assert_eq!(lines.rest(), b"f");
         assert_eq!(lines.filled(), Some((5, &b"f"[..])));
         assert_eq!(lines.filled(), None);
+    }
+
+    /// A byte of binary data behind the last line that looks like LF is kept if lines end with CR alone.
+    #[test]
+    fn lines_end_with_lf_or_cr_or_both() {
+        for (text, rest) in [
+            (&b"a\nb\n\r"[..], &b"\r"[..]),
+            (b"a\r\nb\r\n\n", b"\n"),
+            (b"a\rb\r\n", b"\n"),
+        ] {
+            let mut lines = Lines::new(text, None);
+            assert_eq!(lines.next(), Some((1, &b"a"[..])));
+            assert_eq!(lines.next(), Some((2, &b"b"[..])));
+            assert_eq!(lines.rest(), rest);
+        }
     }
 
     #[test]

@@ -5,6 +5,10 @@ use crate::error::{SolveError, check};
 use femdem_mesh::Matrix3;
 use serde::{Deserialize, Serialize};
 
+/// Largest viscosity, Pa s: that of the Earth's mantle. Far above it the step of explicit integration vanishes beside
+/// any time.
+const LARGEST_VISCOSITY: f64 = 1e21;
+
 /// A law with a Newtonian viscous stress beside it: sigma_v = 2 eta dev(D) + zeta tr(D) I with
 /// D = sym(dF/dt F^-1), P_v = J sigma_v F^-T. Rigid motion, spin included, gives no stress.
 ///
@@ -21,11 +25,12 @@ impl Viscous {
     /// `law` with the shear viscosity eta = `shear` and the bulk viscosity zeta = `bulk`, Pa s.
     ///
     /// # Errors
-    /// [`SolveError::Parameter`] unless both viscosities are finite and not negative.
+    /// [`SolveError::Parameter`] unless both viscosities are from 0 to 1e21 Pa s.
     pub fn new(law: impl Into<AnyMaterial>, shear: f64, bulk: f64) -> Result<Self, SolveError> {
-        let allowed = "finite and >= 0 Pa s";
-        check("shear viscosity", shear, shear >= 0.0, allowed)?;
-        check("bulk viscosity", bulk, bulk >= 0.0, allowed)?;
+        let range = 0.0..=LARGEST_VISCOSITY;
+        let allowed = "from 0 to 1e21 Pa s";
+        check("shear viscosity", shear, range.contains(&shear), allowed)?;
+        check("bulk viscosity", bulk, range.contains(&bulk), allowed)?;
         Ok(Self {
             law: Box::new(law.into()),
             shear,

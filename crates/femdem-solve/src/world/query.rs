@@ -293,6 +293,7 @@ impl World {
             dissipated_plastic: 0.0 - self.flows.plastic_work,
             dissipated_step: self.flows.step_loss,
             frozen: self.flows.frozen,
+            exchanged: self.flows.exchanged,
         }
     }
 

@@ -63,6 +63,7 @@ impl World {
         self.kick(0.5 * dt);
         self.kick_deformables(0.5 * dt);
         self.hold_deformables();
+        self.flows.exchange(self.kinetic_energy());
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
         self.rest_deformables()

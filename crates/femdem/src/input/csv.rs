@@ -176,7 +176,8 @@ fn split(text: &str) -> Result<Vec<Row>, usize> {
     let (mut line, mut begin) = (1, 1);
     let mut characters = text.chars().peekable();
     while let Some(c) = characters.next() {
-        line += usize::from(c == '\n');
+        let ends = c == '\n' || (c == '\r' && characters.peek() != Some(&'\n'));
+        line += usize::from(ends);
         match (c, quoted_since) {
             ('"', Some(_)) if characters.peek() == Some(&'"') => {
                 characters.next();
@@ -185,7 +186,7 @@ fn split(text: &str) -> Result<Vec<Row>, usize> {
             ('"', Some(_)) => quoted_since = None,
             ('"', None) if field.is_empty() => quoted_since = Some(line),
             (',', None) => fields.push(std::mem::take(&mut field)),
-            ('\n', None) => {
+            (_, None) if ends => {
                 if field.ends_with('\r') {
                     field.pop();
                 }
@@ -237,6 +238,18 @@ mod tests {
         assert!(text.find("c").is_none() && text.find_all(["a", "c"]).is_none());
         // The quoted field contains a line end.
         assert!(rows[1].number(a).is_ok() && rows[1].row.line == 5);
+    }
+
+    #[test]
+    fn lines_may_end_with_cr_alone() {
+        let text = parsed("a,b\r1,2\r\r\"x\ry\",4\r").unwrap();
+        let b = text.need("b").unwrap();
+        let rows: Vec<_> = text.records().collect();
+        assert_eq!(
+            [rows[0], rows[1]].map(|row| row.number(b).unwrap()),
+            [2.0, 4.0]
+        );
+        assert_eq!((rows.len(), rows[1].row.line), (2, 4));
     }
 
     #[test]

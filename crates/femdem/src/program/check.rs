@@ -31,6 +31,7 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     let first = simulation.step();
     overlaps::warn(&simulation, complain);
     first?;
+    scenario.check_step(simulation.world.time_step())?;
     while simulation.world.steps() < TRIAL_STEPS && began.elapsed() < TRIAL_TIME {
         simulation.step()?;
     }

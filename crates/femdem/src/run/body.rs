@@ -88,7 +88,7 @@ impl Copies {
 }
 
 /// Largest number of copies of a body.
-const MOST_COPIES: u64 = 1_000_000;
+const MOST_COPIES: u128 = 1_000_000;
 
 /// A body, or a lattice of copies of it, described by exactly one of `shape`, `mesh` and `block`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -267,7 +267,8 @@ impl BodyEntry {
             return Ok(vec![Pose::from_parts(origin.into(), rotation)]);
         };
         let [nx, ny, nz] = copies.count;
-        let count = u64::from(nx) * u64::from(ny) * u64::from(nz);
+        // The product of three 32-bit numbers has up to 96 bits.
+        let count = copies.count.map(u128::from).iter().product::<u128>();
         if !(1..=MOST_COPIES).contains(&count) {
             return Err(wrong(
                 "copies.count",
@@ -312,6 +313,26 @@ mod tests {
         let turned = |a: usize, b: usize| poses[a].rotation.angle_to(&poses[b].rotation);
         assert!((1..6).all(|k| turned(0, k) > 1e-3));
         assert_eq!(entry.poses().unwrap(), poses);
+    }
+
+    /// The product of the first is 982427 modulo 2^64.
+    #[test]
+    fn too_many_copies_are_refused_by_their_number() {
+        for count in [
+            "1614897093, 1331334203, 2246389421",
+            "4294967295, 4294967295, 4294967295",
+            "1000, 1000, 2",
+            "3, 0, 2",
+        ] {
+            let text = format!("copies = {{ count = [{count}], spacing = [1, 1, 1] }}");
+            let entry: BodyEntry = toml::from_str(&text).unwrap();
+            let message = entry.poses().unwrap_err().to_string();
+            assert!(
+                message.contains(&count.replace(", ", " x "))
+                    && message.contains("1 to 1,000,000 copies"),
+                "{message}"
+            );
+        }
     }
 
     #[test]

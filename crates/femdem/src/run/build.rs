@@ -178,6 +178,11 @@ impl Scenario {
                 return Err(wrong(name, &value.to_string(), "a positive, finite number"));
             }
         }
+        let limit = self.energy_error_limit;
+        if limit.is_nan() || limit <= 0.0 {
+            let value = limit.to_string();
+            return Err(wrong("energy-error-limit", &value, "above 0; inf for none"));
+        }
         let intervals = [
             ("every", self.frame_interval()),
             ("history-every", self.history_interval()),

@@ -175,7 +175,11 @@ impl Run {
                 self.relax_on()?
             } else {
                 self.simulation.step()?;
+                if self.simulation.world.steps() == 1 {
+                    self.scenario.check_step(self.time_step())?;
+                }
                 self.look();
+                self.check_books()?;
                 1
             };
             left = left.saturating_sub(taken);

@@ -35,6 +35,7 @@
 //! ```
 
 mod body;
+mod books;
 mod boundary;
 mod build;
 mod contacts;
@@ -43,6 +44,7 @@ mod frame;
 mod geometry;
 mod history;
 mod job;
+mod limits;
 mod material;
 mod motion;
 mod names;
@@ -110,6 +112,8 @@ pub struct Scenario {
     pub contact: ContactEntry,
     /// The choice of the time step.
     pub time_step: StepEntry,
+    /// Error of the energy ledger over the energy turned over, above which the run stops.
+    pub energy_error_limit: f64,
     /// Damping by the medium.
     pub medium: MediumEntry,
     /// Whether rigid bodies at rest are frozen.
@@ -144,6 +148,7 @@ impl Default for Scenario {
             gravity: [0.0, 0.0, -9.81],
             contact: ContactEntry::default(),
             time_step: StepEntry::default(),
+            energy_error_limit: books::LIMIT,
             medium: MediumEntry::default(),
             sleeping: true,
             sleeping_deformables: false,

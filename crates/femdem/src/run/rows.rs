@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::books::NOTED;
 use super::{Ending, RelaxSummary, RunSummary};
 
 /// A name and its text.
@@ -43,9 +44,15 @@ impl RunSummary {
             self.beyond()
         );
         let e = &self.energy;
+        let missing = e.ledger_error_relative;
+        let warning = if missing.abs() > NOTED {
+            "; above 1 %: take smaller steps (time-step.safety)"
+        } else {
+            ""
+        };
         let energy = format!(
-            "{:.6e} J in motion, {:.6e} J of strain; the books miss {:.1e} of what was turned over",
-            e.kinetic, e.strain, e.ledger_error_relative
+            "{:.6e} J in motion, {:.6e} J of strain; the books miss {missing:.1e} of what was turned over{warning}",
+            e.kinetic, e.strain
         );
         let mut rows = vec![row("bodies", bodies), row("simulated", simulated)];
         let of = match self.contacts {

@@ -1,7 +1,7 @@
 //! Numbers one after another, in text or binary.
 
 use crate::MeshError;
-use crate::io::text::{coordinate, number, problem, shortened};
+use crate::io::text::{coordinate, ends_with_cr_alone, number, problem, shortened, split_line};
 
 /// How numbers are written after the format is known.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -15,6 +15,7 @@ pub(super) enum Encoding {
 pub(super) struct Values<'a> {
     rest: &'a [u8],
     pub(super) encoding: Encoding,
+    cr_alone: bool,
     line: usize,
 }
 
@@ -23,6 +24,7 @@ impl<'a> Values<'a> {
         Self {
             rest: bytes,
             encoding: Encoding::Ascii,
+            cr_alone: ends_with_cr_alone(bytes),
             line: 1,
         }
     }
@@ -32,9 +34,15 @@ impl<'a> Values<'a> {
         problem(self.line, what)
     }
 
+    /// The last byte of a line's end.
+    fn line_end(&self) -> u8 {
+        if self.cr_alone { b'\r' } else { b'\n' }
+    }
+
     fn advance(&mut self, bytes: usize) -> &'a [u8] {
         let (taken, rest) = self.rest.split_at(bytes.min(self.rest.len()));
-        self.line += taken.iter().filter(|&&b| b == b'\n').count();
+        let end = self.line_end();
+        self.line += taken.iter().filter(|&&b| b == end).count();
         self.rest = rest;
         taken
     }
@@ -51,7 +59,8 @@ impl<'a> Values<'a> {
     /// one. Linear in the length of the file: the mark is only compared at the starts of lines, and it holds no line
     /// end.
     pub(super) fn pass(&mut self, mark: &[u8]) -> bool {
-        let starts_line = |at: usize| at == 0 || self.rest[at - 1] == b'\n';
+        let end = self.line_end();
+        let starts_line = |at: usize| at == 0 || self.rest[at - 1] == end;
         let mut places = self.rest.windows(mark.len()).enumerate();
         let found = places.find(|(at, bytes)| starts_line(*at) && *bytes == mark);
         match found {
@@ -65,8 +74,8 @@ impl<'a> Values<'a> {
 
     /// Goes on behind the end of this line.
     pub(super) fn end_line(&mut self) {
-        let end = self.rest.iter().position(|&b| b == b'\n');
-        self.advance(end.map_or(self.rest.len(), |end| end + 1));
+        let rest = split_line(self.rest, self.cr_alone).1.len();
+        self.advance(self.rest.len() - rest);
     }
 
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], MeshError> {
