@@ -173,3 +173,84 @@ impl Rocker<'_> {
         found
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A patch of a given length and width on the plane z = 0, pressed by 1 N.
+    fn foundation(length: f64, width: f64) -> Foundation {
+        Foundation {
+            rocking: [width * width / 12.0, length * length / 12.0].map(|x| x * 100.0),
+            ..Foundation::round(100.0, 0.0)
+        }
+    }
+
+    fn turn(rate: Vector3) -> Turn {
+        Turn {
+            rates: [Vector3::zeros(), rate],
+            mobilities: [Matrix3::zeros(), Matrix3::identity() * 50.0],
+        }
+    }
+
+    fn rocker<'a>(foundation: &'a Foundation, normal: &'a Vector3, moment: Vector3) -> Rocker<'a> {
+        Rocker {
+            foundation,
+            normal,
+            force: *normal,
+            moment,
+            scale: 1.0,
+            zeta: 0.6,
+        }
+    }
+
+    /// Whatever the moment does, the dashpot takes energy or none, and the pressure stays on the patch.
+    #[test]
+    fn it_never_drives() {
+        let mut seed = 3_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 40) as f64 / f64::from(1 << 23) - 1.0
+        };
+        let (mut state, normal) = (RockingState::default(), Vector3::z());
+        for _ in 0..10_000 {
+            let patch = foundation(0.2 + 0.1 * random(), 0.05 + 0.04 * random());
+            let moment = Vector3::new(random() * 0.02, random() * 0.06, 0.0);
+            let rate = Vector3::new(random(), random(), random());
+            let got = state.update(&rocker(&patch, &normal, moment), &turn(rate), 1e-3);
+            assert!(got.moment.dot(&rate) <= 0.0, "{got:?}");
+            for k in 0..2 {
+                let reach = (3.0 * patch.rocking[k] / patch.stiffness).sqrt();
+                let asked = got.moment.dot(&got.axes[k]);
+                let elastic = moment.dot(&got.axes[k]);
+                let most = reach.max(elastic.abs()) * (1.0 + 1e-12);
+                assert!((elastic + asked).abs() <= most, "{elastic} {asked}");
+            }
+        }
+    }
+
+    /// Where the moment follows the rotation the dashpot has its full viscosity about each axis; where it does not
+    /// change, none.
+    #[test]
+    fn it_resists_the_rattle_and_not_rolling() {
+        let (patch, normal, dt) = (foundation(0.2, 0.05), Vector3::z(), 1e-4);
+        for k in 0..2 {
+            let axis = patch.axes(&normal)[k];
+            let rate = axis * 1e-3;
+            let (mut rattles, mut rolls) = (RockingState::default(), RockingState::default());
+            let (mut angle, mut got) = (0.0, [Rocking::default(); 2]);
+            for _ in 0..20_000 {
+                angle += 1e-3 * dt;
+                let moment = axis * (-patch.rocking[k] * angle);
+                got = [
+                    rattles.update(&rocker(&patch, &normal, moment), &turn(rate), dt),
+                    rolls.update(&rocker(&patch, &normal, axis * 1e-3), &turn(rate), dt),
+                ];
+            }
+            let critical = 2.0 * 0.6 * (patch.rocking[k] / 50.0).sqrt();
+            assert!((got[0].viscosity[k] / critical - 1.0).abs() < 1e-12);
+            assert!((got[0].acting[k] / critical - 1.0).abs() < 1e-3, "{got:?}");
+            assert!(got[1].acting[k] < 1e-3 * critical, "{got:?}");
+        }
+    }
+}

@@ -6,6 +6,7 @@ mod common;
 mod energy;
 mod impacts;
 mod implicit;
+mod masonry;
 #[path = "../../femdem-contact/tests/common/meshes.rs"]
 #[expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 mod meshes;
