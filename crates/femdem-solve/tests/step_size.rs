@@ -237,3 +237,17 @@ fn fast_nodes_do_not_go_through_the_floor() {
     let body = world.deformable(0).unwrap();
     assert!(body.momentum().z > 0.0 && body.centroid().z > 0.0);
 }
+
+/// A step that would leave no finite time is refused, and says what to give.
+#[test]
+fn time_stays_finite() {
+    let mut p = weightless(1e6, 0.6, 0.6);
+    p.time_step.largest = Some(1e308);
+    let mut world = World::new(p).unwrap();
+    let refused = (0..4).find_map(|_| world.step().err()).unwrap();
+    assert!(
+        refused.to_string().contains("time_step.largest"),
+        "{refused}"
+    );
+    assert!(world.time().is_finite());
+}

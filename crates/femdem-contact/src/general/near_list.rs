@@ -187,5 +187,7 @@ pub(crate) fn members(pairs: &[[u32; 2]], side: usize) -> Vec<u32> {
 
 /// The index of a tetrahedron in a list that contains it.
 pub(crate) fn place(list: &[u32], i: u32) -> usize {
-    list.binary_search(&i).unwrap_or(0)
+    let place = list.partition_point(|x| *x < i);
+    debug_assert_eq!(list.get(place), Some(&i), "the list contains it");
+    place
 }

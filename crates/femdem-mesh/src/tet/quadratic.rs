@@ -93,7 +93,10 @@ impl QuadraticMesh {
 
 /// Position of an edge of the mesh in the sorted list.
 fn place_of(edges: &[[u32; 2]], [a, b]: [u32; 2]) -> usize {
-    edges.binary_search(&[a.min(b), a.max(b)]).unwrap_or(0)
+    let edge = [a.min(b), a.max(b)];
+    let place = edges.partition_point(|x| *x < edge);
+    debug_assert_eq!(edges.get(place), Some(&edge), "an edge of the mesh");
+    place
 }
 
 impl TetMesh {

@@ -36,8 +36,10 @@ pub(super) fn refined(mesh: &TetMesh) -> Result<TetMesh, MeshError> {
     let mut tets = Vec::with_capacity(8 * mesh.tets.len());
     for tet in &mesh.tets {
         let middles = EDGES.map(|[i, j]| {
-            let edge = edges.binary_search(&sorted(tet[i], tet[j])).unwrap_or(0);
-            (mesh.points.len() + edge) as u32
+            let edge = sorted(tet[i], tet[j]);
+            let place = edges.partition_point(|x| *x < edge);
+            debug_assert_eq!(edges.get(place), Some(&edge), "an edge of the mesh");
+            (mesh.points.len() + place) as u32
         });
         for (corner, ends) in EDGES_AT.iter().enumerate() {
             let [a, b, c] = ends.map(|edge| middles[edge]);

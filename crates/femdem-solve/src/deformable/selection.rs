@@ -143,8 +143,10 @@ impl DeformableModel {
     pub fn faces(&self) -> Vec<Vec<u32>> {
         let corners = self.mesh().points().len();
         let middle = |a: u32, b: u32| {
-            let edge = self.mid_edges().binary_search(&[a.min(b), a.max(b)]);
-            (corners + edge.unwrap_or(0)) as u32
+            let (edges, edge) = (self.mid_edges(), [a.min(b), a.max(b)]);
+            let place = edges.partition_point(|x| *x < edge);
+            debug_assert_eq!(edges.get(place), Some(&edge), "an edge of the mesh");
+            (corners + place) as u32
         };
         let skin = self.mesh().skin().iter();
         if self.element().is_quadratic() {

@@ -5,7 +5,7 @@ use super::deformables::{all_loads, all_wall_loads};
 use super::time_step::USUAL_MOVE;
 use crate::body::Body;
 use crate::drive::{Drive, Driven};
-use crate::error::SolveError;
+use crate::error::{SolveError, check};
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
 use crate::rotation;
@@ -54,6 +54,7 @@ impl World {
         if self.wake_for_drives(dt) {
             dt = self.choose_step();
         }
+        self.check_step(dt)?;
         self.kick(0.5 * dt);
         self.drift(dt)?;
         self.time += dt;
@@ -67,6 +68,16 @@ impl World {
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
         self.rest_deformables()
+    }
+
+    /// Refuses a step that nothing bounds.
+    pub(super) fn check_step(&self, dt: f64) -> Result<(), SolveError> {
+        check(
+            "the time after the step",
+            self.time + dt,
+            (self.time + dt).is_finite(),
+            "finite: nothing bounds the step; give time_step.largest",
+        )
     }
 
     fn choose_step(&mut self) -> f64 {

@@ -63,6 +63,7 @@ impl World {
         if self.wake_for_drives(dt) {
             dt = self.choose_implicit_step(rule);
         }
+        self.check_step(dt)?;
         let before = self.look_ahead(since, dt)?;
         let wrenches = self.answer_contacts(dt, &before, rule)?;
         for (k, (before, wrench)) in before.iter().zip(&wrenches).enumerate() {
