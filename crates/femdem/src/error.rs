@@ -66,6 +66,26 @@ pub enum Error {
     /// There is no body to draw.
     #[error("there is no body to draw")]
     NothingToDraw,
+    /// A body goes through another or through a wall.
+    #[error(
+        "at {time:.6} s \"{b}\" lies in \"{a}\" by {:.0} % of the smaller one's volume: contact.penalty = {penalty:e} Pa \
+         cannot hold them apart; {enough:.1e} Pa would, or a lower speed or load",
+        100.0 * share
+    )]
+    Through {
+        /// Name of a body or a wall.
+        a: String,
+        /// Name of a body.
+        b: String,
+        /// Share of the smaller one's volume.
+        share: f64,
+        /// Simulated time, s.
+        time: f64,
+        /// The penalty, Pa.
+        penalty: f64,
+        /// One that would do, Pa.
+        enough: f64,
+    },
     /// The energy ledger of a run misses more than its limit.
     #[error(
         "the energy ledger misses {:.1} % of the energy turned over at {time:.6} s, and energy-error-limit = {limit}: \

@@ -93,6 +93,11 @@ impl World {
         self.body(id).map(Body::angular_velocity)
     }
 
+    /// Whether a body follows a drive, so that contacts do not move it.
+    pub fn follows_drive(&self, id: BodyId) -> Option<bool> {
+        Some(self.body(id)?.driven.is_some())
+    }
+
     /// Mass of a body, kg.
     pub fn mass(&self, id: BodyId) -> Option<f64> {
         self.body(id).map(|b| b.mass)

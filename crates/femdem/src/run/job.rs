@@ -179,6 +179,7 @@ impl Run {
                     self.scenario.check_step(self.time_step())?;
                 }
                 self.look();
+                self.check_overlaps()?;
                 self.check_books()?;
                 1
             };

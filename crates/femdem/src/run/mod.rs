@@ -57,6 +57,7 @@ mod settings;
 mod summary;
 mod support;
 mod wall;
+mod watch;
 mod words;
 
 use std::collections::BTreeMap;

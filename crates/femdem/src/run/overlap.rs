@@ -86,7 +86,7 @@ impl Simulation {
     }
 
     /// Whether the centroid of a member lies in a wall of planes.
-    fn is_beyond(&self, wall: usize, shape: &WallShape, member: usize) -> bool {
+    pub(super) fn is_beyond(&self, wall: usize, shape: &WallShape, member: usize) -> bool {
         let centroid = match self.members[member].id {
             MemberId::Rigid(id) => self.world.position(id),
             MemberId::Deformable(id) => self.world.deformable(id).map(|body| body.centroid()),
