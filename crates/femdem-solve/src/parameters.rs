@@ -37,7 +37,7 @@ impl Default for WorldParameters {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TimeStepParameters {
-    /// Fraction of the stability bound that is used, above 0 and at most 1.
+    /// Fraction of the stability bound that is used, from 1e-6 to 1.
     pub safety: f64,
     /// An upper limit of the step, s.
     pub largest: Option<f64>,

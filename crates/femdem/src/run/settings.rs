@@ -50,7 +50,7 @@ impl Default for ContactEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct StepEntry {
-    /// Fraction of the stability bound that is used, above 0 and at most 1.
+    /// Fraction of the stability bound that is used, from 1e-6 to 1.
     pub safety: f64,
     /// Upper limit \[s\].
     pub largest: Option<f64>,
