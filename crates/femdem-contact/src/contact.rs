@@ -159,7 +159,8 @@ impl Dashpots {
     }
 }
 
-/// Of distances of both centroids from the contact point, m; infinite for a wall.
+/// The radius on which two sides roll on each other, m, of the distances of both centroids from the contact point, m;
+/// infinite for a wall.
 pub(crate) fn rolling_radius(of_a: f64, of_b: f64) -> f64 {
     // Not the quotient of product and sum, which is none where a distance is infinite or both are zero.
     let [small, large] = if of_a < of_b {
@@ -171,6 +172,15 @@ pub(crate) fn rolling_radius(of_a: f64, of_b: f64) -> f64 {
         small / (1.0 + small / large)
     } else {
         0.0
+    }
+}
+
+/// The same from the arms of a contact with a unit normal, m.
+pub(crate) fn rolling_radius_at(a: Partner, normal: &Vector3, arms: [&Vector3; 2]) -> f64 {
+    let [of_a, of_b] = arms.map(|arm| normal.dot(arm).abs());
+    match a {
+        Partner::Body(_) => rolling_radius(of_a, of_b),
+        Partner::Wall(_) => rolling_radius(f64::INFINITY, of_b),
     }
 }
 
@@ -276,11 +286,7 @@ impl Contact {
     /// The radius on which A and B roll on each other, m: l_A l_B/(l_A + l_B) with the distances l of their centroids
     /// from the contact point along the normal, l_B against a wall. It is the reduced radius of two spheres.
     pub fn rolling_radius(&self) -> f64 {
-        let of_a = match self.a {
-            Partner::Body(_) => self.normal.dot(&self.arm_a).abs(),
-            Partner::Wall(_) => f64::INFINITY,
-        };
-        rolling_radius(of_a, self.normal.dot(&self.arm_b).abs())
+        rolling_radius_at(self.a, &self.normal, [&self.arm_a, &self.arm_b])
     }
 
     /// Lever of the elastic wrench about the origin of `arm`, m. The normal dashpot acts along this wrench.

@@ -62,14 +62,14 @@ fn point(t: f64) -> Point {
 /// Size up to which ratios of loads to bounds are told apart.
 const HUGE: f64 = 1e100;
 
-impl LimitSurface {
-    /// Above 0 outside of the normalised surface.
-    fn excess(f: f64, m: f64) -> f64 {
-        let (x, y) = (f * f, m * m);
-        let [a0, a1, a2, a3] = DISC;
-        x + y + x * y * (a0 + x * (a1 + x * (a2 + x * a3))) - 1.0
-    }
+/// Above 0 outside of the normalised surface.
+fn excess(f: f64, m: f64) -> f64 {
+    let (x, y) = (f * f, m * m);
+    let [a0, a1, a2, a3] = DISC;
+    x + y + x * y * (a0 + x * (a1 + x * (a2 + x * a3))) - 1.0
+}
 
+impl LimitSurface {
     /// Fractions of a friction force (N) and a torsion moment (N m) that remain within the surface; both 1 if
     /// they are within.
     ///
@@ -88,7 +88,7 @@ impl LimitSurface {
             x => (x / bound).min(HUGE),
         };
         let (p, q) = (ratio(force, self.force), ratio(moment, self.moment));
-        if p <= 1.0 && q <= 1.0 && Self::excess(p, q) <= 0.0 {
+        if p <= 1.0 && q <= 1.0 && excess(p, q) <= 0.0 {
             return [1.0; 2];
         }
         // The square of a ratio of two mean radii of the patch: about 1, unless it has hardly any stiffness.
@@ -262,7 +262,7 @@ mod tests {
                 let [force, moment] = trial;
                 let [a, b] = bounds.within(force, moment, k, k_theta);
                 let found = [force * a, moment * b];
-                let off = LimitSurface::excess(found[0] / bounds.force, found[1] / bounds.moment);
+                let off = excess(found[0] / bounds.force, found[1] / bounds.moment);
                 assert!(off.abs() < 1e-9, "{off}");
                 let energy =
                     |f: f64, m: f64| (f - force).powi(2) / k + (m - moment).powi(2) / k_theta;

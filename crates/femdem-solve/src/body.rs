@@ -21,6 +21,8 @@ pub struct Shape {
     /// Tetrahedra in the same coordinates with their field; `None` for a convex shape, whose
     /// contacts are those of `polyhedron`.
     pub mesh: Option<(TetMesh, Field)>,
+    /// Volume within the surface, m^3.
+    pub volume: f64,
     /// Principal axes at the centroid -> given coordinates.
     principal: Pose,
     /// Principal moments of inertia at unit density, m^5.
@@ -35,6 +37,7 @@ impl Shape {
             name: name.to_owned(),
             polyhedron: polyhedron.clone(),
             mesh: None,
+            volume: mass.volume,
             principal: Pose::from_parts(Translation3::from(mass.centroid.coords), frame.rotation),
             moments: frame.moments,
         }
@@ -47,7 +50,8 @@ impl Shape {
         mesh: &TetMesh,
         field: Field,
     ) -> Result<Self, SolveError> {
-        let ratio = mesh.volume() / polyhedron.mass_properties().volume;
+        let shape = Self::new(name, polyhedron);
+        let ratio = mesh.volume() / shape.volume;
         check(
             "volume of the mesh over that of the surface",
             ratio,
@@ -56,7 +60,7 @@ impl Shape {
         )?;
         Ok(Self {
             mesh: Some((mesh.clone(), field)),
-            ..Self::new(name, polyhedron)
+            ..shape
         })
     }
 

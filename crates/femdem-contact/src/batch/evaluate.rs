@@ -2,7 +2,7 @@
 
 use super::history::{History, PatchRecord, inherit};
 use super::pairs::{Cache, MeshPair, Pair, PairTable, Touch};
-use crate::contact::{BodyId, Contact, Partner, assemble, rolling_radius};
+use crate::contact::{BodyId, Contact, Partner, assemble, rolling_radius_at};
 use crate::damping::{Moment, Whole, damp};
 use crate::friction::Pace;
 use crate::general::{FieldMesh, GeneralKernel, GeneralScratch, Patch};
@@ -310,12 +310,8 @@ impl Context<'_> {
             .update(law, overlap, normal_force, a, b, pace);
         let mut rolling = Rolling::default();
         if law.rolling_friction > 0.0 {
-            let of_a = match ids.0 {
-                Partner::Body(_) => overlap.normal.dot(&overlap.arm_a).abs(),
-                Partner::Wall(_) => f64::INFINITY,
-            };
-            let of_b = overlap.normal.dot(&overlap.arm_b).abs();
-            let radius = rolling_radius(of_a, of_b);
+            let arms = [&overlap.arm_a, &overlap.arm_b];
+            let radius = rolling_radius_at(ids.0, &overlap.normal, arms);
             let roller = Roller {
                 normal: overlap.normal,
                 most: law.rolling_friction * normal_force * radius,

@@ -64,10 +64,18 @@ impl World {
         self.kick(0.5 * dt);
         self.kick_deformables(0.5 * dt);
         self.hold_deformables();
-        self.flows.exchange(self.kinetic_energy());
+        self.book_exchange();
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
         self.rest_deformables()
+    }
+
+    /// Books the energy that the step exchanged. Frozen bodies have none in motion.
+    pub(super) fn book_exchange(&mut self) {
+        let free = self.awake_bodies().filter(|body| body.driven.is_none());
+        let rigid: f64 = free.map(Body::kinetic_energy).sum();
+        let deformable: f64 = self.deformables().map(|d| d.kinetic_energy()).sum();
+        self.flows.exchange(rigid + deformable);
     }
 
     /// Refuses a step that nothing bounds.

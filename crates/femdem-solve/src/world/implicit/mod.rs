@@ -81,7 +81,7 @@ impl World {
         self.loaded = false;
         self.meet_newcomers();
         self.behind = dt;
-        self.flows.exchange(self.kinetic_energy());
+        self.book_exchange();
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
         Ok(())
