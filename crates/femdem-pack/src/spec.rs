@@ -9,8 +9,8 @@ use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::tet::{self, MeshOptions, MeshReport};
 use femdem_mesh::{Polyhedron, TetMesh, Vector3};
 use femdem_solve::{
-    ImplicitStep, Medium, ShapeId, SleepParameters, SolveError, TimeStepParameters, World,
-    WorldParameters,
+    ImplicitStep, Medium, ShapeId, SleepMeasure, SleepParameters, SolveError, TimeStepParameters,
+    World, WorldParameters,
 };
 use serde::{Deserialize, Serialize};
 
@@ -239,7 +239,11 @@ impl Default for PackSpec {
             seed: 1,
             medium: Medium::default(),
             time_step: TimeStepParameters::default(),
-            sleeping: SleepParameters::default(),
+            // The results are taken with all bodies awake.
+            sleeping: SleepParameters {
+                measure: SleepMeasure::Load,
+                ..SleepParameters::default()
+            },
             settling: Settling::default(),
         }
     }

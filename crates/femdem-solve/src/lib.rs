@@ -109,9 +109,10 @@
 //!   to 0.1. A block sticks to a slope without creep and
 //!   slides on it with the right acceleration to 2 %, on a wall, on a rigid and on a deformable body.
 //! - Freezing removes kinetic energy, which the ledger states. A frozen body tolerates an imbalance of up to
-//!   [`SleepParameters::wake`] of its load, a deformable one up to twice [`SleepParameters::tolerance`]; so a
-//!   pack that grew while it slept transfers new loads downwards too late. For a final state, and from time
-//!   to time before, wake all bodies ([`World::set_sleeping`]) and let them come to rest.
+//!   [`SleepParameters::wake`] of its weight, or of its load if asked for ([`SleepMeasure`]), a deformable one up to
+//!   twice [`SleepParameters::tolerance`]; so a pack that grew while it slept transfers new loads downwards too
+//!   late. For a final state, and from time to time before, wake all bodies ([`World::set_sleeping`]) and let them
+//!   come to rest.
 //! - The same bits on one machine and build. Platforms that round `f64` arithmetic alike agree too, as long
 //!   as no medium (which calls `exp`) and no shaking or rotation (which call `cos`) is used.
 //!
@@ -140,7 +141,9 @@ pub use body::{BodySpec, Shape, ShapeId};
 pub use drive::Drive;
 pub use error::SolveError;
 pub use ledger::Ledger;
-pub use parameters::{ImplicitStep, Medium, SleepParameters, TimeStepParameters, WorldParameters};
+pub use parameters::{
+    ImplicitStep, Medium, SleepMeasure, SleepParameters, TimeStepParameters, WorldParameters,
+};
 pub use world::{
     ContactStiffness, Counters, Deformable, DeformableId, DeformableSpec, ModelId, Residuals,
     Stability, World, WorldRelaxation, WorldRelaxed,

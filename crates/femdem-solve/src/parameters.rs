@@ -141,8 +141,10 @@ impl Default for TimeStepParameters {
 /// A body is judged by means over the last `window` steps at rest, because every impact rings
 /// through the whole pack: what oscillates has no mean, a lasting imbalance or motion has. The means
 /// begin anew while it moves.
-/// Its load scale W is the larger of its weight and half the sum of its normal forces.
-/// Nothing sleeps while a wall, a body or nodes move as prescribed.
+/// Its load scale W is the larger of its weight and half the sum of its normal forces; its
+/// [`measure`](Self::measure) of balance is one or the other.
+/// Nothing sleeps while a wall, a body or nodes move as prescribed, nor from then on until all awake rigid
+/// bodies are at rest together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SleepParameters {
@@ -156,13 +158,14 @@ pub struct SleepParameters {
     /// smaller changes of its loads, nor do its stresses. Rigid bodies that touch a deformable one sleep only
     /// if it does.
     pub deformables: bool,
-    /// Mean net force, and mean net moment over d, below this fraction of W count as
-    /// balanced.
+    /// What net forces are compared with.
+    pub measure: SleepMeasure,
+    /// Mean net force, and mean net moment over d, below this fraction of the measure count as balanced.
     pub tolerance: f64,
-    /// A frozen body wakes when its mean net force, or mean net moment over d, exceeds this
-    /// fraction of W; up to twice as much where W is two to four weights or more, since a confined
-    /// body does not turn over. Loads below it are not passed on: a pack that grew while it slept is
-    /// compressed too little until all its bodies have been awake together.
+    /// A frozen body wakes when its mean net force, or mean net moment over d, exceeds this fraction of the
+    /// measure; by load up to twice as much where W is two to four weights or more, since a confined body does
+    /// not turn over. Loads below it are not passed on: a pack that grew while it slept is compressed too little
+    /// until all its bodies have been awake together.
     pub wake: f64,
     /// Kinetic energy of the mean motion over W d that counts as rest.
     pub creep: f64,
@@ -176,11 +179,25 @@ pub struct SleepParameters {
     pub recheck: u32,
 }
 
+/// What the net force of a frozen body is compared with. It is missing from the forces on the walls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SleepMeasure {
+    /// Its weight, or its load scale where nothing weighs: sums of forces are right to the fractions of the
+    /// rule. Under many weights bodies sleep seldom.
+    #[default]
+    Weight,
+    /// Its load scale, for work whose results are taken with all bodies awake: a growing pack sleeps through what
+    /// it grows by.
+    Load,
+}
+
 impl Default for SleepParameters {
     fn default() -> Self {
         Self {
             enabled: true,
             deformables: false,
+            measure: SleepMeasure::default(),
             tolerance: 0.03,
             wake: 0.25,
             creep: 3e-6,

@@ -93,7 +93,16 @@ fn through_bytes_in_the_middle() {
     let mut straight = heap(27, 3);
     let mut broken = straight.clone();
     let (mut slept, mut slid, mut moved) = (false, false, false);
-    for _ in 0..60 {
+    for _ in 0..100 {
+        // What falls on sleepers wakes some of them.
+        if straight.awake_count() == 0 && straight.body_count() == 27 {
+            for world in [&mut straight, &mut broken] {
+                let above = common::at(Vector3::z() * 8.0 * D);
+                world
+                    .add_body(femdem_solve::BodySpec::at_rest(0, DENSITY, above))
+                    .unwrap();
+            }
+        }
         advance(&mut straight, 100);
         advance(&mut broken, 100);
         broken = World::from_bytes(&broken.to_bytes().unwrap()).unwrap();

@@ -11,5 +11,6 @@ mod resolve;
 mod run;
 mod scene_keys;
 mod scene_physics;
+mod scene_rest;
 mod scene_statics;
 mod shapes;

@@ -8,9 +8,9 @@ use std::path::PathBuf;
 use femdem::run::{
     Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, ContactEntry, Copies,
     CylinderEntry, Ending, FocusEntry, HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry,
-    MediumEntry, MotionEntry, PenetrationSummary, PlaneEntry, ReactionSummary, RegionEntry,
-    RelaxEntry, RelaxSummary, RestEntry, RotationEntry, RunEnergy, RunSummary, Scenario,
-    SelectEntry, StepEntry, StrainSummary, WallEntry, WallSummary, Zone,
+    MediumEntry, MotionEntry, Penalty, PenetrationSummary, PlaneEntry, ReactionSummary,
+    RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RotationEntry, RunEnergy, RunSummary,
+    Scenario, SelectEntry, Standing, StepEntry, StrainSummary, WallEntry, WallSummary, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -443,6 +443,15 @@ fn summary() -> RunSummary {
         title: String::new(),
         ending: Some(Ending::Time),
         relaxed: Some(RelaxSummary::default()),
+        rest: Standing {
+            at_rest: true,
+            driven: false,
+            frozen: 0,
+            residual: 0.0,
+            worst: Some(String::new()),
+            motion: Some(0.0),
+            force_balance: 0.0,
+        },
         bodies: vec![BodySummary {
             name: String::new(),
             behaviour: String::new(),
@@ -467,6 +476,11 @@ fn summary() -> RunSummary {
             peak_force: 1.0,
             peak_time: 1.0,
         }],
+        penalty: Penalty {
+            value: 1.0,
+            reason: String::new(),
+        },
+        warnings: vec![String::new()],
         penetration: Some(PenetrationSummary {
             now: 1.0,
             peak: 1.0,

@@ -402,6 +402,17 @@ impl ContactBatch {
         load
     }
 
+    /// The load of a wall, about its origin, from all its recorded contacts.
+    pub fn wall_load_of(&self, wall: u32) -> Load {
+        let mut load = Load::default();
+        for contact in self.contacts() {
+            if contact.a == Partner::Wall(wall) {
+                load.add(contact, 0);
+            }
+        }
+        load
+    }
+
     /// Sums of the last update.
     pub fn totals(&self) -> &BatchTotals {
         &self.sums.totals

@@ -132,6 +132,26 @@ impl MeshWall {
         &self.inner.source.name
     }
 
+    /// Its thickness, m: that of a sheet as given, and twice the volume over the surface of a solid.
+    pub fn thickness(&self) -> f64 {
+        match &self.inner.source.kind {
+            Kind::Sheet { thickness, .. } => *thickness,
+            Kind::Solid(mesh) => {
+                let points = mesh.points();
+                let area = |corners: &[u32; 3]| {
+                    let [a, b, c] = corners.map(|i| points[i as usize]);
+                    0.5 * (b - a).cross(&(c - a)).norm()
+                };
+                2.0 * mesh.volume() / mesh.skin().iter().map(area).sum::<f64>()
+            }
+        }
+    }
+
+    /// The axis-aligned box around the wall in its own axes, as (lowest, highest) corner, m.
+    pub fn bounds(&self) -> (Vector3, Vector3) {
+        self.inner.solid.bounds()
+    }
+
     /// The wall as input of the general kernel.
     pub fn solid_wall(&self) -> &SolidWall {
         &self.inner.solid

@@ -1,18 +1,22 @@
 //! The active set: which bodies are frozen, and when they wake.
 //!
 //! A body rests when the means of its net force, net moment and velocities over the steps since it last
-//! moved, at most a window, are small against its load scale, the larger of its weight and half the sum of
-//! its normal forces. It is frozen when it has rested for a number of steps and the frozen bodies that it
-//! touches balance their loads. Frozen bodies beside awake ones are re-examined at fixed step numbers from
-//! the recorded forces, and wake if they have lost much of their balance. A body that is struck, or has lost
-//! a supporting contact, wakes at once. All decisions are functions of the state, so they are the same in
-//! every run.
+//! moved, at most a window, are small: the forces against its weight or its load scale, as the rule has it, the
+//! energy of its motion against its load scale, the larger of its weight and half the sum of its normal forces. It is frozen when it has rested
+//! for a number of steps and the frozen bodies that it touches balance their loads. Frozen bodies beside awake
+//! ones are re-examined at fixed step numbers from the recorded forces, and wake if they have lost their
+//! balance. A body that is struck, or has lost a supporting contact, wakes at once. All decisions are functions
+//! of the state, so they are the same in every run.
+//!
+//! What a frozen body is out of balance by is missing from the forces on the walls. Measured by its load it may be
+//! many weights deep in a pack or under a piston. Where walls or bodies are driven the load may be anything, and
+//! nothing is frozen until all are at rest after it.
 
 use super::World;
 use super::deformables::all_loads;
 use crate::body::Means;
 use crate::error::SolveError;
-use crate::parameters::{SleepParameters, WorldParameters};
+use crate::parameters::{SleepMeasure, SleepParameters, WorldParameters};
 use femdem_contact::{Load, Partner};
 use femdem_mesh::Vector3;
 
@@ -20,8 +24,8 @@ use femdem_mesh::Vector3;
 /// can carry more than twice the scale.
 const STRUCK: f64 = 2.0;
 
-/// A body whose load scale is more than this many times its weight is confined: an imbalance presses it
-/// against its neighbours but hardly turns it over.
+/// By its load a body whose load scale is more than this many times its weight is confined: an imbalance presses
+/// it against its neighbours but hardly turns it over.
 const CONFINED: f64 = 2.0;
 
 /// A confined body sleeps under a larger share, in proportion to its load scale, up to this factor.
@@ -52,8 +56,14 @@ impl World {
             for &i in &self.awake {
                 self.bodies[i as usize].quiet_steps = 0;
             }
+            self.unsettled = true;
+        }
+        let needed = self.parameters.sleeping.steps;
+        let mut awake = self.awake.iter().map(|&i| &self.bodies[i as usize]);
+        if self.unsettled && !awake.all(|body| body.quiet_steps >= needed) {
             return;
         }
+        self.unsettled = false;
         let struck = self.struck_bodies();
         self.wake(&struck);
         self.wake_left();
@@ -75,7 +85,7 @@ impl World {
     }
 
     /// Whether anything moves as prescribed, now or within `ahead` (s): a wall, a rigid body or nodes.
-    pub(super) fn is_driven(&self, ahead: f64) -> bool {
+    pub fn is_driven(&self, ahead: f64) -> bool {
         let time = self.time;
         let bodies = self.awake.iter().map(|&i| &self.bodies[i as usize]);
         let drives = bodies.filter_map(|body| body.driven.as_deref());
@@ -110,17 +120,30 @@ impl World {
         load.static_part().force + self.parameters.gravity * self.bodies[i].mass
     }
 
-    /// Imbalance over its load scale at which a frozen body wakes.
-    fn wake_share(&self, i: usize, load: &Load) -> f64 {
+    /// What the net force of a body is compared with, N.
+    fn measure_of_balance(&self, i: usize, load: &Load) -> f64 {
         let weight = self.bodies[i].mass * self.parameters.gravity.norm();
-        let (scale, limit) = (self.scale(i, load), CONFINED * weight);
-        let factor = if scale > limit { scale / limit } else { 1.0 };
-        self.parameters.sleeping.wake * factor.min(LARGEST_SHARE)
+        match self.parameters.sleeping.measure {
+            SleepMeasure::Weight if weight > 0.0 => weight,
+            SleepMeasure::Weight | SleepMeasure::Load => self.scale(i, load),
+        }
     }
 
-    /// Whether the mean force and moment are below `tolerance` of the load scale.
+    /// Imbalance over its measure at which a frozen body wakes.
+    fn wake_share(&self, i: usize, load: &Load) -> f64 {
+        let rule = &self.parameters.sleeping;
+        let weight = self.bodies[i].mass * self.parameters.gravity.norm();
+        let (scale, limit) = (self.scale(i, load), CONFINED * weight);
+        let factor = match rule.measure {
+            SleepMeasure::Load if scale > limit => scale / limit,
+            SleepMeasure::Load | SleepMeasure::Weight => 1.0,
+        };
+        rule.wake * factor.min(LARGEST_SHARE)
+    }
+
+    /// Whether the mean force, and the mean moment over the diameter, are below `tolerance` of the measure.
     fn is_balanced(&self, i: usize, load: &Load, tolerance: f64) -> bool {
-        let bound = tolerance * self.scale(i, load);
+        let bound = tolerance * self.measure_of_balance(i, load);
         let body = &self.bodies[i];
         load.contacts > 0
             && body.means.force.norm() < bound
@@ -196,7 +219,8 @@ impl World {
     /// follow them with a delay, and are not updated once nothing near it is awake.
     fn holds(&self, i: u32) -> bool {
         let load = self.load_of(i);
-        let bound = self.wake_share(i as usize, &load) * self.scale(i as usize, &load);
+        let share = self.wake_share(i as usize, &load);
+        let bound = share * self.measure_of_balance(i as usize, &load);
         let diameter = 2.0 * self.bodies[i as usize].radius;
         self.net_force(i as usize, &load).norm() < bound
             && load.static_part().torque.norm() < bound * diameter

@@ -29,6 +29,7 @@ impl World {
             awake: Vec::new(),
             time: 0.0,
             steps: 0,
+            unsettled: false,
             step_control: super::time_step::StepControl::default(),
             loaded: false,
             met: super::newcomers::Met::default(),
@@ -41,7 +42,8 @@ impl World {
     }
 
     /// Replaces the contact law; contacts keep their friction history. Frozen bodies wake, and what
-    /// the contacts and their springs hold more than before is on the books as work.
+    /// the contacts and their springs hold more than before is on the books as work, except before the first
+    /// step, when nothing has been held yet.
     ///
     /// # Errors
     /// As [`World::new`], and the errors of [`World::step`].
@@ -50,6 +52,9 @@ impl World {
             contact,
             ..self.parameters
         };
+        if self.steps == 0 && !self.loaded {
+            return self.replace(parameters);
+        }
         parameters.validate()?;
         self.restored()?;
         self.wake_all();

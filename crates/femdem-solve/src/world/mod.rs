@@ -53,6 +53,8 @@ pub struct World {
     batch: ContactBatch,
     /// Awake bodies, ascending.
     awake: Vec<u32>,
+    /// Whether something was driven since all awake rigid bodies were last at rest.
+    unsettled: bool,
     time: f64,
     steps: u64,
     /// The size of the steps, and when it may grow.

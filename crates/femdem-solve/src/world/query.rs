@@ -1,6 +1,5 @@
 //! Queries of a world.
 
-use super::deformables::all_wall_loads;
 use super::{Counters, Deformable, World};
 use crate::body::{Body, Shape, ShapeId};
 use crate::ledger::Ledger;
@@ -66,6 +65,12 @@ impl World {
     /// A shape, or `None` for an unknown index.
     pub fn shape(&self, id: ShapeId) -> Option<&Shape> {
         self.shapes.get(id as usize)
+    }
+
+    /// Depth over which the contact field of a shape rises from its surface, m: the smallest distance of a face from the centroid
+    /// for a convex shape.
+    pub fn field_depth(&self, id: ShapeId) -> Option<f64> {
+        Some(self.batch.shapes().get(id as usize)?.inradius())
     }
 
     fn body(&self, id: BodyId) -> Option<&Body> {
@@ -191,11 +196,16 @@ impl World {
         ))
     }
 
-    /// The load on a wall, about its origin, from the contacts of the last step with awake rigid bodies and
-    /// with deformable ones.
+    /// The load on a wall, about its origin, from all its recorded contacts.
     pub fn wall_load(&self, wall: u32) -> Option<Load> {
-        let loads = all_wall_loads(&self.batch, self.deformables.as_deref());
-        loads.get(wall as usize).copied()
+        self.batch.walls().get(wall as usize)?;
+        let mut load = self.batch.wall_load_of(wall);
+        if let Some(deformables) = &self.deformables
+            && let Some(other) = deformables.batch.wall_loads().get(wall as usize)
+        {
+            load += other;
+        }
+        Some(load)
     }
 
     /// The load on a body, about its centroid, from all its recorded contacts.

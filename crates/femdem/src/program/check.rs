@@ -3,14 +3,18 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use femdem::run::{BodySummary, Run};
+use femdem::run::{BodySummary, ExpectedDepth, Run, Scenario, Simulation};
 
 use super::progress::span;
 use super::{complain, overlaps, say};
 
-/// Largest number of trial steps, and the time on the clock after which no more are taken.
-const TRIAL_STEPS: u64 = 50;
+/// Largest number of trial steps once bodies touch, and the time on the clock after which they are not waited for, and no more steps
+/// are taken.
+const TRIAL_STEPS: u32 = 50;
 const TRIAL_TIME: Duration = Duration::from_secs(2);
+
+/// Expected depth over the size of a body from which a forecast warns.
+const TOO_DEEP: f64 = 0.1;
 
 /// Bodies of one entry are listed one by one up to this number.
 const LISTED: usize = 12;
@@ -27,18 +31,28 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     if !walls.is_empty() {
         say(&format!("walls: {}", walls.join(", ")));
     }
+    if simulation.world.body_count() > 0 {
+        tell_penalty(run);
+    }
     let began = Instant::now();
     let first = simulation.step();
     overlaps::warn(&simulation, complain);
     first?;
     scenario.check_step(simulation.world.time_step())?;
-    while simulation.world.steps() < TRIAL_STEPS && began.elapsed() < TRIAL_TIME {
+    let touches = |simulation: &Simulation| !simulation.contacts().is_empty();
+    while !touches(&simulation) && began.elapsed() < TRIAL_TIME && !is_over(&simulation, scenario) {
         simulation.step()?;
     }
-    let taken = simulation.world.steps() as f64;
+    let touched = touches(&simulation);
+    let met = Instant::now();
+    let mut taken = 0;
+    while taken < TRIAL_STEPS && met.elapsed() < TRIAL_TIME {
+        simulation.step()?;
+        taken += 1;
+    }
     let step = simulation.world.time_step();
     let steps = scenario.duration / step;
-    let left = began.elapsed().as_secs_f64() / taken * steps;
+    let left = met.elapsed().as_secs_f64() / f64::from(taken.max(1)) * steps;
     let tetrahedra: usize = simulation.bodies().iter().map(|body| body.tetrahedra).sum();
     say(&format!(
         "time step: {step:.3e} s, {steps:.0} steps for {} s",
@@ -56,10 +70,47 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     ));
     let time = Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX);
     say(&format!(
-        "cost: about {} on {threads} threads, files not counted, if the run goes on as its first {taken} steps",
-        span(time)
+        "cost: about {} on {threads} threads, files not counted, if the run goes on as in {taken} steps from {:.4} s on{}",
+        span(time),
+        simulation.world.time(),
+        if touched {
+            ""
+        } else {
+            ", where nothing touches yet: with contacts it takes longer"
+        }
     ));
     Ok(())
+}
+
+fn is_over(simulation: &Simulation, scenario: &Scenario) -> bool {
+    simulation.world.time() >= scenario.duration
+}
+
+/// Prints the penalty and the depths that it lets bodies reach.
+fn tell_penalty(run: &Run) {
+    let simulation = run.simulation();
+    let penalty = &simulation.penalty;
+    say(&format!(
+        "penalty: {:.2e} Pa: {}",
+        penalty.value, penalty.reason
+    ));
+    let forecast = run.scenario().forecast(simulation);
+    let told = |name: &str, ExpectedDepth { depth, body }: &ExpectedDepth| {
+        if *depth > 0.0 {
+            say(&format!(
+                "depth {name}: about {:.2} % of the size of {body}",
+                100.0 * depth
+            ));
+        }
+        if *depth > TOO_DEEP {
+            complain(&format!(
+                "warning: {body} will overlap by {:.0} % of its size {name}: leave contact.penalty out, or take a larger one",
+                100.0 * depth
+            ));
+        }
+    };
+    told("at rest", &forecast.at_rest);
+    told("at the fastest impact", &forecast.at_impact);
 }
 
 fn list(bodies: &[BodySummary]) {

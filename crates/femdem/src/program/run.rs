@@ -160,6 +160,7 @@ impl Part {
     ) -> Result<()> {
         let mut saved = Instant::now();
         let mut steps = 1;
+        let mut told = run.warnings().len();
         while run.ending().is_none() && !interrupted.load(Ordering::Relaxed) {
             let began = Instant::now();
             let first = run.simulation().world.steps() == 0;
@@ -168,6 +169,10 @@ impl Part {
                 // In particular if that step has failed.
                 overlaps::warn(run.simulation(), |text| clock.note(text));
             }
+            for text in &run.warnings()[told..] {
+                clock.note(&format!("warning: {text}"));
+            }
+            told = run.warnings().len();
             advanced?;
             clock.show(run);
             // The run does not depend on how its steps are divided, so that the clock may be used here.

@@ -41,7 +41,7 @@ use femdem_solve::{
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::run::{Member, MemberId, Simulation};
+use crate::run::{Member, MemberId, Penalty, Simulation};
 
 pub use files::ResolveSummary;
 
@@ -166,6 +166,10 @@ pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Erro
     ];
     Ok(Resolved {
         simulation: Simulation {
+            penalty: Penalty {
+                value: world.parameters().contact.penalty,
+                reason: "that of the pack".to_owned(),
+            },
             world,
             members,
             supports: Vec::new(),

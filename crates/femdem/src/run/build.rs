@@ -12,7 +12,7 @@ use super::body::wrong;
 use super::geometry::Geometry;
 use super::names::{Names, check_names};
 use super::words::KEYS;
-use super::{Behaviour, BodyEntry, MaterialEntry, Scenario, Support};
+use super::{Behaviour, BodyEntry, MaterialEntry, Penalty, Scenario, Support};
 use crate::Error;
 
 /// Largest number of frames, and of rows of the history: outputs are counted one by one, and the count must not
@@ -49,6 +49,8 @@ pub struct Simulation {
     pub members: Vec<Member>,
     /// The supports of deformable bodies, in the same order.
     pub supports: Vec<Support>,
+    /// The penalty of its contacts between rigid bodies.
+    pub penalty: Penalty,
 }
 
 /// The stored form of a simulation, before its world is rebuilt.
@@ -57,6 +59,7 @@ struct Stored {
     world: World,
     members: Vec<Member>,
     supports: Vec<Support>,
+    penalty: Penalty,
 }
 
 impl TryFrom<Stored> for Simulation {
@@ -67,12 +70,14 @@ impl TryFrom<Stored> for Simulation {
             mut world,
             members,
             supports,
+            penalty,
         } = stored;
         world.restore()?;
         Ok(Self {
             world,
             members,
             supports,
+            penalty,
         })
     }
 }
@@ -91,6 +96,7 @@ impl Scenario {
             world: world.map_err(|error| Error::from(error).by_keys(&KEYS))?,
             members: Vec::new(),
             supports: Vec::new(),
+            penalty: Penalty::default(),
         };
         let mut names = Names::default();
         for (number, wall) in (1..).zip(&self.wall) {
@@ -125,6 +131,8 @@ impl Scenario {
         self.check_materials()?;
         self.check_sleep(&simulation)?;
         self.check_relaxation()?;
+        self.set_penalty(&mut simulation)?;
+        self.bound_step(&mut simulation)?;
         Ok(simulation)
     }
 

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::history::{self, Table};
 use super::relaxation::Relaxing;
-use super::{RelaxSummary, RunSummary, Scenario, Side, Simulation};
+use super::watch::{Deepest, Watch};
+use super::{RelaxSummary, RunSummary, Scenario, Simulation};
 use crate::output::{write_file, write_pvd_parts};
 use crate::picture::PictureOptions;
 use crate::{Error, Usage};
@@ -44,17 +45,6 @@ impl Peak {
     }
 }
 
-/// The deepest contact among the rows of the history.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Deepest {
-    /// m.
-    pub depth: f64,
-    /// s.
-    pub time: f64,
-    /// Names of the two sides.
-    pub between: [String; 2],
-}
-
 /// A scenario in progress. It can be saved and read back through serde, and continues to the same bits.
 ///
 /// Output does not affect the motion: a frame shows the first step at or after its time.
@@ -72,9 +62,11 @@ pub struct Run {
     members: Table,
     peaks: Vec<Peak>,
     reaction_peaks: Vec<Peak>,
-    deepest: Deepest,
+    watch: Watch,
     /// When the kinetic energy last fell below that of rest, as far as it was checked \[s\].
     quiet_since: Option<f64>,
+    /// Whether the bodies have come to rest, and are awake to show that they stay there.
+    verifying: bool,
     relaxing: Option<Relaxing>,
     ending: Option<Ending>,
 }
@@ -93,7 +85,7 @@ impl Run {
         Ok(Self {
             peaks: vec![Peak::default(); simulation.world.walls().len()],
             reaction_peaks: vec![Peak::default(); simulation.supports.len()],
-            deepest: Deepest::default(),
+            watch: Watch::default(),
             scenario,
             simulation,
             frames: Vec::new(),
@@ -102,6 +94,7 @@ impl Run {
             history,
             members,
             quiet_since: None,
+            verifying: false,
             relaxing: None,
             ending: None,
         })
@@ -123,6 +116,15 @@ impl Run {
     #[must_use]
     pub fn frames(&self) -> &[f64] {
         &self.frames
+    }
+
+    pub(super) fn simulation_mut(&mut self) -> &mut Simulation {
+        &mut self.simulation
+    }
+
+    /// Whether all bodies are awake to show that they stay at rest.
+    pub(super) fn is_verifying(&self) -> bool {
+        self.verifying
     }
 
     /// Why the run has ended; `None` while it has not.
@@ -153,9 +155,15 @@ impl Run {
         &self.reaction_peaks
     }
 
-    /// The deepest contact among the rows of the history.
+    /// The deepest contact of all steps.
     pub(super) fn deepest(&self) -> &Deepest {
-        &self.deepest
+        &self.watch.deepest
+    }
+
+    /// What the run has warned of so far: overlaps that are deeper than a contact law of small overlaps is meant for.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.watch.warnings
     }
 
     /// Advances by at most `steps` steps, or to the end of the run, and writes frames and rows into `folder`
@@ -179,7 +187,8 @@ impl Run {
                     self.scenario.check_step(self.time_step())?;
                 }
                 self.look();
-                self.check_overlaps()?;
+                self.allow_sleep();
+                self.watch.look(&self.simulation)?;
                 self.check_books()?;
                 1
             };
@@ -255,19 +264,25 @@ impl Run {
         if world.time() >= self.scenario.duration {
             return Some(Ending::Time);
         }
-        if let Some(rest) = self.scenario.rest
-            && world.steps().is_multiple_of(STEPS_BETWEEN_LOOKS)
-        {
-            if world.kinetic_energy() < rest.energy {
-                let since = *self.quiet_since.get_or_insert(world.time());
-                if world.time() - since >= rest.time {
-                    return Some(Ending::Rest);
-                }
-            } else {
-                self.quiet_since = None;
-            }
+        let rest = self.scenario.rest?;
+        if !world.steps().is_multiple_of(STEPS_BETWEEN_LOOKS) {
+            return None;
         }
-        None
+        if world.kinetic_energy() >= rest.energy || self.is_more_to_come() {
+            self.quiet_since = None;
+            self.verifying = false;
+            return None;
+        }
+        let now = world.time();
+        if now - *self.quiet_since.get_or_insert(now) < rest.time {
+            return None;
+        }
+        if !self.verifying {
+            self.verifying = true;
+            self.quiet_since = Some(now);
+            return None;
+        }
+        self.simulation.standing().at_rest.then_some(Ending::Rest)
     }
 
     /// Writes the row and the frame if they are due; at the end both are.
@@ -299,21 +314,6 @@ impl Run {
         }
         for (peak, force) in self.reaction_peaks.iter_mut().zip(&reactions) {
             peak.see(force, time);
-        }
-        for contact in &contacts {
-            // The depth is at most the penetration, and more expensive to compute.
-            if contact.area > 0.0 && contact.penetration() <= self.deepest.depth {
-                continue;
-            }
-            let depth = self.simulation.depth_of(contact);
-            if depth > self.deepest.depth {
-                let sides = [contact.a, Side::Member(contact.b)];
-                self.deepest = Deepest {
-                    depth,
-                    time,
-                    between: sides.map(|side| self.simulation.name_of(side)),
-                };
-            }
         }
         let row = history::history_row(&self.simulation, contacts.len(), &forces, &reactions);
         self.history.row(row);

@@ -92,6 +92,31 @@ fn forever() -> u32 {
 }
 
 impl MotionEntry {
+    /// Its largest speed \[m/s\], where `reach` gives the largest distance of a body from an axis, with its point.
+    pub(super) fn fastest(&self, reach: impl Fn(&[f64; 3], &[f64; 3]) -> f64) -> f64 {
+        // A stroke of (1 - cos(2 pi f t))/2 has the largest rate pi f.
+        let swing = |frequency: f64| std::f64::consts::PI * frequency;
+        match self {
+            Self::Linear { velocity, .. } => Vector3::from(*velocity).norm(),
+            Self::Shake {
+                stroke, frequency, ..
+            }
+            | Self::Tap {
+                stroke, frequency, ..
+            } => Vector3::from(*stroke).norm() * swing(*frequency),
+            Self::Turn {
+                axis, point, rate, ..
+            } => rate.abs() * reach(axis, point),
+            Self::Rock {
+                axis,
+                point,
+                angle,
+                frequency,
+                ..
+            } => angle.to_radians().abs() * swing(*frequency) * reach(axis, point),
+        }
+    }
+
     /// The motion, for a world.
     #[must_use]
     pub fn drive(&self) -> Drive {

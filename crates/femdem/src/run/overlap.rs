@@ -112,7 +112,7 @@ impl Simulation {
     }
 
     /// Circumscribed diameter of a member, as it was made \[m\].
-    fn diameter(&self, member: usize) -> Option<f64> {
+    pub(super) fn diameter(&self, member: usize) -> Option<f64> {
         let radius = match self.members.get(member)?.id {
             MemberId::Rigid(id) => {
                 let shape = self.world.shape(self.world.shape_of(id)?)?;

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::books::NOTED;
-use super::{Ending, RelaxSummary, RunSummary};
+use super::{Ending, Penalty, RelaxSummary, RunSummary, Standing};
 
 /// A name and its text.
 type Row = (String, String);
@@ -66,6 +66,7 @@ impl RunSummary {
         );
         rows.extend(self.added_mass().map(|text| row("mass", text)));
         rows.push(row("energy", energy));
+        rows.push(row("rest", self.rest.to_string()));
         rows
     }
 
@@ -79,6 +80,13 @@ impl RunSummary {
         let plastic = strains
             .reduce(f64::max)
             .map(|strain| row("plastic strain", format!("at most {strain:.4e}")));
+        let rigid = self.bodies.iter().any(|body| body.tetrahedra == 0);
+        let Penalty { value, reason } = &self.penalty;
+        let penalty = rigid.then(|| row("penalty", format!("{value:.2e} Pa: {reason}")));
+        let warnings = self
+            .warnings
+            .iter()
+            .map(|text| row("warning", text.clone()));
         let depth = self.penetration.as_ref().map(|deep| {
             let [a, b] = &deep.peak_between;
             let (peak, time) = (deep.peak, deep.peak_time);
@@ -95,8 +103,8 @@ impl RunSummary {
             let name = format!("peak of {} {}", support.body, support.boundary);
             (name, peak(support.peak_force, support.peak_time))
         });
-        let body = [stress, plastic, depth].into_iter().flatten();
-        body.chain(walls).chain(supports).collect()
+        let body = [stress, plastic, penalty, depth].into_iter().flatten();
+        body.chain(warnings).chain(walls).chain(supports).collect()
     }
 
     fn row_of_cost(&self) -> Row {
@@ -124,6 +132,40 @@ impl RunSummary {
         let share = 100.0 * added / mass;
         let text = format!("{added:.4e} kg added by scaling, {share:.2} % of all");
         (added > 0.0).then_some(text)
+    }
+}
+
+impl fmt::Display for Standing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            at_rest,
+            driven,
+            frozen,
+            residual,
+            worst,
+            motion,
+            force_balance,
+        } = self;
+        f.write_str(if *at_rest {
+            "at rest: "
+        } else {
+            "NOT at rest: "
+        })?;
+        if *driven {
+            f.write_str("something still moves as prescribed; ")?;
+        }
+        if *frozen > 0 {
+            write!(f, "{frozen} bodies are frozen; ")?;
+        }
+        write!(f, "{residual:.1e} of a load is out of balance")?;
+        if let Some(worst) = worst.as_ref().filter(|_| *residual > 0.0) {
+            write!(f, " (most at {worst})")?;
+        }
+        match motion {
+            Some(motion) => write!(f, ", kinetic energy {motion:.1e} of load times size")?,
+            None => f.write_str(", a body moves freely")?,
+        }
+        write!(f, ", walls and weight differ by {force_balance:.1e}")
     }
 }
 

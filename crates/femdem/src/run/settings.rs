@@ -11,8 +11,11 @@ use super::Scenario;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct ContactEntry {
-    /// Penalty p of contacts of rigid bodies \[Pa\].
-    pub penalty: f64,
+    /// Penalty p of contacts of rigid bodies \[Pa\]. `None`: chosen from loads, speeds and sizes.
+    pub penalty: Option<f64>,
+    /// Mean depth of contacts at rest that the chosen penalty aims at, in circumscribed diameters; impacts go at most ten times
+    /// as deep. `None`: 0.005, with a penalty of at least 1 MPa.
+    pub penetration: Option<f64>,
     /// Coulomb friction coefficient.
     pub friction: f64,
     /// Coulomb friction coefficient between bodies and walls. `None`: `friction`.
@@ -34,7 +37,8 @@ impl Default for ContactEntry {
     fn default() -> Self {
         let law = ContactParameters::default();
         Self {
-            penalty: law.penalty,
+            penalty: None,
+            penetration: None,
             friction: law.friction,
             wall_friction: law.wall_friction,
             rolling_friction: law.rolling_friction,
@@ -77,6 +81,10 @@ pub struct MediumEntry {
 }
 
 /// When a run may end early. It is checked every 64 steps, independently of output.
+///
+/// When the kinetic energy has been below `energy` for `time`, all bodies are woken; the run ends when it has then been so for
+/// `time` again and the bodies are verified to be at rest ([`Standing`](super::Standing)). It does not end before the last
+/// prescribed motion or change of a load.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RestEntry {
@@ -92,8 +100,9 @@ impl Scenario {
             gravity: Vector3::from(self.gravity),
             ..WorldParameters::default()
         };
+        let usual = ContactParameters::default();
         p.contact = ContactParameters {
-            penalty: self.contact.penalty,
+            penalty: self.contact.penalty.unwrap_or(usual.penalty),
             friction: self.contact.friction,
             wall_friction: self.contact.wall_friction,
             rolling_friction: self.contact.rolling_friction,

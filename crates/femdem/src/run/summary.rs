@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{Ending, MemberId, RelaxSummary, Run, Side};
+use super::{Ending, MemberId, Penalty, RelaxSummary, Run, Side, Standing};
 use crate::{Error, Usage};
 
 /// Version of the keys of the summary of a run.
@@ -22,12 +22,18 @@ pub struct RunSummary {
     pub ending: Option<Ending>,
     /// How the bodies were brought to rest after that; `null` if they were not.
     pub relaxed: Option<RelaxSummary>,
+    /// How near to rest it is now.
+    pub rest: Standing,
     /// The bodies by entry of the scenario.
     pub bodies: Vec<BodySummary>,
     /// The walls.
     pub walls: Vec<WallSummary>,
     /// Forces of the supports of deformable bodies.
     pub reactions: Vec<ReactionSummary>,
+    /// The penalty of contacts between rigid bodies, and why it has its value.
+    pub penalty: Penalty,
+    /// What the run warned of.
+    pub warnings: Vec<String>,
     /// How deep bodies and walls overlap; `null` if nothing touched.
     pub penetration: Option<PenetrationSummary>,
     /// Duration of the scenario \[s\].
@@ -121,7 +127,7 @@ pub struct ReactionSummary {
 pub struct PenetrationSummary {
     /// Largest now; 0 where nothing touches.
     pub now: f64,
-    /// Largest among the rows of the history.
+    /// Largest of all steps.
     pub peak: f64,
     /// When that was \[s\].
     pub peak_time: f64,
@@ -220,9 +226,12 @@ impl RunSummary {
             title: run.scenario().title.clone(),
             ending: run.ending(),
             relaxed: run.relaxation().copied(),
+            rest: simulation.standing(),
             bodies,
             walls: walls.collect(),
             reactions: reactions.collect(),
+            penalty: simulation.penalty.clone(),
+            warnings: run.warnings().to_vec(),
             penetration,
             duration: run.scenario().duration,
             simulated_time: world.time(),

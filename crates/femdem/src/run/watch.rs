@@ -1,9 +1,13 @@
 //! Watch over overlaps that the penalty cannot carry.
 
-use femdem_contact::WallShape;
+use std::collections::{BTreeMap, BTreeSet};
+
+use femdem_contact::{Partner, WallShape};
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
 
 use super::contacts::Side;
-use super::{MemberId, Run, Simulation};
+use super::{MemberId, Simulation};
 use crate::Error;
 
 /// Steps between looks.
@@ -15,22 +19,54 @@ const MOST: f64 = 0.5;
 /// The share that a penalty should be chosen for, in the advice.
 const WANTED: f64 = 0.05;
 
-impl Run {
-    /// Refuses to go on where a rigid body has gone through a wall of planes, or lies in another or in a wall by more than
-    /// half of the smaller one's volume: the contact force falls from there on, and what comes then means nothing.
+/// A run warns of overlaps above this share of the thickness of the smaller body.
+const DEEP: f64 = 0.1;
+
+/// Overlap with a sheet, over its thickness times the section of the body, from which a contact whose normal turns round is that of
+/// a body that passes through.
+const WITHIN: f64 = 0.25;
+
+/// What a run keeps in mind of overlaps from step to step.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Watch {
+    /// The deepest contact of all steps.
+    pub deepest: Deepest,
+    /// Warnings so far.
+    pub warnings: Vec<String>,
+    /// Normals of the contacts between walls of tetrahedra and rigid bodies in the last step.
+    sides: BTreeMap<(u32, u32), [f64; 3]>,
+}
+
+/// The deepest contact.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Deepest {
+    /// m.
+    pub depth: f64,
+    /// s.
+    pub time: f64,
+    /// Names of the two sides.
+    pub between: [String; 2],
+}
+
+impl Watch {
+    /// Looks at the contacts after a step. Warns once of a deep overlap, and refuses to go on where a rigid body has gone through
+    /// a wall, or lies in another or in a wall by more than half of the smaller one's volume: the contact force falls from there
+    /// on, and what comes then means nothing.
     ///
     /// # Errors
     ///
     /// [`Error::Through`] with the pair and a penalty that would do.
-    pub(super) fn check_overlaps(&self) -> Result<(), Error> {
-        let simulation = self.simulation();
-        if !simulation.world.steps().is_multiple_of(EVERY) {
-            return Ok(());
-        }
-        let Some((pair, share)) = simulation.swallowed() else {
+    pub fn look(&mut self, simulation: &Simulation) -> Result<(), Error> {
+        self.see_depths(simulation);
+        let through = match self.passed(simulation) {
+            Some(pair) => Some((pair, 1.0)),
+            None if simulation.world.steps().is_multiple_of(EVERY) => simulation.swallowed(),
+            None => None,
+        };
+        let Some((pair, share)) = through else {
             return Ok(());
         };
-        let penalty = self.scenario().contact.penalty;
+        let penalty = simulation.penalty.value;
         let [a, b] = pair.map(|side| simulation.name_of(side));
         Err(Error::Through {
             a,
@@ -42,9 +78,109 @@ impl Run {
             enough: penalty * (share / WANTED).powi(2),
         })
     }
+
+    /// Records the deepest contact, and warns of the first deep one.
+    fn see_depths(&mut self, simulation: &Simulation) {
+        let world = &simulation.world;
+        let most = self.deepest.depth;
+        let is_new = |volume: f64, area: f64| volume > most * area;
+        let mut rigid = world.contacts().into_iter();
+        let mut soft = world.deformable_contacts();
+        let news =
+            rigid.any(|c| is_new(c.volume, c.area)) || soft.any(|c| is_new(c.volume, c.area));
+        let due = self.warnings.is_empty() && world.steps().is_multiple_of(EVERY);
+        if !(news || due) {
+            return;
+        }
+        for contact in simulation.contacts() {
+            let depth = simulation.depth_of(&contact);
+            let sides = [contact.a, Side::Member(contact.b)];
+            if depth > self.deepest.depth {
+                self.deepest = Deepest {
+                    depth,
+                    time: world.time(),
+                    between: sides.map(|side| simulation.name_of(side)),
+                };
+            }
+            let Some(thickness) = simulation.thickness_of(sides) else {
+                continue;
+            };
+            if self.warnings.is_empty() && depth > DEEP * thickness {
+                let share = depth / thickness;
+                let [a, b] = sides.map(|side| simulation.name_of(side));
+                let penalty = simulation.penalty.value;
+                let enough = penalty * (share / WANTED).powi(2);
+                self.warnings.push(format!(
+                    "{b} overlaps {a} by {:.0} % of its thickness, {depth:.2e} m, at {:.6} s: the penalty of {penalty:.2e} Pa is soft \
+                     for it; contact.penalty = {enough:.1e} would do",
+                    100.0 * share,
+                    world.time(),
+                ));
+            }
+        }
+    }
+
+    /// A wall of tetrahedra and a rigid body whose contact has turned round while the body was within it.
+    fn passed(&mut self, simulation: &Simulation) -> Option<[Side; 2]> {
+        let world = &simulation.world;
+        let walls = world.walls();
+        if !walls.iter().any(|wall| matches!(wall, WallShape::Mesh(_))) {
+            return None;
+        }
+        let before = std::mem::take(&mut self.sides);
+        let mut turned = None;
+        // A pair with several patches has no one side.
+        let mut several = BTreeSet::new();
+        for contact in world.contacts() {
+            let Partner::Wall(wall) = contact.a else {
+                continue;
+            };
+            let WallShape::Mesh(mesh) = &walls[wall as usize] else {
+                continue;
+            };
+            let pair = (wall, contact.b);
+            if self.sides.insert(pair, contact.normal.into()).is_some() {
+                several.insert(pair);
+            }
+            let last = before.get(&pair).map(|&normal| Vector3::from(normal));
+            let round = last.is_some_and(|normal| normal.dot(&contact.normal) < 0.0);
+            let member = simulation.member_of(contact.b);
+            if let (true, Some(member)) = (round, member) {
+                let volume = simulation.rigid_volume(Side::Member(member));
+                let section = volume.zip(simulation.diameter(member)).map(|(v, d)| v / d);
+                let within = section.map(|section| WITHIN * mesh.thickness() * section);
+                if within.is_some_and(|within| contact.volume > within) {
+                    turned = turned.or(Some((pair, member)));
+                }
+            }
+        }
+        self.sides.retain(|pair, _| !several.contains(pair));
+        let (pair, member) = turned?;
+        (!several.contains(&pair)).then_some([Side::Wall(pair.0 as usize), Side::Member(member)])
+    }
 }
 
 impl Simulation {
+    /// The number of a rigid body among the members.
+    pub(super) fn member_of(&self, body: u32) -> Option<usize> {
+        let mut members = self.members.iter();
+        members.position(|member| member.id == MemberId::Rigid(body))
+    }
+
+    /// Thickness of the thinner of the rigid bodies of a contact \[m\]; `None` with a deformable one, whose depth is its own
+    /// affair.
+    fn thickness_of(&self, sides: [Side; 2]) -> Option<f64> {
+        let mut least = f64::INFINITY;
+        for side in sides {
+            let Side::Member(member) = side else { continue };
+            let MemberId::Rigid(id) = self.members[member].id else {
+                return None;
+            };
+            least = least.min(2.0 * self.world.field_depth(self.world.shape_of(id)?)?);
+        }
+        Some(least)
+    }
+
     /// The first pair of which one has gone too deep, and the share of the smaller one's volume.
     fn swallowed(&self) -> Option<([Side; 2], f64)> {
         let sides = |contact: &super::contacts::ContactLine| [contact.a, Side::Member(contact.b)];
@@ -98,13 +234,87 @@ impl Simulation {
 
 #[cfg(test)]
 mod tests {
-    use crate::Error;
     use crate::run::{Run, Scenario};
+    use crate::{Error, Usage};
 
     fn ran(text: &str) -> Result<(), Error> {
         let folder = tempfile::tempdir().unwrap();
         let mut run = Run::new(Scenario::from_toml(text).unwrap()).unwrap();
         run.advance(folder.path(), u64::MAX)
+    }
+
+    /// A cube with the half edge R that rests on its face overlaps by a tenth of its thickness where p is 10 rho g R, 2.8 kPa.
+    #[test]
+    fn a_deep_overlap_warns_once_and_the_summary_has_it() {
+        for (penalty, warns) in [(2.0e3, true), (4.0e4, false)] {
+            let text = format!(
+                "duration = 0.5
+                contact.penalty = {penalty}
+                [material.m]
+                density = 1000
+                [[wall]]
+                name = \"floor\"
+                plane = {{ normal = [0, 0, 1] }}
+                [[body]]
+                name = \"block\"
+                shape = \"cube\"
+                size = 0.1
+                material = \"m\"
+                position = [0, 0, 0.0289]"
+            );
+            let folder = tempfile::tempdir().unwrap();
+            let mut run = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
+            run.advance(folder.path(), u64::MAX).unwrap();
+            let summary = run.finish(folder.path(), &Usage::default()).unwrap();
+            assert_eq!(summary.warnings.len(), usize::from(warns), "{summary}");
+            if warns {
+                assert!(
+                    summary.warnings[0].contains("block overlaps floor"),
+                    "{summary}"
+                );
+            }
+        }
+    }
+
+    /// A body that a soft penalty lets through a sheet is no result; the penalty that the run chooses holds it.
+    #[test]
+    fn a_body_does_not_pass_a_sheet_in_silence() {
+        let folder = tempfile::tempdir().unwrap();
+        let sheet = folder.path().join("sheet.obj");
+        let (x, z) = (0.05, 0.0005);
+        let mut text = String::new();
+        for k in 0..8 {
+            let sign = |bit: usize, size: f64| if k >> bit & 1 == 1 { size } else { -size };
+            text += &format!("v {} {} {}\n", sign(0, x), sign(1, x), sign(2, z));
+        }
+        text += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+        std::fs::write(&sheet, text).unwrap();
+        let scene = |contact: &str| {
+            format!(
+                "duration = 0.02
+                gravity = [0, 0, 0]
+                {contact}
+                [material.m]
+                density = 2500
+                [[wall]]
+                name = \"sheet\"
+                file = \"{}\"
+                [[body]]
+                name = \"ball\"
+                shape = \"A10\"
+                size = 0.03
+                material = \"m\"
+                position = [0, 0, 0.05]
+                velocity = [0, 0, -10]",
+                sheet.display()
+            )
+        };
+        let error = ran(&scene("contact.penalty = 1e6")).unwrap_err();
+        let Error::Through { a, b, .. } = &error else {
+            panic!("{error}");
+        };
+        assert_eq!([&**a, &**b], ["sheet", "ball"]);
+        ran(&scene("")).unwrap();
     }
 
     /// A scene fails between two sides, and not with the penalty that the message names.

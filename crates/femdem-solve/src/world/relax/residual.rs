@@ -13,6 +13,14 @@ struct Nodal {
 }
 
 impl World {
+    /// Largest net force of a node or of a whole deformable body over the mean contact force or, where nothing touches, over the
+    /// reference of [`WorldRelaxation::tolerance`](super::WorldRelaxation::tolerance); `None` without deformable bodies.
+    pub fn deformable_residual(&self) -> Option<f64> {
+        let mut report = WorldRelaxed::default();
+        let rigid = self.measure(&mut report);
+        (self.deformable_count() > 0).then_some(rigid.max(report.residual))
+    }
+
     /// Computes the residuals; returns that of the deformable bodies as wholes.
     pub(super) fn measure(&self, report: &mut WorldRelaxed) -> f64 {
         let nodal: Vec<Nodal> = self.deformables().map(|d| self.nodal_forces(d)).collect();

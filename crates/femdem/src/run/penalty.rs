@@ -1,0 +1,274 @@
+//! The penalty that a run chooses.
+
+use serde::{Deserialize, Serialize};
+
+use super::loads::{Loads, Placed, Tower};
+use super::{Scenario, Simulation};
+use crate::Error;
+
+/// Wanted mean depth of the contacts at rest, in circumscribed diameters.
+const PENETRATION: f64 = 0.005;
+
+/// Largest depth of an impact over the mean depth at rest.
+const AT_IMPACT: f64 = 10.0;
+
+/// Largest depth of an impact over the thickness of a wall of tetrahedra: the field rises over half of it.
+const OF_WALL: f64 = 0.25;
+
+/// What the impact of a corner takes, over that of a face of [`of_impact`] on half of the foundation.
+const CORNER: f64 = 3.0;
+
+/// Penalty times (mean depth over d)³ over the mean stress in a pack, where the field rises over [`FIELD_DEPTH`] d
+/// (`femdem_pack::automatic_penalty`).
+const OF_PACK: f64 = 1.7e-4;
+const FIELD_DEPTH: f64 = 0.42;
+
+/// Most that anything moves in a step, over the thickness of the thinnest body or wall.
+const OF_STEP: f64 = 0.25;
+
+/// How far a tower is from buckling on its contacts.
+const MARGIN: f64 = 3.0;
+
+/// The least penalty, unless a depth is asked for \[Pa\].
+const LEAST: f64 = 1e6;
+
+/// A penalty and why it was chosen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Penalty {
+    /// Pa.
+    pub value: f64,
+    /// Why it has this value, for people.
+    pub reason: String,
+}
+
+impl Scenario {
+    /// Bounds the step such that nothing moves in it by more than a part of the thinnest body or wall: it would pass through
+    /// without a contact.
+    ///
+    /// # Errors
+    ///
+    /// As [`World::set_time_step`](femdem_solve::World::set_time_step).
+    pub(super) fn bound_step(&self, simulation: &mut Simulation) -> Result<(), Error> {
+        let loads = Loads::of(self, simulation);
+        let each = || loads.placed.iter();
+        let thinnest = each().map(|body| 2.0 * body.field_depth);
+        let thinnest = thinnest.fold(loads.thinnest_wall, f64::min);
+        let fastest = each().map(|body| loads.speed_of(body)).fold(0.0, f64::max);
+        let bound = OF_STEP * thinnest / fastest;
+        let mut step = simulation.world.parameters().time_step;
+        // Without speed or thin things the quotient is no number.
+        if bound.is_finite() && step.largest.is_none_or(|given| given > bound) {
+            step.largest = Some(bound);
+            simulation.world.set_time_step(step)?;
+        }
+        Ok(())
+    }
+
+    /// Takes the penalty that the scene gives, or chooses one, before the first step.
+    ///
+    /// It is the largest of those that keep, for every rigid body,
+    /// - the depth on a face under what weighs on it,
+    /// - the mean depth of a pack under its weight,
+    /// - the depth of an impact at its fastest,
+    /// - a tower of one or several bodies from buckling,
+    ///
+    /// within `contact.penetration`, and at least 1 MPa where that is not given.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Option`] if both a penalty and a penetration are given, or one is out of range.
+    pub(super) fn set_penalty(&self, simulation: &mut Simulation) -> Result<(), Error> {
+        let asked = self.contact.penetration;
+        if let Some(value) = self.contact.penalty {
+            if asked.is_some() {
+                return Err(Error::Option {
+                    name: "contact.penetration",
+                    value: "given with contact.penalty".to_owned(),
+                    allowed: "give one of the two: a penalty decides the depth",
+                });
+            }
+            simulation.penalty = Penalty {
+                value,
+                reason: "given".to_owned(),
+            };
+            return Ok(());
+        }
+        if let Some(depth) = asked.filter(|depth| !(1e-6..=0.05).contains(depth)) {
+            return Err(Error::Option {
+                name: "contact.penetration",
+                value: depth.to_string(),
+                allowed: "from 1e-6 to 0.05, in circumscribed diameters; 0.005 is usual",
+            });
+        }
+        let loads = Loads::of(self, simulation);
+        let depth = asked.unwrap_or(PENETRATION);
+        let name = |member: usize| simulation.members[member].name.clone();
+        let mut best = match asked {
+            Some(_) => (0.0, String::new()),
+            None => (LEAST, "the least that is taken".to_owned()),
+        };
+        let mut try_it = |value: f64, reason: String| {
+            if value.is_finite() && value > best.0 {
+                best = (value, reason);
+            }
+        };
+        let size = |depth: f64| format!("{:.2} % of its size", 100.0 * depth);
+        for body in &loads.placed {
+            let name = name(body.member);
+            let force = loads.force_on(body);
+            try_it(
+                of_weight(&loads, body) / depth,
+                format!("{name} under {force:.2e} N rests {} deep", size(depth)),
+            );
+            let speed = loads.speed_of(body);
+            let deepest = loads.deepest(body, AT_IMPACT * depth);
+            try_it(
+                of_impact(&loads, body) / deepest.powi(2),
+                format!(
+                    "{name} at {speed:.2} m/s goes at most {} deep",
+                    size(deepest)
+                ),
+            );
+            let stress = loads.stress;
+            try_it(
+                of_pack(&loads, body) / depth.powi(3),
+                format!(
+                    "a pack under {stress:.2e} Pa is {} deep in the mean",
+                    size(depth)
+                ),
+            );
+        }
+        for tower in loads.towers() {
+            let name = name(tower.member);
+            let what = match tower.bodies {
+                1 => name,
+                several => format!("the stack of {several} bodies with {name}"),
+            };
+            try_it(
+                MARGIN * of_tower(&loads, &tower),
+                format!("{what} stands upright, with a margin of {MARGIN}"),
+            );
+        }
+        if best.0 == 0.0 {
+            best = (LEAST, "nothing weighs or moves".to_owned());
+        }
+        let mut contact = simulation.world.parameters().contact;
+        contact.penalty = up(best.0);
+        simulation.world.set_contact(contact)?;
+        simulation.penalty = Penalty {
+            value: contact.penalty,
+            reason: best.1,
+        };
+        Ok(())
+    }
+
+    /// The depths that the rigid bodies of a scene are expected to reach under its penalty.
+    #[must_use]
+    pub fn forecast(&self, simulation: &Simulation) -> Forecast {
+        let loads = Loads::of(self, simulation);
+        let penalty = simulation.penalty.value;
+        let mut forecast = Forecast::default();
+        for body in &loads.placed {
+            let name = &simulation.members[body.member].name;
+            let face = of_weight(&loads, body) / penalty;
+            forecast.at_rest.see(face, name);
+            forecast
+                .at_rest
+                .see((of_pack(&loads, body) / penalty).cbrt(), name);
+            forecast
+                .at_impact
+                .see((of_impact(&loads, body) / penalty).sqrt(), name);
+        }
+        forecast
+    }
+}
+
+/// A depth that is expected.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ExpectedDepth {
+    /// Depth in circumscribed diameters.
+    pub depth: f64,
+    /// Name of the body.
+    pub body: String,
+}
+
+impl ExpectedDepth {
+    fn see(&mut self, depth: f64, name: &str) {
+        if depth > self.depth {
+            *self = Self {
+                depth,
+                body: name.to_owned(),
+            };
+        }
+    }
+}
+
+/// The largest depths that are expected of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Forecast {
+    /// Under the weights.
+    pub at_rest: ExpectedDepth,
+    /// At the fastest impact that start, fall and prescribed motions allow.
+    pub at_impact: ExpectedDepth,
+}
+
+impl Loads {
+    /// Force that weighs on a body at most \[N\]: its weight and, over its footprint, that of all others; at most all together.
+    fn force_on(&self, body: &Placed) -> f64 {
+        (body.mass * self.gravity + self.stress * body.footprint()).min(self.weight)
+    }
+
+    /// Fastest impact of a body \[m/s\].
+    fn speed_of(&self, body: &Placed) -> f64 {
+        body.speed + (2.0 * self.gravity * body.drop).sqrt() + self.driven
+    }
+
+    /// The wanted depth, and at most a part of the thinnest wall of tetrahedra, in diameters of the body.
+    fn deepest(&self, body: &Placed, wanted: f64) -> f64 {
+        wanted.min(OF_WALL * self.thinnest_wall / body.diameter)
+    }
+}
+
+/// The next larger number of two digits.
+fn up(value: f64) -> f64 {
+    let text = format!("{value:.1e}");
+    let rounded = text.parse().unwrap_or(value);
+    if rounded >= value {
+        rounded
+    } else {
+        let digit = 10_f64.powi(value.log10().floor() as i32 - 1);
+        format!("{:.1e}", value + digit).parse().unwrap_or(value)
+    }
+}
+
+/// Penalty times depth/d. A prism on a face of area A with the field depth R has the force p A depth/R on a wall, and its volume
+/// is about 2 A R: p = 2 F R²/(V depth).
+fn of_weight(loads: &Loads, body: &Placed) -> f64 {
+    2.0 * loads.force_on(body) * body.field_depth.powi(2) / (body.volume * body.diameter)
+}
+
+/// Penalty times (depth/d)³ of a pack: `femdem_pack::automatic_penalty` under half of the largest stress.
+fn of_pack(loads: &Loads, body: &Placed) -> f64 {
+    if loads.placed.len() < 2 {
+        return 0.0;
+    }
+    let field = body.field_depth / (FIELD_DEPTH * body.diameter);
+    OF_PACK * 0.5 * loads.stress * field
+}
+
+/// Penalty times (depth/d)². The energy m v²/2 of a prism that falls on a face is p A depth²/(2 R) there: with V = 2 A R, p = 2
+/// (m/V) v² (R/depth)². A corner has less volume to the same depth, and goes deeper.
+fn of_impact(loads: &Loads, body: &Placed) -> f64 {
+    let density = body.mass / body.volume;
+    CORNER * density * (loads.speed_of(body) * body.field_depth / body.diameter).powi(2)
+}
+
+/// A prism of height L on its foundation turns over unless p > 1.5 rho g L³/w²: a face of half-width w/2 has the stiffness p
+/// A/(L/2) w²/12 against the moment rho g A L²/2. A stack of bodies bends as a column: p > 3 rho g L³/(7.84 w²).
+fn of_tower(loads: &Loads, tower: &Tower) -> f64 {
+    let load = tower.density * loads.gravity * tower.height.powi(3) / tower.width.powi(2);
+    match tower.bodies {
+        1 => 1.5 * load,
+        _ => 3.0 / 7.84 * load,
+    }
+}

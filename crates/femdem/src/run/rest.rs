@@ -1,0 +1,169 @@
+//! Whether a simulation is at rest, and the end of a run at rest.
+
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::contacts::ContactForces;
+use super::{BoundaryEntry, ContactLine, MemberId, Run, Side, Simulation};
+
+/// Largest residual of a body at rest, as for a settled pack.
+const RESIDUAL: f64 = 0.02;
+
+/// Largest kinetic energy of a body at rest over its load times its diameter, as for a settled pack.
+const MOTION: f64 = 1e-6;
+
+/// Largest difference between what walls and supports carry and what weighs on them.
+const BALANCE: f64 = 1e-3;
+
+/// The part of the forces on the walls that counts as their load where it is larger than the weight: a press carries
+/// many weights.
+const OF_WALLS: f64 = 0.01;
+
+/// In this last part of the duration nothing is frozen, so that the end of a run shows no force that a frozen body holds
+/// back.
+const AWAKE_AT_LAST: f64 = 0.05;
+
+/// How near a simulation is to rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Standing {
+    /// Whether it is at rest: nothing moves as prescribed, the residual is at most 0.02, the motion at most 1e-6, and the
+    /// force balance at most 1e-3.
+    pub at_rest: bool,
+    /// Whether a wall, a body or nodes move as prescribed now.
+    pub driven: bool,
+    /// Bodies that are frozen; what they are out of balance by is part of the residual.
+    pub frozen: usize,
+    /// Largest net force of a rigid body without dashpots, or net moment over its diameter, over the larger of its weight
+    /// and its mean contact force; of deformable bodies the largest net force of a node or of a whole body over the mean
+    /// contact force or, where nothing touches, the loads.
+    pub residual: f64,
+    /// Name of the rigid body with the largest residual; `null` without rigid bodies.
+    pub worst: Option<String>,
+    /// Largest kinetic energy of a body over its diameter times the larger of its weight and its mean contact force; `null`
+    /// if a body moves that has neither.
+    pub motion: Option<f64>,
+    /// Size of the sum of the forces on walls, supports and driven bodies less the weights and loads of all others, over the
+    /// larger of those weights and a hundredth of those forces.
+    pub force_balance: f64,
+}
+
+impl Simulation {
+    /// How near the bodies are to rest, by the forces of the last step.
+    #[must_use]
+    pub fn standing(&self) -> Standing {
+        let contacts = self.contacts();
+        let ids = 0..self.world.body_count() as u32;
+        let frozen = ids.filter(|&id| self.world.is_asleep(id)).count()
+            + (self.world.deformable_count() - self.world.awake_deformable_count());
+        let found = self.world.residuals();
+        let elements = self.world.deformable_residual().unwrap_or(0.0);
+        let residual = found.max_over_load.max(elements);
+        let motion = self.motion(&contacts);
+        let force_balance = self.force_balance(&self.forces(&contacts));
+        let driven = self.world.is_driven(0.0);
+        let worst = found.worst_body.and_then(|id| {
+            let mut members = self.members.iter();
+            let member = members.find(|member| member.id == MemberId::Rigid(id));
+            member.map(|member| member.name.clone())
+        });
+        Standing {
+            at_rest: !driven
+                && residual <= RESIDUAL
+                && motion <= MOTION
+                && force_balance <= BALANCE,
+            driven,
+            frozen,
+            residual,
+            worst,
+            motion: motion.is_finite().then_some(motion),
+            force_balance,
+        }
+    }
+
+    /// Largest kinetic energy of a free body over its diameter times its load.
+    fn motion(&self, contacts: &[ContactLine]) -> f64 {
+        let mut forces = vec![(0.0, 0.0); self.members.len()];
+        for contact in contacts {
+            let a = match contact.a {
+                Side::Member(member) => Some(member),
+                Side::Wall(_) => None,
+            };
+            for member in a.into_iter().chain([contact.b]) {
+                forces[member].0 += contact.normal_force;
+                forces[member].1 += 1.0;
+            }
+        }
+        let g = self.world.parameters().gravity.norm();
+        let each = forces.into_iter().enumerate();
+        let each = each.filter_map(|(member, (sum, count))| {
+            let (energy, mass) = match self.members[member].id {
+                MemberId::Rigid(id) if self.world.follows_drive(id)? => return None,
+                MemberId::Rigid(id) => (self.world.body_kinetic_energy(id)?, self.world.mass(id)?),
+                MemberId::Deformable(id) => {
+                    let body = self.world.deformable(id)?;
+                    (body.kinetic_energy(), body.model().masses().iter().sum())
+                }
+            };
+            if energy == 0.0 {
+                return Some(0.0);
+            }
+            let load = f64::max(mass * g, sum / f64::max(count, 1.0));
+            Some(energy / (load * self.diameter(member)?))
+        });
+        each.fold(0.0, f64::max)
+    }
+
+    /// Size of what walls, supports and driven bodies carry less what weighs on them, over what weighs.
+    fn force_balance(&self, forces: &ContactForces) -> f64 {
+        let g = self.world.parameters().gravity;
+        let mut weight = Vector3::zeros();
+        let mut carried: Vec<Vector3> = forces.walls.clone();
+        carried.extend(self.reactions().iter().map(|force| -force));
+        for (member, force) in self.members.iter().zip(&forces.members) {
+            match member.id {
+                MemberId::Rigid(id) if self.world.follows_drive(id) == Some(true) => {
+                    carried.push(*force);
+                }
+                MemberId::Rigid(id) => weight += g * self.world.mass(id).unwrap_or_default(),
+                MemberId::Deformable(id) => {
+                    let Some(body) = self.world.deformable(id) else {
+                        continue;
+                    };
+                    weight += g * body.model().masses().iter().sum::<f64>();
+                    weight += body.loads().iter().sum::<Vector3>();
+                }
+            }
+        }
+        let sum: Vector3 = carried.iter().sum();
+        let borne: f64 = carried.iter().map(Vector3::norm).sum();
+        let missing = (sum - weight).norm();
+        if missing == 0.0 {
+            0.0
+        } else {
+            missing / weight.norm().max(OF_WALLS * borne)
+        }
+    }
+}
+
+impl Run {
+    /// Lets bodies be frozen, or wakes them: nothing is frozen while rest is verified, nor near the end.
+    pub(super) fn allow_sleep(&mut self) {
+        let scenario = self.scenario();
+        let last = (1.0 - AWAKE_AT_LAST) * scenario.duration;
+        let world = &self.simulation().world;
+        let allowed = scenario.sleeping && !self.is_verifying() && world.time() < last;
+        if world.parameters().sleeping.enabled != allowed {
+            self.simulation_mut().world.set_sleeping(allowed);
+        }
+    }
+
+    /// Whether prescribed motions or changes of loads are still to come.
+    pub(super) fn is_more_to_come(&self) -> bool {
+        let world = &self.simulation().world;
+        let bodies = &self.scenario().body;
+        let conditions = bodies.iter().flat_map(|body| &body.boundary);
+        let mut loads = conditions.map(BoundaryEntry::settled_from);
+        world.is_driven(self.scenario().duration - world.time())
+            || loads.any(|settled| settled > world.time())
+    }
+}
