@@ -13,3 +13,4 @@ mod scene_keys;
 mod scene_physics;
 mod scene_statics;
 mod shapes;
+mod surfaces;

@@ -6,7 +6,7 @@ use anyhow::Result;
 use femdem::run::{BodySummary, Run};
 
 use super::progress::span;
-use super::{complain, overlaps, say};
+use super::{complain, overlaps, say, say_notes};
 
 /// Largest number of trial steps, and the time on the clock after which no more are taken.
 const TRIAL_STEPS: u64 = 50;
@@ -22,6 +22,7 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     if !scenario.title.is_empty() {
         say(&scenario.title);
     }
+    say_notes(&simulation.notes);
     list(&simulation.bodies());
     let walls: Vec<_> = simulation.world.walls().iter().map(|w| w.name()).collect();
     if !walls.is_empty() {

@@ -169,6 +169,7 @@ pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Erro
             world,
             members,
             supports: Vec::new(),
+            notes: Vec::new(),
         },
         relaxed,
         bodies,

@@ -14,6 +14,7 @@ use super::names::{Names, check_names};
 use super::words::KEYS;
 use super::{Behaviour, BodyEntry, MaterialEntry, Scenario, Support};
 use crate::Error;
+use crate::scene::ShapeNote;
 
 /// Largest number of frames, and of rows of the history: outputs are counted one by one, and the count must not
 /// be lost to rounding.
@@ -49,6 +50,9 @@ pub struct Simulation {
     pub members: Vec<Member>,
     /// The supports of deformable bodies, in the same order.
     pub supports: Vec<Support>,
+    /// How surface files were read and bodies meshed, each once. Not stored: it belongs to making the simulation.
+    #[serde(skip)]
+    pub notes: Vec<ShapeNote>,
 }
 
 /// The stored form of a simulation, before its world is rebuilt.
@@ -73,6 +77,7 @@ impl TryFrom<Stored> for Simulation {
             world,
             members,
             supports,
+            notes: Vec::new(),
         })
     }
 }
@@ -91,12 +96,14 @@ impl Scenario {
             world: world.map_err(|error| Error::from(error).by_keys(&KEYS))?,
             members: Vec::new(),
             supports: Vec::new(),
+            notes: Vec::new(),
         };
         let mut names = Names::default();
         for (number, wall) in (1..).zip(&self.wall) {
             let name = names.of("wall", &wall.name, &format!("wall {number}"))?;
             let added = wall.add_to(&name, &mut simulation.world);
-            added.map_err(in_entry(format!("wall \"{name}\"")))?;
+            let note = added.map_err(in_entry(format!("wall \"{name}\"")))?;
+            simulation.note(note.as_ref());
         }
         let mut names = Names::default();
         // Successive entries often have the same geometry, and meshing can take long.
@@ -113,6 +120,7 @@ impl Scenario {
                 let geometry = known.map_or_else(|| body.geometry(), |(_, known)| Ok(known))?;
                 let name = names.of("body", &body.name, &geometry.name)?;
                 simulation.add(self, body, &name, &geometry)?;
+                simulation.note(geometry.note.as_ref());
                 last = Some((body, geometry));
                 Ok(())
             };
@@ -246,6 +254,13 @@ impl Scenario {
 }
 
 impl Simulation {
+    /// Keeps how a shape was made, if that is news.
+    fn note(&mut self, note: Option<&ShapeNote>) {
+        if let Some(note) = note.filter(|note| note.is_news() && !self.notes.contains(note)) {
+            self.notes.push(note.clone());
+        }
+    }
+
     fn add(
         &mut self,
         scenario: &Scenario,
