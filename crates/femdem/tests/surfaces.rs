@@ -20,6 +20,9 @@ fn scene(entries: &str) -> String {
     format!("duration = 1e-5\ngravity = [0, 0, 0]\n[material.stone]\ndensity = 2000\n{entries}")
 }
 
+/// An entry with a file and further keys.
+type Entry = fn(&str, &str) -> String;
+
 fn body(name: &str, rest: &str) -> String {
     let path = kept(name).display().to_string();
     format!("[[body]]\nshape = '{path}'\nmaterial = \"stone\"\n{rest}\n")
@@ -37,6 +40,7 @@ fn refusal(entries: &str) -> String {
 
 #[test]
 fn a_scene_mends_files_only_if_it_asks_for_it_and_keeps_what_was_done() {
+    let kinds: [(Entry, &str); 2] = [(body, "body 1"), (wall, "wall \"block\"")];
     let cube =
         "[[body]]\nshape = \"cube\"\nsize = 0.01\nposition = [1, 0, 0]\nmaterial = \"stone\"\n";
     for (name, done) in [
@@ -45,10 +49,7 @@ fn a_scene_mends_files_only_if_it_asks_for_it_and_keeps_what_was_done() {
         ("loose_vertices.obj", "28 vertices joined to another"),
         ("seam.obj", "1 vertices on edges of other facets joined"),
     ] {
-        for (entry, place) in [
-            (body as fn(&str, &str) -> String, "body 1"),
-            (wall, "wall \"block\""),
-        ] {
+        for (entry, place) in kinds {
             let message = refusal(&(entry(name, "") + cube));
             for word in [place, name, "repair"] {
                 assert!(message.contains(word), "{word}: {message}");
