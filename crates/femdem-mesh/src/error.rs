@@ -140,14 +140,37 @@ pub enum MeshError {
         /// Number of fans of faces.
         fans: usize,
     },
-    /// The surface is several closed surfaces.
+    /// The surface is several closed surfaces, none inside another.
     #[error(
-        "the surface has {components} separate closed parts: a body must be one; \
-         give each part on its own"
+        "the surface has {components} separate closed shells: a body must be one; join them into one \
+         surface (a union), or give each as a body of its own"
     )]
     Disconnected {
-        /// Number of closed parts.
+        /// Number of closed shells.
         components: usize,
+    },
+    /// The surface is several closed surfaces, and one lies inside another.
+    #[error(
+        "the surface is hollow: it has {shells} closed shells, and that of face {face} lies inside \
+         another: bodies with closed hollows are not supported; leave the inner shells out, and lower \
+         the density if the mass is to be that of the hollow body"
+    )]
+    Hollow {
+        /// Number of closed shells.
+        shells: usize,
+        /// A face of a shell that lies inside another.
+        face: usize,
+    },
+    /// The surface is several closed surfaces that share facets, edges or vertices.
+    #[error(
+        "the surface has {shells} closed shells that touch at {facets}: a body must be one; join them \
+         into one surface (a union), or give each as a body of its own"
+    )]
+    Touching {
+        /// Number of closed shells, by the vertex numbers of the file.
+        shells: usize,
+        /// Facets there.
+        facets: FacetList,
     },
     /// A face has no area.
     #[error(
@@ -527,6 +550,18 @@ pub enum MeshError {
         dihedral: f64,
         /// Smallest allowed \[rad\].
         allowed: f64,
+    },
+    /// A body is so thin for its size that a lattice fine enough for it would be too large.
+    #[error(
+        "the body is too thin for its size to be meshed: its mean thickness asks for a lattice with edges of \
+         {length:.2e} m, of about {nodes:.1e} nodes, and at most 2e7 are allowed: make it thicker, take it \
+         apart into several bodies, or give tetrahedra of your own"
+    )]
+    TooThin {
+        /// Twice the volume over the area of the surface \[m\].
+        length: f64,
+        /// Nodes of a lattice with edges of this length.
+        nodes: f64,
     },
     /// No mesh of a body could be made.
     #[error(

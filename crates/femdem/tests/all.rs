@@ -14,3 +14,4 @@ mod scene_physics;
 mod scene_rest;
 mod scene_statics;
 mod shapes;
+mod surfaces;

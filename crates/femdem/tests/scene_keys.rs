@@ -34,6 +34,7 @@ fn body() -> BodyEntry {
         diameter: Some(1.0),
         size: Some(1.0),
         unit: Unit::M,
+        repair: true,
         material: "m".to_owned(),
         region: vec![region()],
         behaviour: Behaviour::Rigid,
@@ -147,6 +148,7 @@ fn wall() -> WallEntry {
         cylinder: Some(cylinder()),
         file: Some(PathBuf::from("w.stl")),
         unit: Unit::M,
+        repair: true,
         motion: Some(SHAKE),
     }
 }

@@ -25,7 +25,8 @@ pub fn read(reader: impl BufRead) -> Result<Polyhedron, MeshError> {
 /// # Errors
 ///
 /// If a vertex or face cannot be read (the message names the line), there are none, or they do not form one
-/// closed surface; several closed surfaces in one file are [`MeshError::Disconnected`].
+/// closed surface; several closed surfaces in one file are [`MeshError::Disconnected`],
+/// [`MeshError::Touching`] or, one inside another, [`MeshError::Hollow`].
 pub fn parse(text: impl AsRef<[u8]>) -> Result<Polyhedron, MeshError> {
     super::parse(text.as_ref(), Format::Obj, &Options::default()).map(|(body, _)| body)
 }

@@ -2,6 +2,7 @@
 
 mod intersect;
 mod planes;
+mod shells;
 mod topology;
 mod triangulate;
 
@@ -10,9 +11,10 @@ use crate::pose::checked_pose;
 use crate::{MassProperties, MeshError, Point3, Pose, Vector3, merge};
 pub(crate) use planes::Plane;
 use serde::{Deserialize, Serialize};
+pub(crate) use shells::refusal as several_shells;
 use std::cell::Cell;
 use std::collections::BTreeSet;
-pub(crate) use topology::{check as check_topology, check_counts, sides};
+pub(crate) use topology::{Groups, check as check_topology, check_counts, sides};
 pub(crate) use triangulate::{SHARP, triangulate};
 
 /// A vertex may lie off the plane of its face by this part of the bounding box's diagonal.
@@ -80,15 +82,18 @@ impl Polyhedron {
     ///
     /// Refuses, naming the place: coordinates that are not finite; fewer than 4 vertices or faces;
     /// indices out of range; a face that repeats a vertex; vertices that no face uses; edges
-    /// without exactly two faces of opposite direction; several surfaces, or surfaces that touch
-    /// in a vertex; faces without area, or not planar within [`PLANARITY_TOLERANCE`]; a surface
+    /// without exactly two faces of opposite direction; several surfaces, one inside another (a hollow
+    /// body) or not, or surfaces that touch in a vertex; faces without area, or not planar within [`PLANARITY_TOLERANCE`]; a surface
     /// that is inside out; and bodies too small, too large or too far from the origin for the
     /// arithmetic. Surfaces that cut through themselves are not found out: see
     /// [`self_intersections`](Self::self_intersections).
     pub fn new(vertices: Vec<Point3>, faces: Vec<Vec<u32>>) -> Result<Self, MeshError> {
         topology::check_counts(vertices.len(), faces.len())?;
         let extent = check_coordinates(&vertices)?;
-        topology::check(vertices.len(), &faces)?;
+        topology::check(vertices.len(), &faces).map_err(|error| match error {
+            MeshError::Disconnected { .. } => several_shells(&vertices, &faces),
+            error => error,
+        })?;
         let (corners, starts) = flatten(&faces)?;
         planes::check(&vertices, &faces, extent)?;
         let polyhedron = Self::from_valid(vertices, corners, starts);

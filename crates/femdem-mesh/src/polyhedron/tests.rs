@@ -175,6 +175,86 @@ fn two_bodies_are_refused_apart_and_touching_in_a_vertex() {
     );
 }
 
+/// The unit cube with another one: scaled, moved and turned inside out or not.
+fn with_second(scale: f64, shift: [f64; 3], inward: bool) -> MeshError {
+    error_of(|v, f| {
+        let shift = Vector3::from(shift);
+        let second: Vec<Point3> = v.iter().map(|p| p * scale + shift).collect();
+        let faces: Vec<Vec<u32>> = f
+            .iter()
+            .map(|face| face.iter().map(|i| i + 8).collect())
+            .map(|face: Vec<u32>| {
+                if inward {
+                    face.into_iter().rev().collect()
+                } else {
+                    face
+                }
+            })
+            .collect();
+        v.extend(second);
+        f.extend(faces);
+    })
+}
+
+#[test]
+fn a_shell_inside_another_is_a_hollow_whichever_is_given_first() {
+    for inward in [true, false] {
+        let error = with_second(0.5, [0.2, 0.3, 0.1], inward);
+        assert!(
+            matches!(error, MeshError::Hollow { shells: 2, face: 6 }),
+            "{error}"
+        );
+        assert!(error.to_string().contains("hollow"), "{error}");
+        let error = with_second(3.0, [-1.0; 3], inward);
+        assert!(
+            matches!(error, MeshError::Hollow { shells: 2, face: 0 }),
+            "{error}"
+        );
+        // Half of it sticks out.
+        for shift in [[0.2, 0.3, 0.8], [0.2, 0.3, 1.8]] {
+            let error = with_second(0.5, shift, inward);
+            assert!(
+                matches!(error, MeshError::Disconnected { components: 2 }),
+                "{error}"
+            );
+        }
+    }
+}
+
+/// A cube in the notch of a U lies within the box around the U, not inside it.
+#[test]
+fn a_shell_in_a_notch_is_not_inside() {
+    let u = [
+        [0., 0.],
+        [3., 0.],
+        [3., 3.],
+        [2., 3.],
+        [2., 1.],
+        [1., 1.],
+        [1., 3.],
+        [0., 3.],
+    ];
+    let u = prism(&u).scaled(3.0).unwrap();
+    let (low, high) = bounding_box(u.vertices());
+    let at = Point3::new(4.0, 6.0, 0.5 * (low.z + high.z) - 0.5);
+    let mut vertices = u.vertices().to_vec();
+    let mut faces: Vec<Vec<u32>> = u.faces().map(<[u32]>::to_vec).collect();
+    let first = vertices.len() as u32;
+    let (cube, squares) = unit_cube();
+    vertices.extend(cube.iter().map(|p| p + at.coords));
+    faces.extend(
+        squares
+            .iter()
+            .map(|face| face.iter().map(|i| i + first).collect::<Vec<_>>()),
+    );
+    assert!(low.z < at.z && at.z + 1.0 < high.z);
+    let error = Polyhedron::new(vertices, faces).unwrap_err();
+    assert!(
+        matches!(error, MeshError::Disconnected { components: 2 }),
+        "{error}"
+    );
+}
+
 #[test]
 fn faces_must_be_planar_and_have_an_area() {
     let error = error_of(|v, _| v[7].z += 1e-3);

@@ -130,6 +130,19 @@ fn check_single(sides: &[Side]) -> Result<(), MeshError> {
     Ok(())
 }
 
+/// For each face the first face of its closed shell: the faces that are connected with it through edges. The
+/// connectivity must be valid otherwise.
+pub(super) fn shell_of(faces: &[Vec<u32>]) -> Vec<usize> {
+    let sides = sorted_sides(faces);
+    let mut shells = Groups::new(faces.len());
+    for side in &sides {
+        for opposite in between(&sides, side.to, side.from) {
+            shells.join(side.face, opposite.face);
+        }
+    }
+    (0..faces.len()).map(|face| shells.root(face)).collect()
+}
+
 /// The faces form one surface, and those around a vertex one fan.
 fn check_one_piece(
     vertex_count: usize,
@@ -165,18 +178,20 @@ fn check_one_piece(
 }
 
 /// Disjoint groups of the numbers 0 to n - 1 (union-find with path halving).
-struct Groups {
+pub(crate) struct Groups {
     parent: Vec<usize>,
 }
 
 impl Groups {
-    fn new(n: usize) -> Self {
+    /// Each number by itself.
+    pub(crate) fn new(n: usize) -> Self {
         Self {
             parent: (0..n).collect(),
         }
     }
 
-    fn root(&mut self, mut i: usize) -> usize {
+    /// The smallest number of the group.
+    pub(crate) fn root(&mut self, mut i: usize) -> usize {
         while self.parent[i] != i {
             self.parent[i] = self.parent[self.parent[i]];
             i = self.parent[i];
@@ -184,7 +199,8 @@ impl Groups {
         i
     }
 
-    fn join(&mut self, i: usize, j: usize) {
+    /// Makes one group of two.
+    pub(crate) fn join(&mut self, i: usize, j: usize) {
         let (i, j) = (self.root(i), self.root(j));
         self.parent[i.max(j)] = i.min(j);
     }

@@ -1,7 +1,9 @@
 //! Facets before they form a body, and removal of invalid ones.
 
 use super::FacetList;
-use crate::polyhedron::{Plane, SHARP, check_coordinates, check_topology, triangulate};
+use crate::polyhedron::{
+    Plane, SHARP, check_coordinates, check_topology, several_shells, triangulate,
+};
 use crate::{MeshError, PLANARITY_TOLERANCE, Point3, Polyhedron, merge};
 
 /// Largest number of pairs of triangles compared in a search for cuts, per triangle.
@@ -129,6 +131,9 @@ impl Surface {
                     count: fans,
                 }
             }
+            MeshError::Disconnected { .. } => {
+                renumbered(several_shells(&self.points, &self.loops), &self.origin)
+            }
             other => renumbered(other, &self.origin),
         }
     }
@@ -177,6 +182,7 @@ fn renumbered(mut error: MeshError, origin: &[usize]) -> MeshError {
         | MeshError::RepeatedVertex { face, .. }
         | MeshError::OpenEdge { face, .. }
         | MeshError::DegenerateFace { face, .. }
+        | MeshError::Hollow { face, .. }
         | MeshError::NotPlanar { face, .. } => number(face),
         MeshError::InconsistentOrientation { first, second, .. } => {
             number(first);

@@ -8,13 +8,15 @@
 //! Everything else is an error that names the facets, counted from 0 in the order of the file. With repair, the
 //! following faults are mended and counted in the [`Report`]: facets without area, facets given twice, vertices
 //! that lie on an edge of another facet, gaps up to [`REPAIR_WELD`], polygons that are not planar, and surfaces
-//! that are inside out. Holes are never filled, and surfaces that cut through themselves are always refused.
+//! that are inside out. Holes are never filled, and surfaces that cut through themselves are always refused, as are
+//! several closed shells: hollow bodies, and bodies beside each other, whether they touch or not.
 
 mod clean;
 mod facets;
 mod orient;
 mod report;
 mod seams;
+mod shells;
 mod weld;
 
 pub use facets::FacetList;
@@ -110,9 +112,13 @@ pub(crate) fn close(
     report.vertices_unused = surface.compact();
     let distance = weld * check_coordinates(&surface.points)?;
 
+    let shells = surface.closed_shells();
     report.vertices_welded = surface.weld(distance);
     report.facets_without_area = surface.drop_degenerate(options.repair)?;
-    report.facets_given_twice = surface.drop_duplicates(options.repair)?;
+    report.facets_given_twice = match surface.drop_duplicates(options.repair) {
+        Ok(count) => count,
+        Err(error) => return Err(surface.given_twice(shells, error)),
+    };
     if options.repair {
         (report.seams_joined, report.facets_split) = surface.join_seams(distance);
     }
@@ -121,7 +127,8 @@ pub(crate) fn close(
         report.facets_split += surface.split_bent()?;
     }
     check_counts(surface.points.len(), surface.loops.len())?;
-    surface.check_edges()?;
+    let touching = |error| shells::touching(shells, error);
+    surface.check_edges().map_err(touching)?;
     if options.orient != Orient::Keep || options.repair {
         report.facets_flipped = surface.orient()?;
         let outward = options.repair || options.orient == Orient::Outward;
@@ -129,7 +136,7 @@ pub(crate) fn close(
             report.turned_outward = surface.turn_outward();
         }
     }
-    Ok((surface.into_body()?, report))
+    Ok((surface.into_body().map_err(touching)?, report))
 }
 
 #[cfg(test)]

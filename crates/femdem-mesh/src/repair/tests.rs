@@ -193,6 +193,56 @@ fn facets_inside_the_body_and_parts_that_touch_are_named() {
     );
 }
 
+/// A second unit cube, moved, with vertices of its own.
+fn with_second(shift: [f64; 3]) -> Soup {
+    let (mut vertices, mut facets) = cube();
+    let shift = crate::Vector3::from(shift);
+    vertices.extend(cube().0.iter().map(|p| p + shift));
+    facets.extend(cube().1.iter().map(|f| f.iter().map(|v| v + 8).collect()));
+    (vertices, facets)
+}
+
+#[test]
+fn shells_that_share_faces_or_edges_are_counted() {
+    for options in [Options::default(), Options::REPAIR] {
+        for shift in [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]] {
+            let error = close(with_second(shift), options).unwrap_err();
+            assert!(
+                matches!(error, MeshError::Touching { shells: 2, .. }),
+                "{error}"
+            );
+            assert!(
+                error.to_string().contains("2 closed shells that touch"),
+                "{error}"
+            );
+        }
+    }
+    // Vertices in common from the start: what touches is not known to be two shells.
+    let (vertices, mut facets) = with_second([1.0, 1.0, 0.0]);
+    for v in facets.iter_mut().flatten() {
+        let same = |p: &Point3| *p == vertices[*v as usize];
+        *v = vertices.iter().position(same).unwrap() as u32;
+    }
+    let error = refusal((vertices, facets));
+    assert!(
+        matches!(error, MeshError::NonManifoldFacets { .. }),
+        "{error}"
+    );
+}
+
+/// The same body twice, with vertices of its own, is no pair of shells that touch.
+#[test]
+fn a_whole_body_given_twice_is_one_body_on_request() {
+    let twice = with_second([0.0; 3]);
+    let error = refusal(twice.clone());
+    assert!(
+        matches!(error, MeshError::DuplicateFacets { .. }),
+        "{error}"
+    );
+    let (body, report) = close(twice, Options::REPAIR).unwrap();
+    assert_eq!((body.face_count(), report.facets_given_twice), (6, 6));
+}
+
 #[test]
 fn degenerate_and_double_facets_are_named_and_dropped_on_request() {
     let (mut vertices, mut facets) = cube();

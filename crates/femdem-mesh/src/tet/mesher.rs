@@ -100,8 +100,9 @@ pub struct MeshReport {
 ///
 /// # Errors
 ///
-/// If options are out of range, the lattice would be too large, or no mesh meets the options within the
-/// refinements allowed: the error states what failed at the finest length tried.
+/// If options are out of range, the lattice would be too large ([`MeshError::TooThin`] if no edge length is given),
+/// or no mesh meets the options within the refinements allowed: the error states what failed at the finest length
+/// tried.
 pub fn mesh(body: &Polyhedron, options: &MeshOptions) -> Result<(TetMesh, MeshReport), MeshError> {
     check(options)?;
     let least = options.min_dihedral;
@@ -131,6 +132,12 @@ pub fn mesh(body: &Polyhedron, options: &MeshOptions) -> Result<(TetMesh, MeshRe
     let first = options
         .edge_length
         .unwrap_or(2.0 * mass.volume / body.area());
+    if options.edge_length.is_none() && is_too_fine(body, first) {
+        return Err(MeshError::TooThin {
+            length: first,
+            nodes: Lattice::estimate(body, first),
+        });
+    }
     let prepared = Body::new(body);
     let mut length = first;
     let mut result = stuff(body, &prepared, length, options);

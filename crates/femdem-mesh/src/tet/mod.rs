@@ -52,11 +52,12 @@ mod winding;
 
 use crate::polyhedron::check_coordinates;
 use crate::{MassProperties, MeshError, Point3, Polyhedron, Vector3};
-use distance::Triangles;
+pub(crate) use distance::Triangles;
 pub use mesher::{MeshOptions, MeshReport, Method, mesh};
 pub use quadratic::{MID_EDGES, QuadraticMesh};
 pub use quality::Quality;
 use serde::{Deserialize, Serialize};
+pub(crate) use winding::Winding;
 
 /// The triangles of a tetrahedron of positive volume, opposite its points 0 to 3, each
 /// counter-clockwise seen from outside.
@@ -237,7 +238,7 @@ impl TetMesh {
     /// # Errors
     ///
     /// If the skin is not one valid surface: it touches itself in a point or an edge, or has
-    /// several parts (a cavity).
+    /// several parts ([`MeshError::Hollow`] if one lies inside another).
     pub fn surface(&self) -> Result<Polyhedron, MeshError> {
         let mut new_index = vec![0; self.points.len()];
         let mut vertices = Vec::new();

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 const FAR: f64 = 4.0;
 
 /// A closed surface in groups of neighbouring triangles.
-pub(super) struct Winding {
+pub(crate) struct Winding {
     groups: Vec<Group>,
 }
 
@@ -22,7 +22,7 @@ struct Group {
 
 impl Winding {
     /// Makes about as many groups as there are triangles in each.
-    pub(super) fn new(triangles: &Triangles) -> Self {
+    pub(crate) fn new(triangles: &Triangles) -> Self {
         let order = triangles.order();
         let size = (order.len() as f64).sqrt().ceil().max(1.0) as usize;
         let members = |group: &[u32]| {
@@ -37,7 +37,7 @@ impl Winding {
     /// The solid angle of the surface over that of the sphere: 1 inside, 0 outside
     /// (A. Jacobson, L. Kavan and O. Sorkine-Hornung, ACM Trans. Graph. 32 (2013) 33). Far groups
     /// as dipoles, after G. Barill et al., ACM Trans. Graph. 37 (2018) 43.
-    pub(super) fn number(&self, p: &Point3) -> f64 {
+    pub(crate) fn number(&self, p: &Point3) -> f64 {
         let angles = self.groups.iter().map(|group| group.solid_angle(p));
         angles.sum::<f64>() / (4.0 * PI)
     }

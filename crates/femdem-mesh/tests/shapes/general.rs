@@ -232,7 +232,7 @@ fn refusals_name_the_value_and_what_is_allowed() {
         ),
         ("pellet:hole=0.3,holes=3,pitch=0.8", "outside"),
         ("pellet:hole=0.2,holes=2,pitch=0.3", "middle hole"),
-        ("clump:spheres=0 0 0 1/3 0 0 1", "2 separate closed parts"),
+        ("clump:spheres=0 0 0 1/3 0 0 1", "2 separate closed shells"),
         (
             "clump:spheres=0 0 0 0.01/99 0 0 100,cells=10",
             "cells of the lattice",

@@ -42,6 +42,7 @@ fn check(shape: &Shape) -> Result<(), TestCaseError> {
                 MeshError::OutOfRange { .. }
                     | MeshError::BadParameter { .. }
                     | MeshError::Disconnected { .. }
+                    | MeshError::Hollow { .. }
             );
             prop_assert!(named, "{shape}: {error}");
         }

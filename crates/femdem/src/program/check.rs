@@ -6,7 +6,7 @@ use anyhow::Result;
 use femdem::run::{BodySummary, ExpectedDepth, Run, Scenario, Simulation};
 
 use super::progress::span;
-use super::{complain, overlaps, say};
+use super::{complain, overlaps, say, say_notes};
 
 /// Largest number of trial steps once bodies touch, and the time on the clock after which they are not waited for, and no more steps
 /// are taken.
@@ -26,6 +26,7 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     if !scenario.title.is_empty() {
         say(&scenario.title);
     }
+    say_notes(&simulation.notes);
     list(&simulation.bodies());
     let walls: Vec<_> = simulation.world.walls().iter().map(|w| w.name()).collect();
     if !walls.is_empty() {

@@ -12,7 +12,7 @@ use femdem::{Scene, Summary, Usage, output, results};
 use super::cli::{PackArgs, ResumeArgs, RunArgs};
 use super::meter::Meter;
 use super::progress::Bar;
-use super::{complain, described, folder, say};
+use super::{complain, described, folder, say, say_notes};
 
 /// How a command ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,9 +36,7 @@ pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
         // All refusals come before the folder is touched.
         let (packing, notes) = scene.packing()?;
         if !args.run.quiet {
-            for note in notes.iter().filter(|note| note.is_news()) {
-                say(&note.to_string());
-            }
+            say_notes(&notes);
         }
         let _claim = folder::prepare(&scene.out, args.force)?;
         write_scene(&scene)?;

@@ -17,12 +17,21 @@ mod source;
 
 use std::io::Write;
 
+use femdem::scene::ShapeNote;
+
 /// Exit code after Ctrl-C, as in shells: 128 + SIGINT.
 pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Writes a line to standard output. A closed reader, such as `head`, is not an error.
 pub(crate) fn say(text: &str) {
     let _ = writeln!(std::io::stdout(), "{text}");
+}
+
+/// Says how surface files were read and bodies meshed.
+pub(crate) fn say_notes(notes: &[ShapeNote]) {
+    for note in notes.iter().filter(|note| note.is_news()) {
+        say(&note.to_string());
+    }
 }
 
 /// An error with its causes, each stated once: many messages contain their cause already.

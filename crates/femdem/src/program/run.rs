@@ -13,7 +13,7 @@ use super::cli::{ResumeArgs, RunArgs};
 use super::job::{BREATH, Outcome, checkpoint_interval, in_pool, watch_for_interrupt};
 use super::meter::Meter;
 use super::progress::Clock;
-use super::{check, complain, described, folder, overlaps, say};
+use super::{check, complain, described, folder, overlaps, say, say_notes};
 
 /// Options of `femdem run`. Those left out are taken from the scene.
 #[derive(Debug, Args)]
@@ -55,6 +55,9 @@ pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
         if args.check {
             check::report(&run, threads)?;
             return Ok(Outcome::Finished);
+        }
+        if !args.run.quiet {
+            say_notes(&run.simulation().notes);
         }
         let part = Part {
             folder: run.scenario().out.clone(),

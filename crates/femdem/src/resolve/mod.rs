@@ -173,6 +173,7 @@ pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Erro
             world,
             members,
             supports: Vec::new(),
+            notes: Vec::new(),
         },
         relaxed,
         bodies,

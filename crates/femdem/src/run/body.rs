@@ -111,6 +111,8 @@ pub struct BodyEntry {
     pub size: Option<f64>,
     /// Unit of the coordinates in files.
     pub unit: LengthUnit,
+    /// Whether small faults of a surface file are mended.
+    pub repair: bool,
     /// Material, by name.
     pub material: String,
     /// Parts of a deformable body made of other materials; where several overlap, the last one counts.
@@ -218,8 +220,15 @@ impl BodyEntry {
             }
         }
         let parametric = |text: &String| text.parse::<Shape>().is_ok();
-        let reads_file = self.mesh.is_some() || self.shape.as_ref().is_some_and(|s| !parametric(s));
-        if self.unit != LengthUnit::default() && !reads_file {
+        let reads_surface = self.shape.as_ref().is_some_and(|s| !parametric(s));
+        if self.repair && !reads_surface {
+            return Err(wrong(
+                "repair",
+                "true",
+                "give it with a shape from a surface file only: nothing else is mended",
+            ));
+        }
+        if self.unit != LengthUnit::default() && !reads_surface && self.mesh.is_none() {
             return Err(wrong(
                 "unit",
                 "given",

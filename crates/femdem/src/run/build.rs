@@ -14,6 +14,7 @@ use super::names::{Names, check_names};
 use super::words::KEYS;
 use super::{Behaviour, BodyEntry, MaterialEntry, Penalty, Scenario, Support};
 use crate::Error;
+use crate::scene::ShapeNote;
 
 /// Largest number of frames, and of rows of the history: outputs are counted one by one, and the count must not
 /// be lost to rounding.
@@ -51,6 +52,9 @@ pub struct Simulation {
     pub supports: Vec<Support>,
     /// The penalty of its contacts between rigid bodies.
     pub penalty: Penalty,
+    /// How surface files were read and bodies meshed, each once. Not stored: it belongs to making the simulation.
+    #[serde(skip)]
+    pub notes: Vec<ShapeNote>,
 }
 
 /// The stored form of a simulation, before its world is rebuilt.
@@ -78,6 +82,7 @@ impl TryFrom<Stored> for Simulation {
             members,
             supports,
             penalty,
+            notes: Vec::new(),
         })
     }
 }
@@ -97,12 +102,14 @@ impl Scenario {
             members: Vec::new(),
             supports: Vec::new(),
             penalty: Penalty::default(),
+            notes: Vec::new(),
         };
         let mut names = Names::default();
         for (number, wall) in (1..).zip(&self.wall) {
             let name = names.of("wall", &wall.name, &format!("wall {number}"))?;
             let added = wall.add_to(&name, &mut simulation.world);
-            added.map_err(in_entry(format!("wall \"{name}\"")))?;
+            let note = added.map_err(in_entry(format!("wall \"{name}\"")))?;
+            simulation.note(note.as_ref());
         }
         let mut names = Names::default();
         // Successive entries often have the same geometry, and meshing can take long.
@@ -119,6 +126,7 @@ impl Scenario {
                 let geometry = known.map_or_else(|| body.geometry(), |(_, known)| Ok(known))?;
                 let name = names.of("body", &body.name, &geometry.name)?;
                 simulation.add(self, body, &name, &geometry)?;
+                simulation.note(geometry.note.as_ref());
                 last = Some((body, geometry));
                 Ok(())
             };
@@ -254,6 +262,13 @@ impl Scenario {
 }
 
 impl Simulation {
+    /// Keeps how a shape was made, if that is news.
+    fn note(&mut self, note: Option<&ShapeNote>) {
+        if let Some(note) = note.filter(|note| note.is_news() && !self.notes.contains(note)) {
+            self.notes.push(note.clone());
+        }
+    }
+
     fn add(
         &mut self,
         scenario: &Scenario,

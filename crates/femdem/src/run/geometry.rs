@@ -1,14 +1,16 @@
 //! Surfaces and tetrahedra of the bodies of a scenario.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use femdem_mesh::io::{self, Report};
 use femdem_mesh::shapes::Shape;
 use femdem_mesh::tet::{self, MeshOptions};
-use femdem_mesh::{Point3, Polyhedron, TetMesh, Vector3, io};
+use femdem_mesh::{Point3, Polyhedron, TetMesh, Vector3};
 
 use super::body::wrong;
 use super::{Behaviour, BodyEntry};
 use crate::Error;
+use crate::scene::{ShapeNote, Unit, surface};
 
 /// Edge length of the tetrahedra of deformable bodies, in circumscribed diameters.
 const DEFAULT_MESH_SIZE: f64 = 0.2;
@@ -23,6 +25,16 @@ pub(super) struct Geometry {
     pub surface: Polyhedron,
     /// Tetrahedra, if the entry or its behaviour needs them.
     pub mesh: Option<TetMesh>,
+    /// How the surface was read and meshed.
+    pub note: Option<ShapeNote>,
+}
+
+/// A surface in the size of its entry.
+struct Source {
+    name: String,
+    surface: Polyhedron,
+    /// The file that it was read from, and what reading did.
+    file: Option<(PathBuf, Unit, Report)>,
 }
 
 impl Geometry {
@@ -71,15 +83,21 @@ impl BodyEntry {
     /// Whether another entry has the same surface and tetrahedra.
     pub(super) fn has_geometry_of(&self, other: &Self) -> bool {
         let key = |entry: &Self| {
-            let files = (entry.shape.clone(), entry.mesh.clone(), entry.unit);
+            let files = (entry.shape.clone(), entry.mesh.clone());
+            let reading = (entry.unit, entry.repair);
             let sizes = (entry.block, entry.sides, entry.diameter, entry.size);
-            (files, sizes, entry.mesh_size, entry.focus, entry.behaviour)
+            let meshing = (entry.mesh_size, entry.focus, entry.behaviour);
+            (files, reading, sizes, meshing)
         };
         key(self) == key(other)
     }
 
     fn of_surface(&self, text: &str) -> Result<Geometry, Error> {
-        let (name, surface) = self.surface(text)?;
+        let Source {
+            name,
+            surface,
+            file,
+        } = self.surface(text)?;
         let deforms = self.behaviour == Behaviour::Deformable;
         if let Some(size) = self.mesh_size
             && !deforms
@@ -91,30 +109,46 @@ impl BodyEntry {
                 "a rigid body that is convex has no tetrahedra: take it out",
             ));
         }
-        let mesh = if deforms || !surface.is_convex() {
-            let size = self.mesh_size.or(deforms.then_some(DEFAULT_MESH_SIZE));
-            let options = MeshOptions {
-                edge_length: size.map(|size| size * 2.0 * surface.bounding_radius()),
-                ..MeshOptions::default()
-            };
-            let mesh = tet::mesh(&surface, &options)?.0;
-            Some(match &self.focus {
-                Some(focus) => focus.of_sphere(&mesh, surface.bounding_radius(), text)?,
-                None => mesh,
-            })
-        } else {
-            None
+        let label = if file.is_some() { &name } else { text };
+        let note = |mesh| ShapeNote::new(label.to_owned(), file.clone(), &surface, mesh);
+        if !deforms && surface.is_convex() {
+            let note = Some(note(None));
+            return Ok(Geometry {
+                name,
+                surface,
+                mesh: None,
+                note,
+            });
+        }
+        let size = self.mesh_size.or(deforms.then_some(DEFAULT_MESH_SIZE));
+        let options = MeshOptions {
+            edge_length: size.map(|size| size * 2.0 * surface.bounding_radius()),
+            ..MeshOptions::default()
+        };
+        let named = |problem| match &file {
+            Some((path, ..)) => surface::in_file(path, problem),
+            None => problem,
+        };
+        let (mesh, report) = tet::mesh(&surface, &options).map_err(named)?;
+        let (mesh, note) = match &self.focus {
+            // The report is that of the mesh before its nodes were moved.
+            Some(focus) => {
+                let mesh = focus.of_sphere(&mesh, surface.bounding_radius(), text)?;
+                (mesh, note(None))
+            }
+            None => (mesh, note(Some(report))),
         };
         Ok(Geometry {
             name,
             surface,
-            mesh,
+            mesh: Some(mesh),
+            note: Some(note),
         })
     }
 
-    fn surface(&self, text: &str) -> Result<(String, Polyhedron), Error> {
-        let (name, own, parametric) = match text.parse::<Shape>() {
-            Ok(shape) => (shape.name(), shape.polyhedron(1.0)?, true),
+    fn surface(&self, text: &str) -> Result<Source, Error> {
+        let (name, own, file) = match text.parse::<Shape>() {
+            Ok(shape) => (shape.name(), shape.polyhedron(1.0)?, None),
             Err(unknown) => {
                 let path = Path::new(text);
                 // A parameter out of its range may look like the ending of a file's name, as in ".001".
@@ -122,14 +156,15 @@ impl BodyEntry {
                 if !of_file && !path.exists() {
                     return Err(unknown.into());
                 }
-                let (surface, _) = io::read_file_with(path, &io::Options::default())?;
-                (stem(path), surface.scaled(self.unit.metres())?, false)
+                let (surface, report) = surface::read(path, self.unit, self.repair)?;
+                let file = (path.to_path_buf(), self.unit, report);
+                (stem(path), surface, Some(file))
             }
         };
         let by = match (self.diameter, self.size) {
             (Some(diameter), None) => diameter / (2.0 * own.bounding_radius()),
-            (None, Some(size)) if parametric => size,
-            (None, None) if !parametric => 1.0,
+            (None, Some(size)) if file.is_none() => size,
+            (None, None) if file.is_some() => 1.0,
             _ => {
                 return Err(wrong(
                     "diameter and size",
@@ -145,7 +180,11 @@ impl BodyEntry {
                 return Err(wrong(name, &length.to_string(), allowed));
             }
         }
-        Ok((name, own.scaled(by)?))
+        Ok(Source {
+            name,
+            surface: own.scaled(by)?,
+            file,
+        })
     }
 }
 
@@ -155,6 +194,7 @@ impl Geometry {
             name,
             surface: mesh.surface()?,
             mesh: Some(mesh),
+            note: None,
         })
     }
 }

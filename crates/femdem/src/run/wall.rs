@@ -1,17 +1,17 @@
 //! Walls of a scenario.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use femdem_contact::{MeshWall, Wall, WallShape};
+use femdem_mesh::Vector3;
 use femdem_mesh::tet::{self, MeshOptions};
-use femdem_mesh::{Vector3, io};
 use femdem_solve::World;
 use serde::{Deserialize, Serialize};
 
 use super::MotionEntry;
 use super::body::wrong;
 use crate::Error;
-use crate::scene::Unit;
+use crate::scene::{ShapeNote, Unit, surface};
 
 /// A wall, described by exactly one of `plane`, `box`, `cylinder` and `file`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -29,6 +29,8 @@ pub struct WallEntry {
     pub file: Option<PathBuf>,
     /// Unit of the coordinates in the file.
     pub unit: Unit,
+    /// Whether small faults of the file are mended.
+    pub repair: bool,
     /// Prescribed motion.
     pub motion: Option<MotionEntry>,
 }
@@ -73,26 +75,22 @@ fn facets() -> usize {
 }
 
 impl WallEntry {
-    /// Adds the wall, or the walls of a box, to a world; `name` is that of the entry.
-    pub(super) fn add_to(&self, name: &str, world: &mut World) -> Result<(), Error> {
+    /// Adds the wall, or the walls of a box, to a world, and returns how its file was read, if it has one; `name` is
+    /// that of the entry.
+    pub(super) fn add_to(&self, name: &str, world: &mut World) -> Result<Option<ShapeNote>, Error> {
         let drive = self.motion.map(|motion| motion.drive()).unwrap_or_default();
-        for shape in self.shapes(name)? {
+        let (shapes, note) = self.shapes(name)?;
+        for shape in shapes {
             world.add_wall(shape, drive)?;
         }
-        Ok(())
+        Ok(note)
     }
 
-    fn shapes(&self, name: &str) -> Result<Vec<WallShape>, Error> {
-        if self.unit != Unit::default() && self.file.is_none() {
-            return Err(wrong(
-                "unit",
-                "given",
-                "give it with a file only: other lengths are in m",
-            ));
-        }
-        match (&self.plane, &self.r#box, &self.cylinder, &self.file) {
-            (Some(plane), None, None, None) => Ok(vec![plane.shape(name)?]),
-            (None, Some(space), None, None) => space.shapes(name),
+    fn shapes(&self, name: &str) -> Result<(Vec<WallShape>, Option<ShapeNote>), Error> {
+        self.refuse_strangers()?;
+        let shapes = match (&self.plane, &self.r#box, &self.cylinder, &self.file) {
+            (Some(plane), None, None, None) => vec![plane.shape(name)?],
+            (None, Some(space), None, None) => space.shapes(name)?,
             (None, None, Some(cylinder), None) => {
                 let diameter = cylinder.diameter;
                 if !(diameter > 0.0 && diameter.is_finite()) {
@@ -100,20 +98,52 @@ impl WallEntry {
                     return Err(wrong("cylinder.diameter", &diameter.to_string(), allowed));
                 }
                 let wall = Wall::cylinder(name, 0.5 * cylinder.diameter, cylinder.facets)?;
-                Ok(vec![wall.into()])
+                vec![wall.into()]
             }
             (None, None, None, Some(path)) => {
-                let (surface, _) = io::read_file_with(path, &io::Options::default())?;
-                let surface = surface.scaled(self.unit.metres())?;
-                let (mesh, _) = tet::mesh(&surface, &MeshOptions::default())?;
-                Ok(vec![MeshWall::solid(name, &mesh).into()])
+                let (shape, note) = self.of_file(name, path)?;
+                return Ok((vec![shape], Some(note)));
             }
-            _ => Err(wrong(
-                "wall",
-                "none or several of its kinds",
-                "give exactly one of plane, box, cylinder and file",
-            )),
+            _ => {
+                return Err(wrong(
+                    "wall",
+                    "none or several of its kinds",
+                    "give exactly one of plane, box, cylinder and file",
+                ));
+            }
+        };
+        Ok((shapes, None))
+    }
+
+    /// Refuses keys that have no effect without a file.
+    fn refuse_strangers(&self) -> Result<(), Error> {
+        if self.file.is_some() {
+            return Ok(());
         }
+        if self.unit != Unit::default() {
+            return Err(wrong(
+                "unit",
+                "given",
+                "give it with a file only: other lengths are in m",
+            ));
+        }
+        if self.repair {
+            return Err(wrong(
+                "repair",
+                "true",
+                "give it with a file only: nothing else is mended",
+            ));
+        }
+        Ok(())
+    }
+
+    fn of_file(&self, name: &str, path: &Path) -> Result<(WallShape, ShapeNote), Error> {
+        let (surface, report) = surface::read(path, self.unit, self.repair)?;
+        let (mesh, meshed) = tet::mesh(&surface, &MeshOptions::default())
+            .map_err(|problem| surface::in_file(path, problem))?;
+        let file = Some((path.to_path_buf(), self.unit, report));
+        let note = ShapeNote::new(name.to_owned(), file, &surface, Some(meshed));
+        Ok((MeshWall::solid(name, &mesh).into(), note))
     }
 }
 

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use femdem_mesh::io::{self, Options, Report};
+use femdem_mesh::io::Report;
 use femdem_mesh::shapes::Shape;
 use femdem_mesh::tet::{MeshOptions, MeshReport};
 use femdem_mesh::{MeshError, Polyhedron};
-use femdem_pack::PackShape;
+use femdem_pack::{PackError, PackShape};
 
-use super::{DEFAULT_DIAMETER, Scene, ShapeNote, Unit};
+use super::{DEFAULT_DIAMETER, Scene, ShapeNote, Unit, surface};
 use crate::Error;
 
 /// A shape before it has a size.
@@ -38,7 +38,8 @@ pub(super) fn bodies(scene: &Scene) -> Result<(Vec<PackShape>, Vec<ShapeNote>), 
     for source in sources {
         let polyhedron = source.sized(scene)?;
         let options = mesh_options(scene, &polyhedron)?;
-        let (shape, mesh) = PackShape::of_surface(&source.name, polyhedron, &options)?;
+        let (shape, mesh) = PackShape::of_surface(&source.name, polyhedron, &options)
+            .map_err(|error| source.named(error))?;
         notes.push(source.note(scene.unit, &shape, mesh));
         shapes.push(PackShape {
             share: source.share,
@@ -144,7 +145,7 @@ fn form(text: &str, scene: &Scene) -> Result<Form, Error> {
             if is_shape || (path.extension().is_none() && !path.exists()) {
                 return Err(unknown.into());
             }
-            let (polyhedron, report) = read(path, scene)?;
+            let (polyhedron, report) = surface::read(path, scene.unit, scene.repair)?;
             Ok(Form::File {
                 path: path.to_path_buf(),
                 polyhedron: Box::new(polyhedron),
@@ -152,21 +153,6 @@ fn form(text: &str, scene: &Scene) -> Result<Form, Error> {
             })
         }
     }
-}
-
-/// Reads a surface file with the options of the scene, in m.
-pub(super) fn read(path: &Path, scene: &Scene) -> Result<(Polyhedron, Report), Error> {
-    let options = if scene.repair {
-        Options::REPAIR
-    } else {
-        Options::default()
-    };
-    let (polyhedron, report) = io::read_file_with(path, &options)?;
-    let polyhedron = match scene.unit {
-        Unit::M => polyhedron,
-        unit => polyhedron.scaled(unit.metres())?,
-    };
-    Ok((polyhedron, report))
 }
 
 /// The same shape with successive seeds, from its own on; none if it has no seed or one variant is enough.
@@ -232,14 +218,16 @@ impl Source {
             Form::Shape(_) => None,
             Form::File { path, report, .. } => Some((path.clone(), unit, report.clone())),
         };
-        ShapeNote {
-            name: shape.name.clone(),
-            file,
-            faces: shape.polyhedron.face_count(),
-            is_convex: shape.polyhedron.is_convex(),
-            diameter: shape.diameter(),
-            volume: shape.polyhedron.mass_properties().volume,
-            mesh,
+        ShapeNote::new(shape.name.clone(), file, &shape.polyhedron, mesh)
+    }
+
+    /// The error of a body with its file, if it has one.
+    fn named(&self, error: PackError) -> Error {
+        match (&self.form, error) {
+            (Form::File { path, .. }, PackError::Mesh(problem)) => {
+                surface::in_file(path, problem).into()
+            }
+            (_, error) => error.into(),
         }
     }
 }

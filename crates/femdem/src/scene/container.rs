@@ -6,19 +6,25 @@ use std::path::Path;
 
 use femdem_pack::{Container, MeshContainer, PackSpec};
 
-use super::bodies::{file_stem, read};
-use super::{ContainerKind, DEFAULT_CONE, DEFAULT_OUTLET, Footprint, Length, Scene};
+use super::bodies::file_stem;
+use super::{
+    ContainerKind, DEFAULT_CONE, DEFAULT_OUTLET, Footprint, Length, Scene, ShapeNote, surface,
+};
 use crate::Error;
 
 /// Packing density assumed for the automatic size of a container.
 const EXPECTED_DENSITY: f64 = 0.6;
 
-/// The container for the bodies of `spec`.
+/// The container for the bodies of `spec`; walls from a file add how they were read.
 ///
 /// # Errors
 /// [`Error::Option`] without a file for the walls, [`Error::Mesh`] or [`Error::Pack`] for one that
 /// cannot be used.
-pub(super) fn container(scene: &Scene, spec: &PackSpec) -> Result<Container, Error> {
+pub(super) fn container(
+    scene: &Scene,
+    spec: &PackSpec,
+    notes: &mut Vec<ShapeNote>,
+) -> Result<Container, Error> {
     let diameter = spec.diameter();
     let pack = f64::from(spec.count) * spec.mean_volume() / diameter.powi(3) / EXPECTED_DENSITY;
     let round = || {
@@ -33,8 +39,11 @@ pub(super) fn container(scene: &Scene, spec: &PackSpec) -> Result<Container, Err
                 value: "walls".to_owned(),
                 allowed: "give the surface file of the walls with --walls",
             })?;
-            let (surface, _) = read(path, scene)?;
-            Container::Mesh(Box::new(MeshContainer::new(wall_name(path), &surface)?))
+            let (surface, report) = surface::read(path, scene.unit, scene.repair)?;
+            let name = wall_name(path);
+            let file = Some((path.clone(), scene.unit, report));
+            notes.push(ShapeNote::new(name.clone(), file, &surface, None));
+            Container::Mesh(Box::new(MeshContainer::new(name, &surface)?))
         }
         ContainerKind::Box => {
             let side = level_width(pack);

@@ -21,6 +21,7 @@ mod length;
 mod list;
 mod note;
 mod step_kind;
+pub(crate) mod surface;
 mod unit;
 mod words;
 
@@ -259,7 +260,7 @@ impl Scene {
     ///
     /// As [`spec`](Self::spec).
     pub fn prepare(&self) -> Result<(PackSpec, Vec<ShapeNote>), Error> {
-        let (shapes, notes) = bodies::bodies(self)?;
+        let (shapes, mut notes) = bodies::bodies(self)?;
         let mut spec = PackSpec {
             shapes,
             mixing: Mixing::Dealt,
@@ -276,7 +277,7 @@ impl Scene {
         };
         self.check()?;
         let diameter = spec.diameter();
-        spec.container = container::container(self, &spec)?;
+        spec.container = container::container(self, &spec, &mut notes)?;
         spec.rim = container::rim(self, diameter);
         spec.protocol = self.protocol(diameter);
         spec.penalty = match self.penalty {

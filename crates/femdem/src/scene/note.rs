@@ -3,12 +3,13 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use femdem_mesh::Polyhedron;
 use femdem_mesh::io::Report;
 use femdem_mesh::tet::{MeshReport, Method};
 
 use super::Unit;
 
-/// How a shape of a scene was made.
+/// How a shape of a scene, or a wall from a file, was made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShapeNote {
     /// Name in results.
@@ -23,11 +24,29 @@ pub struct ShapeNote {
     pub diameter: f64,
     /// Volume \[m³\].
     pub volume: f64,
-    /// The mesh of a body that is not convex.
+    /// The mesh of a body that is not convex, or deforms.
     pub mesh: Option<MeshReport>,
 }
 
 impl ShapeNote {
+    /// The note of a surface in m.
+    pub(crate) fn new(
+        name: String,
+        file: Option<(PathBuf, Unit, Report)>,
+        surface: &Polyhedron,
+        mesh: Option<MeshReport>,
+    ) -> Self {
+        Self {
+            name,
+            file,
+            faces: surface.face_count(),
+            is_convex: surface.is_convex(),
+            diameter: 2.0 * surface.bounding_radius(),
+            volume: surface.mass_properties().volume,
+            mesh,
+        }
+    }
+
     /// Whether there is anything to report beyond the command itself.
     #[must_use]
     pub fn is_news(&self) -> bool {
