@@ -57,6 +57,42 @@ pub struct CoreRegion {
     pub limit: InsetLimit,
     /// The top of the pack from which the inset is measured.
     pub top: TopPlane,
+    /// Smallest of the core's widths and its height, over the mean diameter.
+    pub extent_over_d: f64,
+    /// The whole bed: the inside of the container from the floor to the mean top.
+    pub bed: Region,
+}
+
+impl CoreRegion {
+    /// Whether the core is thinner than one mean diameter: its faces then cut nearly every body in it, and what
+    /// it holds of them says little of the pack.
+    pub fn is_thin(&self) -> bool {
+        self.extent_over_d < 1.0
+    }
+
+    /// Where densities are measured: the core, or the whole bed if the core [is thin](Self::is_thin).
+    ///
+    /// ```
+    /// use femdem_analysis::{CoreOptions, Pack, PosedBody, Region, choose_core};
+    /// use femdem_mesh::{Point3, Pose, catalogue::CatalogueShape};
+    ///
+    /// // One layer of cubes of side 1 m, d = sqrt(3) m: half of its height would be the core.
+    /// let cube = ["P5".parse::<CatalogueShape>()?.polyhedron(3_f64.sqrt())?];
+    /// let at = |i: i32| Pose::translation(f64::from(i % 7) + 0.5, f64::from(i / 7) + 0.5, 0.5);
+    /// let bodies: Vec<_> = (0..49).map(|i| PosedBody { shape: 0, pose: at(i) }).collect();
+    /// let container = Region::Box { min: Point3::origin(), max: Point3::new(7.0, 7.0, 20.0) };
+    /// let core = choose_core(&Pack::new(&cube, &bodies)?, &container, &CoreOptions::default())?;
+    /// assert!(core.is_thin());
+    /// assert!((core.density_region().volume() - 49.0).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn density_region(&self) -> &Region {
+        if self.is_thin() {
+            &self.bed
+        } else {
+            &self.region
+        }
+    }
 }
 
 /// Chooses the core of a pack that lies in `container` (its inside, walls and floor being its faces).
@@ -68,7 +104,8 @@ pub struct CoreRegion {
 ///
 /// with `L` the smallest of the container's widths and the pack's height (floor to mean top, or to the
 /// container's own top where that is lower). The core thus keeps the minimum extent, or half of `L` where the
-/// pack is smaller still; [`CoreRegion::limit`] states which extent was decisive.
+/// pack is smaller still; [`CoreRegion::limit`] states which extent was decisive. A core may so be thinner than a
+/// body: [`CoreRegion::density_region`] is the whole bed then.
 ///
 /// ```
 /// use femdem_analysis::{CoreOptions, InsetLimit, Pack, PosedBody, Region, choose_core};
@@ -140,7 +177,10 @@ pub fn choose_core(
         Region::Sphere { .. } => return Err(NOT_UPRIGHT),
     };
     region.validate()?;
+    let (low, high) = region.corners();
     Ok(CoreRegion {
+        extent_over_d: (high - low).min() / diameter,
+        bed: container.slab(f64::NEG_INFINITY, ceiling)?,
         region,
         inset,
         inset_over_d: inset / diameter,

@@ -45,7 +45,8 @@ impl Default for RadialOptions {
     }
 }
 
-/// One bin of a radial distribution function.
+/// One bin of a radial distribution function. Where few pairs are expected, the value is mostly noise, and its
+/// standard error, computed from few pairs, is of no help: see [`is_rare`](Self::is_rare).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RadialBin {
     /// Where the bin begins (m).
@@ -61,6 +62,18 @@ pub struct RadialBin {
     pub pairs: u64,
     /// Pairs expected for as many random points in the box.
     pub expected: f64,
+}
+
+impl RadialBin {
+    /// Smallest number of expected pairs of a bin whose value is worth drawing.
+    pub const LEAST_EXPECTED: f64 = 5.0;
+
+    /// Whether fewer than [`LEAST_EXPECTED`](Self::LEAST_EXPECTED) pairs are expected. Such bins stay in the
+    /// table, marked by 1 in the column `rare`, so that their pairs are not lost; leave them out of plots.
+    pub fn is_rare(&self) -> bool {
+        // Also true if the number is not one.
+        !(self.expected >= Self::LEAST_EXPECTED)
+    }
 }
 
 /// Radial distribution function. As a [`Table`] one row per bin.
@@ -253,6 +266,7 @@ impl Table for RadialDistribution {
             "standard_error",
             "pairs",
             "expected_pairs",
+            "rare",
         ]
     }
 
@@ -265,6 +279,7 @@ impl Table for RadialDistribution {
                 bin.standard_error.into(),
                 bin.pairs.into(),
                 bin.expected.into(),
+                u32::from(bin.is_rare()).into(),
             ]
         }))
     }

@@ -70,6 +70,27 @@ fn a_lattice_has_its_neighbours() {
     assert!((found.number_density - 1.0).abs() < 1e-12);
 }
 
+/// Bins with too few expected pairs stay in the table and are marked.
+#[test]
+fn bins_of_few_expected_pairs_are_marked() {
+    let shapes = [cube(1.0 / 3_f64.sqrt())];
+    let mut random = Random(7);
+    let region = box_of([10.0; 3]);
+    let (min, max) = region.corners();
+    let bodies = at((0..40).map(|_| random.point(&min, &max).coords));
+    let pack = Pack::new(&shapes, &bodies).unwrap();
+    let found = radial_distribution(&pack, &region, &options(0.5, 5.0)).unwrap();
+    // 780 pairs in 1000 m3: a ball of 0.5 m holds 0.4 of them, a shell from 4.5 m to 5 m more than 50 at the
+    // most, and no fewer than a fourth of that at the walls.
+    let csv = found.to_csv();
+    let marks: Vec<&str> = csv.lines().filter_map(|l| l.rsplit(',').next()).collect();
+    assert_eq!((marks[0], marks.len()), ("rare", 11));
+    assert_eq!((marks[1], marks[2], marks[10]), ("1", "1", "0"));
+    for (bin, mark) in found.bins.iter().zip(&marks[1..]) {
+        assert_eq!(*mark == "1", bin.expected < 5.0, "{bin:?}");
+    }
+}
+
 #[test]
 fn what_cannot_be_is_refused() {
     let shapes = [cube(1.0)];

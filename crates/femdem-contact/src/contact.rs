@@ -424,6 +424,19 @@ impl Load {
         self.viscous += drag;
     }
 
+    /// Whether every number is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let Bounds {
+            stiffness,
+            viscosity,
+        } = self.bounds;
+        let wrenches = [&self.total, &self.damping, &self.friction, &self.viscous];
+        let of_wrenches = |w: &&Wrench| w.force.iter().chain(&w.torque).all(|x| x.is_finite());
+        wrenches.iter().all(of_wrenches)
+            && self.normal_sum.is_finite()
+            && stiffness.iter().chain(&viscosity).all(|x| x.is_finite())
+    }
+
     /// The load without what dashpots add while the body or its partners move.
     pub fn static_part(&self) -> Wrench {
         Wrench {

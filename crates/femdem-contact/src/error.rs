@@ -90,6 +90,20 @@ pub enum ContactError {
         /// Its position, m.
         position: [f64; 3],
     },
+    /// What the contacts do to a body is not finite, though its state and those of its partners are.
+    #[error(
+        "the contact load on body {body} is not finite (position {position:?} m, velocity \
+         {velocity:?} m/s): its motion or that of a partner is out of the range of the numbers, so \
+         the host's integration has blown up: reduce the time step"
+    )]
+    LoadNotFinite {
+        /// The body, the one of the lowest index if there are several.
+        body: usize,
+        /// Its position, m.
+        position: [f64; 3],
+        /// Its velocity, m/s.
+        velocity: [f64; 3],
+    },
     /// A slice of nodal values does not match the nodes of its body.
     #[error(
         "{given} nodal values were given for the {expected} nodes of deformable body {body}: pass \

@@ -26,3 +26,4 @@ mod springs;
 #[cfg(feature = "proptest")]
 mod strategies;
 mod walls;
+mod wild_motions;

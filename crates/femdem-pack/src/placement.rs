@@ -100,8 +100,11 @@ impl<'a> Draw<'a> {
 fn dealt(body: BodyId, count: u32) -> f64 {
     const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
     let count = u64::from(count.max(1));
-    let near = (GOLDEN_SECTION * count as f64).round() as u64;
-    let step = (near..).find(|step| gcd(*step, count) == 1).unwrap_or(1);
+    let mut step = (GOLDEN_SECTION * count as f64).round() as u64;
+    // One of the next numbers is prime and no divisor.
+    while gcd(step, count) != 1 {
+        step += 1;
+    }
     let part = u64::from(body) * step % count;
     (part as f64 + 0.5) / count as f64
 }
@@ -213,10 +216,8 @@ fn layer_sites(spec: &PackSpec, release: &Release) -> Result<Vec<[f64; 2]>, Pack
     // In a cylinder one row less may hold more bodies, and one in the middle always fits.
     let fewer = most.map(|n| (n - 1).max(1));
     let choices = [counts, fewer, [1, 1]].map(sites);
-    let best = choices
-        .into_iter()
-        .reduce(|best, next| if next.len() > best.len() { next } else { best });
-    Ok(best.unwrap_or_default())
+    let more = |best: Vec<_>, next: Vec<_>| if next.len() > best.len() { next } else { best };
+    Ok(choices.into_iter().fold(Vec::new(), more))
 }
 
 #[cfg(test)]

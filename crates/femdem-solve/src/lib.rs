@@ -123,6 +123,7 @@
 
 mod body;
 pub mod checkpoint;
+mod clock;
 pub mod deformable;
 mod drive;
 pub mod element;
@@ -138,6 +139,7 @@ pub use femdem_contact as contact;
 pub use femdem_mesh as mesh;
 
 pub use body::{BodySpec, Shape, ShapeId};
+pub use clock::processor_time;
 pub use drive::Drive;
 pub use error::SolveError;
 pub use ledger::Ledger;

@@ -8,14 +8,18 @@ use crate::error::AnalysisError;
 use crate::ordered::ordered_map;
 use crate::table::{Cell, Table};
 
+/// Smallest counting circle, as a part of the hemisphere: densities in smaller ones overflow in the end.
+const LEAST_CIRCLE: f64 = 1e-9;
+
 /// How [`stereonet`] counts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct StereonetOptions {
-    /// Kamb's number of standard deviations to which the count expected in a circle corresponds; above 0.
-    /// Default 3.
+    /// Kamb's number of standard deviations to which the count expected in a circle corresponds; above 0 and at
+    /// most 1000. Default 3.
     pub sigmas: f64,
-    /// Smallest part of the hemisphere that a counting circle covers, above 0 and below 1. Default 0.01: Kamb's
+    /// Smallest part of the hemisphere that a counting circle covers, 1e-9 or more and below 1: in smaller ones
+    /// hardly anything is ever counted. Default 0.01: Kamb's
     /// circle shrinks with the number of directions, and would become smaller than the net's meshes with many.
     pub least_circle: f64,
     /// Nodes across the net, 3 to 1001. Default 41.
@@ -61,6 +65,8 @@ pub struct Stereonet {
     pub expected: f64,
     /// Standard deviation of a node's density for independent uniform directions: `√((1 - a) / (N a))`.
     pub noise: f64,
+    /// Nodes across the net.
+    pub nodes_across: u32,
     /// The nodes in the disc, row by row from the south.
     pub nodes: Vec<NetNode>,
 }
@@ -105,7 +111,8 @@ fn lower_hemisphere([x, y]: [f64; 2]) -> Vector3 {
 /// hemisphere, with `k` the `sigmas` of the options: the count expected for uniform axes is then `k` times its
 /// standard deviation. Vectors need not be of unit length. Correlated axes, such as the face normals of one
 /// body, scatter less than independent ones in circles that contain several of a body, and nearly the same in
-/// smaller circles.
+/// smaller circles. Lengths do not count, however large or small, but a vector without a direction, zero or not
+/// finite, is an error. All numbers of the net are finite.
 ///
 /// ```
 /// use femdem_analysis::{StereonetOptions, stereonet};
@@ -164,6 +171,7 @@ pub fn stereonet(
         angle: (1.0 - circle).acos(),
         expected,
         noise: spread / expected,
+        nodes_across: across,
         nodes,
     })
 }
@@ -195,8 +203,9 @@ impl StereonetOptions {
         if !(self.sigmas > 0.0 && self.sigmas <= 1e3) {
             return refuse("sigmas", self.sigmas, "above zero and at most 1000");
         }
-        if !(self.least_circle > 0.0 && self.least_circle < 1.0) {
-            return refuse("least_circle", self.least_circle, "above 0 and below 1");
+        if !(LEAST_CIRCLE..1.0).contains(&self.least_circle) {
+            let allowed = "1e-9 or more and below 1";
+            return refuse("least_circle", self.least_circle, allowed);
         }
         if !(3..=1001).contains(&self.nodes_across) {
             return refuse("nodes_across", f64::from(self.nodes_across), "3 to 1001");

@@ -1,7 +1,7 @@
 //! Contributions of each body and each overlap to the bins.
 
 use super::nest::{Nest, first};
-use super::sectors::{Sector, reaches};
+use super::sectors::{Sector, block_at, reaches};
 use crate::bounds::Bounds;
 use crate::clip::Clipper;
 use crate::neighbours::neighbour_pairs;
@@ -125,20 +125,17 @@ fn overlap(
     // it belongs.
     let common = pack.bounds(pair.0).clamped_to(pack.bounds(pair.1));
     let (middle, half) = common.middle_and_half();
-    let centre = Bounds {
-        min: middle,
-        max: middle,
-    };
-    let block = blocks.iter().position(|b| reaches(b, &centre));
     if half.min() < 0.0 {
         return Vec::new();
     }
+    let Some(block) = block_at(blocks, &middle) else {
+        return Vec::new();
+    };
     let whole = shared_volume(scratch, pack, pair, None);
     let (first, mut volumes) = into_bins(nest, &common, whole, |part| {
         shared_volume(scratch, pack, pair, Some(part))
     });
     volumes.iter_mut().for_each(|v| *v = -*v);
-    let block = block.unwrap_or(0);
     vec![Deposit {
         block,
         first,

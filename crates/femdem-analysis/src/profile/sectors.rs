@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use femdem_mesh::Vector3;
+use femdem_mesh::{Point3, Vector3};
 
 use super::nest::Direction;
 use crate::bounds::Bounds;
@@ -83,12 +83,25 @@ pub(super) fn reaches(sector: &Sector, bounds: &Bounds) -> bool {
         .all(|(normal, offset)| normal.dot(&middle.coords) - normal.abs().dot(&half) <= *offset)
 }
 
+/// The first block that holds a point; if round-off at the axis of wedges leaves it to none, the nearest. `None`
+/// without blocks.
+pub(super) fn block_at(blocks: &[Sector], point: &Point3) -> Option<usize> {
+    let outside = |sector: &Sector| {
+        let beyond = sector
+            .iter()
+            .map(|(n, offset)| n.dot(&point.coords) - offset);
+        beyond.fold(0.0, f64::max)
+    };
+    let ways: Vec<f64> = blocks.iter().map(outside).collect();
+    (0..ways.len()).min_by(|a, b| ways[*a].total_cmp(&ways[*b]))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::clip::Clipper;
+    use femdem_mesh::Pose;
     use femdem_mesh::catalogue::CatalogueShape;
-    use femdem_mesh::{Point3, Pose};
 
     /// The blocks' parts of a body sum to the body, wherever it lies.
     #[test]
@@ -138,5 +151,27 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// Every point is in the block whose planes hold it, and on the axis of wedges in one of them.
+    #[test]
+    fn every_point_has_a_block() {
+        let drum = Region::Cylinder {
+            centre: [0.3, -0.2],
+            radius: 2.0,
+            z_min: 0.0,
+            z_max: 3.0,
+        };
+        let blocks = sectors(&drum, Direction::Up, 1.0);
+        for k in 0..12 {
+            let angle = TAU * (f64::from(k) + 0.5) / 12.0;
+            let point = Point3::new(0.3 + angle.cos(), -0.2 + angle.sin(), 1.0);
+            assert_eq!(block_at(&blocks, &point), Some(k as usize));
+        }
+        let off = 1e-17;
+        for [x, y] in [[0.0, 0.0], [off, off], [-off, off], [5e-17, -5e-17]] {
+            assert!(block_at(&blocks, &Point3::new(0.3 + x, -0.2 + y, 1.0)).is_some());
+        }
+        assert_eq!(block_at(&[], &Point3::origin()), None);
     }
 }

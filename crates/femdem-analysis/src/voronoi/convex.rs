@@ -90,15 +90,17 @@ impl ConvexField {
             for (a, b) in ends(k) {
                 let line = Line::new(place(a), place(b));
                 let outward = line.along.cross(&normal);
-                let around = faces_at.get(&[a.min(b), a.max(b)]);
-                let other = around.and_then(|faces| faces.iter().find(|f| **f != k));
+                let around = &faces_at[&[a.min(b), a.max(b)]];
+                let other = around.iter().copied().find(|f| *f != k);
+                debug_assert!(
+                    other.is_some(),
+                    "every edge of a closed surface has two faces"
+                );
                 sides.push(Side {
                     line,
                     outward,
                     offset: outward.dot(&line.start.coords),
-                    beyond: -line
-                        .along
-                        .cross(&shape.face_normal(other.copied().unwrap_or(k))),
+                    beyond: -line.along.cross(&shape.face_normal(other.unwrap_or(k))),
                 });
             }
             faces.push(Face {
@@ -108,10 +110,14 @@ impl ConvexField {
             });
         }
         let edge = |(ends, faces): (&[u32; 2], &Vec<usize>)| {
-            let first = faces.first().copied()?;
+            debug_assert_eq!(
+                faces.len(),
+                2,
+                "every edge of a closed surface has two faces"
+            );
             Some(Edge {
                 line: Line::new(place(ends[0]), place(ends[1])),
-                faces: [first, faces.get(1).copied().unwrap_or(first)],
+                faces: [*faces.first()?, *faces.last()?],
             })
         };
         Self {

@@ -45,7 +45,10 @@ impl ContactBatch {
     }
 
     fn may_meet(&self, pair: &Pair, a: &Motion, b: &Motion, dt: f64) -> bool {
-        let approach = self.approach(pair, a, b);
+        // Without its shapes, a batch that was read cannot tell.
+        let Some(approach) = self.approach(pair, a, b) else {
+            return true;
+        };
         let way = (approach.velocity.norm() + approach.turning) * dt;
         if pair.is_clear(a.travelled + b.travelled + way) {
             return false;
@@ -74,21 +77,22 @@ impl ContactBatch {
         }
     }
 
-    fn approach(&self, pair: &Pair, a: &Motion, b: &Motion) -> Approach {
+    /// `None` if a shape is not there.
+    fn approach(&self, pair: &Pair, a: &Motion, b: &Motion) -> Option<Approach> {
         let turn = |motion: &Motion, radius: f64| motion.angular_velocity.norm() * radius;
-        let radius = self.shape_of(pair.b).map_or(0.0, BodyShape::radius);
+        let radius = self.shape_of(pair.b)?.radius();
         let (carried, of_a) = match pair.a {
-            Partner::Body(i) => (a.velocity, self.shape_of(i).map_or(0.0, BodyShape::radius)),
+            Partner::Body(i) => (a.velocity, self.shape_of(i)?.radius()),
             // A wall is unbounded: its velocity is taken at the centre of the body.
             Partner::Wall(_) => {
                 let arm = b.frame.position - a.frame.position;
                 (a.velocity_at(&arm), radius)
             }
         };
-        Approach {
+        Some(Approach {
             velocity: b.velocity - carried,
             turning: NUTATION * (turn(a, of_a) + turn(b, radius)),
-        }
+        })
     }
 
     fn shape_of(&self, body: BodyId) -> Option<&BodyShape> {

@@ -3,6 +3,9 @@
 use super::BatchTotals;
 use super::pairs::Pair;
 use crate::contact::{BodyId, Load, Partner};
+use crate::error::ContactError;
+use crate::motion::Motion;
+use crate::walls::WallShape;
 use serde::{Deserialize, Serialize};
 
 /// Loads of bodies and of walls, and totals. Pairs are added in their order.
@@ -41,5 +44,36 @@ impl Sums {
                 self.loads[contact.b as usize].add(contact, 1);
             }
         }
+    }
+
+    /// Refuses sums that are not finite: names the awake body of the lowest index with such a load, else the wall.
+    pub fn check(
+        &self,
+        awake: &[BodyId],
+        bodies: &[Motion],
+        walls: &[WallShape],
+    ) -> Result<(), ContactError> {
+        let lost = |i: &&BodyId| !self.loads[**i as usize].is_finite();
+        if let Some(&body) = awake.iter().find(lost) {
+            return Err(load_not_finite(body as usize, bodies));
+        }
+        let loads = self.walls.iter().zip(walls);
+        if let Some((_, wall)) = loads.into_iter().find(|(load, _)| !load.is_finite()) {
+            return Err(ContactError::Wall {
+                name: wall.name().to_owned(),
+                why: "the load of its contacts about its origin is not finite: the bodies on it, \
+                      or its own motion, are out of the range of the numbers"
+                    .to_owned(),
+            });
+        }
+        Ok(())
+    }
+}
+
+pub(super) fn load_not_finite(body: usize, bodies: &[Motion]) -> ContactError {
+    ContactError::LoadNotFinite {
+        body,
+        position: bodies[body].frame.position.into(),
+        velocity: bodies[body].velocity.into(),
     }
 }

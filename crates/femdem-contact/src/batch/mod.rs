@@ -23,7 +23,7 @@ use crate::motion::Motion;
 use crate::shape::BodyShape;
 use crate::walls::WallShape;
 use evaluate::{Context, Views};
-use gather::Sums;
+use gather::{Sums, load_not_finite};
 pub use implicit::Snapshot;
 use pairs::{Pair, PairTable};
 use serde::{Deserialize, Serialize};
@@ -259,7 +259,9 @@ impl ContactBatch {
     /// # Errors
     /// [`ContactError::StateCount`] if a slice has the wrong length,
     /// [`ContactError::NotFinite`] and [`ContactError::Wall`] if the state of an awake body or of a
-    /// wall is not finite or has a negative inverse mass, [`ContactError::Parameter`] for a
+    /// wall is not finite or has a negative inverse mass, [`ContactError::LoadNotFinite`] if what the contacts do to an
+    /// awake body overflows, as at speeds of 1e300 m/s ([`ContactError::Wall`] if only the load on a wall does; the
+    /// contacts are then of no further use), [`ContactError::Parameter`] for a
     /// `dt` that is negative or not finite, [`ContactError::NoSuch`] if the batch was read from a
     /// file and has not got its [shapes](Self::restore_shapes) back,
     /// [`ContactError::Mesh`] if a convex body among meshes is too flat for tetrahedra.
@@ -328,7 +330,24 @@ impl ContactBatch {
         self.sums.begin(&self.awake_list);
         let seen = |pair: &Pair| self.sums.add(&self.awake, pair);
         evaluate::run(views, &mut self.pairs, seen);
-        Ok(())
+        self.check_results(bodies)
+    }
+
+    /// Refuses results that are not finite.
+    fn check_results(&self, bodies: &[Motion]) -> Result<(), ContactError> {
+        self.sums.check(&self.awake_list, bodies, &self.walls)?;
+        let totals = self.totals();
+        let energies = [totals.energy, totals.energy_change, totals.spring_energy];
+        if energies.iter().all(|x| x.is_finite()) {
+            return Ok(());
+        }
+        let stored = |c: &&Contact| (c.energy + c.spring_energy).abs();
+        let contacts = self.evaluated();
+        match contacts.max_by(|a, b| stored(a).total_cmp(&stored(b))) {
+            Some(contact) => Err(load_not_finite(contact.b as usize, bodies)),
+            // All that is not finite is the energy of contacts that have ended.
+            None => Ok(()),
+        }
     }
 
     /// Whether the states fit what was added.

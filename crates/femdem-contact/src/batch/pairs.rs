@@ -146,7 +146,7 @@ impl PairTable {
         } else {
             (&self.mesh_bodies, code)
         };
-        list.get(index as usize).copied().unwrap_or(false)
+        list[index as usize]
     }
 
     /// Whether a body is a mesh, if it is there.

@@ -2,7 +2,6 @@
 
 use super::current::{Current, Inverted, Operand};
 use crate::general::cache::{BoxTest, gap_along_axes};
-use crate::general::cells::NONE;
 use crate::general::near_list::{Candidate, NearList, Search, Within, members, place};
 use crate::general::posed::Posed;
 use femdem_mesh::bvh::{Aabb, Bvh};
@@ -155,7 +154,7 @@ impl Operand<'_> {
                 ..Members::default()
             };
         };
-        let nodes_of = |i: &u32| shape.tets().get(*i as usize).map_or([NONE; 4], |t| t.nodes);
+        let nodes_of = |i: &u32| shape.tets()[*i as usize].nodes;
         let mut nodes: Vec<u32> = tets.iter().flat_map(nodes_of).collect();
         let masters: Vec<u32> = nodes
             .iter()
@@ -180,11 +179,10 @@ impl Operand<'_> {
     pub(crate) fn boxes(&self, boxes: &mut Vec<Aabb>) {
         boxes.clear();
         if let Self::Deformable(shape, x) = self {
-            let corners = |i: u32| shape.corners(i, x);
-            let of = |c: Option<[Vector3; 4]>| {
-                c.map_or(Aabb::EMPTY, |c| Aabb::of_points(c.map(Point3::from)))
-            };
-            boxes.extend((0..shape.tet_count() as u32).map(|i| of(corners(i))));
+            let corners = (0..shape.tet_count() as u32).filter_map(|i| shape.corners(i, x));
+            boxes.extend(corners.map(|c| Aabb::of_points(c.map(Point3::from))));
+            // The update has checked that there is a position for every node.
+            debug_assert_eq!(boxes.len(), shape.tet_count());
         }
     }
 }

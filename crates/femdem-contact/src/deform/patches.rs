@@ -42,8 +42,8 @@ impl Patches {
         if let Operand::Deformable(shape, _) = sides[1] {
             let mut corners: Vec<(u32, u32)> = Vec::with_capacity(3 * sums.loads.len());
             for (load, i) in sums.loads.iter().zip(0..) {
-                let nodes = shape.skin().get(load.triangle as usize);
-                corners.extend(nodes.into_iter().flatten().map(|node| (*node, i)));
+                let nodes = shape.skin()[load.triangle as usize];
+                corners.extend(nodes.map(|node| (node, i)));
             }
             groups.join_equal(&mut corners);
         }
@@ -153,13 +153,21 @@ impl Patches {
 
     /// The patch of a load.
     pub fn of_load(&self, load: usize) -> usize {
-        self.of_load.get(load).map_or(0, |patch| *patch as usize)
+        patch_of(&self.of_load, load)
     }
 
     /// The patch of a node on the list of a side.
     pub fn of_node(&self, side: usize, node: usize) -> usize {
-        let of_node = self.of_node[side].get(node);
-        of_node.map_or(0, |patch| *patch as usize)
+        patch_of(&self.of_node[side], node)
+    }
+}
+
+/// The patch of an entry; the first one if there is one only, and so no list.
+fn patch_of(list: &[u32], entry: usize) -> usize {
+    if list.is_empty() {
+        0
+    } else {
+        list[entry] as usize
     }
 }
 

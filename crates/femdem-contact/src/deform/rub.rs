@@ -6,7 +6,6 @@ use super::kernel::DeformableScratch;
 use super::patches::Patches;
 use super::respond::{Dashpot, FrictionStart, Mover, Outcome, Pair};
 use super::sums::{PairSums, TriangleLoad};
-use crate::general::cells::NONE;
 use femdem_mesh::Vector3;
 
 /// Sums of the friction of a pair.
@@ -193,8 +192,8 @@ impl Pair<'_> {
         };
         let hosts = [host(0)?, host(1)?];
         let weights = hosts.map(|(_, current)| current.weights(&point));
-        let (va, of_a) = self.motion_at(0, hosts[0].0, &weights[0], &point);
-        let (vb, of_b) = self.motion_at(1, hosts[1].0, &weights[1], &point);
+        let (va, of_a) = self.motion_at(0, hosts[0].0, &weights[0], &point)?;
+        let (vb, of_b) = self.motion_at(1, hosts[1].0, &weights[1], &point)?;
         Some(Touch {
             point,
             normal: load.force / force,
@@ -219,27 +218,29 @@ impl Pair<'_> {
             let weights = tet.weights(point).into_iter();
             Some(weights.fold(f64::INFINITY, f64::min))
         };
-        let mut best = (usual, lowest(usual).unwrap_or(f64::NEG_INFINITY));
-        if best.1 < FAR {
-            for place in 0..self.near.sides[side].tets.len() as u32 {
-                if let Some(weight) = lowest(place)
-                    && weight > best.1
-                {
-                    best = (place, weight);
-                }
+        let held = lowest(usual);
+        if held.is_some_and(|weight| weight >= FAR) {
+            return usual;
+        }
+        let mut best = (usual, held);
+        for place in 0..self.near.sides[side].tets.len() as u32 {
+            let weight = lowest(place);
+            // `None` is less than any weight.
+            if weight > best.1 {
+                best = (place, weight);
             }
         }
         best.0
     }
 
-    /// Velocity of a point of one side, and its mobility.
+    /// Velocity of a point of one side, and its mobility; `None` for a tetrahedron that is not there.
     fn motion_at(
         &self,
         side: usize,
         tet: u32,
         weights: &[f64; 4],
         point: &Vector3,
-    ) -> (Vector3, Mobility) {
+    ) -> Option<(Vector3, Mobility)> {
         let mut mobility = Mobility::default();
         let mut velocity = Vector3::zeros();
         match (&self.movers[side], &self.sides[side]) {
@@ -249,20 +250,17 @@ impl Pair<'_> {
                 mobility.inverse_mass = motion.inverse_mass_at(&arm);
             }
             (Mover::Nodes(state), Operand::Deformable(shape, _)) => {
-                let nodes = shape
-                    .tets()
-                    .get(tet as usize)
-                    .map_or([NONE; 4], |t| t.nodes);
+                let nodes = shape.tets().get(tet as usize)?.nodes;
                 for ((node, w), corner) in nodes.into_iter().zip(weights).zip(&mut mobility.corners)
                 {
-                    velocity += shape.place(node, state.velocities).unwrap_or_default() * *w;
+                    velocity += shape.place(node, state.velocities)? * *w;
                     *corner = shape.inverse_mass(node, state.inverse_masses) * w * w;
                     mobility.inverse_mass += *corner;
                 }
             }
             _ => {}
         }
-        (velocity, mobility)
+        Some((velocity, mobility))
     }
 
     /// Springs that carry a given friction, in proportion to the normal loads of their triangles.

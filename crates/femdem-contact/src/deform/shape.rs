@@ -112,7 +112,12 @@ impl DeformableShape {
             let centre =
                 Point3::from(nodes.iter().map(|&i| point(i).coords).sum::<Vector3>() / 4.0);
             let to = |i: u32| distance_squared(&centre, &surface[i as usize]);
-            let nearest = finder.nearest(&centre, to).map_or(0, |(i, _)| i);
+            let Some((nearest, _)) = finder.nearest(&centre, to) else {
+                return Err(ContactError::Mesh {
+                    why: "the distances of its tetrahedra from its skin are not finite: scale it down"
+                        .to_owned(),
+                });
+            };
             let mut tet = ContactTet {
                 nodes: *nodes,
                 values: nodes.map(value),
@@ -219,7 +224,7 @@ impl DeformableShape {
 
     /// Inverse mass of contact node `i`, 1/kg.
     pub(crate) fn inverse_mass(&self, i: u32, inverse_masses: &[f64]) -> f64 {
-        let of = |i: u32| inverse_masses.get(i as usize).copied().unwrap_or(0.0);
+        let of = |i: u32| inverse_masses[i as usize];
         match self.masters(i) {
             None => of(i),
             Some(masters) => masters.iter().map(|&m| of(m)).sum::<f64>() / 16.0,
@@ -228,7 +233,7 @@ impl DeformableShape {
 
     /// Triangles that share an edge with triangle `i` of the skin.
     pub(crate) fn beside(&self, i: u32) -> [u32; 3] {
-        self.beside.get(i as usize).copied().unwrap_or([NONE; 3])
+        self.beside[i as usize]
     }
 
     /// The tree over the tetrahedra in the reference state.

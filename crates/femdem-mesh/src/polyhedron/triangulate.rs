@@ -5,10 +5,9 @@ use crate::{Point3, Vector3};
 /// The fan of a loop from its first vertex. Signed integrals over it are correct for any planar polygon, convex
 /// or not.
 pub(super) fn fan(face: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
-    let first = face.first().copied().unwrap_or(0);
     face.windows(2)
         .skip(1)
-        .map(move |side| [first, side[0], side[1]])
+        .map(|side| [face[0], side[0], side[1]])
 }
 
 /// Usual limit of the sharpness of triangles (twice the area over the sum of two squared sides), below which

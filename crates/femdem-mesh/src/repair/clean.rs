@@ -53,10 +53,8 @@ impl Surface {
         if count > 0 && !allowed {
             return Err(error(self.list(facets())));
         }
-        let mut keep = bad.iter().map(|&bad| !bad);
-        self.loops.retain(|_| keep.next().unwrap_or(true));
-        let mut keep = bad.iter().map(|&bad| !bad);
-        self.origin.retain(|_| keep.next().unwrap_or(true));
+        retain_good(&mut self.loops, bad);
+        retain_good(&mut self.origin, bad);
         Ok(count)
     }
 
@@ -161,6 +159,16 @@ impl Surface {
             }),
         }
     }
+}
+
+/// Drops the entries of a list that are marked in one as long.
+fn retain_good<T>(list: &mut Vec<T>, bad: &[bool]) {
+    debug_assert_eq!(list.len(), bad.len());
+    let mut place = 0;
+    list.retain(|_| {
+        place += 1;
+        !bad[place - 1]
+    });
 }
 
 /// Checks that loops name existing vertices. Other faults are checked after welding.

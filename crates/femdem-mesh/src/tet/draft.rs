@@ -189,8 +189,14 @@ impl<'a> Draft<'a> {
         let ring: Vec<u32> = self.at[a as usize].iter().filter(with_b).copied().collect();
         let half =
             |tet: u32, end: u32| self.tets[tet as usize].map(|i| if i == end { new } else { i });
-        let shape =
-            |tet: [u32; 4]| tet.map(|i| self.points.get(i as usize).copied().unwrap_or(position));
+        let point = |i: u32| {
+            if i == new {
+                position
+            } else {
+                self.points[i as usize]
+            }
+        };
+        let shape = |tet: [u32; 4]| tet.map(point);
         let good = |tet: [u32; 4]| radius_ratio(shape(tet)) >= floor;
         if !ring
             .iter()

@@ -54,9 +54,10 @@ impl Features {
         for edge in smooth {
             join(&mut patches, edge.beside[0], edge.beside[1]);
         }
-        let mut kept = lengths.iter().map(|length| *length >= shortest);
+        let mut place = 0;
         sharp.retain(|edge| {
-            let keep = kept.next().unwrap_or(true);
+            let keep = lengths[place] >= shortest;
+            place += 1;
             if !keep {
                 join(&mut patches, edge.beside[0], edge.beside[1]);
             }

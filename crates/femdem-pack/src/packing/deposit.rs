@@ -116,10 +116,10 @@ impl Packing {
         let first = self.job.batches.last().copied().unwrap_or(0);
         let limit = limit * self.job.spec.gravity * self.job.spec.diameter();
         (first..self.placed()).all(|body| {
-            let energy = self.world.body_kinetic_energy(body).unwrap_or(0.0);
-            let mass = self.world.mass(body).unwrap_or(0.0);
-            self.world.is_asleep(body)
-                || (energy < limit * mass && self.world.contacts_of(body).next().is_some())
+            let energy = self.world.body_kinetic_energy(body);
+            let moving = energy.zip(self.world.mass(body));
+            let rests = moving.is_some_and(|(energy, mass)| energy < limit * mass);
+            self.world.is_asleep(body) || (rests && self.world.contacts_of(body).next().is_some())
         })
     }
 }

@@ -294,14 +294,9 @@ fn only(held: &[bool; 3], force: Vector3) -> Vector3 {
 /// The sum of the elements' wave moduli times volumes, J.
 fn largest_energy(model: &DeformableModel) -> f64 {
     let elements = model.volumes().iter().zip(model.region_of_tet());
-    let modulus = |region: u32| {
-        model
-            .regions()
-            .get(region as usize)
-            .map(|r| r.material.wave_modulus())
-    };
+    let modulus = |region: u32| model.regions()[region as usize].material.wave_modulus();
     elements
-        .map(|(volume, &region)| volume * modulus(region).unwrap_or(0.0))
+        .map(|(volume, &region)| volume * modulus(region))
         .sum()
 }
 

@@ -86,6 +86,7 @@ pub struct Counters {
     pub linear_systems: u64,
     /// Iterations of conjugate gradients in them.
     pub linear_rounds: u64,
-    /// Wall-clock time in the contact stage.
+    /// Processor time in the contact stage, of all threads of the process; time on the clock where the platform does not
+    /// report it ([`processor_time`](crate::processor_time)).
     pub contact_time: Duration,
 }

@@ -4,6 +4,7 @@ use super::World;
 use super::deformables::{all_loads, all_wall_loads};
 use super::time_step::USUAL_MOVE;
 use crate::body::Body;
+use crate::clock::Stopwatch;
 use crate::drive::{Drive, Driven};
 use crate::error::{SolveError, check};
 use crate::ledger::Flows;
@@ -11,7 +12,6 @@ use crate::parameters::{Medium, WorldParameters};
 use crate::rotation;
 use femdem_contact::{ContactError, Frame, Load, Wrench};
 use femdem_mesh::{Pose, Vector3};
-use std::time::Instant;
 
 /// A step that moves a body by more than this fraction of its bounding radius is a blow-up.
 pub(super) const LARGEST_MOVE: f64 = 0.25;
@@ -289,26 +289,28 @@ impl World {
                 motion.angular_velocity = body.angular_velocity();
             }
         }
-        let start = Instant::now();
+        let watch = Stopwatch::start();
         let since = dt + std::mem::take(&mut self.behind);
         let result = self.batch.update(&self.motions, &self.wall_motions, since);
-        self.count_contacts(start, result)?;
+        self.count_contacts(watch, result)?;
         self.touch_deformables(dt)
     }
 
     /// Updates the work counters after an update of the contacts, and names the body if it has failed.
     pub(super) fn count_contacts(
         &mut self,
-        start: Instant,
+        watch: Stopwatch,
         result: Result<(), ContactError>,
     ) -> Result<(), SolveError> {
-        self.counters.contact_time += start.elapsed();
+        self.counters.contact_time += watch.elapsed();
         let totals = self.batch.totals();
         self.counters.pair_evaluations += totals.candidates as u64;
         self.counters.touching_evaluations += totals.touching as u64;
         self.flows.settle(totals.energy_change);
         match result {
-            Err(ContactError::NotFinite { body, .. }) => Err(self.blow_up(body)),
+            Err(
+                ContactError::NotFinite { body, .. } | ContactError::LoadNotFinite { body, .. },
+            ) => Err(self.blow_up(body)),
             other => Ok(other?),
         }
     }

@@ -4,6 +4,7 @@
 
 mod patches;
 mod rocking;
+mod round_trip;
 mod sleep;
 
 use femdem_contact::Wall;

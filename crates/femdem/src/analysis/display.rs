@@ -53,14 +53,14 @@ impl Tables {
             .grid
             .map_or(String::new(), |grid| format!(", {grid:.4} by grid"));
         let core = self.core.as_ref().map_or(String::new(), |core| {
-            let (min, max) = core.region.corners();
-            let diameter = core.inset / core.inset_over_d;
-            let side = |k: usize| (max[k] - min[k]) / diameter;
+            let (min, max) = core.density_region().corners();
+            let side = |k: usize| (max[k] - min[k]) / self.diameter;
             format!(", {:.1} x {:.1} x {:.1} d", side(0), side(1), side(2))
         });
         Some(format!(
-            "{:.4}{error} exact{grid}, of the core{core}",
-            density.exact
+            "{:.4}{error} exact{grid}, of the {}{core}",
+            density.exact,
+            self.density_space()
         ))
     }
 

@@ -1,29 +1,51 @@
 //! The radial distribution function of the core.
 
-use femdem_analysis::{Pack, Region, radial_distribution};
+use femdem_analysis::{CoreRegion, Pack, RadialBin, Region, radial_distribution};
 use femdem_mesh::Point3;
 
 use super::Tables;
+use super::geometry::thin;
 use crate::Error;
 
 impl Tables {
     pub(super) fn add_radial_distribution(&mut self, pack: &Pack) -> Result<(), Error> {
         let name = "radial_distribution";
-        let Some(core) = self.core.as_ref().map(|core| core.region) else {
+        let Some(core) = self.core.clone() else {
             self.miss(&[name], "it is measured in the core, and there is none");
             return Ok(());
         };
-        let space = inner_box(&core);
+        if core.is_thin() {
+            self.miss(
+                &["radial_distribution.core"],
+                &thin(&core, "the radial distribution function"),
+            );
+        }
+        let space = inner_box(core.density_region());
         if pack.bodies_in(&space)?.len() < 2 {
             self.miss(
                 &[name],
-                "fewer than two bodies have their centre in the core",
+                "fewer than two bodies have their centre in the box within the core, or within the bed if \
+                 the core is too thin",
             );
             return Ok(());
         }
         let found = radial_distribution(pack, &space, &self.options.radial)?;
+        if found.bins.iter().all(RadialBin::is_rare) {
+            let reason =
+                "fewer than 5 pairs are expected in every bin, too few to draw: go by the table";
+            self.miss(&["radial_distribution.plot"], reason);
+        }
         self.radial_distribution = Some(found);
         Ok(())
+    }
+
+    /// What densities and the radial distribution function are measured in, in words.
+    pub(crate) fn density_space(&self) -> &'static str {
+        if self.core.as_ref().is_some_and(CoreRegion::is_thin) {
+            "bed"
+        } else {
+            "core"
+        }
     }
 }
 

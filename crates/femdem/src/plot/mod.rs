@@ -130,6 +130,31 @@ mod tests {
         plots(&Tables::compute(&two_cubes(), &TableOptions::default()).unwrap())
     }
 
+    /// Distances at which fewer than 5 pairs are expected are neither in the line nor in the band.
+    #[test]
+    fn the_radial_distribution_is_drawn_where_pairs_are_expected() {
+        let mut tables = Tables::compute(&two_cubes(), &TableOptions::default()).unwrap();
+        let found = tables.radial_distribution.as_mut().unwrap();
+        found.bins.truncate(6);
+        let values = [900.0, 1.0, 2.0, 1.5, 700.0, f64::NAN];
+        for (bin, (value, expected)) in
+            found
+                .bins
+                .iter_mut()
+                .zip(values.into_iter().zip([4.9, 5.0, 80.0, 6.0, 0.0, f64::NAN]))
+        {
+            (bin.value, bin.expected, bin.standard_error) = (value, expected, Some(0.1));
+        }
+        let radial = |tables: &Tables| plots(tables).into_iter().find(|p| p.name == "radial");
+        let plot = radial(&tables).unwrap();
+        let line = plot.content.lines().find(|l| l.contains("\"line first\""));
+        assert_eq!(line.unwrap().matches('L').count(), 2, "{}", plot.content);
+        assert!(!plot.content.contains("900") && plot.caption.contains("fewer than 5 pairs"));
+        let found = tables.radial_distribution.as_mut().unwrap();
+        found.bins.iter_mut().for_each(|bin| bin.expected = 4.0);
+        assert!(radial(&tables).is_none());
+    }
+
     #[test]
     fn two_cubes_have_a_histogram_of_coordination_that_is_well_formed() {
         let plots = two();

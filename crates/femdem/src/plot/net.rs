@@ -71,8 +71,8 @@ pub(super) fn stereonet(tables: &Tables) -> Option<Plot> {
 
 /// The net as a small picture that is scaled smoothly and cut to the disc, and a colour bar.
 fn content(net: &Stereonet, top: f64) -> Option<String> {
-    let across = net.nodes.iter().filter(|node| node.place[1] == 0.0).count();
-    let pixels = raster(net, across);
+    let across = net.nodes_across as usize;
+    let pixels = raster(net, across)?;
     let disc = viridis_png(across, pixels.iter().map(|density| density / top)).ok()?;
     let bar = viridis_png(1, (0..64).map(|k| 1.0 - f64::from(k) / 63.0)).ok()?;
     let [x, y] = CENTRE;
@@ -120,53 +120,108 @@ fn content(net: &Stereonet, top: f64) -> Option<String> {
     Some(svg)
 }
 
-/// Densities row by row from the top; outside the disc that of the nearest node of the row.
-fn raster(net: &Stereonet, across: usize) -> Vec<f64> {
-    let last = across.saturating_sub(1).max(1) as f64;
-    let cell =
-        |x: f64| ((0.5 * (x + 1.0) * last).round().max(0.0) as usize).min(across.saturating_sub(1));
-    let mut pixels = vec![f64::NAN; across * across];
+/// Densities row by row from the top; outside the disc that of the nearest node of the row, and in a row without
+/// nodes that of the next row towards the middle. `None` for a net that was not made by
+/// [`stereonet`](crate::analysis::stereonet) and has no nodes in its middle, or too many across.
+fn raster(net: &Stereonet, across: usize) -> Option<Vec<f64>> {
+    if !(3..=1001).contains(&across) {
+        return None;
+    }
+    let last = across as f64 - 1.0;
+    let cell = |x: f64| ((0.5 * (x + 1.0) * last).round() as usize).min(across - 1);
+    let mut pixels = vec![None; across * across];
     for node in &net.nodes {
         let (column, row) = (cell(node.place[0]), cell(-node.place[1]));
-        if let Some(pixel) = pixels.get_mut(row * across + column) {
-            *pixel = node.density;
+        pixels[row * across + column] = Some(node.density);
+    }
+    for row in pixels.chunks_mut(across) {
+        let ends = [
+            row.iter().flatten().next().copied(),
+            row.iter().flatten().next_back().copied(),
+        ];
+        for (column, pixel) in row.iter_mut().enumerate() {
+            *pixel = pixel.or(ends[usize::from(column >= across / 2)]);
         }
     }
-    for row in pixels.chunks_mut(across.max(1)) {
-        let known = |row: &[f64], ahead: bool| {
-            let mut values = row.iter().copied().filter(|v| !v.is_nan());
-            if ahead {
-                values.next()
-            } else {
-                values.next_back()
+    let middle = across / 2;
+    for row in (0..middle).rev() {
+        for [row, inner] in [[row, row + 1], [across - 1 - row, across - 2 - row]] {
+            for column in 0..across {
+                let inner = pixels[inner * across + column];
+                let pixel = &mut pixels[row * across + column];
+                *pixel = pixel.or(inner);
             }
-        };
-        let ends = [known(row, true), known(row, false)].map(|end| end.unwrap_or(1.0));
-        let middle = row.len() / 2;
-        for (column, pixel) in row
-            .iter_mut()
-            .enumerate()
-            .filter(|(_, pixel)| pixel.is_nan())
-        {
-            *pixel = if column < middle { ends[0] } else { ends[1] };
         }
     }
-    pixels
+    pixels.into_iter().collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::analysis::{StereonetOptions, stereonet};
+    use proptest::prelude::*;
 
     /// Axes along +x lie at the right and left edges, and all rows are filled.
     #[test]
     fn the_net_shows_axes_where_they_are() {
         let net = stereonet(&[[1.0, 0.0, 0.0]], &StereonetOptions::default()).unwrap();
-        let pixels = raster(&net, 41);
+        let pixels = raster(&net, 41).unwrap();
         assert!(pixels.iter().all(|p| p.is_finite()));
         let at = |column: usize, row: usize| pixels[row * 41 + column];
         assert!(at(40, 20) > at(20, 0) && at(0, 20) > at(20, 40));
         assert!(content(&net, 2.0).unwrap().contains("<image"));
+    }
+
+    fn wild() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            4 => -1.0..1.0_f64,
+            1 => Just(0.0),
+            1 => Just(5e-324),
+            1 => Just(-1e-300),
+            1 => Just(1e200),
+            1 => Just(-f64::MAX),
+            1 => Just(f64::NAN),
+            1 => Just(f64::NEG_INFINITY),
+        ]
+    }
+
+    proptest! {
+        /// Directions of any length are drawn with finite numbers, whatever the options; one without a direction
+        /// is an error that names it.
+        #[test]
+        fn a_net_is_drawn_with_finite_numbers(
+            one in prop::array::uniform3(wild()),
+            copies in 1_usize..50,
+            others in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f64), 0..10),
+            sigmas in prop_oneof![Just(5e-324), Just(1e-150), 0.1..10.0_f64, Just(1e3)],
+            least_circle in prop_oneof![Just(1e-9), Just(0.01), Just(1.0 - f64::EPSILON / 2.0)],
+            nodes_across in 3_u32..30,
+        ) {
+            let mut directions = vec![one; copies];
+            directions.extend(others);
+            let options = StereonetOptions { sigmas, least_circle, nodes_across };
+            let largest = one.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            let is_direction = one.iter().all(|x| x.is_finite()) && largest > 0.0;
+            let net = match stereonet(&directions, &options) {
+                Ok(net) => net,
+                Err(error) => {
+                    prop_assert!(!is_direction, "{}", error);
+                    prop_assert!(error.to_string().contains("direction 0"), "{}", error);
+                    return Ok(());
+                }
+            };
+            prop_assert!(is_direction);
+            let numbers = net.nodes.iter().flat_map(|n| [n.density, n.sigmas, n.place[0], n.place[1]]);
+            prop_assert!(numbers.chain([net.noise, net.angle]).all(f64::is_finite));
+            let across = nodes_across as usize;
+            let pixels = raster(&net, across).unwrap();
+            prop_assert_eq!(pixels.len(), across * across);
+            let top = pixels.iter().copied().fold(2.0, f64::max);
+            prop_assert!(pixels.iter().all(|p| (0.0..=1.0).contains(&(p / top))));
+            let svg = content(&net, top).unwrap();
+            let text: String = svg.split('>').filter(|part| !part.contains("base64")).collect();
+            prop_assert!(!text.contains("NaN") && !text.contains("inf"), "{}", text);
+        }
     }
 }

@@ -18,12 +18,19 @@ pub(super) fn height(tables: &Tables) -> Option<Plot> {
     let mut core_words = String::new();
     if let (Some(core), Some(density)) = (&tables.core, &tables.density) {
         let (low, high) = core.region.corners();
-        chart.level(low.z);
-        chart.level(high.z);
-        core_words = format!(
-            " The core, {:.4}, lies between the dashed lines.",
-            density.exact
-        );
+        core_words = if core.is_thin() {
+            format!(
+                " The core would be thinner than one body; the whole bed has {:.4}.",
+                density.exact
+            )
+        } else {
+            chart.level(low.z);
+            chart.level(high.z);
+            format!(
+                " The core, {:.4}, lies between the dashed lines.",
+                density.exact
+            )
+        };
     }
     let caption = format!(
         "Solid volume over volume of horizontal slabs of the container, by exact clipping; the band is the \
@@ -55,10 +62,12 @@ pub(super) fn wall(tables: &Tables) -> Option<Plot> {
     if let Some(density) = &tables.density {
         chart.level(density.exact);
     }
-    let caption = "Solid volume over volume of shells at equal distance from the nearest side wall, over the \
-                   heights of the core; the band is the standard error by block bootstrap. Walls order the \
-                   bodies beside them: waves of about one diameter, dying out inward. Dashed: the core."
-        .to_owned();
+    let space = tables.density_space();
+    let caption = format!(
+        "Solid volume over volume of shells at equal distance from the nearest side wall, over the heights of the \
+         {space}; the band is the standard error by block bootstrap. Walls order the bodies beside them: waves of \
+         about one diameter, dying out inward. Dashed: the {space}."
+    );
     Some(Plot::of(
         "wall",
         "Packing density and walls",
@@ -70,8 +79,7 @@ pub(super) fn wall(tables: &Tables) -> Option<Plot> {
 /// The radial distribution function of the bodies' centres.
 pub(super) fn radial(tables: &Tables) -> Option<Plot> {
     let found = tables.radial_distribution.as_ref()?;
-    // Bins for which the box has no room for a pair are left out.
-    let bins: Vec<_> = found.bins.iter().filter(|bin| bin.expected > 0.0).collect();
+    let bins: Vec<_> = found.bins.iter().filter(|bin| !bin.is_rare()).collect();
     let d = tables.diameter;
     let ends = |sign: f64| -> Vec<[f64; 2]> {
         let shifted = |bin: &&RadialBin| bin.value + sign * bin.standard_error.unwrap_or(0.0);
@@ -87,9 +95,11 @@ pub(super) fn radial(tables: &Tables) -> Option<Plot> {
     chart.level(1.0);
     let caption = format!(
         "Pairs of centres at a distance over those of points strewn at random in the same box (dashed: 1), for \
-         the {} bodies of the core, with exact volumes of the shells; the band is the standard error. The first \
-         peak is the shell of touching neighbours; its waves die out where the order ends.",
-        found.bodies
+         the {} bodies of the {}, with exact volumes of the shells; the band is the standard error. The first \
+         peak is the shell of touching neighbours; its waves die out where the order ends. Distances at which \
+         fewer than 5 pairs are expected are left out.",
+        found.bodies,
+        tables.density_space(),
     );
     Some(Plot::of(
         "radial",

@@ -4,10 +4,7 @@ use std::fs;
 use std::time::{Duration, Instant};
 
 use femdem::Usage;
-use femdem::solve::Counters;
-
-/// Ticks per second in which Linux counts processor time for programs (USER_HZ).
-const TICKS_PER_SECOND: f64 = 100.0;
+use femdem::solve::{Counters, processor_time};
 
 /// Adds the cost of this part of a run to that of the earlier parts.
 pub(crate) struct Meter {
@@ -60,17 +57,7 @@ impl Meter {
 
 /// Processor time of this program \[s\]; none if the system does not report it.
 fn cpu_seconds() -> Option<f64> {
-    parse_cpu(&fs::read_to_string("/proc/self/stat").ok()?)
-}
-
-/// Fields 14 and 15 of proc(5)'s stat; field 2, the name in brackets, may contain spaces.
-fn parse_cpu(stat: &str) -> Option<f64> {
-    let after_name = stat.rsplit_once(')')?.1;
-    let mut ticks = after_name
-        .split_whitespace()
-        .skip(11)
-        .map(str::parse::<f64>);
-    Some((ticks.next()?.ok()? + ticks.next()?.ok()?) / TICKS_PER_SECOND)
+    processor_time().map(|time| time.as_secs_f64())
 }
 
 /// Largest resident memory of this program; none if the system does not report it.
@@ -91,14 +78,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_of_linux_are_understood() {
-        let stat = "7 (a) b) R 1 7 7 0 -1 4194304 91 0 0 0 250 50 0 0 20 0 1 0 11 2 3";
-        assert_eq!(parse_cpu(stat), Some(3.0));
+    fn the_memory_that_linux_tells_is_understood() {
         assert_eq!(
             parse_memory("Name:\tx\nVmHWM:\t    2048 kB\n"),
             Some(2 << 20)
         );
-        assert_eq!(parse_cpu("nonsense"), None);
         assert_eq!(parse_memory("VmRSS: 1 kB"), None);
     }
 }

@@ -29,7 +29,11 @@ pub(super) fn figures(summary: &Summary) -> Vec<Figure> {
         let error = density
             .standard_error
             .map_or(String::new(), |e| format!(" ± {e:.4}"));
-        let note = format!("{error} of the core{}", by_grid(density.grid));
+        let space = match &density.bed_reason {
+            Some(reason) => format!("bed, since {reason}"),
+            None => "core".to_owned(),
+        };
+        let note = format!("{error} of the {space}{}", by_grid(density.grid));
         figures.push(figure(
             "Packing density",
             format!("{:.4}", density.exact),
@@ -76,7 +80,11 @@ pub(super) fn measured(tables: &Tables) -> Vec<Figure> {
         figures.push(Figure {
             label: "Packing density",
             value: format!("{:.4}", density.exact),
-            note: format!("{error}of the core{}", by_grid(density.grid)),
+            note: format!(
+                "{error}of the {}{}",
+                tables.density_space(),
+                by_grid(density.grid)
+            ),
         });
     }
     if let Some(z) = &tables.coordination {

@@ -29,8 +29,9 @@ impl Surface {
             let listed = triangles.by_ref().take(outline.len().saturating_sub(2));
             let mut listed: Vec<[u32; 3]> = listed.collect();
             if shape.is_convex() {
-                let free = |v: &u32| made.get(*v as usize).is_some_and(|m| m.1.is_none());
-                listed = fan(outline, outline.iter().position(free).unwrap_or(0));
+                let free = outline.iter().position(|v| made[*v as usize].1.is_none());
+                // If all corners carry normals of other faces, any serves, and is doubled below.
+                listed = fan(outline, free.unwrap_or(0));
             }
             // Duplicates of vertices made for this face.
             let mut doubled: Vec<u32> = Vec::new();
@@ -43,10 +44,9 @@ impl Surface {
             ..Self::default()
         };
         for (vertex, face) in made {
-            let from = shape.vertices().get(vertex as usize).map(|p| p - centroid);
+            let from = shape.vertices()[vertex as usize] - centroid;
             let normal = face.map_or(Vector3::zeros(), |face| shape.face_normal(face));
-            let coordinates = from.unwrap_or_default();
-            surface.points.extend(coordinates.iter().map(|x| *x as f32));
+            surface.points.extend(from.iter().map(|x| *x as f32));
             surface.normals.extend(normal.iter().map(|x| *x as f32));
         }
         surface
@@ -57,9 +57,10 @@ impl Surface {
 fn fan(outline: &[u32], first: usize) -> Vec<[u32; 3]> {
     let (behind, ahead) = outline.split_at(first);
     let turned: Vec<u32> = ahead.iter().chain(behind).copied().collect();
-    let others = turned.get(1..).unwrap_or_default().windows(2);
-    let triangle = |pair: &[u32]| Some([*turned.first()?, *pair.first()?, *pair.last()?]);
-    others.filter_map(triangle).collect()
+    let triangles = turned.windows(2).skip(1);
+    triangles
+        .map(|pair| [turned[0], pair[0], pair[1]])
+        .collect()
 }
 
 /// The corners of a triangle, turned so that the last one carries the face's normal.

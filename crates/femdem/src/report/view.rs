@@ -132,7 +132,7 @@ fn contacts<'a>(
             *entry = place;
         }
     }
-    let listed = |body: u32| listed_as.get(body as usize).copied().unwrap_or_default();
+    let listed = |body: u32| listed_as[body as usize];
     let mut walls: Vec<&str> = Vec::new();
     let mut partners = Vec::with_capacity(snapshot.contacts.len());
     for row in &snapshot.contacts {
@@ -187,7 +187,7 @@ pub(super) fn strengths(snapshot: &Snapshot) -> Vec<f64> {
     } else {
         snapshot.masses.clone()
     };
-    let weight = |body: u32| weights.get(body as usize).copied().unwrap_or(f64::INFINITY);
+    let weight = |body: u32| weights[body as usize];
     let mut pairs: BTreeMap<(u32, &Partner), Vector3> = BTreeMap::new();
     for row in &snapshot.contacts {
         let force = row.normal * row.normal_force + row.friction;
@@ -200,18 +200,15 @@ pub(super) fn strengths(snapshot: &Snapshot) -> Vec<f64> {
             Partner::Wall(_) => None,
         };
         for body in [Some(*first), second].into_iter().flatten() {
-            if let Some(most) = largest.get_mut(body as usize) {
-                *most = most.max(force.norm() / weight(body));
-            }
+            let most = &mut largest[body as usize];
+            *most = most.max(force.norm() / weight(body));
         }
     }
     let touching = largest.iter().filter(|most| **most > 0.0);
     let (sum, count) = touching.fold((0.0, 0.0), |(sum, count), most| (sum + most, count + 1.0));
     let mean = f64::max(sum / f64::max(count, 1.0), f64::MIN_POSITIVE);
     let strength = |row: &crate::ContactRow| {
-        let force = pairs
-            .get(&(row.body, &row.partner))
-            .map_or(0.0, Vector3::norm);
+        let force = pairs[&(row.body, &row.partner)].norm();
         let shared = match row.partner {
             Partner::Body(second) => 0.5 * (weight(row.body) + weight(second)),
             Partner::Wall(_) => weight(row.body),

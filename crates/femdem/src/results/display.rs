@@ -105,11 +105,15 @@ impl Summary {
         };
         let extent = |k: usize| (density.core.max[k] - density.core.min[k]) / self.diameter;
         let grid = density.grid.map_or(
-            "none by grid (the core is too wide for it)".to_owned(),
+            "none by grid (the region is too wide for it)".to_owned(),
             |grid| format!("{grid:.4} by grid"),
         );
+        let space = match &density.bed_reason {
+            Some(reason) => format!("{reason}: whole bed,"),
+            None => "core".to_owned(),
+        };
         format!(
-            "{:.4}{error} exact, {grid}; core {:.1} x {:.1} x {:.1} d",
+            "{:.4}{error} exact, {grid}; {space} {:.1} x {:.1} x {:.1} d",
             density.exact,
             extent(0),
             extent(1),

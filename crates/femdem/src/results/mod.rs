@@ -35,7 +35,7 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
         Some(Body {
             shape: world.shape_of(id)?,
             pose: world.pose(id)?,
-            sequence: packing.sequence(id).unwrap_or(id),
+            sequence: packing.sequence(id)?,
             sleeping: world.is_asleep(id),
         })
     });

@@ -30,7 +30,7 @@ pub struct Usage {
     pub cpu_seconds: Option<f64>,
     /// Largest resident memory; `None` if the system does not report it.
     pub peak_memory_bytes: Option<u64>,
-    /// Time on the clock in the contact stage \[s\].
+    /// Processor time in the contact stage \[s\]; time on the clock if the system does not report it.
     pub contact_seconds: f64,
     /// Evaluations of a pair that touched.
     pub touching_evaluations: u64,
@@ -84,10 +84,11 @@ pub struct Summary {
     pub wall_seconds: f64,
     /// Time of all processor cores \[s\].
     pub cpu_seconds: Option<f64>,
-    /// Time on the clock in the contact stage (search, kernel, friction, gather), over evaluations of
-    /// touching pairs \[ns\].
+    /// Processor time of all threads in the contact stage (search, kernel, friction, gather), over evaluations of
+    /// touching pairs \[ns\]; time on the clock if the system does not report it, and `cpu_seconds` is `null`.
     pub contact_nanoseconds_per_pair: Option<f64>,
-    /// Packing density of the core; `null` if the pack is too low to have one, and in a container from a file.
+    /// Packing density of the core, or of the whole bed if the core is too thin; `null` if the pack is too low to
+    /// have a core, and in a container from a file.
     pub packing_density: Option<DensitySummary>,
     /// Coordination number: bodies and walls that push on a body, each counted once; over all bodies.
     pub coordination: CoordinationSummary,
@@ -116,7 +117,7 @@ pub struct ContactLawSummary {
     pub tangential_ratio: f64,
 }
 
-/// Packing density of the core region: solid volume over volume, 0 to 1.
+/// Packing density: solid volume over volume, 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DensitySummary {
     /// By exact clipping, overlaps subtracted.
@@ -127,9 +128,11 @@ pub struct DensitySummary {
     pub standard_error: Option<f64>,
     /// Where it was measured.
     pub core: Core,
+    /// Why it is that of the whole bed, from the floor to the mean top; `null` if it is that of the core.
+    pub bed_reason: Option<String>,
 }
 
-/// Corners of the core region \[m\]; of the box around it, for a cylinder.
+/// Corners of the core region \[m\], or of the bed if that was measured; of the box around it, for a cylinder.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Core {
     /// Lower corner.
@@ -270,7 +273,7 @@ impl Usage {
     }
 }
 
-/// Density of the core, or none where the pack is too low to have one, or the container is from a file.
+/// Density of the core, or of the bed if the core is thin, or none where the pack is too low to have one, or the container is from a file.
 fn density(snapshot: &Snapshot) -> Result<Option<DensitySummary>, Error> {
     use femdem_analysis::AnalysisError::{NoPackInContainer, Region};
     let shapes: Vec<Polyhedron> = snapshot
@@ -295,8 +298,9 @@ fn density(snapshot: &Snapshot) -> Result<Option<DensitySummary>, Error> {
         Err(NoPackInContainer { .. } | Region { .. }) => return Ok(None),
         Err(other) => return Err(other.into()),
     };
-    let density = packing_density(&pack, &core.region, &DensityOptions::default())?;
-    let (min, max) = core.region.corners();
+    let space = core.density_region();
+    let density = packing_density(&pack, space, &DensityOptions::default())?;
+    let (min, max) = space.corners();
     Ok(Some(DensitySummary {
         exact: density.exact,
         grid: density.grid,
@@ -305,6 +309,12 @@ fn density(snapshot: &Snapshot) -> Result<Option<DensitySummary>, Error> {
             min: min.into(),
             max: max.into(),
         },
+        bed_reason: core.is_thin().then(|| {
+            format!(
+                "the core would be {:.2} d thin, less than one circumscribed diameter",
+                core.extent_over_d
+            )
+        }),
     }))
 }
 

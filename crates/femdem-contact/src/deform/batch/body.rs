@@ -278,7 +278,7 @@ pub(crate) struct Wanted {
 /// Updates the data that is needed of the bodies.
 pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Context) {
     on_each(bodies, |i, body| {
-        let wanted = wanted.get(i).copied().unwrap_or_default();
+        let wanted = wanted[i];
         if wanted.tree
             && let Some(operand) = context.soft(i as u32, body)
         {

@@ -44,20 +44,13 @@ impl Context<'_> {
         Some(Operand::Deformable(shape, state.positions))
     }
 
-    fn motion_of_a(&self, a: DeformablePartner) -> Option<&Motion> {
-        match a {
-            DeformablePartner::Deformable(_) => None,
-            DeformablePartner::Rigid(i) => self.rigid.get(i as usize),
-            DeformablePartner::Wall(w) => self.walls.get(w as usize),
-        }
-    }
-
     /// Running bound of the sum of the travels of A and B, m.
     pub fn motion(&self, pair: &SoftPair, bodies: &[SoftBody]) -> f64 {
-        let of = |i: u32| bodies.get(i as usize).map_or(0.0, |b| b.travelled);
+        let of = |i: u32| bodies[i as usize].travelled;
         let of_a = match pair.a {
             DeformablePartner::Deformable(i) => of(i),
-            a => self.motion_of_a(a).map_or(0.0, |m| m.travelled),
+            DeformablePartner::Rigid(i) => self.rigid[i as usize].travelled,
+            DeformablePartner::Wall(w) => self.walls[w as usize].travelled,
         };
         of_a + of(pair.b)
     }

@@ -212,21 +212,26 @@ impl DeformableBatch {
     /// Restores the shapes of a batch that was read from a file, in the order of addition.
     ///
     /// # Errors
-    /// [`ContactError::NoSuch`] if a body refers to a missing shape, and the errors of
-    /// [`add_rigid_shape`](Self::add_rigid_shape).
+    /// [`ContactError::NoSuch`] if a body refers to a missing shape, [`ContactError::Stored`] if a pair refers to a
+    /// missing body or wall, and the errors of [`add_rigid_shape`](Self::add_rigid_shape).
     pub fn restore_shapes(
         &mut self,
         shapes: Vec<Arc<DeformableShape>>,
         rigid: Vec<BodyShape>,
     ) -> Result<(), ContactError> {
-        let most = |list: &mut dyn Iterator<Item = u32>| list.max().map_or(0, |i| i as usize + 1);
-        for (needed, count) in [
-            (most(&mut self.bodies.iter().map(|b| b.shape)), shapes.len()),
-            (most(&mut self.rigid.iter().copied()), rigid.len()),
+        for (largest, count) in [
+            (self.bodies.iter().map(|b| b.shape).max(), shapes.len()),
+            (self.rigid.iter().copied().max(), rigid.len()),
         ] {
-            if needed > count {
-                return Err(no_shape(needed as u32 - 1, count));
+            if let Some(index) = largest.filter(|i| *i as usize >= count) {
+                return Err(no_shape(index, count));
             }
+        }
+        let counts = [self.bodies.len(), self.rigid.len(), self.walls.len()];
+        if !self.pairs.fits(counts) || self.rigid_sleep.len() != counts[1] {
+            return Err(ContactError::Stored {
+                what: "the table of pairs".to_owned(),
+            });
         }
         for body in &mut self.bodies {
             body.restore(&shapes[body.shape as usize]);

@@ -100,6 +100,18 @@ impl PairList {
         &mut self.list
     }
 
+    /// Whether the bodies and walls of all pairs are among so many deformable bodies, rigid ones and walls.
+    pub fn fits(&self, [soft, rigid, walls]: [usize; 3]) -> bool {
+        self.list.iter().all(|pair| {
+            let a_is_there = match pair.a {
+                DeformablePartner::Deformable(i) => (i as usize) < soft,
+                DeformablePartner::Rigid(i) => (i as usize) < rigid,
+                DeformablePartner::Wall(w) => (w as usize) < walls,
+            };
+            a_is_there && (pair.b as usize) < soft
+        })
+    }
+
     /// Something was added: search in the next update.
     pub fn forget_search(&mut self) {
         self.expires = Default::default();

@@ -165,7 +165,7 @@ impl Deformables {
     pub(in crate::world) fn usual_step(&self, met: impl Fn(&Vector3, f64) -> f64) -> f64 {
         let bodies = self.bodies.iter().map(|body| {
             let shape = &self.batch.shapes()[body.model as usize];
-            let centre = body.positions.first().copied().unwrap_or_default();
+            let centre = body.positions[0];
             let speed = body.fastest + met(&centre, 2.0 * shape.radius());
             USUAL_MOVE * shape.inradius() / speed
         });

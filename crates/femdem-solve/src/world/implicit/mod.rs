@@ -15,6 +15,7 @@ mod system;
 use super::World;
 use super::step::{LARGEST_MOVE, relaxation};
 use crate::body::Body;
+use crate::clock::Stopwatch;
 use crate::error::{SolveError, check};
 use crate::ledger::{Flows, Pending};
 use crate::parameters::ImplicitStep;
@@ -22,7 +23,6 @@ use crate::rotation;
 use femdem_contact::{BodyId, Contact, ContactForce, Motion, Partner, Snapshot, Wrench};
 use femdem_mesh::{Matrix3, Rotation, Vector3};
 use link::Link;
-use std::time::Instant;
 use system::{Inertia, System, Twist};
 
 /// Tolerance of the solutions that only decide the state of the contacts, over that of the last.
@@ -106,7 +106,7 @@ impl World {
         let drifted = self.drift(dt);
         std::mem::swap(&mut self.motions, &mut self.ahead);
         drifted?;
-        let start = Instant::now();
+        let watch = Stopwatch::start();
         let now = Snapshot {
             bodies: &self.motions,
             walls: &walls,
@@ -118,7 +118,7 @@ impl World {
             dt,
         };
         let result = self.batch.update_springs(now, ahead);
-        self.count_contacts(start, result)?;
+        self.count_contacts(watch, result)?;
         Ok(before)
     }
 
