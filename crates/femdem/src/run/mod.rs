@@ -38,6 +38,7 @@ mod body;
 mod books;
 mod boundary;
 mod build;
+mod changes;
 mod contacts;
 mod focus;
 mod frame;
@@ -52,8 +53,10 @@ mod overlap;
 mod picture;
 mod relaxation;
 mod rows;
+mod saved;
 mod select;
 mod settings;
+mod start;
 mod summary;
 mod support;
 mod wall;
@@ -75,6 +78,7 @@ pub use material::{Law, MaterialEntry};
 pub use motion::MotionEntry;
 pub use overlap::Overlap;
 pub use relaxation::{RelaxEntry, RelaxSummary};
+pub use saved::RUN_CHECKPOINT;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
 pub use summary::{
@@ -127,6 +131,9 @@ pub struct Scenario {
     pub wall: Vec<WallEntry>,
     /// Bodies.
     pub body: Vec<BodyEntry>,
+    /// Folder of another run of a scene, from whose checkpoint this one starts. `None`: bodies start where their entries
+    /// place them.
+    pub from: Option<PathBuf>,
     /// Folder for the results.
     pub out: PathBuf,
     /// Threads. `None`: one for each core.
@@ -156,6 +163,7 @@ impl Default for Scenario {
             material: BTreeMap::new(),
             wall: Vec::new(),
             body: Vec::new(),
+            from: None,
             out: PathBuf::from("out/run"),
             threads: None,
             checkpoint_every: 60.0,

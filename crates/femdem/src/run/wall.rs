@@ -82,6 +82,14 @@ impl WallEntry {
         Ok(())
     }
 
+    /// Number of walls that it is in a world.
+    pub(super) fn count(&self) -> Result<u32, Error> {
+        match &self.r#box {
+            Some(space) => Ok(space.shapes("box")?.len() as u32),
+            None => Ok(1),
+        }
+    }
+
     fn shapes(&self, name: &str) -> Result<Vec<WallShape>, Error> {
         if self.unit != Unit::default() && self.file.is_none() {
             return Err(wrong(
