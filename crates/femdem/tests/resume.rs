@@ -500,3 +500,46 @@ fn a_deformable_body_starts_from_its_state() {
         .to_string();
     assert!(message.contains("material.clay"), "{message}");
 }
+
+/// A plate stays where its motion has ended, or flies on as it moved, once it is free.
+#[test]
+fn a_body_is_set_free_with_the_velocity_that_it_had() {
+    let folder = tempdir().unwrap();
+    let scene = |head: &str, motion: &str| {
+        let text = format!(
+            "{head}
+            gravity = [0, 0, 0]
+            [material.m]
+            density = 1000
+            [[body]]
+            shape = \"cube\"
+            size = 0.1
+            material = \"m\"
+            {motion}"
+        );
+        Scenario::from_toml(&text).unwrap()
+    };
+    let place = |job: &Run| job.simulation().world.position(0).unwrap().x;
+    for (end, speed) in [(0.1, 0.0), (1.0, 0.3)] {
+        let motion = format!("motion = {{ linear = {{ velocity = [0.3, 0, 0], end = {end} }} }}");
+        let mut job = Run::new(scene("duration = 0.2", &motion)).unwrap();
+        job.advance(folder.path(), u64::MAX).unwrap();
+        job.save(folder.path(), &Usage::default()).unwrap();
+        let from = format!("from = \"{}\"\nduration = 0.2", folder.path().display());
+        let mut free = Run::new(scene(&from, "")).unwrap();
+        assert_eq!(place(&free), place(&job));
+        free.advance(tempdir().unwrap().path(), u64::MAX).unwrap();
+        let way = place(&free) - place(&job);
+        let time = free.simulation().world.time();
+        assert!((way - speed * time).abs() < 1e-9, "{way} {speed}");
+        // The same in one run, at its own time.
+        let mut longer = scene("duration = 0.4", "");
+        longer.every = job.scenario().every;
+        assert!(job.apply(longer).is_ok());
+        let (start, since) = (place(&job), job.simulation().world.time());
+        job.advance(folder.path(), u64::MAX).unwrap();
+        let time = job.simulation().world.time() - since;
+        let way = place(&job) - start;
+        assert!((way - speed * time).abs() < 1e-9, "{way} {speed}");
+    }
+}

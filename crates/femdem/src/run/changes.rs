@@ -3,10 +3,11 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use femdem_contact::BodyId;
 use toml::{Table, Value};
 
 use super::words::KEYS;
-use super::{MemberId, Scenario, Simulation};
+use super::{MemberId, MotionEntry, Scenario, Simulation};
 use crate::{Error, toml_file};
 
 /// Keys that say how a run is written down and when it ends.
@@ -149,50 +150,80 @@ fn of_entries(top: &str, old: &[Value], new: &[Value]) -> Vec<Change> {
 }
 
 impl Simulation {
+    /// Sets the rigid bodies free that have a prescribed motion in the old scene, but none in the new one.
+    pub(super) fn set_free(&mut self, old: &Scenario, new: &Scenario) -> Result<(), Error> {
+        for (id, motion) in self.new_motions(old, new)? {
+            if motion.is_none() && self.world.body_drive(id).is_some() {
+                self.world.drive_body(id, None)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Replaces the settings of the world and the motions of walls and rigid bodies in which two scenes differ. Motions
     /// count from where things are now.
     pub(super) fn change(&mut self, old: &Scenario, new: &Scenario) -> Result<(), Error> {
-        let set = || {
-            let (world, wanted) = (&mut self.world, new.parameters());
-            if old.gravity != new.gravity {
-                world.set_gravity(wanted.gravity)?;
+        let set = self.set(old, new).and_then(|()| self.drive(old, new));
+        set.map_err(|error| error.by_keys(&KEYS))
+    }
+
+    fn set(&mut self, old: &Scenario, new: &Scenario) -> Result<(), Error> {
+        let (world, wanted) = (&mut self.world, new.parameters());
+        if old.gravity != new.gravity {
+            world.set_gravity(wanted.gravity)?;
+        }
+        if old.contact != new.contact {
+            world.set_contact(wanted.contact)?;
+        }
+        if old.time_step != new.time_step {
+            world.set_time_step(wanted.time_step)?;
+        }
+        if old.medium != new.medium {
+            world.set_medium(wanted.medium)?;
+        }
+        let sleep = |scene: &Scenario| (scene.sleeping, scene.sleeping_deformables);
+        if sleep(old) != sleep(new) {
+            world.set_sleep_rule(wanted.sleeping)?;
+        }
+        Ok(())
+    }
+
+    fn drive(&mut self, old: &Scenario, new: &Scenario) -> Result<(), Error> {
+        let mut first = 0;
+        for (old, new) in old.wall.iter().zip(&new.wall) {
+            let walls = first..first + new.count()?;
+            first = walls.end;
+            for wall in walls.filter(|_| old.motion != new.motion) {
+                let drive = new.motion.map(|motion| motion.drive()).unwrap_or_default();
+                self.world.drive_wall(wall, drive)?;
             }
-            if old.contact != new.contact {
-                world.set_contact(wanted.contact)?;
+        }
+        self.set_free(old, new)?;
+        for (id, motion) in self.new_motions(old, new)? {
+            if let Some(motion) = motion {
+                self.world.drive_body(id, Some(motion.drive()))?;
             }
-            if old.time_step != new.time_step {
-                world.set_time_step(wanted.time_step)?;
-            }
-            if old.medium != new.medium {
-                world.set_medium(wanted.medium)?;
-            }
-            let sleep = |scene: &Scenario| (scene.sleeping, scene.sleeping_deformables);
-            if sleep(old) != sleep(new) {
-                world.set_sleep_rule(wanted.sleeping)?;
-            }
-            let mut first = 0;
-            for (old, new) in old.wall.iter().zip(&new.wall) {
-                let walls = first..first + new.count()?;
-                first = walls.end;
-                for wall in walls.filter(|_| old.motion != new.motion) {
-                    let drive = new.motion.map(|motion| motion.drive()).unwrap_or_default();
-                    world.drive_wall(wall, drive)?;
+        }
+        Ok(())
+    }
+
+    /// The rigid bodies whose motion differs between two scenes of the same bodies, with the new one.
+    fn new_motions(
+        &self,
+        old: &Scenario,
+        new: &Scenario,
+    ) -> Result<Vec<(BodyId, Option<MotionEntry>)>, Error> {
+        let (mut found, mut members) = (Vec::new(), self.members.iter());
+        for (old, new) in old.body.iter().zip(&new.body) {
+            for member in members.by_ref().take(new.poses()?.len()) {
+                if let MemberId::Rigid(id) = member.id
+                    && old.motion != new.motion
+                {
+                    found.push((id, new.motion));
                 }
             }
-            let mut members = self.members.iter();
-            for (old, new) in old.body.iter().zip(&new.body) {
-                for member in members.by_ref().take(new.poses()?.len()) {
-                    if let MemberId::Rigid(id) = member.id
-                        && old.motion != new.motion
-                    {
-                        world.drive_body(id, new.motion.map(|motion| motion.drive()))?;
-                    }
-                }
-            }
-            Ok(())
-        };
-        let mut set = set;
-        set().map_err(|error: Error| error.by_keys(&KEYS))
+        }
+        Ok(found)
     }
 }
 

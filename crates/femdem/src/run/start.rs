@@ -41,6 +41,8 @@ impl Simulation {
                 "its file is another one than that run had: give that one, or leave `from` out",
             ));
         }
+        // Before motions begin anew: what has come to rest stays so.
+        simulation.set_free(&before, scene)?;
         simulation.world.restart_clock();
         simulation.change(&before, scene)?;
         for (_, member, body) in self.deformables() {

@@ -74,7 +74,9 @@ impl Run {
             new.history_interval(),
         );
         self.next_frame = again(self.next_frame, old.frame_interval(), new.frame_interval());
-        if old.rest != new.rest || (self.ending.is_some() && ending.is_none()) {
+        let goes_on = (self.ending.is_some() && ending.is_none())
+            || (self.relaxing.is_some() && relaxing.is_none());
+        if old.rest != new.rest || goes_on {
             self.quiet_since = None;
         }
         (self.ending, self.relaxing) = (ending, relaxing);
