@@ -16,7 +16,7 @@ duration = 0.2
 every = 0.05
 history-every = 0.01
 track = true
-contact.penalty = 1e5
+contact.penalty = 3e4
 [material.stone]
 density = 2500
 [[wall]]
@@ -205,15 +205,27 @@ fn a_changed_scene_is_applied_or_refused_by_its_key() {
     );
 }
 
+/// A bounce without losses, of which any error of the energy is too large.
 #[test]
 fn the_limit_of_the_energy_error_can_be_raised() {
     let folder = tempdir().unwrap();
     let out = folder.path().join("out");
     let path = folder.path().join("scene.toml");
-    let text = scene(
-        "duration = 0.2",
-        "duration = 0.2\nenergy-error-limit = 1e-12\nsleeping = false",
-    );
+    let text = "duration = 0.5
+        energy-error-limit = 1e-9
+        sleeping = false
+        contact.friction = 0
+        contact.damping = 0
+        time-step.safety = 0.3
+        [material.m]
+        density = 1000
+        [[wall]]
+        plane = { normal = [0, 0, 1] }
+        [[body]]
+        material = \"m\"
+        shape = \"cube\"
+        size = 0.1
+        position = [0, 0, 0.15]";
     fs::write(&path, text).unwrap();
     let stopped = [
         "energy ledger",
@@ -226,11 +238,14 @@ fn the_limit_of_the_energy_error_can_be_raised() {
         &stopped,
     );
     fails(femdem("resume").arg(&out).arg("-q"), &stopped);
-    edit(
-        &out,
-        "energy-error-limit = 1e-12",
-        "energy-error-limit = inf",
-    );
+    let path = out.join("scene.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    let limit = |line: &str| line.starts_with("energy-error-limit");
+    let lines = text.lines().map(|line| match limit(line) {
+        true => "energy-error-limit = inf",
+        false => line,
+    });
+    fs::write(&path, lines.collect::<Vec<_>>().join("\n")).unwrap();
     let said = resumed(&out, &[]);
     assert!(
         said.contains("applied from scene.toml: energy-error-limit"),
@@ -258,7 +273,7 @@ fn a_run_that_came_to_rest_looks_for_it_again() {
     job.advance(folder.path(), u64::MAX).unwrap();
     assert_eq!(job.ending(), Some(Ending::Rest));
     let again = job.simulation().world.time() - first;
-    assert!((0.02..0.2).contains(&again), "{again}");
+    assert!((0.02..0.9).contains(&again), "{again}");
     assert_eq!(
         job.finish(folder.path(), &Usage::default()).unwrap().title,
         "named"
