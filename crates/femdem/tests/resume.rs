@@ -241,9 +241,12 @@ fn the_limit_of_the_energy_error_can_be_raised() {
     let path = out.join("scene.toml");
     let text = fs::read_to_string(&path).unwrap();
     let limit = |line: &str| line.starts_with("energy-error-limit");
-    let lines = text.lines().map(|line| match limit(line) {
-        true => "energy-error-limit = inf",
-        false => line,
+    let lines = text.lines().map(|line| {
+        if limit(line) {
+            "energy-error-limit = inf"
+        } else {
+            line
+        }
     });
     fs::write(&path, lines.collect::<Vec<_>>().join("\n")).unwrap();
     let said = resumed(&out, &[]);
