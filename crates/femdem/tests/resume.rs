@@ -330,7 +330,10 @@ fn a_relaxed_run_goes_on_with_its_motion() {
 #[test]
 fn rows_go_on_at_new_intervals() {
     let folder = tempdir().unwrap();
-    let text = scene("every = 0.05\nhistory-every = 0.01", "every = 0.02");
+    let text = scene(
+        "every = 0.05\nhistory-every = 0.01",
+        "every = 0.02\ntime-step.largest = 5e-4",
+    );
     let mut job = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
     job.advance(folder.path(), u64::MAX).unwrap();
     let mut other = job.scenario().clone();
