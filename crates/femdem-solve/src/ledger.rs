@@ -67,7 +67,8 @@ impl Flows {
 /// [implicit](crate::ImplicitStep).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
-    /// Kinetic and potential energy of all bodies when they were added, and elastic energy of their overlaps.
+    /// Kinetic and potential energy of all bodies when they were added, and elastic energy of their overlaps; or all
+    /// energy when the ledger was [begun anew](crate::World::restart_ledger).
     pub initial: f64,
     /// Work done on the bodies by driven walls and bodies, and by what is prescribed at deformable bodies.
     pub work_in: f64,

@@ -15,6 +15,7 @@ mod physics;
 mod prescribed;
 mod refusals;
 mod relaxation;
+mod restart;
 mod rolling;
 mod sleeping;
 mod sliding;

@@ -90,7 +90,7 @@ pub enum Error {
     #[error(
         "the energy ledger misses {:.1} % of the energy turned over at {time:.6} s, and energy-error-limit = {limit}: \
          try half of time-step.safety, and look for bodies that overlap deeply or move very fast; \
-         energy-error-limit = inf goes on",
+         with a larger energy-error-limit (inf: none) in the scene.toml of its folder `femdem resume` goes on",
         100.0 * missing
     )]
     Books {
@@ -100,6 +100,28 @@ pub enum Error {
         time: f64,
         /// What the scene allows.
         limit: f64,
+    },
+    /// A duration that a run has reached already.
+    #[error(
+        "duration = {duration} is not beyond the present time of the run, {time} s: give a longer one"
+    )]
+    Over {
+        /// s.
+        duration: f64,
+        /// Simulated time, s.
+        time: f64,
+    },
+    /// A scene has another value than the state with which it is to go on.
+    #[error("{scene} changes {key}, which {state} fixes: {advice}")]
+    Fixed {
+        /// The scene.
+        scene: &'static str,
+        /// The key.
+        key: String,
+        /// The state.
+        state: String,
+        /// What to do.
+        advice: &'static str,
     },
     /// An option is out of its range.
     #[error("{name} = {value} is not allowed: {allowed}")]

@@ -8,6 +8,7 @@ mod program;
 mod refusals;
 mod report;
 mod resolve;
+mod resume;
 mod run;
 mod scene_keys;
 mod scene_physics;

@@ -187,6 +187,7 @@ fn scenario() -> Scenario {
         material: BTreeMap::from([("m".to_owned(), material())]),
         wall: vec![wall()],
         body: vec![body()],
+        from: Some(PathBuf::from("f")),
         out: PathBuf::from("o"),
         threads: Some(1),
         checkpoint_every: 1.0,

@@ -313,6 +313,39 @@ impl Boundary {
         counted
     }
 
+    /// The same with motions counted from other places (m, per node of the model), such as those where the nodes
+    /// of a body are after another motion. Held components stay there.
+    ///
+    /// # Errors
+    ///
+    /// If `places` is too short, or holds a number that is not finite.
+    pub fn placed(&self, places: &[Vector3]) -> Result<Self, SolveError> {
+        let mut placed = self.clone();
+        for hold in &mut placed.holds {
+            let Some(place) = places.get(hold.node as usize) else {
+                return Err(SolveError::NoSuch {
+                    what: "place of a node",
+                    index: hold.node as usize,
+                    count: places.len(),
+                });
+            };
+            check("place of a held node", place.norm(), true, "finite, in m")?;
+            hold.place = *place;
+        }
+        Ok(placed)
+    }
+
+    /// The same with motions that begin anew, at time 0, from where they are at time `t` (s).
+    pub(crate) fn restarted(&self, t: f64) -> Self {
+        let mut begun = self.clone();
+        let driven: Vec<_> = self.drives.iter().map(|drive| drive.at(t)).collect();
+        for hold in &mut begun.holds {
+            let base = Pose::from_parts(Translation3::from(hold.place), Rotation::identity());
+            hold.place = driven[hold.drive as usize].place(&base).translation.vector;
+        }
+        begun.counted_from(0.0)
+    }
+
     /// Refuses conditions on nodes that a model has not.
     pub(crate) fn check(&self, model: &DeformableModel) -> Result<(), SolveError> {
         let count = model.nodes().len();

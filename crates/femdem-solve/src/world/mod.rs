@@ -8,6 +8,7 @@ mod implicit;
 mod newcomers;
 mod query;
 mod relax;
+mod restart;
 mod stability;
 mod step;
 mod stored;

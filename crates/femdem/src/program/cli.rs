@@ -31,6 +31,7 @@ Examples:
   femdem pack --count 2000 --print-scene > big.toml && femdem pack big.toml
   femdem run scenes/bouncing-cube.toml             bodies that deform, collide, or are driven
   femdem resume out/a10                            go on after Ctrl-C or a crash
+  femdem resume out/run --duration 2               go on with a run that has ended
   femdem analyse out/a10                           forces, chains, stress, profiles: all tables
   femdem report out/a10                            a page for the browser
   femdem picture out/a10 --view front --colour force --out a10.png
@@ -63,6 +64,11 @@ The folder then holds
 
 Ctrl-C stops cleanly, with a checkpoint.";
 
+const RESUME_HELP: &str = "\
+The scene.toml in the folder of a run of a scene may be changed before: duration, output, rest, relax,
+energy-error-limit, the contact law, the step, sleep, gravity, medium and motions are applied, and named.
+Bodies, materials and walls stay as they are.";
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Pour bodies into a container, let them settle, measure and draw the pack
@@ -72,6 +78,7 @@ pub(crate) enum Command {
     #[command(after_help = RUN_HELP)]
     Run(Box<SceneArgs>),
     /// Continue a run of `pack` or `run` from the checkpoint in its folder
+    #[command(after_help = RESUME_HELP)]
     Resume(ResumeArgs),
     /// Measure a pack in every way, without simulating: of a run, or from tables and shapes
     #[command(after_help = super::analyse::HELP, allow_negative_numbers = true)]
@@ -299,6 +306,10 @@ pub(crate) struct RunArgs {
 pub(crate) struct ResumeArgs {
     /// Folder of the run, which holds pack.ckpt or run.ckpt
     pub folder: PathBuf,
+
+    /// Go on to this simulated time in s, beyond the present one, also if the run of a scene has ended
+    #[arg(long, value_name = "S")]
+    pub duration: Option<f64>,
 
     /// Write report.html of a pack too, as `femdem report` does
     #[arg(long)]

@@ -10,15 +10,13 @@ use femdem::run::Run;
 use femdem::solve::checkpoint;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use femdem::run::RUN_CHECKPOINT;
+
 /// Name of the checkpoint.
 pub(crate) const CHECKPOINT: &str = "pack.ckpt";
 
 /// The kind of checkpoint that this program writes.
 const KIND: &str = "pack";
-
-/// Name and kind of the checkpoint of `femdem run`.
-pub(crate) const RUN_CHECKPOINT: &str = "run.ckpt";
-const RUN_KIND: &str = "run";
 
 /// A job and its cost so far, as read.
 #[derive(Deserialize)]
@@ -127,37 +125,12 @@ pub(crate) fn load(folder: &Path) -> Result<Saved> {
     Ok(checkpoint::read_file(&path, KIND)?)
 }
 
-/// A run of a scene and its cost so far, as read.
-#[derive(Deserialize)]
-pub(crate) struct SavedRun {
-    pub run: Run,
-    pub usage: Usage,
-}
-
-/// The same, for writing.
-#[derive(Serialize)]
-struct SavingRun<'a> {
-    run: &'a Run,
-    usage: &'a Usage,
-}
-
 /// Whether a folder is that of a run of `femdem run`.
 pub(crate) fn holds_run(folder: &Path) -> bool {
     folder.join(RUN_CHECKPOINT).is_file()
 }
 
 pub(crate) fn save_run(folder: &Path, run: &Run, usage: &Usage) -> Result<()> {
-    checkpoint::write_file(
-        &folder.join(RUN_CHECKPOINT),
-        RUN_KIND,
-        &SavingRun { run, usage },
-    )
-    .context("the checkpoint was not written; an earlier one is kept")
-}
-
-pub(crate) fn load_run(folder: &Path) -> Result<SavedRun> {
-    Ok(checkpoint::read_file(
-        &folder.join(RUN_CHECKPOINT),
-        RUN_KIND,
-    )?)
+    run.save(folder, usage)
+        .context("the checkpoint was not written; an earlier one is kept")
 }

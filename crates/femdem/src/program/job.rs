@@ -57,6 +57,9 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
         }
         return super::run::resume(args);
     }
+    if args.duration.is_some() {
+        bail!("--duration is for a run of a scene, with its run.ckpt: leave it out");
+    }
     if !args.folder.join(folder::CHECKPOINT).is_file() {
         bail!(
             "there is no {} and no {} in {}: give the folder of a run",

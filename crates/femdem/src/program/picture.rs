@@ -100,9 +100,8 @@ pub(crate) fn run(args: &PictureArgs) -> Result<Outcome> {
                     args.folder.display()
                 );
             }
-            let image = folder::load_run(&args.folder)?
-                .run
-                .picture(&args.options())?;
+            let (run, _) = femdem::run::Run::read(&args.folder)?;
+            let image = run.picture(&args.options())?;
             return args.write(&image, vector);
         }
         let (snapshot, _) = source::read(&args.folder, &args.foreign)?;

@@ -70,32 +70,80 @@ pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
     })
 }
 
-/// Continues a run.
+/// Continues a run, under the scene in its folder if that has changed.
 pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
-    let RunArgs {
-        threads,
-        checkpoint_every,
-        quiet,
-    } = args.run;
-    let every = checkpoint_interval(checkpoint_every)?;
-    in_pool(threads.map(usize::from), |threads| {
-        let _claim = folder::claim(&args.folder)?;
-        let saved = folder::load_run(&args.folder)?;
+    let _claim = folder::claim(&args.folder)?;
+    let (mut run, usage) = Run::read(&args.folder)?;
+    let scene = folder_scene(&args.folder, &run)?;
+    let every = args.run.checkpoint_every;
+    let every = checkpoint_interval(Some(every.unwrap_or(scene.checkpoint_every)))?;
+    let threads = args.run.threads.map(usize::from).or(scene.threads);
+    in_pool(threads, |threads| {
+        let changed = apply(&mut run, scene, args)?;
+        if args.duration.is_some() {
+            write_scene(&args.folder, run.scenario())?;
+        }
+        if !args.run.quiet {
+            changed.iter().for_each(|line| say(line));
+        }
         let part = Part {
             folder: args.folder.clone(),
-            quiet,
+            quiet: args.run.quiet,
             every,
         };
-        part.to_end(saved.run, saved.usage, threads)
+        part.to_end(run, usage, threads)
     })
 }
+
+/// The scene in the folder of a run; that of the checkpoint, if there is none.
+fn folder_scene(folder: &Path, run: &Run) -> Result<Scenario> {
+    let path = folder.join(SCENE);
+    if path.is_file() {
+        Ok(Scenario::read(&path)?)
+    } else {
+        Ok(run.scenario().clone())
+    }
+}
+
+/// Goes on under a scene and the duration of the command line; returns what to say about it.
+fn apply(run: &mut Run, mut scene: Scenario, args: &ResumeArgs) -> Result<Vec<String>> {
+    let relaxed = run.relaxation().is_some();
+    let time = run.simulation().world.time();
+    if let Some(duration) = args.duration {
+        run.check_duration(duration)?;
+        scene.duration = duration;
+    }
+    let shown = args.folder.join(SCENE);
+    let mut keys = run
+        .apply(scene)
+        .with_context(|| shown.display().to_string())?;
+    let mut lines = Vec::new();
+    if let (Some(duration), Some(at)) =
+        (args.duration, keys.iter().position(|key| key == "duration"))
+    {
+        keys.remove(at);
+        lines.push(format!("applied from --duration: {duration} s"));
+    }
+    if !keys.is_empty() {
+        lines.push(format!("applied from {SCENE}: {}", keys.join(", ")));
+    }
+    if relaxed && run.relaxation().is_none() {
+        lines.push(format!(
+            "the motion goes on from the state of the relaxation, at {time} s"
+        ));
+    }
+    Ok(lines)
+}
+
+/// Name of the scene in the folder of a run.
+const SCENE: &str = "scene.toml";
 
 fn write_scene(folder: &Path, scenario: &Scenario) -> Result<()> {
     let text = format!(
         "# The scene of this run, for `femdem run`.\n{}",
         scenario.to_toml()?
     );
-    Ok(output::write_file(folder.join("scene.toml"), |w| {
+    Ok(output::write_file(folder.join(SCENE), |w| {
         std::io::Write::write_all(w, text.as_bytes())
     })?)
 }

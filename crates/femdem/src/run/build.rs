@@ -88,13 +88,22 @@ impl TryFrom<Stored> for Simulation {
 }
 
 impl Scenario {
-    /// The world of the scenario, at time 0.
+    /// The world of the scenario, at time 0; with [`from`](Self::from), in the state of that run.
     ///
     /// # Errors
     ///
     /// [`Error::Entry`] with the wall, body or material at fault, and [`Error::Option`] or [`Error::Solve`] for
-    /// faults of the whole scene.
+    /// faults of the whole scene; [`Error::Fixed`] if the run of `from` has other bodies or walls.
     pub fn build(&self) -> Result<Simulation, Error> {
+        let placed = self.build_entries()?;
+        match &self.from {
+            None => Ok(placed),
+            Some(folder) => placed.started_from(folder, self),
+        }
+    }
+
+    /// The world as the entries of bodies and walls describe it.
+    fn build_entries(&self) -> Result<Simulation, Error> {
         self.check()?;
         let world = World::new(self.parameters());
         let mut simulation = Simulation {
@@ -169,7 +178,7 @@ impl Scenario {
     }
 
     /// Refuses sleep of deformable bodies if it has no effect.
-    fn check_sleep(&self, simulation: &Simulation) -> Result<(), Error> {
+    pub(super) fn check_sleep(&self, simulation: &Simulation) -> Result<(), Error> {
         let possible = self.sleeping && simulation.world.deformable_count() > 0;
         if self.sleeping_deformables && !possible {
             return Err(wrong(
@@ -181,7 +190,7 @@ impl Scenario {
         Ok(())
     }
 
-    fn check(&self) -> Result<(), Error> {
+    pub(super) fn check(&self) -> Result<(), Error> {
         let times = [
             ("duration", Some(self.duration)),
             ("every", self.every),

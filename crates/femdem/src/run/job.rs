@@ -1,5 +1,7 @@
 //! A run: stepping a simulation and writing its files when they are due.
 
+mod resume;
+
 use std::fs;
 use std::path::Path;
 

@@ -38,6 +38,7 @@ mod body;
 mod books;
 mod boundary;
 mod build;
+mod changes;
 mod contacts;
 mod focus;
 mod frame;
@@ -55,8 +56,10 @@ mod picture;
 mod relaxation;
 mod rest;
 mod rows;
+mod saved;
 mod select;
 mod settings;
+mod start;
 mod summary;
 mod support;
 mod wall;
@@ -80,6 +83,7 @@ pub use overlap::Overlap;
 pub use penalty::{ExpectedDepth, Forecast, Penalty};
 pub use relaxation::{RelaxEntry, RelaxSummary};
 pub use rest::Standing;
+pub use saved::RUN_CHECKPOINT;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
 pub use summary::{
@@ -132,6 +136,9 @@ pub struct Scenario {
     pub wall: Vec<WallEntry>,
     /// Bodies.
     pub body: Vec<BodyEntry>,
+    /// Folder of another run of a scene, from whose checkpoint this one starts. `None`: bodies start where their entries
+    /// place them.
+    pub from: Option<PathBuf>,
     /// Folder for the results.
     pub out: PathBuf,
     /// Threads. `None`: one for each core.
@@ -161,6 +168,7 @@ impl Default for Scenario {
             material: BTreeMap::new(),
             wall: Vec::new(),
             body: Vec::new(),
+            from: None,
             out: PathBuf::from("out/run"),
             threads: None,
             checkpoint_every: 60.0,

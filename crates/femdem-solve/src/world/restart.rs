@@ -1,0 +1,132 @@
+//! One state as the beginning of another motion: the clock anew, other gravity, other motions.
+
+use super::World;
+use crate::body::Body;
+use crate::drive::Drive;
+use crate::error::SolveError;
+use crate::ledger::Flows;
+use crate::parameters::WorldParameters;
+use femdem_contact::BodyId;
+use femdem_mesh::Vector3;
+
+impl World {
+    /// Starts the clock anew: time and steps are 0, and the [ledger](Self::restart_ledger) is empty. Bodies, contacts with
+    /// their friction and frozen bodies stay as they are. What moves as prescribed is where it is, and its motion
+    /// begins anew from there.
+    pub fn restart_clock(&mut self) {
+        let time = self.time;
+        for (drive, base) in &mut self.wall_drives {
+            *base = drive.at(0.0).base_of(&drive.at(time).place(base));
+        }
+        for body in &mut self.bodies {
+            let place = body.place();
+            if let Some((drive, base)) = body.driven.as_deref_mut() {
+                let driven = drive.at(0.0);
+                *base = driven.base_of(&place);
+                body.follow(&driven, &place);
+            }
+        }
+        for (body, motion) in self.bodies.iter().zip(&mut self.motions) {
+            if body.driven.is_some() {
+                *motion = body.motion();
+            }
+        }
+        let deformables = self.deformables.iter_mut().flat_map(|d| &mut d.bodies);
+        for body in deformables {
+            body.boundary = body.boundary.restarted(time);
+        }
+        self.time = 0.0;
+        self.steps = 0;
+        // Pressures depend on time, and dashpots on the velocities of driven bodies.
+        let moved = self.bodies.iter().any(|body| body.driven.is_some());
+        self.loaded &= !moved && self.deformables.is_none();
+        self.restart_ledger();
+    }
+
+    /// Begins the ledger anew: all energy now is its initial energy, and nothing has been exchanged or dissipated.
+    pub fn restart_ledger(&mut self) {
+        let now = self.ledger();
+        self.flows = Flows {
+            // What friction has dissipated is its work less what its springs hold.
+            friction_work: -now.friction_springs,
+            pending: self.flows.pending,
+            last: [now.kinetic, 0.0],
+            ..Flows::default()
+        };
+        self.initial_energy = now.final_energy();
+    }
+
+    /// Replaces the acceleration of gravity (m/s^2). Frozen bodies wake, and the change of the potential energy is on the
+    /// books as work.
+    ///
+    /// # Errors
+    /// As [`World::new`].
+    pub fn set_gravity(&mut self, gravity: Vector3) -> Result<(), SolveError> {
+        let before = self.ledger().potential;
+        self.replace(WorldParameters {
+            gravity,
+            ..self.parameters
+        })?;
+        self.wake_all();
+        self.flows.work_in += self.ledger().potential - before;
+        Ok(())
+    }
+
+    /// The prescribed motion of a wall; `None` for an unknown one.
+    #[must_use]
+    pub fn wall_drive(&self, wall: u32) -> Option<Drive> {
+        self.wall_drives.get(wall as usize).map(|(drive, _)| *drive)
+    }
+
+    /// The prescribed motion of a rigid body; `None` for a body that moves freely, or an unknown one.
+    #[must_use]
+    pub fn body_drive(&self, id: BodyId) -> Option<Drive> {
+        let driven = self.bodies.get(id as usize)?.driven.as_deref()?;
+        Some(driven.0)
+    }
+
+    /// Gives a rigid body a new prescribed motion, counted from where it is now, or sets it free with the velocity that it
+    /// has. The books are those of the free bodies: what a body has when it begins or ends to be free is work.
+    ///
+    /// # Errors
+    /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::Parameter`] for a drive out of range.
+    pub fn drive_body(&mut self, id: BodyId, drive: Option<Drive>) -> Result<(), SolveError> {
+        if let Some(drive) = &drive {
+            drive.validate()?;
+        }
+        let (i, count, time) = (id as usize, self.bodies.len(), self.time);
+        self.restored()?;
+        let gravity = self.parameters.gravity;
+        let energy = |body: &Body| {
+            let free = body.kinetic_energy() - body.mass * gravity.dot(&body.position);
+            body.driven.as_ref().map_or(free, |_| 0.0)
+        };
+        let Some(body) = self.bodies.get_mut(i) else {
+            return Err(SolveError::NoSuch {
+                what: "body",
+                index: i,
+                count,
+            });
+        };
+        let before = energy(body);
+        body.driven = None;
+        if let Some(drive) = drive {
+            let (driven, place) = (drive.at(time), body.place());
+            body.driven = Some(Box::new((drive, driven.base_of(&place))));
+            body.follow(&driven, &place);
+        }
+        body.quiet_steps = 0;
+        self.flows.work_in += energy(body) - before;
+        self.motions[i] = body.motion();
+        let contact = &self.batch.shapes()[body.shape as usize];
+        if drive.is_none() {
+            self.step_control
+                .see(contact, body, &self.parameters.contact);
+        }
+        if !self.batch.is_awake(id) {
+            self.wake(&[id]);
+        }
+        self.loaded = false;
+        Ok(())
+    }
+}
