@@ -66,7 +66,7 @@ fn a_pack_leaves_every_file_and_every_key() {
         contact.law contact.penalty contact.form contact.tangential_ratio seed threads settled simulated_time steps time_step implicit_multiple sleeping \
         wall_seconds cpu_seconds contact_nanoseconds_per_pair packing_density.exact \
         packing_density.grid packing_density.standard_error packing_density.core.min \
-        packing_density.core.max coordination.mean coordination.sd coordination.histogram coordination.patches_per_pair \
+        packing_density.core.max packing_density.bed_reason coordination.mean coordination.sd coordination.histogram coordination.patches_per_pair \
         penetration.mean_over_d penetration.max_over_d penetration.overlap_volume_fraction \
         residual.mean_over_weight residual.max_over_weight residual.kinetic_energy_over_mgd \
         energy.initial energy.final energy.dissipated_friction energy.dissipated_damping \

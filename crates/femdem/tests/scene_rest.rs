@@ -131,3 +131,65 @@ fn nothing_is_frozen_at_the_end() {
     let standing = job.simulation().standing();
     assert!(standing.frozen == 0 && standing.at_rest, "{standing:?}");
 }
+
+/// The chosen penalty keeps impacts within 5 % of the diameter, whichever the shape and its side.
+#[test]
+fn impacts_go_no_deeper_than_the_chosen_penalty_allows() {
+    for shape in [
+        "A10",
+        "P1",
+        "P5",
+        "cylinder:aspect=4",
+        "box:width=1,height=0.2",
+    ] {
+        for (axis, angle) in [
+            ([0, 0, 1], 0),
+            ([1, 0, 0], 45),
+            ([1, 2, 0], 54),
+            ([3, -1, 2], 130),
+        ] {
+            let summary = to_end(&format!(
+                "duration = 0.02
+                gravity = [0, 0, 0]
+                [material.m]
+                density = 2500
+                [[wall]]
+                name = \"floor\"
+                plane = {{ normal = [0, 0, 1] }}
+                [[body]]
+                shape = \"{shape}\"
+                diameter = 0.1
+                material = \"m\"
+                position = [0, 0, 0.06]
+                velocity = [0, 0, -10]
+                rotation = {{ axis = {axis:?}, angle = {angle} }}"
+            ));
+            let depth = summary.penetration.map_or(0.0, |found| found.peak) / 0.1;
+            assert!(
+                (0.005..=0.05).contains(&depth),
+                "{shape} {axis:?} {angle}: {depth}"
+            );
+        }
+    }
+}
+
+/// A penalty and a penetration decide the same, and a wanted penetration is met.
+#[test]
+fn a_wanted_penetration_is_met_or_refused() {
+    let text = |keys: &str| grains(false, SIDES, "").replace("friction = 0.4", keys);
+    let both = Scenario::from_toml(&text("penalty = 1e6\npenetration = 0.01")).unwrap();
+    let message = both.build().err().unwrap().to_string();
+    assert!(message.contains("penetration"), "{message}");
+    for wanted in [0.002, 0.01] {
+        let folder = tempdir().unwrap();
+        let scene = Scenario::from_toml(&text(&format!("penetration = {wanted}"))).unwrap();
+        let mut job = Run::new(scene).unwrap();
+        job.advance(folder.path(), u64::MAX).unwrap();
+        let contacts = job.simulation().contacts();
+        let depths = contacts
+            .iter()
+            .map(|contact| job.simulation().depth_of(contact));
+        let mean = depths.sum::<f64>() / contacts.len() as f64 / 0.02;
+        assert!(mean < wanted && mean > 0.1 * wanted, "{mean} for {wanted}");
+    }
+}
