@@ -10,6 +10,7 @@ mod report;
 mod resolve;
 mod resume;
 mod run;
+mod scene_cases;
 mod scene_keys;
 mod scene_physics;
 mod scene_rest;

@@ -11,7 +11,7 @@ use super::{complain, overlaps, say, say_notes};
 /// Largest number of trial steps once bodies touch, and the time on the clock after which they are not waited for, and no more steps
 /// are taken.
 const TRIAL_STEPS: u32 = 50;
-const TRIAL_TIME: Duration = Duration::from_secs(2);
+const TRIAL_TIME: Duration = Duration::from_secs(1);
 
 /// Expected depth over the size of a body from which a forecast warns.
 const TOO_DEEP: f64 = 0.1;

@@ -128,7 +128,7 @@ pub struct BodyEntry {
     /// Where the tetrahedra of a deformable sphere are finer.
     pub focus: Option<FocusEntry>,
     /// Contact stiffness of a deformable body, κ h/E: the modulus of its contact foundation times the
-    /// edge length of its skin over Young's modulus. `None`: 1.
+    /// edge length of its skin over Young's modulus. `None`: 10 where anything in the scene moves as prescribed, 1 elsewhere.
     pub contact_ratio: Option<f64>,
     /// Mass is added to the elements of a deformable body whose critical step is shorter than this \[s\], just
     /// enough to raise it to this value; inertia and weight grow with it. `None`: no mass is added.

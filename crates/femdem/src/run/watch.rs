@@ -22,6 +22,9 @@ const WANTED: f64 = 0.05;
 /// A run warns of overlaps above this share of the thickness of the smaller body.
 const DEEP: f64 = 0.1;
 
+/// A run warns of overlaps above this share of the least extent of a deformable body.
+const SOFT: f64 = 0.05;
+
 /// Overlap with a sheet, over its thickness times the section of the body, from which a contact whose normal turns round is that of
 /// a body that passes through.
 const WITHIN: f64 = 0.25;
@@ -102,10 +105,14 @@ impl Watch {
                     between: sides.map(|side| simulation.name_of(side)),
                 };
             }
+            if !self.warnings.is_empty() {
+                continue;
+            }
             let Some(thickness) = simulation.thickness_of(sides) else {
+                self.warnings.extend(simulation.softness(sides, depth));
                 continue;
             };
-            if self.warnings.is_empty() && depth > DEEP * thickness {
+            if depth > DEEP * thickness {
                 let share = depth / thickness;
                 let [a, b] = sides.map(|side| simulation.name_of(side));
                 let penalty = simulation.penalty.value;
@@ -179,6 +186,34 @@ impl Simulation {
             least = least.min(2.0 * self.world.field_depth(self.world.shape_of(id)?)?);
         }
         Some(least)
+    }
+
+    /// A warning if the contact of a deformable body is deep beside it, so that it is the contact that gives way.
+    fn softness(&self, sides: [Side; 2], depth: f64) -> Option<String> {
+        let [a, b] = sides.map(|side| self.name_of(side));
+        let extents = sides.into_iter().filter_map(|side| {
+            let Side::Member(member) = side else {
+                return None;
+            };
+            let MemberId::Deformable(id) = self.members[member].id else {
+                return None;
+            };
+            let positions = self.world.deformable(id)?.positions();
+            let first = positions.first()?;
+            let each = positions.iter();
+            let (low, high) =
+                each.fold((*first, *first), |(low, high), x| (low.inf(x), high.sup(x)));
+            Some((high - low).min())
+        });
+        let least = extents.fold(f64::INFINITY, f64::min);
+        (depth > SOFT * least).then(|| {
+            format!(
+                "{b} and {a} overlap by {depth:.2e} m at {:.6} s, {:.0} % of what deforms: its contacts give way too, and forces are too \
+                 low; take a larger contact-ratio",
+                self.world.time(),
+                100.0 * depth / least,
+            )
+        })
     }
 
     /// The first pair of which one has gone too deep, and the share of the smaller one's volume.
