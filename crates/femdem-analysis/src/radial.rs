@@ -72,7 +72,7 @@ impl RadialBin {
     /// table, marked by 1 in the column `rare`, so that their pairs are not lost; leave them out of plots.
     pub fn is_rare(&self) -> bool {
         // Also true if the number is not one.
-        !(self.expected >= Self::LEAST_EXPECTED)
+        self.expected.is_nan() || self.expected < Self::LEAST_EXPECTED
     }
 }
 
