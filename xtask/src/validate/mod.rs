@@ -21,6 +21,7 @@ mod size;
 mod soft_boulders;
 mod spheres;
 mod statics;
+mod xray_bed;
 
 use std::path::{Path, PathBuf};
 
@@ -82,6 +83,8 @@ enum Case {
     Spheres,
     /// 288 deformable boulders dumped in the paper's bin: rest, time, the same bits
     BouldersDeformable,
+    /// A bed of cylinders in a tube, against X-ray tomography
+    XrayBed,
     /// All of them
     All,
 }
@@ -103,6 +106,7 @@ impl Case {
                 Self::Hertz,
                 Self::Spheres,
                 Self::BouldersDeformable,
+                Self::XrayBed,
                 Self::Cost,
                 Self::Size,
             ],
@@ -132,6 +136,7 @@ impl Case {
             Self::Boulders => bodies::boulders(workshop, count.unwrap_or(288)),
             Self::Dolosse => bodies::dolosse(workshop, count.unwrap_or(200)),
             Self::Scan => bodies::scanned(workshop, count.unwrap_or(60)),
+            Self::XrayBed => xray_bed::run(workshop, count.unwrap_or(800)),
         }
     }
 }
