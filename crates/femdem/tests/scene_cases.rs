@@ -92,6 +92,13 @@ fn what_is_heavy_or_fast_is_held() {
         (summary.bodies[1].centroid[2] - 0.15).abs() < 1e-3,
         "{summary}"
     );
+    // A hundred times as heavy, the two have come to rest within a second.
+    let (_, summary) = ran(&heavy.replace("1000000", "100000"));
+    for body in &summary.bodies {
+        let speed = body.velocity.map(f64::abs).into_iter().fold(0.0, f64::max);
+        assert!(speed < 1e-4, "{summary}");
+    }
+    assert!(summary.rest.at_rest, "{summary}");
     let boulder = format!(
         "duration = 0.4
         [material.m]
