@@ -213,3 +213,29 @@ fn copies_beyond_counting_are_refused() {
     let message = Scenario::from_toml(&text).unwrap().build().err().unwrap();
     assert!(message.to_string().contains("copies"), "{message}");
 }
+
+/// Needles that land cost at most three times the steps that they take without damping.
+#[test]
+fn damping_does_not_make_needles_slow() {
+    let steps = |damping: f64| {
+        let text = format!(
+            "duration = 0.12
+            sleeping = false
+            contact.damping = {damping}
+            [material.m]
+            density = 1000
+            {FLOOR}
+            [[body]]
+            material = \"m\"
+            shape = \"box:width=0.01,height=0.01\"
+            size = 0.05
+            position = [0, 0, 0.03]
+            copies = {{ count = [2, 2, 1], spacing = [0.06, 0.06, 0.06], seed = 4 }}"
+        );
+        let (_, summary) = ran(&text);
+        assert!(summary.contacts > 0, "{summary}");
+        summary.steps
+    };
+    let (damped, free) = (steps(0.6), steps(0.0));
+    assert!(damped < 3 * free, "{damped} and {free} steps");
+}
