@@ -233,7 +233,7 @@ fn damping_does_not_make_needles_slow() {
             copies = {{ count = [2, 2, 1], spacing = [0.06, 0.06, 0.06], seed = 4 }}"
         );
         let (_, summary) = ran(&text);
-        assert!(summary.contacts > 0, "{summary}");
+        assert!(summary.penetration.is_some(), "{summary}");
         summary.steps
     };
     let (damped, free) = (steps(0.6), steps(0.0));
