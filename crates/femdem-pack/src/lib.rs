@@ -31,7 +31,7 @@
 //!   [`Container`], [`Protocol`], [`Settling`] are its parts.
 //! - [`Packing`]: the job. It advances by steps, reports its [`Progress`], can be saved and read back at any
 //!   step, and ends with a [`PackReport`].
-//! - [`Penalty`], [`automatic_penalty`]: the stiffness of the contacts, from the allowed penetration.
+//! - [`Penalty`], [`automatic_penalty`], [`penalty_under_stress`]: the stiffness of the contacts, from the allowed penetration.
 //! - [`body_stream`], [`random_rotation`]: the random numbers.
 //! - [`solve`], [`contact`] and [`mesh`]: the crates whose types appear in this interface, such as the
 //!   [`solve::World`] of a job ([`Packing::world`]).
@@ -71,7 +71,7 @@ pub use femdem_solve as solve;
 pub use container::{Container, MeshContainer};
 pub use error::PackError;
 pub use packing::{Packing, Progress, Stage};
-pub use penalty::{PackLoad, Penalty, automatic_penalty};
+pub use penalty::{PackLoad, Penalty, automatic_penalty, penalty_under_stress};
 pub use protocol::{Landing, Pour, Protocol, Release, Sequential};
 pub use random::{body_stream, random_rotation};
 pub use report::{PackReport, Relaxation, Verification};

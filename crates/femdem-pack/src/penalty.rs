@@ -90,7 +90,13 @@ impl PackLoad {
 /// [`PackSpec::resolved_penalty`](crate::PackSpec::resolved_penalty) reduces the penalty in proportion to the
 /// depth over which their fields rise.
 pub fn automatic_penalty(load: &PackLoad, penetration_over_d: f64) -> f64 {
-    PENALTY_SCALE * load.mean_stress() / penetration_over_d.powi(3)
+    penalty_under_stress(load.mean_stress(), penetration_over_d, CALIBRATED_DEPTH)
+}
+
+/// As [`automatic_penalty`], under a mean stress (Pa), for bodies whose fields rise over `field_depth_over_d`.
+pub fn penalty_under_stress(stress: f64, penetration_over_d: f64, field_depth_over_d: f64) -> f64 {
+    let depth = field_depth_over_d / CALIBRATED_DEPTH;
+    PENALTY_SCALE * stress / penetration_over_d.powi(3) * depth
 }
 
 #[cfg(test)]

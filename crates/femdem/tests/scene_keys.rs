@@ -9,8 +9,8 @@ use femdem::run::{
     Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, ContactEntry, Copies,
     CylinderEntry, Ending, FocusEntry, HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry,
     MediumEntry, MotionEntry, Penalty, PenetrationSummary, PlaneEntry, ReactionSummary,
-    RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RotationEntry, RunEnergy, RunSummary,
-    Scenario, SelectEntry, Standing, StepEntry, StrainSummary, WallEntry, WallSummary, Zone,
+    RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary, RotationEntry, RunEnergy,
+    RunSummary, Scenario, SelectEntry, StepEntry, StrainSummary, WallEntry, WallSummary, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -446,7 +446,7 @@ fn summary() -> RunSummary {
         title: String::new(),
         ending: Some(Ending::Time),
         relaxed: Some(RelaxSummary::default()),
-        rest: Standing {
+        rest: RestSummary {
             at_rest: true,
             driven: false,
             frozen: 0,

@@ -126,9 +126,9 @@ fn nothing_is_frozen_at_the_end() {
     while job.simulation().world.time() < 0.9 {
         job.advance(folder.path(), 8).unwrap();
     }
-    assert_eq!(job.simulation().standing().frozen, 1);
+    assert_eq!(job.simulation().rest().frozen, 1);
     job.advance(folder.path(), u64::MAX).unwrap();
-    let standing = job.simulation().standing();
+    let standing = job.simulation().rest();
     assert!(standing.frozen == 0 && standing.at_rest, "{standing:?}");
 }
 

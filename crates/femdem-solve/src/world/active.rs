@@ -47,9 +47,6 @@ impl World {
         // Also where sleep is forbidden, so that bodies at rest sleep at once when it is
         // allowed again.
         self.count_quiet_steps();
-        if !self.parameters.sleeping.enabled {
-            return;
-        }
         if self.is_driven(0.0) {
             // All are awake. A body that is carried slowly would count as resting and be stopped while its
             // support moves on.
@@ -60,10 +57,10 @@ impl World {
         }
         let needed = self.parameters.sleeping.steps;
         let mut awake = self.awake.iter().map(|&i| &self.bodies[i as usize]);
-        if self.unsettled && !awake.all(|body| body.quiet_steps >= needed) {
+        self.unsettled = self.unsettled && !awake.all(|body| body.quiet_steps >= needed);
+        if self.unsettled || !self.parameters.sleeping.enabled {
             return;
         }
-        self.unsettled = false;
         let struck = self.struck_bodies();
         self.wake(&struck);
         self.wake_left();

@@ -10,9 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use super::body::wrong;
 use super::geometry::Geometry;
+use super::loads::Loads;
 use super::names::{Names, check_names};
 use super::words::KEYS;
-use super::{Behaviour, BodyEntry, MaterialEntry, Penalty, Scenario, Support};
+use super::{Behaviour, BodyEntry, MaterialEntry, MotionEntry, Penalty, Scenario, Support};
 use crate::Error;
 use crate::scene::ShapeNote;
 
@@ -152,18 +153,19 @@ impl Scenario {
         self.check_materials()?;
         self.check_sleep(&simulation)?;
         self.check_relaxation()?;
-        self.set_penalty(&mut simulation)?;
-        self.bound_step(&mut simulation)?;
+        let loads = Loads::of(self, &simulation);
+        self.set_penalty(&mut simulation, &loads)?;
+        loads.bound_step(&mut simulation)?;
         Ok(simulation)
     }
 
-    /// Whether anything moves as prescribed, at any time.
-    fn is_driven(&self) -> bool {
+    /// The prescribed motions of walls, rigid bodies and nodes.
+    pub(super) fn motions(&self) -> impl Iterator<Item = MotionEntry> {
+        let walls = self.wall.iter().filter_map(|wall| wall.motion);
+        let bodies = self.body.iter().filter_map(|body| body.motion);
         let conditions = self.body.iter().flat_map(|body| &body.boundary);
-        let mut motions = conditions.map(|condition| condition.motion);
-        self.wall.iter().any(|wall| wall.motion.is_some())
-            || self.body.iter().any(|body| body.motion.is_some())
-            || motions.any(|motion| motion.is_some())
+        let nodes = conditions.filter_map(|condition| condition.motion);
+        walls.chain(bodies).chain(nodes)
     }
 
     /// Refuses unused materials, and keys of materials without effect.
@@ -374,7 +376,8 @@ impl Simulation {
             condition.add_to(&mut boundary, &model, radius)?;
         }
         let supports = entry.supports(self.members.len(), &model, radius)?;
-        let usual = if scenario.is_driven() { PRESSED } else { 1.0 };
+        let is_driven = scenario.motions().next().is_some();
+        let usual = if is_driven { PRESSED } else { 1.0 };
         let ratio = entry.contact_ratio.unwrap_or(usual);
         if !(ratio > 0.0 && ratio.is_finite()) {
             let allowed = "a positive, finite number: κ h/E";

@@ -6,6 +6,7 @@ use std::path::Path;
 use femdem_contact::BodyId;
 use toml::{Table, Value};
 
+use super::loads::Loads;
 use super::words::KEYS;
 use super::{MemberId, MotionEntry, Scenario, Simulation};
 use crate::{Error, toml_file};
@@ -164,7 +165,7 @@ impl Simulation {
     /// count from where things are now.
     pub(super) fn change(&mut self, old: &Scenario, new: &Scenario) -> Result<(), Error> {
         let set = self.set(old, new).and_then(|()| self.drive(old, new));
-        let set = set.and_then(|()| new.bound_step(self));
+        let set = set.and_then(|()| Loads::of(new, self).bound_step(self));
         set.map_err(|error| error.by_keys(&KEYS))
     }
 
@@ -182,7 +183,8 @@ impl Simulation {
             }
             self.world.set_contact(contact)?;
             if depth(old) != depth(new) {
-                new.set_penalty(self)?;
+                let loads = Loads::of(new, self);
+                new.set_penalty(self, &loads)?;
             }
         }
         let world = &mut self.world;

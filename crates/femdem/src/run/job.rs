@@ -284,7 +284,7 @@ impl Run {
             self.quiet_since = Some(now);
             return None;
         }
-        self.simulation.standing().at_rest.then_some(Ending::Rest)
+        self.simulation.rest().at_rest.then_some(Ending::Rest)
     }
 
     /// Writes the row and the frame if they are due; at the end both are.

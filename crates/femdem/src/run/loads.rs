@@ -126,13 +126,14 @@ impl Loads {
                 }
             }
         }
-        let area = (space[1][1] - space[1][0]) * (space[2][1] - space[2][0]);
-        if loads.gravity > 0.0 && area > 0.0 {
-            loads.stress = loads.weight / area;
-            for body in &mut loads.placed {
-                body.drop = body.extents[0][0] - floor_under(body, &bearing, &axes, space[0][0]);
-                body.drop = body.drop.max(0.0);
-            }
+        let [across, along] = [1, 2].map(|k| space[k][1] - space[k][0]);
+        // Bodies outside of the walls leave no space.
+        if across > 0.0 && along > 0.0 {
+            loads.stress = loads.weight / (across * along);
+        }
+        for body in &mut loads.placed {
+            let floor = floor_under(body, &bearing, &axes, space[0][0]);
+            body.drop = (body.extents[0][0] - floor).max(0.0);
         }
         loads
     }
@@ -248,7 +249,7 @@ fn floor_under(body: &Placed, bearing: &[(&Wall, Pose)], axes: &[Vector3; 3], lo
 
 impl Simulation {
     /// Mass of all bodies that contacts move \[kg\].
-    fn free_mass(&self) -> f64 {
+    pub(super) fn free_mass(&self) -> f64 {
         let rigid = (0..self.world.body_count() as u32)
             .filter(|&id| self.world.follows_drive(id) == Some(false))
             .filter_map(|id| self.world.mass(id));
@@ -319,13 +320,10 @@ impl Simulation {
 }
 
 impl Scenario {
-    /// Speed of the fastest prescribed motion of a wall or a rigid body \[m/s\].
+    /// Speed of the fastest prescribed motion \[m/s\].
     fn fastest_drive(&self, simulation: &Simulation) -> f64 {
-        let walls = self.wall.iter().filter_map(|wall| wall.motion);
-        let bodies = self.body.iter().filter_map(|body| body.motion);
-        let speeds = walls
-            .chain(bodies)
-            .map(|motion| motion.fastest(|axis, point| simulation.reach(axis, point)));
+        let reach = |axis: &[f64; 3], point: &[f64; 3]| simulation.reach(axis, point);
+        let speeds = self.motions().map(|motion| motion.fastest(reach));
         speeds.fold(0.0, f64::max)
     }
 }

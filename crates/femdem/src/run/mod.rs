@@ -82,7 +82,7 @@ pub use motion::MotionEntry;
 pub use overlap::Overlap;
 pub use penalty::{ExpectedDepth, Forecast, Penalty};
 pub use relaxation::{RelaxEntry, RelaxSummary};
-pub use rest::Standing;
+pub use rest::RestSummary;
 pub use saved::RUN_CHECKPOINT;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};

@@ -1,5 +1,6 @@
 //! The penalty that a run chooses.
 
+use femdem_pack::penalty_under_stress;
 use serde::{Deserialize, Serialize};
 
 use super::loads::{Loads, Placed, Tower};
@@ -14,15 +15,6 @@ const AT_IMPACT: f64 = 10.0;
 
 /// Largest depth of an impact over the thickness of a wall of tetrahedra: the field rises over half of it.
 const OF_WALL: f64 = 0.25;
-
-/// Factor of [`of_impact`], so that nine shapes from a sphere to a plate, dropped on a floor in random orientations, go at most as
-/// deep as wanted (`tests/scene_rest.rs`).
-const AT_EDGE: f64 = 0.7;
-
-/// Penalty times (mean depth over d)³ over the mean stress in a pack, where the field rises over [`FIELD_DEPTH`] d
-/// (`femdem_pack::automatic_penalty`).
-const OF_PACK: f64 = 1.7e-4;
-const FIELD_DEPTH: f64 = 0.42;
 
 /// Local over mean stress of a pack.
 const UNEVEN: f64 = 1.5;
@@ -45,7 +37,7 @@ pub struct Penalty {
     pub reason: String,
 }
 
-impl Scenario {
+impl Loads {
     /// Bounds the step such that nothing moves in it by more than a part of the thinnest body or wall: it would pass through
     /// without a contact.
     ///
@@ -53,11 +45,10 @@ impl Scenario {
     ///
     /// As [`World::set_time_step`](femdem_solve::World::set_time_step).
     pub(super) fn bound_step(&self, simulation: &mut Simulation) -> Result<(), Error> {
-        let loads = Loads::of(self, simulation);
-        let each = || loads.placed.iter();
+        let each = || self.placed.iter();
         let thinnest = each().map(|body| 2.0 * body.field_depth);
-        let thinnest = thinnest.fold(loads.thinnest_wall, f64::min);
-        let fastest = each().map(|body| loads.speed_of(body)).fold(0.0, f64::max);
+        let thinnest = thinnest.fold(self.thinnest_wall, f64::min);
+        let fastest = each().map(|body| self.speed_of(body)).fold(0.0, f64::max);
         let bound = OF_STEP * thinnest / fastest;
         let mut step = simulation.world.parameters().time_step;
         // Without speed or thin things the quotient is no number.
@@ -67,7 +58,9 @@ impl Scenario {
         }
         Ok(())
     }
+}
 
+impl Scenario {
     /// Takes the penalty that the scene gives, or chooses one, before the first step.
     ///
     /// It is the largest of those that keep, for every rigid body,
@@ -81,7 +74,11 @@ impl Scenario {
     /// # Errors
     ///
     /// [`Error::Option`] if both a penalty and a penetration are given, or one is out of range.
-    pub(super) fn set_penalty(&self, simulation: &mut Simulation) -> Result<(), Error> {
+    pub(super) fn set_penalty(
+        &self,
+        simulation: &mut Simulation,
+        loads: &Loads,
+    ) -> Result<(), Error> {
         let asked = self.contact.penetration;
         if let Some(value) = self.contact.penalty {
             if asked.is_some() {
@@ -104,7 +101,6 @@ impl Scenario {
                 allowed: "from 1e-6 to 0.05, in circumscribed diameters; 0.005 is usual",
             });
         }
-        let loads = Loads::of(self, simulation);
         let depth = asked.unwrap_or(PENETRATION);
         let name = |member: usize| simulation.members[member].name.clone();
         let mut best = match asked {
@@ -121,13 +117,13 @@ impl Scenario {
             let name = name(body.member);
             let force = loads.force_on(body);
             try_it(
-                of_weight(&loads, body) / depth,
+                of_weight(loads, body) / depth,
                 format!("{name} under {force:.2e} N rests {} deep", size(depth)),
             );
             let speed = loads.speed_of(body);
             let deepest = loads.deepest(body, AT_IMPACT * depth);
             try_it(
-                of_impact(&loads, body) / deepest.powi(2),
+                of_impact(loads, body) / deepest.powi(2),
                 format!(
                     "{name} at {speed:.2} m/s goes at most {} deep",
                     size(deepest)
@@ -135,7 +131,7 @@ impl Scenario {
             );
             let stress = loads.stress;
             try_it(
-                of_pack(&loads, body) / depth.powi(3),
+                of_pack(loads, body) / depth.powi(3),
                 format!(
                     "a pack under {stress:.2e} Pa is {} deep in the mean",
                     size(depth)
@@ -149,7 +145,7 @@ impl Scenario {
                 several => format!("the stack of {several} bodies with {name}"),
             };
             try_it(
-                MARGIN * of_tower(&loads, &tower),
+                MARGIN * of_tower(loads, &tower),
                 format!("{what} stands upright, with a margin of {MARGIN}"),
             );
         }
@@ -235,45 +231,60 @@ impl Loads {
 
 /// The next larger number of two digits.
 fn up(value: f64) -> f64 {
-    let text = format!("{value:.1e}");
-    let rounded = text.parse().unwrap_or(value);
-    if rounded >= value {
-        rounded
-    } else {
-        let digit = 10_f64.powi(value.log10().floor() as i32 - 1);
-        format!("{:.1e}", value + digit).parse().unwrap_or(value)
-    }
+    let digit = 10_f64.powf(value.log10().floor() - 1.0);
+    (value / digit).ceil() * digit
 }
 
-/// Penalty times depth/d. A prism on a face of area A with the field depth R has the force p A depth/R on a wall, and its volume
-/// is about 2 A R: p = 2 F R²/(V depth).
+/// Penalty times depth/d. Two prisms on faces of the area A with the field depth R have the force p A depth/R, a prism on a floor twice
+/// as much, and the volume is 2 A R: p = 2 F R²/(V depth) holds both.
 fn of_weight(loads: &Loads, body: &Placed) -> f64 {
     2.0 * loads.force_on(body) * body.field_depth.powi(2) / (body.volume * body.diameter)
 }
 
-/// Penalty times (depth/d)³ of a pack: `femdem_pack::automatic_penalty` under its largest stress, with a margin for a stress that
-/// is uneven.
+/// Penalty times (depth/d)³ of a pack, with a margin for a stress that is uneven.
 fn of_pack(loads: &Loads, body: &Placed) -> f64 {
     if loads.placed.len() < 2 {
         return 0.0;
     }
-    let field = body.field_depth / (FIELD_DEPTH * body.diameter);
-    OF_PACK * UNEVEN * loads.stress * field
+    let field_depth = body.field_depth / body.diameter;
+    penalty_under_stress(UNEVEN * loads.stress, 1.0, field_depth)
 }
 
-/// Penalty times (depth/d)². The energy of an overlap of the area A is p A depth²/R. The least area of an impact is that of an
-/// edge, R d, and the mass is m/V times R d²: p = 0.7 (m/V) v² R d/depth².
+/// Penalty times (depth/d)². The energy of an overlap of the area A with a floor is p A depth²/R. The least area that a body touches
+/// with is that of an edge, R d, and its mass is then of order m/V times R d²: p is at least (m/V) v² R d/(2 depth²). A corner and a
+/// body that is struck go deeper by up to the root of 2: p = (m/V) v² R d/depth².
 fn of_impact(loads: &Loads, body: &Placed) -> f64 {
     let density = body.mass / body.volume;
-    AT_EDGE * density * loads.speed_of(body).powi(2) * body.field_depth / body.diameter
+    density * loads.speed_of(body).powi(2) * body.field_depth / body.diameter
 }
 
-/// A prism of height L on its foundation turns over unless p > 1.5 rho g L³/w²: a face of half-width w/2 has the stiffness p
-/// A/(L/2) w²/12 against the moment rho g A L²/2. A stack of bodies bends as a column: p > 3 rho g L³/(7.84 w²).
+/// A prism of height L and width w on a floor has the stiffness 2 p A/(L/2) w²/12 against turning over and the moment rho g A L²/2: it
+/// stands if p > 1.5 rho g L³/w². A stack of bodies bends as a column: p > 3 rho g L³/(7.84 w²).
 fn of_tower(loads: &Loads, tower: &Tower) -> f64 {
     let load = tower.density * loads.gravity * tower.height.powi(3) / tower.width.powi(2);
     match tower.bodies {
         1 => 1.5 * load,
         _ => 3.0 / 7.84 * load,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::up;
+
+    #[test]
+    fn penalties_are_rounded_up_to_two_digits() {
+        for (value, wanted) in [
+            (1.01e6, 1.1e6),
+            (9.91e6, 1e7),
+            (2.0e7, 2.0e7),
+            (1.234e-3, 1.3e-3),
+        ] {
+            assert!(
+                (up(value) / wanted - 1.0).abs() < 1e-12,
+                "{value}: {}",
+                up(value)
+            );
+        }
     }
 }

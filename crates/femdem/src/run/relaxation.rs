@@ -98,12 +98,9 @@ impl Scenario {
         if steps == 0 {
             return Err(wrong("relax.steps", "0", "at least 1"));
         }
-        let conditions = || self.body.iter().flat_map(|body| &body.boundary);
-        let walls = self.wall.iter().filter_map(|wall| wall.motion);
-        let bodies = self.body.iter().filter_map(|body| body.motion);
-        let nodes = conditions().filter_map(|condition| condition.motion);
-        let motions = walls.chain(bodies).chain(nodes).map(|motion| motion.end());
-        let loads = conditions().map(BoundaryEntry::settled_from);
+        let conditions = self.body.iter().flat_map(|body| &body.boundary);
+        let motions = self.motions().map(|motion| motion.end());
+        let loads = conditions.map(BoundaryEntry::settled_from);
         let ends = [
             ("motion", motions.fold(0.0, f64::max)),
             ("rise or table", loads.fold(0.0, f64::max)),

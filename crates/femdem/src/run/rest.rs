@@ -25,7 +25,7 @@ const AWAKE_AT_LAST: f64 = 0.05;
 
 /// How near a simulation is to rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Standing {
+pub struct RestSummary {
     /// Whether it is at rest: nothing moves as prescribed, the residual is at most 0.02, the motion at most 1e-6, and the
     /// force balance at most 1e-3.
     pub at_rest: bool,
@@ -50,7 +50,7 @@ pub struct Standing {
 impl Simulation {
     /// How near the bodies are to rest, by the forces of the last step.
     #[must_use]
-    pub fn standing(&self) -> Standing {
+    pub fn rest(&self) -> RestSummary {
         let contacts = self.contacts();
         let ids = 0..self.world.body_count() as u32;
         let frozen = ids.filter(|&id| self.world.is_asleep(id)).count()
@@ -61,12 +61,8 @@ impl Simulation {
         let motion = self.motion(&contacts);
         let force_balance = self.force_balance(&self.forces(&contacts));
         let driven = self.world.is_driven(0.0);
-        let worst = found.worst_body.and_then(|id| {
-            let mut members = self.members.iter();
-            let member = members.find(|member| member.id == MemberId::Rigid(id));
-            member.map(|member| member.name.clone())
-        });
-        Standing {
+        let worst = found.worst_body.and_then(|id| self.member_of(id));
+        RestSummary {
             at_rest: !driven
                 && residual <= RESIDUAL
                 && motion <= MOTION
@@ -74,7 +70,7 @@ impl Simulation {
             driven,
             frozen,
             residual,
-            worst,
+            worst: worst.map(|member| self.name_of(Side::Member(member))),
             motion: motion.is_finite().then_some(motion),
             force_balance,
         }
@@ -115,25 +111,18 @@ impl Simulation {
 
     /// Size of what walls, supports and driven bodies carry less what weighs on them, over what weighs.
     fn force_balance(&self, forces: &ContactForces) -> f64 {
-        let g = self.world.parameters().gravity;
-        let mut weight = Vector3::zeros();
+        let mut weight = self.world.parameters().gravity * self.free_mass();
         let mut carried: Vec<Vector3> = forces.walls.clone();
         carried.extend(self.reactions().iter().map(|force| -force));
         for (member, force) in self.members.iter().zip(&forces.members) {
-            match member.id {
-                MemberId::Rigid(id) if self.world.follows_drive(id) == Some(true) => {
-                    carried.push(*force);
-                }
-                MemberId::Rigid(id) => weight += g * self.world.mass(id).unwrap_or_default(),
-                MemberId::Deformable(id) => {
-                    let Some(body) = self.world.deformable(id) else {
-                        continue;
-                    };
-                    weight += g * body.model().masses().iter().sum::<f64>();
-                    weight += body.loads().iter().sum::<Vector3>();
-                }
+            if let MemberId::Rigid(id) = member.id
+                && self.world.follows_drive(id) == Some(true)
+            {
+                carried.push(*force);
             }
         }
+        let loads = self.world.deformables().flat_map(|body| body.loads());
+        weight += loads.sum::<Vector3>();
         let sum: Vector3 = carried.iter().sum();
         let borne: f64 = carried.iter().map(Vector3::norm).sum();
         let missing = (sum - weight).norm();

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::books::NOTED;
-use super::{Ending, Penalty, RelaxSummary, RunSummary, Standing};
+use super::{Ending, Penalty, RelaxSummary, RestSummary, RunSummary};
 
 /// A name and its text.
 type Row = (String, String);
@@ -135,7 +135,7 @@ impl RunSummary {
     }
 }
 
-impl fmt::Display for Standing {
+impl fmt::Display for RestSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             at_rest,

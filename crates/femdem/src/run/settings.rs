@@ -83,7 +83,7 @@ pub struct MediumEntry {
 /// When a run may end early. It is checked every 64 steps, independently of output.
 ///
 /// When the kinetic energy has been below `energy` for `time`, all bodies are woken; the run ends when it has then been so for
-/// `time` again and the bodies are verified to be at rest ([`Standing`](super::Standing)). It does not end before the last
+/// `time` again and the bodies are verified to be at rest ([`RestSummary`](super::RestSummary)). It does not end before the last
 /// prescribed motion or change of a load.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{Ending, MemberId, Penalty, RelaxSummary, Run, Side, Standing};
+use super::{Ending, MemberId, Penalty, RelaxSummary, RestSummary, Run, Side};
 use crate::{Error, Usage};
 
 /// Version of the keys of the summary of a run.
@@ -23,7 +23,7 @@ pub struct RunSummary {
     /// How the bodies were brought to rest after that; `null` if they were not.
     pub relaxed: Option<RelaxSummary>,
     /// How near to rest it is now.
-    pub rest: Standing,
+    pub rest: RestSummary,
     /// The bodies by entry of the scenario.
     pub bodies: Vec<BodySummary>,
     /// The walls.
@@ -226,7 +226,7 @@ impl RunSummary {
             title: run.scenario().title.clone(),
             ending: run.ending(),
             relaxed: run.relaxation().copied(),
-            rest: simulation.standing(),
+            rest: simulation.rest(),
             bodies,
             walls: walls.collect(),
             reactions: reactions.collect(),

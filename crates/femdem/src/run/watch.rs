@@ -151,8 +151,10 @@ impl Watch {
             }
             let last = before.get(&pair).map(|&normal| Vector3::from(normal));
             let round = last.is_some_and(|normal| normal.dot(&contact.normal) < 0.0);
-            let member = simulation.member_of(contact.b);
-            if let (true, Some(member)) = (round, member) {
+            if !round {
+                continue;
+            }
+            if let Some(member) = simulation.member_of(contact.b) {
                 let volume = simulation.rigid_volume(Side::Member(member));
                 let section = volume.zip(simulation.diameter(member)).map(|(v, d)| v / d);
                 let within = section.map(|section| WITHIN * mesh.thickness() * section);
