@@ -13,8 +13,8 @@ const PENETRATION: f64 = 0.005;
 /// Largest depth of an impact over the mean depth at rest.
 const AT_IMPACT: f64 = 10.0;
 
-/// Largest depth of an impact over the thickness of a wall of tetrahedra: the field rises over half of it.
-const OF_WALL: f64 = 0.25;
+/// Largest depth of an impact over the thickness of the body and of a wall of tetrahedra: the field rises over half of it.
+const OF_THICKNESS: f64 = 0.25;
 
 /// Local over mean stress of a pack.
 const UNEVEN: f64 = 1.5;
@@ -223,9 +223,11 @@ impl Loads {
         body.speed + (2.0 * self.gravity * body.drop).sqrt() + self.driven
     }
 
-    /// The wanted depth, and at most a part of the thinnest wall of tetrahedra, in diameters of the body.
+    /// The wanted depth, and at most a part of the thickness of the body and of the thinnest wall of tetrahedra, in diameters of the
+    /// body.
     fn deepest(&self, body: &Placed, wanted: f64) -> f64 {
-        wanted.min(OF_WALL * self.thinnest_wall / body.diameter)
+        let thickness = self.thinnest_wall.min(2.0 * body.field_depth);
+        wanted.min(OF_THICKNESS * thickness / body.diameter)
     }
 }
 
