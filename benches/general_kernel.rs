@@ -1,12 +1,11 @@
 //! The general kernel on the touching pairs of settled packs, as centroid fans and as finer meshes: per
-//! touching pair, compared with the convex kernel; per candidate pair of tetrahedra; and the skin path per
-//! triangle-tetrahedron hit. Caches are warm. Counts per pair are written to standard error, to convert times
+//! touching pair, compared with the convex kernel. Caches are warm. Counts per pair are written to standard error, to convert times
 //! per pair to times per piece.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use femdem::contact::general::{GeneralCache, GeneralScratch, SkinPath};
+use femdem::contact::general::{GeneralCache, GeneralScratch};
 use femdem::contact::kernel::{PairCache, Scratch};
-use femdem::contact::{ConvexShape, Field, FieldMesh, Form, Frame, GeneralKernel, PairKernel};
+use femdem::contact::{ConvexShape, Field, FieldMesh, Frame, GeneralKernel, PairKernel};
 use femdem::mesh::TetMesh;
 use femdem_benches::{DIAMETER, SetUpError, frames, pack, solid};
 use std::hint::black_box;
@@ -41,42 +40,24 @@ fn bench_mesh(
 ) -> Result<(), SetUpError> {
     let mut scratch = GeneralScratch::default();
     let mut group = c.benchmark_group("general_kernel");
-    for form in [Form::Sum, Form::Min] {
-        let kernel = GeneralKernel::new(PENALTY, form)?;
-        let mut caches = vec![GeneralCache::default(); pairs.len()];
-        let (mut candidates, mut pieces) = (0, 0);
-        for ((a, b), cache) in pairs.iter().zip(&mut caches) {
-            kernel.evaluate_cached(body, a, body, b, cache, 0.0, &mut scratch);
-            let [looked_at, overlapping] = scratch.counts();
-            candidates += looked_at;
-            pieces += overlapping;
-        }
-        eprintln!(
-            "{id}, {form:?}: {} pairs, {candidates} candidates, {pieces} pieces",
-            pairs.len()
-        );
-        group.throughput(Throughput::Elements(pairs.len() as u64));
-        group.bench_function(format!("{form:?}/{id}"), |bencher| {
-            bencher.iter(|| {
-                for ((a, b), cache) in pairs.iter().zip(&mut caches) {
-                    black_box(kernel.evaluate_cached(body, a, body, b, cache, 0.0, &mut scratch));
-                }
-            });
-        });
+    let kernel = GeneralKernel::new(PENALTY)?;
+    let mut caches = vec![GeneralCache::default(); pairs.len()];
+    let (mut candidates, mut pieces) = (0, 0);
+    for ((a, b), cache) in pairs.iter().zip(&mut caches) {
+        kernel.evaluate_cached(body, a, body, b, cache, 0.0, &mut scratch);
+        let [looked_at, overlapping] = scratch.counts();
+        candidates += looked_at;
+        pieces += overlapping;
     }
-    let skins = SkinPath::new(PENALTY)?;
-    let results: Vec<_> = pairs
-        .iter()
-        .map(|(a, b)| skins.evaluate(body, a, body, b))
-        .collect();
-    let hits: usize = results.iter().map(|r| r.hits).sum();
-    let candidates: usize = results.iter().map(|r| r.candidates).sum();
-    eprintln!("{id}, skins: {candidates} candidates, {hits} hits");
-    group.throughput(Throughput::Elements(hits as u64));
-    group.bench_function(format!("skins/{id}"), |bencher| {
+    eprintln!(
+        "{id}: {} pairs, {candidates} candidates, {pieces} pieces",
+        pairs.len()
+    );
+    group.throughput(Throughput::Elements(pairs.len() as u64));
+    group.bench_function(format!("general/{id}"), |bencher| {
         bencher.iter(|| {
-            for (a, b) in pairs {
-                black_box(skins.evaluate(body, a, body, b));
+            for ((a, b), cache) in pairs.iter().zip(&mut caches) {
+                black_box(kernel.evaluate_cached(body, a, body, b, cache, 0.0, &mut scratch));
             }
         });
     });

@@ -2,7 +2,7 @@
 
 use femdem::contact::general::{GeneralCache, GeneralScratch};
 use femdem::contact::kernel::{CavityCache, CavityKernel, Scratch};
-use femdem::contact::{Form, Frame, GeneralKernel, SolidWall, Wall};
+use femdem::contact::{Frame, GeneralKernel, SolidWall, Wall};
 use femdem::mesh::{Point3, TetMesh, Vector3};
 use femdem_benches::{DIAMETER, SetUpError, frames, pack, solid};
 use std::hint::black_box;
@@ -61,7 +61,7 @@ fn wall_kernels<'a>(
             black_box(kernel.evaluate_cached(planes, &at, shape, frame, cache, 0.0, &mut scratch));
         }
     };
-    let kernel = GeneralKernel::new(PENALTY, Form::Sum)?;
+    let kernel = GeneralKernel::new(PENALTY)?;
     let mut scratch = GeneralScratch::default();
     let mut caches = vec![GeneralCache::default(); count];
     let of_mesh = move || {

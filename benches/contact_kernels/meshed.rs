@@ -1,7 +1,7 @@
 //! The general kernel on bodies that are not convex, and its cost per pair of tetrahedra.
 
 use femdem::contact::general::GeneralScratch;
-use femdem::contact::{Field, FieldMesh, Form, GeneralKernel};
+use femdem::contact::{Field, FieldMesh, GeneralKernel};
 use femdem::mesh::shapes::Shape;
 use femdem::mesh::tet::{MeshOptions, mesh};
 use femdem_benches::{DIAMETER, SetUpError, solid};
@@ -20,7 +20,7 @@ fn body(name: &str) -> Result<FieldMesh, SetUpError> {
 
 /// Touching pairs of a meshed body.
 fn pairs(mesh: &FieldMesh) -> Result<Vec<Pair>, SetUpError> {
-    let kernel = GeneralKernel::new(PENALTY, Form::Sum)?;
+    let kernel = GeneralKernel::new(PENALTY)?;
     let touch = |[a, b]: &Pair| {
         let mut scratch = GeneralScratch::default();
         !kernel.evaluate(mesh, a, mesh, b, &mut scratch).is_empty()

@@ -2,7 +2,7 @@
 
 use femdem::contact::general::{GeneralCache, GeneralScratch};
 use femdem::contact::kernel::{PairCache, Scratch};
-use femdem::contact::{ConvexShape, FieldMesh, Form, Frame, GeneralKernel, PairKernel};
+use femdem::contact::{ConvexShape, FieldMesh, Frame, GeneralKernel, PairKernel};
 use femdem::mesh::{Polyhedron, Rotation, Vector3};
 use femdem_benches::SetUpError;
 use parry3d_f64::math::{Matrix, Pose, Rotation as ParryRotation, Vector};
@@ -81,28 +81,23 @@ pub fn convex_kernels<'a>(
     Ok(kernels)
 }
 
-/// The general kernel, with its cache in the forms Sum and Min, and without.
+/// The general kernel, with its cache and without.
 pub fn general_kernels<'a>(
     mesh: &'a FieldMesh,
     pairs: &'a [Pair],
 ) -> Result<Vec<Kernel<'a>>, SetUpError> {
     let mut kernels = Vec::new();
-    for (name, form) in [
-        ("general Sum, warm", Form::Sum),
-        ("general Min, warm", Form::Min),
-    ] {
-        let kernel = GeneralKernel::new(PENALTY, form)?;
-        let mut scratch = GeneralScratch::default();
-        let mut caches = vec![GeneralCache::default(); pairs.len()];
-        kernels.push(Kernel::new(name, pairs.len(), move || {
-            for ([a, b], cache) in pairs.iter().zip(&mut caches) {
-                black_box(kernel.evaluate_cached(mesh, a, mesh, b, cache, 0.0, &mut scratch));
-            }
-        }));
-    }
-    let kernel = GeneralKernel::new(PENALTY, Form::Sum)?;
+    let kernel = GeneralKernel::new(PENALTY)?;
     let mut scratch = GeneralScratch::default();
-    kernels.push(Kernel::new("general Sum, cold", pairs.len(), move || {
+    let mut caches = vec![GeneralCache::default(); pairs.len()];
+    kernels.push(Kernel::new("general, warm", pairs.len(), move || {
+        for ([a, b], cache) in pairs.iter().zip(&mut caches) {
+            black_box(kernel.evaluate_cached(mesh, a, mesh, b, cache, 0.0, &mut scratch));
+        }
+    }));
+    let kernel = GeneralKernel::new(PENALTY)?;
+    let mut scratch = GeneralScratch::default();
+    kernels.push(Kernel::new("general, cold", pairs.len(), move || {
         for [a, b] in pairs {
             black_box(kernel.evaluate(mesh, a, mesh, b, &mut scratch));
         }
@@ -113,7 +108,7 @@ pub fn general_kernels<'a>(
 /// Pairs of a tetrahedron of A and one of B that the general kernel evaluates with a cache, and those that
 /// overlap, per pair.
 pub fn counts(mesh: &FieldMesh, pairs: &[Pair]) -> Result<[f64; 2], SetUpError> {
-    let kernel = GeneralKernel::new(PENALTY, Form::Sum)?;
+    let kernel = GeneralKernel::new(PENALTY)?;
     let mut scratch = GeneralScratch::default();
     let mut sums = [0, 0];
     for [a, b] in pairs {

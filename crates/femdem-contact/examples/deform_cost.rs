@@ -8,7 +8,7 @@
 #![expect(clippy::print_stdout, reason = "an example shows its results")]
 
 use femdem_contact::deform::{DeformableBatch, DeformableShape, Modulus, NodalState};
-use femdem_contact::{ContactLaw, ContactParameters, Form};
+use femdem_contact::{ContactLaw, ContactParameters};
 use femdem_mesh::nalgebra::{UnitQuaternion, Vector3};
 use femdem_mesh::shapes::{Boulder, Shape};
 use femdem_mesh::{TetMesh, Vector3 as V};
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let spacing: f64 = argument(2).map_or(Ok(0.93), |s| s.parse())?;
     let steps: u32 = argument(3).map_or(Ok(500), |s| s.parse())?;
     let law = ContactLaw::new(ContactParameters::default())?;
-    let mut batch = DeformableBatch::new(law, Form::Sum)?;
+    let mut batch = DeformableBatch::new(law);
     let mut state = 7_u64;
     let mut random = move || {
         state = state

@@ -12,8 +12,8 @@
 
 use femdem_contact::general::{GeneralCache, GeneralScratch};
 use femdem_contact::{
-    BodyShape, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Field, FieldMesh, Form,
-    Frame, GeneralKernel, Motion, Wall,
+    BodyShape, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Field, FieldMesh, Frame,
+    GeneralKernel, Motion, Wall,
 };
 use femdem_mesh::shapes::Shape;
 use femdem_mesh::tet::{MeshOptions, mesh};
@@ -149,7 +149,7 @@ fn collide(shapes: &Shapes) -> Result<(f64, f64, u32), Box<dyn Error>> {
     // A cube as tetrahedra has the same field as the convex shape, for contact with meshes. For
     // two convex bodies take PairKernel with ConvexShape, which is several times faster.
     let cube = shapes.convex.fan()?;
-    let kernel = GeneralKernel::new(PENALTY, Form::Sum)?;
+    let kernel = GeneralKernel::new(PENALTY)?;
     let mut a = Grain::new(&shapes.cube, Vector3::zeros()).ok_or("flat")?;
     let start = Vector3::new(0.12, 0.01, 0.02);
     let mut b = Grain::new(&shapes.tetrapod, start).ok_or("flat")?;

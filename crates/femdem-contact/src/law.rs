@@ -10,8 +10,7 @@ use serde::{Deserialize, Serialize};
 /// (h the length of the field) over the length 2 d of the overlap, so the energy is 4 p ∫ d²/h dx dy, half of
 /// which belongs to B: 2 p ∫ d²/h dx dy. Over what passes the plane, ∫ φ_B dV = ∫ d²/(2 h) dx dy. A plane
 /// that acts as the mirror image therefore has the energy 4 p ∫ φ_B dV; at 2 p ∫ φ_B dV the body goes into
-/// it by twice that depth, as far as two equal bodies go into each other together. In the min form both
-/// are p ∫ φ_B dV.
+/// it by twice that depth, as far as two equal bodies go into each other together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WallResponse {

@@ -136,7 +136,7 @@ pub use batch::{BatchTotals, ContactBatch, Snapshot};
 pub use contact::{BodyId, Contact, ContactForce, Dashpots, Load, Partner, Springs, Wrench};
 pub use error::ContactError;
 pub use foundation::Foundation;
-pub use general::{Field, FieldMesh, Form, GeneralKernel, SolidWall};
+pub use general::{Field, FieldMesh, GeneralKernel, SolidWall};
 pub use generalized::{Generalized, Resistance, stable_step};
 pub use kernel::{Overlap, PairKernel, mean_penetration};
 pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};

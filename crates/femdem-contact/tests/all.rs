@@ -13,7 +13,6 @@ mod densest_lattices;
 mod friction;
 mod general;
 mod general_gradient;
-mod general_shaped;
 mod general_sliding;
 mod general_states;
 mod general_walls;

@@ -7,7 +7,7 @@ use crate::common::{Stream, oracle, tets, wall_oracle};
 use femdem_contact::general::GeneralScratch;
 use femdem_contact::kernel::{CavityKernel, Scratch};
 use femdem_contact::{
-    ConvexShape, Field, Form, Frame, GeneralKernel, Overlap, PairKernel, SolidWall, Wall, WallPlane,
+    ConvexShape, Field, Frame, GeneralKernel, Overlap, PairKernel, SolidWall, Wall, WallPlane,
 };
 use femdem_mesh::nalgebra::{Point3, Vector3};
 use femdem_mesh::{Polyhedron, TetMesh};
@@ -199,7 +199,7 @@ fn bricks_in_a_corner_of_walls() {
 /// The same bricks as meshes of 3 x 3 x 3 cells, against each other and on a mesh that is a wall.
 #[test]
 fn meshes_of_bricks() {
-    let kernel = GeneralKernel::new(PENALTY, Form::Sum).unwrap();
+    let kernel = GeneralKernel::new(PENALTY).unwrap();
     let mut scratch = GeneralScratch::default();
     let mut stream = Stream(5);
     let mesh = |sides: [f64; 3]| -> TetMesh {

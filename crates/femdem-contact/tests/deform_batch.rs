@@ -8,8 +8,7 @@ use crate::common::soft::Soft;
 use crate::common::tets::{body, cube, dolos};
 use femdem_contact::deform::{DeformableBatch, DeformablePartner, Modulus, NodalState};
 use femdem_contact::{
-    BodyShape, ContactError, ContactLaw, ContactParameters, Field, Form, Frame, MeshWall, Motion,
-    Wall,
+    BodyShape, ContactError, ContactLaw, ContactParameters, Field, Frame, MeshWall, Motion, Wall,
 };
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
 
@@ -45,9 +44,9 @@ fn moving(frame: Frame, velocity: Vector3<f64>, turn: Vector3<f64>) -> Motion {
 }
 
 impl Scene {
-    fn new(law: ContactLaw, form: Form) -> Self {
+    fn new(law: ContactLaw) -> Self {
         Self {
-            batch: DeformableBatch::new(law, form).unwrap(),
+            batch: DeformableBatch::new(law),
             bodies: Vec::new(),
             velocities: Vec::new(),
             masses: Vec::new(),
@@ -91,8 +90,8 @@ impl Scene {
     }
 
     /// Cubes, dolosse, a rigid dolos, a floor and a wall of tetrahedra in one heap.
-    fn heap(form: Form, stream: &mut Stream) -> Self {
-        let mut scene = Self::new(law(|_| ()), form);
+    fn heap(stream: &mut Stream) -> Self {
+        let mut scene = Self::new(law(|_| ()));
         let mut frame = Frame::identity();
         for (k, mesh) in [cube(2), dolos(), cube(2), cube(1), dolos()]
             .iter()
@@ -144,55 +143,50 @@ impl Scene {
 #[test]
 fn kept_lists_find_what_fresh_ones_find() {
     let mut stream = Stream(3);
-    for form in [Form::Sum, Form::Min] {
-        let mut kept = Scene::heap(form, &mut stream);
-        let start = kept.clone();
-        let mut seen = [false; 3];
-        for step in 0..60 {
-            kept.update().unwrap();
-            // Friction has a history: only the elastic parts are compared.
-            let mut fresh = kept.clone();
-            fresh.batch = start.batch.clone();
-            let mut without = kept.clone();
-            let none = law(|p| p.friction = 0.0);
-            fresh.batch.set_law(none);
-            without.batch.set_law(none);
-            fresh.update().unwrap();
-            without.update().unwrap();
-            let size = fresh.forces().iter().map(Vector3::norm).fold(0.0, f64::max);
-            for (x, y) in without.forces().iter().zip(fresh.forces()) {
-                assert!(
-                    (x - y).norm() < 1e-9 * size,
-                    "{form:?} step {step}: {x} {y}"
-                );
-            }
-            assert!(kept.batch.totals().pieces > 0);
-            let mut total = [Vector3::zeros(); 2];
-            for (i, soft) in kept.bodies.iter().enumerate() {
-                for (x, f) in soft.x.iter().zip(kept.batch.forces(i as u32)) {
-                    total[0] += f;
-                    total[1] += x.cross(f);
-                }
-            }
-            let loads = kept.batch.rigid_loads().iter().zip(&kept.rigid);
-            let walls = kept.batch.wall_loads().iter().zip(&kept.walls);
-            for (load, motion) in loads.chain(walls) {
-                total[0] += load.total.force;
-                total[1] += load.total.torque + motion.frame.position.cross(&load.total.force);
-            }
-            assert!(total[0].norm() < 1e-12 * size, "{form:?}: {}", total[0]);
-            assert!(total[1].norm() < 1e-11 * size, "{form:?}: {}", total[1]);
-            for contact in kept.batch.contacts() {
-                match contact.a {
-                    DeformablePartner::Deformable(_) => seen[0] = true,
-                    DeformablePartner::Rigid(_) => seen[1] = true,
-                    DeformablePartner::Wall(_) => seen[2] = true,
-                }
-            }
-            kept.drift(2e-3);
+    let mut kept = Scene::heap(&mut stream);
+    let start = kept.clone();
+    let mut seen = [false; 3];
+    for step in 0..60 {
+        kept.update().unwrap();
+        // Friction has a history: only the elastic parts are compared.
+        let mut fresh = kept.clone();
+        fresh.batch = start.batch.clone();
+        let mut without = kept.clone();
+        let none = law(|p| p.friction = 0.0);
+        fresh.batch.set_law(none);
+        without.batch.set_law(none);
+        fresh.update().unwrap();
+        without.update().unwrap();
+        let size = fresh.forces().iter().map(Vector3::norm).fold(0.0, f64::max);
+        for (x, y) in without.forces().iter().zip(fresh.forces()) {
+            assert!((x - y).norm() < 1e-9 * size, "step {step}: {x} {y}");
         }
-        assert_eq!(seen, [true; 3]);
+        assert!(kept.batch.totals().pieces > 0);
+        let mut total = [Vector3::zeros(); 2];
+        for (i, soft) in kept.bodies.iter().enumerate() {
+            for (x, f) in soft.x.iter().zip(kept.batch.forces(i as u32)) {
+                total[0] += f;
+                total[1] += x.cross(f);
+            }
+        }
+        let loads = kept.batch.rigid_loads().iter().zip(&kept.rigid);
+        let walls = kept.batch.wall_loads().iter().zip(&kept.walls);
+        for (load, motion) in loads.chain(walls) {
+            total[0] += load.total.force;
+            total[1] += load.total.torque + motion.frame.position.cross(&load.total.force);
+        }
+        assert!(total[0].norm() < 1e-12 * size, "{}", total[0]);
+        assert!(total[1].norm() < 1e-11 * size, "{}", total[1]);
+        for contact in kept.batch.contacts() {
+            match contact.a {
+                DeformablePartner::Deformable(_) => seen[0] = true,
+                DeformablePartner::Rigid(_) => seen[1] = true,
+                DeformablePartner::Wall(_) => seen[2] = true,
+            }
+        }
+        kept.drift(2e-3);
     }
+    assert_eq!(seen, [true; 3]);
 }
 
 #[test]
@@ -200,7 +194,7 @@ fn bits_do_not_depend_on_the_number_of_threads() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().unwrap().install(|| {
-            let mut scene = Scene::heap(Form::Sum, &mut Stream(4));
+            let mut scene = Scene::heap(&mut Stream(4));
             let mut trace = Vec::new();
             for _ in 0..40 {
                 advance(&mut scene, &mut trace);
@@ -232,7 +226,7 @@ fn advance(scene: &mut Scene, trace: &mut Vec<Vector3<f64>>) {
 /// A batch that was written and read continues with the same bits, including lists and springs.
 #[test]
 fn a_restart_goes_on_with_the_same_bits() {
-    let mut scene = Scene::heap(Form::Sum, &mut Stream(4));
+    let mut scene = Scene::heap(&mut Stream(4));
     let mut trace = Vec::new();
     for _ in 0..25 {
         advance(&mut scene, &mut trace);
@@ -257,7 +251,7 @@ fn a_restart_goes_on_with_the_same_bits() {
 #[test]
 fn unusable_states_are_named() {
     let mut stream = Stream(5);
-    let good = Scene::heap(Form::Sum, &mut stream);
+    let good = Scene::heap(&mut stream);
     let why = |change: &dyn Fn(&mut Scene)| {
         let mut scene = good.clone();
         scene.update().unwrap();
@@ -306,12 +300,11 @@ fn unusable_states_are_named() {
         }),
         ContactError::InvertedTet { body: 2, .. }
     ));
-    let mut empty = Scene::new(law(|_| ()), Form::Sum);
+    let mut empty = Scene::new(law(|_| ()));
     empty.update().unwrap();
     assert!(empty.batch.add_body(0, Modulus::Penalty(1.0)).is_err());
     assert!(empty.batch.add_rigid(0).is_err());
     assert!(empty.batch.forces(3).is_empty() && empty.batch.rates(3).is_empty());
-    assert!(DeformableBatch::new(law(|_| ()), Form::Shaped).is_err());
     let mut scene = good.clone();
     for bad in [0.0, f64::NAN, -1.0] {
         assert!(scene.batch.add_body(0, Modulus::Foundation(bad)).is_err());
@@ -323,7 +316,7 @@ fn unusable_states_are_named() {
 /// awake.
 #[test]
 fn sleepers_at_rest_have_the_forces_of_awake_bodies() {
-    let mut awake = Scene::heap(Form::Sum, &mut Stream(5));
+    let mut awake = Scene::heap(&mut Stream(5));
     let mut trace = Vec::new();
     for _ in 0..10 {
         advance(&mut awake, &mut trace);

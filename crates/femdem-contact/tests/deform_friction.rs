@@ -9,7 +9,7 @@ use femdem_contact::deform::{
     DeformableBatch, DeformableContact, DeformablePartner, Modulus, NodalState,
 };
 use femdem_contact::{
-    BodyShape, ContactLaw, ContactParameters, Field, Form, Frame, Motion, Wall, restitution,
+    BodyShape, ContactLaw, ContactParameters, Field, Frame, Motion, Wall, restitution,
 };
 use femdem_mesh::nalgebra::{UnitQuaternion, Vector3};
 
@@ -65,7 +65,7 @@ impl Rig {
         upper: Soft,
     ) -> Self {
         let law = ContactLaw::new(law).unwrap();
-        let mut batch = DeformableBatch::new(law, Form::Sum).unwrap();
+        let mut batch = DeformableBatch::new(law);
         let mut rig = Self {
             ground: None,
             rigid: Vec::new(),

@@ -7,23 +7,21 @@ use crate::common::Stream;
 use crate::common::soft::{Soft, near};
 use crate::common::tets::{body, cube, dolos};
 use femdem_contact::deform::{
-    DeformableKernel, DeformableOverlap, DeformableScratch, Gradient, Modulus, Operand,
+    DeformableKernel, DeformableOverlap, DeformableScratch, Modulus, Operand,
 };
-use femdem_contact::{Field, Form, Frame, SolidWall};
+use femdem_contact::{Field, Frame, SolidWall};
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::{Point3, Vector3};
 
-/// Over skins and over pieces: the classic forces are always summed over pieces, and differ from the exact
-/// ones only within a body's own nodes.
+/// Over skins and over pieces.
 fn both(a: Operand, b: Operand) -> [Option<DeformableOverlap>; 2] {
-    let moduli = [Modulus::Penalty(3.0), Modulus::Foundation(20.0)];
-    [Gradient::Exact, Gradient::Classic].map(|gradient| {
-        let kernel = DeformableKernel::new(Form::Sum, gradient).unwrap();
-        let mut scratch = DeformableScratch::default();
-        kernel
-            .evaluate((a, moduli[0]), (b, moduli[1]), &mut scratch)
-            .unwrap()
-    })
+    let [a, b] = [(a, Modulus::Penalty(3.0)), (b, Modulus::Foundation(20.0))];
+    let kernel = DeformableKernel::default();
+    let mut scratch = DeformableScratch::default();
+    [
+        kernel.evaluate(a, b, &mut scratch).unwrap(),
+        kernel.evaluate_pieces(a, b, &mut scratch).unwrap(),
+    ]
 }
 
 /// Asserts that both agree, relative to the forces of either skin.
@@ -51,6 +49,8 @@ fn assert_same(name: &str, [skins, pieces]: [Option<DeformableOverlap>; 2], size
             assert_eq!(n.node, m.node);
             let error = (n.stiffness - m.stiffness).abs() / stiffness;
             assert!(error < 1e-11, "{name}: {error:e}");
+            let error = (n.force - m.force).norm() / force;
+            assert!(error < 1e-11, "{name}, node {}: {error:e}", n.node);
         }
     }
     assert!((x.volume / y.volume - 1.0).abs() < 1e-8, "{name}");

@@ -6,11 +6,11 @@ use crate::common::Stream;
 use crate::common::soft::Soft;
 use crate::common::tets::cube;
 use femdem_contact::deform::{
-    DeformableBatch, DeformableKernel, DeformableOverlap, DeformableScratch, Gradient, Modulus,
-    NodalState, Operand,
+    DeformableBatch, DeformableKernel, DeformableOverlap, DeformableScratch, Modulus, NodalState,
+    Operand,
 };
 use femdem_contact::{
-    ContactLaw, ContactParameters, Form, Frame, MeshWall, Motion, SolidWall, Wall, WallResponse,
+    ContactLaw, ContactParameters, Frame, MeshWall, Motion, SolidWall, Wall, WallResponse,
     WallShape,
 };
 use femdem_mesh::TetMesh;
@@ -70,23 +70,21 @@ fn a_wall_acts_as_the_mirror_image_of_the_body() {
     let depth = 2e-3;
     let body = bent(depth);
     let image = mirrored(&body);
-    for form in [Form::Sum, Form::Min] {
-        let kernel = DeformableKernel::new(form, Gradient::Exact).unwrap();
-        let pair = evaluate(&kernel, operand(&image), operand(&body));
-        let wall = evaluate(&kernel, Operand::Wall(&floor, &below), operand(&body));
-        let ratio = 2.0 * wall.energy / pair.energy;
-        assert!((ratio - 1.0).abs() < 0.01, "{form:?}: energy {ratio}");
-        let largest = pair.nodes[1]
-            .iter()
-            .map(|n| n.force.norm())
-            .fold(0.0, f64::max);
-        for n in &pair.nodes[1] {
-            let other = wall.nodes[1].iter().find(|m| m.node == n.node);
-            let force = other.map_or_else(Vector3::zeros, |m| m.force);
-            // Along the plane the forces of order depth on single nodes differ; their sum does not.
-            let off = (force - n.force).z.abs() / largest;
-            assert!(off < 0.02, "{form:?}: node {} {off}", n.node);
-        }
+    let kernel = DeformableKernel::default();
+    let pair = evaluate(&kernel, operand(&image), operand(&body));
+    let wall = evaluate(&kernel, Operand::Wall(&floor, &below), operand(&body));
+    let ratio = 2.0 * wall.energy / pair.energy;
+    assert!((ratio - 1.0).abs() < 0.01, "energy {ratio}");
+    let largest = pair.nodes[1]
+        .iter()
+        .map(|n| n.force.norm())
+        .fold(0.0, f64::max);
+    for n in &pair.nodes[1] {
+        let other = wall.nodes[1].iter().find(|m| m.node == n.node);
+        let force = other.map_or_else(Vector3::zeros, |m| m.force);
+        // Along the plane the forces of order depth on single nodes differ; their sum does not.
+        let off = (force - n.force).z.abs() / largest;
+        assert!(off < 0.02, "node {} {off}", n.node);
     }
 }
 
@@ -96,7 +94,7 @@ fn on_floor(
     frame: Frame,
     law: ContactParameters,
 ) -> (Vec<Vector3<f64>>, Vec<f64>, f64) {
-    let mut batch = DeformableBatch::new(ContactLaw::new(law).unwrap(), Form::Sum).unwrap();
+    let mut batch = DeformableBatch::new(ContactLaw::new(law).unwrap());
     let mut body = bent(0.01).shaken(&mut Stream(11), 2e-3);
     let kind = batch.add_shape(body.shape.clone());
     batch.add_body(kind, Modulus::Penalty(law.penalty)).unwrap();
@@ -205,7 +203,7 @@ fn the_nodes_stiffness_bounds_the_frequency_on_a_wall() {
         let mut stream = Stream(13);
         let body = bent(depth).shaken(&mut stream, 0.02 * depth);
         let weight: Vec<f64> = body.x.iter().map(|_| 1.0 + 3.0 * stream.unit()).collect();
-        let kernel = DeformableKernel::new(Form::Sum, Gradient::Exact).unwrap();
+        let kernel = DeformableKernel::default();
         let at = |shift: &[Vector3<f64>]| {
             let x: Vec<_> = body.x.iter().zip(shift).map(|(x, d)| x + d).collect();
             let sides = [

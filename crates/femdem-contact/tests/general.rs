@@ -2,9 +2,9 @@
 
 use crate::common::tets;
 use crate::common::{Stream, solids};
-use femdem_contact::general::{GeneralScratch, SkinPath};
+use femdem_contact::general::GeneralScratch;
 use femdem_contact::kernel::Scratch;
-use femdem_contact::{Field, FieldMesh, Form, Frame, GeneralKernel, Overlap, PairKernel};
+use femdem_contact::{Field, FieldMesh, Frame, GeneralKernel, Overlap, PairKernel};
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::Vector3;
 use femdem_mesh::tet::FACES;
@@ -52,7 +52,7 @@ fn compare(got: &Overlap, want: &Overlap, worst: &mut Vec<(&'static str, f64)>) 
 #[test]
 fn fans_of_convex_bodies_are_the_convex_kernel() {
     let convex = PairKernel::new(PENALTY).unwrap();
-    let general = GeneralKernel::new(PENALTY, Form::Sum).unwrap();
+    let general = GeneralKernel::new(PENALTY).unwrap();
     let (mut scratch, mut buffers) = (Scratch::default(), GeneralScratch::default());
     let mut stream = Stream(3);
     let mut worst = Vec::new();
@@ -93,7 +93,7 @@ fn fans_of_convex_bodies_are_the_convex_kernel() {
 #[test]
 fn energy_and_volume_are_those_of_brute_force() {
     let mut stream = Stream(29);
-    let kernel = GeneralKernel::new(PENALTY, Form::Sum).unwrap();
+    let kernel = GeneralKernel::new(PENALTY).unwrap();
     let mut scratch = GeneralScratch::default();
     let mut several = 0;
     for mesh in [tets::l_block(), tets::tube(), tets::dolos()] {
@@ -161,43 +161,4 @@ fn brute_force(mesh: &TetMesh, body: &FieldMesh, fa: &Frame, fb: &Frame) -> (f64
     let (volume, of_a) = one_way(&a, &b);
     let (_, of_b) = one_way(&b, &a);
     (volume, of_a + of_b)
-}
-
-/// The wrench and the vector area from the skins alone, for all fields and bodies.
-#[test]
-fn the_skins_give_the_same_wrench() {
-    let mut stream = Stream(53);
-    let kernel = GeneralKernel::new(PENALTY, Form::Sum).unwrap();
-    let skins = SkinPath::new(PENALTY).unwrap();
-    let mut scratch = GeneralScratch::default();
-    let mut touching = 0;
-    for field in [Field::Body, Field::Classic] {
-        let meshes = [tets::cube(3), tets::l_block(), tets::tube(), tets::dolos()];
-        let bodies = meshes.map(|mesh| tets::body(&mesh, field));
-        for (k, a) in bodies.iter().enumerate() {
-            for b in &bodies[k..] {
-                let fa = Frame {
-                    position: stream.vector() * 10.0,
-                    rotation: stream.rotation(),
-                };
-                let fb = Frame {
-                    position: fa.position + stream.vector(),
-                    rotation: stream.rotation(),
-                };
-                let patches = kernel.evaluate(a, &fa, b, &fb, &mut scratch);
-                let got = tets::total(patches);
-                let want = skins.evaluate(a, &fa, b, &fb);
-                assert!(want.hits <= want.candidates);
-                touching += usize::from(want.hits > 0);
-                let force = want.force.norm();
-                assert!((got.force - want.force).norm() <= 1e-12 * force + 1e-14);
-                assert!((got.torque_b - want.torque_b).norm() <= 1e-12 * force + 1e-14);
-                if let [patch] = patches {
-                    let area = patch.overlap.normal.dot(&want.area).max(0.0);
-                    assert!((patch.overlap.area - area).abs() < 1e-12);
-                }
-            }
-        }
-    }
-    assert!(touching > 10, "{touching}");
 }

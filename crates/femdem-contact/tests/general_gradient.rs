@@ -4,14 +4,12 @@ use crate::common::Stream;
 use crate::common::tets;
 use crate::common::tets::{body, cube, differences, dolos, l_block, total, tube};
 use femdem_contact::general::GeneralScratch;
-use femdem_contact::{Field, FieldMesh, Form, Frame, GeneralKernel};
+use femdem_contact::{Field, FieldMesh, Frame, GeneralKernel};
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
 use std::cell::RefCell;
 
 const PENALTY: f64 = 3.0;
-
-const FORMS: [Form; 3] = [Form::Sum, Form::Min, Form::Shaped];
 
 /// Both wrenches against differences: the largest error, and the force; `None` without contact.
 fn errors(
@@ -50,34 +48,32 @@ fn bodies(field: Field) -> Vec<(&'static str, FieldMesh)> {
 #[test]
 fn wrenches_are_gradients_in_random_poses() {
     let mut stream = Stream(17);
-    for field in [Field::Body, Field::Gauge, Field::Classic] {
+    for field in [Field::Body, Field::Gauge] {
         let bodies = bodies(field);
-        for form in FORMS {
-            let kernel = GeneralKernel::new(PENALTY, form).unwrap();
-            let mut touching = 0;
-            for (i, (name, a)) in bodies.iter().enumerate() {
-                for (other, b) in bodies[i..].iter().take(2) {
-                    for _ in 0..2 {
-                        let mut fa = Frame::identity();
-                        fa.position = stream.vector();
-                        fa.rotation = stream.rotation();
-                        let mut fb = fa;
-                        fb.rotation = stream.rotation();
-                        let d = stream.vector().normalize();
-                        fb.position += d * (0.4 + 0.6 * stream.unit());
-                        let Some((error, force)) = errors(&kernel, a, &fa, b, &fb, 1e-5) else {
-                            continue;
-                        };
-                        touching += 1;
-                        assert!(
-                            error < 1e-7 * force + 1e-12,
-                            "{field:?} {form:?} {name} on {other}: {error:e} of {force}"
-                        );
-                    }
+        let kernel = GeneralKernel::new(PENALTY).unwrap();
+        let mut touching = 0;
+        for (i, (name, a)) in bodies.iter().enumerate() {
+            for (other, b) in bodies[i..].iter().take(2) {
+                for _ in 0..2 {
+                    let mut fa = Frame::identity();
+                    fa.position = stream.vector();
+                    fa.rotation = stream.rotation();
+                    let mut fb = fa;
+                    fb.rotation = stream.rotation();
+                    let d = stream.vector().normalize();
+                    fb.position += d * (0.4 + 0.6 * stream.unit());
+                    let Some((error, force)) = errors(&kernel, a, &fa, b, &fb, 1e-5) else {
+                        continue;
+                    };
+                    touching += 1;
+                    assert!(
+                        error < 1e-7 * force + 1e-12,
+                        "{field:?} {name} on {other}: {error:e} of {force}"
+                    );
                 }
             }
-            assert!(touching > 5, "{field:?} {form:?}: {touching}");
         }
+        assert!(touching > 5, "{field:?}: {touching}");
     }
 }
 
@@ -113,29 +109,19 @@ fn coincidences() -> Vec<(&'static str, Vector3<f64>, Matrix3<f64>)> {
 
 #[test]
 fn wrenches_are_gradients_where_faces_edges_and_corners_coincide() {
-    for (field, n) in [
-        (Field::Gauge, 1),
-        (Field::Body, 2),
-        (Field::Classic, 1),
-        (Field::Body, 1),
-    ] {
+    for (field, n) in [(Field::Gauge, 1), (Field::Body, 2), (Field::Body, 1)] {
         let (a, b) = (body(&cube(n), field), body(&cube(2), Field::Body));
-        for form in FORMS {
-            let kernel = GeneralKernel::new(PENALTY, form).unwrap();
-            for (what, place, rotation) in coincidences() {
-                let mut fa = Frame::identity();
-                fa.position = Vector3::new(0.3, -7.0, 2.0);
-                let fb = Frame {
-                    position: fa.position + place,
-                    rotation,
-                };
-                // Stiffnesses jump where contacts begin: an error of the step times the penalty.
-                if let Some((error, _)) = errors(&kernel, &a, &fa, &b, &fb, 1e-7) {
-                    assert!(
-                        error < 1e-6 * PENALTY,
-                        "{field:?} {n} {form:?} {what}: {error:e}"
-                    );
-                }
+        let kernel = GeneralKernel::new(PENALTY).unwrap();
+        for (what, place, rotation) in coincidences() {
+            let mut fa = Frame::identity();
+            fa.position = Vector3::new(0.3, -7.0, 2.0);
+            let fb = Frame {
+                position: fa.position + place,
+                rotation,
+            };
+            // Stiffnesses jump where contacts begin: an error of the step times the penalty.
+            if let Some((error, _)) = errors(&kernel, &a, &fa, &b, &fb, 1e-7) {
+                assert!(error < 1e-6 * PENALTY, "{field:?} {n} {what}: {error:e}");
             }
         }
     }
@@ -145,23 +131,21 @@ fn wrenches_are_gradients_where_faces_edges_and_corners_coincide() {
 #[test]
 fn wrenches_are_gradients_inside_another_body() {
     let mut stream = Stream(23);
-    for field in [Field::Body, Field::Classic] {
+    for field in [Field::Body, Field::Gauge] {
         let a = body(&cube(2), field);
         let b = body(&tets::cubes(&[[0; 3]], 0.2), field);
-        for form in FORMS {
-            let kernel = GeneralKernel::new(PENALTY, form).unwrap();
-            for _ in 0..4 {
-                let fa = Frame::identity();
-                let fb = Frame {
-                    position: stream.vector() * 0.5,
-                    rotation: stream.rotation(),
-                };
-                let (error, force) = errors(&kernel, &a, &fa, &b, &fb, 1e-5).unwrap();
-                assert!(
-                    error < 1e-6 * force + 1e-11,
-                    "{field:?} {form:?}: {error:e} of {force:e}"
-                );
-            }
+        let kernel = GeneralKernel::new(PENALTY).unwrap();
+        for _ in 0..4 {
+            let fa = Frame::identity();
+            let fb = Frame {
+                position: stream.vector() * 0.5,
+                rotation: stream.rotation(),
+            };
+            let (error, force) = errors(&kernel, &a, &fa, &b, &fb, 1e-5).unwrap();
+            assert!(
+                error < 1e-6 * force + 1e-11,
+                "{field:?}: {error:e} of {force:e}"
+            );
         }
     }
 }

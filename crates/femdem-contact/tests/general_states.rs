@@ -5,7 +5,7 @@
 use crate::common::tets;
 use crate::common::{Stream, turned};
 use femdem_contact::general::{GeneralCache, GeneralScratch, Patch};
-use femdem_contact::{Field, FieldMesh, Form, Frame, GeneralKernel, SolidWall};
+use femdem_contact::{Field, FieldMesh, Frame, GeneralKernel, SolidWall};
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::{Point3, Vector3};
 
@@ -46,8 +46,8 @@ fn a_warm_cache_changes_nothing() {
     ] {
         let body = tets::body(&mesh, Field::Body);
         // In the last case both travel much farther together than relative to each other.
-        for (form, together) in [(Form::Sum, 0.0), (Form::Min, 0.0), (Form::Sum, 0.05)] {
-            let kernel = GeneralKernel::new(PENALTY, form).unwrap();
+        for together in [0.0, 0.05] {
+            let kernel = GeneralKernel::new(PENALTY).unwrap();
             let fa = Frame {
                 position: stream.vector(),
                 rotation: stream.rotation(),
@@ -106,7 +106,7 @@ fn every_connected_part_is_a_patch() {
         &tets::cubes(&tets::block([6, 3, 1], |_| true), 0.2),
         Field::Body,
     );
-    let kernel = GeneralKernel::new(PENALTY, Form::Sum).unwrap();
+    let kernel = GeneralKernel::new(PENALTY).unwrap();
     let mut scratch = GeneralScratch::default();
     let top = u.support(&Vector3::z());
     let mut frame = Frame::identity();
@@ -144,17 +144,15 @@ fn scaled(mesh: &TetMesh, size: f64) -> TetMesh {
 #[test]
 fn hostile_scales_give_finite_contacts() {
     let (pairs, mut stream) = (3000, Stream(43));
-    let fields = [Field::Body, Field::Classic];
     let shapes = [tets::cube(1), tets::l_block(), tets::dolos()];
     let mut bodies: Vec<FieldMesh> = Vec::new();
     for exponent in -9..=6 {
-        for (k, mesh) in shapes.iter().enumerate() {
+        for mesh in &shapes {
             let mesh = scaled(mesh, 10_f64.powi(exponent));
-            bodies.push(tets::body(&mesh, fields[usize::from(k == 1)]));
+            bodies.push(tets::body(&mesh, Field::Body));
         }
     }
-    let kernels = [Form::Sum, Form::Min, Form::Shaped]
-        .map(|form| GeneralKernel::new(10_f64.powi(6), form).unwrap());
+    let kernel = GeneralKernel::new(1e6).unwrap();
     let mut scratch = GeneralScratch::default();
     let mut touching = 0;
     for n in 0..pairs {
@@ -184,13 +182,7 @@ fn hostile_scales_give_finite_contacts() {
                 stream.rotation()
             },
         };
-        for patch in kernels[n % 2 + usize::from(n % 7 == 0)].evaluate(
-            a,
-            &frame_a,
-            b,
-            &frame_b,
-            &mut scratch,
-        ) {
+        for patch in kernel.evaluate(a, &frame_a, b, &frame_b, &mut scratch) {
             touching += 1;
             let o = &patch.overlap;
             let all = [

@@ -7,7 +7,7 @@ use crate::common::soft::Soft;
 use crate::common::tets::{body, cube};
 use femdem_contact::deform::{DeformableBatch, DeformablePartner, Modulus, NodalState};
 use femdem_contact::{
-    ContactBatch, ContactLaw, ContactParameters, Field, Form, Frame, Motion, Wall, WallPlane,
+    ContactBatch, ContactLaw, ContactParameters, Field, Frame, Motion, Wall, WallPlane,
 };
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
 
@@ -94,7 +94,7 @@ fn states<'a>(x: &'a [Vector3<f64>], v: &'a [Vector3<f64>], w: &'a [f64]) -> Nod
 #[test]
 fn a_body_that_stretches() {
     let mut soft = Soft::linear(&cube(2));
-    let mut batch = DeformableBatch::new(law(), Form::Sum).unwrap();
+    let mut batch = DeformableBatch::new(law());
     let shape = batch.add_shape(soft.shape.clone());
     batch.add_body(shape, Modulus::Penalty(1e3)).unwrap();
     batch.add_wall(slot(7.99));
@@ -124,7 +124,7 @@ fn a_body_that_stretches() {
 fn a_start_of_friction_does_not_wait() {
     let force = |before: bool| {
         let mut soft = Soft::linear(&cube(2));
-        let mut batch = DeformableBatch::new(law(), Form::Sum).unwrap();
+        let mut batch = DeformableBatch::new(law());
         let shape = batch.add_shape(soft.shape.clone());
         batch.add_body(shape, Modulus::Penalty(1e3)).unwrap();
         batch.add_wall(Wall::half_space("floor", Vector3::z(), 0.0).unwrap());

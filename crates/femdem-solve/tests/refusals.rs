@@ -3,9 +3,9 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use crate::common::{DENSITY, add_floor, at, half_edge, parameters, solid, weightless};
-use femdem_contact::deform::{DeformableKernel, DeformablePartner, Gradient};
+use femdem_contact::deform::{DeformableKernel, DeformablePartner};
 use femdem_contact::kernel::CavityKernel;
-use femdem_contact::{Form, GeneralKernel, PairKernel, Wall};
+use femdem_contact::{GeneralKernel, PairKernel, Wall};
 use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::nalgebra::{Quaternion, Unit, Vector3};
 use femdem_mesh::{Point3, Polyhedron, Pose, TetMesh};
@@ -510,19 +510,19 @@ fn what_is_read_is_checked() {
     let broken = [
         serde_json::from_str::<PairKernel>(r#"{"penalty":-1.0}"#).err(),
         serde_json::from_str::<CavityKernel>(r#"{"penalty":0.0}"#).err(),
-        serde_json::from_str::<GeneralKernel>(r#"{"penalty":1e200,"form":"Sum"}"#).err(),
+        serde_json::from_str::<GeneralKernel>(r#"{"penalty":1e200}"#).err(),
     ];
     for error in broken {
         assert!(error.unwrap().to_string().contains("penalty"));
     }
-    let kernel = DeformableKernel::new(Form::Min, Gradient::Exact).unwrap();
+    let kernel = DeformableKernel::default();
     let text = serde_json::to_string(&kernel).unwrap();
     assert_eq!(
         serde_json::from_str::<DeformableKernel>(&text).unwrap(),
         kernel
     );
-    let shaped = text.replace("Min", "Shaped");
-    assert!(serde_json::from_str::<DeformableKernel>(&shaped).is_err());
+    let unknown = text.replace("Mirror", "Soft");
+    assert!(serde_json::from_str::<DeformableKernel>(&unknown).is_err());
 }
 
 /// A quaternion whose length is 1 only to 1e-6 stretches nothing.

@@ -3,22 +3,18 @@
 use femdem_contact::general::GeneralScratch;
 use femdem_contact::kernel::{CavityKernel, PairCache, Scratch};
 use femdem_contact::strategies::TestPair;
-use femdem_contact::{
-    ContactError, Form, Frame, GeneralKernel, Overlap, PairKernel, SolidWall, Wall,
-};
+use femdem_contact::{ContactError, Frame, GeneralKernel, Overlap, PairKernel, SolidWall, Wall};
 use femdem_mesh::{Point3, TetMesh, Vector3};
 
 /// The penalty of all kernels, Pa.
 const PENALTY: f64 = 1e6;
 
 /// The kernels by name. The first three and the last but one of them are for convex bodies only.
-pub const KERNELS: [&str; 9] = [
+pub const KERNELS: [&str; 7] = [
     "convex",
     "convex, cached",
-    "general, sum",
-    "general, sum, cached",
-    "general, min",
-    "general, shaped",
+    "general",
+    "general, cached",
     "wall of planes",
     "wall of a mesh",
     "body as a wall",
@@ -28,9 +24,7 @@ pub const KERNELS: [&str; 9] = [
 pub struct Kernels {
     pair: PairKernel,
     cavity: CavityKernel,
-    sum: GeneralKernel,
-    min: GeneralKernel,
-    shaped: GeneralKernel,
+    meshes: GeneralKernel,
     plane: Wall,
     scratch: Scratch,
     general: GeneralScratch,
@@ -137,9 +131,7 @@ impl Kernels {
         Ok(Self {
             pair: PairKernel::new(PENALTY)?,
             cavity: CavityKernel::new(PENALTY)?,
-            sum: GeneralKernel::new(PENALTY, Form::Sum)?,
-            min: GeneralKernel::new(PENALTY, Form::Min)?,
-            shaped: GeneralKernel::new(PENALTY, Form::Shaped)?,
+            meshes: GeneralKernel::new(PENALTY)?,
             plane: Wall::half_space("floor", Vector3::z(), 0.0)?,
             scratch: Scratch::default(),
             general: GeneralScratch::default(),
@@ -165,19 +157,19 @@ impl Kernels {
         }
         let scratch = &mut self.general;
         let slab = slab(pair.a.radius())?;
-        let patches = self.sum.evaluate_wall(
+        let patches = self.meshes.evaluate_wall(
             &slab,
             &pair.frame_wall,
             &pair.a.field,
             &pair.frame_a,
             scratch,
         );
-        verdict.add(7, size(pair), patches.iter().map(|p| &p.overlap));
+        verdict.add(5, size(pair), patches.iter().map(|p| &p.overlap));
         let wall = SolidWall::solid(&pair.b.mesh);
         let patches =
-            self.sum
+            self.meshes
                 .evaluate_wall(&wall, &pair.frame_b, &pair.a.field, &pair.frame_a, scratch);
-        verdict.add(8, size(pair), patches.iter().map(|p| &p.overlap));
+        verdict.add(6, size(pair), patches.iter().map(|p| &p.overlap));
         Ok(verdict)
     }
 
@@ -188,7 +180,7 @@ impl Kernels {
         let floor = self
             .cavity
             .evaluate(&self.plane, &pair.frame_wall, a, &pair.frame_a, scratch);
-        verdict.add(6, size(pair), &floor);
+        verdict.add(4, size(pair), &floor);
         let b = pair.b.convex.as_deref()?;
         let cold = self
             .pair
@@ -205,24 +197,26 @@ impl Kernels {
         Some((energy, force))
     }
 
-    /// The general kernel in all forms; energy and force of the form Sum.
+    /// The general kernel; energy and force.
     fn check_general(&mut self, pair: &TestPair, verdict: &mut Verdict) -> (f64, Vector3) {
         let (a, b) = (&pair.a.field, &pair.b.field);
         let scratch = &mut self.general;
-        for (kernel, place) in [(&self.min, 4), (&self.shaped, 5)] {
-            let patches = kernel.evaluate(a, &pair.frame_a, b, &pair.frame_b, scratch);
-            verdict.add(place, size(pair), patches.iter().map(|p| &p.overlap));
-        }
         let patches = self
-            .sum
+            .meshes
             .evaluate(a, &pair.frame_a, b, &pair.frame_b, scratch);
         let force = patches.iter().map(|p| p.overlap.force).sum();
         let energy = verdict.add(2, size(pair), patches.iter().map(|p| &p.overlap));
         let mut cache = Default::default();
         for (frame, motion) in path(pair) {
-            let patches =
-                self.sum
-                    .evaluate_cached(a, &pair.frame_a, b, &frame, &mut cache, motion, scratch);
+            let patches = self.meshes.evaluate_cached(
+                a,
+                &pair.frame_a,
+                b,
+                &frame,
+                &mut cache,
+                motion,
+                scratch,
+            );
             verdict.add(3, size(pair), patches.iter().map(|p| &p.overlap));
         }
         (energy, force)

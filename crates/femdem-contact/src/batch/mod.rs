@@ -16,7 +16,7 @@ use crate::broadphase::Broadphase;
 use crate::contact::{BodyId, Contact, Load, Partner};
 use crate::error::{ContactError, check};
 use crate::friction::Pace;
-use crate::general::{FieldMesh, Form, GeneralKernel};
+use crate::general::{FieldMesh, GeneralKernel};
 use crate::kernel::{CavityKernel, PairKernel};
 use crate::law::{ContactLaw, ContactParameters};
 use crate::motion::Motion;
@@ -297,7 +297,7 @@ impl ContactBatch {
         let parameters = *self.law.parameters();
         let pair = PairKernel::new(parameters.penalty)?;
         let cavity = CavityKernel::new(parameters.penalty)?;
-        let general = GeneralKernel::new(parameters.penalty, Form::Sum)?;
+        let general = GeneralKernel::new(parameters.penalty)?;
         let context = |view: Snapshot<'a>| Context {
             // Who looks ahead steps far.
             pair: if ahead.is_some() {

@@ -3,17 +3,28 @@
 use super::kernel::DeformableScratch;
 use super::near::{Candidates, Failure, Near, Sides};
 use super::skins::{Met, SkinScratch};
-use super::sums::{PairLaw, PairSums, Place, Triangles};
+use super::sums::{PairSums, Place, Triangles};
 use super::walk::{Meet, Walk};
 use crate::general::piece::Piece;
 use crate::general::pieces::intersect;
 use crate::general::posed::{Posed, PosedList};
 
-/// Computes the sums of the pair in the scratch and returns whether there is an overlap. `motion` is the
-/// running bound of the distance that any point of A or B has travelled (the sum of both), m.
+/// How the sums of a pair are formed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Way {
+    /// Over skins, unless round-off would decide.
+    Skins,
+    /// Over common parts of tetrahedra.
+    Pieces,
+}
+
+/// Computes the sums of the pair in the scratch and returns whether there is an overlap. `pressures`: of the
+/// fields of A and B, Pa. `motion` is the running bound of the distance that any point of A or B has travelled
+/// (the sum of both), m.
 pub(crate) fn run(
     sides: &Sides,
-    law: &PairLaw,
+    pressures: [f64; 2],
+    way: Way,
     candidates: &mut Candidates,
     motion: f64,
     scratch: &mut DeformableScratch,
@@ -26,14 +37,13 @@ pub(crate) fn run(
     let Some(near) = candidates.renewed(sides, motion)? else {
         return Ok(false);
     };
-    let found = if law.is_told_by_skins() {
-        by_skins(sides, law, near, motion, scratch, false)?
-    } else {
-        None
+    let found = match way {
+        Way::Skins => by_skins(sides, pressures, near, motion, scratch, false)?,
+        Way::Pieces => None,
     };
     let clear = match found {
         Some(clear) => clear,
-        None => by_pieces(sides, law, near, motion, scratch)?,
+        None => by_pieces(sides, pressures, near, motion, scratch)?,
     };
     for (side, members) in near.sides.iter().enumerate() {
         scratch.sums.fold(side, &members.slaves);
@@ -47,7 +57,7 @@ pub(crate) fn run(
 /// instructions.
 fn by_skins(
     sides: &Sides,
-    law: &PairLaw,
+    pressures: [f64; 2],
     near: &mut Near,
     motion: f64,
     scratch: &mut DeformableScratch,
@@ -64,7 +74,7 @@ fn by_skins(
     skins.reset(near.tet_counts());
     let walk = Walk {
         sides,
-        law,
+        pressures,
         near,
         motion,
         tets,
@@ -91,7 +101,7 @@ fn by_skins(
 /// Sums over the common parts of tetrahedra. Returns up to which motion no candidates touch.
 fn by_pieces(
     sides: &Sides,
-    law: &PairLaw,
+    pressures: [f64; 2],
     near: &mut Near,
     motion: f64,
     scratch: &mut DeformableScratch,
@@ -110,14 +120,13 @@ fn by_pieces(
     }
     let walk = Walk {
         sides,
-        law,
+        pressures,
         near,
         motion,
         tets,
         candidates,
     };
     let task = &mut PiecesOf {
-        law,
         planes,
         piece,
         sums,
@@ -138,7 +147,6 @@ impl Meet for SkinsOf<'_> {
 }
 
 struct PiecesOf<'a> {
-    law: &'a PairLaw,
     planes: &'a mut [PosedList<Posed>; 2],
     piece: &'a mut Piece,
     sums: &'a mut PairSums,
@@ -160,8 +168,7 @@ impl Meet for PiecesOf<'_> {
         match intersect(a, b, self.piece) {
             None => Met::Apart,
             Some(flush) => {
-                self.sums
-                    .add(self.law, *places, [a, b], triangles, flush, self.piece);
+                self.sums.add(*places, [a, b], triangles, flush, self.piece);
                 Met::Skins
             }
         }
@@ -183,9 +190,7 @@ mod tests {
     use super::super::current::Operand;
     use super::super::near::Tree;
     use super::super::shape::DeformableShape;
-    use super::super::sums::Gradient;
     use super::*;
-    use crate::general::Form;
     use femdem_mesh::catalogue::{CatalogueShape, Solid};
     use femdem_mesh::{TetMesh, Vector3};
 
@@ -210,15 +215,10 @@ mod tests {
             boxes: &own[k].1,
         });
         let sides = Sides { operands, trees };
-        let law = PairLaw {
-            form: Form::Sum,
-            gradient: Gradient::Exact,
-            pressures: [3.0, 2.0],
-        };
         let mut list = Candidates::default();
         let near = list.renewed(&sides, 0.0).unwrap().unwrap();
         let mut scratch = DeformableScratch::default();
-        by_skins(&sides, &law, near, 0.0, &mut scratch, plain)
+        by_skins(&sides, [3.0, 2.0], near, 0.0, &mut scratch, plain)
             .unwrap()
             .unwrap();
         scratch.sums

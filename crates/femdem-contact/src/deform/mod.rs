@@ -2,9 +2,8 @@
 //!
 //! ```
 //! use femdem_contact::deform::{
-//!     DeformableKernel, DeformableScratch, DeformableShape, Gradient, Modulus, Operand,
+//!     DeformableKernel, DeformableScratch, DeformableShape, Modulus, Operand,
 //! };
-//! use femdem_contact::Form;
 //! use femdem_mesh::{TetMesh, Vector3, catalogue::{CatalogueShape, Solid}};
 //!
 //! // Two cubes of side 1 m, face on face, 1 mm into each other.
@@ -13,7 +12,7 @@
 //! let shape = DeformableShape::new(&mesh)?;
 //! let below: Vec<Vector3> = mesh.points().iter().map(|p| p.coords).collect();
 //! let above: Vec<Vector3> = below.iter().map(|x| x + Vector3::z() * 0.999).collect();
-//! let kernel = DeformableKernel::new(Form::Sum, Gradient::Exact)?;
+//! let kernel = DeformableKernel::default();
 //! let [a, b] = [&below, &above].map(|x| (Operand::Deformable(&shape, x), Modulus::Penalty(1e6)));
 //! let contact = kernel.evaluate(a, b, &mut DeformableScratch::default())?;
 //! let contact = contact.ok_or("the cubes overlap")?;
@@ -28,7 +27,7 @@
 //! on the skin, growing with the distance to it in the reference state. The contact energy is that of the
 //! [general kernel](crate::general), for the bodies in their current shape,
 //!
-//! U = ∫ (p_A φ_A + p_B φ_B) dV over the overlap (min form: ∫ min(p_A φ_A, p_B φ_B) dV),
+//! U = ∫ (p_A φ_A + p_B φ_B) dV over the overlap,
 //!
 //! and the force on node a of A is minus its derivative. With N_a its shape function, over B's skin in A and A's
 //! skin in B (normals outwards), and over A's tetrahedra i,
@@ -38,18 +37,16 @@
 //! For this, only triangles of skin are cut by tetrahedra. I_i, of which the energy is the sum, is the flux
 //! of a field through the same polygons: with g = 1 - N_k, (x - x_k)(1/3 - g/4 - 1/(12 g³)) has the
 //! divergence N_k, lies in the faces at x_k and is zero on the fourth. The last term sums to zero over the
-//! nodes of a tetrahedron. Classic codes omit a term like it ([`Gradient::Classic`]); their forces derive
-//! from no energy.
+//! nodes of a tetrahedron. Classic codes omit a term like it; their forces derive from no energy.
 //!
-//! Instead, the common parts of tetrahedra are cut out in the min form, for classic forces, and for pairs in
-//! which round-off would decide which tetrahedron a skin belongs to (it lies in a face inside the other
-//! body). With V and c the volume and the centroid of one part, and g = grad (p φ), f_a = Σ V [(g_A - g_B)
-//! N_a(c) - p_B φ_B(c) grad N_a]; in the min form f_a = Σ V g_A N_a(c) over the part where p_A φ_A is lower.
-//! Both ways agree to 1e-11.
+//! Instead, the common parts of tetrahedra are cut out for pairs in which round-off would decide which
+//! tetrahedron a skin belongs to (it lies in a face inside the other body). With V and c the volume and the
+//! centroid of one part, and g = grad (p φ), f_a = Σ V [(g_A - g_B) N_a(c) - p_B φ_B(c) grad N_a]. Both ways
+//! agree to 1e-11.
 //!
 //! - **Stiffness**: see [`Modulus`]. Walls have no field; they act as the body's mirror image, U = 4 ∫ p_B
-//!   φ_B dV, or as against rigid bodies, 2 ∫ p_B φ_B dV (min form: ∫ p_B φ_B dV for both): see
-//!   [`WallResponse`](crate::WallResponse). A rigid body has a field, and acts like any other partner.
+//!   φ_B dV, or as against rigid bodies, 2 ∫ p_B φ_B dV: see [`WallResponse`](crate::WallResponse). A rigid body
+//!   has a field, and acts like any other partner.
 //! - **Friction**: a spring for each triangle of the finer skin in contact, with its own normal force (the pressure
 //!   on it and on what lies in front of it), stiffness and bound. Its ends are points of both materials,
 //!   which follow the centre of pressure. A triangle newly in contact takes over the stretch of its
@@ -63,8 +60,7 @@
 //!   against the rotation of the bodies as a whole, with the rocking stiffness of the patch and the same ζ.
 //! - **Step**: every node gets the sum of w S N_a(c) over the polygons of skin in contact (w the stiffness
 //!   per area, S the area, c the centroid), and its share of the tangential springs. Twice the largest of
-//!   these over the masses bounds the largest eigenvalue (it is 1.5 to 2.3 times it in the sum form, 2 to 8
-//!   times in the min form: `tests/deform_gradient.rs`).
+//!   these over the masses bounds the largest eigenvalue (it is 1.5 to 2.3 times it: `tests/deform_gradient.rs`).
 //!
 //! # Accuracy
 //!
@@ -112,4 +108,3 @@ pub use current::Operand;
 pub use kernel::{DeformableKernel, DeformableOverlap, DeformableScratch, NodeForce};
 pub use record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
 pub use shape::{DeformableShape, Modulus};
-pub use sums::Gradient;

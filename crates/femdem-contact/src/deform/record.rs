@@ -85,7 +85,7 @@ pub struct DeformableTotals {
     pub touching: usize,
     /// Pairs of tetrahedra tested.
     pub candidates: usize,
-    /// Those in which the skin of one lies in the other (form Min: that overlap).
+    /// Those in which the skin of one lies in the other.
     pub pieces: usize,
 }
 

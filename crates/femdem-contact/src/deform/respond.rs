@@ -37,8 +37,6 @@ pub(crate) struct Pair<'a> {
     pub turnings: [Option<&'a Turning>; 2],
     pub near: &'a Near,
     pub law: &'a ContactParameters,
-    /// Whether the fields act in series (form Min).
-    pub series: bool,
     /// Initial friction of the springs.
     pub begins: Option<FrictionStart>,
     /// Time since the last evaluation, s.
@@ -255,7 +253,7 @@ impl Outcome {
         // The stiffness counts double if both sides can move, as both motions stretch it; only once if the
         // other side is fixed.
         let both = pair.moves_rigidly() || matches!(pair.sides[0], Operand::Deformable(..));
-        let share = if both || pair.series { 1.0 } else { 0.5 };
+        let share = if both { 1.0 } else { 0.5 };
         for side in 0..2 {
             self.list_nodes(pair, scratch, side, share, (&patches, &dashpots));
         }

@@ -69,8 +69,8 @@ impl DeformableShape {
     /// forces.
     ///
     /// # Errors
-    /// As [`quadratic`](Self::quadratic), [`ContactError::NotConvex`] for [`Field::Gauge`] of a body that is
-    /// not convex, and [`ContactError::Mesh`] for [`Field::Classic`], which is not a field of the whole body.
+    /// As [`quadratic`](Self::quadratic), and [`ContactError::NotConvex`] for [`Field::Gauge`] of a body that
+    /// is not convex.
     pub fn with_field(
         mesh: &TetMesh,
         mid_edges: &[[u32; 2]],
@@ -93,13 +93,6 @@ impl DeformableShape {
                 (distance.iter().map(|d| (d / h0).min(1.0)).collect(), h0)
             }
             Field::Gauge => gauge(&split)?,
-            Field::Classic => {
-                return Err(ContactError::Mesh {
-                    why: "the classic field belongs to tetrahedra, not to a body: take the body \
-                          field or the gauge"
-                        .to_owned(),
-                });
-            }
         };
         let value = |i: u32| values[i as usize];
         let point = |i: u32| split.points()[i as usize];

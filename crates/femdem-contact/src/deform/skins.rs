@@ -1,4 +1,4 @@
-//! The sum form as integrals over skins: the triangles of one skin inside the tetrahedra of the other body.
+//! The sums of a pair as integrals over skins: the triangles of one skin inside the tetrahedra of the other body.
 //!
 //! With U_A = ∫ p φ_A dV over the overlap, the force on the nodes of B's skin is -p ∫ φ_A N_b n_B dS over the
 //! part of it in A. The nodes of A get the opposite with their own shape functions, and -I_i grad N_a in each
@@ -17,8 +17,7 @@
 //! (x - x_k) (1/3 - 1/(3 g³)) of one corner inside the body and the whole volume of i if that corner lies in B.
 
 use super::clip::{Clip, Flux, Left, depths, is_outside, sunken};
-use super::sums::{PairLaw, PairSums, Place, PolygonSums, Triangles};
-use crate::general::Form;
+use super::sums::{PairSums, Place, PolygonSums, Triangles};
 use femdem_mesh::{Matrix3, Vector3};
 
 /// How the skins of a pair of tetrahedra met.
@@ -93,14 +92,6 @@ impl SkinScratch {
     fn note(&mut self, side: usize, place: u32, bits: u16) -> u16 {
         let met = self.met[side].get_mut(place as usize);
         met.map_or(0, |met| std::mem::replace(met, *met | bits))
-    }
-}
-
-impl PairLaw {
-    /// Whether sums over skins suffice. They do not in the form Min, whose contact surface is inside, nor for
-    /// classic forces, which lack the part of the gradient that comes from the flux.
-    pub fn is_told_by_skins(&self) -> bool {
-        self.form == Form::Sum && self.gradient == super::Gradient::Exact
     }
 }
 

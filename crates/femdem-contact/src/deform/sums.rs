@@ -3,31 +3,10 @@
 
 use super::current::Current;
 use crate::foundation::FoundationSums;
-use crate::general::piece::{Moments, Piece, SURFACE};
-use crate::general::pieces::{SAME_VALUE, Split, for_skins, integral};
-use crate::general::{Form, posed::Posed};
+use crate::general::piece::{Moments, Piece};
+use crate::general::pieces::{for_skins, integral};
+use crate::general::posed::Posed;
 use femdem_mesh::{Matrix3, Vector3};
-use serde::{Deserialize, Serialize};
-
-/// Choice of the nodal forces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-pub enum Gradient {
-    /// Minus the gradient of the contact energy on every node.
-    #[default]
-    Exact,
-    /// Without the part that comes from the volume changes of the body's own tetrahedra, as in classic codes:
-    /// not the gradient of an energy. For comparison.
-    Classic,
-}
-
-/// The law of one pair.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PairLaw {
-    pub form: Form,
-    pub gradient: Gradient,
-    /// Pressures of the fields of A and B, Pa.
-    pub pressures: [f64; 2],
-}
 
 /// Load on one triangle of B's skin and on what lies in front of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -125,44 +104,28 @@ impl PairSums {
     /// Adds the piece in the buffer, the common part of `sides`.
     pub fn add(
         &mut self,
-        law: &PairLaw,
         sides: [Place; 2],
         [a, b]: [&Posed; 2],
         triangles: &Triangles,
         flush: bool,
         piece: &mut Piece,
     ) {
-        let presses = law.form != Form::Min;
         let (_, whole) = for_skins([a, b], flush, piece, |label, polygon, counts| {
             let (k, own) = (usize::from(label % 4), label < 4);
             let (skin, field, sign) = if own { (a, b, 1.0) } else { (b, a, -1.0) };
             let normal = skin.normals[k];
-            if presses {
-                let weight = normal.dot(&field.gradient).max(0.0);
-                let triangle = if own {
-                    triangles.nearest
-                } else {
-                    triangles.faces[k]
-                };
-                let sums = PolygonSums::new(polygon, &normal, field);
-                self.area += normal * (sign * counts * sums.area);
-                let normal = normal * sign;
-                if let Some(centre) = self.add_polygon(&sides, triangle, &normal, weight, &sums) {
-                    for (side, place) in sides.iter().enumerate() {
-                        self.stiffen(side, place, &centre, &normal, weight * sums.area);
-                    }
-                }
-            } else if counts > 0.0 {
-                // The lower field is the skin's own, so only this field resists, with U'' = |g| (u.n)^2 less
-                // the part that the contact surface takes back. Half, as both sides count double.
-                let side = usize::from(!own);
-                let weight = -normal.dot(&skin.gradient).min(0.0);
-                let sums = PolygonSums::new(polygon, &normal, field);
-                self.area += normal * (sign * sums.area);
-                if sums.area > 0.0 {
-                    let centre = sums.first / sums.area;
-                    let half = 0.5 * weight * sums.area;
-                    self.stiffen(side, &sides[side], &centre, &normal, half);
+            let weight = normal.dot(&field.gradient).max(0.0);
+            let triangle = if own {
+                triangles.nearest
+            } else {
+                triangles.faces[k]
+            };
+            let sums = PolygonSums::new(polygon, &normal, field);
+            self.area += normal * (sign * counts * sums.area);
+            let normal = normal * sign;
+            if let Some(centre) = self.add_polygon(&sides, triangle, &normal, weight, &sums) {
+                for (side, place) in sides.iter().enumerate() {
+                    self.stiffen(side, place, &centre, &normal, weight * sums.area);
                 }
             }
         });
@@ -171,14 +134,10 @@ impl PairSums {
         }
         self.pieces += 1;
         self.volume += whole.volume;
-        if presses {
-            self.energy += integral(a, &whole) + integral(b, &whole);
-            let gradient = a.gradient - b.gradient;
-            self.add_side(0, &sides[0], &whole, &gradient, integral(b, &whole), law);
-            self.add_side(1, &sides[1], &whole, &-gradient, integral(a, &whole), law);
-        } else {
-            self.add_series(sides, [a, b], triangles.nearest, &whole, piece);
-        }
+        self.energy += integral(a, &whole) + integral(b, &whole);
+        let gradient = a.gradient - b.gradient;
+        self.add_side(0, &sides[0], &whole, &gradient, integral(b, &whole));
+        self.add_side(1, &sides[1], &whole, &-gradient, integral(a, &whole));
     }
 
     /// Forces on one side: density `gradient` in the part with the given moments, and the other
@@ -190,7 +149,6 @@ impl PairSums {
         part: &Moments,
         gradient: &Vector3,
         other: f64,
-        law: &PairLaw,
     ) {
         let total = gradient * part.volume;
         self.wrench[side][0] += total;
@@ -198,49 +156,13 @@ impl PairSums {
         let Some(nodes) = place.nodes else {
             return;
         };
-        let swelling = match law.gradient {
-            Gradient::Exact => other,
-            Gradient::Classic => 0.0,
-        };
         for (k, &node) in nodes.iter().enumerate() {
             let (level, slope) = (place.tet.levels[k], &place.tet.slopes[k]);
             let weight = level * part.volume + slope.dot(&part.first);
             if let Some(force) = self.forces[side].get_mut(node as usize) {
-                *force += gradient * weight - slope * swelling;
+                *force += gradient * weight - slope * other;
             }
         }
-    }
-
-    /// U = int min(phi_A, phi_B): the part where A's field is the lower one, and the rest.
-    fn add_series(
-        &mut self,
-        sides: [Place; 2],
-        [a, b]: [&Posed; 2],
-        nearest: u32,
-        whole: &Moments,
-        piece: &mut Piece,
-    ) {
-        let scale = a.gradient.norm().max(b.gradient.norm());
-        let least = SAME_VALUE * scale * a.size.max(b.size);
-        let split = Split::new(a, b, least, whole, piece);
-        let [in_a, in_b] = split.parts;
-        self.energy += integral(a, &in_a) + integral(b, &in_b);
-        let plain = PairLaw {
-            form: Form::Min,
-            gradient: Gradient::Classic,
-            pressures: [0.0; 2],
-        };
-        self.add_side(0, &sides[0], &in_a, &a.gradient, 0.0, &plain);
-        self.add_side(1, &sides[1], &in_b, &b.gradient, 0.0, &plain);
-        let Some((normal, weight)) = split.surface(a, b) else {
-            return;
-        };
-        piece.for_faces(|label, polygon| {
-            if label == SURFACE {
-                let sums = PolygonSums::new(polygon, &normal, a);
-                self.add_polygon(&sides, nearest, &normal, weight, &sums);
-            }
-        });
     }
 
     /// Adds a polygon that carries pressure along `normal` (on B) to a triangle; returns its

@@ -3,14 +3,15 @@
 use super::current::{Current, Operand};
 use super::near::{Failure, Near, Sides};
 use super::skins::Met;
-use super::sums::{PairLaw, Place, Triangles};
+use super::sums::{Place, Triangles};
 use crate::general::pieces::distance;
 use crate::general::posed::PosedList;
 
 /// The candidates of a pair, and storage for their posed tetrahedra.
 pub(crate) struct Walk<'a, 's> {
     pub sides: &'a Sides<'s>,
-    pub law: &'a PairLaw,
+    /// Pressures of the fields of A and B, Pa.
+    pub pressures: [f64; 2],
     pub near: &'a mut Near,
     pub motion: f64,
     pub tets: &'a mut [PosedList<Current>; 2],
@@ -44,7 +45,7 @@ impl Walk<'_, '_> {
                 let [i, j] = candidate.places;
                 let mut pose = |side: usize, at: u32, room: &mut Current| {
                     let tet = *members[side].tets.get(at as usize)?;
-                    let pressure = self.law.pressures[side];
+                    let pressure = self.pressures[side];
                     let posed = self.sides.operands[side].pose(tet, pressure, origin, room);
                     posed.unwrap_or_else(|inverted| {
                         failure.get_or_insert((side, inverted));

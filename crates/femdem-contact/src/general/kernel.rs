@@ -1,31 +1,18 @@
 //! The general kernel.
 
-use super::assemble::{Energy, assemble};
+use super::assemble::assemble;
 use super::cache::{GeneralCache, Placed};
 use super::cells::Cells;
 use super::mesh::FieldMesh;
 use super::patch::{Patch, connect};
 use super::piece::Piece;
-use super::pieces::{Law, Record, distance, integrate, intersect};
+use super::pieces::{Record, distance, integrate, intersect};
 use super::posed::{Posed, PosedList};
 use super::sums::Sums;
 use super::wall::SolidWall;
 use crate::error::{ContactError, check_pressure};
 use crate::shape::Frame;
 use serde::{Deserialize, Serialize};
-
-/// The contact energy of two overlapping fields.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-pub enum Form {
-    /// U = p int (phi_A + phi_B) dV, as in the convex kernel.
-    #[default]
-    Sum,
-    /// U = p int min(phi_A, phi_B) dV: springs in series, with one contact surface.
-    Min,
-    /// U = E (int (h_A phi_A + h_B phi_B) dV)^1.5 / V, with the penalty as E. For single contacts
-    /// only: see [the module](crate::general#the-shaped-form).
-    Shaped,
-}
 
 /// Buffers that the general kernel reuses from call to call.
 #[derive(Debug, Default)]
@@ -40,16 +27,11 @@ pub struct GeneralScratch {
     sums: Vec<([u32; 2], Sums)>,
 }
 
-/// Least overlap volume of the shaped form over the cube of the field's length: below it the quotient in its
-/// energy is only round-off.
-const LEAST_VOLUME: f64 = 1e-12;
-
 /// The penalty law of meshed bodies of any shape.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GeneralKernel {
     #[serde(deserialize_with = "crate::error::read_penalty")]
     penalty: f64,
-    form: Form,
 }
 
 impl GeneralKernel {
@@ -57,19 +39,14 @@ impl GeneralKernel {
     ///
     /// # Errors
     /// [`ContactError::Parameter`] unless the penalty is between 1e-100 and 1e100 Pa.
-    pub fn new(penalty: f64, form: Form) -> Result<Self, ContactError> {
+    pub fn new(penalty: f64) -> Result<Self, ContactError> {
         check_pressure("penalty", penalty)?;
-        Ok(Self { penalty, form })
+        Ok(Self { penalty })
     }
 
     /// The penalty, Pa.
     pub fn penalty(&self) -> f64 {
         self.penalty
-    }
-
-    /// The form of the energy.
-    pub fn form(&self) -> Form {
-        self.form
     }
 
     /// The contact of A and B: one patch for each connected part of the overlap, none if they are
@@ -107,10 +84,9 @@ impl GeneralKernel {
         let pair = Pair {
             a: &a.cells,
             b: &b.cells,
-            lengths: [a.inradius(), b.inradius()],
+            length: a.inradius().max(b.inradius()),
             connected: a.is_convex() && b.is_convex(),
             factor: 1.0,
-            form: self.form,
         };
         self.run(&pair, frame_a, frame_b, cache, motion, scratch)
     }
@@ -148,15 +124,9 @@ impl GeneralKernel {
         let pair = Pair {
             a: &wall.cells,
             b: &body.cells,
-            lengths: [0.0, body.inradius()],
+            length: body.inradius(),
             connected: false,
-            factor: if self.form == Form::Min { 1.0 } else { 2.0 },
-            // A wall has no field, so the lower of the two fields is the body's.
-            form: if self.form == Form::Shaped {
-                Form::Shaped
-            } else {
-                Form::Sum
-            },
+            factor: 2.0,
         };
         self.run(&pair, frame_wall, frame_body, cache, motion, scratch)
     }
@@ -182,13 +152,12 @@ impl GeneralKernel {
             b: pair.b,
             rotation: frame_a.rotation.tr_mul(&frame_b.rotation),
             offset: frame_a.rotation.tr_mul(&between),
-            scale: pair.lengths[0].max(pair.lengths[1]),
+            scale: pair.length,
         };
         let motion = cache.advance(&placed, motion);
         let Some(near) = cache.candidates(&placed, motion) else {
             return &scratch.patches;
         };
-        let law = pair.law();
         let centre = near.centre;
         scratch.in_a.reset(near.in_a.len());
         scratch.in_b.reset(near.in_b.len());
@@ -217,7 +186,7 @@ impl GeneralKernel {
                 match intersect(a, b, &mut scratch.piece) {
                     None => candidate.clear = motion + distance(a, b),
                     Some(flush) => {
-                        let sums = integrate(a, b, &law, flush, &mut scratch.piece);
+                        let sums = integrate(a, b, flush, &mut scratch.piece);
                         scratch.pieces.extend(sums.map(|(faces, sums)| Record {
                             pair: [tet_a, tet_b],
                             faces,
@@ -231,55 +200,27 @@ impl GeneralKernel {
         cache.set_clear(clear);
         scratch.gather(pair);
         let size = 2.0 * pair.b.radius;
-        if let Some(energy) = self.energy(pair, scratch) {
-            for (key, sums) in &scratch.sums {
-                let overlap = assemble(sums, &energy, &centre, &frame_a.rotation, &between, size);
-                scratch
-                    .patches
-                    .extend(overlap.map(|overlap| Patch { overlap, key: *key }));
-            }
+        let penalty = self.penalty * pair.factor;
+        for (key, sums) in &scratch.sums {
+            let overlap = assemble(sums, penalty, &centre, &frame_a.rotation, &between, size);
+            scratch
+                .patches
+                .extend(overlap.map(|overlap| Patch { overlap, key: *key }));
         }
         &scratch.patches
     }
-
-    /// The energy of this pair as a function of its sums.
-    fn energy(&self, pair: &Pair, scratch: &GeneralScratch) -> Option<Energy> {
-        if self.form != Form::Shaped {
-            return Some(Energy::linear(self.penalty * pair.factor));
-        }
-        let mut total = Sums::default();
-        for (_, sums) in &scratch.sums {
-            total += sums;
-        }
-        let shorter = pair.lengths.into_iter().filter(|h| *h > 0.0);
-        let length = shorter.fold(f64::INFINITY, f64::min);
-        (total.volume > LEAST_VOLUME * length.powi(3) && total.energy > 0.0)
-            .then(|| Energy::shaped(self.penalty, pair.factor, &total))
-    }
 }
 
-/// Two solids and the roles of their fields.
+/// Two solids.
 struct Pair<'a> {
     a: &'a Cells,
     b: &'a Cells,
-    lengths: [f64; 2],
+    /// The larger of the lengths over which their fields rise.
+    length: f64,
     /// The overlap is one patch.
     connected: bool,
+    /// 2 for walls.
     factor: f64,
-    form: Form,
-}
-
-impl Pair<'_> {
-    fn law(&self) -> Law {
-        Law {
-            form: self.form,
-            lengths: if self.form == Form::Shaped {
-                self.lengths
-            } else {
-                [1.0; 2]
-            },
-        }
-    }
 }
 
 impl GeneralScratch {

@@ -19,9 +19,6 @@ pub enum Field {
     /// 1 - gauge, as in the convex kernel. For convex bodies; on a centroid fan the field is exactly the
     /// convex kernel's.
     Gauge,
-    /// Munjiza's potential, separate in each tetrahedron: 0 on all its faces, 1 at its centroid. For
-    /// comparison: a body feels the mesh of the other, and finer meshes are stiffer.
-    Classic,
 }
 
 /// A body given by tetrahedra with a field, about its centroid. Immutable; share it among bodies.
@@ -55,13 +52,6 @@ impl FieldMesh {
         }
         let surface = mesh.surface().ok();
         let convex = surface.as_ref().is_some_and(Polyhedron::is_convex);
-        if field == Field::Classic {
-            let (split, values) = split_at_centroids(mesh)?;
-            let inradius = largest(&mesh.with_interior_points().distance_to_skin());
-            return Ok(Self::build(
-                &split, centroid, &values, field, convex, inradius,
-            ));
-        }
         let mesh = if mesh.every_tet_has_interior_point() {
             mesh.clone()
         } else {
@@ -69,7 +59,7 @@ impl FieldMesh {
         };
         let (values, inradius) = match field {
             Field::Gauge => gauge(&mesh)?,
-            Field::Body | Field::Classic => {
+            Field::Body => {
                 let distance = mesh.distance_to_skin();
                 let h0 = largest(&distance);
                 (distance.iter().map(|d| (d / h0).min(1.0)).collect(), h0)
@@ -208,25 +198,6 @@ pub(crate) fn gauge(mesh: &TetMesh) -> Result<(Vec<f64>, f64), ContactError> {
     };
     let values = mesh.points().iter().enumerate().map(value).collect();
     Ok((values, shape.inradius()))
-}
-
-/// Every tetrahedron split into four at its centroid, with the value 1 there and 0 elsewhere.
-fn split_at_centroids(mesh: &TetMesh) -> Result<(TetMesh, Vec<f64>), ContactError> {
-    let mut points = mesh.points().to_vec();
-    let mut values = vec![0.0; points.len()];
-    let mut tets = Vec::with_capacity(4 * mesh.tets().len());
-    for tet in mesh.tets() {
-        let centre = points.len() as u32;
-        let sum: Vector3 = tet.iter().map(|&i| mesh.points()[i as usize].coords).sum();
-        points.push(Point3::from(sum / 4.0));
-        values.push(1.0);
-        for k in 0..4 {
-            let mut part = *tet;
-            part[k] = centre;
-            tets.push(part);
-        }
-    }
-    Ok((TetMesh::new(points, tets)?, values))
 }
 
 fn skin_of(cells: &Cells) -> Vec<([Vector3; 3], u32)> {

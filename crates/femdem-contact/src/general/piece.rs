@@ -8,20 +8,9 @@
 
 use femdem_mesh::Vector3;
 
-/// Largest number of vertices of a tetrahedron cut by five planes, for any signs: the first cut leaves at
+/// Largest number of vertices of a tetrahedron cut by four planes, for any signs: the first cut leaves at
 /// most 6, and each later one at most doubles them.
-const MOST: usize = 96;
-
-/// Label of faces that come from the sixth and later planes, which belong to neither tetrahedron.
-pub(crate) const SURFACE: u8 = 8;
-
-/// Result of a cut.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Cut {
-    Whole,
-    Part,
-    Empty,
-}
+const MOST: usize = 48;
 
 /// Volume and first moment about the origin.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -112,24 +101,21 @@ impl Piece {
         }
     }
 
-    /// Keeps the part where `depth` (affine) is at least 0. The new face gets the label.
-    pub fn cut(&mut self, label: u8, depth: impl Fn(&Vector3) -> f64) -> Cut {
+    /// Keeps the part where `depth` (affine) is at least 0, and returns whether there is one. The new face gets the
+    /// label.
+    pub fn cut(&mut self, label: u8, depth: impl Fn(&Vector3) -> f64) -> bool {
         let old = self.count;
         let mut inside = 0;
         for (d, x) in self.depth[..old].iter_mut().zip(&self.at[..old]) {
             *d = depth(x);
             inside += usize::from(*d >= 0.0);
         }
-        if inside == old {
-            return Cut::Whole;
+        if inside > 0 && inside < old {
+            self.add_crossings(old, label);
+            self.link_crossings(old);
+            self.drop_outside(old);
         }
-        if inside == 0 {
-            return Cut::Empty;
-        }
-        self.add_crossings(old, label);
-        self.link_crossings(old);
-        self.drop_outside(old);
-        Cut::Part
+        inside > 0
     }
 
     fn is_inside(&self, v: usize) -> bool {
@@ -217,17 +203,6 @@ impl Piece {
         &self.at[..self.count]
     }
 
-    /// Calls `face` with the label and the corners, counter-clockwise, of every face.
-    pub fn for_faces(&mut self, mut face: impl FnMut(u8, &[Vector3])) {
-        self.seen[..4 * self.count].fill(false);
-        for first in (0..self.count).flat_map(|v| [4 * v, 4 * v + 1, 4 * v + 2]) {
-            if !self.seen[first] {
-                let corners = self.collect(first);
-                face(self.label[first], &self.polygon[..corners]);
-            }
-        }
-    }
-
     /// Collects the corners of the face to the left of half-edge `first`; returns how many there are.
     #[inline]
     fn collect(&mut self, first: usize) -> usize {
@@ -249,13 +224,9 @@ impl Piece {
         back - back % 4 + BEFORE[back % 4]
     }
 
-    /// Volume and first moment, summed about the first vertex.
-    pub fn moments(&mut self) -> Moments {
-        self.moments_and_faces(0, &mut 0, |_, _| {})
-    }
-
-    /// As [`moments`](Self::moments), and calls `face` for the faces whose labels are among the bits
-    /// `wanted`. The bits of the labels of all faces are stored in `labels`.
+    /// Volume and first moment, summed about the first vertex; calls `face` with the label and the corners,
+    /// counter-clockwise, of the faces whose labels are among the bits `wanted`. The bits of the labels of all
+    /// faces are stored in `labels`.
     #[inline]
     pub fn moments_and_faces(
         &mut self,
@@ -278,7 +249,7 @@ impl Piece {
                     continue;
                 }
                 let label = self.label[edge];
-                let bit = 1_u8.checked_shl(u32::from(label)).unwrap_or(0);
+                let bit = 1 << label;
                 *labels |= bit;
                 let x = self.at[v] - origin;
                 let flat = x == Vector3::zeros();
@@ -331,13 +302,21 @@ mod tests {
         [Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()]
     }
 
+    fn moments(piece: &mut Piece) -> Moments {
+        piece.moments_and_faces(0, &mut 0, |_, _| ())
+    }
+
+    fn for_faces(piece: &mut Piece, face: impl FnMut(u8, &[Vector3])) {
+        piece.moments_and_faces(u8::MAX, &mut 0, face);
+    }
+
     /// Labels and orientation: the face opposite corner k has an outward area vector.
     #[test]
     fn a_tetrahedron_has_its_faces() {
         let mut piece = Piece::default();
         piece.load(&unit(), 4);
         let mut found = Vec::new();
-        piece.for_faces(|label, p| {
+        for_faces(&mut piece, |label, p| {
             assert_eq!(p.len(), 3);
             let area = (p[1] - p[0]).cross(&(p[2] - p[0])) * 0.5;
             found.push((label, area));
@@ -354,7 +333,7 @@ mod tests {
             assert_eq!(*label, 4 + k as u8);
             assert!((area - want[k]).norm() < 1e-15, "{label} {area}");
         }
-        let m = piece.moments();
+        let m = moments(&mut piece);
         assert!((m.volume - 1.0 / 6.0).abs() < 1e-16);
         assert!((m.first - Vector3::repeat(1.0 / 24.0)).norm() < 1e-16);
     }
@@ -365,14 +344,15 @@ mod tests {
         let mut piece = Piece::default();
         piece.load(&unit(), 0);
         let sum = |x: &Vector3| x.x + x.y + x.z - 0.5;
-        assert_eq!(piece.cut(9, sum), Cut::Part);
-        assert!((piece.moments().volume - 7.0 / 48.0).abs() < 1e-16);
-        assert_eq!(piece.cut(9, |x| 0.25 - x.z), Cut::Part);
+        assert!(piece.cut(4, sum));
+        assert!((moments(&mut piece).volume - 7.0 / 48.0).abs() < 1e-16);
+        assert!(piece.cut(5, |x| 0.25 - x.z));
         // What was above z = 1/4: a tetrahedron of edge 3/4 less one of edge 1/4.
         let want = 7.0 / 48.0 - (27.0 - 1.0) / (64.0 * 6.0);
-        assert!((piece.moments().volume - want).abs() < 1e-16);
-        assert_eq!(piece.cut(9, |x| x.z), Cut::Whole);
-        assert_eq!(piece.cut(9, |x| -1.0 - x.z), Cut::Empty);
+        assert!((moments(&mut piece).volume - want).abs() < 1e-16);
+        assert!(piece.cut(6, |x| x.z));
+        assert!((moments(&mut piece).volume - want).abs() < 1e-16);
+        assert!(!piece.cut(7, |x| -1.0 - x.z));
     }
 
     /// For any signs at the vertices, even ones that no plane can give, the surface stays closed.
@@ -388,18 +368,18 @@ mod tests {
         };
         for _ in 0..20_000 {
             piece.load(&unit(), 0);
-            for label in 4..9 {
+            for label in 4..8 {
                 let values: Vec<f64> = (0..MOST).map(|_| bit()).collect();
                 let next = std::cell::Cell::new(0);
-                let cut = piece.cut(label, |_| {
+                let left = piece.cut(label, |_| {
                     next.set(next.get() + 1);
                     values[next.get() - 1]
                 });
-                if cut == Cut::Empty {
+                if !left {
                     break;
                 }
                 let mut area = Vector3::zeros();
-                piece.for_faces(|_, p| {
+                for_faces(&mut piece, |_, p| {
                     for e in p.windows(2) {
                         area += (e[0] - p[0]).cross(&(e[1] - p[0]));
                     }

@@ -1,7 +1,6 @@
 //! Integrals over one piece, the common part of a tetrahedron of A and one of B.
 
-use super::kernel::Form;
-use super::piece::{Cut, Moments, Piece, SURFACE};
+use super::piece::{Moments, Piece};
 use super::posed::Posed;
 use super::sums::{Face, Sums};
 use femdem_mesh::Vector3;
@@ -9,17 +8,11 @@ use femdem_mesh::Vector3;
 /// Labels of the faces: 0 to 3 of A's tetrahedron, 4 to 7 of B's.
 const LABEL: [u8; 2] = [0, 4];
 
-/// Fields whose gradients differ relatively by less than this have no contact surface.
-pub(crate) const SAME_FIELD: f64 = 1e-6;
-
 /// Planes whose normals have a larger cosine may coincide.
 const SAME_NORMAL: f64 = 1.0 - 1e-12;
 
 /// Distance within which planes coincide, over the size of the tetrahedra.
 pub(crate) const FLAT: f64 = 1e-12;
-
-/// Fields that differ by less than this on a piece are equal there.
-pub(crate) const SAME_VALUE: f64 = 1e-10;
 
 /// Which faces of its tetrahedra bound a piece.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -36,12 +29,6 @@ pub(crate) struct Record {
     pub pair: [u32; 2],
     pub faces: Faces,
     pub sums: Sums,
-}
-
-/// Field lengths h of A and B by which the shaped form weights the fields; 1 otherwise.
-pub(crate) struct Law {
-    pub form: Form,
-    pub lengths: [f64; 2],
 }
 
 /// Cuts the tetrahedra's common part into `piece`; `None` if there is none, otherwise whether faces
@@ -70,7 +57,7 @@ pub(crate) fn intersect(a: &Posed, b: &Posed, piece: &mut Piece) -> Option<bool>
         }
         left &= !(1 << next);
         let depth = |x: &Vector3| large.depth(next, x);
-        if piece.cut(labels[1] + next as u8, depth) == Cut::Empty {
+        if !piece.cut(labels[1] + next as u8, depth) {
             return None;
         }
     }
@@ -92,26 +79,19 @@ pub(crate) fn distance(a: &Posed, b: &Posed) -> f64 {
 pub(crate) fn integrate(
     a: &Posed,
     b: &Posed,
-    law: &Law,
     flush: bool,
     piece: &mut Piece,
 ) -> Option<(Faces, Sums)> {
     let mut sums = Sums::default();
-    let (faces, whole) = add_skins(a, b, law, flush, piece, &mut sums);
+    let (faces, whole) = add_skins(a, b, flush, piece, &mut sums);
     if whole.volume.is_nan() || whole.volume <= 0.0 {
         return None;
     }
     sums.volume = whole.volume;
-    match law.form {
-        Form::Min => add_series(a, b, &whole, piece, &mut sums),
-        Form::Sum | Form::Shaped => {
-            let [ha, hb] = law.lengths;
-            let gradient = b.gradient * hb - a.gradient * ha;
-            sums.force = gradient * whole.volume;
-            sums.torque = whole.first.cross(&gradient);
-            sums.energy = ha * integral(a, &whole) + hb * integral(b, &whole);
-        }
-    }
+    let gradient = b.gradient - a.gradient;
+    sums.force = gradient * whole.volume;
+    sums.torque = whole.first.cross(&gradient);
+    sums.energy = integral(a, &whole) + integral(b, &whole);
     Some((faces, sums))
 }
 
@@ -119,13 +99,12 @@ pub(crate) fn integrate(
 fn add_skins(
     a: &Posed,
     b: &Posed,
-    law: &Law,
     flush: bool,
     piece: &mut Piece,
     sums: &mut Sums,
 ) -> (Faces, Moments) {
     for_skins([a, b], flush, piece, |label, polygon, counts| {
-        add_skin(a, b, law, label, polygon, counts, sums);
+        add_skin(a, b, label, polygon, counts, sums);
     })
 }
 
@@ -207,114 +186,20 @@ pub(crate) fn integral(tet: &Posed, part: &Moments) -> f64 {
     tet.level * part.volume + tet.gradient.dot(&part.first)
 }
 
-/// Adds a polygon of A's skin in B or of B's skin in A. In the min form only the contact surface carries
-/// pressure; the skins still contribute to the vector area.
-fn add_skin(
-    a: &Posed,
-    b: &Posed,
-    law: &Law,
-    label: u8,
-    polygon: &[Vector3],
-    counts: f64,
-    sums: &mut Sums,
-) {
-    let own = label < LABEL[1];
-    let (skin, field, side, length) = if own {
-        (a, b, 1.0, law.lengths[1])
+/// Adds a polygon of A's skin in B or of B's skin in A.
+fn add_skin(a: &Posed, b: &Posed, label: u8, polygon: &[Vector3], counts: f64, sums: &mut Sums) {
+    let (skin, field, side) = if label < LABEL[1] {
+        (a, b, 1.0)
     } else {
-        (b, a, -1.0, law.lengths[0])
+        (b, a, -1.0)
     };
     let normal = skin.normals[usize::from(label % 4)];
-    let presses = if law.form == Form::Min { 0.0 } else { length };
     sums.add_face(&Face {
         polygon,
         normal,
-        gradient: field.gradient * presses,
-        level: field.level * presses,
-        weight: presses * normal.dot(&field.gradient).max(0.0),
+        gradient: field.gradient,
+        level: field.level,
+        weight: normal.dot(&field.gradient).max(0.0),
         side: side * counts,
-    });
-}
-
-/// A piece divided where the fields of A and B are equal.
-pub(crate) struct Split {
-    cut: Cut,
-    /// Gradient of B's field less that of A's.
-    slope: Vector3,
-    /// The parts where A's and where B's field is the lower one.
-    pub parts: [Moments; 2],
-}
-
-impl Split {
-    /// Divides a piece; the part on B's side of the surface stays in the buffer. Fields that differ by less
-    /// than `least` everywhere are treated as equal: which one is lower depends on the direction in which the
-    /// bodies move, so on average each has half.
-    pub fn new(a: &Posed, b: &Posed, least: f64, whole: &Moments, piece: &mut Piece) -> Self {
-        let slope = b.gradient - a.gradient;
-        let level = b.level - a.level;
-        let above = |x: &Vector3| level + slope.dot(x);
-        let equal = piece.vertices().iter().all(|x| above(x).abs() < least);
-        let cut = if equal {
-            Cut::Whole
-        } else {
-            piece.cut(SURFACE, above)
-        };
-        let in_a = match cut {
-            Cut::Whole if equal => Moments {
-                volume: 0.5 * whole.volume,
-                first: whole.first * 0.5,
-            },
-            Cut::Whole => *whole,
-            Cut::Part => piece.moments(),
-            Cut::Empty => Moments::default(),
-        };
-        let in_b = Moments {
-            volume: whole.volume - in_a.volume,
-            first: whole.first - in_a.first,
-        };
-        Self {
-            cut,
-            slope,
-            parts: [in_a, in_b],
-        }
-    }
-
-    /// Normal of the surface, from B's side to A's, and stiffness of the two fields in series there; `None`
-    /// if the piece has no such surface.
-    pub fn surface(&self, a: &Posed, b: &Posed) -> Option<(Vector3, f64)> {
-        let steepness = self.slope.norm();
-        let scale = a.gradient.norm().max(b.gradient.norm());
-        if self.cut != Cut::Part || steepness <= SAME_FIELD * scale {
-            return None;
-        }
-        let weight = (-a.gradient.dot(&b.gradient)).max(0.0) / steepness;
-        Some((-self.slope / steepness, weight))
-    }
-}
-
-/// U = int min(phi_A, phi_B): the part where A's field is the lower one, and the rest.
-fn add_series(a: &Posed, b: &Posed, whole: &Moments, piece: &mut Piece, sums: &mut Sums) {
-    let split = Split::new(a, b, SAME_VALUE, whole, piece);
-    let [in_a, in_b] = split.parts;
-    // Both parts give the same force; their mean has the smaller round-off.
-    sums.force = (b.gradient * in_b.volume - a.gradient * in_a.volume) * 0.5;
-    sums.torque = (in_b.first.cross(&b.gradient) - in_a.first.cross(&a.gradient)) * 0.5;
-    sums.energy = integral(a, &in_a) + integral(b, &in_b);
-    let Some((normal, weight)) = split.surface(a, b) else {
-        return;
-    };
-    piece.for_faces(|label, polygon| {
-        if label == SURFACE {
-            let mut surface = Sums::default();
-            surface.add_face(&Face {
-                polygon,
-                normal,
-                gradient: a.gradient,
-                level: a.level,
-                weight,
-                side: 0.0,
-            });
-            *sums += &surface;
-        }
     });
 }

@@ -19,9 +19,8 @@ pub(crate) struct Sums {
     pub pressure_second: f64,
     /// Of the polygons.
     pub stiffness: FoundationSums,
-    /// Integrals of n and x cross n over A's polygons less those over B's.
+    /// Integral of n over A's polygons less that over B's.
     pub area: Vector3,
-    pub area_torque: Vector3,
 }
 
 impl AddAssign<&Self> for Sums {
@@ -35,7 +34,6 @@ impl AddAssign<&Self> for Sums {
         self.pressure_second += other.pressure_second;
         self.stiffness += other.stiffness;
         self.area += other.area;
-        self.area_torque += other.area_torque;
     }
 }
 
@@ -58,7 +56,7 @@ impl Sums {
             return;
         };
         let field = |x: &Vector3| face.level + face.gradient.dot(x);
-        let (mut area, mut first) = (0.0, Vector3::zeros());
+        let mut area = 0.0;
         let fx = field(x);
         for edge in rest.windows(2) {
             let (y, z) = (&edge[0], &edge[1]);
@@ -70,7 +68,6 @@ impl Sums {
             let weighted = x * fx + y * fy + z * fz;
             let cubes = squares[0] * fx + squares[1] * fy + squares[2] * fz;
             area += t;
-            first += sum * (t / 3.0);
             if face.weight > 0.0 {
                 self.stiffness.add_triangle(face.weight * t, &[*x, *y, *z]);
             }
@@ -80,7 +77,6 @@ impl Sums {
                 * ((sum.norm_squared() + square) * total + 2.0 * (sum.dot(&weighted) + cubes));
         }
         self.area += face.normal * (face.side * area);
-        self.area_torque += first.cross(&face.normal) * face.side;
     }
 }
 
@@ -113,6 +109,5 @@ mod tests {
         assert!((second.trace() - 2.0 * (1.0 / 3.0 + 1.0 / 3.0 + 1.0)).abs() < 1e-14);
         assert!((second.m12 - 0.5).abs() < 1e-14 && (second.m13 - 1.0).abs() < 1e-14);
         assert!((s.area + Vector3::z()).norm() < 1e-15);
-        assert!((s.area_torque - Vector3::new(-0.5, 0.5, 0.0)).norm() < 1e-15);
     }
 }

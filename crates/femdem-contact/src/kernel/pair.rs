@@ -1,4 +1,4 @@
-//! The gauge-gauge pair kernel (sum form, exact polygons) with its cache.
+//! The gauge-gauge pair kernel (exact polygons) with its cache.
 
 use super::candidates::{ContactBox, KeptBox, candidates, contact_box};
 use super::deep::volume_within;

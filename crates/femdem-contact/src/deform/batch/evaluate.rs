@@ -4,7 +4,7 @@ use super::RigidShape;
 use super::body::SoftBody;
 use super::pairs::{PairList, SoftPair};
 use super::sleep::Sleep;
-use crate::deform::add_up::run as run_kernel;
+use crate::deform::add_up::{Way, run as run_kernel};
 use crate::deform::current::Operand;
 use crate::deform::kernel::{DeformableKernel, DeformableScratch};
 use crate::deform::near::{Sides, Tree};
@@ -12,7 +12,7 @@ use crate::deform::record::{DeformablePartner, NodalState};
 use crate::deform::respond::{Mover, Pair};
 use crate::deform::shape::{DeformableShape, Modulus};
 use crate::error::ContactError;
-use crate::general::{Form, SolidWall};
+use crate::general::SolidWall;
 use crate::law::ContactParameters;
 use crate::motion::Motion;
 use crate::walls::WallShape;
@@ -159,8 +159,15 @@ impl Context<'_> {
             operands: [of_a, of_b],
             trees: [tree_a, tree_b],
         };
-        let law = self.kernel.law(&sides, [modulus, moduli_b]);
-        let touches = match run_kernel(&sides, &law, &mut pair.candidates, motion, scratch) {
+        let pressures = self.kernel.pressures(&sides, [modulus, moduli_b]);
+        let touches = match run_kernel(
+            &sides,
+            pressures,
+            Way::Skins,
+            &mut pair.candidates,
+            motion,
+            scratch,
+        ) {
             Ok(touches) => touches,
             Err((side, inverted)) => {
                 let body = match a {
@@ -187,7 +194,6 @@ impl Context<'_> {
                 _ => self.parameters,
             },
             begins: pair.begins.take().map(|start| start.seen_from(swapped)),
-            series: law.form == Form::Min,
             dt: self.dt,
         };
         pair.outcome.take(&of_pair, scratch);

@@ -9,10 +9,9 @@ use super::kernel::DeformableKernel;
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
 use super::respond::FrictionStart;
 use super::shape::{DeformableShape, Modulus};
-use super::sums::Gradient;
 use crate::contact::{BodyId, Load};
 use crate::error::{ContactError, check};
-use crate::general::{FieldMesh, Form};
+use crate::general::FieldMesh;
 use crate::generalized::Resistance;
 use crate::law::{ContactLaw, ContactParameters};
 use crate::motion::Motion;
@@ -72,14 +71,10 @@ impl RigidShape {
 
 impl DeformableBatch {
     /// An empty batch with one contact law, whose penalty is that of the rigid bodies.
-    ///
-    /// # Errors
-    /// [`ContactError::Parameter`] for [`Form::Shaped`].
-    pub fn new(law: ContactLaw, form: Form) -> Result<Self, ContactError> {
-        Ok(Self {
+    pub fn new(law: ContactLaw) -> Self {
+        Self {
             law,
-            kernel: DeformableKernel::new(form, Gradient::Exact)?
-                .with_walls(law.parameters().wall_response),
+            kernel: DeformableKernel::default().with_walls(law.parameters().wall_response),
             shapes: Vec::new(),
             rigid_shapes: Vec::new(),
             bodies: Vec::new(),
@@ -92,7 +87,7 @@ impl DeformableBatch {
             rigid_resistances: Vec::new(),
             wall_loads: Vec::new(),
             totals: DeformableTotals::default(),
-        })
+        }
     }
 
     /// The law's parameters.
@@ -105,12 +100,6 @@ impl DeformableBatch {
         self.evaluate_all();
         self.kernel = self.kernel.with_walls(law.parameters().wall_response);
         self.law = law;
-    }
-
-    /// Selects the nodal forces; use anything but [`Gradient::Exact`] for comparison only.
-    pub fn set_gradient(&mut self, gradient: Gradient) {
-        self.evaluate_all();
-        self.kernel = self.kernel.with_gradient(gradient);
     }
 
     /// Adds the shape of deformable bodies and returns its index.

@@ -9,7 +9,7 @@ use crate::world::World;
 use crate::world::stored::inconsistent;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, DeformablePartner};
-use femdem_contact::{BodyShape, ContactBatch, ContactLaw, Field, Form};
+use femdem_contact::{BodyShape, ContactBatch, ContactLaw, Field};
 use femdem_mesh::nalgebra::Matrix6;
 use femdem_mesh::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -244,7 +244,7 @@ impl Deformables {
 
     /// An empty deformable part with the rigid bodies and walls of a world.
     fn new(law: ContactLaw, rigid: &ContactBatch, bodies: &[Body]) -> Result<Self, SolveError> {
-        let mut batch = DeformableBatch::new(law, Form::Sum)?;
+        let mut batch = DeformableBatch::new(law);
         for shape in rigid.shapes() {
             batch.add_rigid_shape(shape.clone())?;
         }
