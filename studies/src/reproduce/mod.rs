@@ -1,4 +1,4 @@
-//! `cargo xtask reproduce`: the studies of the founding paper, and of what it does not state.
+//! `cargo studies reproduce`: the studies of the founding paper, and of what it does not state.
 //!
 //! Each study is a list of runs of the release program and a page made from them. A run has its own folder,
 //! named after its options, under `--runs`. A complete run that exists is used, so that the runs of a study may
@@ -36,7 +36,7 @@ use crate::validate::report::Report;
 use case::Case;
 use runs::Runs;
 
-/// Options of `cargo xtask reproduce`.
+/// Options of `cargo studies reproduce`.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Options {
     /// What to reproduce
@@ -176,7 +176,7 @@ pub(crate) fn run(root: &Path, options: &Options) -> Result<bool> {
         let quick = if options.quick { " --quick" } else { "" };
         let found = if options.as_found { " --as-found" } else { "" };
         let made_by = format!(
-            "cargo xtask reproduce {}{quick}{found} --threads {threads}",
+            "cargo studies reproduce {}{quick}{found} --threads {threads}",
             study.name()
         );
         let page = report.write(&pages, &place, &made_by)?;
@@ -199,7 +199,7 @@ fn list(study: Study, scale: Scale, folder: &Path, threads: usize) {
             Study::Figure1 => figure1::commands(folder, scale)
                 .iter()
                 .for_each(|command| println!("{command}")),
-            Study::Shaken => println!("cargo xtask reproduce shaken --runs {}", folder.display()),
+            Study::Shaken => println!("cargo studies reproduce shaken --runs {}", folder.display()),
             _ => {}
         }
     }
