@@ -1,5 +1,5 @@
 //! Cost per body and step, and memory per body, of packs of growing size, for
-//! `cargo xtask validate size`.
+//! `cargo studies validate size`.
 //!
 //! A column of 250 truncated dodecahedra, 5.3 d wide, is settled once. A pack of N bodies consists of copies of
 //! it side by side, with walls around the whole but not between the copies. Bodies are numbered from below, as

@@ -6,7 +6,7 @@
 //!
 //! The arguments are the number of pairs, of threads, and the seed (default: 1000, 1 and 1). Prints a line
 //! for each kernel, then sums, as `name<TAB>number...`; faults, if any, go to the standard error. Run by
-//! `cargo xtask validate fuzz-pairs`.
+//! `cargo studies validate fuzz-pairs`.
 
 #![expect(
     clippy::print_stdout,

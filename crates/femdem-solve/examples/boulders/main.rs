@@ -1,5 +1,5 @@
 //! Deformable boulders dumped into the bin of the founding paper (Fig. 1), for
-//! `cargo xtask validate boulders-deformable`.
+//! `cargo studies validate boulders-deformable`.
 //!
 //! Prints lines of columns separated by tabs; each begins with the name of its table. Arguments: the
 //! simulated time (s), the number of threads, the number of boulders, the time (s) that they then spend in a

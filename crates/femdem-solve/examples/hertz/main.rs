@@ -1,4 +1,4 @@
-//! Elastic balls in contact against Hertz's theory, for `cargo xtask validate hertz` and `spheres`.
+//! Elastic balls in contact against Hertz's theory, for `cargo studies validate hertz` and `spheres`.
 //!
 //! Prints lines of columns separated by tabs; each begins with the name of its table.
 

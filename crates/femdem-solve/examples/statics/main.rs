@@ -1,4 +1,4 @@
-//! The static benchmarks and Taylor's impact test, for `cargo xtask validate statics` and `taylor`.
+//! The static benchmarks and Taylor's impact test, for `cargo studies validate statics` and `taylor`.
 //!
 //! Prints lines of columns separated by tabs; each begins with the name of its table.
 

@@ -216,7 +216,7 @@ fn text(boulders: u32, seconds: f64, timings: &[Timing]) -> String {
         .collect();
     let cpu = timings.first().map_or(f64::NAN, |t| t.cpu / seconds);
     format!(
-        "{boulders} boulders of the scene of `cargo xtask validate boulders-deformable` fall into the founding \
+        "{boulders} boulders of the scene of `cargo studies validate boulders-deformable` fall into the founding \
          paper's bin for {seconds} simulated seconds; the same bits on any number of threads. Of several turns (below) the fastest \
          count. One thread takes {} s of \
          processor time per simulated second. The paper's Figure 1 is of 288 deformable rocks, 93.2 min on one thread; its \

@@ -1,4 +1,4 @@
-//! `cargo xtask validate`: long runs of the program, compared with targets.
+//! `cargo studies validate`: long runs of the program, compared with targets.
 //!
 //! Each case builds the release program, runs it in a temporary folder, reads its `summary.json`
 //! and writes a page and a table with the machine, the commit and the commands. With `--count` a
@@ -31,7 +31,7 @@ use clap::{Args, ValueEnum};
 use program::Workshop;
 use report::Report;
 
-/// Options of `cargo xtask validate`.
+/// Options of `cargo studies validate`.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Options {
     /// What to run
@@ -165,7 +165,7 @@ pub(crate) fn run(root: &Path, options: &Options) -> Result<bool> {
         if options.lines.is_some() {
             trial += " --lines DIR";
         }
-        let made_by = format!("cargo xtask validate {}{trial}", report.name);
+        let made_by = format!("cargo studies validate {}{trial}", report.name);
         let page = report.write(&folder, &place, &made_by)?;
         println!("{}\nwritten to {}", report.checks_as_text(), page.display());
         reached &= report.all_met();

@@ -87,7 +87,7 @@ pub(crate) fn scanned(workshop: &Workshop, count: u32) -> Result<Report> {
     };
     let text = "A bent stone of 2,000 irregular triangles with rough and hollow sides, in millimetres \
                 and single precision, as a scanner writes it ([stone.stl](stone.stl); made by \
-                `cargo xtask validate scan`). It is not convex.";
+                `cargo studies validate scan`). It is not convex.";
     let mut report = run(
         workshop,
         "scan",

@@ -143,7 +143,7 @@ Hertz's theory takes each ball for a half-space, which is right for a contact mu
 test 1 its radius a is 0.117 R, and a ball of finite size is stiffer: the displacement of a half-space reaches \
 beyond where the ball ends. How much, the table below says, by the series solution of a linearly elastic ball \
 that its own inertia pushes onto the plane, with Hertz's pressure on the cap that makes the energy least \
-(`xtask/src/validate/finite_ball.rs`; waves are left out). A program that solves the equations of elasticity must miss \
+(`studies/src/validate/finite_ball.rs`; waves are left out). A program that solves the equations of elasticity must miss \
 Hertz's force in test 1 by about this, and comes to within 3 % of it only where the mesh or the contact field is \
 too soft. The excess falls with a/R, that is with the speed. Finite strain is not what makes it: \
 a law of small strain, P = lambda tr(e) I + 2 mu e, and Hencky's have it as well (rows of test 1 with their names, on a plane). Nor does a coarse surface: the middle nodes of quadratic \

@@ -254,7 +254,7 @@ mod tests {
             .write(
                 &folder.path().join("new"),
                 &place,
-                "cargo xtask validate trial",
+                "cargo studies validate trial",
             )
             .unwrap();
         let text = fs::read_to_string(&page).unwrap();
@@ -263,7 +263,7 @@ mod tests {
             "| time | at most 60 s | 59.96 s | yes |",
             "| settled | yes | false | **no** |",
             "| 1000 | a, \"b\" |",
-            "`cargo xtask validate trial`",
+            "`cargo studies validate trial`",
         ] {
             assert!(text.contains(part), "{part:?} is not in\n{text}");
         }

@@ -24,8 +24,8 @@ pub(super) const READINGS: [Reading; 4] = [
     },
     Reading {
         key: "local",
-        meaning: "Cundall's local damping 0.6 instead of the dashpot; packs of before commit 824699d that rang on in \
-                  the verification, where it was off for good, do not count",
+        meaning: "Cundall's local damping 0.6 instead of the dashpot; packs that ring on in the verification, where it \
+                  is off, do not count",
         options: "--damping 0 --local-damping 0.6",
     },
     Reading {

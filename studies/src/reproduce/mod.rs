@@ -1,4 +1,4 @@
-//! `cargo xtask reproduce`: the studies of the founding paper, and of what it does not state.
+//! `cargo studies reproduce`: the studies of the founding paper, and of what it does not state.
 //!
 //! Each study is a list of runs of the release program and a page made from them. A run has its own folder,
 //! named after its options, under `--runs`. A complete run that exists is used, so that the runs of a study may
@@ -25,9 +25,10 @@ mod statistics;
 mod table1;
 
 use std::collections::BTreeSet;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 
 use crate::validate::machine::Place;
@@ -36,7 +37,7 @@ use crate::validate::report::Report;
 use case::Case;
 use runs::Runs;
 
-/// Options of `cargo xtask reproduce`.
+/// Options of `cargo studies reproduce`.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Options {
     /// What to reproduce
@@ -152,7 +153,7 @@ pub(crate) fn run(root: &Path, options: &Options) -> Result<bool> {
     let folder = options.runs.clone().unwrap_or(default);
     let threads = usize::from(options.threads);
     if options.list {
-        list(options.study, scale, &folder, threads);
+        print(&list(options.study, scale, &folder, threads))?;
         return Ok(true);
     }
     let pages = match scale {
@@ -176,7 +177,7 @@ pub(crate) fn run(root: &Path, options: &Options) -> Result<bool> {
         let quick = if options.quick { " --quick" } else { "" };
         let found = if options.as_found { " --as-found" } else { "" };
         let made_by = format!(
-            "cargo xtask reproduce {}{quick}{found} --threads {threads}",
+            "cargo studies reproduce {}{quick}{found} --threads {threads}",
             study.name()
         );
         let page = report.write(&pages, &place, &made_by)?;
@@ -186,22 +187,31 @@ pub(crate) fn run(root: &Path, options: &Options) -> Result<bool> {
     Ok(complete)
 }
 
-/// Prints the commands of the runs, each once.
-fn list(study: Study, scale: Scale, folder: &Path, threads: usize) {
+/// The commands of the runs, each once, a line each.
+fn list(study: Study, scale: Scale, folder: &Path, threads: usize) -> String {
     let mut known = BTreeSet::new();
+    let mut commands = Vec::new();
     for study in study.parts() {
-        for job in study.cases(scale).into_iter().flat_map(|case| case.jobs) {
-            if known.insert(job.key()) {
-                println!("{}", runs::command(folder, &job, threads));
-            }
-        }
+        let jobs = study.cases(scale).into_iter().flat_map(|case| case.jobs);
+        let new = jobs.filter(|job| known.insert(job.key()));
+        commands.extend(new.map(|job| runs::command(folder, &job, threads)));
         match study {
-            Study::Figure1 => figure1::commands(folder, scale)
-                .iter()
-                .for_each(|command| println!("{command}")),
-            Study::Shaken => println!("cargo xtask reproduce shaken --runs {}", folder.display()),
+            Study::Figure1 => commands.extend(figure1::commands(folder, scale)),
+            Study::Shaken => commands.push(format!(
+                "cargo studies reproduce shaken --runs {}",
+                folder.display()
+            )),
             _ => {}
         }
+    }
+    commands.into_iter().map(|command| command + "\n").collect()
+}
+
+/// Prints a text, of which a reader such as `head` may take the first lines only.
+fn print(text: &str) -> Result<()> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        end => end.context("cannot print"),
     }
 }
 
