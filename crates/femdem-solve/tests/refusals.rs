@@ -521,7 +521,7 @@ fn what_is_read_is_checked() {
         serde_json::from_str::<DeformableKernel>(&text).unwrap(),
         kernel
     );
-    let unknown = text.replace("Mirror", "Soft");
+    let unknown = text.replace("mirror", "soft");
     assert!(serde_json::from_str::<DeformableKernel>(&unknown).is_err());
 }
 
