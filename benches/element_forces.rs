@@ -2,12 +2,12 @@
 //! the energy, with the bound of the step, and whole steps of a world of bodies that touch nothing. A name as
 //! argument runs that row alone.
 
-use femdem::mesh::{Pose, TetMesh, Vector3};
-use femdem::solve::deformable::{DeformableModel, MaterialRegion, Workspace};
-use femdem::solve::element::Element;
-use femdem::solve::material::{
+use femdem::fem::element::Element;
+use femdem::fem::material::{
     AnyMaterial, Deformation, Material, NeoHookean, Response, Tangent, difference_tangent,
 };
+use femdem::fem::{DeformableModel, MaterialRegion, Workspace};
+use femdem::mesh::{Pose, TetMesh, Vector3};
 use femdem::solve::{ContactStiffness, DeformableSpec, World, WorldParameters};
 use std::sync::Arc;
 use std::time::Instant;

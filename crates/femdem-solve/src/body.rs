@@ -1,10 +1,11 @@
 //! Shapes and rigid bodies as the world keeps them.
 
-use crate::drive::{Drive, Driven};
 use crate::error::{SolveError, check};
 use femdem_contact::{BodyShape, ConvexShape, Field, FieldMesh, Frame, Motion};
+use femdem_fem::checked_pose;
+use femdem_fem::{Drive, Driven};
 use femdem_mesh::nalgebra::{Matrix3, Translation3};
-use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3, unit_pose};
+use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Index of a shape, by order of addition.
@@ -152,19 +153,6 @@ pub(crate) struct Body {
     pub means: Means,
     /// Prescribed motion, with the pose of the principal axes that it counts from.
     pub driven: Option<Box<(Drive, Pose)>>,
-}
-
-/// A pose with its quaternion of unit length, so that it distorts nothing.
-pub(crate) fn checked_pose(pose: &Pose) -> Result<Pose, SolveError> {
-    let place = pose.translation.vector.norm();
-    check("pose.translation", place, true, "finite in every component")?;
-    let length = pose.rotation.norm();
-    let allowed = "a unit quaternion, to 1e-6";
-    unit_pose(pose).ok_or(SolveError::Parameter {
-        name: "pose.rotation",
-        value: length,
-        allowed,
-    })
 }
 
 impl Body {

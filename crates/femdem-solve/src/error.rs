@@ -1,7 +1,8 @@
 //! Errors of building, stepping, saving and reading a world.
 
-use crate::element::ElementFailure;
 use femdem_contact::ContactError;
+use femdem_fem::FemError;
+use femdem_fem::element::ElementFailure;
 use femdem_mesh::MeshError;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -16,9 +17,9 @@ pub enum SolveError {
     /// A shape's surface cannot be used.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// Elements of a deformable body cannot compute their forces.
+    /// The model, the material or the boundary conditions of a deformable body, or a prescribed motion.
     #[error(transparent)]
-    Element(#[from] ElementFailure),
+    Fem(#[from] FemError),
     /// A parameter is out of its range.
     #[error("{name} = {value} is not allowed: it must be {allowed}")]
     Parameter {
@@ -28,17 +29,6 @@ pub enum SolveError {
         value: f64,
         /// The allowed range in words.
         allowed: &'static str,
-    },
-    /// A material is known by name only, and no law of that name was given.
-    #[error(
-        "no law was given for the material '{name}' (given: {given}); pass it to \
-         AnyMaterial::bind after reading a checkpoint or a scene that names it"
-    )]
-    UnboundMaterial {
-        /// The name that was looked for.
-        name: String,
-        /// The names of the laws given.
-        given: String,
     },
     /// An index refers to something that was never added.
     #[error("there is no {what} {index}: {count} were added")]
@@ -77,24 +67,6 @@ pub enum SolveError {
         /// What to do.
         advice: String,
     },
-    /// A sparse matrix could not be factorised for lack of memory or of index range.
-    #[error(
-        "a matrix of {unknowns} unknowns could not be factorised: {why}; use conjugate gradients"
-    )]
-    Factorisation {
-        /// Rows of the matrix.
-        unknowns: usize,
-        /// The reason.
-        why: String,
-    },
-    /// A feature is missing in this build.
-    #[error("{what} is not in this build: build femdem-solve with the feature `{feature}`")]
-    FeatureMissing {
-        /// What was requested.
-        what: &'static str,
-        /// The cargo feature that provides it.
-        feature: &'static str,
-    },
     /// The simulation has left physical bounds.
     #[error(
         "the simulation blew up at step {step} (t = {time:.6} s) with body {body} at \
@@ -117,7 +89,7 @@ pub enum SolveError {
     /// An element of a deformable body failed in a step.
     #[error("body {body} failed at step {step} (t = {time:e} s): {failure}")]
     BodyFailed {
-        /// The body; 0 if it is stepped separately.
+        /// The body.
         body: usize,
         /// Step number.
         step: u64,
@@ -125,18 +97,6 @@ pub enum SolveError {
         time: f64,
         /// The element and its failure.
         failure: ElementFailure,
-    },
-    /// A selection is empty.
-    #[error("nothing is selected by {selection}: check its place, size and unit (m)")]
-    NothingSelected {
-        /// The selection.
-        selection: String,
-    },
-    /// A named set of nodes does not exist.
-    #[error("no set of nodes is called \"{name}\": name it first")]
-    NoSuchSet {
-        /// The name.
-        name: String,
     },
     /// A file could not be read or written.
     #[error("{action} {path}: {source}", path = path.display())]
@@ -166,11 +126,17 @@ pub enum SolveError {
     },
 }
 
+impl From<ElementFailure> for SolveError {
+    fn from(failure: ElementFailure) -> Self {
+        Self::Fem(failure.into())
+    }
+}
+
 impl SolveError {
     /// Names the body, the step and the time (s) of a failed element.
     pub(crate) fn in_body(self, body: usize, step: u64, time: f64) -> Self {
         match self {
-            Self::Element(failure) => Self::BodyFailed {
+            Self::Fem(FemError::Element(failure)) => Self::BodyFailed {
                 body,
                 step,
                 time,

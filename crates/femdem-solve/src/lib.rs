@@ -1,11 +1,11 @@
-//! Rigid and deformable bodies in motion and at rest: materials and elements, the step, its size, the
-//! active set, static solvers, the energy ledger and checkpoints.
+//! Rigid and deformable bodies in motion and at rest: the step, its size, the active set, the energy ledger and
+//! checkpoints.
 //!
 //! **Use it** to follow bodies of any shape that fall, collide, deform, slide and come to rest between walls
 //! that may move, with the energy of the whole run accounted for. **Do not use it** for bodies that break or
 //! are joined, for steps longer than the stability limit of contacts and elements (the scheme is explicit,
 //! except with [`ImplicitStep`]), or to fill containers (femdem-pack has the protocols). A code with its own
-//! integrator needs only femdem-contact.
+//! integrator needs only femdem-contact; single deformable bodies without contact are in femdem-fem.
 //!
 //! ```
 //! use femdem_contact::Wall;
@@ -39,16 +39,15 @@
 //!   field has a default.
 //! - [`World::add_shape`] takes convex surfaces, [`World::add_mesh_shape`] any closed surface with
 //!   tetrahedra that fill it; [`World::add_wall`] takes planes and meshes.
-//! - [`World::add_model`] and [`World::add_deformable`] take deformable bodies ([`deformable`], [`element`],
-//!   [`material`]), which share the step, the walls and the ledger with the rigid ones; [`World::relax`]
-//!   brings all to rest.
-//! - [`statics`]: equilibrium of a single body by relaxation or by Newton's method.
+//! - [`World::add_model`] and [`World::add_deformable`] take deformable bodies
+//!   ([`DeformableModel`](femdem_fem::DeformableModel)), which share the step, the walls and the ledger with the
+//!   rigid ones; [`World::relax`] brings all to rest.
 //! - [`Drive`]: prescribed motion of a wall or a body: shaken, tapped, drawn along a line, turned
 //!   about an axis.
-//! - [`material`]: constitutive laws behind one trait, and how to add one.
 //! - [`Ledger`]: where every joule came from and went.
 //! - [`checkpoint`]: files that survive crashes; [`World::to_bytes`] and [`World::state_hash`].
-//! - [`contact`] and [`mesh`]: femdem-contact and femdem-mesh, whose types appear in the interfaces.
+//! - [`contact`], [`fem`] and [`mesh`]: femdem-contact, femdem-fem and femdem-mesh, whose types appear in the
+//!   interfaces.
 //!
 //! # The step
 //!
@@ -69,8 +68,6 @@
 //! - `parallel` (default): contacts, and the work for each deformable body, are computed on the caller's
 //!   rayon pool. The state is the same bits with any number of threads, without the feature, and through a
 //!   checkpoint.
-//! - `implicit`: sparse Cholesky factorisation ([`statics::Linear::Cholesky`]), which adds the dependency
-//!   faer.
 //!
 //! # Accuracy
 //!
@@ -124,24 +121,20 @@
 mod body;
 pub mod checkpoint;
 mod clock;
-pub mod deformable;
-mod drive;
-pub mod element;
 mod error;
 mod ledger;
-pub mod material;
 mod parameters;
 mod rotation;
-pub mod statics;
 mod world;
 
 pub use femdem_contact as contact;
+pub use femdem_fem as fem;
 pub use femdem_mesh as mesh;
 
 pub use body::{BodySpec, Shape, ShapeId};
 pub use clock::processor_time;
-pub use drive::Drive;
 pub use error::SolveError;
+pub use femdem_fem::Drive;
 pub use ledger::Ledger;
 pub use parameters::{
     ImplicitStep, Medium, SleepMeasure, SleepParameters, TimeStepParameters, WorldParameters,

@@ -6,10 +6,10 @@ use crate::common::{
     D, DENSITY, G, add_floor, at, half_edge, parameters, run_until, solid, weightless,
 };
 use femdem_contact::{BodyId, ContactParameters, Wall};
+use femdem_fem::element::Element;
+use femdem_fem::material::NeoHookean;
+use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_mesh::{Pose, TetMesh, Vector3};
-use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
-use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
 use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, World, WorldRelaxation};
 
 fn add_cube(world: &mut World) -> BodyId {

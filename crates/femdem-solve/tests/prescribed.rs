@@ -3,13 +3,13 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use crate::common::{DENSITY, add_floor, at, parameters, run_until, solid, weightless};
-use femdem_mesh::catalogue::{CatalogueShape, Solid};
-use femdem_mesh::{Pose, TetMesh, Vector3};
-use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
-use femdem_solve::element::Element;
-use femdem_solve::material::{
+use femdem_fem::element::Element;
+use femdem_fem::material::{
     AnyMaterial, Deformation, Material, NeoHookean, Response, Tangent, difference_tangent,
 };
+use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
+use femdem_mesh::catalogue::{CatalogueShape, Solid};
+use femdem_mesh::{Pose, TetMesh, Vector3};
 use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, Medium, World};
 use std::sync::Arc;
 

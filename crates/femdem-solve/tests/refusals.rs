@@ -6,13 +6,13 @@ use crate::common::{DENSITY, add_floor, at, half_edge, parameters, solid, weight
 use femdem_contact::deform::{DeformableKernel, DeformablePartner};
 use femdem_contact::kernel::CavityKernel;
 use femdem_contact::{GeneralKernel, PairKernel, Wall};
+use femdem_fem::element::Element;
+use femdem_fem::material::NeoHookean;
+use femdem_fem::{DeformableModel, MaterialRegion};
 use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::nalgebra::{Quaternion, Unit, Vector3};
 use femdem_mesh::{Point3, Polyhedron, Pose, TetMesh};
 use femdem_solve::checkpoint::{checksum, decode, encode, read_file, write_file};
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
-use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
 use femdem_solve::{
     BodySpec, ContactStiffness, DeformableSpec, Drive, SolveError, World, WorldParameters,
 };

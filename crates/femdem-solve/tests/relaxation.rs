@@ -3,12 +3,12 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use femdem_contact::Wall;
+use femdem_fem::element::Element;
+use femdem_fem::material::NeoHookean;
+use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::Unit;
 use femdem_mesh::{Pose, Rotation, TetMesh, Vector3};
-use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
-use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
 use femdem_solve::{
     BodySpec, ContactStiffness, DeformableSpec, Drive, World, WorldParameters, WorldRelaxation,
 };

@@ -6,10 +6,10 @@ use crate::common::{
     D, DENSITY, G, add_floor, add_heap, add_sides, at, half_edge, parameters, run_until, solid,
 };
 use femdem_contact::BodyId;
+use femdem_fem::element::Element;
+use femdem_fem::material::NeoHookean;
+use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_mesh::{TetMesh, Vector3};
-use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
-use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
 use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, World};
 
 fn linear(velocity: Vector3, start: f64, end: f64) -> Drive {

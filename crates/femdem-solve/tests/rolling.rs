@@ -3,12 +3,12 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use crate::common::{DENSITY, G, add_floor, parameters, pose, run_until};
+use femdem_fem::element::Element;
+use femdem_fem::material::NeoHookean;
+use femdem_fem::{DeformableModel, MaterialRegion};
 use femdem_mesh::nalgebra::Vector3;
 use femdem_mesh::shapes::{Cuboid, Cylinder, Shape, Sphere};
 use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh};
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
-use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
 use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, World, WorldParameters};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI};
 

@@ -6,12 +6,12 @@
 use crate::common::{
     D, DENSITY, G, add_floor, at, half_edge, parameters, run_until, solid, weightless,
 };
+use femdem_fem::element::Element;
+use femdem_fem::material::NeoHookean;
+use femdem_fem::{DeformableModel, MaterialRegion};
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::Vector3;
 use femdem_mesh::shapes::{Shape, Sphere};
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
-use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
 use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, World};
 
 /// A sphere of 20 * 4^level facets, its centre at the given height over a floor.

@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use femdem_contact::ContactError;
+use femdem_fem::FemError;
 use femdem_pack::PackError;
 use femdem_solve::SolveError;
 
@@ -168,6 +169,9 @@ pub enum Error {
     /// A packing job was refused or failed.
     #[error(transparent)]
     Pack(#[from] PackError),
+    /// A material, a model or a boundary condition was refused.
+    #[error(transparent)]
+    Fem(#[from] FemError),
     /// A world or a checkpoint was refused.
     #[error(transparent)]
     Solve(#[from] SolveError),
@@ -182,6 +186,7 @@ impl Error {
     pub(crate) fn by_keys(self, keys: &[(&str, &'static str)]) -> Self {
         let refused = match &self {
             Self::Contact(error) | Self::Pack(PackError::Contact(error)) => by_contact(error),
+            Self::Fem(error) => by_fem(error),
             Self::Solve(error) | Self::Pack(PackError::Solve(error)) => by_solve(error),
             Self::Pack(PackError::Parameter {
                 name,
@@ -218,9 +223,21 @@ fn by_contact(error: &ContactError) -> Option<Refused> {
     }
 }
 
+fn by_fem(error: &FemError) -> Option<Refused> {
+    match error {
+        FemError::Parameter {
+            name,
+            value,
+            allowed,
+        } => Some((*name, *value, *allowed)),
+        _ => None,
+    }
+}
+
 fn by_solve(error: &SolveError) -> Option<Refused> {
     match error {
         SolveError::Contact(error) => by_contact(error),
+        SolveError::Fem(error) => by_fem(error),
         SolveError::Parameter {
             name,
             value,

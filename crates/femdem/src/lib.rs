@@ -1,5 +1,5 @@
 //! The combined finite-discrete element method: bodies of any shape, from their geometry to the measured pack.
-//! This crate re-exports the five libraries and contains the `femdem` program.
+//! This crate re-exports the other libraries and contains the `femdem` program.
 //!
 //! **Use it** to pack rigid bodies under gravity with friction, to measure and draw packs, to let rigid and
 //! deformable bodies collide, slide and squeeze each other, or to use its parts in a simulation of your own.
@@ -58,7 +58,7 @@
 //! # Features
 //! - `parallel` (default): contacts and analysis use the caller's rayon pool. Results are the same bits at any
 //!   number of threads and without the feature. (Pictures always use the pool, and are the same, too.)
-//! - `implicit`: sparse Cholesky factorisation in the static solvers of [`solve::statics`].
+//! - `implicit`: sparse Cholesky factorisation in the static solvers of [`fem::statics`].
 //!
 //! # Accuracy
 //! Contact is by penalty: bodies overlap by a stated amount ([`Summary::penetration`]), and equilibrium holds
@@ -85,6 +85,7 @@ mod ticks;
 mod toml_file;
 
 pub use femdem_contact as contact;
+pub use femdem_fem as fem;
 pub use femdem_mesh as mesh;
 pub use femdem_pack as pack;
 pub use femdem_solve as solve;

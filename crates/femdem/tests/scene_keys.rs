@@ -38,7 +38,7 @@ fn body() -> BodyEntry {
         material: "m".to_owned(),
         region: vec![region()],
         behaviour: Behaviour::Rigid,
-        element: femdem::solve::element::Element::T4,
+        element: femdem::fem::element::Element::T4,
         mesh_size: Some(0.1),
         focus: Some(focus()),
         contact_ratio: Some(1.0),

@@ -10,7 +10,7 @@ use super::report::{Check, Report};
 fn run(workshop: &Workshop, table: &str) -> Result<(Output, String)> {
     Output::of(
         workshop,
-        &format!("-p femdem-solve --features implicit --example statics -- {table}"),
+        &format!("-p femdem-fem --features implicit --example statics -- {table}"),
     )
 }
 

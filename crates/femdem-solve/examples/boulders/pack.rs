@@ -1,12 +1,12 @@
 //! The boulders and their bin.
 
 use femdem_contact::Wall;
+use femdem_fem::element::Element;
+use femdem_fem::material::NeoHookean;
+use femdem_fem::{DeformableModel, MaterialRegion, Workspace};
 use femdem_mesh::nalgebra::{Quaternion, Translation3};
 use femdem_mesh::shapes::{Boulder, Shape};
 use femdem_mesh::{Pose, Rotation, TetMesh, Vector3};
-use femdem_solve::deformable::{DeformableModel, MaterialRegion, Workspace};
-use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
 use femdem_solve::{ContactStiffness, DeformableSpec, Drive, World, WorldParameters};
 use std::error::Error;
 use std::fmt::Write;

@@ -1,10 +1,10 @@
 //! Laws that are the same at small strain.
 
-use femdem_mesh::Matrix3;
-use femdem_solve::SolveError;
-use femdem_solve::material::{
+use femdem_fem::material::{
     AnyMaterial, Deformation, Hencky, Material, NeoHookean, Response, Tangent, difference_tangent,
 };
+use femdem_mesh::Matrix3;
+use femdem_solve::SolveError;
 use std::sync::Arc;
 
 #[derive(Debug, Clone, Copy)]

@@ -3,12 +3,12 @@
 use crate::ball::Hertz;
 use crate::law::Law;
 use femdem_contact::deform::DeformableShape;
+use femdem_fem::element::Element;
+use femdem_fem::{DeformableModel, MaterialRegion};
 use femdem_mesh::nalgebra::{Matrix4, Vector4};
 use femdem_mesh::{Pose, Rotation, TetMesh, Vector3};
 use femdem_solve::SolveError;
 use femdem_solve::WorldParameters;
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
-use femdem_solve::element::Element;
 use std::error::Error;
 
 /// No gravity, no friction, no damping.
@@ -34,7 +34,7 @@ pub fn model(
         material: law.material(material.young, material.poisson)?,
         density,
     };
-    DeformableModel::new(mesh, element, vec![region], None)
+    Ok(DeformableModel::new(mesh, element, vec![region], None)?)
 }
 
 /// Turned by an angle about x, then moved.

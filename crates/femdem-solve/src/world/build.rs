@@ -3,11 +3,11 @@
 use super::{Counters, World};
 use crate::body::{Body, BodySpec, Shape, ShapeId};
 use crate::checkpoint;
-use crate::drive::Drive;
 use crate::error::SolveError;
 use crate::ledger::Flows;
 use crate::parameters::{TimeStepParameters, WorldParameters};
 use femdem_contact::{BodyId, ContactBatch, ContactParameters, Field, Frame, Motion, WallShape};
+use femdem_fem::Drive;
 use femdem_mesh::{Polyhedron, Pose, TetMesh};
 
 impl World {

@@ -15,11 +15,11 @@ mod stored;
 mod time_step;
 
 use crate::body::{Body, Shape};
-use crate::drive::Drive;
 use crate::ledger::Flows;
 use crate::parameters::WorldParameters;
 use deformables::Deformables;
 use femdem_contact::{ContactBatch, Motion};
+use femdem_fem::Drive;
 use femdem_mesh::Pose;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;

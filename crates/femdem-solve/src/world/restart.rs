@@ -2,11 +2,11 @@
 
 use super::World;
 use crate::body::Body;
-use crate::drive::Drive;
 use crate::error::SolveError;
 use crate::ledger::Flows;
 use crate::parameters::WorldParameters;
 use femdem_contact::BodyId;
+use femdem_fem::Drive;
 use femdem_mesh::Vector3;
 
 impl World {

@@ -5,12 +5,12 @@ use super::deformables::{all_loads, all_wall_loads};
 use super::time_step::USUAL_MOVE;
 use crate::body::Body;
 use crate::clock::Stopwatch;
-use crate::drive::{Drive, Driven};
 use crate::error::{SolveError, check};
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
 use crate::rotation;
 use femdem_contact::{ContactError, Frame, Load, Wrench};
+use femdem_fem::{Drive, Driven};
 use femdem_mesh::{Pose, Vector3};
 
 /// A step that moves a body by more than this fraction of its bounding radius is a blow-up.

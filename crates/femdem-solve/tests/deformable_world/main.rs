@@ -8,11 +8,11 @@ mod round_trip;
 mod sleep;
 
 use femdem_contact::Wall;
+use femdem_fem::element::Element;
+use femdem_fem::material::NeoHookean;
+use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::{Pose, TetMesh, Vector3};
-use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
-use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
 use femdem_solve::{
     BodySpec, ContactStiffness, DeformableId, DeformableSpec, Drive, Medium, World, WorldParameters,
 };

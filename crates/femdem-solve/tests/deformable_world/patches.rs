@@ -2,10 +2,10 @@
 
 use super::{block, smooth};
 use femdem_contact::{Wall, restitution};
+use femdem_fem::element::Element;
+use femdem_fem::material::NeoHookean;
+use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_mesh::{Point3, Pose, Rotation, TetMesh, Vector3};
-use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion, Selection};
-use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
 use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, World};
 
 /// A block of 0.4 x 0.08 x 0.16 m with a slot of 0.16 m from above: two jaws on a base.

@@ -1,10 +1,10 @@
 //! A deformable block that rocks on a floor comes to rest at the rate of its dashpot.
 
 use femdem_contact::Wall;
+use femdem_fem::element::Element;
+use femdem_fem::material::NeoHookean;
+use femdem_fem::{DeformableModel, MaterialRegion};
 use femdem_mesh::{Pose, Rotation, TetMesh, Vector3};
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
-use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
 use femdem_solve::{ContactStiffness, DeformableSpec, Drive, World, WorldParameters};
 
 const SIDES: [f64; 3] = [0.2, 0.2, 0.1];

@@ -2,9 +2,9 @@
 
 use super::block;
 use femdem_contact::{ContactParameters, Field, Wall};
+use femdem_fem::element::Element;
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::{Pose, TetMesh, Vector3};
-use femdem_solve::element::Element;
 use femdem_solve::{
     BodySpec, ContactStiffness, DeformableSpec, Drive, ImplicitStep, Medium, SolveError, World,
     WorldParameters, WorldRelaxation,

@@ -2,10 +2,10 @@
 
 use crate::{block, on_threads};
 use femdem_contact::Wall;
+use femdem_fem::element::Element;
+use femdem_fem::{Boundary, Selection};
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::{Pose, Vector3};
-use femdem_solve::deformable::{Boundary, Selection};
-use femdem_solve::element::Element;
 use femdem_solve::{
     BodySpec, ContactStiffness, DeformableSpec, Drive, SleepParameters, World, WorldParameters,
 };

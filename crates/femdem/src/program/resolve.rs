@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::Args;
+use femdem::fem::element::Element;
 use femdem::pack::Packing;
 use femdem::resolve::{ResolveOptions, resolve};
 use femdem::results;
-use femdem::solve::element::Element;
 
 use super::job::{Outcome, in_pool};
 use super::{complain, folder, say};

@@ -5,8 +5,8 @@ use std::io::Write as _;
 use std::path::Path;
 
 use femdem_analysis::{Cell, Table};
+use femdem_fem::von_mises;
 use femdem_solve::WorldRelaxed;
-use femdem_solve::deformable::von_mises;
 use serde::Serialize;
 
 use super::{BodyMean, ResolveOptions, Resolved};

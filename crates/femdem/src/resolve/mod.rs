@@ -29,11 +29,11 @@ use std::collections::BTreeMap;
 
 use femdem_contact::deform::DeformablePartner;
 use femdem_contact::{Field, Partner, WallResponse};
+use femdem_fem::element::Element;
+use femdem_fem::material::NeoHookean;
+use femdem_fem::{DeformableModel, MaterialRegion};
 use femdem_mesh::tet::{self, MeshOptions, Method};
 use femdem_mesh::{Matrix3, TetMesh, Vector3};
-use femdem_solve::deformable::{DeformableModel, MaterialRegion};
-use femdem_solve::element::Element;
-use femdem_solve::material::NeoHookean;
 use femdem_solve::{
     ContactStiffness, DeformableSpec, Drive, ModelId, Shape, SolveError, World, WorldRelaxation,
     WorldRelaxed,

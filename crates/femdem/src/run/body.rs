@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
+use femdem_fem::element::Element;
 use femdem_mesh::nalgebra::{Translation3, Unit};
 use femdem_mesh::shapes::Shape;
 use femdem_mesh::{Pose, Rotation, Vector3};
 use femdem_pack::{body_stream, random_rotation};
-use femdem_solve::element::Element;
 use serde::{Deserialize, Serialize};
 
 use super::{BoundaryEntry, MotionEntry, RegionEntry};

@@ -1,7 +1,7 @@
 //! Boundary conditions of deformable bodies in a scenario.
 
+use femdem_fem::{Boundary, Curve, DeformableModel};
 use femdem_mesh::Vector3;
-use femdem_solve::deformable::{Boundary, Curve, DeformableModel};
 use serde::{Deserialize, Serialize};
 
 use super::body::wrong;

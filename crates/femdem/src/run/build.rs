@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use femdem_contact::{BodyId, Field};
+use femdem_fem::{Boundary, DeformableModel, MaterialRegion};
 use femdem_mesh::{Pose, TetMesh, Vector3};
-use femdem_solve::deformable::{Boundary, DeformableModel, MaterialRegion};
 use femdem_solve::{BodySpec, ContactStiffness, DeformableId, DeformableSpec, SolveError, World};
 use serde::{Deserialize, Serialize};
 

@@ -9,8 +9,8 @@
 
 use std::io::{self, Write};
 
+use femdem_fem::ElementStress;
 use femdem_mesh::Vector3;
-use femdem_solve::deformable::ElementStress;
 use femdem_solve::{Deformable, SolveError};
 
 use super::contacts::{ContactLine, Side};

@@ -1,7 +1,7 @@
 //! Materials of a scenario.
 
-use femdem_solve::deformable::MaterialRegion;
-use femdem_solve::material::{
+use femdem_fem::MaterialRegion;
+use femdem_fem::material::{
     AnyMaterial, DruckerPrager, Hencky, J2, MooneyRivlin, NeoHookean, Viscous, Voce,
 };
 use serde::{Deserialize, Serialize};

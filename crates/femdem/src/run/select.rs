@@ -1,7 +1,7 @@
 //! Parts of a body in a scenario, in the coordinates of its shape.
 
+use femdem_fem::Selection;
 use femdem_mesh::{Point3, Vector3};
-use femdem_solve::deformable::Selection;
 use serde::{Deserialize, Serialize};
 
 use super::body::wrong;

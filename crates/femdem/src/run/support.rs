@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use femdem_fem::{Boundary, DeformableModel};
 use femdem_mesh::Vector3;
-use femdem_solve::deformable::{Boundary, DeformableModel};
 use serde::{Deserialize, Serialize};
 
 use super::body::wrong;

@@ -1,15 +1,16 @@
 //! Adding models and deformable bodies to a world.
 
+use super::nodal_bound::NodalBound;
 use super::{ContactStiffness, DeformableId, DeformableSpec, Deformables, Model, ModelId, State};
-use crate::body::{Body, checked_pose};
-use crate::deformable::{Boundary, DeformableModel, NodalBound};
+use crate::body::Body;
 use crate::error::{SolveError, check};
-use crate::material::{Deformation, Material};
 use crate::world::World;
 use crate::world::stored::inconsistent;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, DeformablePartner};
 use femdem_contact::{BodyShape, ContactBatch, ContactLaw, Field};
+use femdem_fem::material::{Deformation, Material};
+use femdem_fem::{Boundary, DeformableModel, checked_pose};
 use femdem_mesh::nalgebra::Matrix6;
 use femdem_mesh::{Matrix3, Vector3};
 use std::sync::Arc;

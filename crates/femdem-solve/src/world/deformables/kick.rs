@@ -2,12 +2,12 @@
 
 use super::each::on_each;
 use super::{Deformables, State};
-use crate::deformable::DeformableModel;
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
 use crate::world::World;
 use crate::world::step::{relaxation, resist};
 use femdem_contact::deform::DeformableBatch;
+use femdem_fem::DeformableModel;
 use femdem_mesh::Vector3;
 
 /// Forces of the contacts on the nodes of a body, N.

@@ -3,17 +3,17 @@
 mod add;
 mod each;
 mod kick;
+mod nodal_bound;
 mod query;
 mod rest;
 mod step;
 
-use crate::deformable::{
-    Boundary, DeformableModel, FrequencyBound, InternalState, NodalBound, Workspace,
-};
 use crate::error::SolveError;
 use femdem_contact::deform::{DeformableBatch, DeformableShape, Modulus};
 use femdem_contact::{Field, Load, stable_step};
+use femdem_fem::{Boundary, DeformableModel, FrequencyBound, InternalState, Workspace};
 use femdem_mesh::{Pose, Vector3};
+use nodal_bound::NodalBound;
 use serde::{Deserialize, Serialize};
 
 pub(super) use add::centroid;

@@ -2,12 +2,12 @@
 
 use super::add::{centroid, held_energy, inverse_masses};
 use super::{DeformableId, Model, ModelId, State};
-use crate::deformable::{Boundary, DeformableModel, ElementStress, InternalState};
-use crate::element::ElementFailure;
 use crate::error::SolveError;
-use crate::material::Material;
 use crate::world::World;
 use femdem_contact::deform::{DeformableContact, DeformableTotals};
+use femdem_fem::element::ElementFailure;
+use femdem_fem::material::Material;
+use femdem_fem::{Boundary, DeformableModel, ElementStress, InternalState};
 use femdem_mesh::Vector3;
 use std::sync::Arc;
 
@@ -83,12 +83,8 @@ impl<'a> Deformable<'a> {
     /// Energies of the elements.
     #[must_use]
     pub fn internal(&self) -> InternalState {
-        let known = self.state.internal;
-        let batched = self.model().batched_energy(&self.state.positions);
-        InternalState {
-            energy: batched.unwrap_or(known.energy),
-            ..known
-        }
+        let state = self.state;
+        self.model().with_energy(state.internal, &state.positions)
     }
 
     /// Centre of mass, m.
@@ -235,7 +231,7 @@ impl World {
     /// Binds custom materials that were read by name to their laws again.
     ///
     /// # Errors
-    /// [`SolveError::UnboundMaterial`] if a law is missing.
+    /// [`FemError::UnboundMaterial`](femdem_fem::FemError::UnboundMaterial) if a law is missing.
     pub fn bind_materials(&mut self, laws: &[Arc<dyn Material>]) -> Result<(), SolveError> {
         for model in self.deformables.iter_mut().flat_map(|d| &mut d.models) {
             model.model.bind(laws)?;

@@ -11,11 +11,11 @@
 
 use super::each::on_each_with;
 use super::{Deformables, Scratch, State, centroid};
-use crate::deformable::{Boundary, DeformableModel};
 use crate::error::SolveError;
 use crate::parameters::WorldParameters;
 use crate::world::World;
 use femdem_contact::deform::DeformableBatch;
+use femdem_fem::{Boundary, DeformableModel};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 

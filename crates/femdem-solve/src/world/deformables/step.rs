@@ -3,8 +3,6 @@
 use super::each::{on_each, on_each_with};
 use super::kick::Kick;
 use super::{Deformables, RENEW, Scratch, State};
-use crate::deformable::DeformableModel;
-use crate::element::ElementFailure;
 use crate::error::SolveError;
 use crate::ledger::Flows;
 use crate::world::World;
@@ -12,6 +10,8 @@ use crate::world::step::LARGEST_MOVE;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, NodalState};
 use femdem_contact::{BodyId, ContactBatch, ContactError, Load, Motion, stable_step};
+use femdem_fem::DeformableModel;
+use femdem_fem::element::ElementFailure;
 use femdem_mesh::Vector3;
 
 /// Loads of the rigid bodies from all contacts.
@@ -330,11 +330,14 @@ impl State {
         if moves <= LARGEST_MOVE || self.boundary.is_driven(end - dt, dt) {
             return Ok(());
         }
-        Err(SolveError::Element(ElementFailure::TooFast {
-            speed: self.fastest,
-            moves,
-            step: LARGEST_MOVE * depth / self.fastest,
-        }))
+        Err(SolveError::Fem(
+            ElementFailure::TooFast {
+                speed: self.fastest,
+                moves,
+                step: LARGEST_MOVE * depth / self.fastest,
+            }
+            .into(),
+        ))
     }
 
     /// Velocities of prescribed nodes at time `time`; returns the kinetic energy that they gained
