@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::AnalysisError;
-use crate::network::check_threshold;
+use crate::error::{AnalysisError, check_threshold};
 use crate::table::{Cell, Table};
 
 /// What a body touches.

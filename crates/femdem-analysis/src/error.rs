@@ -190,3 +190,15 @@ fn listed(sides: &[usize]) -> String {
         _ => format!("{} sides", words.concat()),
     }
 }
+
+/// Refuses a threshold of force (N) below which no pair could be, or that no number is above.
+pub(crate) fn check_threshold(force_threshold: f64) -> Result<(), AnalysisError> {
+    if force_threshold.is_finite() && force_threshold >= 0.0 {
+        return Ok(());
+    }
+    Err(AnalysisError::Option {
+        name: "force_threshold",
+        value: force_threshold,
+        allowed: "zero or more and finite (N)",
+    })
+}

@@ -7,8 +7,8 @@
 //! Bodies whose sizes differ by less than four to one share a grid, whose cell size is set by the largest of
 //! them. So a drum around ten thousand pellets does not put them all into one cell.
 
+use crate::body_shape::BodyShape;
 use crate::motion::Motion;
-use crate::shape::BodyShape;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

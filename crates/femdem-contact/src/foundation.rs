@@ -1,6 +1,6 @@
 //! The normal stiffness of a contact patch as an elastic foundation: springs spread over the patch.
 
-use crate::kernel::complete;
+use crate::axes::complete;
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 

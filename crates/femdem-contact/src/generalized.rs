@@ -284,7 +284,7 @@ mod tests {
                 let (n, arm) = (vector(&mut next).normalize(), vector(&mut next));
                 stiffness.add_along(&n, &arm.cross(&n), 1.0 + next());
                 stiffness.add_everywhere(&arm, 0.3);
-                let [_, axis, _] = crate::kernel::complete(&n);
+                let [_, axis, _] = crate::axes::complete(&n);
                 stiffness.add_about(&n, 0.02);
                 stiffness.add_about(&axis, 0.04);
                 let viscous = if case % 2 == 0 { 0.2 } else { 1.5 };

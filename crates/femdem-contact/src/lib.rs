@@ -106,7 +106,9 @@
 //! packing of complex shapes", DEM7 (2016), for the contact integral. The rest of the law is derived
 //! in the docs of its modules.
 
+mod axes;
 mod batch;
+mod body_shape;
 mod broadphase;
 mod contact;
 mod damping;
@@ -133,6 +135,7 @@ mod walls;
 pub use femdem_mesh as mesh;
 
 pub use batch::{BatchTotals, ContactBatch, Snapshot};
+pub use body_shape::BodyShape;
 pub use contact::{BodyId, Contact, ContactForce, Dashpots, Load, Partner, Springs, Wrench};
 pub use error::ContactError;
 pub use foundation::Foundation;
@@ -142,5 +145,5 @@ pub use kernel::{Overlap, PairKernel, mean_penetration};
 pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};
 pub use limit_surface::LimitSurface;
 pub use motion::Motion;
-pub use shape::{BodyShape, ConvexShape, Frame};
+pub use shape::{ConvexShape, Frame};
 pub use walls::{Drum, Hopper, MeshWall, Silo, Wall, WallPlane, WallShape};

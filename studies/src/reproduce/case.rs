@@ -3,9 +3,10 @@
 use anyhow::Result;
 
 use super::job::{Job, Size};
+use super::pack::Pack;
 use super::readings::{READINGS, Reading};
 use super::record::Record;
-use super::run::{Analysis, Run};
+use super::run::Analysis;
 use super::runs::Runs;
 use super::statistics::{Estimate, estimate};
 use crate::validate::report::short;
@@ -34,13 +35,6 @@ pub(super) struct Found {
     pub(super) recorded: usize,
     /// Runs that are not settled.
     pub(super) restless: usize,
-}
-
-/// A settled pack.
-#[derive(Debug, Clone)]
-pub(super) struct Pack {
-    pub(super) run: Run,
-    pub(super) analysis: Analysis,
 }
 
 impl Case {

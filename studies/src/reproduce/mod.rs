@@ -13,6 +13,7 @@ mod figure6;
 mod figure7;
 mod job;
 mod orientation;
+mod pack;
 mod page;
 mod paper;
 mod readings;

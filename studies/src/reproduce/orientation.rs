@@ -3,8 +3,9 @@
 use anyhow::{Context, Result};
 
 use super::Scale;
-use super::case::{Case, Found, Pack, find};
+use super::case::{Case, Found, find};
 use super::job::Size;
+use super::pack::Pack;
 use super::page::page;
 use super::paper::solid;
 use super::runs::Runs;

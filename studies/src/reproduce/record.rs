@@ -8,8 +8,8 @@ use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 
 use super::Scale;
-use super::case::Pack;
 use super::job::Job;
+use super::pack::Pack;
 use super::run::{Analysis, Run};
 use super::runs::Runs;
 use crate::validate::program::Summary;

@@ -3,6 +3,7 @@
 //! Each checker is a pure function from text to a list of [`Problem`]s; this module reads the tree, calls them
 //! and prints the problems found.
 
+mod circles;
 mod crates;
 mod files;
 mod graph;
@@ -63,6 +64,7 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     problems.extend(check_architecture(&files, &packages));
     problems.extend(words::check(&files));
     problems.extend(crates::check(&files, &packages));
+    problems.extend(circles::check(&files));
     problems.extend(check_links(root, &files));
     problems.sort();
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::link::ChainLink;
 use super::shape::{Chain, ChainSegment, chain, segments};
 use crate::blocks::{Blocks, Estimate};
 use crate::network::ForceNetwork;
@@ -14,19 +15,6 @@ use crate::table::{Cell, Table};
 pub(super) struct Link {
     pub(super) bodies: [u32; 2],
     pub(super) force: f64,
-}
-
-/// A link of a chain, for tables and pictures.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ChainLink {
-    /// One body.
-    pub first: u32,
-    /// The other; the higher index.
-    pub second: u32,
-    /// Force of the pair, friction included (N).
-    pub force: f64,
-    /// Number of its chain.
-    pub chain: u32,
 }
 
 /// Force chains of a pack. A chain is a connected part of the network of links with at least the required

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::network::ChainLink;
+use super::link::ChainLink;
 use crate::network::ForceNetwork;
 use crate::network::graph::Graph;
 

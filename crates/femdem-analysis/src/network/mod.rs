@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::class::ContactClass;
 use crate::coordination::Partner;
-use crate::error::AnalysisError;
+use crate::error::{AnalysisError, check_threshold};
 use crate::pack::Pack;
 
 pub use pairs::PairForce;
@@ -253,18 +253,6 @@ impl<'a> ForceNetwork<'a> {
             None => Ok(()),
         }
     }
-}
-
-/// Refuses a threshold of force (N) below which no pair could be, or that no number is above.
-pub(crate) fn check_threshold(force_threshold: f64) -> Result<(), AnalysisError> {
-    if force_threshold.is_finite() && force_threshold >= 0.0 {
-        return Ok(());
-    }
-    Err(AnalysisError::Option {
-        name: "force_threshold",
-        value: force_threshold,
-        allowed: "zero or more and finite (N)",
-    })
 }
 
 /// Largest magnitude of anything given, in its SI unit: its square is a number.

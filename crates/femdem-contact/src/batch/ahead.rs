@@ -2,9 +2,9 @@
 
 use super::ContactBatch;
 use super::pairs::{Cache, Pair};
+use crate::body_shape::BodyShape;
 use crate::contact::{BodyId, Partner};
 use crate::motion::Motion;
-use crate::shape::BodyShape;
 use crate::walls::WallShape;
 use femdem_mesh::Vector3;
 

@@ -2,6 +2,7 @@
 
 use super::history::{History, PatchRecord, inherit};
 use super::pairs::{Cache, MeshPair, Pair, PairTable, Touch};
+use crate::body_shape::BodyShape;
 use crate::contact::{BodyId, Contact, Partner, assemble, rolling_radius_at};
 use crate::damping::{Moment, Whole, damp};
 use crate::friction::Pace;
@@ -11,7 +12,7 @@ use crate::law::ContactParameters;
 use crate::motion::Motion;
 use crate::rocking::{Rocker, Turn};
 use crate::rolling::{Roller, Rolling};
-use crate::shape::{BodyShape, ConvexShape};
+use crate::shape::ConvexShape;
 use crate::walls::{Wall, WallShape};
 use femdem_mesh::Vector3;
 use std::sync::Arc;

@@ -12,6 +12,7 @@ mod search;
 mod stable;
 mod stored;
 
+use crate::body_shape::BodyShape;
 use crate::broadphase::Broadphase;
 use crate::contact::{BodyId, Contact, Load, Partner};
 use crate::error::{ContactError, check};
@@ -20,7 +21,6 @@ use crate::general::{FieldMesh, GeneralKernel};
 use crate::kernel::{CavityKernel, PairKernel};
 use crate::law::{ContactLaw, ContactParameters};
 use crate::motion::Motion;
-use crate::shape::BodyShape;
 use crate::walls::WallShape;
 use evaluate::{Context, Views};
 use gather::{Sums, load_not_finite};

@@ -1,10 +1,10 @@
 //! Which bodies and walls are near each other.
 
 use super::{ContactBatch, Snapshot};
+use crate::body_shape::BodyShape;
 use crate::broadphase::Broadphase;
 use crate::error::ContactError;
 use crate::motion::Motion;
-use crate::shape::BodyShape;
 
 impl ContactBatch {
     /// Enters bodies that fell asleep before their first update, so that others find them.

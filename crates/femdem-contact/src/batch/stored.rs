@@ -4,9 +4,9 @@
 
 use super::ContactBatch;
 use super::pairs::{Cache, Pair};
+use crate::body_shape::BodyShape;
 use crate::contact::Partner;
 use crate::error::ContactError;
-use crate::shape::BodyShape;
 use crate::walls::WallShape;
 
 /// Refuses a batch whose parts do not fit together, or `shapes` that are not those of its bodies.

@@ -1,7 +1,7 @@
 //! The sums of a pair: over skins where these suffice, else over pieces.
 
-use super::kernel::DeformableScratch;
 use super::near::{Candidates, Failure, Near, Sides};
+use super::scratch::DeformableScratch;
 use super::skins::{Met, SkinScratch};
 use super::sums::{PairSums, Place, Triangles};
 use super::walk::{Meet, Walk};

@@ -18,8 +18,8 @@
 //! oscillation of either ([`DeformableBatch::set_frequency`](super::DeformableBatch::set_frequency)); 0 where ω is not
 //! known. A body of which nodes are held does not move as a whole.
 
+use super::pair::{Mover, Pair};
 use super::patches::Patch;
-use super::respond::{Mover, Pair};
 use femdem_mesh::Vector3;
 
 /// The dashpot of one patch.

@@ -1,39 +1,16 @@
 //! The pair kernel of deformable bodies.
 
 use super::add_up::{Way, run};
-use super::current::{Current, Inverted, Operand};
+use super::current::{Inverted, Operand};
 use super::near::{Candidates, Failure, Near, Sides, Tree};
+use super::scratch::DeformableScratch;
 use super::shape::Modulus;
-use super::skins::SkinScratch;
-use super::sums::PairSums;
 use crate::contact::Wrench;
 use crate::error::ContactError;
-use crate::general::piece::Piece;
-use crate::general::posed::{Posed, PosedList};
 use crate::law::WallResponse;
 use femdem_mesh::Vector3;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use serde::{Deserialize, Serialize};
-
-/// Buffers that the kernel reuses from call to call.
-#[derive(Debug, Default)]
-pub struct DeformableScratch {
-    pub(crate) tets: [PosedList<Current>; 2],
-    /// The same with planes, for pieces.
-    pub(crate) planes: [PosedList<Posed>; 2],
-    pub(crate) piece: Piece,
-    pub(crate) sums: PairSums,
-    pub(crate) skins: SkinScratch,
-    pub(crate) candidates: usize,
-}
-
-impl DeformableScratch {
-    /// Numbers of pairs of tetrahedra that the last evaluation tested, and of those in which the skin of one
-    /// lies in the other.
-    pub fn counts(&self) -> [usize; 2] {
-        [self.candidates, self.sums.pieces]
-    }
-}
 
 /// Action of a contact on a node.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

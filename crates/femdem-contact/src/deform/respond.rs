@@ -1,112 +1,20 @@
 //! Damping and friction of one pair, from the sums of its elastic contact.
 
 use super::body_dashpot::BodyDashpot;
-use super::bristle::Bristle;
 use super::current::Operand;
-use super::kernel::DeformableScratch;
-use super::near::Near;
+use super::outcome::{Dashpot, NodeLoad, Outcome};
+use super::pair::{Mover, Pair};
 use super::patches::{Patch, Patches};
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
 use super::rub::Rubbing;
-use super::turning::Turning;
+use super::scratch::DeformableScratch;
 use crate::contact::{Load, Wrench, rolling_radius};
 use crate::foundation::Foundation;
 use crate::generalized::Resistance;
-use crate::law::ContactParameters;
 use crate::motion::Motion;
 use crate::rocking::{Rocker, Rocking, RockingState, Turn};
 use crate::rolling::{Roller, Rolling, RollingState};
 use femdem_mesh::Vector3;
-use serde::{Deserialize, Serialize};
-
-/// Motion of one side of a pair.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Mover<'a> {
-    Nodes(NodalState<'a>),
-    Rigid(&'a Motion),
-}
-
-/// A pair of bodies in contact.
-pub(crate) struct Pair<'a> {
-    pub ids: (DeformablePartner, u32),
-    pub sides: [Operand<'a>; 2],
-    pub movers: [Mover<'a>; 2],
-    /// Slowest elastic oscillations of the deformable sides, rad/s; 0 if not known.
-    pub frequencies: [f64; 2],
-    /// Rotation as a whole of the deformable sides.
-    pub turnings: [Option<&'a Turning>; 2],
-    pub near: &'a Near,
-    pub law: &'a ContactParameters,
-    /// Initial friction of the springs.
-    pub begins: Option<FrictionStart>,
-    /// Time since the last evaluation, s.
-    pub dt: f64,
-}
-
-/// Initial friction of a pair's springs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) struct FrictionStart {
-    /// On B, N.
-    pub force: Vector3,
-    /// On B about the normal, N m.
-    pub torsion: f64,
-}
-
-impl FrictionStart {
-    /// The same if the two sides have changed places: the moment about the normal is the same seen from either.
-    pub fn seen_from(self, swapped: bool) -> Self {
-        let force = if swapped { -self.force } else { self.force };
-        Self { force, ..self }
-    }
-}
-
-/// Action of a contact on a node.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) struct NodeLoad {
-    pub node: u32,
-    /// N, and the parts of it due to damping and to friction.
-    pub force: Vector3,
-    pub damping: Vector3,
-    pub friction: Vector3,
-    /// Stiffness, N/m, and damping rate, 1/s.
-    pub stiffness: f64,
-    pub rate: f64,
-}
-
-/// Response of a pair, and its history.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub(crate) struct Outcome {
-    pub nodes: [Vec<NodeLoad>; 2],
-    /// Force and moment on A and on B as wholes, about their centres, N and N m: the dashpots against rocking and of the
-    /// bodies as wholes. Their rates, 1/s.
-    pub whole: [[Vector3; 2]; 2],
-    pub whole_rates: [f64; 2],
-    /// Load on a rigid body or wall.
-    pub load: Option<Box<(Load, Resistance)>>,
-    /// One for each patch.
-    pub contacts: Vec<DeformableContact>,
-    pub totals: DeformableTotals,
-    pub bristles: Vec<Bristle>,
-    /// One for each patch.
-    pub rocking: Vec<RockingState>,
-    pub rolling: Vec<RollingState>,
-}
-
-/// The dashpot of a patch.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Dashpot {
-    /// Elastic plus viscous force over elastic force: of the nodes.
-    pub scale: f64,
-    /// The same with what acts on the bodies as wholes.
-    pub total: f64,
-    /// Inverse mass of the contact along its force, 1/kg: sum |f_a|^2/m_a over |f|^2.
-    pub inverse_mass: f64,
-    /// The matrix of `total` on a rigid body is this times f f^T, with the elastic wrench f on it, 1/(N s).
-    coefficient: f64,
-    /// Rate of the nodes, 1/s.
-    rate: f64,
-    power: f64,
-}
 
 /// How easily a patch gives way, and how it moves.
 #[derive(Debug, Clone, Copy, Default)]

@@ -2,9 +2,10 @@
 
 use super::bristle::{Bristle, Mobility, Touch};
 use super::current::Operand;
-use super::kernel::DeformableScratch;
+use super::outcome::{Dashpot, Outcome};
+use super::pair::{FrictionStart, Mover, Pair};
 use super::patches::Patches;
-use super::respond::{Dashpot, FrictionStart, Mover, Outcome, Pair};
+use super::scratch::DeformableScratch;
 use super::sums::{PairSums, TriangleLoad};
 use femdem_mesh::Vector3;
 

@@ -9,8 +9,6 @@
 //! the same cost in step length they would damp the rocking of a body a hundred times less.)
 
 use super::record::NodalState;
-use super::respond::{Mover, Pair};
-use crate::rocking::Turn;
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -30,9 +28,9 @@ pub(crate) struct Turning {
     /// Velocity of the centre, m/s.
     velocity: Vector3,
     /// Angular velocity, rad/s.
-    rate: Vector3,
+    pub rate: Vector3,
     /// The same as `inverse_inertia`; 0 if no node is free.
-    mobility: Matrix3,
+    pub mobility: Matrix3,
 }
 
 impl Turning {
@@ -115,21 +113,6 @@ impl Turning {
         let turning = self.inverse_inertia * moment;
         let nodes = positions.iter().zip(&self.weights);
         nodes.map(move |(x, m)| (straight + turning.cross(&(x - self.centre))) * *m)
-    }
-}
-
-impl Pair<'_> {
-    /// Angular velocities of both sides, and their inverse inertia; `None` if a side cannot turn.
-    pub fn turn(&self) -> Option<Turn> {
-        let side = |side: usize| match &self.movers[side] {
-            Mover::Rigid(motion) => Some((motion.angular_velocity, motion.inverse_inertia)),
-            Mover::Nodes(..) => self.turnings[side].map(|t| (t.rate, t.mobility)),
-        };
-        let ((of_a, w_a), (of_b, w_b)) = (side(0)?, side(1)?);
-        Some(Turn {
-            rates: [of_a, of_b],
-            mobilities: [w_a, w_b],
-        })
     }
 }
 

@@ -6,7 +6,8 @@
 //! are inflated by a margin, so that the lists stay valid while the bodies move
 //! relative to each other by less than that margin.
 
-use super::side::FieldPlane;
+use super::plane::FieldPlane;
+use crate::axes::complete;
 use crate::shape::{ConvexShape, Facet};
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -72,19 +73,6 @@ pub(crate) struct Candidates {
     /// The first `bounding` planes can cut; the others only own cells.
     pub bounding: u16,
     pub facets: SmallVec<[u16; 8]>,
-}
-
-/// Two unit vectors that complete `axis` to a right-handed frame, without branches on
-/// nearly equal components (Duff et al. 2017).
-pub(crate) fn complete(axis: &Vector3) -> [Vector3; 3] {
-    let sign = 1.0_f64.copysign(axis.z);
-    let a = -1.0 / (sign + axis.z);
-    let b = axis.x * axis.y * a;
-    [
-        *axis,
-        Vector3::new(1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x),
-        Vector3::new(b, sign + axis.y * axis.y * a, -axis.y),
-    ]
 }
 
 /// Lateral extents of the part of a body beyond a level along the first axis.

@@ -4,16 +4,19 @@
 //! free space, with p_w = 2 p, so that a face lying on a wall is as stiff as on an equal
 //! face. The force is p_w sum_k n_k int phi_B dS over the wall planes inside B.
 
-use super::candidates::{Candidates, ContactBox, candidates, complete};
+use super::candidates::{Candidates, ContactBox, candidates};
 use super::cells::PlaneSums;
 use super::clip::{Clipper, Cut, Line, Point};
 use super::deep::{Inner, volume_behind};
-use super::field::PlaneField;
+use super::field::{CLOSE, PlaneField, cut_by_field};
 use super::overlap::Overlap;
 use super::pair::Scratch;
 use super::plan::{MOST_PLANES, Margins, Place, PlanScratch, Reach, below};
+use super::plane::FieldPlane;
 use super::polygon::TooMany;
-use super::side::{CLOSE, FieldPlane, Lever, SideScratch, SideSums, cut_by_field};
+use super::side::SideScratch;
+use super::skin::{Lever, SideSums};
+use crate::axes::complete;
 use crate::error::{ContactError, check_pressure};
 use crate::foundation::{Foundation, FoundationSums};
 use crate::shape::{ConvexShape, Frame, PlaneFrame};

@@ -169,7 +169,7 @@ impl Cells {
 
 #[cfg(test)]
 mod tests {
-    use super::super::side::FieldPlane;
+    use super::super::plane::FieldPlane;
     use super::*;
     use crate::shape::PlaneFrame;
 

@@ -2,8 +2,8 @@
 
 use super::cells::Cells;
 use super::clip::{Clipper, Point};
-use super::field::PlaneField;
-use super::side::{CLOSE, FieldPlane, cut_by_field};
+use super::field::{CLOSE, PlaneField, cut_by_field};
+use super::plane::FieldPlane;
 use crate::shape::{ConvexShape, PlaneFrame};
 use femdem_mesh::{Matrix3, Vector3};
 

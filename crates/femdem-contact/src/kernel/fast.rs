@@ -7,8 +7,9 @@ use super::cells::PlaneSums;
 use super::clip::{Cut, Line, Point};
 use super::field::TIE;
 use super::plan::{FacetPlan, Reach};
+use super::plane::FieldPlane;
 use super::polygon::{Polygon, TooMany};
-use super::side::{FieldPlane, SideSums, Skin};
+use super::skin::{SideSums, Skin};
 use crate::shape::PlaneFrame;
 use femdem_mesh::Vector3;
 

@@ -1,9 +1,13 @@
 //! The planes of the field body, restricted to the plane of a facet, for any number of planes.
 
-use super::clip::{Line, Point};
-use super::side::FieldPlane;
+use super::clip::{Clipper, Cut, Line, Point};
+use super::plane::FieldPlane;
 use crate::shape::PlaneFrame;
 use femdem_mesh::Vector3;
+
+/// Planes that pass the field's centre at less than this fraction of the field body's inradius are too close to the
+/// singular point of the [`Brackets`](super::clip::Brackets).
+pub(crate) const CLOSE: f64 = 1e-3;
 
 /// Round-off of phi; choosing a wrong owner within it changes nothing.
 pub(crate) const TIE: f64 = 1e-15;
@@ -82,4 +86,9 @@ impl<'a> PlaneField<'a> {
             }
         }
     }
+}
+
+/// Cuts the polygon in the clipper by the planes that bound the field.
+pub(crate) fn cut_by_field(clipper: &mut Clipper, field: &PlaneField, bounding: usize) -> bool {
+    (0..bounding).all(|k| clipper.cut(&field.line(k)) != Cut::Empty)
 }

@@ -12,13 +12,15 @@ mod oracle;
 mod overlap;
 mod pair;
 mod plan;
+mod plane;
 mod polygon;
+mod region;
 mod separation;
 mod side;
+mod skin;
 
 pub use cavity::{CavityCache, CavityKernel};
 pub use overlap::{Overlap, mean_penetration};
 pub use pair::{PairCache, PairKernel, Scratch};
 
-pub(crate) use candidates::complete;
 pub(crate) use clip::{Line, Point, integrate};

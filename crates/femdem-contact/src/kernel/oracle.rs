@@ -1,9 +1,10 @@
 //! Tests of the fast path against the general path, which uses no plans.
 
 use super::candidates::{KeptBox, candidates, contact_box};
-use super::pair::{Near, Pose, Scratch, find_near, sides};
+use super::pair::{Near, Scratch, find_near, sides};
 use super::plan::SidePlan;
-use super::side::SideSums;
+use super::region::Pose;
+use super::skin::SideSums;
 use crate::shape::ConvexShape;
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::UnitQuaternion;

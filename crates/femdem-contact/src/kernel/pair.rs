@@ -1,13 +1,15 @@
 //! The gauge-gauge pair kernel (exact polygons) with its cache.
 
-use super::candidates::{ContactBox, KeptBox, candidates, contact_box};
+use super::candidates::{KeptBox, candidates, contact_box};
 use super::deep::volume_within;
+use super::field::CLOSE;
 use super::overlap::Overlap;
 use super::plan::{Margins, PlanScratch, SidePlan};
+use super::plane::{FieldPlane, pose_planes};
+use super::region::{Pose, Region};
 use super::separation::{gap_along, separate};
-use super::side::{
-    CLOSE, FieldPlane, Region, SideScratch, SideSums, Skin, integrate_side, pose_planes,
-};
+use super::side::{SideScratch, integrate_side};
+use super::skin::{SideSums, Skin};
 use crate::error::{ContactError, check_pressure};
 use crate::foundation::{Foundation, FoundationSums};
 use crate::mark::Mark;
@@ -322,33 +324,6 @@ pub(super) fn sides(
     pose_planes(b, &near.on_a.planes, rotation, offset, planes);
     integrate_side(&skin_a, planes, &mut sums[1], side);
     sums
-}
-
-/// The pose of A in B's axes.
-#[derive(Debug)]
-pub(crate) struct Pose {
-    inverse: Matrix3,
-    a_in_b: Vector3,
-}
-
-impl Pose {
-    #[inline]
-    pub fn new(rotation: &Matrix3, offset: &Vector3) -> Self {
-        let inverse = rotation.transpose();
-        Self {
-            inverse,
-            a_in_b: -(inverse * offset),
-        }
-    }
-
-    #[inline]
-    pub fn in_b(&self, region: &ContactBox) -> ContactBox {
-        ContactBox {
-            axes: region.axes.map(|d| self.inverse * d),
-            centre: self.inverse * region.centre + self.a_in_b,
-            half: region.half,
-        }
-    }
 }
 
 impl PairCache {

@@ -9,7 +9,8 @@
 
 use super::candidates::{Candidates, ContactBox};
 use super::clip::{Clipper, Cut, Point};
-use super::side::{BOX_FACES, FieldPlane};
+use super::plane::FieldPlane;
+use super::region::BOX_FACES;
 use crate::shape::{ConvexShape, PlaneFrame};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;

@@ -22,7 +22,7 @@ impl Feature {
         let unit = |v: Vector3, other: Vector3| v.try_normalize(0.0).unwrap_or(other);
         let outward = unit(outward, Vector3::z());
         let along = along - outward * outward.dot(&along);
-        let some = crate::kernel::complete(&outward)[1];
+        let some = crate::axes::complete(&outward)[1];
         let along = unit(along, some);
         Self {
             point,

@@ -101,7 +101,7 @@ impl TestPair {
             rotation: frame_a.rotation * relative.rotation,
         };
         // The outward direction of A's feature points into the wall.
-        let [_, x, y] = crate::kernel::complete(&-contact.outward);
+        let [_, x, y] = crate::axes::complete(&-contact.outward);
         let axes = Matrix3::from_columns(&[x, y, -contact.outward]);
         let frame_wall = Frame {
             position: frame_a.point(&contact.point),

@@ -103,7 +103,7 @@ fn nearest(planes: &[WallPlane]) -> Option<&WallPlane> {
 /// the plane, and more.
 fn half_space(plane: &WallPlane, reach: f64) -> Option<TetMesh> {
     let n = &plane.normal;
-    let [_, e1, e2] = crate::kernel::complete(n);
+    let [_, e1, e2] = crate::axes::complete(n);
     let foot = n * plane.offset;
     // The inscribed circle of the triangle is 4 reach wide and the apex 4 reach deep.
     let size = 4.0 * reach;
@@ -187,7 +187,7 @@ fn interior_point(planes: &[WallPlane], reach: f64) -> Option<Vector3> {
 fn face(planes: &[WallPlane], k: usize, reach: f64, same: f64) -> Vec<Vector3> {
     let n = &planes[k].normal;
     let foot = n * planes[k].offset;
-    let [_, e1, e2] = crate::kernel::complete(n);
+    let [_, e1, e2] = crate::axes::complete(n);
     let size = 8.0 * reach;
     let mut polygon = vec![
         foot + (e1 + e2) * size,

@@ -90,9 +90,8 @@ mod mooney_rivlin;
 mod neo_hookean;
 mod principal;
 mod spectral;
-mod viscous;
 
-pub use any::AnyMaterial;
+pub use any::{AnyMaterial, Viscous};
 pub use custom::CustomMaterial;
 pub use drucker_prager::DruckerPrager;
 pub use hencky::Hencky;
@@ -100,7 +99,6 @@ pub use j2::{J2, Voce};
 pub use moduli::Moduli;
 pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hookean::NeoHookean;
-pub use viscous::Viscous;
 
 use femdem_mesh::Matrix3;
 use std::fmt::Debug;

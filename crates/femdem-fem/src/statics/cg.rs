@@ -3,9 +3,8 @@
 //! The iteration stops early if the tangent is found not to be positive definite, and returns the present
 //! iterate, which is a direction of descent (Steihaug, SIAM J. Numer. Anal. 20, 626 (1983)).
 
-use super::linear::Effort;
 use super::sparse::LowerTriangle;
-use super::{StaticProblem, vector};
+use super::{Effort, StaticProblem, vector};
 use crate::FemError;
 
 /// When to stop.

@@ -4,9 +4,8 @@
 //! each pattern of the tangent. If a tangent is not positive definite, a multiple of the magnitudes of its
 //! diagonal is added (Nocedal and Wright, Numerical Optimization, 2006, alg. 3.3).
 
-use super::linear::Effort;
 use super::sparse::LowerTriangle;
-use super::{StaticProblem, vector};
+use super::{Effort, StaticProblem, vector};
 use crate::FemError;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::{

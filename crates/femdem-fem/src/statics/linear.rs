@@ -3,7 +3,7 @@
 use super::cg::{self, CgLimits};
 #[cfg(feature = "implicit")]
 use super::cholesky::Cholesky;
-use super::{StaticProblem, vector};
+use super::{Effort, StaticProblem, vector};
 use crate::FemError;
 use serde::{Deserialize, Serialize};
 
@@ -21,15 +21,6 @@ pub enum Linear {
     /// Sparse Cholesky factorisation on one thread, fill-reducing order found once. Needs the feature
     /// `implicit`; memory and time grow faster than the mesh (see `docs/validation/statics.md`).
     Cholesky,
-}
-
-/// Work done for one direction.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Effort {
-    /// Iterations of conjugate gradients; factorisations otherwise.
-    pub(super) iterations: usize,
-    /// The tangent was not positive definite, and the direction is not Newton's.
-    pub(super) modified: bool,
 }
 
 /// A linear solver with its memory.

@@ -154,6 +154,15 @@ fn judge<P: StaticProblem + ?Sized>(problem: &P, r: &[f64], tolerance: f64) -> (
     (relative, relative <= tolerance || norm <= rounding)
 }
 
+/// Work done for one direction.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Effort {
+    /// Iterations of conjugate gradients; factorisations otherwise.
+    iterations: usize,
+    /// The tangent was not positive definite, and the direction is not Newton's.
+    modified: bool,
+}
+
 /// Returns an error unless `x` has the right length and is finite.
 fn check_start<P: StaticProblem + ?Sized>(problem: &P, x: &[f64]) -> Result<(), FemError> {
     if x.len() != problem.len() {

@@ -5,6 +5,7 @@ mod build;
 mod deformables;
 mod hash;
 mod implicit;
+mod medium;
 mod newcomers;
 mod query;
 mod relax;

@@ -2,7 +2,8 @@
 
 use super::World;
 use super::deformables::{all_loads, all_wall_loads};
-use super::time_step::USUAL_MOVE;
+use super::medium::{relaxation, resist};
+use super::time_step::{LARGEST_MOVE, USUAL_MOVE};
 use crate::body::Body;
 use crate::clock::Stopwatch;
 use crate::error::{SolveError, check};
@@ -12,9 +13,6 @@ use crate::rotation;
 use femdem_contact::{ContactError, Frame, Load, Wrench};
 use femdem_fem::{Drive, Driven};
 use femdem_mesh::{Pose, Vector3};
-
-/// A step that moves a body by more than this fraction of its bounding radius is a blow-up.
-pub(super) const LARGEST_MOVE: f64 = 0.25;
 
 /// Prescribed motions, as other bodies may meet them.
 pub(super) struct Driving {
@@ -389,25 +387,5 @@ fn kick_body(
     if *medium != Medium::default() {
         let work = (force.dot(&v) + torque.dot(&w)) * h;
         flows.medium_work += body.kinetic_energy() - before - work;
-    }
-}
-
-/// Cundall's local damping of a force, component by component.
-pub(super) fn resist(force: &Vector3, velocity: &Vector3, fraction: f64) -> Vector3 {
-    force.zip_map(velocity, |f, v| {
-        if v == 0.0 {
-            f
-        } else {
-            f - fraction * f.abs() * v.signum()
-        }
-    })
-}
-
-/// exp(-a h) and (1 - exp(-a h))/a.
-pub(super) fn relaxation(rate: f64, h: f64) -> (f64, f64) {
-    if rate == 0.0 {
-        (1.0, h)
-    } else {
-        ((-rate * h).exp(), -(-rate * h).exp_m1() / rate)
     }
 }

@@ -16,6 +16,9 @@ const TOUCH: f64 = 0.45;
 /// A larger step is taken only after so many steps that would all have allowed it.
 const PATIENCE: u32 = 5;
 
+/// A step that moves a body by more than this fraction of its bounding radius is a blow-up.
+pub(super) const LARGEST_MOVE: f64 = 0.25;
+
 /// Fraction of its bounding radius that a body should move in a step at most.
 pub(super) const USUAL_MOVE: f64 = 0.1;
 

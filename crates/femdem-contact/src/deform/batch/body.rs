@@ -1,11 +1,11 @@
 //! The stored state of every deformable body of the batch.
 
-use super::evaluate::Context;
-use super::pairs::{Part, SoftPair, Touching};
-use super::sleep::Sleep;
+use super::pair::SoftPair;
+use super::state::Sleep;
+use super::touching::{Part, Touching};
 use crate::deform::current::Operand;
+use crate::deform::outcome::NodeLoad;
 use crate::deform::record::NodalState;
-use crate::deform::respond::NodeLoad;
 use crate::deform::shape::{DeformableShape, Modulus};
 use crate::deform::turning::Turning;
 use crate::error::ContactError;
@@ -233,7 +233,7 @@ impl SoftBody {
         }
     }
 
-    fn refit(&mut self, operand: &Operand) {
+    pub fn refit(&mut self, operand: &Operand) {
         if let Some(tree) = &mut self.tree {
             let (tree, boxes) = tree.as_mut();
             operand.boxes(boxes);
@@ -266,40 +266,9 @@ pub(crate) fn gather(bodies: &mut [SoftBody], pairs: &[SoftPair], touching: &Tou
     });
 }
 
-/// Data of a body that the contacts of an update need.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Wanted {
-    /// Its tree, up to date.
-    pub tree: bool,
-    /// Its rotation as a whole.
-    pub turning: bool,
-}
-
-/// Updates the data that is needed of the bodies.
-pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Context) {
-    on_each(bodies, |i, body| {
-        let wanted = wanted[i];
-        if wanted.tree
-            && let Some(operand) = context.soft(i as u32, body)
-        {
-            body.refit(&operand);
-        }
-        // Its pairs at rest still have moments against rocking, whose distribution needs it.
-        if body.sleep == Sleep::Frozen && !wanted.turning {
-            return;
-        }
-        let before = body.turning.take();
-        if wanted.turning
-            && let Some(state) = context.states.get(i)
-        {
-            body.turning = Turning::new(state, before);
-        }
-    });
-}
-
 /// Runs `work` on every body with its index, on the threads of the caller's pool; results in the order of the
 /// bodies.
-fn on_each<R: Send>(
+pub(super) fn on_each<R: Send>(
     bodies: &mut [SoftBody],
     work: impl Fn(usize, &mut SoftBody) -> R + Sync + Send,
 ) -> Vec<R> {

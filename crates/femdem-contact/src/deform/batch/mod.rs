@@ -1,30 +1,36 @@
 //! Layer 2: many deformable bodies with the rigid bodies and walls around them.
 
 mod body;
+mod context;
 mod evaluate;
+mod pair;
 mod pairs;
+mod prepare;
 mod sleep;
+mod state;
+mod touching;
 
 use super::kernel::DeformableKernel;
+use super::pair::FrictionStart;
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
-use super::respond::FrictionStart;
 use super::shape::{DeformableShape, Modulus};
+use crate::body_shape::BodyShape;
 use crate::contact::{BodyId, Load};
 use crate::error::{ContactError, check};
 use crate::general::FieldMesh;
 use crate::generalized::Resistance;
 use crate::law::{ContactLaw, ContactParameters};
 use crate::motion::Motion;
-use crate::shape::BodyShape;
 use crate::walls::WallShape;
 use body::SoftBody;
-use evaluate::Context;
+use context::Context;
 use femdem_mesh::Vector3;
-use pairs::{PairList, Part, Touching};
+use pairs::PairList;
 use serde::{Deserialize, Serialize};
-use sleep::Sleep;
+use state::Sleep;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use touching::{Part, Touching};
 
 /// Contact of deformable bodies with each other, with rigid bodies and with walls, with friction
 /// history. Contacts among rigid bodies and walls belong to a
@@ -317,7 +323,7 @@ impl DeformableBatch {
             self.starts.clear();
         }
         let wanted = self.pairs.wanted(&context, &self.bodies);
-        body::prepare(&mut self.bodies, &wanted, &context);
+        prepare::prepare(&mut self.bodies, &wanted, &context);
         let result = evaluate::run(&context, &self.bodies, &mut self.pairs);
         if begins {
             for pair in self.pairs.list_mut() {

@@ -1,86 +1,19 @@
 //! Candidate pairs of bodies, and the stored data of each.
 
 use super::RigidShape;
-use super::body::{SoftBody, Wanted};
-use super::evaluate::Context;
-use super::sleep::Sleep;
+use super::body::SoftBody;
+use super::context::Context;
+use super::pair::SoftPair;
+use super::prepare::Wanted;
+use super::sleep::rests;
 use crate::deform::near::Candidates;
-use crate::deform::record::{DeformablePartner, DeformableTotals};
-use crate::deform::respond::{FrictionStart, Outcome};
-use crate::walls::LocalSolid;
+use crate::deform::record::DeformablePartner;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// How far a body may move before the next search for pairs, over its radius.
 const HALF_SKIN: f64 = 0.05;
-
-/// A body or wall A, and a deformable body B.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct SoftPair {
-    pub a: DeformablePartner,
-    pub b: u32,
-    pub candidates: Candidates,
-    /// The part of a wall of planes near the body.
-    pub local: LocalSolid,
-    pub outcome: Outcome,
-    /// Inverted tetrahedron in the last evaluation: the side and the index.
-    pub failure: Option<(u32, u32)>,
-    pub counts: [u32; 2],
-    /// Initial friction of its springs.
-    pub begins: Option<FrictionStart>,
-}
-
-impl SoftPair {
-    fn new((a, b): (DeformablePartner, u32)) -> Self {
-        Self {
-            a,
-            b,
-            candidates: Candidates::default(),
-            local: LocalSolid::default(),
-            outcome: Outcome::default(),
-            failure: None,
-            counts: [0; 2],
-            begins: None,
-        }
-    }
-
-    pub fn key(&self) -> (DeformablePartner, u32) {
-        (self.a, self.b)
-    }
-
-    /// Its deformable bodies.
-    pub fn deformables(&self) -> impl Iterator<Item = u32> + use<> {
-        let of_a = match self.a {
-            DeformablePartner::Deformable(i) => Some(i),
-            _ => None,
-        };
-        of_a.into_iter().chain([self.b])
-    }
-
-    /// Whether all its bodies are frozen, so that it need not be evaluated.
-    pub fn rests(&self, bodies: &[SoftBody], rigid: &[Sleep]) -> bool {
-        let frozen = |i: u32| {
-            let body = bodies.get(i as usize);
-            body.is_some_and(|body| body.sleep == Sleep::Frozen)
-        };
-        frozen(self.b)
-            && match self.a {
-                DeformablePartner::Deformable(i) => frozen(i),
-                DeformablePartner::Rigid(i) => rigid.get(i as usize) == Some(&Sleep::Frozen),
-                DeformablePartner::Wall(_) => true,
-            }
-    }
-
-    pub fn totals(&self) -> DeformableTotals {
-        DeformableTotals {
-            pairs: 1,
-            candidates: self.counts[0] as usize,
-            pieces: self.counts[1] as usize,
-            ..self.outcome.totals
-        }
-    }
-}
 
 /// Candidate pairs, sorted.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -193,7 +126,7 @@ impl PairList {
     pub fn wanted(&mut self, context: &Context, bodies: &[SoftBody]) -> Vec<Wanted> {
         let mut wanted = vec![Wanted::default(); bodies.len()];
         let rigid = context.rigid_sleep;
-        for pair in self.list.iter_mut().filter(|p| !p.rests(bodies, rigid)) {
+        for pair in self.list.iter_mut().filter(|p| !rests(p, bodies, rigid)) {
             if let (DeformablePartner::Wall(w), Some(body)) = (pair.a, bodies.get(pair.b as usize))
             {
                 let (solid, fresh) = context.wall(&mut pair.local, w, body);
@@ -218,47 +151,6 @@ impl PairList {
             }
         }
         wanted
-    }
-}
-
-/// A pair, and the side of a body in it.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Part {
-    /// Index of the pair in the list.
-    pub place: u32,
-    pub side: u8,
-}
-
-/// The touching pairs of each body, in their order.
-pub(crate) struct Touching {
-    /// Start of the entries of each body.
-    starts: Vec<u32>,
-    parts: Vec<Part>,
-}
-
-impl Touching {
-    /// From (body, part) in the order of the pairs; bodies are below `bodies`.
-    pub fn new(all: &[(u32, Part)], bodies: usize) -> Self {
-        let known = || all.iter().filter(|(body, _)| (*body as usize) < bodies);
-        let mut starts = vec![0; bodies + 1];
-        for (body, _) in known() {
-            starts[*body as usize + 1] += 1;
-        }
-        for body in 0..bodies {
-            starts[body + 1] += starts[body];
-        }
-        let mut next = starts.clone();
-        let mut parts = vec![Part::default(); starts[bodies] as usize];
-        for (body, part) in known() {
-            let next = &mut next[*body as usize];
-            parts[*next as usize] = *part;
-            *next += 1;
-        }
-        Self { starts, parts }
-    }
-
-    pub fn of(&self, body: usize) -> &[Part] {
-        &self.parts[self.starts[body] as usize..self.starts[body + 1] as usize]
     }
 }
 

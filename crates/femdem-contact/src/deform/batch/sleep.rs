@@ -2,44 +2,10 @@
 
 use super::DeformableBatch;
 use super::body::SoftBody;
-use super::pairs::SoftPair;
+use super::pair::SoftPair;
+use super::state::Sleep;
 use crate::contact::BodyId;
 use crate::deform::record::DeformablePartner;
-use serde::{Deserialize, Serialize};
-
-/// Whether a body may move.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Sleep {
-    Awake,
-    /// Stopped since the last evaluation of its contacts.
-    Stopped,
-    /// Its contacts were evaluated with it at rest.
-    Frozen,
-}
-
-impl Sleep {
-    fn set(&mut self, awake: bool) {
-        *self = match (awake, *self) {
-            (true, _) => Self::Awake,
-            (false, Self::Awake) => Self::Stopped,
-            (false, asleep) => asleep,
-        };
-    }
-
-    /// Makes the next update evaluate all its pairs once more.
-    pub fn stir(&mut self) {
-        if *self == Self::Frozen {
-            *self = Self::Stopped;
-        }
-    }
-
-    /// Ends an update.
-    fn settle(&mut self) {
-        if *self == Self::Stopped {
-            *self = Self::Frozen;
-        }
-    }
-}
 
 impl DeformableBatch {
     /// Whether a deformable body is awake; `false` for one that does not exist.
@@ -110,7 +76,7 @@ pub(super) fn stir(bodies: &mut [SoftBody], rigid: &[Sleep], pairs: &[SoftPair],
         body.stirred = all || body.sleep != Sleep::Frozen;
     }
     for pair in pairs {
-        if pair.rests(bodies, rigid) {
+        if rests(pair, bodies, rigid) {
             continue;
         }
         for i in pair.deformables() {
@@ -119,4 +85,18 @@ pub(super) fn stir(bodies: &mut [SoftBody], rigid: &[Sleep], pairs: &[SoftPair],
             }
         }
     }
+}
+
+/// Whether all bodies of a pair are frozen, so that it need not be evaluated.
+pub(super) fn rests(pair: &SoftPair, bodies: &[SoftBody], rigid: &[Sleep]) -> bool {
+    let frozen = |i: u32| {
+        let body = bodies.get(i as usize);
+        body.is_some_and(|body| body.sleep == Sleep::Frozen)
+    };
+    frozen(pair.b)
+        && match pair.a {
+            DeformablePartner::Deformable(i) => frozen(i),
+            DeformablePartner::Rigid(i) => rigid.get(i as usize) == Some(&Sleep::Frozen),
+            DeformablePartner::Wall(_) => true,
+        }
 }

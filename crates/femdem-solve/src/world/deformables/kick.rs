@@ -5,7 +5,7 @@ use super::{Deformables, State};
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
 use crate::world::World;
-use crate::world::step::{relaxation, resist};
+use crate::world::medium::{relaxation, resist};
 use femdem_contact::deform::DeformableBatch;
 use femdem_fem::DeformableModel;
 use femdem_mesh::Vector3;

@@ -6,7 +6,7 @@ use super::{Deformables, RENEW, Scratch, State};
 use crate::error::SolveError;
 use crate::ledger::Flows;
 use crate::world::World;
-use crate::world::step::LARGEST_MOVE;
+use crate::world::time_step::LARGEST_MOVE;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, NodalState};
 use femdem_contact::{BodyId, ContactBatch, ContactError, Load, Motion, stable_step};

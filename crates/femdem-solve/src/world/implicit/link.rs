@@ -3,7 +3,7 @@
 
 mod works;
 
-use super::system::Twist;
+use super::twist::Twist;
 use femdem_contact::{Contact, ContactForce, LimitSurface, Springs};
 use femdem_mesh::nalgebra::{Matrix6, Vector6};
 use femdem_mesh::{Matrix3, Vector3};

@@ -11,9 +11,11 @@
 
 mod link;
 mod system;
+mod twist;
 
 use super::World;
-use super::step::{LARGEST_MOVE, relaxation};
+use super::medium::relaxation;
+use super::time_step::LARGEST_MOVE;
 use crate::body::Body;
 use crate::clock::Stopwatch;
 use crate::error::{SolveError, check};
@@ -23,7 +25,8 @@ use crate::rotation;
 use femdem_contact::{BodyId, Contact, ContactForce, Motion, Partner, Snapshot, Wrench};
 use femdem_mesh::{Matrix3, Rotation, Vector3};
 use link::Link;
-use system::{Inertia, System, Twist};
+use system::{Inertia, System};
+use twist::Twist;
 
 /// Tolerance of the solutions that only decide the state of the contacts, over that of the last.
 const ROUGH: f64 = 3.0;

@@ -1,26 +1,9 @@
 //! The linear system of an implicit step, solved by conjugate gradients.
 
 use super::link::Link;
+use super::twist::Twist;
 use femdem_mesh::nalgebra::{Matrix6, Vector6};
 use femdem_mesh::{Matrix3, Vector3};
-
-/// Velocity and turning of a body (m/s, rad/s), or force and torque (N, N m).
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Twist {
-    pub velocity: Vector3,
-    pub turning: Vector3,
-}
-
-impl Twist {
-    fn dot(&self, other: &Self) -> f64 {
-        self.velocity.dot(&other.velocity) + self.turning.dot(&other.turning)
-    }
-
-    fn add_scaled(&mut self, other: &Self, scale: f64) {
-        self.velocity += other.velocity * scale;
-        self.turning += other.turning * scale;
-    }
-}
 
 /// Mass (kg/s) and inertia (kg m^2/s, world axes) of a body over the step.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,8 @@
 //! Kelvin-Voigt viscosity beside any law.
 
-use super::{AnyMaterial, Deformation, Material, Response, Tangent};
+use super::AnyMaterial;
 use crate::error::{FemError, check};
+use crate::material::{Deformation, Material, Response, Tangent};
 use femdem_mesh::Matrix3;
 use serde::{Deserialize, Serialize};
 

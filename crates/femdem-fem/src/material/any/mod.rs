@@ -1,8 +1,12 @@
 //! One type for all laws, for models and files.
 
+mod viscous;
+
+pub use viscous::Viscous;
+
 use super::{
     CustomMaterial, Deformation, DruckerPrager, Hencky, J2, Material, MooneyRivlin, NeoHookean,
-    Response, Tangent, Viscous,
+    Response, Tangent,
 };
 use crate::error::FemError;
 use serde::{Deserialize, Serialize};

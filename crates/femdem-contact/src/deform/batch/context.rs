@@ -1,0 +1,75 @@
+//! What the stages of an update share: shapes, places and laws.
+
+use super::RigidShape;
+use super::body::SoftBody;
+use super::pair::SoftPair;
+use super::state::Sleep;
+use crate::deform::current::Operand;
+use crate::deform::kernel::DeformableKernel;
+use crate::deform::record::{DeformablePartner, NodalState};
+use crate::deform::shape::DeformableShape;
+use crate::general::SolidWall;
+use crate::law::ContactParameters;
+use crate::motion::Motion;
+use crate::walls::WallShape;
+use std::sync::Arc;
+
+/// Data shared by all pairs of one update.
+pub(crate) struct Context<'a> {
+    pub parameters: &'a ContactParameters,
+    /// The law of pairs whose side A is a wall.
+    pub at_walls: ContactParameters,
+    pub kernel: &'a DeformableKernel,
+    pub shapes: &'a [Arc<DeformableShape>],
+    pub rigid_shapes: &'a [RigidShape],
+    pub rigid_kinds: &'a [u32],
+    pub rigid_sleep: &'a [Sleep],
+    pub wall_shapes: &'a [WallShape],
+    pub states: &'a [NodalState<'a>],
+    pub rigid: &'a [Motion],
+    pub walls: &'a [Motion],
+    /// Time since the last update, s.
+    pub dt: f64,
+}
+
+impl Context<'_> {
+    /// Body `i`, as input of the kernel.
+    pub fn soft(&self, i: u32, body: &SoftBody) -> Option<Operand<'_>> {
+        let shape = self.shapes.get(body.shape as usize)?;
+        let state = self.states.get(i as usize)?;
+        Some(Operand::Deformable(shape, state.positions))
+    }
+
+    /// Running bound of the sum of the travels of A and B, m.
+    pub fn motion(&self, pair: &SoftPair, bodies: &[SoftBody]) -> f64 {
+        let of = |i: u32| bodies[i as usize].travelled;
+        let of_a = match pair.a {
+            DeformablePartner::Deformable(i) => of(i),
+            DeformablePartner::Rigid(i) => self.rigid[i as usize].travelled,
+            DeformablePartner::Wall(w) => self.walls[w as usize].travelled,
+        };
+        of_a + of(pair.b)
+    }
+
+    /// The solid of the wall of a pair, and whether it was rebuilt. `None` if no part of the wall is near.
+    pub fn wall<'p>(
+        &'p self,
+        pair_local: &'p mut crate::walls::LocalSolid,
+        w: u32,
+        body: &SoftBody,
+    ) -> (Option<&'p SolidWall>, bool) {
+        let (Some(shape), Some(motion)) =
+            (self.wall_shapes.get(w as usize), self.walls.get(w as usize))
+        else {
+            return (None, false);
+        };
+        match shape {
+            WallShape::Mesh(wall) => (Some(wall.solid_wall()), false),
+            WallShape::Planes(wall) => {
+                let from = body.centre - motion.frame.position;
+                let x = motion.frame.rotation.tr_mul(&from);
+                pair_local.near(wall, &x, body.reach)
+            }
+        }
+    }
+}

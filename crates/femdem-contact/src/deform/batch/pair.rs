@@ -1,0 +1,61 @@
+//! A pair with a deformable body.
+
+use crate::deform::near::Candidates;
+use crate::deform::outcome::Outcome;
+use crate::deform::pair::FrictionStart;
+use crate::deform::record::{DeformablePartner, DeformableTotals};
+use crate::walls::LocalSolid;
+use serde::{Deserialize, Serialize};
+
+/// A body or wall A, and a deformable body B.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct SoftPair {
+    pub a: DeformablePartner,
+    pub b: u32,
+    pub candidates: Candidates,
+    /// The part of a wall of planes near the body.
+    pub local: LocalSolid,
+    pub outcome: Outcome,
+    /// Inverted tetrahedron in the last evaluation: the side and the index.
+    pub failure: Option<(u32, u32)>,
+    pub counts: [u32; 2],
+    /// Initial friction of its springs.
+    pub begins: Option<FrictionStart>,
+}
+
+impl SoftPair {
+    pub fn new((a, b): (DeformablePartner, u32)) -> Self {
+        Self {
+            a,
+            b,
+            candidates: Candidates::default(),
+            local: LocalSolid::default(),
+            outcome: Outcome::default(),
+            failure: None,
+            counts: [0; 2],
+            begins: None,
+        }
+    }
+
+    pub fn key(&self) -> (DeformablePartner, u32) {
+        (self.a, self.b)
+    }
+
+    /// Its deformable bodies.
+    pub fn deformables(&self) -> impl Iterator<Item = u32> + use<> {
+        let of_a = match self.a {
+            DeformablePartner::Deformable(i) => Some(i),
+            _ => None,
+        };
+        of_a.into_iter().chain([self.b])
+    }
+
+    pub fn totals(&self) -> DeformableTotals {
+        DeformableTotals {
+            pairs: 1,
+            candidates: self.counts[0] as usize,
+            pieces: self.counts[1] as usize,
+            ..self.outcome.totals
+        }
+    }
+}

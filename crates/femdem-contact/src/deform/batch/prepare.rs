@@ -1,0 +1,37 @@
+//! Data of a body that the contacts of an update need.
+
+use super::body::{SoftBody, on_each};
+use super::context::Context;
+use super::state::Sleep;
+use crate::deform::turning::Turning;
+
+/// Data of a body that the contacts of an update need.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Wanted {
+    /// Its tree, up to date.
+    pub tree: bool,
+    /// Its rotation as a whole.
+    pub turning: bool,
+}
+
+/// Updates the data that is needed of the bodies.
+pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Context) {
+    on_each(bodies, |i, body| {
+        let wanted = wanted[i];
+        if wanted.tree
+            && let Some(operand) = context.soft(i as u32, body)
+        {
+            body.refit(&operand);
+        }
+        // Its pairs at rest still have moments against rocking, whose distribution needs it.
+        if body.sleep == Sleep::Frozen && !wanted.turning {
+            return;
+        }
+        let before = body.turning.take();
+        if wanted.turning
+            && let Some(state) = context.states.get(i)
+        {
+            body.turning = Turning::new(state, before);
+        }
+    });
+}

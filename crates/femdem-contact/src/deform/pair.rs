@@ -1,0 +1,67 @@
+//! Two sides in contact, and how they move.
+
+use super::current::Operand;
+use super::near::Near;
+use super::record::{DeformablePartner, NodalState};
+use super::turning::Turning;
+use crate::law::ContactParameters;
+use crate::motion::Motion;
+use crate::rocking::Turn;
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Motion of one side of a pair.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Mover<'a> {
+    Nodes(NodalState<'a>),
+    Rigid(&'a Motion),
+}
+
+/// A pair of bodies in contact.
+pub(crate) struct Pair<'a> {
+    pub ids: (DeformablePartner, u32),
+    pub sides: [Operand<'a>; 2],
+    pub movers: [Mover<'a>; 2],
+    /// Slowest elastic oscillations of the deformable sides, rad/s; 0 if not known.
+    pub frequencies: [f64; 2],
+    /// Rotation as a whole of the deformable sides.
+    pub turnings: [Option<&'a Turning>; 2],
+    pub near: &'a Near,
+    pub law: &'a ContactParameters,
+    /// Initial friction of the springs.
+    pub begins: Option<FrictionStart>,
+    /// Time since the last evaluation, s.
+    pub dt: f64,
+}
+
+impl Pair<'_> {
+    /// Angular velocities of both sides, and their inverse inertia; `None` if a side cannot turn.
+    pub fn turn(&self) -> Option<Turn> {
+        let side = |side: usize| match &self.movers[side] {
+            Mover::Rigid(motion) => Some((motion.angular_velocity, motion.inverse_inertia)),
+            Mover::Nodes(..) => self.turnings[side].map(|t| (t.rate, t.mobility)),
+        };
+        let ((of_a, w_a), (of_b, w_b)) = (side(0)?, side(1)?);
+        Some(Turn {
+            rates: [of_a, of_b],
+            mobilities: [w_a, w_b],
+        })
+    }
+}
+
+/// Initial friction of a pair's springs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct FrictionStart {
+    /// On B, N.
+    pub force: Vector3,
+    /// On B about the normal, N m.
+    pub torsion: f64,
+}
+
+impl FrictionStart {
+    /// The same if the two sides have changed places: the moment about the normal is the same seen from either.
+    pub fn seen_from(self, swapped: bool) -> Self {
+        let force = if swapped { -self.force } else { self.force };
+        Self { force, ..self }
+    }
+}
