@@ -291,10 +291,15 @@ fn orientation(snapshot: &Snapshot) -> BodyValues {
 }
 
 impl BodyValues {
-    /// Round numbers on the scale, about six, and the last number of a sequence.
+    /// Round numbers on the scale, about six, and the last number of a sequence. None on a scale that has no ends,
+    /// or is logarithmic and does not begin above zero.
     #[must_use]
     pub fn ticks(&self) -> Vec<f64> {
         let [low, high] = self.range;
+        let has_logarithm = self.spacing != Spacing::Log || low > 0.0;
+        if !(low.is_finite() && high.is_finite() && has_logarithm) {
+            return Vec::new();
+        }
         match self.spacing {
             Spacing::Log => decades(low, high),
             Spacing::Linear if low == 0.0 && high.fract() == 0.0 && high > 6.0 => to_the_last(high),
@@ -424,5 +429,26 @@ mod tests {
         assert!((force.place(10.0).unwrap() - 0.5).abs() < 1e-12);
         assert_eq!(force.place(1e9), Some(1.0));
         assert_eq!(force.place(f64::NAN), None);
+    }
+
+    #[test]
+    fn a_scale_without_ends_has_no_ticks() {
+        let ticks = |range, spacing| {
+            let values = BodyValues {
+                title: String::new(),
+                note: String::new(),
+                values: Vec::new(),
+                range,
+                spacing,
+            };
+            values.ticks()
+        };
+        for spacing in [Spacing::Linear, Spacing::Log, Spacing::Whole] {
+            for range in [[0.0, f64::INFINITY], [f64::NAN, 1.0], [-f64::INFINITY, 1.0]] {
+                assert!(ticks(range, spacing).is_empty(), "{range:?} {spacing:?}");
+            }
+        }
+        assert!(ticks([0.0, 1.0], Spacing::Log).is_empty());
+        assert_eq!(ticks([1.0, 100.0], Spacing::Log).len(), 5);
     }
 }
