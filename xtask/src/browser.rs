@@ -37,7 +37,7 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
             "test",
             "--locked",
             "--package",
-            "femdem",
+            "femdem-view",
             "--test",
             "browser",
         ])

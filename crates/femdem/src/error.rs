@@ -7,19 +7,12 @@ use femdem_contact::ContactError;
 use femdem_fem::FemError;
 use femdem_pack::PackError;
 use femdem_solve::SolveError;
+use femdem_view::ViewError;
 
-/// Errors of the files, pictures and scenes of this crate.
+/// Errors of the scenes and runs of this crate, and of the crates below it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file could not be written.
-    #[error("cannot write {}: {source}; check that the folder exists, may be written to, and has room", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The error of the system.
-        source: io::Error,
-    },
     /// A file could not be read.
     #[error("cannot read {}: {source}", path.display())]
     Read {
@@ -28,45 +21,6 @@ pub enum Error {
         /// The error of the system.
         source: io::Error,
     },
-    /// A body names a shape that does not exist.
-    #[error("body {body} has shape {shape}, but there are {shapes} shapes")]
-    ShapeIndex {
-        /// The body.
-        body: usize,
-        /// Its shape.
-        shape: u32,
-        /// Number of shapes.
-        shapes: usize,
-    },
-    /// A contact names a body that does not exist.
-    #[error("contact {contact} names body {body}, but there are {bodies} bodies")]
-    BodyIndex {
-        /// Index of the contact.
-        contact: usize,
-        /// The body that it names.
-        body: u32,
-        /// Number of bodies.
-        bodies: usize,
-    },
-    /// Some bodies have masses, but not all.
-    #[error("{masses} masses for {bodies} bodies; give one for each, or none")]
-    Masses {
-        /// Number of masses.
-        masses: usize,
-        /// Number of bodies.
-        bodies: usize,
-    },
-    /// A pose, a mass or a force is NaN or infinite.
-    #[error("{what} {index} holds a number that is not finite")]
-    NotFinite {
-        /// "body", "the mass of body" or "contact".
-        what: &'static str,
-        /// Its index.
-        index: usize,
-    },
-    /// There is no body to draw.
-    #[error("there is no body to draw")]
-    NothingToDraw,
     /// A body goes through another or through a wall.
     #[error(
         "at {time:.6} s \"{b}\" lies in \"{a}\" by {:.0} % of the smaller one's volume: contact.penalty = {penalty:e} Pa \
@@ -142,16 +96,6 @@ pub enum Error {
         /// The place and the fault.
         message: String,
     },
-    /// A table from elsewhere has a fault.
-    #[error("{}, line {line}: {message}", path.display())]
-    Table {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// What is wrong.
-        message: String,
-    },
     /// An entry of a scenario was refused, or a body of it failed.
     #[error("{entry}: {fault}")]
     Entry {
@@ -178,6 +122,9 @@ pub enum Error {
     /// A pack could not be measured.
     #[error(transparent)]
     Analysis(#[from] femdem_analysis::AnalysisError),
+    /// Something could not be written or drawn, or a pack from elsewhere was refused.
+    #[error(transparent)]
+    View(#[from] ViewError),
 }
 
 impl Error {

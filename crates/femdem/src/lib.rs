@@ -49,7 +49,8 @@
 //! | vertices, or a surface file | a checked body with its mass properties, a mesh of it | [`mesh`] |
 //!
 //! A pack passes through these as data: [`pack::Packing`] → [`results::snapshot`] → [`Snapshot`] → [`output`],
-//! [`picture`], [`Summary`]. Nothing here holds global state, prints, or starts threads; only the program does.
+//! [`picture`], [`Summary`]. What takes a [`Snapshot`] is the crate femdem-view, which needs none of the crates of
+//! contacts and motion. Nothing here holds global state, prints, or starts threads; only the program does.
 //!
 //! # Units
 //! SI: m, kg, s, N, J, Pa. d is the circumscribed diameter of a body; `_over_d` is relative to it.
@@ -67,32 +68,32 @@
 //! contact is a rule with limits ([`ContactClass::of_patch`]).
 
 pub mod analysis;
-mod colouring;
 mod error;
-pub mod input;
-pub mod output;
-pub mod picture;
-pub mod plot;
-pub mod report;
 pub mod resolve;
 pub mod results;
 pub mod run;
 pub mod scene;
-mod snapshot;
-#[cfg(test)]
-mod testing;
-mod ticks;
 mod toml_file;
 
+// Each as a line of the docs: listed here, their items would be there twice, and all those of nalgebra with them.
+#[doc(no_inline)]
 pub use femdem_contact as contact;
+#[doc(no_inline)]
 pub use femdem_fem as fem;
+#[doc(no_inline)]
 pub use femdem_mesh as mesh;
+#[doc(no_inline)]
 pub use femdem_pack as pack;
+#[doc(no_inline)]
 pub use femdem_solve as solve;
 
-pub use colouring::{BodyValues, Colouring, Spacing};
+pub use femdem_view::{input, output, picture, plot, report};
+
 pub use error::Error;
 pub use femdem_analysis::{ContactClass, Patch};
+pub use femdem_view::{
+    Body, BodyLoad, BodyValues, Colouring, ContactRow, Drawing, Gaps, NamedShape, Partner,
+    Snapshot, Spacing, ViewError,
+};
 pub use results::{Summary, Usage};
 pub use scene::Scene;
-pub use snapshot::{Body, BodyLoad, ContactRow, Drawing, Gaps, NamedShape, Partner, Snapshot};

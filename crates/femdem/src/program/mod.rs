@@ -59,7 +59,7 @@ mod tests {
     fn a_cause_is_said_once() {
         let source = std::io::Error::other("no room");
         let path = "a.csv".into();
-        let error = Err::<(), _>(femdem::Error::Write { path, source })
+        let error = Err::<(), _>(femdem::ViewError::Write { path, source })
             .context("the table was not written")
             .unwrap_err();
         let text = described(&error);

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use femdem::analysis::{TableOptions, Tables};
 use femdem::picture::{Image, PictureOptions, draw_by};
@@ -58,7 +59,7 @@ pub(crate) struct PictureArgs {
     pub elevation: Option<f64>,
 
     /// What the bodies of a pack are coloured by [default: sequence]
-    #[arg(long, value_enum, alias = "color")]
+    #[arg(long, value_parser = colouring(), alias = "color")]
     pub colour: Option<Colouring>,
 
     /// Width and height in pixels, 16 to 8192 each
@@ -79,6 +80,28 @@ pub(crate) struct PictureArgs {
     /// Nothing on the terminal; errors are still shown
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// The colourings by name.
+fn colouring() -> impl TypedValueParser<Value = Colouring> {
+    let values = Colouring::ALL.map(|colouring| {
+        PossibleValue::new(colouring.name()).help(match colouring {
+            Colouring::Sequence => {
+                "Number in the order of placement; bodies placed together share one. If all are, the number of the body"
+            }
+            Colouring::Coordination => "Number of bodies and walls that push on the body",
+            Colouring::Force => "Sum of the normal forces on the body",
+            Colouring::Density => "Volume of the body over the volume of its Set-Voronoi cell",
+            Colouring::Orientation => {
+                "Angle between the body's axis, or its nearest face normal, and the vertical"
+            }
+        })
+    });
+    PossibleValuesParser::new(values).try_map(|name| {
+        let mut all = Colouring::ALL.into_iter();
+        all.find(|colouring| colouring.name() == name)
+            .ok_or("there is no such colour")
+    })
 }
 
 /// "1200x800" as two numbers.

@@ -8,6 +8,7 @@ use clap::Args;
 use femdem::analysis::{TableOptions, Tables};
 use femdem::pack::Packing;
 use femdem::report::Report;
+use femdem::results::run_facts;
 use femdem::{Scene, Snapshot, Summary, Usage, output};
 
 use super::job::{Outcome, in_pool};
@@ -67,18 +68,13 @@ pub(crate) fn write(
     fs::create_dir_all(&plots)
         .with_context(|| format!("cannot make the folder {}", plots.display()))?;
     let tables = Tables::compute(snapshot, &TableOptions::default())?;
-    let mut report = Report::new(snapshot).with_tables(&tables);
     let summary = run.map(|(packing, usage)| Summary::of(packing, snapshot, usage));
     let summary = summary.transpose()?;
-    if let Some(summary) = &summary {
-        report = report.with_summary(summary);
-    }
     // Packs from elsewhere have no scene.
     let path = folder.join("scene.toml");
     let scene = path.is_file().then(|| Scene::read(&path)).transpose()?;
-    if let Some(scene) = &scene {
-        report = report.with_scene(scene);
-    }
+    let facts = run_facts(summary.as_ref(), scene.as_ref());
+    let report = Report::new(snapshot).with_tables(&tables).with_run(facts);
     let page = out.join(PAGE);
     let html = report.html()?;
     output::write_file(&page, |w| std::io::Write::write_all(w, html.as_bytes()))?;

@@ -7,10 +7,10 @@ use std::path::Path;
 use femdem_analysis::{Cell, Table};
 use femdem_fem::von_mises;
 use femdem_solve::WorldRelaxed;
+use femdem_view::output::write_file;
 use serde::Serialize;
 
 use super::{BodyMean, ResolveOptions, Resolved};
-use crate::output::write_file;
 use crate::{Drawing, Error};
 
 /// The contents of `resolve.json`.
@@ -74,7 +74,7 @@ impl Resolved {
     ///
     /// # Errors
     ///
-    /// [`Error::Write`] for a file that cannot be written.
+    /// [`Error::View`] for a file that cannot be written.
     pub fn write(
         &self,
         folder: &Path,

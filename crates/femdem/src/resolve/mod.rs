@@ -38,6 +38,7 @@ use femdem_solve::{
     ContactStiffness, DeformableSpec, Drive, ModelId, Shape, SolveError, World, WorldRelaxation,
     WorldRelaxed,
 };
+use femdem_view::ViewError;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
@@ -197,11 +198,12 @@ impl Models {
         world: &mut World,
     ) -> Result<ModelId, Error> {
         let Some(shape) = rigid.shape(id) else {
-            return Err(Error::ShapeIndex {
+            return Err(ViewError::ShapeIndex {
                 body: 0,
                 shape: id,
                 shapes: rigid.shapes().len(),
-            });
+            }
+            .into());
         };
         let density = mass / shape.polyhedron.mass_properties().volume;
         if let Some(&model) = self.by_shape.get(&(id, density.to_bits())) {

@@ -3,9 +3,9 @@
 use femdem_analysis::Region;
 use femdem_mesh::{Point3, Polyhedron, Vector3};
 use femdem_pack::{Container, Packing};
+use femdem_view::picture::{circle, sides};
 
 use crate::Drawing;
-use crate::picture::{circle, sides};
 
 /// Cosine of the smallest angle between faces of a solid whose edge is drawn.
 const SHARP: f64 = 0.9;
@@ -65,7 +65,7 @@ pub(super) fn drawing(packing: &Packing) -> Option<Drawing> {
         }
         Container::Box { .. } | Container::Cylinder { .. } => {
             let rim = spec.rim?;
-            Some(crate::picture::outline(&inside(packing)?, rim))
+            Some(Drawing::of_region(&inside(packing)?, rim))
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use femdem_view::output::short_number;
+
 use super::Summary;
 use super::parts::SOLID;
 
@@ -17,7 +19,7 @@ impl fmt::Display for Summary {
             "{} bodies {}, d = {} m, {state}",
             self.count,
             self.shape,
-            short(self.diameter)
+            short_number(self.diameter)
         )?;
         let mut line = |name: &str, text: String| writeln!(f, "  {name:<20} {text}");
         line("packing density", self.density_text())?;
@@ -49,10 +51,10 @@ impl fmt::Display for Summary {
             "energy",
             format!(
                 "{} J in, {} J left, {} J to friction, {} J to damping; ledger error {:.1e}",
-                short(e.initial),
-                short(e.final_energy),
-                short(e.dissipated_friction),
-                short(e.dissipated_damping),
+                short_number(e.initial),
+                short_number(e.final_energy),
+                short_number(e.dissipated_friction),
+                short_number(e.dissipated_damping),
                 e.ledger_error_relative
             ),
         )?;
@@ -67,17 +69,6 @@ impl fmt::Display for Summary {
         )?;
         line("cost", self.cost_text())?;
         line("state hash", self.state_hash.clone())
-    }
-}
-
-/// A number to four digits, without trailing zeros; with an exponent if it is small or large.
-pub(crate) fn short(value: f64) -> String {
-    let scientific = format!("{value:.3e}");
-    match scientific.parse::<f64>() {
-        Ok(rounded) if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) => {
-            rounded.to_string()
-        }
-        _ => scientific,
     }
 }
 
@@ -135,24 +126,5 @@ impl Summary {
             "{:.1} s on {} threads{cpu}{pair}{memory}",
             self.wall_seconds, self.threads
         )
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_short_and_keep_four_digits() {
-        for (value, text) in [
-            (0.050_000_000_000_000_02, "0.05"),
-            (10.604_9, "10.6"),
-            (-123.456, "-123.5"),
-            (0.0, "0"),
-            (1.234_567e-7, "1.235e-7"),
-            (f64::NAN, "NaN"),
-        ] {
-            assert_eq!(short(value), text);
-        }
     }
 }

@@ -2,6 +2,7 @@
 
 mod container;
 mod display;
+mod facts;
 mod parts;
 mod summary;
 
@@ -12,16 +13,16 @@ use femdem_mesh::{Point3, Vector3};
 use femdem_pack::Packing;
 use femdem_solve::World;
 
-pub(crate) use display::short;
+pub use facts::run_facts;
 pub use parts::{ContainerSummary, ShapeSummary};
 pub use summary::{
     ContactLawSummary, CoordinationSummary, Core, DensitySummary, EnergySummary,
     PenetrationSummary, ResidualSummary, SCHEMA, Summary, Usage,
 };
 
-use crate::output::{csv, surface, vtp, vtu, write_file};
-use crate::picture::{PictureOptions, draw};
 use crate::{Body, ContactClass, ContactRow, Error, Gaps, NamedShape, Partner, Patch, Snapshot};
+use femdem_view::output::{csv, surface, vtp, vtu, write_file};
+use femdem_view::picture::{PictureOptions, draw};
 
 /// The present state of a job's pack, as plain data.
 #[must_use]
@@ -118,7 +119,7 @@ fn mean_diameter(world: &World, contact: &Contact) -> f64 {
 ///
 /// # Errors
 ///
-/// [`Error::Write`] with the file that could not be written, [`Error::Analysis`] if the pack cannot
+/// [`Error::View`] with the file that could not be written, [`Error::Analysis`] if the pack cannot
 /// be measured.
 pub fn write(folder: &Path, packing: &Packing, usage: &Usage) -> Result<Summary, Error> {
     let mut snapshot = snapshot(packing);

@@ -14,7 +14,7 @@ use femdem_pack::Packing;
 use serde::{Deserialize, Serialize};
 
 use super::parts::{ContainerSummary, ShapeSummary};
-use crate::{Error, Snapshot};
+use crate::{Body, Error, Snapshot};
 
 /// Version of the keys of `summary.json`.
 pub const SCHEMA: u32 = 1;
@@ -353,8 +353,11 @@ fn law(packing: &Packing) -> &'static str {
 }
 
 fn overlap_volume_fraction(snapshot: &Snapshot) -> f64 {
-    let volume = |body| snapshot.shape_of(body).polyhedron.mass_properties().volume;
-    let solid: f64 = snapshot.bodies.iter().map(volume).sum();
+    let volume = |body: &Body| {
+        let shape = snapshot.shapes.get(body.shape as usize)?;
+        Some(shape.polyhedron.mass_properties().volume)
+    };
+    let solid: f64 = snapshot.bodies.iter().filter_map(volume).sum();
     // Not `sum`, which is -0 without contacts.
     let overlap = snapshot
         .contacts
@@ -366,7 +369,45 @@ fn overlap_volume_fraction(snapshot: &Snapshot) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::two_cubes;
+    use crate::{ContactClass, ContactRow, NamedShape, Partner};
+    use femdem_mesh::catalogue::{CatalogueShape, Solid};
+    use femdem_mesh::{Point3, Pose, Vector3};
+
+    /// Two cubes of side 1 m, one on the other, on a floor.
+    fn two_cubes() -> Snapshot {
+        let cube = CatalogueShape::from(Solid::P5);
+        let body = |sequence: u32| Body {
+            shape: 0,
+            pose: Pose::translation(0.0, 0.0, 0.5 + f64::from(sequence)),
+            sequence,
+            sleeping: false,
+        };
+        let contact = |partner, z, up: f64, normal_force| ContactRow {
+            body: 0,
+            partner,
+            point: Point3::new(0.0, 0.0, z),
+            normal: Vector3::z() * up,
+            normal_force,
+            friction: Vector3::zeros(),
+            moment: Vector3::zeros(),
+            area: 1.0,
+            volume: 0.001,
+            class: ContactClass::FaceFace,
+            patch: 0,
+        };
+        Snapshot {
+            shapes: vec![NamedShape {
+                name: "P5".to_owned(),
+                polyhedron: cube.polyhedron(3.0_f64.sqrt()).unwrap(),
+            }],
+            bodies: vec![body(0), body(1)],
+            contacts: vec![
+                contact(Partner::Body(1), 1.0, 1.0, 10.0),
+                contact(Partner::Wall("floor".to_owned()), 0.0, -1.0, 20.0),
+            ],
+            ..Snapshot::default()
+        }
+    }
 
     #[test]
     fn two_cubes_of_volume_1_overlap_by_a_thousandth_each_contact() {

@@ -12,11 +12,11 @@ use std::io::{self, Write};
 use femdem_fem::ElementStress;
 use femdem_mesh::Vector3;
 use femdem_solve::{Deformable, SolveError};
+use femdem_view::output::vtk::Document;
+use femdem_view::output::vtu;
 
 use super::contacts::{ContactLine, Side};
 use super::{Member, MemberId, Simulation};
-use crate::output::vtk::Document;
-use crate::output::vtu;
 use crate::{Body, Error, NamedShape, Snapshot};
 
 const VTK_TETRA: u8 = 10;

@@ -6,12 +6,13 @@ use std::io::Write as _;
 use std::path::Path;
 
 use femdem_mesh::Vector3;
+use femdem_view::ViewError;
+use femdem_view::output::csv::quoted;
 use serde::{Deserialize, Serialize};
 
 use super::contacts::ContactForces;
 use super::{MemberId, Simulation};
 use crate::Error;
-use crate::output::csv::quoted;
 
 /// Columns of `history.csv` before those of the walls and supports.
 pub const HISTORY_COLUMNS: [&str; 20] = [
@@ -69,7 +70,7 @@ impl Table {
             let mut file = open(path, self.written)?;
             file.write_all(self.pending.as_bytes())
         };
-        append().map_err(|source| Error::Write {
+        append().map_err(|source| ViewError::Write {
             path: path.to_path_buf(),
             source,
         })?;

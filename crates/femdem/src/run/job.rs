@@ -6,14 +6,15 @@ use std::fs;
 use std::path::Path;
 
 use femdem_mesh::Vector3;
+use femdem_view::ViewError;
+use femdem_view::output::{write_file, write_pvd_parts};
+use femdem_view::picture::PictureOptions;
 use serde::{Deserialize, Serialize};
 
 use super::history::{self, Table};
 use super::relaxation::Relaxing;
 use super::watch::{Deepest, Watch};
 use super::{RelaxSummary, RunSummary, Scenario, Simulation};
-use crate::output::{write_file, write_pvd_parts};
-use crate::picture::PictureOptions;
 use crate::{Error, Usage};
 
 /// Steps between checks for rest.
@@ -174,7 +175,7 @@ impl Run {
     ///
     /// # Errors
     ///
-    /// As [`Simulation::step`], and [`Error::Write`].
+    /// As [`Simulation::step`], and [`Error::View`].
     pub fn advance(&mut self, folder: &Path, steps: u64) -> Result<(), Error> {
         if self.ending.is_none() {
             self.write_due(folder)?;
@@ -204,7 +205,7 @@ impl Run {
     ///
     /// # Errors
     ///
-    /// [`Error::Write`].
+    /// [`Error::View`].
     pub fn flush(&mut self, folder: &Path) -> Result<(), Error> {
         self.history.flush(&folder.join("history.csv"))?;
         if self.scenario.track {
@@ -218,7 +219,7 @@ impl Run {
     ///
     /// # Errors
     ///
-    /// [`Error::Write`].
+    /// [`Error::View`].
     pub fn finish(&mut self, folder: &Path, usage: &Usage) -> Result<RunSummary, Error> {
         if self.frames.last() != Some(&self.simulation.world.time()) {
             self.write_frame(folder)?;
@@ -328,7 +329,7 @@ impl Run {
 
     fn write_frame(&mut self, folder: &Path) -> Result<(), Error> {
         let frames = folder.join("frames");
-        fs::create_dir_all(&frames).map_err(|source| Error::Write {
+        fs::create_dir_all(&frames).map_err(|source| ViewError::Write {
             path: frames.clone(),
             source,
         })?;
@@ -372,7 +373,7 @@ impl Run {
             contacts.push((time, 0, path(CONTACTS)));
         }
         write_pvd_parts(folder.join("run.pvd"), &bodies)?;
-        write_pvd_parts(folder.join("contacts.pvd"), &contacts)
+        Ok(write_pvd_parts(folder.join("contacts.pvd"), &contacts)?)
     }
 }
 

@@ -1,11 +1,10 @@
 //! The picture of a run.
 
 use femdem_mesh::{Point3, Vector3};
+use femdem_view::picture::{Image, PictureOptions, Skin, draw_skins, sides};
 
 use super::{PlaneEntry, Run, Scenario, Simulation};
-use crate::colouring::{BodyValues, Spacing};
-use crate::picture::{Image, PictureOptions, Skin, draw_skins};
-use crate::{Drawing, Error};
+use crate::{BodyValues, Drawing, Error, Spacing};
 
 impl Run {
     /// Draws the bodies in their present state: deformable ones coloured by von Mises stress, rigid ones grey;
@@ -65,7 +64,7 @@ impl Simulation {
             scale(&title, note, [least, most], spacing)
         };
         let drawing = place(&skins);
-        draw_skins(&skins, drawing.as_ref(), &scale, options)
+        Ok(draw_skins(&skins, drawing.as_ref(), &scale, options)?)
     }
 }
 
@@ -162,7 +161,7 @@ impl Scenario {
                         min: Point3::from(space.lower),
                         max: region_high.into(),
                     };
-                    Some(crate::picture::outline(&region, region_high.z))
+                    Some(Drawing::of_region(&region, region_high.z))
                 }
                 _ => None,
             })
@@ -189,7 +188,7 @@ fn floor(plane: &PlaneEntry, low: Vector3, high: Vector3) -> Option<Drawing> {
         corner(left, back),
     ];
     Some(Drawing {
-        lines: crate::picture::sides(&floor).collect(),
+        lines: sides(&floor).collect(),
         floor,
     })
 }

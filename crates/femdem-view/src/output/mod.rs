@@ -1,0 +1,29 @@
+//! The files that a run writes: tables, ParaView files, surfaces.
+//!
+//! | file | module | for |
+//! |---|---|---|
+//! | `bodies.csv`, `contacts.csv` | [`csv`] | spreadsheets and scripts |
+//! | `pack.vtu` | [`vtu`] | ParaView: the bodies as polyhedra |
+//! | `contacts.vtp` | [`vtp`] | ParaView: the contacts as points with forces |
+//! | `analysis/density-map.vti` | [`vti`] | ParaView: local packing density |
+//! | `pack.stl`, `shape-<name>.obj` | [`surface`] | CFD meshing; one body alone |
+//! | `*.pvd` | [`write_pvd`] | ParaView: files of a time series with their times |
+//!
+//! Every function takes a [`Snapshot`](crate::Snapshot) and a writer, so that a host can write anywhere;
+//! [`write_file`] writes the output of such a function to a file.
+
+mod base64;
+pub mod csv;
+mod file;
+mod number;
+mod pvd;
+pub mod surface;
+pub mod vti;
+pub mod vtk;
+pub mod vtp;
+pub mod vtu;
+
+pub(crate) use base64::base64;
+pub use file::write_file;
+pub use number::short_number;
+pub use pvd::{write_pvd, write_pvd_parts};

@@ -1,0 +1,222 @@
+//! The XML frame shared by VTU, VTP and VTI: arrays in one appended block, base64.
+//!
+//! VTK XML, version 1.0: an appended array is a 64-bit count of bytes followed by the bytes, little endian;
+//! each is encoded separately, and `offset` counts characters from the underscore. All offsets follow from the
+//! lengths, so that the values are requested only when they are written: a document takes no memory for them.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use super::base64::encode;
+
+/// Bytes that are encoded together: a multiple of 3, so that only the last block is padded.
+const BLOCK: usize = 3 << 10;
+
+/// Writes the values of an array.
+type Array<'a> = Box<dyn FnOnce(&mut Base64) -> io::Result<()> + 'a>;
+
+/// A document under construction: the XML before the data, and the sources of the data.
+///
+/// The elements around the arrays are given line by line; names and lines are written as they are, without
+/// escapes.
+///
+/// ```
+/// use femdem_view::output::vtk::Document;
+///
+/// let mut document = Document::new("PolyData");
+/// document.line("<Piece NumberOfPoints=\"1\">\n<Points>");
+/// document.floats("points", 3, [0.0, 0.0, 1.0]);
+/// document.line("</Points>\n</Piece>");
+/// document.finish(std::io::sink())?;
+/// # Ok::<(), std::io::Error>(())
+/// ```
+pub struct Document<'a> {
+    kind: &'static str,
+    attributes: String,
+    xml: String,
+    arrays: Vec<Array<'a>>,
+    /// Number of characters of the arrays.
+    length: usize,
+}
+
+impl<'a> Document<'a> {
+    /// A document of VTK type "UnstructuredGrid", "PolyData" or "ImageData".
+    #[must_use]
+    pub fn new(kind: &'static str) -> Self {
+        Self {
+            kind,
+            attributes: String::new(),
+            xml: String::new(),
+            arrays: Vec::new(),
+            length: 0,
+        }
+    }
+
+    /// Attributes of the element named after the type, each preceded by a space.
+    #[must_use]
+    pub fn with_attributes(mut self, attributes: String) -> Self {
+        self.attributes = attributes;
+        self
+    }
+
+    /// A line of XML.
+    pub fn line(&mut self, text: &str) {
+        self.xml.push_str(text);
+        self.xml.push('\n');
+    }
+
+    /// An array of doubles, so many `components` to an entry.
+    pub fn floats(
+        &mut self,
+        name: &str,
+        components: usize,
+        values: impl IntoIterator<Item = f64, IntoIter: Clone + 'a>,
+    ) {
+        let bytes = values.into_iter().map(f64::to_le_bytes);
+        self.array("Float64", name, components, bytes);
+    }
+
+    /// An array of 64-bit integers.
+    pub fn integers(
+        &mut self,
+        name: &str,
+        values: impl IntoIterator<Item = i64, IntoIter: Clone + 'a>,
+    ) {
+        self.array("Int64", name, 1, values.into_iter().map(i64::to_le_bytes));
+    }
+
+    /// An array of bytes.
+    pub fn bytes(
+        &mut self,
+        name: &str,
+        values: impl IntoIterator<Item = u8, IntoIter: Clone + 'a>,
+    ) {
+        self.array("UInt8", name, 1, values.into_iter().map(|byte| [byte]));
+    }
+
+    fn array<const N: usize>(
+        &mut self,
+        kind: &str,
+        name: &str,
+        components: usize,
+        values: impl Iterator<Item = [u8; N]> + Clone + 'a,
+    ) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            self.xml,
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
+             format=\"appended\" offset=\"{}\"/>",
+            self.length
+        );
+        let count = match values.size_hint() {
+            (least, Some(most)) if least == most => most,
+            _ => values.clone().count(),
+        };
+        let size = N * count;
+        self.length += (size_of::<u64>() + size).div_ceil(3) * 4;
+        self.arrays.push(Box::new(move |out| {
+            out.push(&(size as u64).to_le_bytes())?;
+            for value in values {
+                out.push(&value)?;
+            }
+            out.finish()
+        }));
+    }
+
+    /// Writes the document.
+    ///
+    /// # Errors
+    ///
+    /// If writing fails.
+    pub fn finish(self, mut writer: impl Write) -> io::Result<()> {
+        let (kind, attributes) = (self.kind, &self.attributes);
+        write!(
+            writer,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"{kind}\" version=\"1.0\" \
+             byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<{kind}{attributes}>\n{}</{kind}>\n\
+             <AppendedData encoding=\"base64\">\n_",
+            self.xml
+        )?;
+        let mut data = Base64::new(&mut writer);
+        for array in self.arrays {
+            array(&mut data)?;
+        }
+        writer.write_all(b"\n</AppendedData>\n</VTKFile>\n")
+    }
+}
+
+/// Writes bytes as base64 in a stream.
+struct Base64<'w> {
+    writer: &'w mut dyn Write,
+    block: Vec<u8>,
+    text: String,
+}
+
+impl<'w> Base64<'w> {
+    fn new(writer: &'w mut dyn Write) -> Self {
+        Self {
+            writer,
+            block: Vec::with_capacity(BLOCK),
+            text: String::new(),
+        }
+    }
+
+    fn push(&mut self, bytes: &[u8]) -> io::Result<()> {
+        for &byte in bytes {
+            self.block.push(byte);
+            if self.block.len() == BLOCK {
+                self.finish()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the rest of an array, with padding if needed.
+    fn finish(&mut self) -> io::Result<()> {
+        self.text.clear();
+        encode(&self.block, &mut self.text);
+        self.block.clear();
+        self.writer.write_all(self.text.as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Over several blocks, with one, two and no bytes left over, and lengths that iterators do not report.
+    #[test]
+    fn arrays_of_any_length_are_encoded_as_a_whole() {
+        for count in [0, 1, 2, BLOCK - 8, BLOCK, 3 * BLOCK + 5] {
+            let values = (0..count).map(|k| (k % 251) as u8);
+            let mut whole = (count as u64).to_le_bytes().to_vec();
+            whole.extend(values.clone());
+            let mut expected = String::new();
+            encode(&whole, &mut expected);
+            let mut document = Document::new("PolyData");
+            document.bytes("all", values.clone().filter(|_| true));
+            document.bytes("next", values);
+            let mut bytes = Vec::new();
+            document.finish(&mut bytes).unwrap();
+            let text = String::from_utf8(bytes).unwrap();
+            assert!(text.contains(&format!("\n_{expected}{expected}\n</AppendedData>")));
+            assert!(text.contains(&format!("offset=\"{}\"/>", expected.len())));
+        }
+    }
+
+    #[test]
+    fn offsets_point_to_the_arrays() {
+        let mut document = Document::new("PolyData");
+        document.bytes("first", [1, 2, 3]);
+        document.integers("second", [7]);
+        let mut bytes = Vec::new();
+        document.finish(&mut bytes).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        // 8 + 3 bytes take 16 characters with padding.
+        assert!(text.contains(
+            "Name=\"second\" NumberOfComponents=\"1\" format=\"appended\" offset=\"16\""
+        ));
+        let data = text.split("\n_").nth(1).unwrap();
+        assert!(data.starts_with("AwAAAAAAAAABAgM=CAAAAAAAAAAHAAAAAAAAAA=="));
+    }
+}

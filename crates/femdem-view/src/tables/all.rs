@@ -1,0 +1,192 @@
+//! All tables of a pack.
+
+use femdem_analysis::{
+    BodyStresses, ChainNetwork, ContactClasses, ContactFabric, Coordination, CoreRegion,
+    DensityMap, DensityProfile, Estimate, ForceDistribution, ForceMaxima, ForceNetwork, Pack,
+    PackingDensity, PosedBody, RadialDistribution, Rattlers, RegionStress, SetVoronoi,
+    StressProfile, ThresholdCurve, VerticalBalance, WallForces,
+};
+use femdem_mesh::Polyhedron;
+use serde::{Deserialize, Serialize, Serializer};
+
+use super::network::Data;
+use super::options::TableOptions;
+use super::orientation::Orientation;
+use crate::{Body, Snapshot, ViewError};
+
+/// Version of the keys of `analysis.json`.
+pub const SCHEMA: u32 = 1;
+
+/// A table, or a value of one, that could not be computed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Missing {
+    /// Name of the table (its field in [`Tables`]), or the path of the value in it.
+    pub table: String,
+    /// The reason, and the input needed.
+    pub reason: String,
+}
+
+/// Everything that was computed about a pack. A table that could not be made is `None` and has an entry in
+/// [`missing`](Self::missing).
+///
+/// Serialised, it is `analysis.json`. Lists by body and by cell are left out there because of their length:
+/// they are in the CSV files written by [`write`](Self::write).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tables {
+    /// Version of these keys: [`SCHEMA`].
+    pub schema: u32,
+    /// How it was measured.
+    pub options: TableOptions,
+    /// What could not be computed, with the reasons.
+    pub missing: Vec<Missing>,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Number of contacts.
+    pub contacts: usize,
+    /// Mean circumscribed diameter d \[m\].
+    pub diameter: f64,
+    /// Names of the walls, by the numbers that tables use.
+    pub walls: Vec<String>,
+    /// The core region.
+    pub core: Option<CoreRegion>,
+    /// Packing density of the core.
+    pub density: Option<PackingDensity>,
+    /// Packing density over the height of the container.
+    pub height_profile: Option<DensityProfile>,
+    /// Packing density over the distance from the side walls, between the core's heights.
+    pub wall_profile: Option<DensityProfile>,
+    /// Local packing density in the container; in CSV and VTI only.
+    #[serde(skip)]
+    pub density_map: Option<DensityMap>,
+    /// Set-Voronoi cells between the floor and the mean top; the cells themselves in CSV only.
+    #[serde(serialize_with = "without_cells")]
+    pub set_voronoi: Option<SetVoronoi>,
+    /// Orientations of the bodies.
+    pub orientation: Option<Orientation>,
+    /// Radial distribution function of the centres in the core.
+    pub radial_distribution: Option<RadialDistribution>,
+    /// Coordination number over all bodies.
+    pub coordination: Option<Coordination>,
+    /// Its mean with the error by block bootstrap.
+    pub mean_coordination: Option<Estimate>,
+    /// Coordination number over the bodies with their centre in the core.
+    pub core_coordination: Option<Coordination>,
+    /// Its mean with the error by block bootstrap.
+    pub core_mean_coordination: Option<Estimate>,
+    /// Contacts by class.
+    pub classes: Option<ContactClasses>,
+    /// Rattlers, and the count of constraints.
+    pub rattlers: Option<Rattlers>,
+    /// P(f).
+    pub force_distribution: Option<ForceDistribution>,
+    /// Largest contact force of each body over its weight.
+    pub force_maxima: Option<ForceMaxima>,
+    /// Force chains by the founding paper's rule.
+    pub chains_by_weight: Option<ChainNetwork>,
+    /// Force chains by the rule of Peters et al. (2005).
+    pub chains_by_stress: Option<ChainNetwork>,
+    /// Components and cycles against threshold.
+    pub threshold_curve: Option<ThresholdCurve>,
+    /// Love-Weber stress of each body; in CSV only.
+    #[serde(skip)]
+    pub body_stresses: Option<BodyStresses>,
+    /// Mean stress of the core.
+    pub core_stress: Option<RegionStress>,
+    /// Stress over the height of the container.
+    pub stress_profile: Option<StressProfile>,
+    /// Vertical balance.
+    pub vertical_balance: Option<VerticalBalance>,
+    /// Forces on the walls.
+    pub wall_forces: Option<WallForces>,
+    /// Fabric of the contacts between bodies.
+    pub fabric: Option<ContactFabric>,
+}
+
+impl Tables {
+    /// Computes every measurement that the data of a pack allow.
+    ///
+    /// # Errors
+    ///
+    /// As [`Snapshot::check`], and [`ViewError::Analysis`] for a pack without bodies, an invalid contact or an
+    /// option out of its range.
+    pub fn compute(snapshot: &Snapshot, options: &TableOptions) -> Result<Self, ViewError> {
+        snapshot.check()?;
+        let shapes: Vec<Polyhedron> = snapshot
+            .shapes
+            .iter()
+            .map(|shape| shape.polyhedron.clone())
+            .collect();
+        let posed = |b: &Body| PosedBody {
+            shape: b.shape,
+            pose: b.pose,
+        };
+        let bodies: Vec<PosedBody> = snapshot.bodies.iter().map(posed).collect();
+        let pack = Pack::new(&shapes, &bodies)?;
+        let data = Data::of(snapshot);
+        let network = ForceNetwork::new(&data.bodies, &data.contacts, options.force_threshold)?;
+        let mut tables = Self::empty(snapshot, options, &network, data.walls.clone());
+        tables.add_geometry(snapshot, &pack)?;
+        tables.add_radial_distribution(&pack)?;
+        tables.add_contacts(snapshot, &pack)?;
+        tables.add_forces(snapshot, &network)?;
+        Ok(tables)
+    }
+
+    fn empty(
+        snapshot: &Snapshot,
+        options: &TableOptions,
+        network: &ForceNetwork,
+        walls: Vec<String>,
+    ) -> Self {
+        Self {
+            schema: SCHEMA,
+            options: options.clone(),
+            missing: Vec::new(),
+            bodies: snapshot.bodies.len(),
+            contacts: snapshot.contacts.len(),
+            diameter: network.mean_diameter(),
+            walls,
+            core: None,
+            density: None,
+            height_profile: None,
+            wall_profile: None,
+            density_map: None,
+            set_voronoi: None,
+            orientation: None,
+            radial_distribution: None,
+            coordination: None,
+            mean_coordination: None,
+            core_coordination: None,
+            core_mean_coordination: None,
+            classes: None,
+            rattlers: None,
+            force_distribution: None,
+            force_maxima: None,
+            chains_by_weight: None,
+            chains_by_stress: None,
+            threshold_curve: None,
+            body_stresses: None,
+            core_stress: None,
+            stress_profile: None,
+            vertical_balance: None,
+            wall_forces: None,
+            fabric: None,
+        }
+    }
+
+    /// Records tables that cannot be made.
+    pub(super) fn miss(&mut self, tables: &[&str], reason: &str) {
+        self.missing.extend(tables.iter().map(|table| Missing {
+            table: (*table).to_owned(),
+            reason: reason.to_owned(),
+        }));
+    }
+}
+
+fn without_cells<S: Serializer>(found: &Option<SetVoronoi>, to: S) -> Result<S::Ok, S::Error> {
+    let short = found.as_ref().map(|found| SetVoronoi {
+        cells: Vec::new(),
+        ..found.clone()
+    });
+    short.serialize(to)
+}

@@ -1,0 +1,148 @@
+//! Tables that need only poses.
+
+use femdem_analysis::AnalysisError::{NoPackInContainer, Region as BadRegion};
+use femdem_analysis::{
+    CoreRegion, Pack, Region, SetVoronoiOptions, choose_core, density_map, height_profile,
+    packing_density, set_voronoi, wall_profile,
+};
+
+use super::Tables;
+use crate::{Snapshot, ViewError};
+
+/// Tables of the container.
+const CONTAINER_TABLES: [&str; 2] = ["height_profile", "density_map"];
+
+/// Tables of the core.
+const CORE_TABLES: [&str; 6] = [
+    "core",
+    "density",
+    "set_voronoi",
+    "wall_profile",
+    "core_coordination",
+    "core_stress",
+];
+
+impl Tables {
+    pub(super) fn add_geometry(
+        &mut self,
+        snapshot: &Snapshot,
+        pack: &Pack,
+    ) -> Result<(), ViewError> {
+        self.orientation = super::orientation::of_pack(pack, &self.options)?;
+        if self.orientation.is_none() {
+            self.miss(
+                &["orientation"],
+                "there are too many directions; choose fewer axes",
+            );
+        }
+        let Some(container) = &snapshot.container else {
+            let reason = "the container is not known; give its inside";
+            self.miss(&CONTAINER_TABLES, reason);
+            self.miss(&CORE_TABLES, reason);
+            return Ok(());
+        };
+        self.density_map = Some(density_map(pack, container, &self.options.map)?);
+        if matches!(container, Region::Sphere { .. }) {
+            let reason = "a sphere has no upright walls; give a box or a cylinder";
+            self.miss(&["height_profile"], reason);
+            self.miss(&CORE_TABLES, reason);
+            return Ok(());
+        }
+        self.height_profile = Some(height_profile(pack, container, &self.options.profiles)?);
+        match choose_core(pack, container, &self.options.core) {
+            Ok(core) => self.add_core(pack, container, core),
+            Err(error @ NoPackInContainer { .. }) => {
+                self.miss(&CORE_TABLES, &error.to_string());
+                Ok(())
+            }
+            Err(BadRegion { .. }) => {
+                let reason = "the pack is too low or too narrow to have a core";
+                self.miss(&CORE_TABLES, reason);
+                Ok(())
+            }
+            Err(other) => Err(other.into()),
+        }
+    }
+
+    fn add_core(
+        &mut self,
+        pack: &Pack,
+        container: &Region,
+        core: CoreRegion,
+    ) -> Result<(), ViewError> {
+        if core.is_thin() {
+            self.miss(&["density.core"], &thin(&core, "the density"));
+        }
+        let space = *core.density_region();
+        let density = packing_density(pack, &space, &self.options.density)?;
+        if density.grid.is_none() {
+            let reason = "the region is too wide for counting cells; go by the exact density";
+            self.miss(&["density.grid"], reason);
+        }
+        self.density = Some(density);
+        // Between the heights of the core, to exclude effects of floor and top.
+        let (low, high) = space.corners();
+        let middle = container.slab(low.z, high.z)?;
+        self.wall_profile = Some(wall_profile(pack, &middle, &self.options.profiles)?);
+        // Above the mean top there is air that belongs to no body.
+        let filled = container.slab(f64::NEG_INFINITY, core.top.mean)?;
+        let options = SetVoronoiOptions {
+            core: Some(space),
+            ..self.options.voronoi
+        };
+        self.set_voronoi = Some(set_voronoi(pack, &filled, &options)?);
+        self.core = Some(core);
+        Ok(())
+    }
+}
+
+/// Why `what` is that of the whole bed and not that of the core.
+pub(super) fn thin(core: &CoreRegion, what: &str) -> String {
+    format!(
+        "the core would be {:.2} d thin, less than one circumscribed diameter: {what} is that of the whole \
+         bed, from the floor to the mean top",
+        core.extent_over_d
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::TableOptions;
+    use super::*;
+    use crate::testing::two_cubes;
+
+    /// Two cubes of 1 m3 in a bed of 2.5 m x 2 m x 2 m: their core would be a box of 1 m, less than d.
+    #[test]
+    fn a_core_thinner_than_a_body_has_the_density_of_the_bed_and_says_so() {
+        let tables = Tables::compute(&two_cubes(), &TableOptions::default()).unwrap();
+        let core = tables.core.as_ref().unwrap();
+        assert!(core.is_thin() && core.extent_over_d < 0.6);
+        let (low, high) = core.bed.corners();
+        assert_eq!((low.x, high.x, low.z), (-1.0, 1.5, 0.0));
+        let bed = 2.5 * 2.0 * (core.top.mean - low.z);
+        let density = tables.density.as_ref().unwrap();
+        assert!(
+            (density.exact - 2.0 / bed).abs() < 1e-9,
+            "{}",
+            density.exact
+        );
+        let reason = |table: &str| {
+            let mut entries = tables.missing.iter().filter(|entry| entry.table == table);
+            entries.next().map(|entry| entry.reason.as_str())
+        };
+        assert!(
+            reason("density.core")
+                .unwrap()
+                .contains("less than one circumscribed diameter")
+        );
+        assert!(
+            reason("radial_distribution.core")
+                .unwrap()
+                .contains("whole bed")
+        );
+        assert!(
+            tables.to_string().contains("of the bed, 1.4 x 1.2 x"),
+            "{tables}"
+        );
+    }
+}

@@ -1,0 +1,54 @@
+//! A small pack for the tests of this crate.
+
+use femdem_analysis::{ContactClass, Region};
+use femdem_mesh::catalogue::{CatalogueShape, Solid};
+use femdem_mesh::{Point3, Pose, Vector3};
+
+use crate::{Body, BodyValues, Colouring, ContactRow, NamedShape, Partner, Snapshot};
+
+/// Two cubes of side 1 m, one on the other, on a floor.
+pub(crate) fn two_cubes() -> Snapshot {
+    let cube = CatalogueShape::from(Solid::P5)
+        .polyhedron(3.0_f64.sqrt())
+        .unwrap();
+    let body = |sequence: u32| Body {
+        shape: 0,
+        pose: Pose::translation(0.25, 0.0, 0.5 + f64::from(sequence)),
+        sequence,
+        sleeping: sequence == 1,
+    };
+    let contact = |partner, z, up: f64, normal_force, friction| ContactRow {
+        body: 0,
+        partner,
+        point: Point3::new(0.25, 0.0, z),
+        normal: Vector3::z() * up,
+        normal_force,
+        friction: Vector3::x() * friction,
+        moment: Vector3::zeros(),
+        area: 1.0,
+        volume: 0.001,
+        class: ContactClass::FaceFace,
+        patch: 0,
+    };
+    Snapshot {
+        shapes: vec![NamedShape {
+            name: "P5".to_owned(),
+            polyhedron: cube,
+        }],
+        bodies: vec![body(0), body(1)],
+        contacts: vec![
+            contact(Partner::Body(1), 1.0, 1.0, 10.0, 0.0),
+            contact(Partner::Wall("floor".to_owned()), 0.0, -1.0, 20.0, 5.0),
+        ],
+        container: Some(Region::Box {
+            min: Point3::new(-1.0, -1.0, 0.0),
+            max: Point3::new(1.5, 1.0, 3.0),
+        }),
+        ..Snapshot::default()
+    }
+}
+
+/// The values of the usual picture.
+pub(crate) fn by_sequence(snapshot: &Snapshot) -> BodyValues {
+    Colouring::Sequence.values(snapshot, None).unwrap().unwrap()
+}
