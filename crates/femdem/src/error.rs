@@ -193,3 +193,12 @@ fn by_solve(error: &SolveError) -> Option<Refused> {
         _ => None,
     }
 }
+
+/// A key of a scene with a value that is not allowed.
+pub(crate) fn wrong(name: &'static str, value: &str, allowed: &'static str) -> Error {
+    Error::Option {
+        name,
+        value: value.to_owned(),
+        allowed,
+    }
+}

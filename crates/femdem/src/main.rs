@@ -6,7 +6,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use program::cli::{Cli, Command};
-use program::job::{self, Outcome};
+use program::job;
+use program::running::Outcome;
 use program::{analyse, complain, described, picture, report, resolve, run, shapes};
 
 fn main() -> ExitCode {

@@ -8,7 +8,8 @@ use clap::Args;
 use femdem::analysis::{BodyAxes, CoreOptions, FOLDER, JSON, TableOptions, Tables};
 use femdem::{Snapshot, results};
 
-use super::job::{Outcome, in_pool, report};
+use super::job::report;
+use super::running::{Outcome, in_pool};
 use super::say;
 use super::source::{self, ForeignArgs};
 

@@ -1,7 +1,6 @@
 //! Running a packing job to its end, or to Ctrl-C, and writing the results.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -9,21 +8,11 @@ use anyhow::{Context, Result, bail};
 use femdem::pack::{PackError, Packing};
 use femdem::{Scene, Summary, Usage, output, results};
 
-use super::cli::{PackArgs, ResumeArgs, RunArgs};
+use super::args::{PackArgs, ResumeArgs, RunArgs};
 use super::meter::Meter;
 use super::progress::Bar;
+use super::running::{BREATH, Outcome, checkpoint_interval, in_pool, watch_for_interrupt};
 use super::{complain, described, folder, say, say_notes};
-
-/// How a command ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Outcome {
-    Finished,
-    /// By Ctrl-C; a checkpoint was written.
-    Interrupted,
-}
-
-/// Interval at which the job checks for interrupts and shows its progress.
-pub(super) const BREATH: Duration = Duration::from_millis(80);
 
 pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
     let scene = args.scene()?;
@@ -87,35 +76,6 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
             page: args.report,
         };
         run.to_end(saved.packing, saved.usage, threads)
-    })
-}
-
-/// Runs `work` on its own thread pool, and passes it the number of threads.
-pub(crate) fn in_pool<T: Send>(
-    threads: Option<usize>,
-    work: impl FnOnce(usize) -> Result<T> + Send,
-) -> Result<T> {
-    if threads == Some(0) {
-        bail!("threads = 0 is not allowed: give 1 or more, or leave it out for one for each core");
-    }
-    // 0 means one thread for each core.
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.unwrap_or(0))
-        .build();
-    let pool = pool.context("cannot start the threads; give fewer with --threads")?;
-    pool.install(|| work(pool.current_num_threads()))
-}
-
-pub(super) fn checkpoint_interval(seconds: Option<f64>) -> Result<Duration> {
-    let seconds = seconds.unwrap_or(Scene::default().checkpoint_every);
-    let allowed = "give a number of seconds, 0 or more";
-    Duration::try_from_secs_f64(seconds).map_err(|_| {
-        femdem::Error::Option {
-            name: "checkpoint-every",
-            value: seconds.to_string(),
-            allowed,
-        }
-        .into()
     })
 }
 
@@ -221,19 +181,6 @@ impl Run {
             self.folder.join(folder::CHECKPOINT).display()
         )
     }
-}
-
-/// A flag that Ctrl-C sets. A second Ctrl-C ends the program at once.
-pub(super) fn watch_for_interrupt() -> Result<Arc<AtomicBool>> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let raised = Arc::clone(&flag);
-    ctrlc::set_handler(move || {
-        if raised.swap(true, Ordering::Relaxed) {
-            std::process::exit(super::INTERRUPTED.into());
-        }
-    })
-    .context("cannot watch for Ctrl-C")?;
-    Ok(flag)
 }
 
 /// Prints the summary, and the ratio of the step to its measured limit.

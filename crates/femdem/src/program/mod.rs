@@ -1,6 +1,7 @@
 //! The parts of the program.
 
 pub(crate) mod analyse;
+mod args;
 mod check;
 pub(crate) mod cli;
 mod folder;
@@ -12,6 +13,7 @@ mod progress;
 pub(crate) mod report;
 pub(crate) mod resolve;
 pub(crate) mod run;
+pub(crate) mod running;
 pub(crate) mod shapes;
 mod source;
 

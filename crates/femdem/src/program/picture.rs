@@ -9,7 +9,7 @@ use femdem::analysis::{TableOptions, Tables};
 use femdem::picture::{Image, PictureOptions, draw_by};
 use femdem::{Colouring, output};
 
-use super::job::{Outcome, in_pool};
+use super::running::{Outcome, in_pool};
 use super::source::{self, ForeignArgs};
 use super::{folder, say};
 

@@ -11,7 +11,7 @@ use femdem::report::Report;
 use femdem::results::run_facts;
 use femdem::{Scene, Snapshot, Summary, Usage, output};
 
-use super::job::{Outcome, in_pool};
+use super::running::{Outcome, in_pool};
 use super::say;
 use super::source::{self, ForeignArgs};
 

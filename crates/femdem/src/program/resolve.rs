@@ -9,7 +9,7 @@ use femdem::pack::Packing;
 use femdem::resolve::{ResolveOptions, resolve};
 use femdem::results;
 
-use super::job::{Outcome, in_pool};
+use super::running::{Outcome, in_pool};
 use super::{complain, folder, say};
 
 pub(crate) const HELP: &str = "\

@@ -9,10 +9,10 @@ use clap::Args;
 use femdem::run::{Run, Scenario};
 use femdem::{Usage, output};
 
-use super::cli::{ResumeArgs, RunArgs};
-use super::job::{BREATH, Outcome, checkpoint_interval, in_pool, watch_for_interrupt};
+use super::args::{ResumeArgs, RunArgs};
 use super::meter::Meter;
 use super::progress::Clock;
+use super::running::{BREATH, Outcome, checkpoint_interval, in_pool, watch_for_interrupt};
 use super::{check, complain, described, folder, overlaps, say, say_notes};
 
 /// Options of `femdem run`. Those left out are taken from the scene.

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{BoundaryEntry, MotionEntry, RegionEntry};
 use crate::Error;
+use crate::error::wrong;
 use crate::scene::Unit as LengthUnit;
 
 /// How a body responds to forces.
@@ -295,14 +296,6 @@ impl BodyEntry {
             Pose::from_parts(Translation3::from(at), copies.seed.map_or(rotation, own))
         };
         Ok((0..).zip(cells).map(pose).collect())
-    }
-}
-
-pub(super) fn wrong(name: &'static str, value: &str, allowed: &'static str) -> Error {
-    Error::Option {
-        name,
-        value: value.to_owned(),
-        allowed,
     }
 }
 

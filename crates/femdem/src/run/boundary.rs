@@ -4,9 +4,9 @@ use femdem_fem::{Boundary, Curve, DeformableModel};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::body::wrong;
 use super::{MotionEntry, SelectEntry};
 use crate::Error;
+use crate::error::wrong;
 
 /// A condition on the nodes that `select` chooses, in the coordinates of the shape: exactly one of
 /// `fix`, `motion`, `pressure` and `traction`.

@@ -2,19 +2,21 @@
 
 use std::collections::BTreeSet;
 
-use femdem_contact::{BodyId, Field};
+use femdem_contact::Field;
 use femdem_fem::{Boundary, DeformableModel, MaterialRegion};
 use femdem_mesh::{Pose, TetMesh, Vector3};
-use femdem_solve::{BodySpec, ContactStiffness, DeformableId, DeformableSpec, SolveError, World};
-use serde::{Deserialize, Serialize};
+use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, SolveError, World};
 
-use super::body::wrong;
 use super::geometry::Geometry;
 use super::loads::Loads;
 use super::names::{Names, check_names};
 use super::words::KEYS;
-use super::{Behaviour, BodyEntry, MaterialEntry, MotionEntry, Penalty, Scenario, Support};
+use super::{
+    Behaviour, BodyEntry, MaterialEntry, Member, MemberId, MotionEntry, Penalty, Scenario,
+    Simulation, Support,
+};
 use crate::Error;
+use crate::error::wrong;
 use crate::scene::ShapeNote;
 
 /// Largest number of frames, and of rows of the history: outputs are counted one by one, and the count must not
@@ -24,73 +26,6 @@ const MOST_OUTPUTS: f64 = 1e9;
 /// Contact ratio of deformable bodies where walls, bodies or nodes move as prescribed: what is pressed gives way at its
 /// contacts, at a ratio of 1 by a sixth of a strain of 0.16 and by half of one of 0.8, at 10 by a fiftieth of both.
 const PRESSED: f64 = 10.0;
-
-/// The index of a body in a world.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum MemberId {
-    /// A rigid body.
-    Rigid(BodyId),
-    /// A deformable body.
-    Deformable(DeformableId),
-}
-
-/// A body of a simulation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Member {
-    /// Its name; copies of a body carry a number from 1.
-    pub name: String,
-    /// Its index in the world.
-    pub id: MemberId,
-    /// Its initial pose: coordinates of its shape -> world.
-    pub placed: Pose,
-}
-
-/// A world made from a scenario.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(try_from = "Stored")]
-pub struct Simulation {
-    /// The world.
-    pub world: World,
-    /// Its bodies, in the order of the scenario.
-    pub members: Vec<Member>,
-    /// The supports of deformable bodies, in the same order.
-    pub supports: Vec<Support>,
-    /// The penalty of its contacts between rigid bodies.
-    pub penalty: Penalty,
-    /// How surface files were read and bodies meshed, each once. Not stored: it belongs to making the simulation.
-    #[serde(skip)]
-    pub notes: Vec<ShapeNote>,
-}
-
-/// The stored form of a simulation, before its world is rebuilt.
-#[derive(Deserialize)]
-struct Stored {
-    world: World,
-    members: Vec<Member>,
-    supports: Vec<Support>,
-    penalty: Penalty,
-}
-
-impl TryFrom<Stored> for Simulation {
-    type Error = SolveError;
-
-    fn try_from(stored: Stored) -> Result<Self, SolveError> {
-        let Stored {
-            mut world,
-            members,
-            supports,
-            penalty,
-        } = stored;
-        world.restore()?;
-        Ok(Self {
-            world,
-            members,
-            supports,
-            penalty,
-            notes: Vec::new(),
-        })
-    }
-}
 
 impl Scenario {
     /// The world of the scenario, at time 0; with [`from`](Self::from), in the state of that run.

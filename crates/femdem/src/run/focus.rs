@@ -4,8 +4,8 @@ use femdem_mesh::shapes::Shape;
 use femdem_mesh::{Point3, TetMesh, Vector3};
 
 use super::FocusEntry;
-use super::body::wrong;
 use crate::Error;
+use crate::error::wrong;
 
 impl FocusEntry {
     /// The mesh of a sphere about the origin with this radius \[m\], finer at the focus. `shape` is the

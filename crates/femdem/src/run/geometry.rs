@@ -7,9 +7,9 @@ use femdem_mesh::shapes::Shape;
 use femdem_mesh::tet::{self, MeshOptions};
 use femdem_mesh::{Point3, Polyhedron, TetMesh, Vector3};
 
-use super::body::wrong;
 use super::{Behaviour, BodyEntry};
 use crate::Error;
+use crate::error::wrong;
 use crate::scene::{ShapeNote, Unit, surface};
 
 /// Edge length of the tetrahedra of deformable bodies, in circumscribed diameters.

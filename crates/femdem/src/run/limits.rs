@@ -1,8 +1,8 @@
 //! Limits of what a scene may ask for.
 
 use super::Scenario;
-use super::body::wrong;
 use crate::Error;
+use crate::error::wrong;
 
 /// Most steps of a run: a year of processor time for a body alone.
 const MOST_STEPS: f64 = 1e12;

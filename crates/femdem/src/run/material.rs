@@ -6,8 +6,8 @@ use femdem_fem::material::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::body::wrong;
 use crate::Error;
+use crate::error::wrong;
 
 /// Laws of deformable matter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -40,6 +40,7 @@ mod boundary;
 mod build;
 mod changes;
 mod contacts;
+mod ending;
 mod focus;
 mod frame;
 mod geometry;
@@ -59,6 +60,7 @@ mod rows;
 mod saved;
 mod select;
 mod settings;
+mod simulation;
 mod start;
 mod summary;
 mod support;
@@ -73,24 +75,24 @@ use serde::{Deserialize, Serialize};
 
 pub use body::{Behaviour, BodyEntry, Copies, FocusEntry, RotationEntry};
 pub use boundary::BoundaryEntry;
-pub use build::{Member, MemberId, Simulation};
 pub use contacts::{ContactForces, ContactLine, Side};
+pub use ending::Ending;
 pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
-pub use job::{Ending, Run};
+pub use job::Run;
 pub use material::{Law, MaterialEntry};
 pub use motion::MotionEntry;
 pub use overlap::Overlap;
-pub use penalty::{ExpectedDepth, Forecast, Penalty};
+pub use penalty::{ExpectedDepth, Forecast};
 pub use relaxation::{RelaxEntry, RelaxSummary};
 pub use rest::RestSummary;
 pub use saved::RUN_CHECKPOINT;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
+pub use simulation::{Member, MemberId, Penalty, Simulation, Support};
 pub use summary::{
     BodySummary, PenetrationSummary, RUN_SCHEMA, ReactionSummary, RunEnergy, RunSummary,
     StrainSummary, WallSummary,
 };
-pub use support::Support;
 pub use wall::{BoxEntry, CylinderEntry, PlaneEntry, WallEntry};
 
 use crate::{Error, toml_file};

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::Simulation;
-use super::body::wrong;
 use crate::Error;
+use crate::error::wrong;
 
 /// Names that are taken.
 #[derive(Default)]

@@ -1,10 +1,9 @@
 //! The penalty that a run chooses.
 
 use femdem_pack::penalty_under_stress;
-use serde::{Deserialize, Serialize};
 
 use super::loads::{Loads, Placed, Tower};
-use super::{Scenario, Simulation};
+use super::{Penalty, Scenario, Simulation};
 use crate::Error;
 
 /// Wanted mean depth of the contacts at rest, in circumscribed diameters.
@@ -27,15 +26,6 @@ const MARGIN: f64 = 3.0;
 
 /// The least penalty, unless a depth is asked for \[Pa\].
 const LEAST: f64 = 1e6;
-
-/// A penalty and why it was chosen.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Penalty {
-    /// Pa.
-    pub value: f64,
-    /// Why it has this value, for people.
-    pub reason: String,
-}
 
 impl Loads {
     /// Bounds the step such that nothing moves in it by more than a part of the thinnest body or wall: it would pass through

@@ -3,9 +3,9 @@
 use femdem_solve::{SolveError, WorldRelaxation};
 use serde::{Deserialize, Serialize};
 
-use super::body::wrong;
 use super::{BoundaryEntry, Ending, MotionEntry, Scenario, Simulation};
 use crate::Error;
+use crate::error::wrong;
 
 /// Steps after which a run interrupts its relaxation. It does not depend on the clock, because each part begins
 /// from rest.

@@ -4,8 +4,8 @@ use femdem_fem::Selection;
 use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::body::wrong;
 use crate::Error;
+use crate::error::wrong;
 
 /// Nodes of a deformable body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

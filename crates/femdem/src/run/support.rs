@@ -4,22 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use femdem_fem::{Boundary, DeformableModel};
 use femdem_mesh::Vector3;
-use serde::{Deserialize, Serialize};
 
-use super::body::wrong;
-use super::{BodyEntry, MemberId, Simulation};
+use super::{BodyEntry, MemberId, Simulation, Support};
 use crate::Error;
-
-/// The nodes of a body that a boundary condition holds or moves.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Support {
-    /// Number of the body among the members.
-    pub member: usize,
-    /// Name of the condition.
-    pub name: String,
-    /// Nodes and directions of the world (0 to 2), ascending.
-    pub holds: Vec<(u32, u8)>,
-}
+use crate::error::wrong;
 
 impl BodyEntry {
     /// The supports of a body that gets the number `member`: the nodes that each `fix` and `motion` holds. If

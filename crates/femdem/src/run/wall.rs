@@ -9,8 +9,8 @@ use femdem_solve::World;
 use serde::{Deserialize, Serialize};
 
 use super::MotionEntry;
-use super::body::wrong;
 use crate::Error;
+use crate::error::wrong;
 use crate::scene::{ShapeNote, Unit, surface};
 
 /// A wall, described by exactly one of `plane`, `box`, `cylinder` and `file`.

@@ -2,7 +2,8 @@
 
 use super::super::changes::{Change, changes};
 use super::super::words::KEYS;
-use super::{Relaxing, Run, due};
+use super::files::due;
+use super::{Relaxing, Run};
 use crate::Error;
 use crate::run::{RelaxSummary, Scenario, Simulation};
 use femdem_solve::World;

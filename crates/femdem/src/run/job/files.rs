@@ -1,0 +1,179 @@
+//! Files of a run, written when they are due.
+
+use std::fs;
+use std::path::Path;
+
+use femdem_view::ViewError;
+use femdem_view::output::{write_file, write_pvd_parts};
+use femdem_view::picture::PictureOptions;
+
+use crate::run::history;
+use crate::run::{Run, RunSummary};
+use crate::{Error, Usage};
+
+impl Run {
+    /// Writes the rows that are still in memory, so that a checkpoint made next fits the files.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::View`].
+    pub fn flush(&mut self, folder: &Path) -> Result<(), Error> {
+        self.history.flush(&folder.join("history.csv"))?;
+        if self.scenario.track {
+            self.members.flush(&folder.join("members.csv"))?;
+        }
+        Ok(())
+    }
+
+    /// Writes the files of the end: for a run that was stopped before, a frame of the present state; the
+    /// picture; and last of all `summary.json`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::View`].
+    pub fn finish(&mut self, folder: &Path, usage: &Usage) -> Result<RunSummary, Error> {
+        if self.frames.last() != Some(&self.simulation.world.time()) {
+            self.write_frame(folder)?;
+        }
+        self.flush(folder)?;
+        let picture = self.picture(&PictureOptions::default())?;
+        write_file(folder.join("run.png"), |w| picture.write_png(w))?;
+        let summary = RunSummary::of(self, usage)?;
+        write_file(folder.join("summary.json"), |w| summary.write_json(w))?;
+        Ok(summary)
+    }
+
+    /// Writes the row and the frame if they are due; at the end both are.
+    pub(super) fn write_due(&mut self, folder: &Path) -> Result<(), Error> {
+        let ended = self.ending.is_some();
+        // The last step may be many intervals long, if the run is shorter than a step.
+        let time = self.simulation.world.time().min(self.scenario.duration);
+        let row = due(time, self.scenario.history_interval(), self.next_row);
+        if row.is_some() || ended {
+            self.next_row = row.unwrap_or(self.next_row);
+            self.write_row();
+        }
+        let frame = due(time, self.scenario.frame_interval(), self.next_frame);
+        if frame.is_some() || ended {
+            self.next_frame = frame.unwrap_or(self.next_frame);
+            self.write_frame(folder)?;
+            self.flush(folder)?;
+        }
+        Ok(())
+    }
+
+    fn write_row(&mut self) {
+        let contacts = self.simulation.contacts();
+        let forces = self.simulation.forces(&contacts);
+        let time = self.simulation.world.time();
+        let reactions = self.simulation.reactions();
+        for (peak, force) in self.peaks.iter_mut().zip(&forces.walls) {
+            peak.see(force, time);
+        }
+        for (peak, force) in self.reaction_peaks.iter_mut().zip(&reactions) {
+            peak.see(force, time);
+        }
+        let row = history::history_row(&self.simulation, contacts.len(), &forces, &reactions);
+        self.history.row(row);
+        if self.scenario.track {
+            for row in history::member_rows(&self.simulation, &forces) {
+                self.members.row(row);
+            }
+        }
+    }
+
+    fn write_frame(&mut self, folder: &Path) -> Result<(), Error> {
+        let frames = folder.join("frames");
+        fs::create_dir_all(&frames).map_err(|source| ViewError::Write {
+            path: frames.clone(),
+            source,
+        })?;
+        let number = self.frames.len();
+        let simulation = &self.simulation;
+        if simulation.world.deformable_count() > 0 {
+            let path = frames.join(file_name(DEFORMABLE, number));
+            write_file(path, |w| simulation.write_deformables(w))?;
+        }
+        if simulation.world.body_count() > 0 {
+            let path = frames.join(file_name(RIGID, number));
+            write_file(path, |w| simulation.write_rigid(w))?;
+        }
+        let path = frames.join(file_name(CONTACTS, number));
+        write_file(path, |w| simulation.write_contacts(w))?;
+        if self.scenario.pictures {
+            let picture = self.picture(&PictureOptions::default())?;
+            let path = frames.join(file_name(PICTURE, number));
+            write_file(path, |w| picture.write_png(w))?;
+        }
+        self.frames.push(simulation.world.time());
+        self.write_lists(folder)
+    }
+
+    /// `run.pvd` and `contacts.pvd`.
+    fn write_lists(&self, folder: &Path) -> Result<(), Error> {
+        let world = &self.simulation.world;
+        let kinds = [
+            (world.deformable_count() > 0, DEFORMABLE),
+            (world.body_count() > 0, RIGID),
+        ];
+        let given = || kinds.iter().filter(|(given, _)| *given);
+        let (mut bodies, mut contacts) = (Vec::new(), Vec::new());
+        for (number, &time) in self.frames.iter().enumerate() {
+            let path = |kind| format!("frames/{}", file_name(kind, number));
+            bodies.extend(
+                (0..)
+                    .zip(given())
+                    .map(|(part, (_, kind))| (time, part, path(*kind))),
+            );
+            contacts.push((time, 0, path(CONTACTS)));
+        }
+        write_pvd_parts(folder.join("run.pvd"), &bodies)?;
+        Ok(write_pvd_parts(folder.join("contacts.pvd"), &contacts)?)
+    }
+}
+
+const DEFORMABLE: (&str, &str) = ("deformable", "vtu");
+const RIGID: (&str, &str) = ("rigid", "vtu");
+const PICTURE: (&str, &str) = ("picture", "png");
+const CONTACTS: (&str, &str) = ("contacts", "vtp");
+
+fn file_name((stem, extension): (&str, &str), number: usize) -> String {
+    format!("{stem}-{number:05}.{extension}")
+}
+
+/// The number after that of the latest due output, if any is due.
+pub(super) fn due(time: f64, interval: f64, next: u64) -> Option<u64> {
+    let is_due = |number: u64| time >= number as f64 * interval;
+    if !is_due(next) {
+        return None;
+    }
+    let mut latest = ((time / interval) as u64).max(next);
+    while is_due(latest + 1) {
+        latest += 1;
+    }
+    while latest > next && !is_due(latest) {
+        latest -= 1;
+    }
+    Some(latest + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outputs_fall_due_once_each_and_long_steps_skip_some() {
+        let mut next = 0;
+        let mut written = Vec::new();
+        for step in 0..=30 {
+            let time = 0.1 * f64::from(step);
+            if let Some(after) = due(time, 0.25, next) {
+                written.push(step);
+                next = after;
+            }
+        }
+        assert_eq!(written, [0, 3, 5, 8, 10, 13, 15, 18, 20, 23, 25, 28, 30]);
+        assert_eq!(due(10.0, 0.25, 3), Some(41));
+        assert_eq!(due(0.2, 0.25, 1), None);
+    }
+}

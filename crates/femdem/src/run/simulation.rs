@@ -1,0 +1,95 @@
+//! A world made from a scenario, and what its entries are in it.
+
+use femdem_contact::BodyId;
+use femdem_mesh::Pose;
+use femdem_solve::{DeformableId, SolveError, World};
+use serde::{Deserialize, Serialize};
+
+use crate::scene::ShapeNote;
+
+/// The index of a body in a world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum MemberId {
+    /// A rigid body.
+    Rigid(BodyId),
+    /// A deformable body.
+    Deformable(DeformableId),
+}
+
+/// A body of a simulation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Member {
+    /// Its name; copies of a body carry a number from 1.
+    pub name: String,
+    /// Its index in the world.
+    pub id: MemberId,
+    /// Its initial pose: coordinates of its shape -> world.
+    pub placed: Pose,
+}
+
+/// A world made from a scenario.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "Stored")]
+pub struct Simulation {
+    /// The world.
+    pub world: World,
+    /// Its bodies, in the order of the scenario.
+    pub members: Vec<Member>,
+    /// The supports of deformable bodies, in the same order.
+    pub supports: Vec<Support>,
+    /// The penalty of its contacts between rigid bodies.
+    pub penalty: Penalty,
+    /// How surface files were read and bodies meshed, each once. Not stored: it belongs to making the simulation.
+    #[serde(skip)]
+    pub notes: Vec<ShapeNote>,
+}
+
+/// The stored form of a simulation, before its world is rebuilt.
+#[derive(Deserialize)]
+struct Stored {
+    world: World,
+    members: Vec<Member>,
+    supports: Vec<Support>,
+    penalty: Penalty,
+}
+
+impl TryFrom<Stored> for Simulation {
+    type Error = SolveError;
+
+    fn try_from(stored: Stored) -> Result<Self, SolveError> {
+        let Stored {
+            mut world,
+            members,
+            supports,
+            penalty,
+        } = stored;
+        world.restore()?;
+        Ok(Self {
+            world,
+            members,
+            supports,
+            penalty,
+            notes: Vec::new(),
+        })
+    }
+}
+
+/// The nodes of a body that a boundary condition holds or moves.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Support {
+    /// Number of the body among the members.
+    pub member: usize,
+    /// Name of the condition.
+    pub name: String,
+    /// Nodes and directions of the world (0 to 2), ascending.
+    pub holds: Vec<(u32, u8)>,
+}
+
+/// A penalty and why it was chosen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Penalty {
+    /// Pa.
+    pub value: f64,
+    /// Why it has this value, for people.
+    pub reason: String,
+}
