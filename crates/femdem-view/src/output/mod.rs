@@ -8,8 +8,9 @@
 //! | `analysis/density-map.vti` | [`vti`] | ParaView: local packing density |
 //! | `pack.stl`, `shape-<name>.obj` | [`surface`] | CFD meshing; one body alone |
 //! | `*.pvd` | [`write_pvd`] | ParaView: files of a time series with their times |
+//! | any VTK file | [`vtk`] | ParaView: data of one's own |
 //!
-//! Every function takes a [`Snapshot`](crate::Snapshot) and a writer, so that a host can write anywhere;
+//! Functions take a [`Snapshot`](crate::Snapshot) or a table and a writer, so that a host can write anywhere;
 //! [`write_file`] writes the output of such a function to a file.
 
 mod base64;
