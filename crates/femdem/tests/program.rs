@@ -63,7 +63,7 @@ fn a_pack_leaves_every_file_and_every_key() {
     let mut wanted: Vec<&str> = "schema shape count diameter shapes container.kind container.width \
         container.depth container.diameter container.outlet container.half_angle container.rim \
         container.top container.mean_top container.above_rim density friction wall_friction rolling_friction damping_ratio \
-        contact.law contact.penalty contact.form contact.tangential_ratio seed threads settled simulated_time steps time_step implicit_multiple sleeping \
+        contact.law contact.penalty contact.tangential_ratio seed threads settled simulated_time steps time_step implicit_multiple sleeping \
         wall_seconds cpu_seconds contact_nanoseconds_per_pair packing_density.exact \
         packing_density.grid packing_density.standard_error packing_density.core.min \
         packing_density.core.max packing_density.bed_reason coordination.mean coordination.sd coordination.histogram coordination.patches_per_pair \

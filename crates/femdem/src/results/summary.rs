@@ -111,8 +111,6 @@ pub struct ContactLawSummary {
     pub law: String,
     /// Penalty p \[Pa\].
     pub penalty: f64,
-    /// Form of the energy: "sum" is U = p ∫ (φ_A + φ_B) dV.
-    pub form: String,
     /// Tangential over normal foundation modulus, k_t/k_n.
     pub tangential_ratio: f64,
 }
@@ -217,7 +215,6 @@ impl Summary {
             contact: ContactLawSummary {
                 law: law(packing).to_owned(),
                 penalty: packing.penalty(),
-                form: "sum".to_owned(),
                 tangential_ratio: spec.tangential_ratio,
             },
             seed: spec.seed,
