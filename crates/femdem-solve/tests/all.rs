@@ -3,6 +3,7 @@
 mod any_shape;
 mod changes;
 mod common;
+mod deformable_world;
 mod energy;
 mod impacts;
 mod implicit;

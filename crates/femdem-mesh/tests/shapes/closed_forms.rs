@@ -1,6 +1,6 @@
 //! Volumes, areas, inertia and errors of approximation against closed forms and published numbers.
 
-use crate::{assert_near, body};
+use super::{assert_near, body};
 use std::f64::consts::{PI, TAU};
 
 /// Volume of the sphere of diameter 1.

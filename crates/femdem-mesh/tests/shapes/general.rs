@@ -1,6 +1,6 @@
 //! Properties of every shape; names, text and refusals.
 
-use crate::body;
+use super::body;
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::shapes::{Boulder, Clump, ClumpSpheres, Cylinder, Dolos, Shape, Sphere, listing};
 use femdem_mesh::{MeshError, Point3};
@@ -268,11 +268,11 @@ fn scaling_is_that_of_the_unit_body() {
         for size in [1e-20, 1e-6, 3.0, 1e20] {
             let body = shape.polyhedron(size).unwrap();
             let ratio = body.mass_properties().volume / unit.mass_properties().volume;
-            crate::assert_near(&shape.to_string(), ratio, size.powi(3), 1e-12);
+            super::assert_near(&shape.to_string(), ratio, size.powi(3), 1e-12);
         }
         let size = shape.size_for_volume(2e-3).unwrap();
         let volume = shape.polyhedron(size).unwrap().mass_properties().volume;
-        crate::assert_near(&shape.to_string(), volume, 2e-3, 1e-12);
+        super::assert_near(&shape.to_string(), volume, 2e-3, 1e-12);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Volume, centroid and inertia of non-convex shapes by sampling, with independent tests of what is inside.
 
-use crate::body;
+use super::body;
 use femdem_mesh::{Point3, Polyhedron, Vector3, convex_hull};
 use std::f64::consts::{PI, TAU};
 

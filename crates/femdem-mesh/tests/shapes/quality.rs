@@ -1,6 +1,6 @@
 //! No slivers, and the symmetry of the shape.
 
-use crate::{assert_near, body, smallest_altitude};
+use super::{assert_near, body, smallest_altitude};
 use femdem_mesh::shapes::{BOULDER_SMALLEST_ALTITUDE, Boulder, Shape};
 use femdem_mesh::{Matrix3, Point3, Polyhedron};
 use std::f64::consts::PI;

@@ -81,7 +81,7 @@ proptest! {
         check(&shape)?;
         if let Ok(body) = shape.polyhedron(1.0) {
             let smallest = radii.iter().copied().fold(f64::INFINITY, f64::min);
-            let altitude = crate::smallest_altitude(&body);
+            let altitude = super::smallest_altitude(&body);
             prop_assert!(altitude > 0.03 * smallest, "{shape}: {altitude}");
         }
     }

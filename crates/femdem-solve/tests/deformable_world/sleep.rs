@@ -1,6 +1,6 @@
 //! Deformable bodies at rest are frozen, and wake when another load acts on them.
 
-use crate::{block, on_threads};
+use super::{block, on_threads};
 use femdem_contact::Wall;
 use femdem_fem::element::Element;
 use femdem_fem::{Boundary, Selection};

@@ -1,0 +1,8 @@
+//! All tests of the public interface in one program, since each test file takes longer to link than to run.
+
+mod catalogue;
+mod files;
+mod hostile;
+mod shapes;
+mod structured;
+mod tet;

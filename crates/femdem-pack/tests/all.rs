@@ -1,0 +1,4 @@
+//! All tests of the public interface in one program, since each test file takes longer to link than to run.
+
+mod packing;
+mod specs;
