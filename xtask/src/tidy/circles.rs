@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parent_that_uses_its_child_and_is_used_by_it_is_a_circle() {
+    fn a_part_may_use_what_its_module_defines() {
         let files = [
             ("lib.rs", "mod a;"),
             (
@@ -351,7 +351,7 @@ mod tests {
             ),
             ("a/b.rs", "pub struct B([u8; super::N]);"),
         ];
-        assert_eq!(found(&files).len(), 1);
+        assert_eq!(found(&files), Vec::<String>::new());
     }
 
     #[test]
