@@ -16,7 +16,7 @@ impl Run {
     ///
     /// # Errors
     ///
-    /// As [`Simulation::step`], and [`Error::View`].
+    /// As [`Simulation::step`](crate::run::Simulation::step), and [`Error::View`].
     pub fn advance(&mut self, folder: &Path, steps: u64) -> Result<(), Error> {
         if self.ending.is_none() {
             self.write_due(folder)?;
