@@ -259,11 +259,8 @@ impl Host {
 
     /// A twentieth of the largest stable step for the present contacts, at most `most`.
     fn time_step(&self, most: f64) -> f64 {
-        let bound = |(grain, body): (&Grain, u32)| {
-            let motion = grain.motion();
-            0.05 * self.batch.largest_step(body, &motion, None, f64::INFINITY)
-        };
-        self.grains.iter().zip(0..).map(bound).fold(most, f64::min)
+        let motions: Vec<Motion> = self.grains.iter().map(Grain::motion).collect();
+        most.min(0.05 * self.batch.stable_step(&motions))
     }
 
     fn kinetic_energy(&self) -> f64 {

@@ -1,7 +1,8 @@
 //! The state of a body as the contact stage sees it.
 
+use crate::error::{ContactError, check};
 use crate::shape::Frame;
-use femdem_mesh::{Matrix3, Vector3};
+use femdem_mesh::{Matrix3, Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Frame, velocities and inertia of one body. Walls and driven bodies have zero inverse
@@ -38,6 +39,67 @@ impl Motion {
         }
     }
 
+    /// A body that contacts move: `pose` maps its axes, about its centroid, to the world; `velocity` (m/s) and
+    /// `angular_velocity` (rad/s) are in world axes, `mass` in kg, and `inertia` (kg m^2) about the centroid in the
+    /// body's axes. It has not travelled yet: a host adds the path of its farthest point to [`travelled`](Self::travelled).
+    ///
+    /// ```
+    /// use femdem_contact::Motion;
+    /// use femdem_mesh::{Matrix3, Pose, Vector3};
+    ///
+    /// // A cube of 2 kg and side 0.1 m, half a metre up.
+    /// let inertia = Matrix3::identity() * (2.0 * 0.1 * 0.1 / 6.0);
+    /// let at = Pose::translation(0.0, 0.0, 0.5);
+    /// let motion = Motion::rigid(&at, Vector3::zeros(), Vector3::x(), 2.0, &inertia)?;
+    /// assert!((motion.inverse_inertia_max - 300.0).abs() < 1e-9);
+    /// # Ok::<(), femdem_contact::ContactError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] unless the mass is positive, the inertia symmetric (to 1e-9) and positive
+    /// definite, and every number finite.
+    pub fn rigid(
+        pose: &Pose,
+        velocity: Vector3,
+        angular_velocity: Vector3,
+        mass: f64,
+        inertia: &Matrix3,
+    ) -> Result<Self, ContactError> {
+        check("mass", mass, mass > 0.0, "positive and finite, in kg")?;
+        let skew = (inertia - inertia.transpose()).norm();
+        let allowed = "the size of the difference to its transpose, at most 1e-9 of it";
+        check("inertia", skew, skew <= 1e-9 * inertia.norm(), allowed)?;
+        let moments = inertia.symmetric_eigenvalues();
+        let least = moments.min();
+        let allowed = "positive and finite in its least moment, in kg m^2";
+        check("inertia", least, least > 0.0, allowed)?;
+        let frame = Frame::from(pose);
+        let inverse = inertia.try_inverse().ok_or(ContactError::Parameter {
+            name: "inertia",
+            value: least,
+            allowed,
+        })?;
+        let motion = Self {
+            frame,
+            velocity,
+            angular_velocity,
+            inverse_mass: 1.0 / mass,
+            inverse_inertia: frame.rotation * inverse * frame.rotation.transpose(),
+            inverse_inertia_max: 1.0 / least,
+            travelled: 0.0,
+        };
+        let speed = velocity.norm() + angular_velocity.norm();
+        let place = frame.position.norm() + frame.rotation.norm();
+        check("velocity", speed, true, "finite in every component")?;
+        check(
+            "pose",
+            place,
+            motion.is_sound(),
+            "finite in every component",
+        )?;
+        Ok(motion)
+    }
+
     /// Velocity of the body's point at `arm` from its origin, m/s.
     #[inline]
     pub fn velocity_at(&self, arm: &Vector3) -> Vector3 {
@@ -62,5 +124,67 @@ impl Motion {
             && inverse(self.inverse_inertia_max)
             && self.inverse_inertia.iter().all(|x| x.is_finite())
             && self.travelled.is_finite()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use femdem_mesh::Rotation;
+    use femdem_mesh::nalgebra::Translation3;
+
+    fn inertia() -> Matrix3 {
+        Matrix3::new(3.0, 0.2, 0.1, 0.2, 2.0, 0.3, 0.1, 0.3, 4.0)
+    }
+
+    fn pose() -> Pose {
+        let turn = Rotation::from_scaled_axis(Vector3::new(0.3, -1.1, 0.6));
+        Pose::from_parts(Translation3::new(1.0, 2.0, 3.0), turn)
+    }
+
+    /// A torque turns the body as Newton's second law in its own axes says.
+    #[test]
+    fn a_rigid_body_has_its_inertia_in_its_axes() {
+        let zero = Vector3::zeros();
+        let motion = Motion::rigid(&pose(), zero, zero, 2.0, &inertia()).unwrap();
+        let torque = Vector3::new(0.7, -0.4, 1.9);
+        let in_body = pose().inverse_transform_vector(&torque);
+        let turning = pose() * (inertia().try_inverse().unwrap() * in_body);
+        assert!((motion.inverse_inertia * torque - turning).norm() < 1e-14);
+        assert_eq!(motion.inverse_mass, 0.5);
+        let most = (0..500).map(|k| {
+            let t = f64::from(k);
+            let axis = Vector3::new((1.3 * t).sin(), (2.1 * t).cos(), (0.7 * t).sin()).normalize();
+            axis.dot(&(motion.inverse_inertia * axis))
+        });
+        let most = most.fold(0.0, f64::max);
+        assert!((0.98..=1.0).contains(&(most / motion.inverse_inertia_max)));
+    }
+
+    #[test]
+    fn bodies_that_cannot_be_are_refused_by_name() {
+        let zero = Vector3::zeros();
+        let refused = |mass: f64, inertia: Matrix3, velocity: Vector3, pose: Pose| {
+            let result = Motion::rigid(&pose, velocity, zero, mass, &inertia);
+            result.unwrap_err().to_string()
+        };
+        let mut skew = inertia();
+        skew.m12 += 0.1;
+        let far = Pose::translation(f64::NAN, 0.0, 0.0);
+        for (message, name) in [
+            (refused(0.0, inertia(), zero, pose()), "mass"),
+            (refused(f64::INFINITY, inertia(), zero, pose()), "mass"),
+            (refused(1.0, skew, zero, pose()), "inertia"),
+            (refused(1.0, Matrix3::zeros(), zero, pose()), "inertia"),
+            (refused(1.0, inertia() * f64::NAN, zero, pose()), "inertia"),
+            (refused(1.0, -inertia(), zero, pose()), "inertia"),
+            (
+                refused(1.0, inertia(), zero.add_scalar(f64::NAN), pose()),
+                "velocity",
+            ),
+            (refused(1.0, inertia(), zero, far), "pose"),
+        ] {
+            assert!(message.contains(name), "{message}");
+        }
     }
 }

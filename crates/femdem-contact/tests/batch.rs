@@ -221,6 +221,17 @@ impl Pack {
                 assert_eq!(step, wanted, "{body} with at most {most:e} of {own:e}");
             }
         }
+        // Every body that is awake allows the stable step of all, and one of them not twice that.
+        let stable = self.batch.stable_step(&self.bodies);
+        let allow = |step: f64| {
+            let mut bodies = (0..).zip(&self.bodies);
+            bodies.all(|(body, motion)| {
+                let resistance = self.batch.resistance_of(body);
+                !self.batch.is_awake(body) || resistance.largest_step(motion, step) >= step
+            })
+        };
+        assert!(allow(stable), "{stable}");
+        assert!(stable == f64::INFINITY || !allow(2.0 * stable), "{stable}");
     }
 }
 

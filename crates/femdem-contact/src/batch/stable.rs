@@ -6,6 +6,16 @@ use crate::generalized::Resistance;
 use crate::motion::Motion;
 
 impl ContactBatch {
+    /// The largest step for which all contacts on record are stable, s: the least
+    /// [`largest_step`](Self::largest_step) of the bodies that are awake, infinite without contacts. `bodies` are their
+    /// motions. Contacts that begin in the step are stiffer than those on record: take a small part of it.
+    pub fn stable_step(&self, bodies: &[Motion]) -> f64 {
+        let awake = (0..).zip(bodies).filter(|(body, _)| self.is_awake(*body));
+        awake.fold(f64::INFINITY, |most, (body, motion)| {
+            self.largest_step(body, motion, None, most)
+        })
+    }
+
     /// The springs and dashpots of all recorded contacts of a body. Sleeping partners do not move.
     pub fn resistance_of(&self, body: BodyId) -> Resistance {
         let mut resistance = Resistance::default();
