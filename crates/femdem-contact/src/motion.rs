@@ -2,7 +2,7 @@
 
 use crate::error::{ContactError, check};
 use crate::shape::Frame;
-use femdem_mesh::{Matrix3, Pose, Vector3};
+use femdem_mesh::{Matrix3, Pose, Vector3, unit_pose};
 use serde::{Deserialize, Serialize};
 
 /// Frame, velocities and inertia of one body. Walls and driven bodies have zero inverse
@@ -45,7 +45,7 @@ impl Motion {
     ///
     /// ```
     /// use femdem_contact::Motion;
-    /// use femdem_mesh::{Matrix3, Pose, Vector3};
+    /// use femdem_mesh::{Matrix3, Pose, Vector3, unit_pose};
     ///
     /// // A cube of 2 kg and side 0.1 m, half a metre up.
     /// let inertia = Matrix3::identity() * (2.0 * 0.1 * 0.1 / 6.0);
@@ -57,7 +57,7 @@ impl Motion {
     ///
     /// # Errors
     /// [`ContactError::Parameter`] unless the mass is positive, the inertia symmetric (to 1e-9) and positive
-    /// definite, and every number finite.
+    /// definite, the quaternion of unit length (to 1e-6), and every number and the inverses finite.
     pub fn rigid(
         pose: &Pose,
         velocity: Vector3,
@@ -65,39 +65,45 @@ impl Motion {
         mass: f64,
         inertia: &Matrix3,
     ) -> Result<Self, ContactError> {
-        check("mass", mass, mass > 0.0, "positive and finite, in kg")?;
+        let pose = unit_pose(pose).ok_or(ContactError::Parameter {
+            name: "pose",
+            value: pose.rotation.coords.norm() + pose.translation.vector.norm(),
+            allowed: "finite, with a quaternion of length 1 to 1e-6",
+        })?;
+        let inverse_mass = 1.0 / mass;
+        let allowed = "positive, and finite as 1/mass is, in kg";
+        check(
+            "mass",
+            mass,
+            mass > 0.0 && inverse_mass.is_finite(),
+            allowed,
+        )?;
         let skew = (inertia - inertia.transpose()).norm();
         let allowed = "the size of the difference to its transpose, at most 1e-9 of it";
         check("inertia", skew, skew <= 1e-9 * inertia.norm(), allowed)?;
-        let moments = inertia.symmetric_eigenvalues();
-        let least = moments.min();
-        let allowed = "positive and finite in its least moment, in kg m^2";
-        check("inertia", least, least > 0.0, allowed)?;
-        let frame = Frame::from(pose);
-        let inverse = inertia.try_inverse().ok_or(ContactError::Parameter {
-            name: "inertia",
-            value: least,
+        let principal = inertia.symmetric_eigen();
+        let inverse = principal.eigenvalues.map(|moment| 1.0 / moment);
+        let least = principal.eigenvalues.min();
+        let allowed = "positive in its least moment, and finite as its inverse is, in kg m^2";
+        check(
+            "inertia",
+            least,
+            least > 0.0 && inverse.max().is_finite(),
             allowed,
-        })?;
-        let motion = Self {
+        )?;
+        let speed = velocity.norm() + angular_velocity.norm();
+        check("velocity", speed, true, "finite in every component")?;
+        let frame = Frame::from(&pose);
+        let axes = frame.rotation * principal.eigenvectors;
+        Ok(Self {
             frame,
             velocity,
             angular_velocity,
-            inverse_mass: 1.0 / mass,
-            inverse_inertia: frame.rotation * inverse * frame.rotation.transpose(),
-            inverse_inertia_max: 1.0 / least,
+            inverse_mass,
+            inverse_inertia: axes * Matrix3::from_diagonal(&inverse) * axes.transpose(),
+            inverse_inertia_max: inverse.max(),
             travelled: 0.0,
-        };
-        let speed = velocity.norm() + angular_velocity.norm();
-        let place = frame.position.norm() + frame.rotation.norm();
-        check("velocity", speed, true, "finite in every component")?;
-        check(
-            "pose",
-            place,
-            motion.is_sound(),
-            "finite in every component",
-        )?;
-        Ok(motion)
+        })
     }
 
     /// Velocity of the body's point at `arm` from its origin, m/s.
@@ -174,6 +180,8 @@ mod tests {
         for (message, name) in [
             (refused(0.0, inertia(), zero, pose()), "mass"),
             (refused(f64::INFINITY, inertia(), zero, pose()), "mass"),
+            (refused(1e-310, inertia(), zero, pose()), "mass"),
+            (refused(1.0, inertia() * 1e-310, zero, pose()), "inertia"),
             (refused(1.0, skew, zero, pose()), "inertia"),
             (refused(1.0, Matrix3::zeros(), zero, pose()), "inertia"),
             (refused(1.0, inertia() * f64::NAN, zero, pose()), "inertia"),

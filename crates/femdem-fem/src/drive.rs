@@ -2,7 +2,7 @@
 
 use crate::error::{FemError, check};
 use femdem_mesh::nalgebra::{Translation3, Unit};
-use femdem_mesh::{Pose, Rotation, Vector3, unit_pose};
+use femdem_mesh::{Pose, Rotation, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -77,22 +77,6 @@ pub enum Drive {
         /// Number of periods.
         periods: u32,
     },
-}
-
-/// A pose with its quaternion of unit length, so that it distorts nothing.
-///
-/// # Errors
-/// [`FemError::Parameter`] if a component is not finite, or the length of the quaternion is not 1 to 1e-6.
-pub fn checked_pose(pose: &Pose) -> Result<Pose, FemError> {
-    let place = pose.translation.vector.norm();
-    check("pose.translation", place, true, "finite in every component")?;
-    let length = pose.rotation.norm();
-    let allowed = "a unit quaternion, to 1e-6";
-    unit_pose(pose).ok_or(FemError::Parameter {
-        name: "pose.rotation",
-        value: length,
-        allowed,
-    })
 }
 
 /// Least number of steps in a period of a swing: its stroke is then found to 1 %.

@@ -57,7 +57,7 @@ pub mod statics;
 
 pub use femdem_mesh as mesh;
 
-pub use drive::{Drive, Driven, checked_pose};
+pub use drive::{Drive, Driven};
 pub use error::FemError;
 pub use model::{
     BodyLedger, Boundary, Curve, DeformableBody, DeformableModel, DeformableState, ElementStress,

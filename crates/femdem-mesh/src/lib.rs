@@ -29,7 +29,7 @@
 //! - [`convex_hull`]: the hull of points, with polygon faces.
 //! - [`catalogue`]: the 18 solids by identifier, name and diameter, chiral ones in both hands.
 //! - [`TetMesh`]: the checked tetrahedral mesh; [`tet`]: fans, refinement and a general mesher.
-//! - [`bvh`]: a tree of boxes. [`unit_pose`]: turns poses from elsewhere into rigid motions.
+//! - [`bvh`]: a tree of boxes. [`unit_pose`] and [`checked_pose`]: turn poses from elsewhere into rigid motions.
 //! - [`shapes`]: spheres, pellets, boulders, armour units and other bodies with named parameters.
 //! - [`io`]: OBJ, STL, OFF and PLY surfaces in and out, Gmsh meshes of tetrahedra, VTU out.
 //! - [`repair`]: from loose facets to a body, with errors that name facets, and repair on request.
@@ -78,7 +78,7 @@ pub use hull::convex_hull;
 pub use mass::{MassProperties, PrincipalFrame};
 pub use nalgebra;
 pub use polyhedron::{CONVEXITY_TOLERANCE, PLANARITY_TOLERANCE, Polyhedron};
-pub use pose::unit_pose;
+pub use pose::{checked_pose, unit_pose};
 pub use tet::TetMesh;
 
 /// A point \[m\].

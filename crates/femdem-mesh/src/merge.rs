@@ -1,6 +1,7 @@
 //! Joining coplanar triangles into convex polygon faces.
 
-use crate::polyhedron::{Plane, sides};
+use crate::polyhedron::planes::Plane;
+use crate::polyhedron::topology::sides;
 use crate::{MeshError, Point3};
 use std::collections::BTreeMap;
 

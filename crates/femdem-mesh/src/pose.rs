@@ -40,18 +40,27 @@ pub fn unit_pose(pose: &Pose) -> Option<Pose> {
     Some(Pose::from_parts(pose.translation, rotation))
 }
 
-/// The same, with an error for a quaternion that is not of unit length. A translation that is not finite is kept; it
-/// is found where the moved points are checked.
-pub(crate) fn checked_pose(pose: &Pose) -> Result<Pose, MeshError> {
-    let length = pose.rotation.coords.norm();
-    // The condition is false for NaN.
-    let is_unit = (length - 1.0).abs() <= QUATERNION_TOLERANCE;
-    if !is_unit {
-        return Err(MeshError::OutOfRange {
-            what: "the length of a pose's quaternion",
-            value: length,
-            allowed: "1 to 1e-6",
-        });
-    }
-    Ok(unit_pose(pose).unwrap_or(*pose))
+/// As [`unit_pose`], with an error that says what is wrong.
+///
+/// # Errors
+/// [`MeshError::OutOfRange`] if the translation is not finite, or the length of the quaternion is not 1 to 1e-6.
+pub fn checked_pose(pose: &Pose) -> Result<Pose, MeshError> {
+    let far = pose.translation.vector.norm();
+    let (what, value, allowed) = if far.is_finite() {
+        let length = pose.rotation.coords.norm();
+        (
+            "the length of the quaternion pose.rotation",
+            length,
+            "1 to 1e-6",
+        )
+    } else {
+        ("the length of pose.translation", far, "finite, in m")
+    };
+    unit_pose(pose)
+        .filter(|_| far.is_finite())
+        .ok_or(MeshError::OutOfRange {
+            what,
+            value,
+            allowed,
+        })
 }

@@ -82,7 +82,7 @@ impl PackLoad {
 /// The penalty (Pa) at which a pack under `load` is expected to have the mean penetration
 /// `penetration_over_d`.
 ///
-/// A vertex pressed into a face by the force F penetrates by delta with F of order p delta^3/d (sum form), and
+/// A vertex pressed into a face by the force F penetrates by delta with F of order p delta^3/d, and
 /// F is of order sigma d^2, so p = c sigma/(delta/d)^3. The mean over all contacts of overlap volume over
 /// contact area follows the same law with c = 1.7e-4, calibrated on settled packs of truncated dodecahedra. In
 /// trials other shapes penetrated less, by up to a fifth (P3, A1, A13) or a quarter (P1, P4, P5); every report

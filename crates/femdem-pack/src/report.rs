@@ -1,6 +1,6 @@
 //! The state of a pack in numbers.
 
-use crate::packing::mean_top;
+use crate::packing::top::mean_top;
 use femdem_contact::BodyId;
 use femdem_solve::World;
 use serde::{Deserialize, Serialize};

@@ -2,10 +2,9 @@
 
 use crate::error::{SolveError, check};
 use femdem_contact::{BodyShape, ConvexShape, Field, FieldMesh, Frame, Motion};
-use femdem_fem::checked_pose;
 use femdem_fem::{Drive, Driven};
 use femdem_mesh::nalgebra::{Matrix3, Translation3};
-use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3};
+use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3, checked_pose};
 use serde::{Deserialize, Serialize};
 
 /// Index of a shape, by order of addition.

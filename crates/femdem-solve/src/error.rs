@@ -40,16 +40,6 @@ pub enum SolveError {
         /// How many exist.
         count: usize,
     },
-    /// A list has the wrong length.
-    #[error("{given} {what} were given where {wanted} are wanted")]
-    WrongLength {
-        /// What is listed.
-        what: &'static str,
-        /// The length given.
-        given: usize,
-        /// The length required.
-        wanted: usize,
-    },
     /// The static solvers did not reach equilibrium.
     #[error(
         "{method} stopped after {iterations} iterations at a residual of {residual:.3e} of the \

@@ -2,8 +2,8 @@
 //!
 //! An import is a `use` of an item that another file of the same crate defines, or a path to one that starts with
 //! `crate`, `super` or `self`. A name that a file only hands on with `pub use` counts for the file that defines it.
-//! Tests count as no part of their file. What a module takes from a module that it is a part of is no import: the two
-//! are read together.
+//! Tests count as no part of their file. A module and a part of it may use each other, since the two are read together:
+//! circles are looked for without what parts take from their module, and without what modules take from their parts.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -55,8 +55,12 @@ pub(crate) fn check(files: &[SourceFile]) -> Vec<Problem> {
         }
     }
     for modules in crates.values() {
-        problems.extend(circles(&imports(modules)));
+        for without in [Without::Up, Without::Down] {
+            problems.extend(circles(&imports(modules, without)));
+        }
     }
+    problems.sort();
+    problems.dedup();
     problems
 }
 
@@ -186,8 +190,13 @@ impl<'ast> Visit<'ast> for Module {
     }
 }
 
-/// The file that defines what a path of a module leads to.
-fn resolve<'a>(modules: &'a Crate, from: &Path, path: &[String], depth: usize) -> Option<&'a str> {
+/// The module, and its file, that defines what a path of a module leads to.
+fn resolve<'a>(
+    modules: &'a Crate,
+    from: &Path,
+    path: &[String],
+    depth: usize,
+) -> Option<(Path, &'a str)> {
     if depth > DEEPEST {
         return None;
     }
@@ -206,7 +215,7 @@ fn resolve<'a>(modules: &'a Crate, from: &Path, path: &[String], depth: usize) -
                 }
                 let module = modules.get(&at)?;
                 if module.defined.contains(name) {
-                    return Some(&module.file);
+                    return Some((at, &module.file));
                 }
                 let rest = &path[k + 1..];
                 if let Some(target) = module.named.get(name) {
@@ -224,24 +233,36 @@ fn resolve<'a>(modules: &'a Crate, from: &Path, path: &[String], depth: usize) -
             }
         }
     }
-    modules.get(&at).map(|module| module.file.as_str())
+    let module = modules.get(&at)?;
+    Some((at, &module.file))
 }
 
 /// By file, the files that it imports, each with a name that it takes from there.
 type Imports<'a> = BTreeMap<&'a str, BTreeMap<&'a str, &'a str>>;
 
-fn imports(modules: &Crate) -> Imports<'_> {
+/// Imports between a module and its parts that are left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Without {
+    /// What a part takes from a module that it is in.
+    Up,
+    /// What a module takes from its parts.
+    Down,
+}
+
+fn imports(modules: &Crate, without: Without) -> Imports<'_> {
     let mut imports = Imports::new();
     for (path, module) in modules {
         let of_file = imports.entry(&module.file).or_default();
-        let above: BTreeSet<&str> = (0..=path.len())
-            .filter_map(|k| modules.get(&path[..k]))
-            .map(|module| module.file.as_str())
-            .collect();
         for used in &module.used {
-            let other = resolve(modules, path, used, 0).filter(|other| !above.contains(other));
-            if let (Some(other), Some(name)) = (other, used.last()) {
-                of_file.entry(other).or_insert(name);
+            let (Some(other), Some(name)) = (resolve(modules, path, used, 0), used.last()) else {
+                continue;
+            };
+            let left_out = match without {
+                Without::Up => path.starts_with(&other.0),
+                Without::Down => other.0.starts_with(path),
+            };
+            if !left_out && other.1 != module.file {
+                of_file.entry(other.1).or_insert(name);
             }
         }
     }
@@ -352,6 +373,20 @@ mod tests {
             ("a/b.rs", "pub struct B([u8; super::N]);"),
         ];
         assert_eq!(found(&files), Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_circle_through_a_part_and_its_module_is_found() {
+        let files = [
+            ("lib.rs", "mod a;\nmod c;"),
+            (
+                "a/mod.rs",
+                "mod b;\npub use b::B;\nuse crate::c::C;\npub const N: usize = 1;\nfn f(_: C) {}",
+            ),
+            ("a/b.rs", "pub struct B([u8; super::N]);"),
+            ("c.rs", "use crate::a::B;\npub struct C(B);"),
+        ];
+        assert_eq!(found(&files).len(), 1);
     }
 
     #[test]

@@ -3,10 +3,9 @@
 use super::loads::{Load, LoadKind};
 use super::{Curve, DeformableModel, NodeSets, Selection};
 use crate::drive::Drive;
-use crate::drive::checked_pose;
 use crate::error::{FemError, check};
 use femdem_mesh::nalgebra::Translation3;
-use femdem_mesh::{Pose, Rotation, Vector3};
+use femdem_mesh::{Pose, Rotation, Vector3, checked_pose};
 use serde::{Deserialize, Serialize};
 
 /// Boundary conditions of one body.

@@ -1,7 +1,8 @@
 //! A matrix that bounds the stiffness of the elements.
 
 use super::DeformableModel;
-use crate::element::Table;
+use super::forces::check_length;
+use crate::element::{ElementFailure, Table};
 use femdem_mesh::Vector3;
 
 /// A matrix without negative entries that bounds the stiffness of the elements: since |sum_a u_a (x) grad
@@ -58,8 +59,17 @@ impl DeformableModel {
     /// sum_b C_ab x_b for all nodes, with a matrix without negative entries that bounds the stiffness of the
     /// elements: u.K u <= c sum_ab |u_a| C_ab |u_b| for all nodal fields u, c the present stiffening of the
     /// [`FrequencyBound`](super::FrequencyBound). x and `out` have a value for each node; C x is in N/m.
-    pub fn apply_stiffness_bound(&self, x: &[f64], out: &mut Vec<f64>) {
+    ///
+    /// # Errors
+    /// [`ElementFailure::Length`] if `x` has another length.
+    pub fn apply_stiffness_bound(
+        &self,
+        x: &[f64],
+        out: &mut Vec<f64>,
+    ) -> Result<(), ElementFailure> {
+        check_length("x", x.len(), self.nodes.len())?;
         self.comparison.apply(&self.connectivity, x, out);
+        Ok(())
     }
 
     /// Positive weights x of the nodes for which the largest of (C x)_a/(m_a x_a), times the stiffening a bound of

@@ -128,9 +128,10 @@ impl DeformableModel {
         }
     }
 
-    /// What [`forces_without_energy`](Self::forces_without_energy) has returned at positions `x`, with the energy.
+    /// What [`forces_without_energy`](Self::forces_without_energy) has returned at positions `x`, with the energy: NaN
+    /// if an element is inverted there, or if `x` is not as long as the nodes.
     pub fn with_energy(&self, state: InternalState, x: &[Vector3]) -> InternalState {
-        let Some(batch) = &self.batch else {
+        let Some(batch) = self.batch.as_ref().filter(|_| x.len() == self.nodes.len()) else {
             return state;
         };
         let count = self.volumes.len();
@@ -492,7 +493,11 @@ fn volume_ratio(element: usize, point: &Deformation) -> Result<f64, ElementFailu
     })
 }
 
-fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), ElementFailure> {
+pub(super) fn check_length(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), ElementFailure> {
     if found == expected {
         return Ok(());
     }

@@ -126,3 +126,29 @@ fn failures_become_errors_of_the_crate() {
     let error = FemError::from(failure);
     assert!(error.to_string().contains("element 7"));
 }
+
+/// Lists of another length than the nodes.
+#[test]
+fn bounds_and_energies_of_too_few_nodes_are_refused() {
+    let mesh = TetMesh::block([2, 1, 1], &Vector3::new(2.0, 1.0, 1.0)).unwrap();
+    let region = MaterialRegion {
+        material: NeoHookean::new(1e6, 0.3).unwrap().into(),
+        density: 1000.0,
+    };
+    let model = DeformableModel::new(&mesh, Element::T4, vec![region], None).unwrap();
+    let (x, weights) = (model.nodes(), model.frequency_weights());
+    let mut out = Vec::new();
+    assert!(model.apply_stiffness_bound(weights, &mut out).is_ok());
+    assert!(out.iter().all(|bound| *bound > 0.0));
+    assert!(
+        model
+            .apply_stiffness_bound(&weights[1..], &mut out)
+            .is_err()
+    );
+    let state = InternalState {
+        energy: f64::NAN,
+        ..InternalState::default()
+    };
+    assert!(model.with_energy(state, x).energy.abs() < 1e-9);
+    assert!(model.with_energy(state, &x[1..]).energy.is_nan());
+}

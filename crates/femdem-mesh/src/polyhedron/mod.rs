@@ -1,30 +1,25 @@
 //! The closed polyhedral surface and what is computed from it once.
 
+mod extent;
 mod intersect;
-mod planes;
+pub(crate) mod planes;
 mod shells;
-mod topology;
+mod tolerances;
+pub(crate) mod topology;
 mod triangulate;
 
 use crate::bvh::{Aabb, Bvh};
 use crate::pose::checked_pose;
 use crate::{MassProperties, MeshError, Point3, Pose, Vector3, merge};
+pub(crate) use extent::{bounding_box, check_coordinates};
 pub(crate) use planes::Plane;
 use serde::{Deserialize, Serialize};
 pub(crate) use shells::refusal as several_shells;
 use std::cell::Cell;
 use std::collections::BTreeSet;
+pub use tolerances::{CONVEXITY_TOLERANCE, PLANARITY_TOLERANCE};
 pub(crate) use topology::{Groups, check as check_topology, check_counts, sides};
 pub(crate) use triangulate::{SHARP, triangulate};
-
-/// A vertex may lie off the plane of its face by this part of the bounding box's diagonal.
-///
-/// Wide enough for files that hold six or seven significant digits.
-pub const PLANARITY_TOLERANCE: f64 = 1e-6;
-
-/// A polyhedron counts as convex if no vertex lies farther outside any face's plane than this part
-/// of the bounding box's diagonal.
-pub const CONVEXITY_TOLERANCE: f64 = 1e-6;
 
 /// A closed, oriented polyhedral surface: planar polygons, vertex loops counter-clockwise seen
 /// from outside.
@@ -357,45 +352,6 @@ impl Polyhedron {
     pub fn euler_characteristic(&self) -> i64 {
         self.vertices.len() as i64 - self.corners.len() as i64 / 2 + self.face_count() as i64
     }
-}
-
-/// Diagonal of the bounding box, after checking that the arithmetic can hold the coordinates.
-pub(crate) fn check_coordinates(points: &[Point3]) -> Result<f64, MeshError> {
-    let not_finite = points.iter().position(|p| !p.iter().all(|x| x.is_finite()));
-    if let Some(vertex) = not_finite {
-        let p = points[vertex];
-        return Err(MeshError::NotFinite {
-            vertex,
-            x: p.x,
-            y: p.y,
-            z: p.z,
-        });
-    }
-    let (low, high) = bounding_box(points);
-    let extent = (high - low).norm();
-    if !(1e-30..=1e30).contains(&extent) {
-        // Squares may have left the range of numbers: the length itself need not have.
-        let longest = (high - low).amax();
-        let extent = if longest > 0.0 && longest.is_finite() {
-            longest * ((high - low) / longest).norm()
-        } else {
-            longest
-        };
-        return Err(MeshError::Size { extent });
-    }
-    let distance = low.coords.amax().max(high.coords.amax());
-    if extent < 1e-9 * distance {
-        return Err(MeshError::TooFarFromOrigin { extent, distance });
-    }
-    Ok(extent)
-}
-
-/// Lowest and highest corner of the box around points; both the origin if there are none.
-pub(crate) fn bounding_box(points: &[Point3]) -> (Point3, Point3) {
-    let first = points.first().copied().unwrap_or_default();
-    points
-        .iter()
-        .fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)))
 }
 
 /// The loops that [`flatten`] put one after another.

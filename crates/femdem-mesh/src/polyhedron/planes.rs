@@ -1,7 +1,7 @@
 //! Planes of faces, planarity and convexity.
 
+use super::tolerances::{CONVEXITY_TOLERANCE, PLANARITY_TOLERANCE};
 use super::topology::sides;
-use super::{CONVEXITY_TOLERANCE, PLANARITY_TOLERANCE};
 use crate::bvh::{Aabb, Bvh};
 use crate::{MeshError, Point3, Vector3};
 use std::cell::Cell;
@@ -96,7 +96,7 @@ pub(super) fn check(vertices: &[Point3], faces: &[Vec<u32>], extent: f64) -> Res
 /// The vertices of neighbouring faces are tried first, so that a non-convex surface of many faces is detected
 /// without comparing every face with every vertex.
 pub(super) fn is_convex(vertices: &[Point3], faces: &[&[u32]], planes: &[Plane]) -> bool {
-    let (low, high) = super::bounding_box(vertices);
+    let (low, high) = super::extent::bounding_box(vertices);
     let allowed = CONVEXITY_TOLERANCE * (high - low).norm();
     let mut owners: Vec<([u32; 2], usize)> = faces
         .iter()

@@ -5,6 +5,7 @@ mod deposit;
 mod relax;
 mod settle;
 mod surface;
+pub(crate) mod top;
 
 use crate::error::PackError;
 use crate::report::{PackReport, Relaxation, Verification};
@@ -13,8 +14,6 @@ use femdem_contact::BodyId;
 use femdem_solve::{Drive, World};
 use serde::{Deserialize, Serialize};
 use std::fmt;
-
-pub(crate) use surface::mean_top;
 
 /// The stage of a packing job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

@@ -12,7 +12,7 @@
 //! that is not at rest by itself, as the verification shows. The steps are implicit: loads take time, not work,
 //! to come down a column, and the effect of implicit steps on impacts does not matter where there are none.
 
-use super::surface::positions;
+use super::top::positions;
 use super::{Packing, Stage};
 use crate::error::PackError;
 use crate::report::Relaxation;

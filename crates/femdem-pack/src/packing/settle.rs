@@ -1,6 +1,6 @@
 //! Settling and the final verification with all bodies awake.
 
-use super::surface::{mean_top, positions};
+use super::top::{mean_top, positions};
 use super::{Packing, Stage};
 use crate::error::PackError;
 use crate::report::Verification;

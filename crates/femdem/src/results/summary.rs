@@ -17,7 +17,7 @@ use super::parts::{ContainerSummary, ShapeSummary};
 use crate::{Body, Error, Snapshot};
 
 /// Version of the keys of `summary.json`.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// The cost of a run so far; the parts of a resumed run add up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -10,9 +10,9 @@ use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, DeformablePartner};
 use femdem_contact::{BodyShape, ContactBatch, ContactLaw, Field};
 use femdem_fem::material::{Deformation, Material};
-use femdem_fem::{Boundary, DeformableModel, checked_pose};
+use femdem_fem::{Boundary, DeformableModel};
 use femdem_mesh::nalgebra::Matrix6;
-use femdem_mesh::{Matrix3, Vector3};
+use femdem_mesh::{Matrix3, Vector3, checked_pose};
 use std::sync::Arc;
 
 impl World {
@@ -176,7 +176,7 @@ impl State {
             internal: Default::default(),
             bound: Default::default(),
             contact_step: f64::INFINITY,
-            nodal: NodalBound::new(model),
+            nodal: NodalBound::new(model)?,
             rest: Default::default(),
         })
     }

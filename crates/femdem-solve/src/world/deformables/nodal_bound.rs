@@ -1,6 +1,7 @@
 //! Bounds of a body's frequencies node by node.
 
 use femdem_contact::stable_step;
+use femdem_fem::element::ElementFailure;
 use femdem_fem::{DeformableModel, FrequencyBound};
 use serde::{Deserialize, Serialize};
 
@@ -24,24 +25,25 @@ pub(crate) struct NodalBound {
 
 impl NodalBound {
     /// Starts with the best weights of a body without contacts.
-    pub fn new(model: &DeformableModel) -> Self {
+    pub fn new(model: &DeformableModel) -> Result<Self, ElementFailure> {
         let mut bound = Self {
             weights: model.frequency_weights().to_vec(),
             frequency2: Vec::new(),
         };
-        bound.renew(model);
-        bound
+        bound.renew(model)?;
+        Ok(bound)
     }
 
-    fn renew(&mut self, model: &DeformableModel) {
+    fn renew(&mut self, model: &DeformableModel) -> Result<(), ElementFailure> {
         let Self {
             weights,
             frequency2,
         } = self;
-        model.apply_stiffness_bound(weights, frequency2);
+        model.apply_stiffness_bound(weights, frequency2)?;
         for ((f, x), m) in frequency2.iter_mut().zip(weights).zip(model.masses()) {
             *f /= *m * *x;
         }
+        Ok(())
     }
 
     /// One iteration of the weights towards the best ones for steps of `dt` (s). `contact` returns the
@@ -52,7 +54,7 @@ impl NodalBound {
         elements: &FrequencyBound,
         contact: impl Fn(usize) -> (f64, f64),
         dt: f64,
-    ) {
+    ) -> Result<(), ElementFailure> {
         let part = |(a, f): (usize, &f64)| {
             let (stiffness, rate) = contact(a);
             0.25 * dt * dt * (elements.stiffening * f + stiffness)
@@ -61,7 +63,7 @@ impl NodalBound {
         let parts: Vec<f64> = self.frequency2.iter().enumerate().map(part).collect();
         let top = parts.iter().copied().fold(0.0, f64::max);
         if !(top > 0.0 && top.is_finite()) {
-            return;
+            return Ok(());
         }
         // Half of the old weight, so that the iteration does not oscillate.
         let weights = self.weights.iter_mut().zip(&parts);
@@ -70,7 +72,7 @@ impl NodalBound {
         for x in &mut self.weights {
             *x = (*x / largest).max(LEAST);
         }
-        self.renew(model);
+        self.renew(model)
     }
 
     /// The largest stable step, s, with `contact` as for [`adapt`](Self::adapt); 0 for elements without such
@@ -162,12 +164,12 @@ mod tests {
                     (0.0, 0.0)
                 }
             };
-            let mut bound = NodalBound::new(&model);
+            let mut bound = NodalBound::new(&model).unwrap();
             let alone = bound.step(&elements, |_| (0.0, 0.0));
             assert!(alone > 0.9 * elements.critical_step(), "{seed}: {alone}");
             let before = bound.step(&elements, contact);
             for _ in 0..100 {
-                bound.adapt(&model, &elements, contact, before);
+                bound.adapt(&model, &elements, contact, before).unwrap();
             }
             let after = bound.step(&elements, contact);
             for step in [before, after] {
@@ -187,7 +189,9 @@ mod tests {
         for element in [Element::T10Fbar, Element::T4NodalPressure] {
             let model = boulder(1, element);
             let elements = model.stable_frequency2(model.nodes(), &[]).unwrap();
-            let step = NodalBound::new(&model).step(&elements, |_| (0.0, 0.0));
+            let step = NodalBound::new(&model)
+                .unwrap()
+                .step(&elements, |_| (0.0, 0.0));
             assert_eq!(step, 0.0, "{element:?}");
         }
     }

@@ -136,7 +136,7 @@ impl World {
         };
         deformables.touch(&self.motions, &self.wall_motions, dt)?;
         if renew && dt > 0.0 {
-            deformables.adapt(dt);
+            deformables.adapt(dt)?;
         }
         deformables.sum_loads(&self.batch);
         for body in &deformables.bodies {
@@ -193,15 +193,16 @@ impl Deformables {
     }
 
     /// Updates the bounds of the step for the present contacts, for steps of `dt` (s).
-    fn adapt(&mut self, dt: f64) {
+    fn adapt(&mut self, dt: f64) -> Result<(), SolveError> {
         let Self { models, batch, .. } = self;
-        on_each(&mut self.bodies, |i, body| {
+        let each = on_each(&mut self.bodies, |i, body| {
             if body.rest.asleep {
-                return;
+                return Ok(());
             }
             let model = &models[body.model as usize].model;
-            body.adapt(model, batch, i as u32, dt);
+            body.adapt(model, batch, i as u32, dt)
         });
+        Ok(each.into_iter().collect::<Result<(), _>>()?)
     }
 
     /// Adds the loads of both batches.
@@ -258,12 +259,20 @@ impl State {
     }
 
     /// Updates the bound by nodes for the contacts of body `i`, for steps of `dt` (s).
-    fn adapt(&mut self, model: &DeformableModel, batch: &DeformableBatch, i: u32, dt: f64) {
-        if batch.touches(i) {
-            let mut nodal = std::mem::take(&mut self.nodal);
-            nodal.adapt(model, &self.bound, self.contact(batch, i), dt);
-            self.nodal = nodal;
+    fn adapt(
+        &mut self,
+        model: &DeformableModel,
+        batch: &DeformableBatch,
+        i: u32,
+        dt: f64,
+    ) -> Result<(), ElementFailure> {
+        if !batch.touches(i) {
+            return Ok(());
         }
+        let mut nodal = std::mem::take(&mut self.nodal);
+        let adapted = nodal.adapt(model, &self.bound, self.contact(batch, i), dt);
+        self.nodal = nodal;
+        adapted
     }
 
     /// Forces of the elements and of the boundary; the history advances.
