@@ -79,6 +79,20 @@ struct Node {
 }
 
 /// A binary tree over boxes.
+///
+/// ```
+/// use femdem_mesh::Point3;
+/// use femdem_mesh::bvh::{Aabb, Bvh};
+///
+/// // A hundred boxes in a row.
+/// let cube = |x: f64| Aabb { low: Point3::new(x, 0.0, 0.0), high: Point3::new(x + 1.0, 1.0, 1.0) };
+/// let boxes: Vec<Aabb> = (0..100).map(|i| cube(2.0 * f64::from(i))).collect();
+/// let tree = Bvh::new(&boxes);
+/// let mut found = Vec::new();
+/// tree.query(&cube(40.5), |i| found.push(i));
+/// found.retain(|&i| boxes[i as usize].overlaps(&cube(40.5)));
+/// assert_eq!(found, [20]);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bvh {
     nodes: Vec<Node>,

@@ -10,6 +10,19 @@ const DIAGONAL_TOLERANCE: f64 = 1e-12;
 /// Volume, centroid and inertia of a body of unit density (1 kg/m^3).
 ///
 /// Multiply `volume` and `inertia` by a density to get the mass \[kg\] and the inertia \[kg m^2\].
+///
+/// ```
+/// use femdem_mesh::catalogue::CatalogueShape;
+///
+/// // A cube of side 2 m: I = m (a^2 + a^2)/12 about every axis.
+/// let cube = "P5".parse::<CatalogueShape>()?.polyhedron(2.0 * 3_f64.sqrt())?;
+/// let mass = cube.mass_properties();
+/// assert!((mass.volume - 8.0).abs() < 1e-12);
+/// let density = 2650.0;
+/// let moment = density * mass.inertia[(0, 0)];
+/// assert!((moment / (density * 8.0 * 8.0 / 12.0) - 1.0).abs() < 1e-12);
+/// # Ok::<(), femdem_mesh::MeshError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MassProperties {
     /// Volume \[m^3\].
@@ -21,6 +34,17 @@ pub struct MassProperties {
 }
 
 /// Principal axes and moments of inertia.
+///
+/// ```
+/// use femdem_mesh::shapes::Shape;
+///
+/// // The long axis of a brick of 4 x 2 x 1 has the smallest moment.
+/// let brick = "box:width=0.5,height=0.25".parse::<Shape>()?.polyhedron(4.0)?;
+/// let frame = brick.mass_properties().principal();
+/// let expected = brick.mass_properties().volume * (2.0_f64.powi(2) + 1.0) / 12.0;
+/// assert!((frame.moments.min() / expected - 1.0).abs() < 1e-12);
+/// # Ok::<(), femdem_mesh::MeshError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PrincipalFrame {
     /// Transforms vectors from principal axes to body axes: `inertia = R diag(moments) R^T`.

@@ -27,6 +27,23 @@ pub(crate) use triangulate::{SHARP, triangulate};
 /// Always valid (see [`Polyhedron::new`]); plane equations, area, convexity and mass properties
 /// are computed once, at construction. Serialised as vertices and faces, and validated again when
 /// read back.
+///
+/// ```
+/// use femdem_mesh::{Point3, Polyhedron};
+///
+/// // A wedge: two triangles and three rectangles, counter-clockwise seen from outside.
+/// let corners = [[0., 0., 0.], [2., 0., 0.], [0., 1., 0.], [0., 0., 1.], [2., 0., 1.], [0., 1., 1.]];
+/// let faces = [vec![0, 2, 1], vec![3, 4, 5], vec![0, 1, 4, 3], vec![1, 2, 5, 4], vec![2, 0, 3, 5]];
+/// let wedge = Polyhedron::new(corners.map(Point3::from).to_vec(), faces.to_vec())?;
+/// assert!(wedge.is_convex());
+/// assert!((wedge.mass_properties().volume - 1.0).abs() < 1e-14);
+///
+/// // With a face turned inside out it is refused, and the error says which edge is wrong.
+/// let mut turned = faces.to_vec();
+/// turned[0].reverse();
+/// assert!(Polyhedron::new(corners.map(Point3::from).to_vec(), turned).is_err());
+/// # Ok::<(), femdem_mesh::MeshError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Parts", into = "Parts")]
 pub struct Polyhedron {

@@ -34,6 +34,20 @@ pub const LOOSE_WELD: f64 = 1e-6;
 pub const REPAIR_WELD: f64 = 1e-5;
 
 /// How facets become a body.
+///
+/// ```
+/// use femdem_mesh::Point3;
+/// use femdem_mesh::repair::{Options, Orient, solid};
+///
+/// // A tetrahedron as loose facets, one of them turned inside out.
+/// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from).to_vec();
+/// let facets = vec![vec![0, 2, 1], vec![0, 1, 3], vec![1, 2, 3], vec![0, 2, 3]];
+/// let as_given = Options { orient: Orient::Keep, ..Options::default() };
+/// assert!(solid(corners.clone(), facets.clone(), &as_given).is_err());
+/// let (body, _report) = solid(corners, facets, &Options::default())?;
+/// assert!((body.mass_properties().volume - 1.0 / 6.0).abs() < 1e-15);
+/// # Ok::<(), femdem_mesh::MeshError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
     /// Vertices nearer to each other than this part of the bounding box's diagonal become one: the

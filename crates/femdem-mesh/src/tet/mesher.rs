@@ -21,6 +21,18 @@ const SAMPLES: usize = 4;
 const MOST_PARTS: u32 = 64;
 
 /// Options of the mesher.
+///
+/// ```
+/// use femdem_mesh::shapes::Shape;
+/// use femdem_mesh::tet::{MeshOptions, mesh};
+///
+/// let dolos = "dolos".parse::<Shape>()?.polyhedron(1.0)?;
+/// let options = MeshOptions { edge_length: Some(0.1), ..MeshOptions::default() };
+/// let (tets, report) = mesh(&dolos, &options)?;
+/// assert!(report.volume_error.abs() <= options.max_volume_error);
+/// assert!(tets.quality().min_dihedral >= options.min_dihedral);
+/// # Ok::<(), femdem_mesh::MeshError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshOptions {
     /// The only method to try; with none the mesher chooses.

@@ -71,6 +71,18 @@ const FLATNESS_TOLERANCE: f64 = 1e-12;
 ///
 /// Always valid (see [`TetMesh::new`]). Serialised as points and tetrahedra, and validated again
 /// when read back.
+///
+/// ```
+/// use femdem_mesh::{TetMesh, Vector3};
+///
+/// // A bar of 4 x 1 x 1 cells.
+/// let bar = TetMesh::block([4, 1, 1], &Vector3::new(0.4, 0.1, 0.1))?;
+/// assert!((bar.volume() - 4e-3).abs() < 1e-15);
+/// assert_eq!(bar.tets().len(), bar.neighbours().len());
+/// // Every triangle of the skin belongs to its surface, which is a body again.
+/// assert!((bar.surface()?.area() - (4.0 * 0.04 + 2.0 * 0.01)).abs() < 1e-12);
+/// # Ok::<(), femdem_mesh::MeshError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Parts", into = "Parts")]
 pub struct TetMesh {

@@ -10,6 +10,19 @@ pub const MID_EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], 
 /// A tetrahedral mesh with a node in the middle of every edge: ten nodes per tetrahedron.
 ///
 /// Nodes are the points of the mesh, then the middles of its edges.
+///
+/// ```
+/// use femdem_mesh::tet::QuadraticMesh;
+/// use femdem_mesh::{TetMesh, Vector3};
+///
+/// let linear = TetMesh::block([1, 1, 1], &Vector3::repeat(1.0))?;
+/// let quadratic = QuadraticMesh::new(&linear)?;
+/// // Corners first, then one node in the middle of each edge.
+/// let corners = linear.points().len();
+/// assert_eq!(quadratic.nodes().len(), corners + quadratic.mid_edges().len());
+/// assert!(quadratic.elements().iter().all(|e| e[4..].iter().all(|&n| n as usize >= corners)));
+/// # Ok::<(), femdem_mesh::MeshError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct QuadraticMesh {
     mesh: TetMesh,
