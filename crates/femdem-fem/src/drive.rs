@@ -8,6 +8,20 @@ use std::f64::consts::TAU;
 
 /// A motion prescribed in time. Displacements and angles count from where the wall or body
 /// was added.
+///
+/// ```
+/// use femdem_fem::Drive;
+/// use femdem_mesh::Vector3;
+///
+/// // A floor that is shaken by 2 mm at 50 Hz for ten periods, from 1 s on.
+/// let shake = Drive::Shake { stroke: Vector3::new(0.0, 0.0, 2e-3), frequency: 50.0, start: 1.0, periods: 10 };
+/// shake.validate()?;
+/// assert_eq!(shake.at(0.5).displacement, Vector3::zeros());
+/// // Half a period after the start it is at its full stroke, at rest.
+/// let top = shake.at(1.01);
+/// assert!((top.displacement.z - 2e-3).abs() < 1e-12 && top.velocity.norm() < 1e-9);
+/// # Ok::<(), femdem_fem::FemError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Drive {

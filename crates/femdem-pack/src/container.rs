@@ -19,6 +19,18 @@ const WIDTH_SLACK: f64 = 1e-10;
 
 /// What holds a pack. Inner dimensions in m; the floor is z = 0, the z axis is the container's
 /// axis, and the upright walls reach up without end.
+///
+/// ```
+/// use femdem_pack::Container;
+///
+/// let tube = Container::Cylinder { diameter: 0.1 };
+/// tube.validate(0.02)?;
+/// assert!((tube.floor_area() - std::f64::consts::PI * 0.05 * 0.05).abs() < 1e-12);
+/// assert!(tube.contains(0.03, 0.0, 0.01) && !tube.contains(0.045, 0.0, 0.01));
+/// // Bodies of 0.2 m do not fit.
+/// assert!(tube.validate(0.2).is_err());
+/// # Ok::<(), femdem_pack::PackError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Container {

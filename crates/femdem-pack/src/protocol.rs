@@ -5,6 +5,19 @@ use crate::error::{PackError, check, check_positive};
 use serde::{Deserialize, Serialize};
 
 /// How bodies are added to the container.
+///
+/// ```
+/// use femdem_pack::{Pour, Protocol, Release, Sequential};
+///
+/// // In batches, each after the one before has come to rest; poured at a rate; all at once.
+/// let protocols = [
+///     Protocol::Sequential(Sequential::default()),
+///     Protocol::Pour(Pour { rate: 5.0, ..Pour::default() }),
+///     Protocol::Release(Release { per_layer: Some([5, 5]), ..Release::default() }),
+/// ];
+/// // A release aims at smaller overlaps, since impacts of a long fall leave loads locked in.
+/// assert!(protocols[2].usual_penetration() < protocols[0].usual_penetration());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Protocol {

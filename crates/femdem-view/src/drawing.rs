@@ -10,6 +10,18 @@ const CIRCLE_SIDES: usize = 96;
 pub(crate) const AZIMUTH: f64 = 24.0;
 
 /// The drawing of a container in a picture.
+///
+/// ```
+/// use femdem_mesh::Point3;
+/// use femdem_view::Drawing;
+/// use femdem_view::analysis::Region;
+///
+/// // A tube up to 1 m: its floor, and rings and lines along its wall.
+/// let tube = Region::Cylinder { centre: [0.0; 2], radius: 0.5, z_min: 0.0, z_max: 4.0 };
+/// let drawing = Drawing::of_region(&tube, 1.0);
+/// assert!(drawing.floor.iter().all(|p| p.z == 0.0 && (p - Point3::origin()).norm() < 0.5 + 1e-12));
+/// assert!(drawing.lines.iter().flatten().all(|p| p.z <= 1.0));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
     /// The floor: corners of a convex polygon, counter-clockwise seen from above \[m\].

@@ -77,6 +77,25 @@ pub struct ContactRow {
 }
 
 /// A pack at one moment.
+///
+/// ```
+/// use femdem_mesh::{Pose, catalogue::CatalogueShape};
+/// use femdem_view::{Body, Gaps, NamedShape, Snapshot};
+///
+/// let polyhedron = "P5".parse::<CatalogueShape>()?.polyhedron(0.02)?;
+/// let at = |x: f64| Body { shape: 0, pose: Pose::translation(x, 0.0, 0.0), sequence: 0, sleeping: false };
+/// let mut snapshot = Snapshot {
+///     shapes: vec![NamedShape { name: "cube".to_owned(), polyhedron }],
+///     bodies: vec![at(0.0), at(0.1)],
+///     gaps: Gaps { contacts: true, ..Gaps::default() },
+///     ..Snapshot::default()
+/// };
+/// snapshot.check()?;
+/// // A shape that is not there is named.
+/// snapshot.bodies[1].shape = 7;
+/// assert!(snapshot.check().is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     /// The shapes.

@@ -22,6 +22,17 @@ use std::f64::consts::{FRAC_PI_2, SQRT_2};
 ///
 /// History: C_p^-1 - I (xx, yy, zz, yz, xz, xy) and the equivalent plastic strain, the sum of
 /// sqrt(2/3) |dev of the plastic strain increment|; seven numbers.
+///
+/// ```
+/// use femdem_fem::material::DruckerPrager;
+///
+/// // A sandstone: E = 15 GPa, cohesion 10 MPa, friction angle 40 degrees, dilatancy 10 degrees.
+/// let rock = DruckerPrager::new(15e9, 0.25, 10e6, 40_f64.to_radians(), 10_f64.to_radians())?;
+/// assert_eq!(rock.moduli().young, 15e9);
+/// // More dilatancy than friction would create energy.
+/// assert!(DruckerPrager::new(15e9, 0.25, 10e6, 0.1, 0.2).is_err());
+/// # Ok::<(), femdem_fem::FemError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Record", into = "Record")]
 pub struct DruckerPrager {

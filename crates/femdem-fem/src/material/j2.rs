@@ -13,6 +13,16 @@ use serde::{Deserialize, Serialize};
 /// Stresses are Kirchhoff stresses, which differ from true ones by J, close to 1 for metals.
 /// `energy` is the elastic energy alone; all plastic work, the integral of sigma_y d alpha, is dissipated.
 /// History: C_p^-1 - I (xx, yy, zz, yz, xz, xy) and alpha, seven numbers.
+///
+/// ```
+/// use femdem_fem::material::{J2, Voce};
+///
+/// // Copper: yields at 90 MPa, hardens towards 290 MPa, then linearly.
+/// let copper = J2::new(117e9, 0.35, 90e6, 100e6)?.with_saturation(Voce { stress: 290e6, rate: 10.0 })?;
+/// assert_eq!(copper.yield_stress(0.0), 90e6);
+/// assert!((copper.yield_stress(1.0) / 390e6 - 1.0).abs() < 1e-3);
+/// # Ok::<(), femdem_fem::FemError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Record", into = "Record")]
 pub struct J2 {

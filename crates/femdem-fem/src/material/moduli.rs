@@ -3,6 +3,17 @@
 use crate::error::{FemError, check};
 
 /// The moduli of an isotropic solid at small strain, Pa, from Young's modulus and Poisson's ratio.
+///
+/// ```
+/// use femdem_fem::material::Moduli;
+///
+/// let steel = Moduli::new(210e9, 0.3)?;
+/// assert!((steel.shear / 80.77e9 - 1.0).abs() < 1e-4);
+/// assert!((steel.bulk / 175e9 - 1.0).abs() < 1e-12);
+/// // Poisson's ratio has to be below 0.5.
+/// assert!(Moduli::new(1e6, 0.5).is_err());
+/// # Ok::<(), femdem_fem::FemError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moduli {
     /// Young's modulus E, Pa.

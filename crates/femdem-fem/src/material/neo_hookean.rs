@@ -9,6 +9,19 @@ use serde::{Deserialize, Serialize};
 /// W = mu/2 (I1 - 3) - mu ln J + lambda/2 ln^2 J, so P = mu (F - F^-T) + lambda ln J F^-T and
 /// tau = mu (b - I) + lambda ln J I (Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element
 /// Analysis, 2nd ed., eqs. 6.27-6.29).
+///
+/// ```
+/// use femdem_fem::material::{Deformation, Material, NeoHookean};
+/// use femdem_mesh::Matrix3;
+///
+/// let rubber = NeoHookean::new(1e6, 0.3)?;
+/// // In shear by gamma the shear stress is mu gamma at any strain.
+/// let mut gradient = Matrix3::identity();
+/// gradient[(0, 1)] = 0.5;
+/// let response = rubber.respond(&Deformation::at_rest(gradient), &[], &mut []).ok_or("inverted")?;
+/// assert!((response.piola[(0, 1)] / (0.5 * rubber.moduli().shear) - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ElasticRecord", into = "ElasticRecord")]
 pub struct NeoHookean {

@@ -6,6 +6,15 @@ use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// A number that changes in time.
+///
+/// ```
+/// use femdem_fem::Curve;
+///
+/// let ramp = Curve::Ramp { value: 100.0, rise: 2.0 };
+/// assert_eq!([0.0, 1.0, 5.0].map(|t| ramp.at(t)), [0.0, 50.0, 100.0]);
+/// let cycle = Curve::Table(vec![[0.0, 0.0], [1.0, 10.0], [2.0, 0.0]]);
+/// assert_eq!([0.5, 1.5, 3.0].map(|t| cycle.at(t)), [5.0, 5.0, 0.0]);
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Curve {

@@ -34,6 +34,27 @@ pub enum LoadPath {
 }
 
 /// Options of [`solve_static`](super::solve_static).
+///
+/// ```
+/// use femdem_fem::element::Element;
+/// use femdem_fem::material::NeoHookean;
+/// use femdem_fem::statics::{StaticOptions, solve_static};
+/// use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
+/// use femdem_mesh::{TetMesh, Vector3};
+///
+/// // A column of 1 m under its own weight: u = rho g L^2/(2 E) at the top, 0.5 mm here, and a little less
+/// // where its foot cannot widen.
+/// let mesh = TetMesh::block([2, 2, 10], &Vector3::new(0.1, 0.1, 1.0))?;
+/// let soft = MaterialRegion { material: NeoHookean::new(1e7, 0.3)?.into(), density: 1000.0 };
+/// let model = DeformableModel::new(&mesh, Element::T10, vec![soft], None)?;
+/// let mut boundary = Boundary::new(Vector3::new(0.0, 0.0, -10.0))?;
+/// let foot = Selection::Plane { normal: Vector3::z(), offset: 0.0, tolerance: 1e-9 };
+/// boundary.fix(&model, &foot, [true; 3])?;
+/// let solution = solve_static(&model, &boundary, &StaticOptions::default())?;
+/// let top = model.nodes().iter().zip(&solution.state.x).map(|(before, now)| before.z - now.z).fold(0.0, f64::max);
+/// assert!(top > 0.48e-3 && top < 0.5e-3, "{top}");
+/// # Ok::<(), femdem_fem::FemError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct StaticOptions {
