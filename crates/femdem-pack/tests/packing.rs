@@ -259,7 +259,7 @@ fn a_pack_made_awake_rests_in_the_medium_too() {
 fn a_pack_out_of_time_is_reported_without_the_medium() {
     for longest in [1.5, 2.0, 3.0] {
         let mut spec = elastic(1);
-        spec.settling.longest_verification = longest;
+        spec.settling.longest = longest;
         let mut packing = Packing::new(spec).unwrap();
         let report = packing.run().unwrap();
         assert!(!report.settled, "{longest}");
@@ -513,8 +513,7 @@ fn seeds_make_different_packs() {
 #[test]
 fn a_pack_that_has_not_settled_is_not_called_settled() {
     let mut spec = cubes(3);
-    spec.settling.longest_settling = 0.01;
-    spec.settling.longest_verification = 0.5;
+    spec.settling.longest = 0.5;
     // Slower than any body can be.
     spec.settling.kinetic_energy = 1e-300;
     let mut packing = Packing::new(spec).unwrap();

@@ -86,7 +86,7 @@
 //!   edges and vertices to 1 % at 0.6). Use 0.2 or less to study single impacts; in packs, contacts are
 //!   softer and such errors cancel.
 //! - The active set counts in steps, not in seconds. With a much smaller step, lengthen
-//!   [`SleepParameters::window`] and [`SleepParameters::steps`] as much, or switch it off; otherwise bodies
+//!   [`SleepParameters::window`] as much, or switch it off; otherwise bodies
 //!   may be frozen before they have come to rest. A block on a slope half a degree steeper than its friction
 //!   angle, whose net force is 1 % of its weight, slides at a penalty of 1e7 Pa and stays at 1e8 Pa.
 //! - [Implicit steps](ImplicitStep) bring packs of rigid bodies to rest at a fifth of the cost of explicit

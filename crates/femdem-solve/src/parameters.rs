@@ -143,6 +143,12 @@ impl Default for TimeStepParameters {
 /// begin anew while it moves.
 /// Its load scale W is the larger of its weight and half the sum of its normal forces; its
 /// [`measure`](Self::measure) of balance is one or the other.
+///
+/// One number says how strict the rule is, the `tolerance` τ of the mean net force. A body that is out of balance by τ W
+/// for a time t has the kinetic energy τ²/2 (g t²/d) W d. From this follow the limits of its motion: its mean motion may have
+/// what it would gain in 0.08 sqrt(d/g) ([`creep`](Self::creep)), and a body that has more than it would gain in
+/// 0.5 sqrt(d/g) moves ([`ringing`](Self::ringing)).
+///
 /// Nothing sleeps while a wall, a body or nodes move as prescribed, nor from then on until all awake rigid
 /// bodies are at rest together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -151,7 +157,7 @@ pub struct SleepParameters {
     /// Whether bodies may sleep at all.
     pub enabled: bool,
     /// Whether deformable bodies may sleep too; off by default. Only bodies without prescribed nodes or loads
-    /// sleep. A body is a candidate once it has rested for `window + steps` steps. It is then stopped at each
+    /// sleep. A body is a candidate once it has rested for 1.3 windows. It is then stopped at each
     /// maximum of its kinetic energy. It stays frozen if (1) the sum of |residual| over its nodes is below
     /// `tolerance` times the sum of |external force| on them, and (2) the net force and moment are below
     /// `tolerance` as for rigid bodies. It wakes when one of these exceeds 2 `tolerance`. It does not follow
@@ -162,22 +168,56 @@ pub struct SleepParameters {
     pub measure: SleepMeasure,
     /// Mean net force, and mean net moment over d, below this fraction of the measure count as balanced.
     pub tolerance: f64,
-    /// A frozen body wakes when its mean net force, or mean net moment over d, exceeds this fraction of the
-    /// measure; by load up to twice as much where W is two to four weights or more, since a confined body does
-    /// not turn over. Loads below it are not passed on: a pack that grew while it slept is compressed too little
-    /// until all its bodies have been awake together.
-    pub wake: f64,
-    /// Kinetic energy of the mean motion over W d that counts as rest.
-    pub creep: f64,
-    /// A body with a larger kinetic energy over W d moves; with a smaller one it at most rings.
-    pub ringing: f64,
-    /// Steps of the means.
+    /// Steps of the means, 10 or more. A body must be at rest for 0.3 of it once its means are complete; sleeping
+    /// bodies beside awake ones are re-examined every tenth of it.
     pub window: u32,
-    /// A body must rest for this many steps.
-    pub steps: u32,
-    /// Sleeping bodies beside awake ones are re-examined every so many steps.
-    pub recheck: u32,
 }
+
+impl SleepParameters {
+    /// A frozen body wakes when its mean net force, or mean net moment over d, exceeds this fraction of the
+    /// measure, 25/3 of the tolerance; by load up to twice as much where W is two to four weights or more, since a confined
+    /// body does not turn over. Loads below it are not passed on: a pack that grew while it slept is compressed too little
+    /// until all its bodies have been awake together.
+    #[must_use]
+    pub fn wake(&self) -> f64 {
+        self.tolerance * 25.0 / 3.0
+    }
+
+    /// Kinetic energy of the mean motion over W d that counts as rest, τ²/300.
+    #[must_use]
+    pub fn creep(&self) -> f64 {
+        self.tolerance * self.tolerance / 300.0
+    }
+
+    /// Kinetic energy over W d above which a body moves, τ²/9; with a smaller one it at most rings.
+    #[must_use]
+    pub fn ringing(&self) -> f64 {
+        self.tolerance * self.tolerance / 9.0
+    }
+
+    /// The same rule, made strict enough for bodies with at most this kinetic energy over W d, if it is not already.
+    #[must_use]
+    pub fn for_ringing(self, limit: f64) -> Self {
+        let tolerance = (9.0 * limit).sqrt().max(LEAST_TOLERANCE);
+        Self {
+            tolerance: self.tolerance.min(tolerance),
+            ..self
+        }
+    }
+
+    /// Steps at rest, with complete means, before a body is frozen.
+    pub(crate) fn steps(&self) -> u32 {
+        (f64::from(self.window) * 0.3) as u32
+    }
+
+    /// Sleeping bodies beside awake ones are re-examined every so many steps.
+    pub(crate) fn recheck(&self) -> u32 {
+        (self.window / 10).max(1)
+    }
+}
+
+/// A stricter rule freezes nothing: net forces are this accurate.
+const LEAST_TOLERANCE: f64 = 1e-12;
 
 /// What the net force of a frozen body is compared with. It is missing from the forces on the walls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -199,12 +239,7 @@ impl Default for SleepParameters {
             deformables: false,
             measure: SleepMeasure::default(),
             tolerance: 0.03,
-            wake: 0.25,
-            creep: 3e-6,
-            ringing: 1e-4,
             window: 100,
-            steps: 30,
-            recheck: 10,
         }
     }
 }
@@ -260,40 +295,14 @@ impl WorldParameters {
         check(
             "sleeping.tolerance",
             s.tolerance,
-            s.tolerance > 0.0 && s.tolerance <= 0.1,
-            "above 0 and at most 0.1: a laxer rule freezes bodies that are not at rest",
+            (LEAST_TOLERANCE..=0.06).contains(&s.tolerance),
+            "1e-12 to 0.06: a laxer rule freezes bodies that are not at rest",
         )?;
-        check(
-            "sleeping.wake",
-            s.wake,
-            s.wake > s.tolerance && s.wake <= 0.5,
-            "above sleeping.tolerance, or bodies wake as they fall asleep, and at most 0.5",
-        )?;
-        for (name, share) in [("sleeping.creep", s.creep), ("sleeping.ringing", s.ringing)] {
-            check(
-                name,
-                share,
-                share > 0.0 && share <= 1e-3,
-                "above 0 and at most 1e-3: a laxer rule freezes bodies that move",
-            )?;
-        }
         check(
             "sleeping.window",
             f64::from(s.window),
-            s.window >= s.recheck,
-            "at least sleeping.recheck",
-        )?;
-        check(
-            "sleeping.steps",
-            f64::from(s.steps),
-            s.steps >= 1,
-            "at least 1",
-        )?;
-        check(
-            "sleeping.recheck",
-            f64::from(s.recheck),
-            s.recheck >= 1,
-            "at least 1",
+            s.window >= 10,
+            "at least 10",
         )?;
         check(
             "medium.drag",

@@ -99,8 +99,6 @@ struct Job {
     cut_short: u32,
     /// Simulated time at which the last batch was released, s.
     released: f64,
-    /// Whether the complete pack has been relaxed.
-    is_relaxed: bool,
     /// The awake relaxation in progress.
     relaxing: Option<relax::Relaxing>,
     /// The last awake relaxation that has ended.
@@ -170,7 +168,6 @@ impl Packing {
             batches: Vec::new(),
             cut_short: 0,
             released: 0.0,
-            is_relaxed: false,
             relaxing: None,
             relaxation: None,
             landed_since: None,

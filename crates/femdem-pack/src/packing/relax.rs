@@ -18,7 +18,7 @@ use crate::error::PackError;
 use crate::report::Relaxation;
 use crate::spec::LEAST_DAMPING;
 use femdem_mesh::Vector3;
-use femdem_solve::{ImplicitStep, Medium, SleepParameters, TimeStepParameters};
+use femdem_solve::{ImplicitStep, Medium, TimeStepParameters};
 use serde::{Deserialize, Serialize};
 
 /// The pack grows by this factor between two relaxations.
@@ -27,16 +27,6 @@ const GROWTH: f64 = std::f64::consts::SQRT_2;
 /// Below this number of bodies no relaxation is needed: all loads are near.
 const FEWEST: f64 = 100.0;
 
-/// A growing pack is calm at this mean residual.
-const CALM: f64 = 0.03;
-
-/// A complete pack is calm if its mean residual is below this part of a single body's limit.
-const CALM_AT_LAST: f64 = 0.25;
-
-/// A complete pack is calm if the kinetic energy of its mean motion is below this part of a single body's
-/// limit.
-const CREEP_AT_LAST: f64 = 0.1;
-
 /// Longest implicit step over sqrt(d/g): nothing falls.
 const LONGEST_STEP: f64 = 0.02;
 
@@ -44,8 +34,8 @@ const LONGEST_STEP: f64 = 0.02;
 /// become calm.
 const LARGEST_MULTIPLE: f64 = 6.0;
 
-/// Calm checks in a row that end a relaxation: an oscillation has moments at which forces vanish.
-const CALM_CHECKS: u32 = 2;
+/// Calm checks in a row that count: an oscillation has moments at which forces vanish.
+pub(super) const CALM_CHECKS: u32 = 3;
 
 /// The smallest number of bodies in the geometric series down from `count` (itself excluded) that is above the
 /// number at the last relaxation.
@@ -129,23 +119,15 @@ impl Packing {
             return Ok(());
         };
         let settling = &self.job.spec.settling;
-        let is_complete = self.job.stage == Stage::Settling;
-        let limit = if is_complete {
-            CALM_AT_LAST * settling.residual
-        } else {
-            CALM
-        };
         // Not the largest residual: single bodies that turn over would keep all others awake.
-        let is_calm = self.mean_residual() <= limit;
+        let is_calm = self.mean_residual() <= settling.residual;
         let calm = if is_calm { relaxing.calm + 1 } else { 0 };
-        let longest = settling.longest_verification * self.job.spec.time_unit();
+        let longest = settling.longest * self.job.spec.time_unit();
         let in_time = self.world.time() - relaxing.began <= longest;
         if calm < CALM_CHECKS && in_time {
             self.job.relaxing = Some(Relaxing { calm, ..relaxing });
             return Ok(());
         }
-        self.world
-            .set_time_step(self.job.spec.falling_time_step())?;
         let (mean, max) = self.displacements(&relaxing.from);
         self.job.relaxation = Some(Relaxation {
             bodies: self.placed(),
@@ -153,10 +135,11 @@ impl Packing {
             mean_displacement_over_d: mean,
             max_displacement_over_d: max,
         });
-        if is_complete {
-            self.job.is_relaxed = true;
-            return self.rest_between_tries();
+        if self.job.stage == Stage::Settling {
+            return self.begin_verification();
         }
+        self.world
+            .set_time_step(self.job.spec.falling_time_step())?;
         self.world.set_sleeping(true);
         Ok(())
     }
@@ -181,19 +164,13 @@ impl Packing {
         if self.rests_in_the_medium() {
             self.world.set_medium(self.job.spec.medium)?;
         }
-        if !self.job.spec.sleeping.enabled {
-            return Ok(());
+        if self.job.spec.sleeping.enabled {
+            let limit = self.job.spec.settling.kinetic_energy;
+            let strict = self.job.spec.sleeping.for_ringing(limit);
+            self.world
+                .set_time_step(self.job.spec.falling_time_step())?;
+            self.world.set_sleep_rule(strict)?;
         }
-        let (rule, settling) = (self.job.spec.sleeping, &self.job.spec.settling);
-        let tolerance = rule.tolerance.min(settling.aim);
-        let rate = |usual: f64, limit: f64| usual.min(limit).max(f64::MIN_POSITIVE);
-        self.world.set_sleep_rule(SleepParameters {
-            tolerance,
-            wake: rule.wake.min(settling.residual.max(2.0 * tolerance)),
-            creep: rate(rule.creep, CREEP_AT_LAST * settling.kinetic_energy),
-            ringing: rate(rule.ringing, settling.kinetic_energy),
-            ..rule
-        })?;
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! Settling and the final verification with all bodies awake.
 
+use super::relax::CALM_CHECKS;
 use super::top::{mean_top, positions};
 use super::{Packing, Stage};
 use crate::error::PackError;
@@ -8,22 +9,19 @@ use femdem_mesh::Vector3;
 use femdem_solve::Medium;
 use serde::{Deserialize, Serialize};
 
-/// Factor on the passes in a row that are needed if the aim is not reached.
-const PASSES_WITHOUT_AIM: u32 = 3;
-
-/// If the verification moves a body by more than this, over d, it begins anew from the present places.
-const LARGEST_SHIFT: f64 = 1e-3;
-
-/// Calm checks in a row that end the calming.
-const CALM_CHECKS: u32 = 3;
+/// Checks in a row that must pass, and the time between them in units of sqrt(d/g).
+const CHECKS: u32 = 10;
+const CHECK_INTERVAL: f64 = 0.1;
 
 /// In a job with implicit steps this many of the last checks that must pass in a row follow explicit steps; in
 /// others all do.
 const EXPLICIT_CHECKS: u32 = 3;
 
-/// In a calm check no body has more than the residual aimed at, nor more than this part of the kinetic energy
-/// allowed, so that the attempt that follows need not wait.
-const CALM_ENERGY: f64 = 0.1;
+/// If the verification moves a body by more than this, over d, it begins anew from the present places.
+const LARGEST_SHIFT: f64 = 1e-3;
+
+/// In a calm check all bodies are within this part of the limits, so that the trial that follows need not wait.
+const CALM: f64 = 0.5;
 
 /// The phase of the verification; all bodies are awake.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -66,24 +64,27 @@ struct Start {
 }
 
 impl Packing {
-    /// Waits until all bodies sleep or pass the checks, relaxes them, and waits again.
+    /// Waits until all bodies sleep or pass the checks, relaxes them, and verifies.
     pub(super) fn step_settling(&mut self) -> Result<(), PackError> {
         self.world.step()?;
         if self.job.relaxing.is_some() {
             return self.step_relaxation();
         }
         let is_quiet = self.check_if_due()?.is_some_and(|c| c.enough);
-        let longest =
-            self.fall_time() + self.job.spec.settling.longest_settling * self.job.spec.time_unit();
+        let longest = self.fall_time() + self.job.spec.settling.longest * self.job.spec.time_unit();
         if is_quiet || self.world.awake_count() == 0 || self.stage_time() > longest {
-            if self.job.spec.sleeping.enabled && !self.job.is_relaxed {
-                self.begin_relaxation()?;
+            return if self.job.spec.sleeping.enabled {
+                self.begin_relaxation()
             } else {
-                self.enter(Stage::Verifying);
-                self.begin_attempt()?;
-            }
+                self.begin_verification()
+            };
         }
         Ok(())
+    }
+
+    pub(super) fn begin_verification(&mut self) -> Result<(), PackError> {
+        self.enter(Stage::Verifying);
+        self.begin_attempt()
     }
 
     fn begin_attempt(&mut self) -> Result<(), PackError> {
@@ -105,7 +106,7 @@ impl Packing {
         self.world.step_explicitly()?;
         self.world.set_sleeping(false);
         self.job.passed = match passing {
-            Some(_) => self.job.passed.min(self.implicit_checks()),
+            Some(_) => self.job.passed.min(CHECKS - EXPLICIT_CHECKS),
             None => 0,
         };
         let start = passing.unwrap_or_else(|| self.start());
@@ -113,12 +114,6 @@ impl Packing {
         self.job.tries += 1;
         self.wait_for_next_check();
         Ok(())
-    }
-
-    /// Of the checks that must pass in a row, those that may follow implicit steps.
-    fn implicit_checks(&self) -> u32 {
-        let all = self.job.spec.settling.checks;
-        all.saturating_sub(EXPLICIT_CHECKS)
     }
 
     fn start(&self) -> Start {
@@ -135,7 +130,7 @@ impl Packing {
     /// at rest, too.
     pub(super) fn step_verification(&mut self) -> Result<(), PackError> {
         self.world.step()?;
-        let longest = self.job.spec.settling.longest_verification * self.job.spec.time_unit();
+        let longest = self.job.spec.settling.longest * self.job.spec.time_unit();
         let is_over = self.stage_time() > longest;
         match self.job.attempt.take() {
             Some(Attempt::Trial(trial)) => self.step_trial(trial, is_over),
@@ -167,12 +162,12 @@ impl Packing {
                 passing => passing,
             };
             let is_calm = calming.calm >= CALM_CHECKS;
-            let has_passed = self.job.passed >= self.implicit_checks();
+            let has_passed = self.job.passed >= CHECKS - EXPLICIT_CHECKS;
             if is_calm && (has_passed || !counts) {
                 return self.begin_trial(calming.passing);
             }
             // One that tips over slowly may stay within the limits for long.
-            if calming.checks > self.job.spec.settling.checks && calming.calm == 0 {
+            if calming.checks > CHECKS && calming.calm == 0 {
                 self.world.step_explicitly()?;
                 return self.rest_between_tries();
             }
@@ -197,7 +192,7 @@ impl Packing {
                 self.enter(Stage::Done);
                 return Ok(());
             }
-            let has_failed = trial.checks > self.job.spec.settling.checks && self.job.passed == 0;
+            let has_failed = trial.checks > CHECKS && self.job.passed == 0;
             if has_failed && (self.job.spec.sleeping.enabled || self.rests_in_the_medium()) {
                 return self.rest_between_tries();
             }
@@ -212,7 +207,7 @@ impl Packing {
         let top = mean_top(&self.world, diameter);
         let (mean, max) = self.displacements(&start.from);
         Verification {
-            passed: self.job.passed >= self.job.spec.settling.checks,
+            passed: self.job.passed >= CHECKS,
             tries: self.job.tries,
             steps: self.world.steps() - start.step,
             time: self.world.time() - start.time,
@@ -232,23 +227,18 @@ impl Packing {
         self.update_top();
         let settling = &self.job.spec.settling;
         let found = self.world.residuals();
-        let passed = found.max_over_load <= settling.residual
-            && found.kinetic_energy_over_mgd <= settling.kinetic_energy;
-        self.job.passed = if passed { self.job.passed + 1 } else { 0 };
-        let patient = settling.checks.saturating_mul(PASSES_WITHOUT_AIM);
-        let needed = if found.max_over_load <= settling.aim {
-            settling.checks
-        } else {
-            patient
+        let within = |share: f64| {
+            found.max_over_load <= share * settling.residual
+                && found.kinetic_energy_over_mgd <= share * settling.kinetic_energy
         };
-        let enough = self.job.passed >= needed;
-        let calm = found.max_over_load <= settling.aim
-            && found.kinetic_energy_over_mgd <= CALM_ENERGY * settling.kinetic_energy;
+        let calm = within(CALM);
+        self.job.passed = if within(1.0) { self.job.passed + 1 } else { 0 };
+        let enough = self.job.passed >= CHECKS;
         Ok(Some(Check { enough, calm }))
     }
 
     pub(super) fn wait_for_next_check(&mut self) {
-        let interval = self.job.spec.settling.check_interval * self.job.spec.time_unit();
+        let interval = CHECK_INTERVAL * self.job.spec.time_unit();
         self.job.next_check = self.world.time() + interval;
     }
 }

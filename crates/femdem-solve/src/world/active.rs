@@ -55,7 +55,7 @@ impl World {
             }
             self.unsettled = true;
         }
-        let needed = self.parameters.sleeping.steps;
+        let needed = self.parameters.sleeping.steps();
         let mut awake = self.awake.iter().map(|&i| &self.bodies[i as usize]);
         self.unsettled = self.unsettled && !awake.all(|body| body.quiet_steps >= needed);
         if self.unsettled || !self.parameters.sleeping.enabled {
@@ -64,7 +64,7 @@ impl World {
         let struck = self.struck_bodies();
         self.wake(&struck);
         self.wake_left();
-        let recheck = u64::from(self.parameters.sleeping.recheck);
+        let recheck = u64::from(self.parameters.sleeping.recheck());
         if self.steps.is_multiple_of(recheck) {
             let sleepers = self.bodies_to_freeze();
             let wakers = self.bodies_to_wake();
@@ -135,7 +135,7 @@ impl World {
             SleepMeasure::Load if scale > limit => scale / limit,
             SleepMeasure::Load | SleepMeasure::Weight => 1.0,
         };
-        rule.wake * factor.min(LARGEST_SHARE)
+        rule.wake() * factor.min(LARGEST_SHARE)
     }
 
     /// Whether the mean force, and the mean moment over the diameter, are below `tolerance` of the measure.
@@ -167,7 +167,7 @@ impl World {
             let i = self.awake[k] as usize;
             let load = all_loads(&self.batch, self.deformables.as_deref())[i];
             let scale = self.scale(i, &load) * 2.0 * self.bodies[i].radius;
-            let rings = self.bodies[i].kinetic_energy() >= rule.ringing * scale;
+            let rings = self.bodies[i].kinetic_energy() >= rule.ringing() * scale;
             let share = self.bodies[i].means.count(rings, rule.window);
             self.mix(i, &load, share);
             let body = &self.bodies[i];
@@ -179,7 +179,7 @@ impl World {
                 || (!rings
                     && beside.binary_search(&(i as u32)).is_err()
                     && means.samples >= rule.window
-                    && creep < rule.creep * scale
+                    && creep < rule.creep() * scale
                     && self.is_balanced(i, &load, rule.tolerance));
             let body = &mut self.bodies[i];
             body.means.contacts = load.contacts;
@@ -192,7 +192,7 @@ impl World {
     }
 
     fn bodies_to_freeze(&self) -> Vec<u32> {
-        let needed = self.parameters.sleeping.steps;
+        let needed = self.parameters.sleeping.steps();
         let rested = |i: u32| self.bodies[i as usize].quiet_steps >= needed;
         let settled = |p: Partner| match p {
             Partner::Body(j) => self.batch.is_awake(j) || self.holds(j),
@@ -227,7 +227,7 @@ impl World {
     /// a body that has lost a contact.
     fn bodies_to_wake(&mut self) -> Vec<u32> {
         let rule = self.parameters.sleeping;
-        let share = f64::from(rule.recheck) / f64::from(rule.window);
+        let share = f64::from(rule.recheck()) / f64::from(rule.window);
         let mut list = self.batch.sleeping_neighbours();
         list.retain(|&i| {
             let load = self.load_of(i);

@@ -108,7 +108,7 @@ impl Call {
             Self::SetSleeping(enabled) => told(&world.set_sleeping(*enabled)),
             Self::SetSleepRule(window, deformables) => {
                 let mut rule = world.parameters().sleeping;
-                (rule.window, rule.steps, rule.deformables) = (*window, 2, *deformables);
+                (rule.window, rule.deformables) = (*window, *deformables);
                 told(&world.set_sleep_rule(rule)?)
             }
             Self::SetContact(penalty) => told(&world.set_contact(ContactParameters {
@@ -156,7 +156,7 @@ fn calls() -> impl Strategy<Value = Call> {
         1 => Just(Call::Stop),
         1 => Just(Call::WakeAll),
         1 => any::<bool>().prop_map(Call::SetSleeping),
-        1 => (1_u32..20, any::<bool>()).prop_map(|(w, d)| Call::SetSleepRule(w, d)),
+        1 => (10_u32..30, any::<bool>()).prop_map(|(w, d)| Call::SetSleepRule(w, d)),
         1 => prop_oneof![Just(1e5), Just(1e7), Just(-1.0)].prop_map(Call::SetContact),
         1 => any::<bool>().prop_map(Call::SetTimeStep),
         1 => Just(Call::StepExplicitly),

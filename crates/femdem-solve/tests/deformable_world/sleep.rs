@@ -340,7 +340,6 @@ fn a_new_rule_begins_new_spells() {
     step_for(&mut world, 0.7);
     let rule = SleepParameters {
         window: 40,
-        steps: 10,
         ..world.parameters().sleeping
     };
     for phase in 0..5 {
@@ -361,7 +360,7 @@ fn a_new_rule_begins_new_spells() {
 #[test]
 fn a_rigid_body_waits_for_what_deforms_beneath_it() {
     let mut p = WorldParameters::default();
-    p.sleeping.steps = 1;
+    p.sleeping.window = 10;
     let mut world = column_with(p, Element::T4, &[0.001]);
     let rigid = add_rigid(&mut world, 0.0, 1.5 * EDGE + 0.002);
     for _ in 0..6000 {

@@ -1,16 +1,14 @@
 //! Whether a simulation is at rest, and the end of a run at rest.
 
 use femdem_mesh::Vector3;
+use femdem_pack::Settling;
 use serde::{Deserialize, Serialize};
 
 use super::contacts::ContactForces;
 use super::{BoundaryEntry, ContactLine, MemberId, Run, Side, Simulation};
 
-/// Largest residual of a body at rest, as for a settled pack.
-const RESIDUAL: f64 = 0.02;
-
-/// Largest kinetic energy of a body at rest over its load times its diameter, as for a settled pack.
-const MOTION: f64 = 1e-6;
+/// Largest residual of a body at rest, and its largest kinetic energy over its load times its diameter: as for a settled pack.
+const LIMITS: Settling = Settling::USUAL;
 
 /// Largest difference between what walls and supports carry and what weighs on them.
 const BALANCE: f64 = 1e-3;
@@ -64,8 +62,8 @@ impl Simulation {
         let worst = found.worst_body.and_then(|id| self.member_of(id));
         RestSummary {
             at_rest: !driven
-                && residual <= RESIDUAL
-                && motion <= MOTION
+                && residual <= LIMITS.residual
+                && motion <= LIMITS.kinetic_energy
                 && force_balance <= BALANCE,
             driven,
             frozen,

@@ -192,12 +192,12 @@ impl Judge<'_> {
         scratch: &mut Scratch,
     ) -> Result<Change, SolveError> {
         let rule = &self.parameters.sleeping;
-        let spell = rule.window.saturating_add(rule.steps);
+        let spell = rule.window.saturating_add(rule.steps());
         let energy = state.kinetic_energy(self.model.masses());
         let before = std::mem::replace(&mut rest.energy, energy);
         let may_rest = !self.driven && self.batch.touches(self.body) && state.boundary.is_free();
         let scale = self.load_scale() * self.diameter(state);
-        if !may_rest || energy.is_nan() || energy >= rule.ringing * scale {
+        if !may_rest || energy.is_nan() || energy >= rule.ringing() * scale {
             rest.steps = 0;
             return Ok(Change::None);
         }
@@ -250,7 +250,7 @@ impl Judge<'_> {
         let turning = state.angular_momentum(masses, &start.centre);
         let moment = (turning - start.angular_momentum).norm() / time;
         let bound = rule.tolerance * scale;
-        creep < rule.creep * scale && force * diameter < bound && moment < bound
+        creep < rule.creep() * scale && force * diameter < bound && moment < bound
     }
 
     /// Imbalance of a body at rest, the largest of: the sum of |residual| over its nodes over the sum of
