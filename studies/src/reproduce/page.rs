@@ -18,7 +18,7 @@ pub(super) fn page(name: &'static str, title: String, text: String, found: &[Fou
         title,
         text: format!(
             "{text}\n\n{} Runs that were in the folder of runs already are used as they are; the last \
-             column of the table of runs names the commit and the machine of each.{}{gaps}",
+             column of the table of runs names the program and the machine of each.{}{gaps}",
             cost(found),
             recorded(found)
         ),

@@ -106,7 +106,7 @@ impl Record {
             run: Run {
                 folder: PathBuf::new(),
                 summary: Summary::parse(&summary.to_string())?,
-                origin: Some(text("commit_machine")?.clone()),
+                origin: Some(text("program_machine")?.clone()),
             },
             analysis: Analysis::without_tables(analysis),
         }))

@@ -15,7 +15,7 @@ use crate::validate::program::{Program, Workshop};
 /// Packs of fewer bodies than this are run side by side on one thread each.
 const LARGE: u32 = 3000;
 
-/// The file in a run's folder that names the commit and the machine. A run that was made by hand may have one,
+/// The file in a run's folder that names the program and the machine. A run that was made by hand may have one,
 /// too.
 const ORIGIN: &str = "origin.txt";
 
@@ -170,12 +170,12 @@ impl<'a> Runs<'a> {
         self.sign(&folder)
     }
 
-    /// Names commit and machine in the folder of a run that was made now.
+    /// Names program and machine in the folder of a run that was made now.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub(super) fn sign(&self, folder: &Path) -> Result<()> {
-        let origin = format!("{}, {}", self.place.commit, self.place.processor);
+        let origin = format!("{}, {}", self.place.program, self.place.processor);
         let path = folder.join(ORIGIN);
         fs::write(&path, origin).with_context(|| format!("cannot write {}", path.display()))
     }

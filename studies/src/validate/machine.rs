@@ -1,4 +1,4 @@
-//! Machine, compiler and commit of a result.
+//! Machine, compiler and program of a result.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-/// The machine, the compiler and the commit of a run.
+/// The machine, the compiler and the program of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Place {
     pub(crate) processor: String,
@@ -14,7 +14,8 @@ pub(crate) struct Place {
     /// Mean number of busy cores in the minute before; `None` if the system does not report it.
     pub(crate) load: Option<String>,
     pub(crate) compiler: String,
-    pub(crate) commit: String,
+    /// Version and date of the program.
+    pub(crate) program: String,
 }
 
 impl Place {
@@ -23,7 +24,7 @@ impl Place {
     /// # Errors
     /// When the compiler or git cannot be asked.
     pub(crate) fn find(root: &Path) -> Result<Self> {
-        let hash = answer(root, "git", &["rev-parse", "--short=12", "HEAD"])?;
+        let date = answer(root, "git", &["log", "-1", "--format=%cs"])?;
         let changes = answer(
             root,
             "git",
@@ -37,7 +38,7 @@ impl Place {
                 .ok()
                 .and_then(|text| text.split_whitespace().next().map(str::to_owned)),
             compiler: answer(root, "rustc", &["--version"])?,
-            commit: commit(&hash, &changes),
+            program: program(&date, &changes),
         })
     }
 
@@ -48,8 +49,8 @@ impl Place {
             None => String::new(),
         };
         format!(
-            "- machine: {}, {} cores{load}\n- compiler: {}\n- commit: {}\n",
-            self.processor, self.cores, self.compiler, self.commit
+            "- machine: {}, {} cores{load}\n- compiler: {}\n- program: {}\n",
+            self.processor, self.cores, self.compiler, self.program
         )
     }
 }
@@ -84,12 +85,14 @@ fn processor(cpuinfo: &str) -> String {
     }
 }
 
-fn commit(hash: &str, changes: &str) -> String {
-    if changes.is_empty() {
-        hash.to_owned()
+fn program(date: &str, changes: &str) -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    let changed = if changes.is_empty() {
+        ""
     } else {
-        format!("{hash}, with changes that are not committed")
-    }
+        ", with changes"
+    };
+    format!("femdem {version} of {date}{changed}")
 }
 
 #[cfg(test)]
@@ -106,8 +109,8 @@ mod tests {
 
     #[test]
     fn changes_are_told() {
-        assert_eq!(commit("abc", ""), "abc");
-        assert!(commit("abc", " M a.rs").starts_with("abc, with changes"));
+        assert!(program("2026-01-02", "").ends_with(" of 2026-01-02"));
+        assert!(program("2026-01-02", " M a.rs").ends_with("2026-01-02, with changes"));
     }
 
     #[test]
@@ -117,7 +120,7 @@ mod tests {
             cores: 2,
             load: Some("0.10".to_owned()),
             compiler: "rustc 1".to_owned(),
-            commit: "abc".to_owned(),
+            program: "femdem 1".to_owned(),
         };
         assert!(
             place

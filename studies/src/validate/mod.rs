@@ -1,7 +1,7 @@
 //! `cargo studies validate`: long runs of the program, compared with targets.
 //!
 //! Each case builds the release program, runs it in a temporary folder, reads its `summary.json`
-//! and writes a page and a table with the machine, the commit and the commands. With `--count` a
+//! and writes a page and a table with the machine, the program and the commands. With `--count` a
 //! case is a trial on fewer bodies, and writes to `out/validation` instead of `docs/validation`.
 
 mod bits;

@@ -40,6 +40,9 @@ impl Check {
     }
 }
 
+/// Longer lists of runs and of rows are in files of their own, beside the page.
+const LONGEST_LIST: usize = 20;
+
 /// The result of a case.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Report {
@@ -87,10 +90,15 @@ impl Report {
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {shown}"))?;
         let page = folder.join(format!("{}.md", self.name));
         let table = folder.join(format!("{}.csv", self.name));
-        for (path, text) in [
+        let mut files = vec![
             (&page, self.to_markdown(place, made_by)),
             (&table, self.to_csv()),
-        ] {
+        ];
+        let commands = folder.join(self.command_file());
+        if self.commands.len() > LONGEST_LIST {
+            files.push((&commands, self.commands.join("\n") + "\n"));
+        }
+        for (path, text) in files {
             fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
         }
         for file in &self.attachments {
@@ -111,21 +119,40 @@ impl Report {
             ]
         });
         format!(
-            "# {}\n\n{}\n\n{}- made by: `{}`\n\nThe runs:\n\n```text\n{}\n```\n\n\
-             {}\n{}\nThe same as a file: [{}.csv]({}.csv).\n",
+            "# {}\n\n{}\n\n{}- made by: `{made_by}`\n\n{}\n{}\n{}",
             self.title,
             self.text,
             place.to_markdown(),
-            made_by,
-            self.commands.join("\n"),
+            self.told_runs(),
             markdown_table(
                 &["figure", "wanted", "measured", "met"],
                 &checks.collect::<Vec<_>>()
             ),
-            markdown_table(&self.columns, &self.rows),
-            self.name,
-            self.name,
+            self.told_rows(),
         )
+    }
+
+    fn command_file(&self) -> String {
+        format!("{}-runs.txt", self.name)
+    }
+
+    /// The commands of the runs, or where they are.
+    fn told_runs(&self) -> String {
+        let (count, file) = (self.commands.len(), self.command_file());
+        if count > LONGEST_LIST {
+            return format!("The commands of the {count} runs: [{file}]({file}).\n");
+        }
+        format!("The runs:\n\n```text\n{}\n```\n", self.commands.join("\n"))
+    }
+
+    /// The table, or where it is.
+    fn told_rows(&self) -> String {
+        let (count, name) = (self.rows.len(), self.name);
+        if count > LONGEST_LIST {
+            return format!("The table of the {count} runs: [{name}.csv]({name}.csv).\n");
+        }
+        let table = markdown_table(&self.columns, &self.rows);
+        format!("{table}\nThe same as a file: [{name}.csv]({name}.csv).\n")
     }
 
     fn to_csv(&self) -> String {
@@ -242,7 +269,7 @@ mod tests {
             cores: 2,
             load: None,
             compiler: "rustc 1".to_owned(),
-            commit: "abc".to_owned(),
+            program: "femdem 1".to_owned(),
         };
         let picture = folder.path().join("trial.png");
         fs::write(&picture, "P").unwrap();
