@@ -3,6 +3,7 @@
 mod active;
 mod build;
 mod deformables;
+mod hand;
 mod hash;
 mod implicit;
 mod medium;
@@ -44,6 +45,7 @@ pub use stability::Stability;
 pub struct World {
     parameters: WorldParameters,
     shapes: Vec<Shape>,
+    /// By number, as the motions; the batch knows which numbers are in use.
     bodies: Vec<Body>,
     motions: Vec<Motion>,
     /// Predicted motions of implicit steps; those of sleeping bodies are their present motions.
@@ -63,8 +65,8 @@ pub struct World {
     step_control: time_step::StepControl,
     /// Whether the loads belong to the present positions.
     loaded: bool,
-    /// Numbers of bodies and walls when the contacts were last evaluated.
-    met: newcomers::Met,
+    /// What came since the contacts were last evaluated.
+    newcomers: newcomers::Newcomers,
     /// Time by which the friction of the contacts lags, s: an implicit step advances it in the next one.
     behind: f64,
     initial_energy: f64,

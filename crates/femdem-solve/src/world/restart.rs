@@ -1,7 +1,6 @@
 //! One state as the beginning of another motion: the clock anew, other gravity, other motions.
 
 use super::World;
-use crate::body::Body;
 use crate::error::SolveError;
 use crate::ledger::Flows;
 use crate::parameters::WorldParameters;
@@ -50,7 +49,7 @@ impl World {
             // What friction has dissipated is its work less what its springs hold.
             friction_work: -now.friction_springs,
             pending: self.flows.pending,
-            last: [now.kinetic, 0.0],
+            last: [now.kinetic, 0.0, 0.0],
             ..Flows::default()
         };
         self.initial_energy = now.final_energy();
@@ -75,13 +74,14 @@ impl World {
     /// The prescribed motion of a wall; `None` for an unknown one.
     #[must_use]
     pub fn wall_drive(&self, wall: u32) -> Option<Drive> {
+        self.batch.wall(wall)?;
         self.wall_drives.get(wall as usize).map(|(drive, _)| *drive)
     }
 
     /// The prescribed motion of a rigid body; `None` for a body that moves freely, or an unknown one.
     #[must_use]
     pub fn body_drive(&self, id: BodyId) -> Option<Drive> {
-        let driven = self.bodies.get(id as usize)?.driven.as_deref()?;
+        let driven = self.body(id)?.driven.as_deref()?;
         Some(driven.0)
     }
 
@@ -94,21 +94,11 @@ impl World {
         if let Some(drive) = &drive {
             drive.validate()?;
         }
-        let (i, count, time) = (id as usize, self.bodies.len(), self.time);
+        let (i, time) = (self.known_body(id)?, self.time);
         self.restored()?;
         let gravity = self.parameters.gravity;
-        let energy = |body: &Body| {
-            let free = body.kinetic_energy() - body.mass * gravity.dot(&body.position);
-            body.driven.as_ref().map_or(free, |_| 0.0)
-        };
-        let Some(body) = self.bodies.get_mut(i) else {
-            return Err(SolveError::NoSuch {
-                what: "body",
-                index: i,
-                count,
-            });
-        };
-        let before = energy(body);
+        let body = &mut self.bodies[i];
+        let before = body.energy(&gravity);
         body.driven = None;
         if let Some(drive) = drive {
             let (driven, place) = (drive.at(time), body.place());
@@ -116,12 +106,13 @@ impl World {
             body.follow(&driven, &place);
         }
         body.quiet_steps = 0;
-        self.flows.work_in += energy(body) - before;
+        self.flows.work_in += body.energy(&gravity) - before;
         self.motions[i] = body.motion();
         let contact = &self.batch.shapes()[body.shape as usize];
         if drive.is_none() {
             self.step_control
                 .see(contact, body, &self.parameters.contact);
+            self.step_control.launch(body);
         }
         if !self.batch.is_awake(id) {
             self.wake(&[id]);

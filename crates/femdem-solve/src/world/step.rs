@@ -87,6 +87,7 @@ impl World {
     }
 
     fn choose_step(&mut self) -> f64 {
+        self.renew_cap();
         let deformables = self.deformables.as_deref();
         let bound = self.awake.iter().fold(self.deformable_bound(), |most, &i| {
             let others = deformables.and_then(|d| d.batch.rigid_resistance(i));
@@ -124,7 +125,19 @@ impl World {
     /// The step in which nothing moves far relative to what it may meet, s.
     fn usual_step(&self) -> f64 {
         let driving = self.driving();
-        let usual = |body: &Body, met: f64| USUAL_MOVE * body.radius / (body.fastest() + met);
+        // The root of speed t + pulled t^2/2 = way.
+        let usual = |body: &Body, met: f64| {
+            let (way, speed, pulled) = (
+                USUAL_MOVE * body.radius,
+                body.fastest() + met,
+                body.pulled(),
+            );
+            if pulled > 0.0 {
+                2.0 * way / (speed + (speed * speed + 2.0 * pulled * way).sqrt())
+            } else {
+                way / speed
+            }
+        };
         let free = || self.awake_bodies().filter(|body| body.driven.is_none());
         let alone = free().map(|body| usual(body, 0.0));
         let mut least = alone.fold(driving.step, f64::min);
@@ -186,6 +199,7 @@ impl World {
         self.flows.damping_work += flows.damping_work;
         self.flows.friction_work += flows.friction_work;
         self.flows.medium_work += flows.medium_work;
+        self.flows.load_work += flows.load_work;
     }
 
     pub(super) fn drift(&mut self, dt: f64) -> Result<(), SolveError> {
@@ -244,10 +258,10 @@ impl World {
             let reach = if turn == 0.0 {
                 0.0
             } else {
-                let rigid = self
-                    .bodies
-                    .iter()
-                    .map(|b| (b.position - driven.point).norm() + b.radius);
+                let rigid = self.batch.body_ids().map(|id| {
+                    let b = &self.bodies[id as usize];
+                    (b.position - driven.point).norm() + b.radius
+                });
                 let nodes = soft.iter().flat_map(|b| &b.positions);
                 let far = rigid.chain(nodes.map(|x| (x - driven.point).norm()));
                 1.1 * far.fold(0.0, f64::max)
@@ -291,7 +305,9 @@ impl World {
         let since = dt + std::mem::take(&mut self.behind);
         let result = self.batch.update(&self.motions, &self.wall_motions, since);
         self.count_contacts(watch, result)?;
-        self.touch_deformables(dt)
+        self.touch_deformables(dt)?;
+        self.book_soft_newcomers();
+        Ok(())
     }
 
     /// Updates the work counters after an update of the contacts, and names the body if it has failed.
@@ -304,7 +320,9 @@ impl World {
         let totals = self.batch.totals();
         self.counters.pair_evaluations += totals.candidates as u64;
         self.counters.touching_evaluations += totals.touching as u64;
-        self.flows.settle(totals.energy_change);
+        let change = totals.energy_change;
+        let brought = self.book_newcomers();
+        self.flows.settle(change - brought);
         match result {
             Err(
                 ContactError::NotFinite { body, .. } | ContactError::LoadNotFinite { body, .. },
@@ -364,8 +382,9 @@ fn kick_body(
     flows: &mut Flows,
 ) {
     let (v0, w0) = (body.velocity, body.angular_velocity());
-    let force = load.total.force + parameters.gravity * body.mass;
-    let torque = load.total.torque;
+    let applied = body.applied;
+    let force = load.total.force + parameters.gravity * body.mass + applied.force;
+    let torque = load.total.torque + applied.torque;
     let medium = &parameters.medium;
     let before = body.kinetic_energy();
     let in_body = |x: &Vector3| body.orientation.inverse_transform_vector(x);
@@ -384,6 +403,7 @@ fn kick_body(
     let w = (w0 + body.angular_velocity()) * 0.5;
     flows.damping_work += load.damping.power(&v, &w) * h;
     flows.friction_work += load.friction.power(&v, &w) * h;
+    flows.load_work += applied.power(&v, &w) * h;
     if *medium != Medium::default() {
         let work = (force.dot(&v) + torque.dot(&w)) * h;
         flows.medium_work += body.kinetic_energy() - before - work;

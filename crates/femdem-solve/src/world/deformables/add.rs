@@ -2,7 +2,7 @@
 
 use super::nodal_bound::NodalBound;
 use super::{ContactStiffness, DeformableId, DeformableSpec, Deformables, Model, ModelId, State};
-use crate::body::Body;
+use crate::body::check_velocities;
 use crate::error::{SolveError, check};
 use crate::world::World;
 use crate::world::stored::inconsistent;
@@ -133,7 +133,7 @@ impl World {
         self.restored()?;
         let law = ContactLaw::new(self.parameters.contact)?;
         if self.deformables.is_none() {
-            let new = Deformables::new(law, &self.batch, &self.bodies)?;
+            let new = Deformables::new(law, &self.batch)?;
             self.deformables = Some(Box::new(new));
         }
         // It exists: it was created above.
@@ -147,12 +147,7 @@ impl World {
 
 impl State {
     fn new(spec: &DeformableSpec, model: &DeformableModel, time: f64) -> Result<Self, SolveError> {
-        for (name, v) in [
-            ("velocity", spec.velocity),
-            ("angular_velocity", spec.angular_velocity),
-        ] {
-            check(name, v.norm(), true, "finite in every component")?;
-        }
+        check_velocities(&spec.velocity, &spec.angular_velocity)?;
         let pose = checked_pose(&spec.pose)?;
         let place = |x: &Vector3| pose.rotation * x + pose.translation.vector;
         let positions: Vec<Vector3> = model.nodes().iter().map(place).collect();
@@ -244,17 +239,8 @@ impl Deformables {
     }
 
     /// An empty deformable part with the rigid bodies and walls of a world.
-    fn new(law: ContactLaw, rigid: &ContactBatch, bodies: &[Body]) -> Result<Self, SolveError> {
-        let mut batch = DeformableBatch::new(law);
-        for shape in rigid.shapes() {
-            batch.add_rigid_shape(shape.clone())?;
-        }
-        for body in bodies {
-            batch.add_rigid(body.shape)?;
-        }
-        for wall in rigid.walls() {
-            batch.add_wall(wall.clone());
-        }
+    fn new(law: ContactLaw, rigid: &ContactBatch) -> Result<Self, SolveError> {
+        let batch = DeformableBatch::beside(rigid, law)?;
         Ok(Self {
             models: Vec::new(),
             bodies: Vec::new(),

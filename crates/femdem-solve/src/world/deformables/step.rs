@@ -8,7 +8,7 @@ use crate::ledger::Flows;
 use crate::world::World;
 use crate::world::time_step::LARGEST_MOVE;
 use crate::world::time_step::USUAL_MOVE;
-use femdem_contact::deform::{DeformableBatch, NodalState};
+use femdem_contact::deform::{DeformableBatch, NodalState, Touched};
 use femdem_contact::{BodyId, ContactBatch, ContactError, Load, Motion, stable_step};
 use femdem_fem::DeformableModel;
 use femdem_fem::element::ElementFailure;
@@ -217,6 +217,20 @@ impl Deformables {
         sum(&mut self.loads, batch.loads(), self.batch.rigid_loads());
         let walls = batch.wall_loads();
         sum(&mut self.wall_loads, walls, self.batch.wall_loads());
+    }
+
+    /// Wakes deformable bodies that something has left by hand, and returns the rigid ones.
+    pub(in crate::world) fn let_go(
+        &mut self,
+        touched: Touched,
+        batch: &ContactBatch,
+    ) -> Vec<BodyId> {
+        for i in touched.deformables {
+            self.wake(i as usize);
+        }
+        self.bound = None;
+        self.sum_loads(batch);
+        touched.rigid
     }
 
     /// Sums the loads of both batches on a rigid body that wakes: its old sum is from when it fell asleep.

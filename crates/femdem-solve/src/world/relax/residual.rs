@@ -41,7 +41,7 @@ impl World {
         let g = self.parameters.gravity.norm();
         for (i, body) in self.free_bodies() {
             let load = self.load_of(i as u32);
-            let moment = load.static_part().torque.norm() / (2.0 * body.radius);
+            let moment = self.net_torque(i, &load).norm() / (2.0 * body.radius);
             let net = self.net_force(i, &load).norm();
             let net = falling(net, body.mass * g, load.contacts > 0);
             rigid = rigid.max(net).max(moment);
