@@ -1,8 +1,9 @@
 //! Shapes and rigid bodies as the world keeps them.
 
 use crate::error::{SolveError, check};
+use crate::guide::Guide;
 use femdem_contact::{BodyShape, ConvexShape, Field, FieldMesh, Frame, Motion, Wrench};
-use femdem_fem::{Drive, Driven};
+use femdem_fem::Driven;
 use femdem_mesh::nalgebra::{Matrix3, Translation3};
 use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3, checked_pose};
 use serde::{Deserialize, Serialize};
@@ -168,7 +169,7 @@ pub(crate) struct Body {
     /// External load about the centroid, world axes.
     pub applied: Wrench,
     /// Prescribed motion, with the pose of the principal axes that it counts from.
-    pub driven: Option<Box<(Drive, Pose)>>,
+    pub driven: Option<Box<(Guide, Pose)>>,
 }
 
 impl Body {

@@ -244,10 +244,8 @@ impl ContactBatch {
 
     /// Wakes a body or puts it to sleep. Between two sleeping bodies nothing is evaluated.
     pub fn set_awake(&mut self, body: BodyId, awake: bool) {
-        if let Some(flag) = self.awake.get_mut(body as usize)
-            && *flag != awake
-        {
-            *flag = awake;
+        if self.contains(body) && self.awake[body as usize] != awake {
+            self.awake[body as usize] = awake;
             self.awake_changed = true;
             self.pairs.mark_changed();
         }
@@ -255,7 +253,7 @@ impl ContactBatch {
 
     /// Wakes a body with the load of its contacts on record.
     pub fn wake_with_load(&mut self, body: BodyId) {
-        if (body as usize) < self.sums.loads.len() {
+        if self.contains(body) {
             self.sums.loads[body as usize] = self.load_of(body);
             self.set_awake(body, true);
         }

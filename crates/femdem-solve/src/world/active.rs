@@ -87,10 +87,10 @@ impl World {
         let time = self.time;
         let bodies = self.awake.iter().map(|&i| &self.bodies[i as usize]);
         let drives = bodies.filter_map(|body| body.driven.as_deref());
-        let mut drives = drives.chain(&self.wall_drives).map(|(drive, _)| drive);
+        let mut guides = drives.chain(&self.wall_drives).map(|(guide, _)| guide);
         let deformables = self.deformables.as_deref();
         let mut boundaries = deformables.into_iter().flat_map(|d| d.boundaries());
-        drives.any(|drive| drive.is_active(time, ahead))
+        guides.any(|guide| guide.is_active(time, ahead))
             || boundaries.any(|boundary| boundary.is_driven(time, ahead))
     }
 

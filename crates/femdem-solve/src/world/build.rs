@@ -4,6 +4,7 @@ use super::{Counters, World};
 use crate::body::{Body, BodySpec, Shape, ShapeId};
 use crate::checkpoint;
 use crate::error::SolveError;
+use crate::guide::Guide;
 use crate::ledger::Flows;
 use crate::parameters::{TimeStepParameters, WorldParameters};
 use femdem_contact::{BodyId, ContactBatch, ContactParameters, Field, Frame, Motion, WallShape};
@@ -202,7 +203,7 @@ impl World {
         let (shape, thinner) = (spec.shape, self.step_control.meet(contact));
         if let Some(drive) = drive {
             let (driven, place) = (drive.at(self.time), body.place());
-            body.driven = Some(Box::new((drive, driven.base_of(&place))));
+            body.driven = Some(Box::new((Guide::Drive(drive), driven.base_of(&place))));
             body.follow(&driven, &place);
         } else {
             self.step_control
@@ -245,7 +246,7 @@ impl World {
             deformables.batch.add_wall(wall.clone());
         }
         let id = self.batch.add_wall(wall);
-        place(&mut self.wall_drives, id, (drive, base));
+        place(&mut self.wall_drives, id, (Guide::Drive(drive), base));
         place(&mut self.wall_motions, id, Motion::fixed(Frame::identity()));
         self.newcomers.added.walls.insert(id);
         Ok(id)
@@ -258,11 +259,7 @@ impl World {
     /// of range.
     pub fn drive_wall(&mut self, wall: u32, drive: Drive) -> Result<(), SolveError> {
         drive.validate()?;
-        let (w, time) = (self.known_wall(wall)?, self.time);
-        let slot = &mut self.wall_drives[w];
-        let here = slot.0.at(time).place(&slot.1);
-        *slot = (drive, drive.at(time).base_of(&here));
-        Ok(())
+        self.guide_wall(wall, Guide::Drive(drive))
     }
 
     /// The whole state as bytes, with a checksum.

@@ -7,9 +7,9 @@
 use super::World;
 use crate::body::check_velocities;
 use crate::error::{SolveError, check};
+use crate::guide::Guide;
 use femdem_contact::deform::{DeformableContact, DeformablePartner};
 use femdem_contact::{BodyId, Contact, Frame, Motion, Partner, Wrench};
-use femdem_fem::Drive;
 use femdem_mesh::{Pose, Vector3, checked_pose};
 
 /// Energies of contacts, J.
@@ -72,7 +72,7 @@ impl World {
             let soft = deformables.batch.remove_wall(wall)?;
             touched.extend(deformables.let_go(soft, &self.batch));
         }
-        self.wall_drives[w] = (Drive::Fixed, Pose::identity());
+        self.wall_drives[w] = (Guide::FIXED, Pose::identity());
         self.wall_motions[w] = Motion::fixed(Frame::identity());
         self.newcomers.forget_wall(wall);
         self.part(stored, &touched);
@@ -99,8 +99,8 @@ impl World {
         let body = &mut self.bodies[i];
         let (before, turn) = (body.energy(&gravity), body.angular_velocity());
         let place = self.shapes[body.shape as usize].place(&pose);
-        if let Some((drive, base)) = body.driven.as_deref_mut() {
-            let driven = drive.at(time);
+        if let Some((guide, base)) = body.driven.as_deref_mut() {
+            let driven = guide.now(time);
             *base = driven.base_of(&place);
             body.follow(&driven, &place);
         } else {

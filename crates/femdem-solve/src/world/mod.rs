@@ -3,6 +3,7 @@
 mod active;
 mod build;
 mod deformables;
+mod guide;
 mod hand;
 mod hash;
 mod implicit;
@@ -17,11 +18,11 @@ mod stored;
 mod time_step;
 
 use crate::body::{Body, Shape};
+use crate::guide::Guide;
 use crate::ledger::Flows;
 use crate::parameters::WorldParameters;
 use deformables::Deformables;
 use femdem_contact::{ContactBatch, Motion};
-use femdem_fem::Drive;
 use femdem_mesh::Pose;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
@@ -52,7 +53,7 @@ pub struct World {
     #[serde(skip)]
     ahead: Vec<Motion>,
     /// Each with its base pose.
-    wall_drives: Vec<(Drive, Pose)>,
+    wall_drives: Vec<(Guide, Pose)>,
     wall_motions: Vec<Motion>,
     batch: ContactBatch,
     /// Awake bodies, ascending.

@@ -7,11 +7,12 @@ use super::time_step::{LARGEST_MOVE, USUAL_MOVE};
 use crate::body::Body;
 use crate::clock::Stopwatch;
 use crate::error::{SolveError, check};
+use crate::guide::Guide;
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
 use crate::rotation;
-use femdem_contact::{ContactError, Frame, Load, Wrench};
-use femdem_fem::{Drive, Driven};
+use femdem_contact::{ContactError, Frame, Load, Partner, Wrench};
+use femdem_fem::Driven;
 use femdem_mesh::{Pose, Vector3};
 
 /// Prescribed motions, as other bodies may meet them.
@@ -43,19 +44,39 @@ impl World {
     /// [`SolveError::BlowUp`] names the body, the step and the likely cause. The world is
     /// then of no further use; an earlier checkpoint is.
     pub fn step(&mut self) -> Result<(), SolveError> {
+        self.step_with(|_, _| None)
+    }
+
+    /// As [`step`](Self::step), with a host that moves walls and bodies
+    /// ([`drive_wall_by_host`](Self::drive_wall_by_host), [`drive_body_by_host`](Self::drive_body_by_host)):
+    /// `host(thing, time)` is where such a thing will be at a time (s), the end of the step, and how fast, or `None` if it
+    /// stays where it is. The walls are asked for first, each kind in ascending order; twice if the step is chosen anew
+    /// because bodies wake. A host that swings limits the steps to a part of its period by
+    /// [`TimeStepParameters::largest`](crate::TimeStepParameters::largest).
+    ///
+    /// # Errors
+    /// As [`step`](Self::step), and [`SolveError::Parameter`] for a motion that is not finite, or whose axis changes while
+    /// it is turned.
+    pub fn step_with(
+        &mut self,
+        mut host: impl FnMut(Partner, f64) -> Option<Driven>,
+    ) -> Result<(), SolveError> {
         self.restored()?;
         if let Some(rule) = self.parameters.time_step.implicit {
-            return self.step_implicit(&rule);
+            return self.step_implicit(&rule, &mut host);
         }
         self.evaluate_if_due()?;
         let mut dt = self.choose_step();
+        self.ask(self.time + dt, &mut host)?;
         if self.wake_for_drives(dt) {
             dt = self.choose_step();
+            self.ask(self.time + dt, &mut host)?;
         }
         self.check_step(dt)?;
         self.kick(0.5 * dt);
         self.drift(dt)?;
         self.time += dt;
+        self.arrive();
         self.steps += 1;
         self.advance_deformables(dt)?;
         self.touch(dt)?;
@@ -153,19 +174,19 @@ impl World {
 
     /// The prescribed motions now.
     pub(super) fn driving(&self) -> Driving {
-        let moving = |(drive, _): &&(Drive, Pose)| *drive != Drive::Fixed;
+        let moving = |(guide, _): &&(Guide, Pose)| !guide.is_fixed();
         let walls = self.wall_drives.iter().filter(moving);
         let bodies = || self.awake_bodies().filter(|body| body.driven.is_some());
         let of_bodies = bodies().filter_map(|body| body.driven.as_deref());
-        let drives = of_bodies.chain(&self.wall_drives).map(|(drive, _)| drive);
+        let guides = of_bodies.chain(&self.wall_drives).map(|(guide, _)| guide);
         // The next step may be larger than the last.
         let ahead = self
             .time_step()
             .max(self.step_control.top(&self.parameters.time_step));
-        let steps = drives.map(|drive| drive.resolving_step(self.time, ahead));
+        let steps = guides.map(|guide| guide.resolving_step(self.time, ahead));
         Driving {
             step: steps.fold(f64::INFINITY, f64::min),
-            walls: walls.map(|(drive, _)| drive.at(self.time)).collect(),
+            walls: walls.map(|(guide, _)| guide.now(self.time)).collect(),
             bodies: bodies().map(Body::fastest).fold(0.0, f64::max),
         }
     }
@@ -188,9 +209,9 @@ impl World {
             }
         }
         let wall_loads = all_wall_loads(&self.batch, self.deformables.as_deref());
-        for (load, (drive, base)) in wall_loads.iter().zip(&self.wall_drives) {
-            if *drive != Drive::Fixed {
-                let driven = drive.at(self.time);
+        for (load, (guide, base)) in wall_loads.iter().zip(&self.wall_drives) {
+            if !guide.is_fixed() {
+                let driven = guide.now(self.time);
                 let v = driven.velocity_at(&driven.place(base).translation.vector);
                 book_driven(load, &v, &driven.angular_velocity(), h, &mut flows);
             }
@@ -208,8 +229,8 @@ impl World {
             let i = self.awake[k] as usize;
             let body = &mut self.bodies[i];
             let mut seen = None;
-            let moved = if let Some((drive, base)) = body.driven.as_deref().copied() {
-                let (from, driven) = (drive.at(self.time), drive.at(end));
+            let moved = if let Some((guide, base)) = body.driven.as_deref().copied() {
+                let (from, driven) = (guide.now(self.time), guide.then(end));
                 let reach = (body.position - driven.point).norm() + body.radius;
                 let to = driven.place(&base);
                 // The contact stage gets the velocities of all bodies at the half step.
@@ -245,9 +266,9 @@ impl World {
     fn drift_walls(&mut self, dt: f64) {
         let deformables = self.deformables.as_deref();
         let soft = deformables.map_or(&[][..], |d| &d.bodies);
-        for (motion, (drive, base)) in self.wall_motions.iter_mut().zip(&self.wall_drives) {
-            let (from, driven) = (drive.at(self.time), drive.at(self.time + dt));
-            if *drive == Drive::Fixed {
+        for (motion, (guide, base)) in self.wall_motions.iter_mut().zip(&self.wall_drives) {
+            let (from, driven) = (guide.now(self.time), guide.then(self.time + dt));
+            if guide.is_fixed() {
                 motion.velocity = Vector3::zeros();
                 motion.angular_velocity = Vector3::zeros();
                 continue;

@@ -35,8 +35,8 @@ impl World {
             ));
         }
         let of_bodies = self.bodies.iter().filter_map(|b| b.driven.as_deref());
-        for (drive, _) in of_bodies.chain(&self.wall_drives) {
-            drive.validate()?;
+        for (guide, _) in of_bodies.chain(&self.wall_drives) {
+            guide.validate()?;
         }
         self.deformables
             .as_ref()

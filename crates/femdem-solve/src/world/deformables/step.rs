@@ -115,6 +115,9 @@ impl World {
         };
         let Deformables { models, bodies, .. } = deformables;
         let results = on_each_with(bodies, Scratch::default, |scratch, _, body| {
+            if body.is_vacant() {
+                return Ok(());
+            }
             let model = &models[body.model as usize].model;
             body.strain(model, scratch, time, renew)
         });
@@ -163,7 +166,8 @@ impl Deformables {
     /// to what it may meet. `met(x, r)` is the largest speed, m/s, of driven walls and bodies that may be met
     /// within `r` (m) of `x` (m).
     pub(in crate::world) fn usual_step(&self, met: impl Fn(&Vector3, f64) -> f64) -> f64 {
-        let bodies = self.bodies.iter().map(|body| {
+        let bodies = self.bodies.iter().filter(|body| !body.is_vacant());
+        let bodies = bodies.map(|body| {
             let shape = &self.batch.shapes()[body.model as usize];
             let centre = body.positions[0];
             let speed = body.fastest + met(&centre, 2.0 * shape.radius());

@@ -23,6 +23,7 @@ use crate::ledger::{Flows, Pending};
 use crate::parameters::ImplicitStep;
 use crate::rotation;
 use femdem_contact::{BodyId, Contact, ContactForce, Motion, Partner, Snapshot, Wrench};
+use femdem_fem::Driven;
 use femdem_mesh::{Matrix3, Rotation, Vector3};
 use link::Link;
 use system::{Inertia, System};
@@ -53,7 +54,11 @@ impl Before {
 }
 
 impl World {
-    pub(super) fn step_implicit(&mut self, rule: &ImplicitStep) -> Result<(), SolveError> {
+    pub(super) fn step_implicit(
+        &mut self,
+        rule: &ImplicitStep,
+        host: &mut dyn FnMut(Partner, f64) -> Option<Driven>,
+    ) -> Result<(), SolveError> {
         let deformable = self.deformable_count();
         check(
             "deformable bodies with time_step.implicit",
@@ -63,8 +68,10 @@ impl World {
         )?;
         let since = std::mem::take(&mut self.behind);
         let mut dt = self.choose_implicit_step(rule);
+        self.ask(self.time + dt, host)?;
         if self.wake_for_drives(dt) {
             dt = self.choose_implicit_step(rule);
+            self.ask(self.time + dt, host)?;
         }
         self.check_step(dt)?;
         let before = self.look_ahead(since, dt)?;
@@ -79,6 +86,7 @@ impl World {
         }
         self.book_driven(dt);
         self.time += dt;
+        self.arrive();
         self.steps += 1;
         // The recorded contacts do not belong to the present positions.
         self.loaded = false;
