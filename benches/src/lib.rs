@@ -60,7 +60,7 @@ pub fn pack(id: &str, count: u32, time: f64) -> Result<World, SetUpError> {
 /// The shape of a pack for the kernel, and where its bodies are.
 pub fn frames(id: &str, world: &World) -> Result<(ConvexShape, Vec<Frame>), SetUpError> {
     let shape = ConvexShape::new(&solid(id)?)?;
-    let bodies = 0..world.body_count() as u32;
+    let bodies = world.body_ids();
     let poses = bodies.filter_map(|i| world.pose(i));
     Ok((shape, poses.map(|p| Frame::from(&p)).collect()))
 }

@@ -70,7 +70,7 @@ impl Engine for Ours {
     }
 
     fn poses(&self) -> Result<Vec<Pose>> {
-        let bodies = 0..self.world.body_count() as u32;
+        let bodies = self.world.body_ids();
         bodies
             .map(|body| self.world.pose(body).context("every body has a pose"))
             .collect()

@@ -70,7 +70,7 @@ impl Rapier {
             .friction(spec.friction as f32)
             .restitution(0.0);
         let start = Packing::new(spec.clone())?.into_world();
-        let poses = (0..start.body_count() as u32).filter_map(|body| start.pose(body));
+        let poses = start.body_ids().filter_map(|body| start.pose(body));
         let bodies = poses
             .map(|pose| {
                 let body = rapier::RigidBodyBuilder::dynamic()

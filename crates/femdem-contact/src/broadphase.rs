@@ -66,10 +66,25 @@ impl Broadphase {
         matches!(self.entries.get(body), Some(Some(_)))
     }
 
-    /// Whether there are entries of no more than so many bodies.
-    pub(crate) fn fits(&self, bodies: usize) -> bool {
+    /// Whether all entries are of bodies that are there.
+    pub(crate) fn fits(&self, is_body: impl Fn(u32) -> bool) -> bool {
         let cells = self.grids.values().flat_map(|grid| grid.cells.values());
-        self.entries.len() <= bodies && cells.flatten().all(|&i| (i as usize) < bodies)
+        let entries = (0..).zip(&self.entries);
+        let mut entered = entries.filter_map(|(i, entry)| entry.as_ref().map(|_| i));
+        entered.all(&is_body)
+            && cells
+                .flatten()
+                .all(|&i| is_body(i) && self.knows(i as usize))
+    }
+
+    /// Takes a body out: it must be entered before others find it again.
+    pub(crate) fn forget(&mut self, body: usize) {
+        let Some(entry) = self.entries.get_mut(body).and_then(Option::take) else {
+            return;
+        };
+        if let Some(grid) = self.grids.get_mut(&entry.level) {
+            grid.remove(&entry.cell, body as u32);
+        }
     }
 
     /// Half skin of a shape, m: how far a body may travel before it must be entered again.
@@ -92,7 +107,7 @@ impl Broadphase {
         let centre = motion.frame.position;
         let (low, high) = shape.bounds(&motion.frame.rotation);
         let cell = cell_of(&centre, grid.size);
-        // A body keeps the shape, and so the level, that it was added with.
+        // A body keeps its shape, and so its level, until it is forgotten.
         if let Some(old) = self.entries[body].as_ref().map(|e| e.cell)
             && old != cell
         {

@@ -48,8 +48,8 @@ pub enum ContactError {
         /// The allowed range in words.
         allowed: &'static str,
     },
-    /// An index refers to something that was never added.
-    #[error("there is no {what} {index}: {count} were added")]
+    /// An index refers to something that was never added, or has been removed.
+    #[error("there is no {what} {index} (never added, or removed): there are {count}")]
     NoSuch {
         /// What the index refers to: shape, body or wall.
         what: &'static str,

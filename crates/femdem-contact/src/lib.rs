@@ -128,6 +128,7 @@ mod rocking;
 mod rolling;
 mod shape;
 mod sides;
+mod slots;
 #[cfg(feature = "proptest")]
 pub mod strategies;
 mod walls;

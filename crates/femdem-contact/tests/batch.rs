@@ -8,7 +8,7 @@ use crate::common::pack::{advance, placed, shape, stir};
 use femdem_contact::kernel::{CavityKernel, Scratch};
 use femdem_contact::{
     Contact, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Frame, Motion, Overlap,
-    PairKernel, Partner, Wall,
+    PairKernel, Partner, Wall, WallShape,
 };
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -19,7 +19,6 @@ const PENALTY: f64 = 1e3;
 struct Pack {
     batch: ContactBatch,
     shapes: Vec<Arc<ConvexShape>>,
-    walls: Vec<Wall>,
     bodies: Vec<Motion>,
     wall_motions: Vec<Motion>,
     stream: Stream,
@@ -63,7 +62,6 @@ impl Pack {
         Self {
             batch,
             shapes,
-            walls,
             bodies,
             wall_motions,
             stream,
@@ -101,8 +99,9 @@ impl Pack {
         let mut found = Vec::new();
         let frame = |i: usize| &self.bodies[i].frame;
         let awake = |i: usize| self.batch.is_awake(i as u32);
-        for i in 0..self.bodies.len() {
-            for j in i + 1..self.bodies.len() {
+        let there: Vec<usize> = self.batch.body_ids().map(|i| i as usize).collect();
+        for (rank, &i) in there.iter().enumerate() {
+            for &j in &there[rank + 1..] {
                 if (awake(i) || awake(j))
                     && let Some(x) = pair.evaluate(
                         &self.shapes[i],
@@ -115,7 +114,8 @@ impl Pack {
                     found.push((Partner::Body(i as u32), j as u32, x));
                 }
             }
-            for (w, wall) in self.walls.iter().enumerate() {
+            for (w, wall) in self.batch.walls() {
+                let (w, wall) = (w as usize, wall.planes().unwrap());
                 let at = &self.wall_motions[w].frame;
                 if awake(i)
                     && let Some(x) =
@@ -173,7 +173,7 @@ impl Pack {
     /// Sums the contacts to loads about each body's origin, from the fields of each contact.
     fn check_loads(&self) {
         let mut sums = vec![[Vector3::zeros(); 2]; self.bodies.len()];
-        let mut on_walls = vec![[Vector3::zeros(); 2]; self.walls.len()];
+        let mut on_walls = vec![[Vector3::zeros(); 2]; self.wall_motions.len()];
         let mut size = 0.0_f64;
         for c in self.evaluated() {
             let force = c.force_on_b();
@@ -250,6 +250,83 @@ fn the_same_contacts_as_brute_force() {
         }
         assert!(seen > 2000, "only {seen} contacts were compared");
     }
+}
+
+/// Between the steps bodies and walls are removed and others added, reshaped and put elsewhere, some of them asleep. What
+/// is left of removed ones is not read: it is not a number.
+#[test]
+fn bodies_and_walls_come_and_go() {
+    let mut pack = Pack::new(40, 11);
+    let boxed = pack.batch.walls().map(|(_, wall)| wall.clone());
+    let boxed: Vec<WallShape> = boxed.collect();
+    let side = 1.35 * 40_f64.cbrt();
+    let (mut seen, mut changes) = (0, [0; 4]);
+    for step in 0..400 {
+        let pick = (pack.stream.unit() * 40.0) as usize;
+        let body = pick as u32;
+        let kind = (pack.stream.unit() * 4.0) as usize;
+        let position = (pack.stream.vector() + Vector3::repeat(0.5)) * side;
+        let touched: Vec<u32> = pack
+            .batch
+            .contacts_of(body)
+            .filter_map(|c| match c.a {
+                Partner::Body(a) => Some(if a == body { c.b } else { a }),
+                Partner::Wall(_) => None,
+            })
+            .collect();
+        let there = pack.batch.contains(body);
+        let found = match kind {
+            0 => pack.batch.remove_body(body),
+            1 => pack.batch.moved_by_hand(body),
+            2 => pack.batch.reshape(body, ((pick + step) % 40) as u32),
+            _ if pack.batch.len() < 40 => {
+                let free = (0..40).find(|i| !pack.batch.contains(*i)).unwrap();
+                let id = (pick + step) % 40;
+                assert_eq!(pack.batch.add_body(id as u32).unwrap(), free);
+                let free = free as usize;
+                pack.shapes[free] = pack.batch.shapes()[id].convex().unwrap().clone().into();
+                let turn = pack.stream.rotation();
+                pack.bodies[free] = placed(&pack.shapes[free], position, turn);
+                changes[3] += 1;
+                Ok(Vec::new())
+            }
+            _ => Ok(Vec::new()),
+        };
+        if kind < 3 {
+            assert_eq!(found.is_ok(), there);
+            if let Ok(found) = found {
+                assert_eq!(found, touched);
+                assert_eq!(pack.batch.contacts_of(body).count(), 0);
+                changes[kind] += 1;
+                match kind {
+                    0 => pack.bodies[pick].frame.position.x = f64::NAN,
+                    1 => pack.bodies[pick].frame.position = position,
+                    _ => {
+                        let shape = pack.batch.shapes()[(pick + step) % 40].convex();
+                        pack.shapes[pick] = shape.unwrap().clone().into();
+                    }
+                }
+            }
+        }
+        let wall = step as u32 / 50 % 7;
+        if step % 50 == 10 {
+            pack.batch.remove_wall(wall).unwrap();
+            assert!(pack.batch.remove_wall(wall).is_err());
+            pack.wall_motions[wall as usize].frame.position.x = f64::NAN;
+        } else if step % 50 == 40 {
+            assert_eq!(pack.batch.add_wall(boxed[wall as usize].clone()), wall);
+            pack.wall_motions[wall as usize].frame.position = Vector3::zeros();
+        }
+        let sleeper = (7 * step as u32) % 40;
+        pack.batch.set_awake(sleeper, step % 3 == 0);
+        pack.advance();
+        if step % 3 == 0 {
+            seen += pack.check_contacts();
+            pack.check_loads();
+        }
+    }
+    assert!(seen > 2000, "only {seen} contacts were compared");
+    assert!(changes.iter().all(|n| *n > 30), "{changes:?}");
 }
 
 /// Sizes of one to a hundred and fifty, growing or shrinking in the order of the bodies.

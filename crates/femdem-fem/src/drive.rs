@@ -97,7 +97,7 @@ pub enum Drive {
 const STEPS_OF_PERIOD: f64 = 20.0;
 
 /// Where a driven thing has come to from its base, and how it moves.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Driven {
     /// m.
     pub displacement: Vector3,

@@ -96,7 +96,8 @@ fn run() -> Result<(), Box<dyn Error>> {
         writeln!(out, "number\t{name}\t{value:.6e}")?;
     }
     writeln!(out, "hash\t{:016x}", world.state_hash()?)?;
-    let bits = (0..world.body_count() as u32)
+    let bits = world
+        .body_ids()
         .filter_map(|i| Some((world.position(i)?, world.velocity(i)?)))
         .flat_map(|(x, v)| [x, v])
         .flat_map(|x| <[f64; 3]>::from(x).map(f64::to_bits))

@@ -36,7 +36,7 @@ fn cubes(count: u32) -> PackSpec {
 /// Every vertex of every body is inside the walls and above the floor, to within a slack.
 fn assert_inside(packing: &Packing, slack: f64) {
     let world = packing.world();
-    for body in 0..world.body_count() as u32 {
+    for body in world.body_ids() {
         let pose = world.pose(body).unwrap();
         let shape = world.shape(world.shape_of(body).unwrap()).unwrap();
         for vertex in shape.polyhedron.vertices() {
@@ -65,7 +65,7 @@ fn assert_settled(packing: &Packing, report: &PackReport) {
 /// In equilibrium the forces of the walls on the bodies sum to the weight of the bodies.
 fn assert_walls_carry_the_weight(packing: &Packing) {
     let world = packing.world();
-    let masses = (0..world.body_count() as u32).map(|b| world.mass(b).unwrap());
+    let masses = world.body_ids().map(|b| world.mass(b).unwrap());
     let weight = masses.sum::<f64>() * packing.spec().gravity;
     let walls = |c: &&femdem_contact::Contact| matches!(c.a, femdem_contact::Partner::Wall(_));
     let contacts = world.contacts();

@@ -1,8 +1,9 @@
 //! Shapes and rigid bodies as the world keeps them.
 
 use crate::error::{SolveError, check};
-use femdem_contact::{BodyShape, ConvexShape, Field, FieldMesh, Frame, Motion};
-use femdem_fem::{Drive, Driven};
+use crate::guide::Guide;
+use femdem_contact::{BodyShape, ConvexShape, Field, FieldMesh, Frame, Motion, Wrench};
+use femdem_fem::Driven;
 use femdem_mesh::nalgebra::{Matrix3, Translation3};
 use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3, checked_pose};
 use serde::{Deserialize, Serialize};
@@ -64,6 +65,11 @@ impl Shape {
         })
     }
 
+    /// The principal axes in the world, where `pose` takes the given coordinates.
+    pub(crate) fn place(&self, pose: &Pose) -> Pose {
+        pose * self.principal
+    }
+
     /// The contact shape in the principal frame.
     pub(crate) fn contact(&self) -> Result<BodyShape, SolveError> {
         let to_principal = self.principal.inverse();
@@ -109,6 +115,16 @@ impl BodySpec {
     }
 }
 
+/// Refuses velocities that are not finite.
+pub(crate) fn check_velocities(
+    velocity: &Vector3,
+    angular_velocity: &Vector3,
+) -> Result<(), SolveError> {
+    let allowed = "finite in every component";
+    check("velocity", velocity.norm(), true, allowed)?;
+    check("angular_velocity", angular_velocity.norm(), true, allowed)
+}
+
 /// Running means of a body. What rings has no mean; a lasting imbalance or motion has.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Means {
@@ -150,8 +166,10 @@ pub(crate) struct Body {
     pub quiet_steps: u32,
     /// What the active set judges by.
     pub means: Means,
+    /// External load about the centroid, world axes.
+    pub applied: Wrench,
     /// Prescribed motion, with the pose of the principal axes that it counts from.
-    pub driven: Option<Box<(Drive, Pose)>>,
+    pub driven: Option<Box<(Guide, Pose)>>,
 }
 
 impl Body {
@@ -162,14 +180,9 @@ impl Body {
             spec.density > 0.0,
             "positive and finite, in kg/m^3",
         )?;
-        let place = checked_pose(&spec.pose)? * shape.principal;
+        let place = shape.place(&checked_pose(&spec.pose)?);
         let position = place.translation.vector;
-        for (name, v) in [
-            ("velocity", spec.velocity),
-            ("angular_velocity", spec.angular_velocity),
-        ] {
-            check(name, v.norm(), true, "finite in every component")?;
-        }
+        check_velocities(&spec.velocity, &spec.angular_velocity)?;
         let mass = shape.polyhedron.mass_properties().volume * spec.density;
         let moments = shape.moments * spec.density;
         for (name, value, allowed) in [
@@ -195,6 +208,7 @@ impl Body {
             radius,
             quiet_steps: 0,
             means: Means::default(),
+            applied: Wrench::default(),
             driven: None,
         })
     }
@@ -202,6 +216,12 @@ impl Body {
     /// Angular velocity in world axes, rad/s.
     pub fn angular_velocity(&self) -> Vector3 {
         self.orientation * self.momentum.component_div(&self.moments)
+    }
+
+    /// Turns at an angular velocity in world axes, rad/s.
+    pub fn turn_at(&mut self, angular_velocity: &Vector3) {
+        let in_body = self.orientation.inverse_transform_vector(angular_velocity);
+        self.momentum = in_body.component_mul(&self.moments);
     }
 
     /// A bound of the speed of its points within a step, m/s.
@@ -212,6 +232,12 @@ impl Body {
         self.velocity.norm() + 1.5 * rate * self.radius
     }
 
+    /// Largest acceleration of its points by the external load, m/s^2.
+    pub fn pulled(&self) -> f64 {
+        let Wrench { force, torque } = &self.applied;
+        force.norm() / self.mass + torque.norm() / self.moments.min() * self.radius
+    }
+
     /// J.
     pub fn kinetic_energy(&self) -> f64 {
         0.5 * self.mass * self.velocity.norm_squared()
@@ -220,6 +246,14 @@ impl Body {
                     .momentum
                     .component_div(&self.moments)
                     .dot(&self.momentum)
+    }
+
+    /// Kinetic energy, and potential energy in gravity (m/s^2), J: what a ledger of free bodies counts.
+    pub fn energy(&self, gravity: &Vector3) -> f64 {
+        if self.driven.is_some() {
+            return 0.0;
+        }
+        self.kinetic_energy() - self.mass * gravity.dot(&self.position)
     }
 
     /// Given coordinates of the shape -> world.
@@ -237,9 +271,7 @@ impl Body {
         self.position = place.translation.vector;
         self.orientation = place.rotation;
         self.velocity = driven.velocity_at(&self.position);
-        let rate = driven.angular_velocity();
-        let in_body = self.orientation.inverse_transform_vector(&rate);
-        self.momentum = in_body.component_mul(&self.moments);
+        self.turn_at(&driven.angular_velocity());
     }
 
     /// What the contact stage sees.

@@ -30,8 +30,8 @@ pub enum SolveError {
         /// The allowed range in words.
         allowed: &'static str,
     },
-    /// An index refers to something that was never added.
-    #[error("there is no {what} {index}: {count} were added")]
+    /// An index refers to something that was never added, or has been removed.
+    #[error("there is no {what} {index} (never added, or removed): there are {count}")]
     NoSuch {
         /// What the index refers to.
         what: &'static str,
@@ -39,6 +39,12 @@ pub enum SolveError {
         index: usize,
         /// How many exist.
         count: usize,
+    },
+    /// A velocity was given to a body that follows a drive.
+    #[error("body {body} follows a drive, which gives its velocity: end the drive first")]
+    Driven {
+        /// The body.
+        body: usize,
     },
     /// The static solvers did not reach equilibrium.
     #[error(

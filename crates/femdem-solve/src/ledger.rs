@@ -5,8 +5,12 @@ use serde::{Deserialize, Serialize};
 /// Flows of energy that accumulate while a world steps, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Flows {
-    /// Energy of the bodies when they were added, and work of driven walls and bodies.
+    /// Work of driven walls and bodies.
     pub work_in: f64,
+    /// See [`Ledger::by_hand`].
+    pub by_hand: f64,
+    /// Work of external loads.
+    pub load_work: f64,
     /// Work of the normal dashpots (negative: taken out).
     pub damping_work: f64,
     /// Work of friction, springs included (negative: taken out).
@@ -25,8 +29,8 @@ pub(crate) struct Flows {
     pub frozen: f64,
     /// See [`Ledger::exchanged`].
     pub exchanged: f64,
-    /// Kinetic energy and `work_in` after the last step.
-    pub last: [f64; 2],
+    /// Kinetic energy, `work_in` and `load_work` after the last step.
+    pub last: [f64; 3],
 }
 
 /// What an implicit step took from the motion, J: the contacts are evaluated at its end in the next one.
@@ -41,7 +45,7 @@ pub(crate) struct Pending {
 impl Flows {
     /// Adds what the last step exchanged; `kinetic` is the energy in motion after it, J.
     pub fn exchange(&mut self, kinetic: f64) {
-        let now = [kinetic, self.work_in];
+        let now = [kinetic, self.work_in, self.load_work];
         for (now, last) in now.iter().zip(self.last) {
             self.exchanged += (now - last).abs();
         }
@@ -61,10 +65,10 @@ impl Flows {
     }
 }
 
-/// Energies of a world, J. The sum of `final_energy` and everything dissipated equals `initial + work_in` up
-/// to the integration error. Bodies that overlap when they are added, and walls placed where bodies are,
-/// bring elastic energy. `initial` contains it from the next step on, unless that is
-/// [implicit](crate::ImplicitStep).
+/// Energies of a world, J. The sum of `final_energy` and everything dissipated equals [`given`](Self::given),
+/// `initial + by_hand + work_in + load_work`, up to the integration error. Bodies that overlap when they are added or
+/// put somewhere by hand, and walls placed where bodies are, bring elastic energy. `initial` or `by_hand` contains it
+/// from the next step on.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// Kinetic and potential energy of all bodies when they were added, and elastic energy of their overlaps; or all
@@ -72,6 +76,12 @@ pub struct Ledger {
     pub initial: f64,
     /// Work done on the bodies by driven walls and bodies, and by what is prescribed at deformable bodies.
     pub work_in: f64,
+    /// What the host has put in by hand, less what it took: the change of the kinetic, potential and strain energy of
+    /// bodies whose pose, nodes or velocities were set; the elastic energy of their overlaps and the energy of their friction
+    /// springs, before (taken) and after (put in); and, negative, all that removed bodies and walls had of these.
+    pub by_hand: f64,
+    /// Work of external loads ([`World::set_load`](crate::World::set_load)).
+    pub load_work: f64,
     /// Kinetic energy now.
     pub kinetic: f64,
     /// Potential energy in gravity now, relative to the origin.
@@ -97,11 +107,17 @@ pub struct Ledger {
     pub dissipated_step: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
-    /// Energy exchanged so far: the sum over the steps of |change of the kinetic energy| and |work of what is driven|.
+    /// Energy exchanged so far: the sum over the steps of |change of the kinetic energy|, |work of what is driven| and |work
+    /// of external loads|.
     pub exchanged: f64,
 }
 
 impl Ledger {
+    /// All energy put in: at the beginning and by additions, by hand, by drives and by loads, J.
+    pub fn given(&self) -> f64 {
+        self.initial + self.by_hand + self.work_in + self.load_work
+    }
+
     /// Kinetic, potential, elastic and spring energy now, J.
     pub fn final_energy(&self) -> f64 {
         self.kinetic + self.potential + self.elastic + self.strain + self.friction_springs
@@ -120,7 +136,7 @@ impl Ledger {
 
     /// The energy missing in the ledger, J: energy now plus dissipated minus energy put in.
     pub fn error(&self) -> f64 {
-        self.final_energy() + self.dissipated() - self.initial - self.work_in
+        self.final_energy() + self.dissipated() - self.given()
     }
 
     /// The error over the turnover: the largest of the energy exchanged so far, of the dissipated energy, and of the

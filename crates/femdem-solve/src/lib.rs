@@ -122,6 +122,7 @@ mod body;
 pub mod checkpoint;
 mod clock;
 mod error;
+mod guide;
 mod ledger;
 mod parameters;
 mod rotation;
@@ -134,7 +135,7 @@ pub use femdem_mesh as mesh;
 pub use body::{BodySpec, Shape, ShapeId};
 pub use clock::processor_time;
 pub use error::SolveError;
-pub use femdem_fem::Drive;
+pub use femdem_fem::{Drive, Driven};
 pub use ledger::Ledger;
 pub use parameters::{
     ImplicitStep, Medium, SleepMeasure, SleepParameters, TimeStepParameters, WorldParameters,

@@ -84,7 +84,10 @@ fn bodies_that_are_nowhere_are_refused() {
         ("angular_velocity", &|s| s.angular_velocity.x = f64::NAN),
         ("pose.", &|s| s.pose.rotation = skewed(f64::NAN)),
         ("pose.rotation", &|s| s.pose.rotation = skewed(0.5)),
-        ("there is no shape 7: 1 were added", &|s| s.shape = 7),
+        (
+            "there is no shape 7 (never added, or removed): there are 1",
+            &|s| s.shape = 7,
+        ),
     ];
     for (text, change) in cases {
         let mut spec = good;
@@ -184,7 +187,7 @@ fn drives_that_lead_nowhere_are_refused() {
     }
     let error = world.drive_wall(3, Drive::Fixed).unwrap_err().to_string();
     assert!(
-        error.contains("there is no wall 3: 1 were added"),
+        error.contains("there is no wall 3 (never added, or removed): there are 1"),
         "{error}"
     );
 }

@@ -32,7 +32,8 @@ fn settle(world: &mut World, latest: f64) {
 }
 
 fn places(world: &World) -> Vec<Vector3<f64>> {
-    (0..world.body_count() as u32)
+    world
+        .body_ids()
         .map(|i| world.position(i).unwrap())
         .collect()
 }
@@ -259,9 +260,9 @@ fn sleep_does_not_change_the_forces_on_walls() {
         world.residuals()
     );
     let forces = |world: &World| -> Vec<Vector3<f64>> {
-        let walls = 0..world.walls().len() as u32;
-        walls
-            .map(|w| world.wall_load(w).unwrap().total.force)
+        world
+            .walls()
+            .map(|(w, _)| world.wall_load(w).unwrap().total.force)
             .collect()
     };
     let mut awake = world.clone();

@@ -49,7 +49,7 @@ fn a_normal_of_any_length_leaves_the_offset_alone() {
             block("position = [0, 0, 9]")
         );
         let simulation = Scenario::from_toml(&text).unwrap().build().unwrap();
-        let WallShape::Planes(wall) = &simulation.world.walls()[0] else {
+        let Some(WallShape::Planes(wall)) = simulation.world.wall(0) else {
             panic!("not of planes");
         };
         let plane = wall.planes()[0];

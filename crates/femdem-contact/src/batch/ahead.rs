@@ -63,7 +63,7 @@ impl ContactBatch {
                 gap.is_none_or(|(gap, direction)| close(gap, &direction))
             }
             (Cache::Wall(_), Partner::Wall(w)) => {
-                let planes = self.walls.get(w as usize).and_then(WallShape::planes);
+                let planes = self.wall(w).and_then(WallShape::planes);
                 planes.zip(convex(pair.b)).is_none_or(|(wall, body)| {
                     let centre = b.frame.position - a.frame.position;
                     wall.planes().iter().any(|plane| {
@@ -96,7 +96,6 @@ impl ContactBatch {
     }
 
     fn shape_of(&self, body: BodyId) -> Option<&BodyShape> {
-        let shape = self.body_shapes.get(body as usize)?;
-        self.shapes.get(*shape as usize)
+        self.shapes.get(self.shape_index(body)? as usize)
     }
 }

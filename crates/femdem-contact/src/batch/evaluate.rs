@@ -51,7 +51,7 @@ pub(crate) struct Context<'a> {
     /// Fans of the convex shapes; empty as long as there is no mesh.
     pub fans: &'a [Option<Arc<FieldMesh>>],
     pub body_shapes: &'a [u32],
-    pub wall_shapes: &'a [WallShape],
+    pub wall_shapes: &'a [Option<WallShape>],
     pub bodies: &'a [Motion],
     pub walls: &'a [Motion],
     pub pace: Pace,
@@ -74,7 +74,7 @@ impl Context<'_> {
     }
 
     fn planes(&self, wall: u32) -> Option<&Wall> {
-        self.wall_shapes[wall as usize].planes()
+        self.wall_shapes[wall as usize].as_ref()?.planes()
     }
 
     fn motion_a(&self, a: Partner) -> &Motion {
@@ -239,7 +239,7 @@ impl Context<'_> {
                         .evaluate_cached(mesh, frame_a, body, frame_b, cache, travelled, scratch),
                 );
             }
-            Partner::Wall(w) => match &self.wall_shapes[w as usize] {
+            Partner::Wall(w) => match self.wall_shapes[w as usize].as_ref()? {
                 WallShape::Mesh(wall) => wall.solid_wall(),
                 WallShape::Planes(wall) => {
                     let x = self.in_wall(w, b);

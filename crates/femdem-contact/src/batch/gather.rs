@@ -51,14 +51,14 @@ impl Sums {
         &self,
         awake: &[BodyId],
         bodies: &[Motion],
-        walls: &[WallShape],
+        walls: &[Option<WallShape>],
     ) -> Result<(), ContactError> {
         let lost = |i: &&BodyId| !self.loads[**i as usize].is_finite();
         if let Some(&body) = awake.iter().find(lost) {
             return Err(load_not_finite(body as usize, bodies));
         }
         let loads = self.walls.iter().zip(walls);
-        if let Some((_, wall)) = loads.into_iter().find(|(load, _)| !load.is_finite()) {
+        if let Some((_, Some(wall))) = loads.into_iter().find(|(load, _)| !load.is_finite()) {
             return Err(ContactError::Wall {
                 name: wall.name().to_owned(),
                 why: "the load of its contacts about its origin is not finite: the bodies on it, \

@@ -51,8 +51,8 @@ mod tests {
     /// the first.
     fn scrambled(bodies: u32) -> PairTable {
         let mut table = PairTable::default();
-        for _ in 0..bodies {
-            table.add_body(false);
+        for body in 0..bodies as usize {
+            table.set_body(body, false);
         }
         for body in (0..bodies).rev() {
             let near = body.saturating_sub(4)..bodies.min(body + 5);

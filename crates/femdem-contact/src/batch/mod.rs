@@ -8,6 +8,7 @@ mod history;
 mod implicit;
 mod layout;
 mod pairs;
+mod remove;
 mod search;
 mod stable;
 mod stored;
@@ -21,6 +22,7 @@ use crate::general::{FieldMesh, GeneralKernel};
 use crate::kernel::{CavityKernel, PairKernel};
 use crate::law::{ContactLaw, ContactParameters};
 use crate::motion::Motion;
+use crate::slots::Slots;
 use crate::walls::WallShape;
 use evaluate::{Context, Views};
 use gather::{Sums, load_not_finite};
@@ -51,8 +53,11 @@ pub struct BatchTotals {
 
 /// Contact of many bodies and walls of any shape, with friction history.
 ///
-/// Bodies are added once and then updated with one [`Motion`] each. Pairs of two bodies
+/// Bodies are added, updated with one [`Motion`] each, and removed at any time between updates. Pairs of two bodies
 /// that are both asleep are not evaluated; their last contact stays on record.
+///
+/// A number that has become free is given to the next body, the lowest first: an id that was kept after the removal of
+/// its body is refused until then, and names the new body afterwards. The same holds for walls.
 ///
 /// Serialised it is for binary formats: its maps have keys of several numbers, and some numbers are
 /// infinite, which JSON has not. It is stored without its shapes: once read, it needs
@@ -68,8 +73,11 @@ pub struct ContactBatch {
     /// Fans of the convex shapes; empty as long as there is no mesh.
     #[serde(skip)]
     fans: Vec<Option<Arc<FieldMesh>>>,
+    /// Numbers of bodies and of walls. What other lists hold for numbers not in use means nothing.
+    body_slots: Slots,
+    wall_slots: Slots,
     body_shapes: Vec<u32>,
-    walls: Vec<WallShape>,
+    walls: Vec<Option<WallShape>>,
     /// Travel of each wall at which all bodies must look for it again, m.
     wall_expires: Vec<f64>,
     awake: Vec<bool>,
@@ -89,6 +97,8 @@ impl ContactBatch {
             shapes: Vec::new(),
             restored: true,
             fans: Vec::new(),
+            body_slots: Slots::default(),
+            wall_slots: Slots::default(),
             body_shapes: Vec::new(),
             walls: Vec::new(),
             wall_expires: Vec::new(),
@@ -112,44 +122,91 @@ impl ContactBatch {
     /// # Errors
     /// [`ContactError::NoSuch`] if the shape was never added.
     pub fn add_body(&mut self, shape: u32) -> Result<BodyId, ContactError> {
-        let Some(kind) = self.shapes.get(shape as usize) else {
-            return Err(ContactError::NoSuch {
-                what: "shape",
-                index: shape as usize,
-                count: self.shapes.len(),
-            });
-        };
-        self.pairs.add_body(kind.is_mesh());
-        self.body_shapes.push(shape);
-        self.awake.push(true);
+        let is_mesh = self.known_shape(shape)?.is_mesh();
+        let (body, is_new) = self.body_slots.take();
+        let i = body as usize;
+        if is_new {
+            self.body_shapes.push(shape);
+            self.awake.push(true);
+            self.sums.loads.push(Load::default());
+        } else {
+            self.body_shapes[i] = shape;
+            self.awake[i] = true;
+        }
+        self.pairs.set_body(i, is_mesh);
         self.awake_changed = true;
-        self.sums.loads.push(Load::default());
-        Ok(self.body_shapes.len() as u32 - 1)
+        Ok(body)
+    }
+
+    fn known_shape(&self, shape: u32) -> Result<&BodyShape, ContactError> {
+        self.shapes.get(shape as usize).ok_or(ContactError::NoSuch {
+            what: "shape",
+            index: shape as usize,
+            count: self.shapes.len(),
+        })
     }
 
     /// Adds a wall, of planes or a mesh, and returns its index.
     pub fn add_wall(&mut self, wall: impl Into<WallShape>) -> u32 {
         let wall = wall.into();
-        self.pairs.add_wall(wall.is_mesh());
-        self.walls.push(wall);
-        self.wall_expires.push(f64::NEG_INFINITY);
-        self.sums.walls.push(Load::default());
-        self.walls.len() as u32 - 1
+        let (slot, is_new) = self.wall_slots.take();
+        let w = slot as usize;
+        self.pairs.set_wall(w, wall.is_mesh());
+        if is_new {
+            self.walls.push(Some(wall));
+            self.wall_expires.push(f64::NEG_INFINITY);
+            self.sums.walls.push(Load::default());
+        } else {
+            self.walls[w] = Some(wall);
+            self.wall_expires[w] = f64::NEG_INFINITY;
+        }
+        slot
     }
 
     /// Number of bodies.
     pub fn len(&self) -> usize {
-        self.body_shapes.len()
+        self.body_slots.len()
     }
 
     /// Whether there are no bodies.
     pub fn is_empty(&self) -> bool {
-        self.body_shapes.is_empty()
+        self.len() == 0
     }
 
-    /// The walls, by index.
-    pub fn walls(&self) -> &[WallShape] {
-        &self.walls
+    /// The bodies, ascending.
+    pub fn body_ids(&self) -> impl Iterator<Item = BodyId> {
+        self.body_slots.iter()
+    }
+
+    /// Whether there is such a body.
+    pub fn contains(&self, body: BodyId) -> bool {
+        self.body_slots.holds(body)
+    }
+
+    /// Index of the shape of a body.
+    pub fn shape_index(&self, body: BodyId) -> Option<u32> {
+        self.contains(body).then(|| self.body_shapes[body as usize])
+    }
+
+    /// Numbers of bodies and of walls that have been in use: how many motions of each [`update`](Self::update) takes.
+    pub fn slots(&self) -> [usize; 2] {
+        self.numbers().map(Slots::total)
+    }
+
+    /// The numbers of the bodies and of the walls.
+    pub(crate) fn numbers(&self) -> [&Slots; 2] {
+        [&self.body_slots, &self.wall_slots]
+    }
+
+    /// The walls with their indices, ascending.
+    pub fn walls(&self) -> impl Iterator<Item = (u32, &WallShape)> {
+        let walls = (0..).zip(&self.walls);
+        walls.filter_map(|(w, wall)| Some((w, wall.as_ref()?)))
+    }
+
+    /// A wall.
+    pub fn wall(&self, wall: u32) -> Option<&WallShape> {
+        self.walls.get(wall as usize)?.as_ref()
     }
 
     /// The shapes, by index.
@@ -187,10 +244,8 @@ impl ContactBatch {
 
     /// Wakes a body or puts it to sleep. Between two sleeping bodies nothing is evaluated.
     pub fn set_awake(&mut self, body: BodyId, awake: bool) {
-        if let Some(flag) = self.awake.get_mut(body as usize)
-            && *flag != awake
-        {
-            *flag = awake;
+        if self.contains(body) && self.awake[body as usize] != awake {
+            self.awake[body as usize] = awake;
             self.awake_changed = true;
             self.pairs.mark_changed();
         }
@@ -198,7 +253,7 @@ impl ContactBatch {
 
     /// Wakes a body with the load of its contacts on record.
     pub fn wake_with_load(&mut self, body: BodyId) {
-        if (body as usize) < self.sums.loads.len() {
+        if self.contains(body) {
             self.sums.loads[body as usize] = self.load_of(body);
             self.set_awake(body, true);
         }
@@ -252,7 +307,8 @@ impl ContactBatch {
 
     /// Finds and evaluates all contacts of awake bodies.
     ///
-    /// `bodies` and `walls` hold one motion per added body and wall; `dt` is the time
+    /// `bodies` and `walls` hold one motion per body and wall, by index (see [`slots`](Self::slots); those of removed ones
+    /// are not read); `dt` is the time
     /// since the last update, s (friction history and torsion advance by it). Velocities are those of the leapfrog
     /// method, of the half step before: the dashpot allows for their lag of dt/2. At `dt` 0 there is none.
     ///
@@ -364,14 +420,16 @@ impl ContactBatch {
                 });
             }
         }
-        let walls = self.walls.iter().zip(view.walls);
-        if let Some((wall, _)) = walls.into_iter().find(|(_, motion)| !motion.is_sound()) {
+        if let Some((_, wall)) = self
+            .walls()
+            .find(|(w, _)| !view.walls[*w as usize].is_sound())
+        {
             return Err(ContactError::Wall {
                 name: wall.name().to_owned(),
                 why: "its motion is not finite".to_owned(),
             });
         }
-        if !self.restored && !self.body_shapes.is_empty() {
+        if !self.restored && !self.is_empty() {
             return Err(ContactError::NoSuch {
                 what: "shape",
                 index: self.body_shapes[0] as usize,

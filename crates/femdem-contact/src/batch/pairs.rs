@@ -7,6 +7,7 @@ use crate::general::GeneralCache;
 use crate::kernel::{CavityCache, PairCache};
 use crate::walls::LocalSolid;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// Neighbour code: bodies by index, walls by index plus this.
 const WALL: u32 = 1 << 31;
@@ -125,14 +126,51 @@ pub(crate) struct PairTable {
 }
 
 impl PairTable {
-    pub fn add_body(&mut self, is_mesh: bool) {
-        self.neighbours.push(Vec::new());
-        self.mesh_bodies.push(is_mesh);
+    /// Notes a body that has no pairs, and whether it is a mesh.
+    pub fn set_body(&mut self, body: usize, is_mesh: bool) {
+        if body == self.neighbours.len() {
+            self.neighbours.push(Vec::new());
+            self.mesh_bodies.push(is_mesh);
+        } else {
+            self.mesh_bodies[body] = is_mesh;
+        }
         self.changed = true;
     }
 
-    pub fn add_wall(&mut self, is_mesh: bool) {
-        self.mesh_walls.push(is_mesh);
+    /// Notes a wall that has no pairs, and whether it is a mesh.
+    pub fn set_wall(&mut self, wall: usize, is_mesh: bool) {
+        if wall == self.mesh_walls.len() {
+            self.mesh_walls.push(is_mesh);
+        } else {
+            self.mesh_walls[wall] = is_mesh;
+        }
+    }
+
+    /// Ends all pairs of a body.
+    pub fn leave(&mut self, body: BodyId) {
+        let own = self.neighbours[body as usize].clone();
+        self.end(own.into_iter().map(|n| (body, n)).collect());
+    }
+
+    /// Ends all pairs of a wall.
+    pub fn leave_wall(&mut self, wall: u32) {
+        let code = WALL | wall;
+        let of = |(body, list): (u32, &Vec<Neighbour>)| {
+            let at = list.binary_search_by_key(&code, |n| n.code).ok()?;
+            Some((body, list[at]))
+        };
+        let own = (0..).zip(&self.neighbours).filter_map(of).collect();
+        self.end(own);
+    }
+
+    /// Ends pairs between two updates: they are not among the [evaluated](Self::evaluated) ones any more.
+    fn end(&mut self, pairs: Vec<(BodyId, Neighbour)>) {
+        for (body, neighbour) in &pairs {
+            self.unlink(*body, *neighbour);
+        }
+        let mut ended: Vec<u32> = pairs.into_iter().map(|(_, n)| n.slot).collect();
+        ended.sort_unstable();
+        self.order.retain(|slot| ended.binary_search(slot).is_err());
     }
 
     /// Whether any body or wall is a mesh.
@@ -157,6 +195,13 @@ impl PairTable {
     /// Number of walls.
     pub fn wall_count(&self) -> usize {
         self.mesh_walls.len()
+    }
+
+    /// All pairs, evaluated or not.
+    pub fn pairs(&self) -> impl Iterator<Item = &Pair> {
+        let free: BTreeSet<u32> = self.free.iter().copied().collect();
+        let slots = (0..).zip(&self.slots);
+        slots.filter_map(move |(slot, pair)| (!free.contains(&slot)).then_some(pair))
     }
 
     /// Whether one of the two is a mesh.

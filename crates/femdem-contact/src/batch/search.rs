@@ -15,7 +15,7 @@ impl ContactBatch {
     ) -> Result<(), ContactError> {
         let mut neighbours = Vec::new();
         for (i, motion) in bodies.iter().enumerate() {
-            if self.awake[i] || self.broadphase.knows(i) {
+            if self.awake[i] || self.broadphase.knows(i) || !self.body_slots.holds(i as u32) {
                 continue;
             }
             if !motion.is_sound() {
@@ -42,7 +42,7 @@ impl ContactBatch {
         let Snapshot { bodies, walls, dt } = view;
         let mut walls_moved = false;
         for (w, motion) in walls.iter().enumerate() {
-            if motion.travelled >= self.wall_expires[w] {
+            if self.walls[w].is_some() && motion.travelled >= self.wall_expires[w] {
                 self.wall_expires[w] = motion.travelled + self.wall_skin();
                 walls_moved = true;
             }
@@ -61,8 +61,9 @@ impl ContactBatch {
             }
         }
         if walls_moved {
-            for (i, motion) in bodies.iter().enumerate() {
-                self.search_walls(i, motion, walls);
+            let ids: Vec<u32> = self.body_ids().collect();
+            for i in ids {
+                self.search_walls(i as usize, &bodies[i as usize], walls);
             }
         }
         Ok(())
@@ -78,15 +79,16 @@ impl ContactBatch {
         let shape = &self.shapes[self.body_shapes[body] as usize];
         // The body may travel up to two half skins before the next such search.
         let reach = shape.radius() + 2.0 * Broadphase::half_skin(shape) + self.wall_skin();
-        let near: Vec<u32> = (0..self.walls.len())
-            .filter(|&w| {
-                let frame = &walls[w].frame;
+        let near: Vec<u32> = self
+            .walls()
+            .filter(|(w, wall)| {
+                let frame = &walls[*w as usize].frame;
                 let x = frame
                     .rotation
                     .tr_mul(&(motion.frame.position - frame.position));
-                self.walls[w].clearance(&x) < reach
+                wall.clearance(&x) < reach
             })
-            .map(|w| w as u32)
+            .map(|(w, _)| w)
             .collect();
         self.pairs.set_walls(body as u32, &near);
     }

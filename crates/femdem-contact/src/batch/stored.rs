@@ -19,7 +19,8 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
                 count: shapes.len(),
             });
         };
-        if batch.pairs.is_mesh_body(body) != Some(kind.is_mesh()) {
+        let is_there = batch.contains(body as u32);
+        if is_there && batch.pairs.is_mesh_body(body) != Some(kind.is_mesh()) {
             return Err(ContactError::Stored {
                 what: format!("the kind, convex or mesh, of the shape of body {body}"),
             });
@@ -28,6 +29,8 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
     let (bodies, walls) = (batch.body_shapes.len(), batch.walls.len());
     let table = &batch.pairs;
     let lengths = [
+        ("numbers of bodies", batch.body_slots.total(), bodies),
+        ("numbers of walls", batch.wall_slots.total(), walls),
         ("bodies awake or asleep", batch.awake.len(), bodies),
         ("loads on bodies", batch.sums.loads.len(), bodies),
         ("lists of neighbours", table.neighbours.len(), bodies),
@@ -42,8 +45,16 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
             });
         }
     }
-    let sound = batch.broadphase.fits(bodies)
-        && batch.awake_list.iter().all(|&i| (i as usize) < bodies)
+    let is_body = |body: u32| batch.contains(body);
+    let mut present = (0..).zip(&batch.walls);
+    let sound = batch.body_slots.is_sound()
+        && batch.wall_slots.is_sound()
+        && present.all(|(w, wall)| batch.wall_slots.holds(w) == wall.is_some())
+        && (0..)
+            .zip(&batch.awake)
+            .all(|(i, awake)| !awake || is_body(i))
+        && batch.broadphase.fits(is_body)
+        && batch.awake_list.iter().all(|&i| is_body(i))
         && table.indices_fit()
         && table
             .neighbours
@@ -51,10 +62,10 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
             .enumerate()
             .all(|(body, list)| list.iter().all(|n| table.is_pair_of(body as u32, n)));
     let fits = |pair: &Pair| {
-        let b_is_there = (pair.b as usize) < bodies;
+        let b_is_there = is_body(pair.b);
         let a_is_there = match pair.a {
-            Partner::Body(a) => (a as usize) < bodies,
-            Partner::Wall(a) => (a as usize) < walls,
+            Partner::Body(a) => is_body(a),
+            Partner::Wall(a) => batch.wall(a).is_some(),
         };
         let mesh = a_is_there && b_is_there && table.meets_mesh(pair);
         let convex = |body: u32| {
@@ -67,8 +78,7 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
                 .zip(convex(pair.b))
                 .is_some_and(|(a, b)| cache.fits(a, b)),
             (Cache::Wall(cache), Partner::Wall(wall)) => batch
-                .walls
-                .get(wall as usize)
+                .wall(wall)
                 .and_then(WallShape::planes)
                 .zip(convex(pair.b))
                 .is_some_and(|(wall, body)| cache.fits(wall, body)),
@@ -77,7 +87,7 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
         let own = pair.contacts().all(|c| (c.a, c.b) == (pair.a, pair.b));
         a_is_there && b_is_there && cached && own
     };
-    if sound && table.slots.iter().all(fits) {
+    if sound && table.pairs().all(fits) {
         return Ok(());
     }
     Err(ContactError::Stored {

@@ -106,7 +106,7 @@ mod sums;
 mod turning;
 mod walk;
 
-pub use batch::DeformableBatch;
+pub use batch::{DeformableBatch, Touched};
 pub use current::Operand;
 pub use kernel::{DeformableKernel, DeformableOverlap, NodeForce};
 pub use record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};

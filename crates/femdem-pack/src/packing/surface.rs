@@ -48,7 +48,7 @@ impl Packing {
     }
 
     fn escaped(&self, body: BodyId, position: &Vector3) -> PackError {
-        let walls = self.world.walls().iter();
+        let walls = self.world.walls().map(|(_, wall)| wall);
         let nearest = walls.min_by(|a, b| a.clearance(position).total_cmp(&b.clearance(position)));
         PackError::Escaped {
             body,

@@ -19,6 +19,7 @@ use crate::error::SolveError;
 use crate::parameters::{SleepMeasure, SleepParameters, WorldParameters};
 use femdem_contact::{Load, Partner};
 use femdem_mesh::Vector3;
+use std::collections::BTreeSet;
 
 /// A contact strikes a sleeping body if its force exceeds the load scale by this factor. At rest no contact
 /// can carry more than twice the scale.
@@ -86,10 +87,10 @@ impl World {
         let time = self.time;
         let bodies = self.awake.iter().map(|&i| &self.bodies[i as usize]);
         let drives = bodies.filter_map(|body| body.driven.as_deref());
-        let mut drives = drives.chain(&self.wall_drives).map(|(drive, _)| drive);
+        let mut guides = drives.chain(&self.wall_drives).map(|(guide, _)| guide);
         let deformables = self.deformables.as_deref();
         let mut boundaries = deformables.into_iter().flat_map(|d| d.boundaries());
-        drives.any(|drive| drive.is_active(time, ahead))
+        guides.any(|guide| guide.is_active(time, ahead))
             || boundaries.any(|boundary| boundary.is_driven(time, ahead))
     }
 
@@ -97,7 +98,7 @@ impl World {
     /// not chosen for it.
     #[must_use]
     pub(super) fn wake_for_drives(&mut self, ahead: f64) -> bool {
-        let rigid = self.awake.len() < self.bodies.len();
+        let rigid = self.awake.len() < self.body_count();
         let asleep = rigid || self.awake_deformable_count() < self.deformable_count();
         let wakes = asleep && self.is_driven(ahead);
         if wakes {
@@ -112,9 +113,15 @@ impl World {
         weight.max(0.5 * load.normal_sum)
     }
 
-    /// Net force with gravity, N, without dashpots: a body that dashpots alone hold is not at rest.
+    /// Net force with gravity and external load, N, without dashpots: a body that dashpots alone hold is not at rest.
     pub(super) fn net_force(&self, i: usize, load: &Load) -> Vector3 {
-        load.static_part().force + self.parameters.gravity * self.bodies[i].mass
+        let body = &self.bodies[i];
+        load.static_part().force + self.parameters.gravity * body.mass + body.applied.force
+    }
+
+    /// Net torque with the external load, N m, without dashpots.
+    pub(super) fn net_torque(&self, i: usize, load: &Load) -> Vector3 {
+        load.static_part().torque + self.bodies[i].applied.torque
     }
 
     /// What the net force of a body is compared with, N.
@@ -149,12 +156,12 @@ impl World {
 
     /// Mixes a load into a body's means with a weight.
     fn mix(&mut self, i: usize, load: &Load, share: f64) {
-        let net = self.net_force(i, load);
+        let (net, moment) = (self.net_force(i, load), self.net_torque(i, load));
         let body = &mut self.bodies[i];
         let turn = body.angular_velocity();
         let means = &mut body.means;
         means.force += (net - means.force) * share;
-        means.moment += (load.static_part().torque - means.moment) * share;
+        means.moment += (moment - means.moment) * share;
         means.velocity += (body.velocity - means.velocity) * share;
         means.angular_velocity += (turn - means.angular_velocity) * share;
     }
@@ -220,7 +227,7 @@ impl World {
         let bound = share * self.measure_of_balance(i as usize, &load);
         let diameter = 2.0 * self.bodies[i as usize].radius;
         self.net_force(i as usize, &load).norm() < bound
-            && load.static_part().torque.norm() < bound * diameter
+            && self.net_torque(i as usize, &load).norm() < bound * diameter
     }
 
     /// Frozen neighbours of awake bodies whose recorded forces no longer balance: in the mean, or at once for
@@ -242,7 +249,7 @@ impl World {
 
     /// Frozen bodies that an awake one has struck.
     fn struck_bodies(&self) -> Vec<u32> {
-        if self.awake.len() == self.bodies.len() {
+        if self.awake.len() == self.body_count() {
             return Vec::new();
         }
         let loads = all_loads(&self.batch, self.deformables.as_deref());
@@ -285,6 +292,18 @@ impl World {
         self.awake.sort_unstable();
     }
 
+    /// Judges bodies anew, and wakes those of them that are asleep: what holds them has changed.
+    pub(super) fn stir(&mut self, list: &[u32]) {
+        for &i in list {
+            let body = &mut self.bodies[i as usize];
+            body.quiet_steps = 0;
+            body.means = Means::default();
+        }
+        let asleep = |i: &u32| !self.batch.is_awake(*i);
+        let asleep: BTreeSet<u32> = list.iter().copied().filter(asleep).collect();
+        self.wake(&Vec::from_iter(asleep));
+    }
+
     fn stop_body(&mut self, i: usize) {
         let body = &mut self.bodies[i];
         self.flows.frozen += body.kinetic_energy();
@@ -324,8 +343,10 @@ impl World {
             .filter(|(_, body, _)| body.driven.is_none())
             .map(|(_, body, load)| {
                 let weight = self.parameters.gravity * body.mass;
-                let power = (load.total.force + weight).dot(&body.velocity)
-                    + load.total.torque.dot(&body.angular_velocity());
+                let mut wrench = load.total;
+                wrench += &body.applied;
+                let power = (wrench.force + weight).dot(&body.velocity)
+                    + wrench.torque.dot(&body.angular_velocity());
                 i64::from(power < 0.0) - i64::from(power > 0.0)
             })
             .sum();
@@ -334,9 +355,8 @@ impl World {
 
     /// Wakes all bodies.
     pub fn wake_all(&mut self) {
-        let asleep: Vec<u32> = (0..self.bodies.len() as u32)
-            .filter(|&i| !self.batch.is_awake(i))
-            .collect();
+        let ids = self.batch.body_ids();
+        let asleep: Vec<u32> = ids.filter(|&i| !self.batch.is_awake(i)).collect();
         self.wake(&asleep);
         if let Some(deformables) = &mut self.deformables {
             deformables.wake_all();

@@ -4,6 +4,7 @@ use super::{Counters, World};
 use crate::body::{Body, BodySpec, Shape, ShapeId};
 use crate::checkpoint;
 use crate::error::SolveError;
+use crate::guide::Guide;
 use crate::ledger::Flows;
 use crate::parameters::{TimeStepParameters, WorldParameters};
 use femdem_contact::{BodyId, ContactBatch, ContactParameters, Field, Frame, Motion, WallShape};
@@ -32,7 +33,7 @@ impl World {
             unsettled: false,
             step_control: super::time_step::StepControl::default(),
             loaded: false,
-            met: super::newcomers::Met::default(),
+            newcomers: super::newcomers::Newcomers::default(),
             behind: 0.0,
             initial_energy: 0.0,
             flows: Flows::default(),
@@ -121,6 +122,11 @@ impl World {
         self.loaded = false;
         self.step_control.forget();
         self.tell_step_control();
+        let mut control = self.step_control;
+        for (_, body) in self.free_bodies() {
+            control.launch(body);
+        }
+        self.step_control = control;
         Ok(())
     }
 
@@ -158,14 +164,14 @@ impl World {
     fn insert_shape(&mut self, shape: Shape) -> Result<ShapeId, SolveError> {
         let contact = shape.contact()?;
         self.restored()?;
-        self.shapes.push(shape);
         if let Some(deformables) = &mut self.deformables {
             deformables.batch.add_rigid_shape(contact.clone())?;
         }
+        self.shapes.push(shape);
         Ok(self.batch.add_shape(contact))
     }
 
-    /// Adds a body and returns its index.
+    /// Adds a body and returns its index: that of a [removed](Self::remove_body) body, the lowest, or else a new one.
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown shape, [`SolveError::Parameter`] for a density
@@ -194,25 +200,26 @@ impl World {
         self.restored()?;
         let contact = &self.batch.shapes()[spec.shape as usize];
         let mut body = Body::new(&spec, shape, contact.radius())?;
-        let thinner = self.step_control.meet(contact);
+        let (shape, thinner) = (spec.shape, self.step_control.meet(contact));
         if let Some(drive) = drive {
             let (driven, place) = (drive.at(self.time), body.place());
-            body.driven = Some(Box::new((drive, driven.base_of(&place))));
+            body.driven = Some(Box::new((Guide::Drive(drive), driven.base_of(&place))));
             body.follow(&driven, &place);
         } else {
             self.step_control
                 .see(contact, &body, &self.parameters.contact);
-            let energy =
-                body.kinetic_energy() - body.mass * self.parameters.gravity.dot(&body.position);
-            self.initial_energy += energy;
+            self.step_control.launch(&body);
+            self.initial_energy += body.energy(&self.parameters.gravity);
         }
-        let id = self.batch.add_body(spec.shape)?;
+        let id = self.batch.add_body(shape)?;
         if let Some(deformables) = &mut self.deformables {
-            deformables.batch.add_rigid(spec.shape)?;
+            deformables.batch.add_rigid(shape)?;
         }
-        self.motions.push(body.motion());
-        self.bodies.push(body);
-        self.awake.push(id);
+        place(&mut self.motions, id, body.motion());
+        place(&mut self.bodies, id, body);
+        let at = self.awake.partition_point(|&other| other < id);
+        self.awake.insert(at, id);
+        self.newcomers.added.bodies.insert(id);
         self.loaded = false;
         if thinner {
             self.tell_step_control();
@@ -232,15 +239,17 @@ impl World {
     ) -> Result<u32, SolveError> {
         drive.validate()?;
         let base = drive.at(self.time).base_of(&Pose::identity());
-        self.wall_drives.push((drive, base));
-        self.wall_motions.push(Motion::fixed(Frame::identity()));
         self.wake_all();
         self.loaded = false;
         let wall = wall.into();
         if let Some(deformables) = &mut self.deformables {
             deformables.batch.add_wall(wall.clone());
         }
-        Ok(self.batch.add_wall(wall))
+        let id = self.batch.add_wall(wall);
+        place(&mut self.wall_drives, id, (Guide::Drive(drive), base));
+        place(&mut self.wall_motions, id, Motion::fixed(Frame::identity()));
+        self.newcomers.added.walls.insert(id);
+        Ok(id)
     }
 
     /// Gives a wall a new prescribed motion, counted from where it is now.
@@ -250,18 +259,7 @@ impl World {
     /// of range.
     pub fn drive_wall(&mut self, wall: u32, drive: Drive) -> Result<(), SolveError> {
         drive.validate()?;
-        let count = self.wall_drives.len();
-        let time = self.time;
-        let Some(slot) = self.wall_drives.get_mut(wall as usize) else {
-            return Err(SolveError::NoSuch {
-                what: "wall",
-                index: wall as usize,
-                count,
-            });
-        };
-        let here = slot.0.at(time).place(&slot.1);
-        *slot = (drive, drive.at(time).base_of(&here));
-        Ok(())
+        self.guide_wall(wall, Guide::Drive(drive))
     }
 
     /// The whole state as bytes, with a checksum.
@@ -316,21 +314,36 @@ impl World {
         }
     }
 
+    /// Tells the step control about all bodies again if one has gone.
+    pub(super) fn renew_cap(&mut self) {
+        if self.step_control.begins_anew() {
+            self.tell_step_control();
+        }
+    }
+
     /// Tells the step control about all bodies again.
     fn tell_step_control(&mut self) {
-        for body in &self.bodies {
-            self.step_control
-                .meet(&self.batch.shapes()[body.shape as usize]);
+        let mut control = self.step_control;
+        let contact = |body: &Body| &self.batch.shapes()[body.shape as usize];
+        for (_, body) in self.live_bodies() {
+            control.meet(contact(body));
         }
-        for body in self.bodies.iter().filter(|b| b.driven.is_none()) {
-            let contact = &self.batch.shapes()[body.shape as usize];
-            self.step_control
-                .see(contact, body, &self.parameters.contact);
+        for (_, body) in self.free_bodies() {
+            control.see(contact(body), body, &self.parameters.contact);
         }
+        self.step_control = control;
         let deformables = self.deformables.as_deref();
         for body in deformables.map_or(&[][..], |d| &d.bodies) {
             let bound = body.bound.critical_step().min(body.contact_step);
             self.step_control.see_elements(bound);
         }
+    }
+}
+
+/// Writes an item of a list by number, which may be the next one.
+pub(super) fn place<T>(list: &mut Vec<T>, id: u32, item: T) {
+    match list.get_mut(id as usize) {
+        Some(slot) => *slot = item,
+        None => list.push(item),
     }
 }

@@ -3,6 +3,8 @@
 mod active;
 mod build;
 mod deformables;
+mod guide;
+mod hand;
 mod hash;
 mod implicit;
 mod medium;
@@ -16,11 +18,11 @@ mod stored;
 mod time_step;
 
 use crate::body::{Body, Shape};
+use crate::guide::Guide;
 use crate::ledger::Flows;
 use crate::parameters::WorldParameters;
 use deformables::Deformables;
 use femdem_contact::{ContactBatch, Motion};
-use femdem_fem::Drive;
 use femdem_mesh::Pose;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
@@ -44,13 +46,14 @@ pub use stability::Stability;
 pub struct World {
     parameters: WorldParameters,
     shapes: Vec<Shape>,
+    /// By number, as the motions; the batch knows which numbers are in use.
     bodies: Vec<Body>,
     motions: Vec<Motion>,
     /// Predicted motions of implicit steps; those of sleeping bodies are their present motions.
     #[serde(skip)]
     ahead: Vec<Motion>,
     /// Each with its base pose.
-    wall_drives: Vec<(Drive, Pose)>,
+    wall_drives: Vec<(Guide, Pose)>,
     wall_motions: Vec<Motion>,
     batch: ContactBatch,
     /// Awake bodies, ascending.
@@ -63,8 +66,8 @@ pub struct World {
     step_control: time_step::StepControl,
     /// Whether the loads belong to the present positions.
     loaded: bool,
-    /// Numbers of bodies and walls when the contacts were last evaluated.
-    met: newcomers::Met,
+    /// What came since the contacts were last evaluated.
+    newcomers: newcomers::Newcomers,
     /// Time by which the friction of the contacts lags, s: an implicit step advances it in the next one.
     behind: f64,
     initial_energy: f64,

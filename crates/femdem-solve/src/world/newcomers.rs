@@ -1,66 +1,136 @@
-//! Overlaps of bodies and walls added since the contacts were last evaluated.
+//! Overlaps of bodies and walls that were added or moved by hand since the contacts were last evaluated.
 
 use super::World;
 use crate::error::SolveError;
-use femdem_contact::Partner;
-use femdem_contact::deform::DeformablePartner;
+use femdem_contact::deform::{DeformableContact, DeformablePartner};
+use femdem_contact::{Contact, Partner};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
-/// Numbers of each kind when the contacts were last evaluated.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Met {
-    bodies: u32,
-    deformables: u32,
-    walls: u32,
+/// Bodies and walls whose overlaps have not been evaluated.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Newcomers {
+    pub added: Things,
+    /// Put where they are by hand.
+    pub moved: Things,
+}
+
+/// Some bodies and walls.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Things {
+    pub bodies: BTreeSet<u32>,
+    pub deformables: BTreeSet<u32>,
+    pub walls: BTreeSet<u32>,
+}
+
+impl Things {
+    fn has(&self, partner: Partner) -> bool {
+        match partner {
+            Partner::Body(i) => self.bodies.contains(&i),
+            Partner::Wall(w) => self.walls.contains(&w),
+        }
+    }
+
+    fn has_soft(&self, partner: DeformablePartner) -> bool {
+        match partner {
+            DeformablePartner::Deformable(i) => self.deformables.contains(&i),
+            DeformablePartner::Rigid(i) => self.bodies.contains(&i),
+            DeformablePartner::Wall(w) => self.walls.contains(&w),
+        }
+    }
+}
+
+impl Newcomers {
+    fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// 0 if something that was added is a side of a contact, else 1 if something that was moved is.
+    fn kind(&self, is_side: impl Fn(&Things) -> bool) -> Option<usize> {
+        [&self.added, &self.moved].into_iter().position(is_side)
+    }
+
+    fn each(&mut self) -> [&mut Things; 2] {
+        [&mut self.added, &mut self.moved]
+    }
+
+    pub fn forget_body(&mut self, id: u32) {
+        for things in self.each() {
+            things.bodies.remove(&id);
+        }
+    }
+
+    pub fn forget_deformable(&mut self, id: u32) {
+        for things in self.each() {
+            things.deformables.remove(&id);
+        }
+    }
+
+    pub fn forget_wall(&mut self, wall: u32) {
+        for things in self.each() {
+            things.walls.remove(&wall);
+        }
+    }
 }
 
 impl World {
-    /// Evaluates the loads at the present positions, if they are out of date. The elastic energy of overlaps
-    /// with bodies and walls added since the last evaluation is booked as brought in by them.
+    /// Evaluates the loads at the present positions, if they are out of date.
     pub(super) fn evaluate_if_due(&mut self) -> Result<(), SolveError> {
         if !self.loaded {
             self.evaluate(0.0)?;
             self.loaded = true;
             self.wake_left();
-            self.initial_energy += self.elastic_energy_of_newcomers();
-            self.meet_newcomers();
         }
         Ok(())
     }
 
-    /// Marks everything present as evaluated.
-    pub(super) fn meet_newcomers(&mut self) {
-        self.met = self.present();
-    }
-
-    fn present(&self) -> Met {
-        Met {
-            bodies: self.bodies.len() as u32,
-            deformables: self.deformable_count() as u32,
-            walls: self.wall_drives.len() as u32,
-        }
-    }
-
-    fn elastic_energy_of_newcomers(&self) -> f64 {
-        let met = self.met;
-        if met == self.present() {
+    /// Books the elastic energy of the overlaps of rigid bodies with what was added or moved by hand since the last
+    /// evaluation, and returns it, J.
+    pub(super) fn book_newcomers(&mut self) -> f64 {
+        if self.newcomers.is_empty() {
             return 0.0;
         }
-        let rigid = self.batch.contacts().into_iter().filter(|c| {
-            c.b >= met.bodies
-                || match c.a {
-                    Partner::Body(a) => a >= met.bodies,
-                    Partner::Wall(wall) => wall >= met.walls,
-                }
-        });
-        let soft = self.deformable_contacts().filter(|c| {
-            c.b >= met.deformables
-                || match c.a {
-                    DeformablePartner::Deformable(a) => a >= met.deformables,
-                    DeformablePartner::Rigid(a) => a >= met.bodies,
-                    DeformablePartner::Wall(wall) => wall >= met.walls,
-                }
-        });
-        rigid.map(|c| c.energy).sum::<f64>() + soft.map(|c| c.energy).sum::<f64>()
+        let kind = |c: &&Contact| {
+            let of = |things: &Things| things.has(c.a) || things.has(Partner::Body(c.b));
+            self.newcomers.kind(of)
+        };
+        let brought = sums(self.batch.contacts().into_iter(), kind, |c| c.energy);
+        self.book(brought);
+        brought.iter().sum()
     }
+
+    /// The same for deformable bodies, whose contacts are evaluated last: nothing is new any more.
+    pub(super) fn book_soft_newcomers(&mut self) {
+        if self.newcomers.is_empty() {
+            return;
+        }
+        let kind = |c: &&DeformableContact| {
+            let b = DeformablePartner::Deformable(c.b);
+            self.newcomers
+                .kind(|things| things.has_soft(c.a) || things.has_soft(b))
+        };
+        let brought = sums(self.deformable_contacts(), kind, |c| c.energy);
+        self.book(brought);
+        self.newcomers = Newcomers::default();
+    }
+
+    fn book(&mut self, [added, moved]: [f64; 2]) {
+        self.initial_energy += added;
+        self.flows.by_hand += moved;
+    }
+}
+
+/// Sums over the contacts by kind.
+fn sums<C>(
+    contacts: impl Iterator<Item = C>,
+    kind: impl Fn(&C) -> Option<usize>,
+    energy: impl Fn(&C) -> f64,
+) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for contact in contacts {
+        if let Some(kind) = kind(&contact) {
+            sums[kind] += energy(&contact);
+        }
+    }
+    sums
 }

@@ -9,7 +9,7 @@ use femdem_mesh::nalgebra::{Rotation3, Translation3, UnitQuaternion};
 use femdem_mesh::{Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// How far the bodies are from equilibrium. Net forces include gravity and are taken from all recorded
+/// How far the bodies are from equilibrium. Net forces include gravity and external loads and are taken from all recorded
 /// contacts; driven bodies are excluded. Without gravity, net force over weight is infinite for a body with a
 /// net force, and 0 for one in balance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -52,9 +52,19 @@ impl World {
         self.step_control.bound()
     }
 
-    /// Number of bodies.
+    /// Number of rigid bodies.
     pub fn body_count(&self) -> usize {
-        self.bodies.len()
+        self.batch.len()
+    }
+
+    /// The rigid bodies, ascending. Their numbers have gaps once bodies were [removed](Self::remove_body).
+    pub fn body_ids(&self) -> impl Iterator<Item = BodyId> {
+        self.batch.body_ids()
+    }
+
+    /// Whether there is such a rigid body.
+    pub fn has_body(&self, id: BodyId) -> bool {
+        self.batch.contains(id)
     }
 
     /// The shapes, by index.
@@ -73,8 +83,8 @@ impl World {
         Some(self.batch.shapes().get(id as usize)?.inradius())
     }
 
-    fn body(&self, id: BodyId) -> Option<&Body> {
-        self.bodies.get(id as usize)
+    pub(super) fn body(&self, id: BodyId) -> Option<&Body> {
+        self.batch.contains(id).then(|| &self.bodies[id as usize])
     }
 
     /// Pose of a body: from the coordinates of its shape's polyhedron to the world.
@@ -115,7 +125,7 @@ impl World {
 
     /// Whether a body is frozen.
     pub fn is_asleep(&self, id: BodyId) -> bool {
-        (id as usize) < self.bodies.len() && !self.batch.is_awake(id)
+        self.batch.contains(id) && !self.batch.is_awake(id)
     }
 
     /// Awake bodies, ascending.
@@ -150,10 +160,13 @@ impl World {
     }
 
     pub(super) fn free_bodies(&self) -> impl Iterator<Item = (usize, &Body)> {
-        self.bodies
-            .iter()
-            .enumerate()
-            .filter(|(_, b)| b.driven.is_none())
+        self.live_bodies().filter(|(_, b)| b.driven.is_none())
+    }
+
+    /// All bodies that are there, driven ones too.
+    pub(super) fn live_bodies(&self) -> impl Iterator<Item = (usize, &Body)> {
+        let ids = self.batch.body_ids();
+        ids.map(|id| (id as usize, &self.bodies[id as usize]))
     }
 
     /// Linear momentum of all bodies except driven ones, kg m/s.
@@ -181,13 +194,19 @@ impl World {
         self.batch.contacts_of(id)
     }
 
-    /// The walls, by index.
-    pub fn walls(&self) -> &[WallShape] {
+    /// The walls with their indices, ascending. The indices have gaps once walls were [removed](Self::remove_wall).
+    pub fn walls(&self) -> impl Iterator<Item = (u32, &WallShape)> {
         self.batch.walls()
+    }
+
+    /// A wall, or `None` for an unknown index.
+    pub fn wall(&self, wall: u32) -> Option<&WallShape> {
+        self.batch.wall(wall)
     }
 
     /// Present pose of a wall: from its own coordinates to the world.
     pub fn wall_pose(&self, wall: u32) -> Option<Pose> {
+        self.batch.wall(wall)?;
         let frame = &self.wall_motions.get(wall as usize)?.frame;
         let rotation = Rotation3::from_matrix_unchecked(frame.rotation);
         Some(Pose::from_parts(
@@ -198,7 +217,7 @@ impl World {
 
     /// The load on a wall, about its origin, from all its recorded contacts.
     pub fn wall_load(&self, wall: u32) -> Option<Load> {
-        self.batch.walls().get(wall as usize)?;
+        self.batch.wall(wall)?;
         let mut load = self.batch.wall_load_of(wall);
         if let Some(deformables) = &self.deformables
             && let Some(other) = deformables.batch.wall_loads().get(wall as usize)
@@ -237,8 +256,8 @@ impl World {
     }
 
     /// Net force of a body, or its net moment over its diameter if that is larger, without dashpots, N.
-    fn imbalance(&self, i: usize, load: &Load) -> f64 {
-        let moment = load.static_part().torque.norm() / (2.0 * self.bodies[i].radius);
+    pub(super) fn imbalance(&self, i: usize, load: &Load) -> f64 {
+        let moment = self.net_torque(i, load).norm() / (2.0 * self.bodies[i].radius);
         self.net_force(i, load).norm().max(moment)
     }
 
@@ -290,6 +309,8 @@ impl World {
         Ledger {
             initial: self.initial_energy,
             work_in: self.flows.work_in,
+            by_hand: self.flows.by_hand,
+            load_work: self.flows.load_work,
             kinetic: self.kinetic_energy(),
             potential: self
                 .free_bodies()

@@ -163,14 +163,12 @@ impl World {
         options: &WorldRelaxation,
         report: &mut WorldRelaxed,
     ) -> Result<(), SolveError> {
-        let held: Vec<bool> = (0..self.deformable_count())
-            .map(|i| self.is_held(i))
-            .collect();
         let penalty = self.parameters.contact.penalty;
-        let mut wholes: Vec<Whole> = match self.deformables.as_deref() {
-            Some(d) => d.bodies.iter().map(|b| d.whole(b, penalty)).collect(),
-            None => return Ok(()),
+        let Some(d) = self.deformables.as_deref() else {
+            return Ok(());
         };
+        let held: Vec<bool> = (0..d.bodies.len()).map(|i| self.is_held(i)).collect();
+        let mut wholes: Vec<Whole> = d.bodies.iter().map(|b| d.whole(b, penalty)).collect();
         if held.iter().all(|&h| h) {
             return Ok(());
         }
@@ -221,7 +219,8 @@ impl World {
             .map(|i| {
                 let step = deformables.whole_step(i, &wholes[i], &wrenches[i]);
                 if near[i] {
-                    let given = wholes[i].mass * gravity.norm();
+                    let pull = deformables.bodies[i].pull;
+                    let given = wholes[i].mass * (gravity + pull).norm();
                     step.min(deformables.touching_step(i, &wholes[i], &wrenches[i], given))
                 } else {
                     step
@@ -237,6 +236,8 @@ impl World {
             let (whole, [force, torque]) = (&mut wholes[i], wrenches[i]);
             whole.velocity += force * (dt / whole.mass);
             whole.turning += whole.inverse_inertia * torque * dt;
+            let load = deformables.bodies[i].pull * whole.mass;
+            self.flows.load_work += load.dot(&whole.velocity) * dt;
             energy += deformables.carry(i, whole, dt);
         }
         deformables.touch(&self.motions, &self.wall_motions, 0.0)?;
@@ -249,7 +250,8 @@ impl World {
         options: &WorldRelaxation,
         report: &mut WorldRelaxed,
     ) -> Result<(), SolveError> {
-        let mut before = vec![0.0; self.deformable_count()];
+        let count = self.deformables.as_deref().map_or(0, |d| d.bodies.len());
+        let mut before = vec![0.0; count];
         let mut rigid = 0.0;
         for round in 1.. {
             for _ in 0..LOOK {
@@ -322,10 +324,10 @@ impl World {
         }
     }
 
-    /// Whether anything of a deformable body is prescribed.
+    /// Whether anything of a deformable body is prescribed, or the body was removed.
     fn is_held(&self, i: usize) -> bool {
         let body = self.deformables.as_deref().and_then(|d| d.bodies.get(i));
-        body.is_some_and(|b| b.boundary.held().next().is_some())
+        body.is_some_and(|b| b.is_vacant() || b.boundary.held().next().is_some())
     }
 }
 
@@ -366,7 +368,7 @@ impl Deformables {
         let contact = self.batch.forces(i as u32);
         let mut wrench = [Vector3::zeros(); 2];
         for (a, x) in body.positions.iter().enumerate() {
-            let force = contact[a] + body.loads[a] + gravity * masses[a];
+            let force = contact[a] + body.loads[a] + (gravity + body.pull) * masses[a];
             wrench[0] += force;
             wrench[1] += (x - centre).cross(&force);
         }

@@ -1,8 +1,8 @@
 //! One state as the beginning of another motion: the clock anew, other gravity, other motions.
 
 use super::World;
-use crate::body::Body;
 use crate::error::SolveError;
+use crate::guide::Guide;
 use crate::ledger::Flows;
 use crate::parameters::WorldParameters;
 use femdem_contact::BodyId;
@@ -15,13 +15,13 @@ impl World {
     /// begins anew from there.
     pub fn restart_clock(&mut self) {
         let time = self.time;
-        for (drive, base) in &mut self.wall_drives {
-            *base = drive.at(0.0).base_of(&drive.at(time).place(base));
+        for (guide, base) in &mut self.wall_drives {
+            *base = guide.now(0.0).base_of(&guide.now(time).place(base));
         }
         for body in &mut self.bodies {
             let place = body.place();
-            if let Some((drive, base)) = body.driven.as_deref_mut() {
-                let driven = drive.at(0.0);
+            if let Some((guide, base)) = body.driven.as_deref_mut() {
+                let driven = guide.now(0.0);
                 *base = driven.base_of(&place);
                 body.follow(&driven, &place);
             }
@@ -50,7 +50,7 @@ impl World {
             // What friction has dissipated is its work less what its springs hold.
             friction_work: -now.friction_springs,
             pending: self.flows.pending,
-            last: [now.kinetic, 0.0],
+            last: [now.kinetic, 0.0, 0.0],
             ..Flows::default()
         };
         self.initial_energy = now.final_energy();
@@ -72,17 +72,17 @@ impl World {
         Ok(())
     }
 
-    /// The prescribed motion of a wall; `None` for an unknown one.
+    /// The prescribed motion of a wall; `None` for an unknown one, and for one that the host moves.
     #[must_use]
     pub fn wall_drive(&self, wall: u32) -> Option<Drive> {
-        self.wall_drives.get(wall as usize).map(|(drive, _)| *drive)
+        self.batch.wall(wall)?;
+        self.wall_drives.get(wall as usize)?.0.drive()
     }
 
-    /// The prescribed motion of a rigid body; `None` for a body that moves freely, or an unknown one.
+    /// The prescribed motion of a rigid body; `None` for a body that moves freely or is moved by the host, or an unknown one.
     #[must_use]
     pub fn body_drive(&self, id: BodyId) -> Option<Drive> {
-        let driven = self.bodies.get(id as usize)?.driven.as_deref()?;
-        Some(driven.0)
+        self.body(id)?.driven.as_deref()?.0.drive()
     }
 
     /// Gives a rigid body a new prescribed motion, counted from where it is now, or sets it free with the velocity that it
@@ -94,34 +94,33 @@ impl World {
         if let Some(drive) = &drive {
             drive.validate()?;
         }
-        let (i, count, time) = (id as usize, self.bodies.len(), self.time);
+        self.guide_body(id, drive.map(Guide::Drive))
+    }
+
+    pub(super) fn guide_body(
+        &mut self,
+        id: BodyId,
+        guide: Option<Guide>,
+    ) -> Result<(), SolveError> {
+        let (i, time) = (self.known_body(id)?, self.time);
         self.restored()?;
         let gravity = self.parameters.gravity;
-        let energy = |body: &Body| {
-            let free = body.kinetic_energy() - body.mass * gravity.dot(&body.position);
-            body.driven.as_ref().map_or(free, |_| 0.0)
-        };
-        let Some(body) = self.bodies.get_mut(i) else {
-            return Err(SolveError::NoSuch {
-                what: "body",
-                index: i,
-                count,
-            });
-        };
-        let before = energy(body);
+        let body = &mut self.bodies[i];
+        let before = body.energy(&gravity);
         body.driven = None;
-        if let Some(drive) = drive {
-            let (driven, place) = (drive.at(time), body.place());
-            body.driven = Some(Box::new((drive, driven.base_of(&place))));
+        if let Some(guide) = guide {
+            let (driven, place) = (guide.now(time), body.place());
+            body.driven = Some(Box::new((guide, driven.base_of(&place))));
             body.follow(&driven, &place);
         }
         body.quiet_steps = 0;
-        self.flows.work_in += energy(body) - before;
+        self.flows.work_in += body.energy(&gravity) - before;
         self.motions[i] = body.motion();
         let contact = &self.batch.shapes()[body.shape as usize];
-        if drive.is_none() {
+        if guide.is_none() {
             self.step_control
                 .see(contact, body, &self.parameters.contact);
+            self.step_control.launch(body);
         }
         if !self.batch.is_awake(id) {
             self.wake(&[id]);

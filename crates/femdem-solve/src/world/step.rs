@@ -7,11 +7,12 @@ use super::time_step::{LARGEST_MOVE, USUAL_MOVE};
 use crate::body::Body;
 use crate::clock::Stopwatch;
 use crate::error::{SolveError, check};
+use crate::guide::Guide;
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
 use crate::rotation;
-use femdem_contact::{ContactError, Frame, Load, Wrench};
-use femdem_fem::{Drive, Driven};
+use femdem_contact::{ContactError, Frame, Load, Partner, Wrench};
+use femdem_fem::Driven;
 use femdem_mesh::{Pose, Vector3};
 
 /// Prescribed motions, as other bodies may meet them.
@@ -43,19 +44,39 @@ impl World {
     /// [`SolveError::BlowUp`] names the body, the step and the likely cause. The world is
     /// then of no further use; an earlier checkpoint is.
     pub fn step(&mut self) -> Result<(), SolveError> {
+        self.step_with(|_, _| None)
+    }
+
+    /// As [`step`](Self::step), with a host that moves walls and bodies
+    /// ([`drive_wall_by_host`](Self::drive_wall_by_host), [`drive_body_by_host`](Self::drive_body_by_host)):
+    /// `host(thing, time)` is where such a thing will be at a time (s), the end of the step, and how fast, or `None` if it
+    /// stays where it is. The walls are asked for first, each kind in ascending order; twice if the step is chosen anew
+    /// because bodies wake. A host that swings limits the steps to a part of its period by
+    /// [`TimeStepParameters::largest`](crate::TimeStepParameters::largest).
+    ///
+    /// # Errors
+    /// As [`step`](Self::step), and [`SolveError::Parameter`] for a motion that is not finite, or whose axis changes while
+    /// it is turned.
+    pub fn step_with(
+        &mut self,
+        mut host: impl FnMut(Partner, f64) -> Option<Driven>,
+    ) -> Result<(), SolveError> {
         self.restored()?;
         if let Some(rule) = self.parameters.time_step.implicit {
-            return self.step_implicit(&rule);
+            return self.step_implicit(&rule, &mut host);
         }
         self.evaluate_if_due()?;
         let mut dt = self.choose_step();
+        self.ask(self.time + dt, &mut host)?;
         if self.wake_for_drives(dt) {
             dt = self.choose_step();
+            self.ask(self.time + dt, &mut host)?;
         }
         self.check_step(dt)?;
         self.kick(0.5 * dt);
         self.drift(dt)?;
         self.time += dt;
+        self.arrive();
         self.steps += 1;
         self.advance_deformables(dt)?;
         self.touch(dt)?;
@@ -87,6 +108,7 @@ impl World {
     }
 
     fn choose_step(&mut self) -> f64 {
+        self.renew_cap();
         let deformables = self.deformables.as_deref();
         let bound = self.awake.iter().fold(self.deformable_bound(), |most, &i| {
             let others = deformables.and_then(|d| d.batch.rigid_resistance(i));
@@ -124,7 +146,19 @@ impl World {
     /// The step in which nothing moves far relative to what it may meet, s.
     fn usual_step(&self) -> f64 {
         let driving = self.driving();
-        let usual = |body: &Body, met: f64| USUAL_MOVE * body.radius / (body.fastest() + met);
+        // The root of speed t + pulled t^2/2 = way.
+        let usual = |body: &Body, met: f64| {
+            let (way, speed, pulled) = (
+                USUAL_MOVE * body.radius,
+                body.fastest() + met,
+                body.pulled(),
+            );
+            if pulled > 0.0 {
+                2.0 * way / (speed + (speed * speed + 2.0 * pulled * way).sqrt())
+            } else {
+                way / speed
+            }
+        };
         let free = || self.awake_bodies().filter(|body| body.driven.is_none());
         let alone = free().map(|body| usual(body, 0.0));
         let mut least = alone.fold(driving.step, f64::min);
@@ -140,19 +174,19 @@ impl World {
 
     /// The prescribed motions now.
     pub(super) fn driving(&self) -> Driving {
-        let moving = |(drive, _): &&(Drive, Pose)| *drive != Drive::Fixed;
+        let moving = |(guide, _): &&(Guide, Pose)| !guide.is_fixed();
         let walls = self.wall_drives.iter().filter(moving);
         let bodies = || self.awake_bodies().filter(|body| body.driven.is_some());
         let of_bodies = bodies().filter_map(|body| body.driven.as_deref());
-        let drives = of_bodies.chain(&self.wall_drives).map(|(drive, _)| drive);
+        let guides = of_bodies.chain(&self.wall_drives).map(|(guide, _)| guide);
         // The next step may be larger than the last.
         let ahead = self
             .time_step()
             .max(self.step_control.top(&self.parameters.time_step));
-        let steps = drives.map(|drive| drive.resolving_step(self.time, ahead));
+        let steps = guides.map(|guide| guide.resolving_step(self.time, ahead));
         Driving {
             step: steps.fold(f64::INFINITY, f64::min),
-            walls: walls.map(|(drive, _)| drive.at(self.time)).collect(),
+            walls: walls.map(|(guide, _)| guide.now(self.time)).collect(),
             bodies: bodies().map(Body::fastest).fold(0.0, f64::max),
         }
     }
@@ -175,9 +209,9 @@ impl World {
             }
         }
         let wall_loads = all_wall_loads(&self.batch, self.deformables.as_deref());
-        for (load, (drive, base)) in wall_loads.iter().zip(&self.wall_drives) {
-            if *drive != Drive::Fixed {
-                let driven = drive.at(self.time);
+        for (load, (guide, base)) in wall_loads.iter().zip(&self.wall_drives) {
+            if !guide.is_fixed() {
+                let driven = guide.now(self.time);
                 let v = driven.velocity_at(&driven.place(base).translation.vector);
                 book_driven(load, &v, &driven.angular_velocity(), h, &mut flows);
             }
@@ -186,6 +220,7 @@ impl World {
         self.flows.damping_work += flows.damping_work;
         self.flows.friction_work += flows.friction_work;
         self.flows.medium_work += flows.medium_work;
+        self.flows.load_work += flows.load_work;
     }
 
     pub(super) fn drift(&mut self, dt: f64) -> Result<(), SolveError> {
@@ -194,8 +229,8 @@ impl World {
             let i = self.awake[k] as usize;
             let body = &mut self.bodies[i];
             let mut seen = None;
-            let moved = if let Some((drive, base)) = body.driven.as_deref().copied() {
-                let (from, driven) = (drive.at(self.time), drive.at(end));
+            let moved = if let Some((guide, base)) = body.driven.as_deref().copied() {
+                let (from, driven) = (guide.now(self.time), guide.then(end));
                 let reach = (body.position - driven.point).norm() + body.radius;
                 let to = driven.place(&base);
                 // The contact stage gets the velocities of all bodies at the half step.
@@ -231,9 +266,9 @@ impl World {
     fn drift_walls(&mut self, dt: f64) {
         let deformables = self.deformables.as_deref();
         let soft = deformables.map_or(&[][..], |d| &d.bodies);
-        for (motion, (drive, base)) in self.wall_motions.iter_mut().zip(&self.wall_drives) {
-            let (from, driven) = (drive.at(self.time), drive.at(self.time + dt));
-            if *drive == Drive::Fixed {
+        for (motion, (guide, base)) in self.wall_motions.iter_mut().zip(&self.wall_drives) {
+            let (from, driven) = (guide.now(self.time), guide.then(self.time + dt));
+            if guide.is_fixed() {
                 motion.velocity = Vector3::zeros();
                 motion.angular_velocity = Vector3::zeros();
                 continue;
@@ -244,10 +279,10 @@ impl World {
             let reach = if turn == 0.0 {
                 0.0
             } else {
-                let rigid = self
-                    .bodies
-                    .iter()
-                    .map(|b| (b.position - driven.point).norm() + b.radius);
+                let rigid = self.batch.body_ids().map(|id| {
+                    let b = &self.bodies[id as usize];
+                    (b.position - driven.point).norm() + b.radius
+                });
                 let nodes = soft.iter().flat_map(|b| &b.positions);
                 let far = rigid.chain(nodes.map(|x| (x - driven.point).norm()));
                 1.1 * far.fold(0.0, f64::max)
@@ -291,7 +326,9 @@ impl World {
         let since = dt + std::mem::take(&mut self.behind);
         let result = self.batch.update(&self.motions, &self.wall_motions, since);
         self.count_contacts(watch, result)?;
-        self.touch_deformables(dt)
+        self.touch_deformables(dt)?;
+        self.book_soft_newcomers();
+        Ok(())
     }
 
     /// Updates the work counters after an update of the contacts, and names the body if it has failed.
@@ -304,7 +341,9 @@ impl World {
         let totals = self.batch.totals();
         self.counters.pair_evaluations += totals.candidates as u64;
         self.counters.touching_evaluations += totals.touching as u64;
-        self.flows.settle(totals.energy_change);
+        let change = totals.energy_change;
+        let brought = self.book_newcomers();
+        self.flows.settle(change - brought);
         match result {
             Err(
                 ContactError::NotFinite { body, .. } | ContactError::LoadNotFinite { body, .. },
@@ -364,8 +403,9 @@ fn kick_body(
     flows: &mut Flows,
 ) {
     let (v0, w0) = (body.velocity, body.angular_velocity());
-    let force = load.total.force + parameters.gravity * body.mass;
-    let torque = load.total.torque;
+    let applied = body.applied;
+    let force = load.total.force + parameters.gravity * body.mass + applied.force;
+    let torque = load.total.torque + applied.torque;
     let medium = &parameters.medium;
     let before = body.kinetic_energy();
     let in_body = |x: &Vector3| body.orientation.inverse_transform_vector(x);
@@ -384,6 +424,7 @@ fn kick_body(
     let w = (w0 + body.angular_velocity()) * 0.5;
     flows.damping_work += load.damping.power(&v, &w) * h;
     flows.friction_work += load.friction.power(&v, &w) * h;
+    flows.load_work += applied.power(&v, &w) * h;
     if *medium != Medium::default() {
         let work = (force.dot(&v) + torque.dot(&w)) * h;
         flows.medium_work += body.kinetic_energy() - before - work;

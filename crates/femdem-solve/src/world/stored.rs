@@ -8,7 +8,7 @@ use crate::error::SolveError;
 impl World {
     /// Refuses a world whose parts do not fit together. The batches check themselves as they get their shapes back.
     pub(super) fn check_stored(&self) -> Result<(), SolveError> {
-        let (bodies, walls) = (self.batch.len(), self.batch.walls().len());
+        let [bodies, walls] = self.batch.slots();
         for (what, found, expected) in [
             ("bodies", self.bodies.len(), bodies),
             ("motions of bodies", self.motions.len(), bodies),
@@ -29,14 +29,14 @@ impl World {
             )));
         }
         let ascending = self.awake.windows(2).all(|pair| pair[0] < pair[1]);
-        if !ascending || self.awake.last().is_some_and(|&i| i as usize >= bodies) {
+        if !ascending || !self.awake.iter().all(|&i| self.batch.is_awake(i)) {
             return Err(inconsistent(
                 "its list of awake bodies is out of order".to_owned(),
             ));
         }
         let of_bodies = self.bodies.iter().filter_map(|b| b.driven.as_deref());
-        for (drive, _) in of_bodies.chain(&self.wall_drives) {
-            drive.validate()?;
+        for (guide, _) in of_bodies.chain(&self.wall_drives) {
+            guide.validate()?;
         }
         self.deformables
             .as_ref()

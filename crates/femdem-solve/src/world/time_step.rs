@@ -43,6 +43,8 @@ pub(crate) struct StepControl {
     launch: f64,
     /// Smallest length scale of the fields of all shapes in use, m.
     thinnest: f64,
+    /// Whether a body has gone that may have lowered the cap.
+    stale: bool,
 }
 
 impl Default for StepControl {
@@ -55,6 +57,7 @@ impl Default for StepControl {
             bound: f64::INFINITY,
             launch: f64::INFINITY,
             thinnest: f64::INFINITY,
+            stale: false,
         }
     }
 }
@@ -75,6 +78,21 @@ impl StepControl {
         *self = Self::default();
     }
 
+    /// Notes that a body has gone.
+    pub(crate) fn lose(&mut self) {
+        self.stale = true;
+    }
+
+    /// Whether all bodies must be met and seen again because one has gone: the cap is forgotten then.
+    pub(crate) fn begins_anew(&mut self) -> bool {
+        if std::mem::take(&mut self.stale) {
+            self.cap = f64::INFINITY;
+            self.thinnest = f64::INFINITY;
+            return true;
+        }
+        false
+    }
+
     /// Records a shape in use. Returns whether its field is steeper than all before: all bodies must then be
     /// [seen](Self::see) again.
     pub(crate) fn meet(&mut self, shape: &BodyShape) -> bool {
@@ -93,6 +111,10 @@ impl StepControl {
         let frequency2 = 2.0 * stiffness / body.mass;
         let rate = 2.0 * law.damping_ratio * frequency2.sqrt();
         self.cap = self.cap.min(stable_step(frequency2, rate));
+    }
+
+    /// Allows steps as short as the speed of a body requires that was added or got its velocity by hand.
+    pub(crate) fn launch(&mut self, body: &Body) {
         self.see_launch(USUAL_MOVE * body.radius / body.fastest());
     }
 

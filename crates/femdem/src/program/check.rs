@@ -28,7 +28,7 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     }
     say_notes(&simulation.notes);
     list(&simulation.bodies());
-    let walls: Vec<_> = simulation.world.walls().iter().map(|w| w.name()).collect();
+    let walls: Vec<_> = simulation.world.walls().map(|(_, w)| w.name()).collect();
     if !walls.is_empty() {
         say(&format!("walls: {}", walls.join(", ")));
     }

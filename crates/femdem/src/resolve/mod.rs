@@ -133,12 +133,12 @@ pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Erro
     let mut parameters = *rigid.parameters();
     parameters.contact.wall_response = WallResponse::Rigid;
     let mut world = World::new(parameters)?;
-    for wall in rigid.walls() {
+    for (_, wall) in rigid.walls() {
         world.add_wall(wall.clone(), Drive::Fixed)?;
     }
     let mut models = Models::default();
     let mut members = Vec::new();
-    for id in 0..rigid.body_count() as u32 {
+    for id in rigid.body_ids() {
         let (Some(pose), Some(shape), Some(mass)) =
             (rigid.pose(id), rigid.shape_of(id), rigid.mass(id))
         else {

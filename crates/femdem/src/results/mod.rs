@@ -61,10 +61,7 @@ fn row(world: &World, contact: &Contact) -> ContactRow {
     let (body, partner, sign) = match contact.a {
         femdem_contact::Partner::Body(a) => (a, Partner::Body(contact.b), 1.0),
         femdem_contact::Partner::Wall(wall) => {
-            let name = world
-                .walls()
-                .get(wall as usize)
-                .map_or("wall", |w| w.name());
+            let name = world.wall(wall).map_or("wall", |w| w.name());
             (contact.b, Partner::Wall(name.to_owned()), -1.0)
         }
     };

@@ -121,7 +121,7 @@ impl Simulation {
     pub fn forces(&self, contacts: &[ContactLine]) -> ContactForces {
         let mut forces = ContactForces {
             members: vec![Vector3::zeros(); self.members.len()],
-            walls: vec![Vector3::zeros(); self.world.walls().len()],
+            walls: vec![Vector3::zeros(); self.world.walls().count()],
         };
         for contact in contacts {
             let force = contact.force();

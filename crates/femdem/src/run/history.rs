@@ -100,7 +100,8 @@ pub(super) fn history_header(simulation: &Simulation) -> Vec<String> {
     let of_wall = |wall: &femdem_contact::WallShape| {
         ["fx", "fy", "fz"].map(|f| quoted(&format!("{f} {}", wall.name())))
     };
-    let walls = simulation.world.walls().iter().flat_map(of_wall);
+    let walls = simulation.world.walls();
+    let walls = walls.flat_map(|(_, wall)| of_wall(wall));
     let of_support = |support| {
         let name = simulation.support_name(support);
         ["rx", "ry", "rz"].map(|r| quoted(&format!("{r} {name}")))

@@ -69,7 +69,7 @@ impl Run {
         history.row(history::history_header(&simulation));
         members.row(history::MEMBER_COLUMNS.map(str::to_owned));
         Ok(Self {
-            peaks: vec![Peak::default(); simulation.world.walls().len()],
+            peaks: vec![Peak::default(); simulation.world.walls().count()],
             reaction_peaks: vec![Peak::default(); simulation.supports.len()],
             watch: Watch::default(),
             scenario,

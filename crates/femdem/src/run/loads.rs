@@ -109,8 +109,8 @@ impl Loads {
         };
         let mut space = [0, 1, 2].map(|k| over(f64::INFINITY, f64::NEG_INFINITY, k));
         let mut bearing = Vec::new();
-        for (wall, shape) in simulation.world.walls().iter().enumerate() {
-            let pose = simulation.world.wall_pose(wall as u32).unwrap_or_default();
+        for (wall, shape) in simulation.world.walls() {
+            let pose = simulation.world.wall_pose(wall).unwrap_or_default();
             match shape {
                 WallShape::Planes(planes) => {
                     bound(&mut space, planes, &pose, &axes);
@@ -250,7 +250,9 @@ fn floor_under(body: &Placed, bearing: &[(&Wall, Pose)], axes: &[Vector3; 3], lo
 impl Simulation {
     /// Mass of all bodies that contacts move \[kg\].
     pub(super) fn free_mass(&self) -> f64 {
-        let rigid = (0..self.world.body_count() as u32)
+        let rigid = self
+            .world
+            .body_ids()
             .filter(|&id| self.world.follows_drive(id) == Some(false))
             .filter_map(|id| self.world.mass(id));
         let soft = self.world.deformables();
@@ -309,8 +311,7 @@ impl Simulation {
     fn reach(&self, axis: &[f64; 3], point: &[f64; 3]) -> f64 {
         let axis = Vector3::from(*axis).try_normalize(0.0).unwrap_or_default();
         let point = Point3::from(*point);
-        let ids = 0..self.world.body_count() as u32;
-        let each = ids.filter_map(|id| {
+        let each = self.world.body_ids().filter_map(|id| {
             let arm = self.world.position(id)? - point.coords;
             let (low, high) = self.world.bounds(id)?;
             Some((arm - axis * axis.dot(&arm)).norm() + 0.5 * (high - low).norm())

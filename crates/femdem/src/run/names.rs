@@ -36,8 +36,8 @@ impl Names {
 pub(super) fn check_names(simulation: &Simulation) -> Result<(), Error> {
     let members = &simulation.members;
     let bodies = members.iter().map(|member| member.name.clone());
-    let walls = simulation.world.walls().iter();
-    let walls = walls.map(|wall| wall.name().to_owned());
+    let walls = simulation.world.walls();
+    let walls = walls.map(|(_, wall)| wall.name().to_owned());
     let supports = simulation.supports.iter().filter_map(|support| {
         let body = members.get(support.member)?;
         Some(format!("{} {}", body.name, support.name))

@@ -48,7 +48,8 @@ impl Simulation {
                 deep.push(overlap(a, contact.b, depth, size));
             }
         }
-        for (wall, shape) in self.world.walls().iter().enumerate() {
+        for (wall, shape) in self.world.walls() {
+            let wall = wall as usize;
             for member in 0..self.members.len() {
                 if !touching.contains(&(wall, member)) && self.is_beyond(wall, shape, member) {
                     let size = self.smaller_diameter(Side::Wall(wall), member);
@@ -80,7 +81,7 @@ impl Simulation {
     pub fn name_of(&self, side: Side) -> String {
         let name = match side {
             Side::Member(member) => self.members.get(member).map(|member| &*member.name),
-            Side::Wall(wall) => self.world.walls().get(wall).map(|wall| wall.name()),
+            Side::Wall(wall) => self.world.wall(wall as u32).map(|wall| wall.name()),
         };
         name.unwrap_or_default().to_owned()
     }

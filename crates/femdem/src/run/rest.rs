@@ -50,7 +50,7 @@ impl Simulation {
     #[must_use]
     pub fn rest(&self) -> RestSummary {
         let contacts = self.contacts();
-        let ids = 0..self.world.body_count() as u32;
+        let ids = self.world.body_ids();
         let frozen = ids.filter(|&id| self.world.is_asleep(id)).count()
             + (self.world.deformable_count() - self.world.awake_deformable_count());
         let found = self.world.residuals();

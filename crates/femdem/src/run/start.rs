@@ -67,7 +67,8 @@ impl Simulation {
 
     /// Name of the first body or wall that is not the same in another simulation of equal entries: files can change.
     fn first_other(&self, other: &Self) -> Option<&str> {
-        let walls = self.world.walls().iter().zip(other.world.walls());
+        let walls = self.world.walls().zip(other.world.walls());
+        let walls = walls.map(|((_, a), (_, b))| (a, b));
         let mut walls = walls.filter(|(a, b)| a.name() != b.name());
         let size = |of: &Self, id| match id {
             MemberId::Rigid(id) => of.world.mass(id).map(|mass| (mass, 0)),

@@ -190,8 +190,8 @@ impl RunSummary {
         let world = &simulation.world;
         let contacts = simulation.contacts();
         let forces = simulation.forces(&contacts);
-        let walls = world.walls().iter().zip(&forces.walls).zip(run.peaks());
-        let walls = walls.map(|((wall, force), peak)| WallSummary {
+        let walls = world.walls().zip(&forces.walls).zip(run.peaks());
+        let walls = walls.map(|(((_, wall), force), peak)| WallSummary {
             name: wall.name().to_owned(),
             force: (force + Vector3::zeros()).into(),
             peak_force: peak.force,

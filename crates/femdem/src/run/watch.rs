@@ -130,8 +130,8 @@ impl Watch {
     /// A wall of tetrahedra and a rigid body whose contact has turned round while the body was within it.
     fn passed(&mut self, simulation: &Simulation) -> Option<[Side; 2]> {
         let world = &simulation.world;
-        let walls = world.walls();
-        if !walls.iter().any(|wall| matches!(wall, WallShape::Mesh(_))) {
+        let is_mesh = |(_, wall)| matches!(wall, &WallShape::Mesh(_));
+        if !world.walls().any(is_mesh) {
             return None;
         }
         let before = std::mem::take(&mut self.sides);
@@ -142,7 +142,7 @@ impl Watch {
             let Partner::Wall(wall) = contact.a else {
                 continue;
             };
-            let WallShape::Mesh(mesh) = &walls[wall as usize] else {
+            let Some(WallShape::Mesh(mesh)) = world.wall(wall) else {
                 continue;
             };
             let pair = (wall, contact.b);
@@ -234,8 +234,8 @@ impl Simulation {
             (share > MOST).then(|| (sides(&contact), share))
         });
         deep.next().or_else(|| {
-            let walls = self.world.walls().iter().enumerate();
-            let mut beyond = walls.flat_map(|(wall, shape)| {
+            let mut beyond = self.world.walls().flat_map(|(wall, shape)| {
+                let wall = wall as usize;
                 let planes = matches!(shape, WallShape::Planes(_));
                 let members = 0..if planes { self.members.len() } else { 0 };
                 let through = move |member: &usize| {

@@ -96,6 +96,30 @@ impl SoftBody {
         self.loaded = false;
     }
 
+    /// Leaves nothing but the number.
+    pub fn vacate(&mut self) {
+        self.displaced();
+        for nodal in [&mut self.forces, &mut self.damping, &mut self.friction] {
+            *nodal = Vec::new();
+        }
+        self.stiffness = Vec::new();
+        self.rates = Vec::new();
+        self.tree = None;
+        self.loaded = false;
+        self.sleep = Sleep::Frozen;
+    }
+
+    /// Whether the body was removed.
+    pub fn is_vacant(&self) -> bool {
+        self.forces.is_empty()
+    }
+
+    /// Forgets where its nodes were.
+    pub fn displaced(&mut self) {
+        self.before = Vec::new();
+        self.turning = None;
+    }
+
     fn clear(&mut self) {
         // Most bodies of a pack in flight touch nothing.
         if !std::mem::take(&mut self.loaded) {

@@ -22,9 +22,9 @@ pub(crate) struct Context<'a> {
     pub kernel: &'a DeformableKernel,
     pub shapes: &'a [Arc<DeformableShape>],
     pub rigid_shapes: &'a [RigidShape],
-    pub rigid_kinds: &'a [u32],
+    pub rigid_kinds: &'a [Option<u32>],
     pub rigid_sleep: &'a [Sleep],
-    pub wall_shapes: &'a [WallShape],
+    pub wall_shapes: &'a [Option<WallShape>],
     pub states: &'a [NodalState<'a>],
     pub rigid: &'a [Motion],
     pub walls: &'a [Motion],
@@ -58,7 +58,7 @@ impl Context<'_> {
         w: u32,
         body: &SoftBody,
     ) -> (Option<&'p SolidWall>, bool) {
-        let (Some(shape), Some(motion)) =
+        let (Some(Some(shape)), Some(motion)) =
             (self.wall_shapes.get(w as usize), self.walls.get(w as usize))
         else {
             return (None, false);

@@ -81,7 +81,7 @@ impl Context<'_> {
             }
             DeformablePartner::Rigid(i) => {
                 let motion = self.rigid.get(i as usize)?;
-                let kind = *self.rigid_kinds.get(i as usize)?;
+                let kind = (*self.rigid_kinds.get(i as usize)?)?;
                 let mesh = &self.rigid_shapes.get(kind as usize)?.mesh;
                 let operand = Operand::Rigid(mesh, &motion.frame);
                 (operand, mesh.cells.tree(), rigid, Mover::Rigid(motion))

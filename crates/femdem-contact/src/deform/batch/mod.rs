@@ -6,6 +6,7 @@ mod evaluate;
 mod pair;
 mod pairs;
 mod prepare;
+mod remove;
 mod sleep;
 mod state;
 mod touching;
@@ -14,6 +15,7 @@ use super::kernel::DeformableKernel;
 use super::pair::FrictionStart;
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
 use super::shape::{DeformableShape, Modulus};
+use crate::batch::ContactBatch;
 use crate::body_shape::BodyShape;
 use crate::contact::{BodyId, Load};
 use crate::error::{ContactError, check};
@@ -21,22 +23,41 @@ use crate::general::FieldMesh;
 use crate::generalized::Resistance;
 use crate::law::{ContactLaw, ContactParameters};
 use crate::motion::Motion;
+use crate::slots::Slots;
 use crate::walls::WallShape;
 use body::SoftBody;
 use context::Context;
 use femdem_mesh::Vector3;
 use pairs::PairList;
+pub use remove::Touched;
 use serde::{Deserialize, Serialize};
 use state::Sleep;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use touching::{Part, Touching};
 
+/// Kinds of numbers.
+const SOFT: usize = 0;
+const RIGID: usize = 1;
+const WALL: usize = 2;
+
+impl DeformablePartner {
+    /// Its kind and its number.
+    fn kind(self) -> (usize, u32) {
+        match self {
+            Self::Deformable(i) => (SOFT, i),
+            Self::Rigid(i) => (RIGID, i),
+            Self::Wall(w) => (WALL, w),
+        }
+    }
+}
+
 /// Contact of deformable bodies with each other, with rigid bodies and with walls, with friction
 /// history. Contacts among rigid bodies and walls belong to a
 /// [`ContactBatch`](crate::ContactBatch).
 ///
-/// Bodies are added once and then updated with one [`NodalState`] or [`Motion`] each.
+/// Bodies are added, updated with one [`NodalState`] or [`Motion`] each, and removed at any time between updates. Free
+/// numbers are given out again, the lowest first.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct DeformableBatch {
     law: ContactLaw,
@@ -45,10 +66,12 @@ pub struct DeformableBatch {
     shapes: Vec<Arc<DeformableShape>>,
     #[serde(skip)]
     rigid_shapes: Vec<RigidShape>,
+    /// Numbers of the deformable bodies, the rigid ones and the walls.
+    slots: [Slots; 3],
     bodies: Vec<SoftBody>,
-    rigid: Vec<u32>,
+    rigid: Vec<Option<u32>>,
     rigid_sleep: Vec<Sleep>,
-    walls: Vec<WallShape>,
+    walls: Vec<Option<WallShape>>,
     pairs: PairList,
     /// Initial friction of pairs, applied in the next update.
     starts: BTreeMap<(DeformablePartner, u32), FrictionStart>,
@@ -83,6 +106,7 @@ impl DeformableBatch {
             kernel: DeformableKernel::default().with_walls(law.parameters().wall_response),
             shapes: Vec::new(),
             rigid_shapes: Vec::new(),
+            slots: Default::default(),
             bodies: Vec::new(),
             rigid: Vec::new(),
             rigid_sleep: Vec::new(),
@@ -94,6 +118,29 @@ impl DeformableBatch {
             wall_loads: Vec::new(),
             totals: DeformableTotals::default(),
         }
+    }
+
+    /// As [`new`](Self::new), with the rigid shapes, the rigid bodies and the walls of another batch under their indices.
+    ///
+    /// # Errors
+    /// [`ContactError::Mesh`] if a convex shape is too flat for tetrahedra.
+    pub fn beside(rigid: &ContactBatch, law: ContactLaw) -> Result<Self, ContactError> {
+        let mut batch = Self::new(law);
+        for shape in rigid.shapes() {
+            batch.add_rigid_shape(shape.clone())?;
+        }
+        let [bodies, walls] = rigid.numbers();
+        let kinds = (0..bodies.total() as u32).map(|body| rigid.shape_index(body));
+        batch.rigid = kinds.collect();
+        batch.rigid_sleep = vec![Sleep::Awake; bodies.total()];
+        batch.rigid_loads = vec![Load::default(); bodies.total()];
+        batch.rigid_resistances = vec![Resistance::default(); bodies.total()];
+        batch.walls = (0..walls.total() as u32)
+            .map(|wall| rigid.wall(wall).cloned())
+            .collect();
+        batch.wall_loads = vec![Load::default(); walls.total()];
+        batch.slots = [Slots::default(), bodies.clone(), walls.clone()];
+        Ok(batch)
     }
 
     /// The law's parameters.
@@ -124,9 +171,15 @@ impl DeformableBatch {
         let Some(kind) = self.shapes.get(shape as usize) else {
             return Err(no_shape(shape, self.shapes.len()));
         };
-        self.bodies.push(SoftBody::new(shape, kind, modulus));
+        let new = SoftBody::new(shape, kind, modulus);
+        let (body, is_new) = self.slots[SOFT].take();
+        if is_new {
+            self.bodies.push(new);
+        } else {
+            self.bodies[body as usize] = new;
+        }
         self.pairs.forget_search();
-        Ok(self.bodies.len() as u32 - 1)
+        Ok(body)
     }
 
     /// Replaces the modulus of a deformable body; its contacts keep their history.
@@ -136,14 +189,8 @@ impl DeformableBatch {
     /// out of its range.
     pub fn set_modulus(&mut self, body: u32, modulus: Modulus) -> Result<(), ContactError> {
         modulus.check()?;
-        let count = self.bodies.len();
-        let Some(soft) = self.bodies.get_mut(body as usize) else {
-            return Err(ContactError::NoSuch {
-                what: "deformable body",
-                index: body as usize,
-                count,
-            });
-        };
+        self.known(SOFT, body)?;
+        let soft = &mut self.bodies[body as usize];
         soft.modulus = modulus;
         soft.sleep.stir();
         Ok(())
@@ -162,7 +209,7 @@ impl DeformableBatch {
             frequency >= 0.0,
             "at least 0 and finite, in rad/s",
         )?;
-        check_index("deformable body", body, self.bodies.len())?;
+        self.known(SOFT, body)?;
         let soft = &mut self.bodies[body as usize];
         soft.frequency = frequency;
         soft.sleep.stir();
@@ -186,22 +233,34 @@ impl DeformableBatch {
         if shape as usize >= self.rigid_shapes.len() {
             return Err(no_shape(shape, self.rigid_shapes.len()));
         }
-        self.rigid.push(shape);
-        self.rigid_sleep.push(Sleep::Awake);
-        self.rigid_loads.push(Load::default());
-        self.rigid_resistances.push(Resistance::default());
+        let (body, is_new) = self.slots[RIGID].take();
+        let i = body as usize;
+        if is_new {
+            self.rigid.push(Some(shape));
+            self.rigid_sleep.push(Sleep::Awake);
+            self.rigid_loads.push(Load::default());
+            self.rigid_resistances.push(Resistance::default());
+        } else {
+            self.rigid[i] = Some(shape);
+            self.rigid_sleep[i] = Sleep::Awake;
+        }
         self.pairs.forget_search();
-        Ok(self.rigid.len() as BodyId - 1)
+        Ok(body)
     }
 
     /// Adds a wall, of planes or a mesh, and returns its index. Its contacts with sleeping bodies are found
     /// in the next update.
     pub fn add_wall(&mut self, wall: impl Into<WallShape>) -> u32 {
         self.evaluate_all();
-        self.walls.push(wall.into());
-        self.wall_loads.push(Load::default());
+        let (slot, is_new) = self.slots[WALL].take();
+        if is_new {
+            self.walls.push(Some(wall.into()));
+            self.wall_loads.push(Load::default());
+        } else {
+            self.walls[slot as usize] = Some(wall.into());
+        }
         self.pairs.forget_search();
-        self.walls.len() as u32 - 1
+        slot
     }
 
     /// Restores the shapes of a batch that was read from a file, in the order of addition.
@@ -216,19 +275,25 @@ impl DeformableBatch {
     ) -> Result<(), ContactError> {
         for (largest, count) in [
             (self.bodies.iter().map(|b| b.shape).max(), shapes.len()),
-            (self.rigid.iter().copied().max(), rigid.len()),
+            (self.rigid.iter().flatten().copied().max(), rigid.len()),
         ] {
             if let Some(index) = largest.filter(|i| *i as usize >= count) {
                 return Err(no_shape(index, count));
             }
         }
         let counts = [self.bodies.len(), self.rigid.len(), self.walls.len()];
-        if !self.pairs.fits(counts) || self.rigid_sleep.len() != counts[1] {
+        let slots = &self.slots;
+        let numbered = |(slots, count): (&Slots, usize)| slots.is_sound() && slots.total() == count;
+        if !slots.iter().zip(counts).all(numbered)
+            || !self.pairs.fits(|kind, slot| slots[kind].holds(slot))
+            || self.rigid_sleep.len() != counts[RIGID]
+        {
             return Err(ContactError::Stored {
                 what: "the table of pairs".to_owned(),
             });
         }
-        for body in &mut self.bodies {
+        for i in self.slots[SOFT].iter() {
+            let body = &mut self.bodies[i as usize];
             body.restore(&shapes[body.shape as usize]);
         }
         self.shapes = shapes;
@@ -247,17 +312,46 @@ impl DeformableBatch {
 
     /// Number of deformable bodies.
     pub fn len(&self) -> usize {
-        self.bodies.len()
+        self.slots[SOFT].len()
     }
 
     /// Whether there are no deformable bodies.
     pub fn is_empty(&self) -> bool {
-        self.bodies.is_empty()
+        self.len() == 0
+    }
+
+    /// The deformable bodies, ascending.
+    pub fn body_ids(&self) -> impl Iterator<Item = u32> {
+        self.slots[SOFT].iter()
+    }
+
+    /// Whether there is such a deformable body.
+    pub fn contains(&self, body: u32) -> bool {
+        self.slots[SOFT].holds(body)
+    }
+
+    /// Numbers of deformable bodies, rigid ones and walls that have been in use: how many states of each
+    /// [`update`](Self::update) takes.
+    pub fn slots(&self) -> [usize; 3] {
+        self.slots.each_ref().map(Slots::total)
+    }
+
+    fn known(&self, kind: usize, slot: u32) -> Result<(), ContactError> {
+        if self.slots[kind].holds(slot) {
+            return Ok(());
+        }
+        Err(ContactError::NoSuch {
+            what: ["deformable body", "rigid body", "wall"][kind],
+            index: slot as usize,
+            count: self.slots[kind].len(),
+        })
     }
 
     /// Finds and evaluates all contacts of the deformable bodies.
     ///
-    /// The slices hold one state per added body, rigid body and wall; `dt` is the time since the last update, s.
+    /// The slices hold one state per deformable body, rigid body and wall, by index (see [`slots`](Self::slots)). Those of
+    /// removed rigid bodies and walls are not read; those of removed deformable bodies are empty. `dt` is the time since
+    /// the last update, s.
     ///
     /// # Errors
     /// [`ContactError::StateCount`] or [`ContactError::NodeCount`] if a slice has the wrong length,
@@ -286,15 +380,18 @@ impl DeformableBatch {
                 });
             }
         }
-        if let Some(body) = rigid.iter().position(|m| !m.is_sound()) {
+        let lost = |(kind, motion): (&Option<u32>, &Motion)| kind.is_some() && !motion.is_sound();
+        if let Some(body) = self.rigid.iter().zip(rigid).position(lost) {
             return Err(ContactError::NotFinite {
                 body,
                 position: rigid[body].frame.position.into(),
             });
         }
-        if let Some(w) = walls.iter().position(|m| !m.is_sound()) {
+        let present = self.walls.iter().zip(walls);
+        let mut present = present.filter_map(|(wall, motion)| Some((wall.as_ref()?, motion)));
+        if let Some((wall, _)) = present.find(|(_, motion)| !motion.is_sound()) {
             return Err(ContactError::Wall {
-                name: self.walls[w].name().to_owned(),
+                name: wall.name().to_owned(),
                 why: "its motion is not finite".to_owned(),
             });
         }
@@ -358,13 +455,9 @@ impl DeformableBatch {
             "finite in every component, in N",
         )?;
         check("torsion", torsion, true, "finite, in N m")?;
-        let (what, index, count) = match a {
-            DeformablePartner::Deformable(i) => ("deformable body", i, self.bodies.len()),
-            DeformablePartner::Rigid(i) => ("rigid body", i, self.rigid.len()),
-            DeformablePartner::Wall(w) => ("wall", w, self.walls.len()),
-        };
-        check_index(what, index, count)?;
-        check_index("deformable body", b, self.bodies.len())?;
+        let (kind, slot) = a.kind();
+        self.known(kind, slot)?;
+        self.known(SOFT, b)?;
         self.bodies[b as usize].sleep.stir();
         let start = FrictionStart { force, torsion };
         self.starts.insert((a, b), start);
@@ -491,12 +584,4 @@ fn no_shape(index: u32, count: usize) -> ContactError {
         index: index as usize,
         count,
     }
-}
-
-fn check_index(what: &'static str, index: u32, count: usize) -> Result<(), ContactError> {
-    let index = index as usize;
-    if index < count {
-        return Ok(());
-    }
-    Err(ContactError::NoSuch { what, index, count })
 }

@@ -1,11 +1,11 @@
 //! Candidate pairs of bodies, and the stored data of each.
 
-use super::RigidShape;
 use super::body::SoftBody;
 use super::context::Context;
 use super::pair::SoftPair;
 use super::prepare::Wanted;
 use super::sleep::rests;
+use super::{RigidShape, SOFT};
 use crate::deform::near::Candidates;
 use crate::deform::record::DeformablePartner;
 use femdem_mesh::bvh::{Aabb, Bvh};
@@ -33,19 +33,22 @@ impl PairList {
         &mut self.list
     }
 
-    /// Whether the bodies and walls of all pairs are among so many deformable bodies, rigid ones and walls.
-    pub fn fits(&self, [soft, rigid, walls]: [usize; 3]) -> bool {
-        self.list.iter().all(|pair| {
-            let a_is_there = match pair.a {
-                DeformablePartner::Deformable(i) => (i as usize) < soft,
-                DeformablePartner::Rigid(i) => (i as usize) < rigid,
-                DeformablePartner::Wall(w) => (w as usize) < walls,
-            };
-            a_is_there && (pair.b as usize) < soft
+    /// Whether the bodies and walls of all pairs are there.
+    pub fn fits(&self, is_there: impl Fn(usize, u32) -> bool) -> bool {
+        let mut pairs = self.list.iter();
+        pairs.all(|pair| {
+            let (kind, a) = pair.a.kind();
+            is_there(kind, a) && is_there(SOFT, pair.b)
         })
     }
 
-    /// Something was added: search in the next update.
+    /// Ends the pairs for which `ends` holds.
+    pub fn end(&mut self, ends: impl Fn(&SoftPair) -> bool) {
+        self.list.retain(|pair| !ends(pair));
+        self.forget_search();
+    }
+
+    /// Something came or went: search in the next update.
     pub fn forget_search(&mut self) {
         self.expires = Default::default();
     }
@@ -67,6 +70,11 @@ impl PairList {
         let mut boxes: Vec<Aabb> = Vec::with_capacity(bodies.len() + context.rigid.len());
         let mut skins = [Vec::with_capacity(bodies.len()), Vec::new(), Vec::new()];
         for (body, (bounds, radius)) in bodies.iter_mut().zip(&extents) {
+            if body.is_vacant() {
+                boxes.push(Aabb::EMPTY);
+                skins[0].push(f64::INFINITY);
+                continue;
+            }
             let skin = HALF_SKIN * radius;
             boxes.push(bounds.grown(skin));
             skins[0].push(skin);
@@ -74,9 +82,10 @@ impl PairList {
             body.stretch_to(*radius, 2.0 * skin);
         }
         for (motion, &kind) in context.rigid.iter().zip(context.rigid_kinds) {
-            let Some(RigidShape { shape, .. }) = context.rigid_shapes.get(kind as usize) else {
+            let known = kind.and_then(|kind| context.rigid_shapes.get(kind as usize));
+            let Some(RigidShape { shape, .. }) = known else {
                 boxes.push(Aabb::EMPTY);
-                skins[1].push(0.0);
+                skins[1].push(f64::INFINITY);
                 continue;
             };
             let skin = HALF_SKIN * shape.radius();
@@ -89,12 +98,23 @@ impl PairList {
             boxes.push(bounds.grown(skin));
             skins[1].push(skin);
         }
-        let wall_skin = skins[0].iter().copied().fold(0.0, f64::max);
-        skins[2] = vec![wall_skin; context.walls.len()];
+        let finite = |skin: &f64| skin.is_finite();
+        let wall_skin = skins[0].iter().copied().filter(finite).fold(0.0, f64::max);
+        // Without bodies no wall is met.
+        let until = if skins[0].iter().any(finite) {
+            wall_skin
+        } else {
+            f64::INFINITY
+        };
+        skins[2] = vec![until; context.walls.len()];
         let mut keys = body_pairs(&boxes, bodies.len());
-        for (b, (body, (_, radius))) in bodies.iter().zip(&extents).enumerate() {
+        let present = bodies.iter().zip(&extents).enumerate();
+        for (b, (body, (_, radius))) in present.filter(|(_, (body, _))| !body.is_vacant()) {
             let reach = radius * (1.0 + HALF_SKIN) + wall_skin;
             for (w, (motion, wall)) in context.walls.iter().zip(context.wall_shapes).enumerate() {
+                let Some(wall) = wall else {
+                    continue;
+                };
                 let from = body.centre - motion.frame.position;
                 if wall.clearance(&motion.frame.rotation.tr_mul(&from)) < reach {
                     keys.push((DeformablePartner::Wall(w as u32), b as u32));

@@ -1,9 +1,9 @@
 //! Bodies that a host has stopped: pairs of them keep their contacts and cost nothing.
 
-use super::DeformableBatch;
 use super::body::SoftBody;
 use super::pair::SoftPair;
 use super::state::Sleep;
+use super::{DeformableBatch, RIGID, SOFT};
 use crate::contact::BodyId;
 use crate::deform::record::DeformablePartner;
 
@@ -20,15 +20,15 @@ impl DeformableBatch {
     /// stay as they are. A host that moves a wall must wake the bodies that touch it. A body that does not
     /// exist is ignored.
     pub fn set_awake(&mut self, body: u32, awake: bool) {
-        if let Some(body) = self.bodies.get_mut(body as usize) {
-            body.sleep.set(awake);
+        if self.slots[SOFT].holds(body) {
+            self.bodies[body as usize].sleep.set(awake);
         }
     }
 
     /// The same for a rigid body.
     pub fn set_rigid_awake(&mut self, body: BodyId, awake: bool) {
-        if let Some(sleep) = self.rigid_sleep.get_mut(body as usize) {
-            sleep.set(awake);
+        if self.slots[RIGID].holds(body) {
+            self.rigid_sleep[body as usize].set(awake);
         }
     }
 

@@ -2,9 +2,10 @@
 
 use super::nodal_bound::NodalBound;
 use super::{ContactStiffness, DeformableId, DeformableSpec, Deformables, Model, ModelId, State};
-use crate::body::Body;
+use crate::body::check_velocities;
 use crate::error::{SolveError, check};
 use crate::world::World;
+use crate::world::build::place;
 use crate::world::stored::inconsistent;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, DeformablePartner};
@@ -67,7 +68,8 @@ impl World {
         Ok(deformables.models.len() as u32 - 1)
     }
 
-    /// Adds a deformable body and returns its index. Motions of its boundary count from its pose at this
+    /// Adds a deformable body and returns its index: that of a [removed](Self::remove_deformable) one, the lowest, or else a
+    /// new one. Motions of its boundary count from its pose at this
     /// moment, like those of walls and driven bodies.
     ///
     /// # Errors
@@ -87,7 +89,7 @@ impl World {
             });
         };
         let mut state = State::new(&spec, &model.model, time)?;
-        let body = deformables.bodies.len();
+        let body = deformables.batch.len();
         state.bound = model
             .model
             .stable_frequency2(&state.positions, &state.history)
@@ -102,7 +104,8 @@ impl World {
         let frequency = model.frequency(shape);
         let id = deformables.batch.add_body(spec.model, modulus)?;
         deformables.batch.set_frequency(id, frequency)?;
-        deformables.bodies.push(state);
+        place(&mut deformables.bodies, id, state);
+        self.newcomers.added.deformables.insert(id);
         self.initial_energy += energy;
         self.step_control.see_elements(bound);
         self.step_control.see_launch(launch);
@@ -133,7 +136,7 @@ impl World {
         self.restored()?;
         let law = ContactLaw::new(self.parameters.contact)?;
         if self.deformables.is_none() {
-            let new = Deformables::new(law, &self.batch, &self.bodies)?;
+            let new = Deformables::new(law, &self.batch)?;
             self.deformables = Some(Box::new(new));
         }
         // It exists: it was created above.
@@ -147,12 +150,7 @@ impl World {
 
 impl State {
     fn new(spec: &DeformableSpec, model: &DeformableModel, time: f64) -> Result<Self, SolveError> {
-        for (name, v) in [
-            ("velocity", spec.velocity),
-            ("angular_velocity", spec.angular_velocity),
-        ] {
-            check(name, v.norm(), true, "finite in every component")?;
-        }
+        check_velocities(&spec.velocity, &spec.angular_velocity)?;
         let pose = checked_pose(&spec.pose)?;
         let place = |x: &Vector3| pose.rotation * x + pose.translation.vector;
         let positions: Vec<Vector3> = model.nodes().iter().map(place).collect();
@@ -168,6 +166,7 @@ impl State {
             fastest: velocities.iter().map(Vector3::norm).fold(0.0, f64::max),
             velocities,
             inverse_masses: inverse_masses(model.masses(), &boundary),
+            pull: Vector3::zeros(),
             history: vec![0.0; model.history_len()],
             strain_forces: vec![Vector3::zeros(); positions.len()],
             loads: vec![Vector3::zeros(); positions.len()],
@@ -233,7 +232,8 @@ impl Deformables {
     pub(in crate::world) fn set_law(&mut self, law: ContactLaw) -> Result<(), SolveError> {
         self.batch.set_law(law);
         let penalty = law.parameters().penalty;
-        for (i, body) in self.bodies.iter_mut().enumerate() {
+        let bodies = self.bodies.iter_mut().enumerate();
+        for (i, body) in bodies.filter(|(_, body)| !body.is_vacant()) {
             let shape = &self.batch.shapes()[body.model as usize];
             let model = &self.models[body.model as usize];
             let modulus = model.modulus(shape, penalty);
@@ -244,17 +244,8 @@ impl Deformables {
     }
 
     /// An empty deformable part with the rigid bodies and walls of a world.
-    fn new(law: ContactLaw, rigid: &ContactBatch, bodies: &[Body]) -> Result<Self, SolveError> {
-        let mut batch = DeformableBatch::new(law);
-        for shape in rigid.shapes() {
-            batch.add_rigid_shape(shape.clone())?;
-        }
-        for body in bodies {
-            batch.add_rigid(body.shape)?;
-        }
-        for wall in rigid.walls() {
-            batch.add_wall(wall.clone());
-        }
+    fn new(law: ContactLaw, rigid: &ContactBatch) -> Result<Self, SolveError> {
+        let batch = DeformableBatch::beside(rigid, law)?;
         Ok(Self {
             models: Vec::new(),
             bodies: Vec::new(),
@@ -267,7 +258,7 @@ impl Deformables {
 
     /// Refuses what does not fit together.
     pub(in crate::world) fn check_stored(&self) -> Result<(), SolveError> {
-        let (found, expected) = (self.bodies.len(), self.batch.len());
+        let (found, expected) = (self.bodies.len(), self.batch.slots()[0]);
         if found != expected {
             return Err(inconsistent(format!(
                 "it has {found} deformable bodies where {expected} are right"
@@ -281,7 +272,12 @@ impl Deformables {
                     body.model
                 )));
             };
-            let nodes = model.model.nodes().len();
+            let is_there = self.batch.contains(index as u32);
+            let nodes = if is_there {
+                model.model.nodes().len()
+            } else {
+                0
+            };
             let lengths = [
                 body.positions.len(),
                 body.velocities.len(),

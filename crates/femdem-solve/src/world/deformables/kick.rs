@@ -51,14 +51,26 @@ impl<'a> Kick<'a> {
         let i = i as u32;
         let contact = Contact::of(self.batch, i);
         let plain = *self.medium == Medium::default();
-        if !plain || !body.boundary.is_free() {
-            body.kick(&contact, model.masses(), self.gravity, self.medium, self.h)
-        } else if self.batch.touches(i) {
-            body.kick_touching(&contact, self.gravity, self.h)
+        let (masses, gravity) = (model.masses(), self.gravity + body.pull);
+        let loaded = body.pull != Vector3::zeros();
+        let before = if loaded {
+            body.momentum(masses)
         } else {
-            body.kick_alone(self.gravity, self.h);
+            Vector3::zeros()
+        };
+        let mut flows = if !plain || !body.boundary.is_free() {
+            body.kick(&contact, masses, &gravity, self.medium, self.h)
+        } else if self.batch.touches(i) {
+            body.kick_touching(&contact, &gravity, self.h)
+        } else {
+            body.kick_alone(&gravity, self.h);
             Flows::default()
+        };
+        if loaded {
+            let mean = (before + body.momentum(masses)) * 0.5;
+            flows.load_work += body.pull.dot(&mean) * self.h;
         }
+        flows
     }
 }
 
@@ -94,6 +106,7 @@ impl World {
         self.flows.damping_work += flows.damping_work;
         self.flows.friction_work += flows.friction_work;
         self.flows.work_in += flows.work_in;
+        self.flows.load_work += flows.load_work;
         self.flows.medium_work += flows.medium_work;
     }
 }

@@ -2,6 +2,7 @@
 
 mod add;
 mod each;
+mod hand;
 mod kick;
 mod nodal_bound;
 mod query;
@@ -155,8 +156,8 @@ impl Model {
     }
 }
 
-/// The present state of a deformable body.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+/// The present state of a deformable body; without nodes if it was removed.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct State {
     pub model: ModelId,
     pub boundary: Boundary,
@@ -167,6 +168,8 @@ pub(crate) struct State {
     /// 1/kg; 0 where a node is prescribed in all directions.
     pub inverse_masses: Vec<f64>,
     pub history: Vec<f64>,
+    /// Acceleration by the external load, m/s^2.
+    pub pull: Vector3,
     /// Forces of the elements, and the loads of the boundary, at the present positions, N.
     pub strain_forces: Vec<Vector3>,
     pub loads: Vec<Vector3>,

@@ -56,6 +56,12 @@ impl<'a> Deformable<'a> {
         &self.state.history
     }
 
+    /// The external load, set by [`World::set_deformable_load`], N.
+    #[must_use]
+    pub fn applied_load(&self) -> Vector3 {
+        self.state.pull * self.model().masses().iter().sum::<f64>()
+    }
+
     /// The boundary conditions.
     #[must_use]
     pub fn boundary(&self) -> &'a Boundary {
@@ -78,6 +84,11 @@ impl<'a> Deformable<'a> {
     #[must_use]
     pub fn loads(&self) -> &'a [Vector3] {
         &self.state.loads
+    }
+
+    /// Acceleration by the external load, m/s^2.
+    pub(in crate::world) fn pull(&self) -> Vector3 {
+        self.state.pull
     }
 
     /// Energies of the elements.
@@ -164,7 +175,12 @@ impl World {
     /// Number of deformable bodies.
     #[must_use]
     pub fn deformable_count(&self) -> usize {
-        self.deformables.as_ref().map_or(0, |d| d.bodies.len())
+        self.deformables.as_ref().map_or(0, |d| d.batch.len())
+    }
+
+    /// The deformable bodies, ascending. Their numbers have gaps once bodies were [removed](Self::remove_deformable).
+    pub fn deformable_ids(&self) -> impl Iterator<Item = DeformableId> {
+        self.deformables.iter().flat_map(|d| d.batch.body_ids())
     }
 
     /// A deformable body; `None` for an unknown index.
@@ -172,6 +188,9 @@ impl World {
     pub fn deformable(&self, id: DeformableId) -> Option<Deformable<'_>> {
         let deformables = self.deformables.as_deref()?;
         let state = deformables.bodies.get(id as usize)?;
+        if state.is_vacant() {
+            return None;
+        }
         Some(Deformable {
             model: deformables.models.get(state.model as usize)?,
             state,
@@ -181,7 +200,7 @@ impl World {
 
     /// All deformable bodies, by index.
     pub fn deformables(&self) -> impl Iterator<Item = Deformable<'_>> {
-        (0..self.deformable_count() as u32).filter_map(|i| self.deformable(i))
+        self.deformable_ids().filter_map(|i| self.deformable(i))
     }
 
     /// Contacts of deformable bodies, sorted by pair.
@@ -203,27 +222,18 @@ impl World {
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown body, or a node that its model does not have.
     pub fn set_boundary(&mut self, id: DeformableId, boundary: Boundary) -> Result<(), SolveError> {
-        let count = self.deformable_count();
-        let (models, bodies) = match self.deformables.as_deref_mut() {
-            Some(deformables) => (&deformables.models[..], &mut deformables.bodies[..]),
-            None => (&[][..], &mut [][..]),
+        self.known_deformable(id)?;
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return Ok(());
         };
-        let Some(state) = bodies.get_mut(id as usize) else {
-            return Err(SolveError::NoSuch {
-                what: "deformable body",
-                index: id as usize,
-                count,
-            });
-        };
-        let model = &models[state.model as usize].model;
+        let (model, state) = deformables.parts(id);
+        let model = &model.model;
         boundary.check(model)?;
         state.inverse_masses = inverse_masses(model.masses(), &boundary);
         state.held_energy = held_energy(&boundary, model.masses(), &state.velocities);
         state.boundary = boundary;
         state.loads.fill(Vector3::zeros());
-        if let Some(deformables) = &mut self.deformables {
-            deformables.wake(id as usize);
-        }
+        deformables.wake(id as usize);
         self.loaded = false;
         Ok(())
     }

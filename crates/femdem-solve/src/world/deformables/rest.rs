@@ -113,10 +113,20 @@ impl World {
     }
 }
 
+impl Rest {
+    /// That of a removed body, which is left out as those asleep are.
+    pub(super) fn of_removed() -> Self {
+        Self {
+            asleep: true,
+            ..Self::default()
+        }
+    }
+}
+
 impl Deformables {
     /// Wakes a body.
     pub(in crate::world) fn wake(&mut self, i: usize) {
-        if let Some(body) = self.bodies.get_mut(i) {
+        if let Some(body) = self.bodies.get_mut(i).filter(|body| !body.is_vacant()) {
             body.rest = Rest::default();
             self.batch.set_awake(i as u32, true);
             // The bound did not include this body.
@@ -257,7 +267,7 @@ impl Judge<'_> {
     /// |external force|; the net residual force over the load scale; its moment over the load scale times the
     /// diameter.
     fn imbalance(&self, state: &State) -> f64 {
-        let (gravity, masses) = (self.parameters.gravity, self.model.masses());
+        let (gravity, masses) = (self.parameters.gravity + state.pull, self.model.masses());
         let centre = centroid(&state.positions, masses);
         let forces = self.batch.forces(self.body).iter();
         let contacts = forces.zip(self.batch.damping_forces(self.body));

@@ -8,7 +8,7 @@ use crate::ledger::Flows;
 use crate::world::World;
 use crate::world::time_step::LARGEST_MOVE;
 use crate::world::time_step::USUAL_MOVE;
-use femdem_contact::deform::{DeformableBatch, NodalState};
+use femdem_contact::deform::{DeformableBatch, NodalState, Touched};
 use femdem_contact::{BodyId, ContactBatch, ContactError, Load, Motion, stable_step};
 use femdem_fem::DeformableModel;
 use femdem_fem::element::ElementFailure;
@@ -115,6 +115,9 @@ impl World {
         };
         let Deformables { models, bodies, .. } = deformables;
         let results = on_each_with(bodies, Scratch::default, |scratch, _, body| {
+            if body.is_vacant() {
+                return Ok(());
+            }
             let model = &models[body.model as usize].model;
             body.strain(model, scratch, time, renew)
         });
@@ -163,7 +166,8 @@ impl Deformables {
     /// to what it may meet. `met(x, r)` is the largest speed, m/s, of driven walls and bodies that may be met
     /// within `r` (m) of `x` (m).
     pub(in crate::world) fn usual_step(&self, met: impl Fn(&Vector3, f64) -> f64) -> f64 {
-        let bodies = self.bodies.iter().map(|body| {
+        let bodies = self.bodies.iter().filter(|body| !body.is_vacant());
+        let bodies = bodies.map(|body| {
             let shape = &self.batch.shapes()[body.model as usize];
             let centre = body.positions[0];
             let speed = body.fastest + met(&centre, 2.0 * shape.radius());
@@ -217,6 +221,20 @@ impl Deformables {
         sum(&mut self.loads, batch.loads(), self.batch.rigid_loads());
         let walls = batch.wall_loads();
         sum(&mut self.wall_loads, walls, self.batch.wall_loads());
+    }
+
+    /// Wakes deformable bodies that something has left by hand, and returns the rigid ones.
+    pub(in crate::world) fn let_go(
+        &mut self,
+        touched: Touched,
+        batch: &ContactBatch,
+    ) -> Vec<BodyId> {
+        for i in touched.deformables {
+            self.wake(i as usize);
+        }
+        self.bound = None;
+        self.sum_loads(batch);
+        touched.rigid
     }
 
     /// Sums the loads of both batches on a rigid body that wakes: its old sum is from when it fell asleep.

@@ -23,6 +23,7 @@ use crate::ledger::{Flows, Pending};
 use crate::parameters::ImplicitStep;
 use crate::rotation;
 use femdem_contact::{BodyId, Contact, ContactForce, Motion, Partner, Snapshot, Wrench};
+use femdem_fem::Driven;
 use femdem_mesh::{Matrix3, Rotation, Vector3};
 use link::Link;
 use system::{Inertia, System};
@@ -53,7 +54,11 @@ impl Before {
 }
 
 impl World {
-    pub(super) fn step_implicit(&mut self, rule: &ImplicitStep) -> Result<(), SolveError> {
+    pub(super) fn step_implicit(
+        &mut self,
+        rule: &ImplicitStep,
+        host: &mut dyn FnMut(Partner, f64) -> Option<Driven>,
+    ) -> Result<(), SolveError> {
         let deformable = self.deformable_count();
         check(
             "deformable bodies with time_step.implicit",
@@ -63,8 +68,10 @@ impl World {
         )?;
         let since = std::mem::take(&mut self.behind);
         let mut dt = self.choose_implicit_step(rule);
+        self.ask(self.time + dt, host)?;
         if self.wake_for_drives(dt) {
             dt = self.choose_implicit_step(rule);
+            self.ask(self.time + dt, host)?;
         }
         self.check_step(dt)?;
         let before = self.look_ahead(since, dt)?;
@@ -79,10 +86,10 @@ impl World {
         }
         self.book_driven(dt);
         self.time += dt;
+        self.arrive();
         self.steps += 1;
         // The recorded contacts do not belong to the present positions.
         self.loaded = false;
-        self.meet_newcomers();
         self.behind = dt;
         self.book_exchange();
         self.counters.body_steps += self.awake.len() as u64;
@@ -122,18 +129,21 @@ impl World {
         };
         let result = self.batch.update_springs(now, ahead);
         self.count_contacts(watch, result)?;
+        self.book_soft_newcomers();
         Ok(before)
     }
 
     fn choose_implicit_step(&mut self, rule: &ImplicitStep) -> f64 {
+        self.renew_cap();
         let mut most = self.parameters.time_step.largest.unwrap_or(f64::INFINITY);
-        let gravity = self.parameters.gravity.norm();
+        let gravity = self.parameters.gravity;
         let driving = self.driving();
         most = most.min(driving.step);
         for &i in &self.awake {
             let body = &self.bodies[i as usize];
-            if gravity > 0.0 {
-                most = most.min(rule.fall * (2.0 * body.radius / gravity).sqrt());
+            let pull = (gravity + body.applied.force / body.mass).norm();
+            if pull > 0.0 {
+                most = most.min(rule.fall * (2.0 * body.radius / pull).sqrt());
             }
             let turning = body.momentum.component_div(&body.moments).norm();
             let mut speed = body.velocity.norm().max(turning * body.radius);
@@ -183,8 +193,9 @@ impl World {
             let inertia = inertia(before, body, reach);
             others.push(Twist {
                 velocity: self.parameters.gravity * body.mass
+                    + body.applied.force
                     + before.velocity * (inertia.mass * (decay - 1.0)),
-                turning: inertia.turning * before.turning * (decay - 1.0),
+                turning: inertia.turning * before.turning * (decay - 1.0) + body.applied.torque,
             });
             system.inertias.push(inertia);
         }
@@ -294,12 +305,14 @@ impl World {
         let (decay, reach) = relaxation(self.parameters.medium.drag, dt);
         let gravity = self.parameters.gravity;
         let body = &mut self.bodies[i];
-        let contact = wrench.unwrap_or_default();
-        let force = contact.force + gravity * body.mass;
+        let (contact, applied) = (wrench.unwrap_or_default(), body.applied);
+        let given = gravity * body.mass + applied.force;
+        let force = contact.force + given;
+        let torque = contact.torque + applied.torque;
         let energy = [before.kinetic_energy(body), {
             body.velocity = before.velocity * decay + force * (reach / body.mass);
-            let torque = before.orientation.inverse_transform_vector(&contact.torque);
-            body.momentum = before.momentum * decay + torque * reach;
+            let turn = before.orientation.inverse_transform_vector(&torque);
+            body.momentum = before.momentum * decay + turn * reach;
             body.orientation = before.orientation;
             body.kinetic_energy()
         }];
@@ -307,7 +320,7 @@ impl World {
         let turning = body.angular_velocity();
         let spin = (before.turning + turning) * 0.5;
         if self.parameters.medium.drag != 0.0 {
-            let work = (force.dot(&mean) + contact.torque.dot(&spin)) * dt;
+            let work = (force.dot(&mean) + torque.dot(&spin)) * dt;
             self.flows.medium_work += energy[1] - energy[0] - work;
         }
         // Free fall is exact with the mean velocity; contacts require the velocity at the end.
@@ -316,8 +329,8 @@ impl World {
         } else {
             mean
         };
-        self.flows.pending.get_or_insert_default().taken +=
-            body.mass * gravity.dot(&(velocity - mean)) * dt;
+        self.flows.pending.get_or_insert_default().taken += given.dot(&(velocity - mean)) * dt;
+        self.flows.load_work += applied.power(&velocity, &spin) * dt;
         body.position = before.position + velocity * dt;
         rotation::drift(&mut body.orientation, &mut body.momentum, &body.moments, dt);
         // Distance from the pose where the contacts were evaluated.

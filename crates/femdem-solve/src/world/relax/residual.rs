@@ -23,7 +23,10 @@ impl World {
 
     /// Computes the residuals; returns that of the deformable bodies as wholes.
     pub(super) fn measure(&self, report: &mut WorldRelaxed) -> f64 {
-        let nodal: Vec<Nodal> = self.deformables().map(|d| self.nodal_forces(d)).collect();
+        let nodal: Vec<(u32, Nodal)> = self
+            .deformable_ids()
+            .filter_map(|id| Some((id, self.nodal_forces(self.deformable(id)?))))
+            .collect();
         report.mean_contact_force = self
             .mean_contact_force()
             .or_else(|| self.least_given(&nodal))
@@ -41,16 +44,16 @@ impl World {
         let g = self.parameters.gravity.norm();
         for (i, body) in self.free_bodies() {
             let load = self.load_of(i as u32);
-            let moment = load.static_part().torque.norm() / (2.0 * body.radius);
+            let moment = self.net_torque(i, &load).norm() / (2.0 * body.radius);
             let net = self.net_force(i, &load).norm();
             let net = falling(net, body.mass * g, load.contacts > 0);
             rigid = rigid.max(net).max(moment);
         }
-        for (i, Nodal { net, given }) in nodal.iter().enumerate() {
+        for (id, Nodal { net, given }) in &nodal {
             node = net.iter().map(Vector3::norm).fold(node, f64::max);
-            if !self.is_held(i) {
+            if !self.is_held(*id as usize) {
                 let touches = self.deformables.as_deref();
-                let touches = touches.is_some_and(|d| d.batch.touches(i as u32));
+                let touches = touches.is_some_and(|d| d.batch.touches(*id));
                 let net = net.iter().sum::<Vector3>().norm();
                 whole = whole.max(falling(net, *given, touches));
             }
@@ -70,15 +73,15 @@ impl World {
     }
 
     /// The smallest positive force given by gravity, loads and reactions over all bodies, N, if there is any.
-    fn least_given(&self, nodal: &[Nodal]) -> Option<f64> {
+    fn least_given(&self, nodal: &[(u32, Nodal)]) -> Option<f64> {
         let g = self.parameters.gravity.norm();
         let rigid = self.free_bodies().map(|(_, body)| body.mass * g);
-        let all = rigid.chain(nodal.iter().map(|forces| forces.given));
+        let all = rigid.chain(nodal.iter().map(|(_, forces)| forces.given));
         all.filter(|force| *force > 0.0).reduce(f64::min)
     }
 
     fn nodal_forces(&self, d: Deformable) -> Nodal {
-        let gravity = self.parameters.gravity;
+        let gravity = self.parameters.gravity + d.pull();
         let (mut net, mut given) = (Vec::new(), 0.0);
         for (a, mass) in d.model().masses().iter().enumerate() {
             let load = d.loads()[a] + gravity * *mass;

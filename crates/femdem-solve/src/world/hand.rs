@@ -1,0 +1,244 @@
+//! What a host does by hand, at any time between steps: it removes bodies and walls, puts bodies elsewhere, sets their
+//! velocities, and loads them.
+//!
+//! Contacts of what is removed or put elsewhere end with their friction history. What touched it is judged anew, and wakes.
+//! The energy that comes and goes is in [`Ledger::by_hand`](crate::Ledger::by_hand).
+
+use super::World;
+use crate::body::check_velocities;
+use crate::error::{SolveError, check};
+use crate::guide::Guide;
+use femdem_contact::deform::{DeformableContact, DeformablePartner};
+use femdem_contact::{BodyId, Contact, Frame, Motion, Partner, Wrench};
+use femdem_mesh::{Pose, Vector3, checked_pose};
+
+/// Energies of contacts, J.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Stored {
+    elastic: f64,
+    springs: f64,
+}
+
+impl Stored {
+    fn with(self, elastic: f64, springs: f64) -> Self {
+        Self {
+            elastic: self.elastic + elastic,
+            springs: self.springs + springs,
+        }
+    }
+}
+
+impl World {
+    /// Removes a rigid body and its contacts. What it touched wakes. The index is given to the next body that is added,
+    /// unless a lower one is free; until then it names no body.
+    ///
+    /// # Errors
+    /// [`SolveError::NoSuch`] for an unknown body, and after [implicit](crate::ImplicitStep) steps, whose contacts are
+    /// evaluated first, the errors of [`World::step`].
+    pub fn remove_body(&mut self, id: BodyId) -> Result<(), SolveError> {
+        let i = self.known_body(id)?;
+        self.settle()?;
+        let stored = self.stored_by(Partner::Body(id));
+        let mut touched = self.batch.remove_body(id)?;
+        if let Some(deformables) = &mut self.deformables {
+            let soft = deformables.batch.remove_rigid(id)?;
+            touched.extend(deformables.let_go(soft, &self.batch));
+        }
+        self.flows.by_hand -= self.bodies[i].energy(&self.parameters.gravity);
+        let body = &mut self.bodies[i];
+        body.driven = None;
+        body.applied = Wrench::default();
+        body.velocity = Vector3::zeros();
+        body.momentum = Vector3::zeros();
+        self.motions[i] = Motion::fixed(Frame::identity());
+        self.awake.retain(|&other| other != id);
+        self.newcomers.forget_body(id);
+        self.step_control.lose();
+        self.part(stored, &touched);
+        Ok(())
+    }
+
+    /// Removes a wall and its contacts. What touched it wakes. The index is given to the next wall that is added, unless a
+    /// lower one is free; until then it names no wall.
+    ///
+    /// # Errors
+    /// As [`World::remove_body`].
+    pub fn remove_wall(&mut self, wall: u32) -> Result<(), SolveError> {
+        let w = self.known_wall(wall)?;
+        self.settle()?;
+        let stored = self.stored_by(Partner::Wall(wall));
+        let mut touched = self.batch.remove_wall(wall)?;
+        if let Some(deformables) = &mut self.deformables {
+            let soft = deformables.batch.remove_wall(wall)?;
+            touched.extend(deformables.let_go(soft, &self.batch));
+        }
+        self.wall_drives[w] = (Guide::FIXED, Pose::identity());
+        self.wall_motions[w] = Motion::fixed(Frame::identity());
+        self.newcomers.forget_wall(wall);
+        self.part(stored, &touched);
+        Ok(())
+    }
+
+    /// Puts a rigid body somewhere else, with its velocity and angular velocity: `pose` maps the coordinates of its shape's
+    /// polyhedron to the world. Its contacts end with their friction, even if it hardly moves; it and what it touched wake.
+    /// A driven body follows its drive on from there.
+    ///
+    /// # Errors
+    /// As [`World::remove_body`], and [`SolveError::Mesh`] for a pose that is none.
+    pub fn set_pose(&mut self, id: BodyId, pose: Pose) -> Result<(), SolveError> {
+        let i = self.known_body(id)?;
+        let pose = checked_pose(&pose)?;
+        self.settle()?;
+        let stored = self.stored_by(Partner::Body(id));
+        let mut touched = self.batch.moved_by_hand(id)?;
+        if let Some(deformables) = &mut self.deformables {
+            let soft = deformables.batch.rigid_moved_by_hand(id)?;
+            touched.extend(deformables.let_go(soft, &self.batch));
+        }
+        let (gravity, time) = (self.parameters.gravity, self.time);
+        let body = &mut self.bodies[i];
+        let (before, turn) = (body.energy(&gravity), body.angular_velocity());
+        let place = self.shapes[body.shape as usize].place(&pose);
+        if let Some((guide, base)) = body.driven.as_deref_mut() {
+            let driven = guide.now(time);
+            *base = driven.base_of(&place);
+            body.follow(&driven, &place);
+        } else {
+            body.position = place.translation.vector;
+            body.orientation = place.rotation;
+            body.turn_at(&turn);
+        }
+        self.flows.by_hand += body.energy(&gravity) - before;
+        self.motions[i] = body.motion();
+        self.newcomers.moved.bodies.insert(id);
+        touched.push(id);
+        self.part(stored, &touched);
+        Ok(())
+    }
+
+    /// Sets the velocity of a rigid body's centroid (m/s) and its angular velocity (rad/s), in world axes. It wakes. Its
+    /// contacts keep their friction.
+    ///
+    /// # Errors
+    /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::Driven`] for a driven one, [`SolveError::Parameter`] for
+    /// a velocity that is not finite.
+    pub fn set_velocity(
+        &mut self,
+        id: BodyId,
+        velocity: Vector3,
+        angular_velocity: Vector3,
+    ) -> Result<(), SolveError> {
+        let i = self.known_body(id)?;
+        self.restored()?;
+        check_velocities(&velocity, &angular_velocity)?;
+        let body = &mut self.bodies[i];
+        if body.driven.is_some() {
+            return Err(SolveError::Driven { body: i });
+        }
+        let before = body.kinetic_energy();
+        body.velocity = velocity;
+        body.turn_at(&angular_velocity);
+        self.flows.by_hand += body.kinetic_energy() - before;
+        self.step_control.launch(body);
+        self.motions[i] = body.motion();
+        // The recorded dashpot forces belong to the earlier velocity.
+        self.loaded = false;
+        self.stir(&[id]);
+        Ok(())
+    }
+
+    /// Loads a rigid body with a force (N) and a torque about its centroid (N m), in world axes, until it is changed.
+    /// Gravity acts besides. The body wakes if the load changes. The work is [`Ledger::load_work`](crate::Ledger::load_work).
+    /// While a body follows a drive, the drive bears its load, which then does no work on anything in the world.
+    ///
+    /// # Errors
+    /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::Parameter`] for a load that is not finite.
+    pub fn set_load(&mut self, id: BodyId, load: Wrench) -> Result<(), SolveError> {
+        let i = self.known_body(id)?;
+        check("force", load.force.norm(), true, "finite, in N")?;
+        check("torque", load.torque.norm(), true, "finite, in N m")?;
+        if self.bodies[i].applied != load {
+            self.bodies[i].applied = load;
+            self.stir(&[id]);
+        }
+        Ok(())
+    }
+
+    /// The external load of a rigid body, set by [`set_load`](Self::set_load).
+    pub fn applied_load(&self, id: BodyId) -> Option<Wrench> {
+        self.body(id).map(|body| body.applied)
+    }
+
+    pub(super) fn known_body(&self, id: BodyId) -> Result<usize, SolveError> {
+        if self.batch.contains(id) {
+            return Ok(id as usize);
+        }
+        Err(SolveError::NoSuch {
+            what: "body",
+            index: id as usize,
+            count: self.body_count(),
+        })
+    }
+
+    pub(super) fn known_wall(&self, wall: u32) -> Result<usize, SolveError> {
+        if self.batch.wall(wall).is_some() {
+            return Ok(wall as usize);
+        }
+        Err(SolveError::NoSuch {
+            what: "wall",
+            index: wall as usize,
+            count: self.walls().count(),
+        })
+    }
+
+    /// The contacts of the present positions, if those on record are of an implicit step, which books what they store in
+    /// the next one.
+    pub(super) fn settle(&mut self) -> Result<(), SolveError> {
+        self.restored()?;
+        if self.flows.pending.is_some() {
+            self.evaluate_if_due()?;
+        }
+        Ok(())
+    }
+
+    /// What the contacts of a rigid body or a wall store.
+    fn stored_by(&self, partner: Partner) -> Stored {
+        let add = |sum: Stored, c: &Contact| sum.with(c.energy, c.spring_energy);
+        let (rigid, soft) = match partner {
+            Partner::Body(id) => (
+                self.batch.contacts_of(id).fold(Stored::default(), add),
+                DeformablePartner::Rigid(id),
+            ),
+            Partner::Wall(wall) => {
+                let contacts = self.batch.contacts().into_iter();
+                let own = contacts.filter(|contact| contact.a == partner);
+                (
+                    own.fold(Stored::default(), add),
+                    DeformablePartner::Wall(wall),
+                )
+            }
+        };
+        let soft = self.stored_softly_by(soft);
+        rigid.with(soft.elastic, soft.springs)
+    }
+
+    /// What its contacts with deformable bodies store.
+    pub(super) fn stored_softly_by(&self, partner: DeformablePartner) -> Stored {
+        let is_side = |c: &&DeformableContact| {
+            c.a == partner || DeformablePartner::Deformable(c.b) == partner
+        };
+        let own = self.deformable_contacts().filter(is_side);
+        own.fold(Stored::default(), |sum, c| {
+            sum.with(c.energy, c.spring_energy)
+        })
+    }
+
+    /// Books what contacts held that have ended by hand, and judges the bodies anew that they held.
+    pub(super) fn part(&mut self, stored: Stored, touched: &[BodyId]) {
+        self.flows.by_hand -= stored.elastic + stored.springs;
+        // What friction has dissipated is its work less what its springs hold.
+        self.flows.friction_work += stored.springs;
+        self.loaded = false;
+        self.stir(touched);
+    }
+}
