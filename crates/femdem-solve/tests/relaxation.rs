@@ -288,3 +288,73 @@ fn a_light_body_in_the_air_falls() {
         .sum();
     assert!(force.z > 0.0, "{force:?}");
 }
+
+/// A beam of length 1 m that a support holds at its end, and a wall so far (m) below its foot.
+fn cantilever(gap: f64) -> World {
+    let mut world = World::new(WorldParameters::default()).unwrap();
+    let floor = Wall::half_space("floor", Vector3::z(), -gap).unwrap();
+    world.add_wall(floor, Drive::Fixed).unwrap();
+    let mesh = TetMesh::block([20, 2, 2], &Vector3::new(1.0, SIDE, SIDE)).unwrap();
+    let region = MaterialRegion {
+        material: NeoHookean::new(1e8, 0.3).unwrap().into(),
+        density: DENSITY,
+    };
+    let model = DeformableModel::new(&mesh, Element::T10, vec![region], None).unwrap();
+    let root = Selection::Plane {
+        normal: Vector3::x(),
+        offset: 0.0,
+        tolerance: 1e-9,
+    };
+    let mut boundary = Boundary::default();
+    boundary.fix(&model, &root, [true; 3]).unwrap();
+    let model = world
+        .add_model("beam", model, ContactStiffness::default())
+        .unwrap();
+    let beam = world
+        .add_deformable(DeformableSpec::at_rest(model, Pose::identity()))
+        .unwrap();
+    world.set_boundary(beam, boundary).unwrap();
+    world
+}
+
+fn lowest(world: &World) -> f64 {
+    let body = world.deformable(0).unwrap();
+    let heights = body.positions().iter().map(|x| x.z);
+    heights.fold(f64::INFINITY, f64::min)
+}
+
+/// A beam held at one end, which touches nothing, is solved at once: it sags by w L^4/(8 E I). Its slowest oscillation takes
+/// more than a thousand steps.
+#[test]
+fn a_beam_that_touches_nothing_is_solved_at_once() {
+    let mut world = cantilever(0.1);
+    let period = 2.0 * std::f64::consts::PI / (3.516 * (1e8 * SIDE * SIDE / 12.0 / DENSITY).sqrt());
+    let options = WorldRelaxation {
+        steps: 100,
+        ..WorldRelaxation::default()
+    };
+    let report = world.relax(&options).unwrap();
+    assert!(world.time_step() * 1000.0 < period);
+    assert_eq!(report.solved, 1);
+    assert!(report.residual <= 1e-4, "{report:?}");
+    let theory = DENSITY * 9.81 * 1.5 / (1e8 * SIDE * SIDE);
+    let sag = -lowest(&world);
+    assert!((sag / theory - 1.0).abs() < 0.03, "{sag} {theory}");
+}
+
+/// The same above a floor that it would pass through: after Newton's method it lies on the floor, and relaxes on it.
+#[test]
+fn a_beam_that_comes_down_on_a_floor_goes_on_from_there() {
+    let mut world = cantilever(0.02);
+    let report = world.relax(&WorldRelaxation::default()).unwrap();
+    assert_eq!(report.solved, 1);
+    assert!(report.residual <= 1e-4, "{report:?}");
+    let (lowest, touching) = (lowest(&world), world.deformable_contacts().count());
+    assert!(lowest > -0.0205 && touching == 1, "{lowest} {touching}");
+    // A propped cantilever, whose prop has sunk: the tip bears 3/8 of the weight less what the sinking takes.
+    let stiffness = 3.0 * 1e8 * SIDE.powi(4) / 12.0;
+    let weight = DENSITY * 9.81 * SIDE * SIDE;
+    let expected = 0.375 * weight - stiffness * 0.02;
+    let borne: f64 = world.deformable_contacts().map(|c| c.normal_force).sum();
+    assert!((borne / expected - 1.0).abs() < 0.1, "{borne} {expected}");
+}

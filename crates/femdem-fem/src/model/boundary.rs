@@ -132,6 +132,18 @@ impl Boundary {
         })
     }
 
+    /// The same conditions with another gravity, m/s^2.
+    ///
+    /// # Errors
+    ///
+    /// If it is not finite.
+    pub fn with_gravity(self, gravity: Vector3) -> Result<Self, FemError> {
+        Ok(Self {
+            gravity: Self::new(gravity)?.gravity,
+            ..self
+        })
+    }
+
     /// Gravity, m/s^2.
     #[must_use]
     pub fn gravity(&self) -> Vector3 {

@@ -38,6 +38,8 @@ pub struct RelaxSummary {
     pub residual: f64,
     /// Steps that were taken.
     pub steps: u64,
+    /// Deformable bodies that Newton's method put into equilibrium first: those that supports hold and that touched nothing.
+    pub solved: u32,
 }
 
 /// A run after its motion.
@@ -68,17 +70,23 @@ impl Simulation {
             tolerance: entry.tolerance,
             steps: PART.min(entry.steps.saturating_sub(so_far.steps)),
         };
-        let before = so_far.steps;
+        let RelaxSummary {
+            steps: before,
+            solved,
+            ..
+        } = *so_far;
         match self.world.relax(&part) {
             Ok(report) => Ok(RelaxSummary {
                 converged: true,
                 residual: report.residual,
                 steps: before + report.steps.iter().sum::<u64>(),
+                solved: solved.max(report.solved),
             }),
             Err(SolveError::NotConverged { residual, .. }) => Ok(RelaxSummary {
                 converged: false,
                 residual,
                 steps: before + part.steps,
+                solved,
             }),
             Err(error) => Err(self.named(error)),
         }

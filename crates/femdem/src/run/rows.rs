@@ -179,7 +179,15 @@ fn relaxed(found: &RelaxSummary, of: &str) -> String {
         converged,
         residual,
         steps,
+        solved,
     } = found;
     let missed = if *converged { "" } else { "NOT " };
-    format!("{missed}in equilibrium after {steps} more steps: {residual:.1e} of the {of} is left")
+    let newton = match solved {
+        0 => String::new(),
+        1 => "Newton's method for one body and ".to_owned(),
+        count => format!("Newton's method for {count} bodies and "),
+    };
+    format!(
+        "{missed}in equilibrium after {newton}{steps} more steps: {residual:.1e} of the {of} is left"
+    )
 }

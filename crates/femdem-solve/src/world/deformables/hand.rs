@@ -48,6 +48,16 @@ impl World {
     ) -> Result<(), SolveError> {
         self.known_deformable(id)?;
         self.restored()?;
+        self.put_nodes(id, [positions, velocities], None)
+    }
+
+    /// As [`set_nodes`](Self::set_nodes), with another history of the materials if one is given.
+    pub(super) fn put_nodes(
+        &mut self,
+        id: DeformableId,
+        nodes: [&[Vector3]; 2],
+        history: Option<Vec<f64>>,
+    ) -> Result<(), SolveError> {
         let (gravity, time, steps) = (self.parameters.gravity, self.time, self.steps);
         let stored = self.stored_softly_by(DeformablePartner::Deformable(id));
         let Some(deformables) = self.deformables.as_deref_mut() else {
@@ -55,6 +65,10 @@ impl World {
         };
         let (model, state) = deformables.parts(id);
         let mut new = state.clone();
+        if let Some(history) = history {
+            new.history = history;
+        }
+        let [positions, velocities] = nodes;
         new.put(model, positions, velocities, time)
             .map_err(|error| error.in_body(id as usize, steps, time))?;
         let flown = new.internal.plastic_work;

@@ -7,6 +7,7 @@ mod kick;
 mod nodal_bound;
 mod query;
 mod rest;
+mod single;
 mod step;
 
 use crate::error::SolveError;
