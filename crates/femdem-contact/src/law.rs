@@ -23,6 +23,19 @@ pub enum WallResponse {
 
 /// Parameters of the contact law. Choose the penalty yourself: what is right depends on the load, so that its default
 /// is right for none in particular.
+///
+/// ```
+/// use femdem_contact::{ContactLaw, ContactParameters, restitution};
+///
+/// let stone = ContactParameters { penalty: 1e7, friction: 0.5, damping_ratio: 0.2, ..ContactParameters::default() };
+/// ContactLaw::new(stone)?;
+/// // What the damping ratio means: bodies rebound at this part of their speed.
+/// assert!((restitution(0.2) - 0.572).abs() < 1e-3);
+/// // Errors name the value and the range.
+/// let refused = ContactLaw::new(ContactParameters { friction: -1.0, ..stone }).map(|_| ());
+/// assert!(refused.is_err_and(|error| error.to_string().contains("friction = -1")));
+/// # Ok::<(), femdem_contact::ContactError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ContactParameters {

@@ -102,6 +102,18 @@ pub(crate) struct Facet {
 ///
 /// The field is phi(x) = 1 - max_f n_f.x / h_f: 1 at the centroid, 0 on the skin
 /// (physics of Xiang, Latham and Farsi 2016, eq. 3, with the gauge as potential).
+///
+/// ```
+/// use femdem_contact::ConvexShape;
+/// use femdem_mesh::{Vector3, catalogue::CatalogueShape};
+///
+/// // A cube of side 2 m: its field is 1 in the middle, 0 on every face, and linear in between.
+/// let cube = ConvexShape::new(&"P5".parse::<CatalogueShape>()?.polyhedron(2.0 * 3_f64.sqrt())?)?;
+/// assert!((cube.field(&Vector3::zeros()) - 1.0).abs() < 1e-12);
+/// assert!((cube.field(&Vector3::new(0.2, -0.5, 0.1)) - 0.5).abs() < 1e-12);
+/// assert!((cube.inradius() - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConvexShape {
     pub(crate) planes: Vec<Plane>,

@@ -87,6 +87,26 @@ impl Shape {
 const MESH_VOLUME: f64 = 0.1;
 
 /// A body to add.
+///
+/// ```
+/// use femdem_mesh::{Pose, Vector3, catalogue::CatalogueShape};
+/// use femdem_solve::{BodySpec, World, WorldParameters};
+///
+/// // A stone thrown upwards at 5 m/s is 1.25 m higher after 0.5 s, if g = 10 m/s^2.
+/// let mut world = World::new(WorldParameters { gravity: -10.0 * Vector3::z(), ..WorldParameters::default() })?;
+/// let shape = world.add_shape("stone", &"A10".parse::<CatalogueShape>()?.polyhedron(0.05)?)?;
+/// let stone = world.add_body(BodySpec {
+///     velocity: Vector3::new(0.0, 0.0, 5.0),
+///     ..BodySpec::at_rest(shape, 2650.0, Pose::identity())
+/// })?;
+/// while world.time() < 0.5 {
+///     world.step()?;
+/// }
+/// let height = world.position(stone).map_or(0.0, |x| x.z);
+/// let expected = 5.0 * world.time() - 5.0 * world.time().powi(2);
+/// assert!((height - expected).abs() < 1e-9, "{height} {expected}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodySpec {

@@ -69,6 +69,27 @@ impl Flows {
 /// `initial + by_hand + work_in + load_work`, up to the integration error. Bodies that overlap when they are added or
 /// put somewhere by hand, and walls placed where bodies are, bring elastic energy. `initial` or `by_hand` contains it
 /// from the next step on.
+///
+/// ```
+/// use femdem_contact::Wall;
+/// use femdem_mesh::{Pose, Vector3, catalogue::CatalogueShape};
+/// use femdem_solve::{BodySpec, Drive, World, WorldParameters};
+///
+/// // A cube falls on a floor: what it loses is in the dashpots and in friction.
+/// let mut world = World::new(WorldParameters::default())?;
+/// world.add_wall(Wall::half_space("floor", Vector3::z(), 0.0)?, Drive::Fixed)?;
+/// let shape = world.add_shape("cube", &"P5".parse::<CatalogueShape>()?.polyhedron(0.1)?)?;
+/// let place = Pose::new(Vector3::new(0.0, 0.0, 0.2), Vector3::new(0.3, 0.2, 0.1));
+/// world.add_body(BodySpec::at_rest(shape, 2000.0, place))?;
+/// while world.time() < 1.0 {
+///     world.step()?;
+/// }
+/// let ledger = world.ledger();
+/// let lost = ledger.dissipated_damping + ledger.dissipated_friction + ledger.frozen;
+/// assert!((lost / (ledger.initial - ledger.final_energy()) - 1.0).abs() < 0.02);
+/// assert!(ledger.error_relative().abs() < 0.02);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// Kinetic and potential energy of all bodies when they were added, and elastic energy of their overlaps; or all

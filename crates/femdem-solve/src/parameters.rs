@@ -6,6 +6,21 @@ use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Everything a world needs to know besides its bodies and walls.
+///
+/// ```
+/// use femdem_solve::{ImplicitStep, World, WorldParameters};
+///
+/// let mut parameters = WorldParameters::default();
+/// parameters.contact.penalty = 1e7;
+/// parameters.contact.friction = 0.4;
+/// parameters.time_step.safety = 0.5;
+/// World::new(parameters)?;
+/// // Implicit steps have no rolling friction, and say so.
+/// parameters.time_step.implicit = Some(ImplicitStep::default());
+/// parameters.contact.rolling_friction = 0.1;
+/// assert!(World::new(parameters).is_err_and(|error| error.to_string().contains("rolling_friction")));
+/// # Ok::<(), femdem_solve::SolveError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WorldParameters {
@@ -151,6 +166,16 @@ impl Default for TimeStepParameters {
 ///
 /// Nothing sleeps while a wall, a body or nodes move as prescribed, nor from then on until all awake rigid
 /// bodies are at rest together.
+///
+/// ```
+/// use femdem_solve::SleepParameters;
+///
+/// let usual = SleepParameters::default();
+/// assert!((usual.wake() - 0.25).abs() < 1e-12 && (usual.ringing() - 1e-4).abs() < 1e-12);
+/// // Strict enough for bodies whose kinetic energy is at most 1e-6 W d.
+/// let strict = usual.for_ringing(1e-6);
+/// assert!((strict.tolerance - 0.003).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SleepParameters {

@@ -62,6 +62,30 @@ pub struct BatchTotals {
 /// Serialised it is for binary formats: its maps have keys of several numbers, and some numbers are
 /// infinite, which JSON has not. It is stored without its shapes: once read, it needs
 /// [`restore_shapes`](Self::restore_shapes).
+///
+/// ```
+/// use femdem_contact::{ContactBatch, ContactLaw, ContactParameters, ConvexShape, Frame, Motion, Wall};
+/// use femdem_mesh::{Matrix3, Vector3, catalogue::CatalogueShape};
+///
+/// // A cube of side 1 m and 1,000 kg lies 1 mm deep in a floor. The host owns its motion.
+/// let cube = ConvexShape::new(&"P5".parse::<CatalogueShape>()?.polyhedron(3_f64.sqrt())?)?;
+/// let mut batch = ContactBatch::new(ContactLaw::new(ContactParameters::default())?);
+/// let shape = batch.add_shape(cube);
+/// let body = batch.add_body(shape)?;
+/// batch.add_wall(Wall::half_space("floor", Vector3::z(), 0.0)?);
+/// let frame = Frame { position: Vector3::new(0.0, 0.0, 0.499), ..Frame::identity() };
+/// let resting = Motion {
+///     inverse_mass: 1e-3,
+///     inverse_inertia: Matrix3::identity() * 6e-3,
+///     inverse_inertia_max: 6e-3,
+///     ..Motion::fixed(frame)
+/// };
+/// batch.update(&[resting], &[Motion::fixed(Frame::identity())], 1e-4)?;
+/// assert_eq!(batch.contacts().len(), 1);
+/// let load = batch.load_of(body);
+/// assert!(load.total.force.z > 0.0 && load.total.torque.norm() < 1e-9 * load.total.force.z);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ContactBatch {
     law: ContactLaw,

@@ -22,6 +22,19 @@ pub enum Field {
 }
 
 /// A body given by tetrahedra with a field, about its centroid. Immutable; share it among bodies.
+///
+/// ```
+/// use femdem_contact::{Field, FieldMesh};
+/// use femdem_mesh::{TetMesh, Vector3};
+///
+/// // A plate of 1 x 1 x 0.2 m: the field rises over half of its thickness.
+/// let mesh = TetMesh::block([5, 5, 2], &Vector3::new(1.0, 1.0, 0.2))?;
+/// let centroid = Vector3::new(0.5, 0.5, 0.1);
+/// let plate = FieldMesh::new(&mesh, centroid, Field::Body)?;
+/// assert!((plate.inradius() - 0.1).abs() < 1e-12);
+/// assert!(plate.is_convex() && plate.centroid() == centroid);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldMesh {
     pub(crate) cells: Cells,

@@ -19,6 +19,19 @@ pub struct WallPlane {
 /// One plane is a half-space. Several planes are one smooth wall (the faceted mantle of a
 /// cylinder): a body touches it in one contact, and where two of its planes meet nothing
 /// is counted twice.
+///
+/// ```
+/// use femdem_contact::Wall;
+/// use femdem_mesh::Vector3;
+///
+/// // A ramp that rises along x, and a tube of 1 m with 48 sides, which is one wall.
+/// let ramp = Wall::half_space("ramp", Vector3::new(-0.5, 0.0, 1.0), 0.0)?;
+/// let tube = Wall::cylinder("tube", 0.5, 48)?;
+/// assert_eq!((ramp.planes().len(), tube.planes().len()), (1, 48));
+/// // The distance of a point inside from the nearest plane.
+/// assert!((tube.clearance(&Vector3::new(0.1, 0.0, 3.0)) - 0.4).abs() < 2e-3);
+/// # Ok::<(), femdem_contact::ContactError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Wall {
     name: String,

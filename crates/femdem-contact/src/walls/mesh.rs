@@ -11,6 +11,19 @@ use std::sync::Arc;
 ///
 /// The wall has no field: a body that overlaps it is pushed along the gradient of the body's own field. So
 /// the wall must be thicker than the deepest overlap; a body that passes through it ends up outside.
+///
+/// ```
+/// use femdem_contact::{Hopper, MeshWall};
+/// use femdem_mesh::{TetMesh, Vector3};
+///
+/// // A step of stairs as a wall; bodies stay outside.
+/// let step = MeshWall::solid("step", &TetMesh::block([1, 1, 1], &Vector3::new(0.3, 1.0, 0.2))?);
+/// let (low, high) = step.bounds();
+/// assert_eq!((low, high), (Vector3::zeros(), Vector3::new(0.3, 1.0, 0.2)));
+/// assert_eq!(step.name(), "step");
+/// # let _ = |hopper: &Hopper| MeshWall::hopper("hopper", hopper);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(try_from = "Source", into = "Source")]
 pub struct MeshWall {

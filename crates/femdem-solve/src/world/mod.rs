@@ -42,6 +42,34 @@ pub use stability::Stability;
 /// Serialised as part of something larger, it is for binary formats: its maps have composite keys, and some
 /// numbers are infinite, which JSON does not support. After reading, it needs [`restore`](Self::restore)
 /// before it is used.
+///
+/// ```
+/// use femdem_contact::Wall;
+/// use femdem_mesh::{Pose, Vector3, catalogue::CatalogueShape};
+/// use femdem_solve::{BodySpec, Drive, World, WorldParameters};
+///
+/// // A block on a ramp of 20 degrees sticks at a friction of 0.5; at 0.2 it slides.
+/// let slope = 20_f64.to_radians();
+/// let mut went = Vec::new();
+/// for friction in [0.5, 0.2] {
+///     let mut parameters = WorldParameters::default();
+///     parameters.gravity = 9.81 * Vector3::new(slope.sin(), 0.0, -slope.cos());
+///     parameters.contact.friction = friction;
+///     let mut world = World::new(parameters)?;
+///     world.add_wall(Wall::half_space("ramp", Vector3::z(), 0.0)?, Drive::Fixed)?;
+///     let shape = world.add_shape("block", &"P5".parse::<CatalogueShape>()?.polyhedron(0.1)?)?;
+///     let half = 0.05 / 3_f64.sqrt();
+///     let block = world.add_body(BodySpec::at_rest(shape, 2000.0, Pose::translation(0.0, 0.0, half)))?;
+///     while world.time() < 0.3 {
+///         world.step()?;
+///     }
+///     went.push(world.position(block).map_or(0.0, |x| x.x));
+/// }
+/// assert!(went[0] < 1e-3);
+/// // x = g (sin - mu cos) t^2/2
+/// assert!((went[1] / (0.5 * 9.81 * (slope.sin() - 0.2 * slope.cos()) * 0.09) - 1.0).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct World {
     parameters: WorldParameters,

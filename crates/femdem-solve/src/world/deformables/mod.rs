@@ -33,6 +33,29 @@ pub type ModelId = u32;
 const RENEW: u64 = 10;
 
 /// A deformable body to add.
+///
+/// ```
+/// use femdem_contact::Wall;
+/// use femdem_fem::element::Element;
+/// use femdem_fem::material::NeoHookean;
+/// use femdem_fem::{DeformableModel, MaterialRegion};
+/// use femdem_mesh::{Pose, TetMesh, Vector3};
+/// use femdem_solve::{ContactStiffness, DeformableSpec, Drive, World, WorldParameters, WorldRelaxation};
+///
+/// // A rubber cube of 0.1 m on a floor, brought to rest.
+/// let mut world = World::new(WorldParameters::default())?;
+/// world.add_wall(Wall::half_space("floor", Vector3::z(), 0.0)?, Drive::Fixed)?;
+/// let mesh = TetMesh::block([2, 2, 2], &Vector3::repeat(0.1))?;
+/// let rubber = MaterialRegion { material: NeoHookean::new(1e6, 0.3)?.into(), density: 1000.0 };
+/// let model = DeformableModel::new(&mesh, Element::T4, vec![rubber], None)?;
+/// let model = world.add_model("cube", model, ContactStiffness::default())?;
+/// let body = world.add_deformable(DeformableSpec::at_rest(model, Pose::translation(0.0, 0.0, 0.001)))?;
+/// world.relax(&WorldRelaxation::default())?;
+/// let borne: f64 = world.deformable_contacts().map(|contact| contact.normal_force).sum();
+/// assert!((borne / 9.81 - 1.0).abs() < 1e-3);
+/// assert!(world.deformable(body).is_some_and(|body| body.kinetic_energy() == 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DeformableSpec {
