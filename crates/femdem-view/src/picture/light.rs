@@ -61,16 +61,34 @@ impl Lamp {
 
     /// Share of the lamp, 0 to 1, that a point on a surface with this normal sees.
     pub fn share(&self, point: &Point3, normal: &Vector3, turn: Turn) -> f64 {
+        if normal.dot(&self.direction()) <= 0.0 {
+            return 0.0;
+        }
         // Surfaces must not shade themselves: start a few of the lamp's pixels off the surface.
         let lift = (1.0 + self.blur) / self.view.scale;
         let Seen { x, y, nearness } = self.view.see(&(point + normal * lift));
-        let lit = self.samples.iter().filter(|sample| {
-            let [dx, dy] = turn.apply(**sample);
+        let sees = |sample: &[f64; 2]| {
+            let [dx, dy] = turn.apply(*sample);
             let (x, y) = (x + self.blur * dx, y + self.blur * dy);
             let blocker = self.seen.at(x.floor() as isize, y.floor() as isize);
             blocker.is_none_or(|near| f64::from(near) <= nearness + lift)
-        });
-        lit.count() as f64 / self.samples.len() as f64
+        };
+        // Most points see all of the lamp or nothing of it: a quarter of the samples, spread over it, shows which.
+        let share_of = |step: usize| {
+            let lit = self
+                .samples
+                .iter()
+                .step_by(step)
+                .filter(|s| sees(s))
+                .count();
+            lit as f64 / (self.samples.len() / step) as f64
+        };
+        let rough = share_of(4);
+        if rough == 0.0 || rough == 1.0 {
+            rough
+        } else {
+            share_of(1)
+        }
     }
 }
 
@@ -80,19 +98,28 @@ pub(super) struct Gaps<'a> {
     pub view: &'a View,
     pub seen: &'a DepthBuffer,
     /// The distance over which neighbours darken each other \[m\].
-    pub reach: f64,
+    reach: f64,
+    samples: [[f64; 2]; 40],
 }
 
-impl Gaps<'_> {
+impl<'a> Gaps<'a> {
+    pub fn new(view: &'a View, seen: &'a DepthBuffer, reach: f64) -> Self {
+        Self {
+            view,
+            seen,
+            reach,
+            samples: disc(),
+        }
+    }
+
     /// Share of the sky, 0 to 1, that a point on a surface with this normal sees.
     pub fn openness(&self, point: &Point3, normal: &Vector3, turn: Turn) -> f64 {
-        const SAMPLES: usize = 40;
         const STRENGTH: f64 = 4.0;
         let here = self.view.see(point);
         let radius = (self.reach * self.view.scale * 0.8).max(2.0);
         let mut blocked = 0.0;
-        for sample in disc::<SAMPLES>() {
-            let [dx, dy] = turn.apply(sample);
+        for sample in &self.samples {
+            let [dx, dy] = turn.apply(*sample);
             let (x, y) = (
                 (here.x + radius * dx).floor(),
                 (here.y + radius * dy).floor(),
@@ -113,7 +140,7 @@ impl Gaps<'_> {
                 blocked += rise * (1.0 - (distance / self.reach).powi(2));
             }
         }
-        (1.0 - STRENGTH * blocked / SAMPLES as f64).clamp(0.0, 1.0)
+        (1.0 - STRENGTH * blocked / self.samples.len() as f64).clamp(0.0, 1.0)
     }
 }
 
@@ -168,11 +195,7 @@ mod tests {
         };
         let view = View::fit(0.0, 0.7, 30.0, &mesh.points().collect::<Vec<_>>(), frame);
         let seen = DepthBuffer::of(&mesh, &view, 400, 400);
-        let gaps = Gaps {
-            view: &view,
-            seen: &seen,
-            reach: 1.0,
-        };
+        let gaps = Gaps::new(&view, &seen, 1.0);
         let turn = Turn::of_pixel(0, 0);
         let openness = |y| gaps.openness(&Point3::new(0.25, y, 0.0), &Vector3::z(), turn);
         assert!(

@@ -37,11 +37,7 @@ pub(super) fn paint(
         diameter,
         width.max(height).min(4096),
     );
-    let gaps = Gaps {
-        view,
-        seen: &seen,
-        reach: 0.55 * diameter,
-    };
+    let gaps = Gaps::new(view, &seen, 0.55 * diameter);
     let image = shade::shade(mesh, &lamp, &gaps, SUPERSAMPLING);
     (image, seen)
 }
