@@ -189,6 +189,104 @@ fn kept_lists_find_what_fresh_ones_find() {
     assert_eq!(seen, [true; 3]);
 }
 
+/// What is removed acts no more than what is a kilometre away, at once and in the next update, in which its state is not
+/// read. What touched it is named, and its number is given out again.
+#[test]
+fn what_is_removed_acts_no_more() {
+    let mut stream = Stream(3);
+    let mut kept = Scene::heap(&mut stream);
+    let start = kept.clone();
+    let none = law(|p| p.friction = 0.0);
+    let mut named = [0; 3];
+    for step in 0..60 {
+        kept.update().unwrap();
+        for (kind, thing) in [
+            DeformablePartner::Deformable(1),
+            DeformablePartner::Rigid(0),
+            DeformablePartner::Wall(0),
+        ]
+        .into_iter()
+        .enumerate()
+        .filter(|_| step % 10 == 9)
+        {
+            let (mut left, mut far) = (kept.clone(), kept.clone());
+            far.batch = start.batch.clone();
+            far.batch.set_law(none);
+            left.batch.set_law(none);
+            left.update().unwrap();
+            let contacts = left.batch.contacts();
+            let own =
+                contacts.filter(|c| c.a == thing || DeformablePartner::Deformable(c.b) == thing);
+            let others = own.flat_map(|c| [c.a, DeformablePartner::Deformable(c.b)]);
+            let mut expected: Vec<_> = others
+                .filter(|p| *p != thing && !matches!(p, DeformablePartner::Wall(_)))
+                .collect();
+            expected.sort_unstable();
+            expected.dedup();
+            let touched = match kind {
+                0 => left.batch.remove_body(1),
+                1 => left.batch.remove_rigid(0),
+                _ => left.batch.remove_wall(0),
+            };
+            let touched = touched.unwrap();
+            let soft = touched
+                .deformables
+                .iter()
+                .map(|i| DeformablePartner::Deformable(*i));
+            let rigid = touched.rigid.iter().map(|i| DeformablePartner::Rigid(*i));
+            assert_eq!(soft.chain(rigid).collect::<Vec<_>>(), expected);
+            named[kind] += expected.len();
+            let away = Vector3::z() * 1e3;
+            match kind {
+                0 => far.bodies[1].x.iter_mut().for_each(|x| *x += away),
+                1 => far.rigid[0].frame.position += away,
+                _ => far.walls[0].frame.position -= Vector3::z() * 1e3,
+            }
+            far.update().unwrap();
+            let size = far.forces().iter().map(Vector3::norm).fold(0.0, f64::max);
+            let compare = |left: &Scene| {
+                for i in (0..5).filter(|i| (kind, *i) != (0, 1)) {
+                    for (x, y) in left.batch.forces(i).iter().zip(far.batch.forces(i)) {
+                        assert!((x - y).norm() < 1e-9 * size, "{kind} at {step}: {x} {y}");
+                    }
+                }
+                let loads = |scene: &Scene| {
+                    let all = scene
+                        .batch
+                        .rigid_loads()
+                        .iter()
+                        .chain(scene.batch.wall_loads());
+                    all.map(|load| load.total.force).collect::<Vec<_>>()
+                };
+                for (x, y) in loads(left).iter().zip(loads(&far)) {
+                    assert!((x - y).norm() < 1e-9 * size, "{kind} at {step}: {x} {y}");
+                }
+            };
+            compare(&left);
+            match kind {
+                0 => {
+                    left.bodies[1].x.clear();
+                    left.velocities[1].clear();
+                    left.masses[1].clear();
+                }
+                1 => left.rigid[0].frame.position.x = f64::NAN,
+                _ => left.walls[0].frame.position.x = f64::NAN,
+            }
+            left.update().unwrap();
+            compare(&left);
+            let again = match kind {
+                0 => left.batch.add_body(0, Modulus::Penalty(1e5)).unwrap(),
+                1 => left.batch.add_rigid(0).unwrap(),
+                _ => left.batch.add_wall(MeshWall::solid("block", &cube(1))),
+            };
+            assert_eq!(again, [1, 0, 0][kind]);
+            assert!(left.batch.remove_body(7).is_err() && left.batch.remove_wall(7).is_err());
+        }
+        kept.drift(2e-3);
+    }
+    assert!(named.iter().all(|n| *n > 2), "{named:?}");
+}
+
 #[test]
 fn bits_do_not_depend_on_the_number_of_threads() {
     let run = |threads: usize| {

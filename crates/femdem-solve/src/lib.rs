@@ -44,6 +44,9 @@
 //!   rigid ones; [`World::relax`] brings all to rest.
 //! - [`Drive`]: prescribed motion of a wall or a body: shaken, tapped, drawn along a line, turned
 //!   about an axis.
+//! - For hosts, at any time between steps: [`World::remove_body`], [`World::remove_deformable`] and
+//!   [`World::remove_wall`]; [`World::set_pose`], [`World::set_velocity`] and [`World::set_nodes`]; forces and torques by
+//!   [`World::set_load`]; walls and bodies that the host moves step by step, by [`World::step_with`].
 //! - [`Ledger`]: where every joule came from and went.
 //! - [`checkpoint`]: files that survive crashes; [`World::to_bytes`] and [`World::state_hash`].
 //! - [`contact`], [`fem`] and [`mesh`]: femdem-contact, femdem-fem and femdem-mesh, whose types appear in the
@@ -57,6 +60,58 @@
 //! velocities at rest: every impact rings through a pack, and only a lasting imbalance has a mean
 //! ([`SleepParameters`]). Frozen bodies cost nothing. Deformable bodies are frozen only if
 //! [`SleepParameters::deformables`] is set.
+//!
+//! # A host
+//!
+//! A host changes the world between any two steps. Numbers of what was removed are given out again, the lowest first:
+//! iterate with [`World::body_ids`], [`World::deformable_ids`] and [`World::walls`], and forget the numbers of what you remove.
+//! Until it is given out again such a number is refused ([`SolveError::NoSuch`]) or answered with `None`.
+//!
+//! ```
+//! use femdem_contact::{Wall, Wrench};
+//! use femdem_mesh::catalogue::{CatalogueShape, Solid};
+//! use femdem_mesh::{Pose, Vector3};
+//! use femdem_solve::{BodySpec, Drive, Driven, World, WorldParameters};
+//!
+//! let cube = CatalogueShape::from(Solid::P5).polyhedron(0.1 * 3_f64.sqrt())?;
+//! let mut parameters = WorldParameters::default();
+//! parameters.time_step.safety = 0.3;
+//! let mut world = World::new(parameters)?;
+//! world.add_wall(Wall::half_space("floor", Vector3::z(), 0.0)?, Drive::Fixed)?;
+//! let shape = world.add_shape("cube", &cube)?;
+//! let body = world.add_body(BodySpec::at_rest(shape, 2000.0, Pose::translation(0.0, 0.0, 0.05)))?;
+//!
+//! // A servo: a plate comes down on the cube and presses it with 100 N.
+//! let plate = world.add_wall(Wall::half_space("plate", -Vector3::z(), -0.1001)?, Drive::Fixed)?;
+//! let mut place = Vector3::zeros();
+//! world.drive_wall_by_host(plate, Driven::default())?;
+//! while world.time() < 0.2 {
+//!     let bears = world.wall_load(plate).map_or(0.0, |load| load.total.force.z);
+//!     let (from, start, velocity) = (place, world.time(), Vector3::z() * (2e-4 * (bears - 100.0)));
+//!     let at = |time: f64| from + velocity * (time - start);
+//!     world.step_with(|_, time| Some(Driven { displacement: at(time), velocity, ..Driven::default() }))?;
+//!     place = at(world.time());
+//! }
+//! let bears = world.wall_load(plate).map_or(0.0, |load| load.total.force.z);
+//! assert!((bears - 100.0).abs() < 1.0);
+//!
+//! // The plate goes, a force of a tenth of the weight pulls the cube along and friction holds it.
+//! world.remove_wall(plate)?;
+//! world.set_load(body, Wrench { force: Vector3::x() * 2.0, torque: Vector3::zeros() })?;
+//! // A sink and a source: bodies that have fallen off go, others come.
+//! for _ in 0..100 {
+//!     world.step()?;
+//!     let gone: Vec<_> = world.body_ids().filter(|&id| world.position(id).is_none_or(|x| x.z < -1.0)).collect();
+//!     for id in gone {
+//!         world.remove_body(id)?;
+//!     }
+//!     if world.body_count() < 2 {
+//!         world.add_body(BodySpec::at_rest(shape, 2000.0, Pose::translation(0.0, 0.0, 0.2)))?;
+//!     }
+//! }
+//! assert!(world.ledger().error_relative().abs() < 0.01);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! # Units
 //!

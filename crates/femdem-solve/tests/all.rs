@@ -1,10 +1,12 @@
 //! All tests of the public interface in one program, since each test file takes longer to link than to run.
 
 mod any_shape;
+mod by_hand;
 mod changes;
 mod common;
 mod deformable_world;
 mod energy;
+mod host;
 mod impacts;
 mod implicit;
 mod masonry;

@@ -16,6 +16,7 @@ impl ContactBatch {
         self.body_slots.give_back(body);
         let i = body as usize;
         self.awake[i] = false;
+        self.awake_list.retain(|other| *other != body);
         self.sums.loads[i] = Load::default();
         self.pairs.set_body(i, false);
         Ok(touched)

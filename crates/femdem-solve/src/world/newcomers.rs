@@ -84,6 +84,15 @@ impl World {
         Ok(())
     }
 
+    /// Evaluates the contacts if something has come since the last evaluation. An implicit step would see its overlaps as
+    /// contacts that it has foreseen.
+    pub(super) fn meet_newcomers(&mut self) -> Result<(), SolveError> {
+        if self.newcomers.is_empty() {
+            return Ok(());
+        }
+        self.evaluate_if_due()
+    }
+
     /// Books the elastic energy of the overlaps of rigid bodies with what was added or moved by hand since the last
     /// evaluation, and returns it, J.
     pub(super) fn book_newcomers(&mut self) -> f64 {

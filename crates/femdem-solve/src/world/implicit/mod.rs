@@ -66,6 +66,7 @@ impl World {
             deformable == 0,
             "0: implicit steps are for rigid bodies",
         )?;
+        self.meet_newcomers()?;
         let since = std::mem::take(&mut self.behind);
         let mut dt = self.choose_implicit_step(rule);
         self.ask(self.time + dt, host)?;
@@ -129,7 +130,6 @@ impl World {
         };
         let result = self.batch.update_springs(now, ahead);
         self.count_contacts(watch, result)?;
-        self.book_soft_newcomers();
         Ok(before)
     }
 
