@@ -128,6 +128,7 @@ mod rocking;
 mod rolling;
 mod shape;
 mod sides;
+mod sphere;
 #[cfg(feature = "proptest")]
 pub mod strategies;
 mod walls;
@@ -146,4 +147,5 @@ pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};
 pub use limit_surface::LimitSurface;
 pub use motion::Motion;
 pub use shape::{ConvexShape, Frame};
+pub use sphere::{Sphere, SphereKernel};
 pub use walls::{Drum, Hopper, MeshWall, Silo, Wall, WallPlane, WallShape};

@@ -1,11 +1,12 @@
 //! Shapes and rigid bodies as the world keeps them.
 
 use crate::error::{SolveError, check};
-use femdem_contact::{BodyShape, ConvexShape, Field, FieldMesh, Frame, Motion};
+use femdem_contact::{BodyShape, ConvexShape, Field, FieldMesh, Frame, Motion, Sphere};
 use femdem_fem::{Drive, Driven};
 use femdem_mesh::nalgebra::{Matrix3, Translation3};
-use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3, checked_pose};
+use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3, checked_pose, shapes};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// Index of a shape, by order of addition.
 pub type ShapeId = u32;
@@ -16,12 +17,16 @@ pub type ShapeId = u32;
 pub struct Shape {
     /// Name, as it appears in results.
     pub name: String,
-    /// The surface in the coordinates it was given in.
+    /// The surface in the coordinates it was given in; of a sphere a polyhedron of 1,280 facets inscribed in it, to be
+    /// drawn.
     pub polyhedron: Polyhedron,
     /// Tetrahedra in the same coordinates with their field; `None` for a convex shape, whose
-    /// contacts are those of `polyhedron`.
+    /// contacts are those of `polyhedron`, and for a sphere.
     pub mesh: Option<(TetMesh, Field)>,
-    /// Volume within the surface, m^3.
+    /// Radius of a sphere about the origin, m, whose contacts and mass are those of the exact ball; `None` for any other
+    /// shape.
+    pub sphere: Option<f64>,
+    /// Volume of the body, m^3.
     pub volume: f64,
     /// Principal axes at the centroid -> given coordinates.
     principal: Pose,
@@ -37,10 +42,27 @@ impl Shape {
             name: name.to_owned(),
             polyhedron: polyhedron.clone(),
             mesh: None,
+            sphere: None,
             volume: mass.volume,
             principal: Pose::from_parts(Translation3::from(mass.centroid.coords), frame.rotation),
             moments: frame.moments,
         }
+    }
+
+    /// A ball: V = 4/3 pi R^3, I = 2/5 V R^2 at unit density.
+    pub(crate) fn sphere(name: &str, radius: f64) -> Result<Self, SolveError> {
+        let radius = Sphere::new(radius)?.radius();
+        let facets = shapes::Shape::from(shapes::Sphere { level: 3 });
+        let volume = 4.0 / 3.0 * PI * radius.powi(3);
+        Ok(Self {
+            name: name.to_owned(),
+            polyhedron: facets.polyhedron(2.0 * radius)?,
+            mesh: None,
+            sphere: Some(radius),
+            volume,
+            principal: Pose::identity(),
+            moments: Vector3::repeat(0.4 * volume * radius * radius),
+        })
     }
 
     /// With tetrahedra for the contacts, which have to fill the surface.
@@ -66,6 +88,9 @@ impl Shape {
 
     /// The contact shape in the principal frame.
     pub(crate) fn contact(&self) -> Result<BodyShape, SolveError> {
+        if let Some(radius) = self.sphere {
+            return Ok(Sphere::new(radius)?.into());
+        }
         let to_principal = self.principal.inverse();
         let Some((mesh, field)) = &self.mesh else {
             let posed = self.polyhedron.transformed(&to_principal)?;
@@ -170,7 +195,7 @@ impl Body {
         ] {
             check(name, v.norm(), true, "finite in every component")?;
         }
-        let mass = shape.polyhedron.mass_properties().volume * spec.density;
+        let mass = shape.volume * spec.density;
         let moments = shape.moments * spec.density;
         for (name, value, allowed) in [
             ("mass of the body", mass, "positive and finite, in kg"),

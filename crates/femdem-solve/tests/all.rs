@@ -20,5 +20,6 @@ mod restart;
 mod rolling;
 mod sleeping;
 mod sliding;
+mod spheres;
 mod step_size;
 mod turning;

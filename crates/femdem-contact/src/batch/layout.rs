@@ -45,6 +45,7 @@ impl PairTable {
 mod tests {
     use super::*;
     use crate::batch::pairs::Neighbour;
+    use crate::body_shape::Kind;
     use crate::contact::Partner;
 
     /// Bodies in a row, each a neighbour of the four before and the four after it; entered from the last to
@@ -52,7 +53,7 @@ mod tests {
     fn scrambled(bodies: u32) -> PairTable {
         let mut table = PairTable::default();
         for _ in 0..bodies {
-            table.add_body(false);
+            table.add_body(Kind::Convex);
         }
         for body in (0..bodies).rev() {
             let near = body.saturating_sub(4)..bodies.min(body + 5);
