@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-use crate::common::{DENSITY, G, add_floor, at, parameters, run_until};
+use crate::common::{D, DENSITY, G, add_floor, at, parameters, run_until, solid, weightless};
 use femdem_contact::restitution;
 use femdem_mesh::nalgebra::Vector3;
 use femdem_solve::{BodySpec, Drive, World, WorldParameters};
@@ -43,36 +43,46 @@ fn it_rests_at_the_depth_of_the_law() {
     assert!((force / weight - 1.0).abs() < 1e-6, "{force} for {weight}");
 }
 
-/// Dropped, it leaves the floor with the coefficient of restitution of the damping ratio, on the floor and on another
-/// ball.
+/// Speed after over before an impact on a floor or on an equal, fixed ball.
+fn rebound(damping: f64, on_ball: bool, safety: f64) -> f64 {
+    let mut p = weightless(1e8, 0.5, damping);
+    p.time_step.safety = safety;
+    let mut world = World::new(p).unwrap();
+    let shape = world.add_sphere("ball", RADIUS).unwrap();
+    let gap = if on_ball { 3.0 } else { 1.0 } * RADIUS;
+    if on_ball {
+        let spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * RADIUS));
+        world.add_driven_body(spec, Drive::Fixed).unwrap();
+    } else {
+        add_floor(&mut world, Drive::Fixed);
+    }
+    let spec = BodySpec {
+        velocity: Vector3::z() * -0.5,
+        ..BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * (gap + 0.001)))
+    };
+    let ball = world.add_body(spec).unwrap();
+    run_until(&mut world, 0.02);
+    assert!(world.contacts().is_empty());
+    assert!(world.angular_velocity(ball).unwrap().norm() < 1e-9);
+    world.velocity(ball).unwrap().z / 0.5
+}
+
+/// It leaves a floor and another ball with the coefficient of restitution of the damping ratio: to 3 % with the default
+/// step, and to 0.5 % with a short one.
 #[test]
 fn it_bounces_with_the_restitution() {
-    for damping in [0.0, 0.2, 0.6] {
-        for on_ball in [false, true] {
-            let mut p = parameters(1e6, 0.5, damping);
-            p.gravity = Vector3::zeros();
-            let gap = if on_ball { 3.0 } else { 1.0 } * RADIUS;
-            let mut world = World::new(p).unwrap();
-            let shape = world.add_sphere("ball", RADIUS).unwrap();
-            if on_ball {
-                let spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * RADIUS));
-                world.add_driven_body(spec, Drive::Fixed).unwrap();
-            } else {
-                add_floor(&mut world, Drive::Fixed);
+    let usual = WorldParameters::default().time_step.safety;
+    for (safety, tolerance) in [(usual, 0.03), (0.1, 0.005)] {
+        for damping in [0.0, 0.2, 0.6] {
+            for on_ball in [false, true] {
+                let out = rebound(damping, on_ball, safety);
+                let want = restitution(damping);
+                let error = (out / want - 1.0).abs();
+                assert!(
+                    error < tolerance,
+                    "{damping} {on_ball} {safety}: {out} for {want}"
+                );
             }
-            let spec = BodySpec {
-                velocity: Vector3::z() * -0.5,
-                ..BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * (gap + 0.001)))
-            };
-            let ball = world.add_body(spec).unwrap();
-            run_until(&mut world, 0.02);
-            let out = world.velocity(ball).unwrap().z / 0.5;
-            let want = restitution(damping);
-            assert!(
-                (out - want).abs() < 5e-3,
-                "{damping} {on_ball}: {out} for {want}"
-            );
-            assert!(world.angular_velocity(ball).unwrap().norm() < 1e-9);
         }
     }
 }
@@ -81,10 +91,10 @@ fn it_bounces_with_the_restitution() {
 #[test]
 fn it_rolls_down_a_slope() {
     for (degrees, damping) in [(5.0_f64, 0.6), (20.0, 0.6), (20.0, 0.0)] {
-        let mut p = parameters(1e6, 0.6, damping);
+        let mut p = parameters(1e8, 0.6, damping);
         let (sin, cos) = degrees.to_radians().sin_cos();
         p.gravity = Vector3::new(sin, 0.0, -cos) * G;
-        let mut world = ball_on_floor(p, 0.999 * RADIUS);
+        let mut world = ball_on_floor(p, 0.9987 * RADIUS);
         run_until(&mut world, 0.5);
         let got = world.velocity(0).unwrap().x / world.time();
         let want = 5.0 / 7.0 * G * sin;
@@ -99,10 +109,10 @@ fn it_rolls_down_a_slope() {
 #[test]
 fn a_bowling_ball_ends_up_rolling() {
     let (speed, mu) = (1.0, 0.2);
-    let mut world = World::new(parameters(1e6, mu, 0.6)).unwrap();
+    let mut world = World::new(parameters(1e8, mu, 0.6)).unwrap();
     add_floor(&mut world, Drive::Fixed);
     let shape = world.add_sphere("ball", RADIUS).unwrap();
-    let depth = (DENSITY * 4.0 / 3.0 * RADIUS.powi(3) * G / (2.0 * 1e6)).sqrt();
+    let depth = (DENSITY * 4.0 / 3.0 * RADIUS.powi(3) * G / (2.0 * 1e8)).sqrt();
     let spec = BodySpec {
         velocity: Vector3::x() * speed,
         ..BodySpec::at_rest(shape, DENSITY, at(Vector3::z() * (RADIUS - depth)))
@@ -130,9 +140,7 @@ fn a_bowling_ball_ends_up_rolling() {
 #[test]
 fn billiard_balls_exchange_momentum() {
     for offset in [0.0, 0.5 * RADIUS, 1.2 * RADIUS] {
-        let mut p = parameters(1e7, 0.0, 0.0);
-        p.gravity = Vector3::zeros();
-        let mut world = World::new(p).unwrap();
+        let mut world = World::new(weightless(1e8, 0.0, 0.0)).unwrap();
         let shape = world.add_sphere("ball", RADIUS).unwrap();
         let still = BodySpec::at_rest(shape, DENSITY, at(Vector3::zeros()));
         world.add_body(still).unwrap();
@@ -148,8 +156,9 @@ fn billiard_balls_exchange_momentum() {
         let want = line * line.x;
         assert!((a - want).norm() < 0.02, "{offset}: {a:?} for {want:?}");
         assert!((a + b - Vector3::x()).norm() < 1e-9);
-        assert!((a.norm_squared() + b.norm_squared() - 1.0).abs() < 2e-3);
-        assert_eq!(world.angular_velocity(0).unwrap(), Vector3::zeros());
+        let energy = a.norm_squared() + b.norm_squared();
+        assert!((energy - 1.0).abs() < 5e-3, "{offset}: {energy}");
+        assert!(world.angular_velocity(0).unwrap().norm() < 1e-12);
     }
 }
 
@@ -161,22 +170,20 @@ fn a_heap_goes_on_from_a_checkpoint() {
     let mut world = World::new(p).unwrap();
     add_floor(&mut world, Drive::Fixed);
     let ball = world.add_sphere("ball", RADIUS).unwrap();
-    let cube = world
-        .add_shape("cube", &crate::common::solid("P5"))
-        .unwrap();
+    let cube = world.add_shape("cube", &solid("P5")).unwrap();
     for i in 0..9 {
         let shape = if i % 3 == 2 { cube } else { ball };
-        let lean = 0.002 * f64::from(i % 2);
-        let place = Vector3::new(lean, 0.3 * lean, 0.011 + 0.021 * f64::from(i));
+        let lean = 0.02 * f64::from(i % 2);
+        let place = Vector3::new(lean, 0.3 * lean, D * (0.51 + 1.01 * f64::from(i)));
         world
             .add_body(BodySpec::at_rest(shape, DENSITY, at(place)))
             .unwrap();
     }
-    run_until(&mut world, 0.1);
+    run_until(&mut world, 0.3);
     let mut other = World::from_bytes(&world.to_bytes().unwrap()).unwrap();
-    run_until(&mut world, 0.2);
-    run_until(&mut other, 0.2);
-    assert!(world.contacts().len() > 5);
+    run_until(&mut world, 0.4);
+    run_until(&mut other, 0.4);
+    assert!(world.contacts().len() > 3);
     assert_eq!(world.to_bytes().unwrap(), other.to_bytes().unwrap());
     assert!(
         world

@@ -9,9 +9,9 @@ mod summary;
 use std::path::Path;
 
 use femdem_contact::Contact;
-use femdem_mesh::{Point3, Vector3};
+use femdem_mesh::{Point3, Polyhedron, Vector3};
 use femdem_pack::Packing;
-use femdem_solve::World;
+use femdem_solve::{Shape, World};
 
 pub use facts::run_facts;
 pub use parts::{ContainerSummary, ShapeSummary};
@@ -30,7 +30,7 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
     let world = packing.world();
     let shapes = world.shapes().iter().map(|shape| NamedShape {
         name: shape.name.clone(),
-        polyhedron: shape.polyhedron.clone(),
+        polyhedron: surface_of(shape),
     });
     let bodies = (0..).map_while(|id| {
         Some(Body {
@@ -54,6 +54,17 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
         gravity: packing.spec().gravity,
         gaps: Gaps::default(),
     }
+}
+
+/// The surface with which a shape is drawn and measured: that of a sphere is a polyhedron of the same volume, so that
+/// densities are those of the sphere.
+fn surface_of(shape: &Shape) -> Polyhedron {
+    let own = &shape.polyhedron;
+    let larger = shape.sphere.and_then(|_| {
+        let ratio = shape.volume / own.mass_properties().volume;
+        own.scaled(ratio.cbrt()).ok()
+    });
+    larger.unwrap_or_else(|| own.clone())
 }
 
 /// A contact record as a row that starts from a body.
