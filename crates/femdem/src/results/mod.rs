@@ -163,3 +163,23 @@ pub fn write(folder: &Path, packing: &Packing, usage: &Usage) -> Result<Summary,
     write_file(folder.join("summary.json"), |w| summary.write_json(w))?;
     Ok(summary)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use femdem_solve::WorldParameters;
+
+    /// A sphere is measured with its volume, other bodies as they are.
+    #[test]
+    fn surfaces_have_the_volume_of_their_bodies() {
+        let mut world = World::new(WorldParameters::default()).unwrap();
+        world.add_sphere("ball", 0.3).unwrap();
+        let own = world.shapes()[0].polyhedron.clone();
+        world.add_shape("facets", &own).unwrap();
+        for shape in world.shapes() {
+            let volume = surface_of(shape).mass_properties().volume;
+            assert!((volume / shape.volume - 1.0).abs() < 1e-12);
+        }
+        assert_eq!(surface_of(&world.shapes()[1]), own);
+    }
+}

@@ -326,6 +326,28 @@ mod tests {
         assert_ne!(shapes[0].polyhedron, shapes[1].polyhedron);
     }
 
+    /// A sphere is the exact ball unless it has a level, which is then in its name; both have the mass asked for.
+    #[test]
+    fn a_sphere_without_a_level_is_a_ball() {
+        let shape = ["sphere", "sphere:level=3"].map(str::to_owned).to_vec();
+        let scene = Scene {
+            shape,
+            mass: Some(2.0),
+            density: 1000.0,
+            ..Scene::default()
+        };
+        let shapes = packed(&scene);
+        let names: Vec<&str> = shapes.iter().map(|shape| shape.name.as_str()).collect();
+        assert_eq!(names, ["sphere", "sphere:level=3"]);
+        assert_eq!([shapes[0].sphere, shapes[1].sphere], [true, false]);
+        for shape in &shapes {
+            assert!((shape.volume() / 0.002 - 1.0).abs() < 1e-12);
+        }
+        let radius = (0.006 / (4.0 * PI)).cbrt();
+        assert!((shapes[0].diameter() / (2.0 * radius) - 1.0).abs() < 1e-12);
+        assert!(shapes[1].diameter() > 1.002 * shapes[0].diameter());
+    }
+
     /// Diameter is that of the sphere around the body, size a length of the shape, mass by density.
     #[test]
     fn bodies_have_the_size_asked_for() {
