@@ -186,7 +186,6 @@ fn polyhedra_press_with_the_gradient_of_the_energy() {
                 inside += usize::from(
                     shape.field(&frame.rotation.tr_mul(&(centre - frame.position))) > 0.0,
                 );
-                eprintln!("{name} {radius} {depth} {case}");
                 whole += usize::from(check_gradient(evaluate, centre, radius));
                 // The torque on the polyhedron, against differences as it turns.
                 let (step, rounding) = step(&here, radius);
@@ -206,7 +205,6 @@ fn polyhedra_press_with_the_gradient_of_the_energy() {
             }
         }
     }
-    eprintln!("{inside} {whole}");
     assert!(inside > 80 && whole > 150, "{inside} {whole}");
 }
 
@@ -266,7 +264,6 @@ fn check_convergence(
         }
         errors.push(sum);
     }
-    eprintln!("{errors:?}");
     assert!(
         errors[0] > 3.0 * errors[1] && errors[1] > 3.0 * errors[2],
         "{errors:?}"
@@ -334,7 +331,7 @@ fn it_is_the_limit_of_finer_polyhedra_against_solids() {
     let pair = PairKernel::new(1.0).unwrap();
     // Of no sharp edges: see `convex.rs` for the stiffness at these.
     let blunt = |name: &str| ["P2", "P5", "A10"].contains(&name);
-    for (name, solid, body) in solids().into_iter().filter(|s| blunt(&s.0)) {
+    for (_, solid, body) in solids().into_iter().filter(|s| blunt(&s.0)) {
         let place = |pose: usize| {
             let corner = solid.vertices()[pose].coords;
             let next = solid.vertices()[(pose + 1) % 4].coords;
@@ -353,7 +350,6 @@ fn it_is_the_limit_of_finer_polyhedra_against_solids() {
             pair.evaluate(&body, &still, shape, &frame, &mut Scratch::default())
                 .unwrap()
         };
-        eprintln!("{name}");
         check_convergence(exact, faceted, 0.7, 0.1);
     }
 }

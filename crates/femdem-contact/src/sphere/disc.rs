@@ -15,6 +15,7 @@
 
 use super::rule::EIGHT;
 use crate::kernel::Point;
+use smallvec::SmallVec;
 use std::f64::consts::TAU;
 
 /// Half-length of a panel over the distance of its middle from the ball's centre, at most.
@@ -80,7 +81,7 @@ impl Disc {
     pub fn new(radius: f64, height: f64) -> Option<Self> {
         let height = height.abs().max(LOWEST * radius);
         let depth = radius - height;
-        (depth > 0.0).then(|| Self {
+        (depth > 0.0).then_some(Self {
             radius,
             height,
             depth,
@@ -96,32 +97,28 @@ impl Disc {
     /// Adds the part of the disc in a convex polygon, counter-clockwise and about the foot; returns whether there is
     /// any.
     pub fn add_polygon(&self, polygon: &[Point], sums: &mut impl Sum) -> bool {
-        let Some(mut p) = polygon.last() else {
-            return false;
-        };
-        // Angle of the arcs between edges, and whether the foot is inside and some edge in the disc.
-        let (mut arcs, mut holds_foot, mut cut) = (0.0, true, false);
-        for q in polygon {
-            match Edge::new(self, p, q) {
-                Some(edge) => {
-                    cut = true;
-                    holds_foot &= edge.distance >= 0.0;
-                    arcs += edge.arcs([p, q]);
-                    self.add_edge(&edge, edge.ends, MOST_HALVINGS, sums);
-                }
-                None => {
-                    holds_foot &= cross(p, q) >= 0.0;
-                    arcs += angle(p, q);
-                }
+        let ends = polygon.iter().zip(polygon.iter().cycle().skip(1));
+        let edges: SmallVec<[_; 8]> = ends.map(|(p, q)| (p, q, Edge::new(self, p, q))).collect();
+        if edges.iter().all(|(_, _, edge)| edge.is_none()) {
+            // Seen from the foot, all run the same way round if it is inside.
+            let whole = edges.iter().all(|(p, q, _)| cross(p, q) >= 0.0) && !edges.is_empty();
+            if whole {
+                self.add_whole(sums);
             }
-            p = q;
+            return whole;
         }
-        if cut {
-            self.add_arc(arcs, sums);
-        } else if holds_foot {
-            self.add_whole(sums);
+        let mut arcs = 0.0;
+        for (p, q, edge) in &edges {
+            match edge {
+                Some(edge) => {
+                    arcs += edge.arcs([p, q]);
+                    self.add_edge(edge, edge.ends, MOST_HALVINGS, sums);
+                }
+                None => arcs += angle(p, q),
+            }
         }
-        cut || holds_foot
+        self.add_arc(arcs, sums);
+        true
     }
 
     fn add_arc(&self, angle: f64, sums: &mut impl Sum) {
