@@ -113,13 +113,13 @@ impl Foundation {
         }
     }
 
-    /// A round patch at its contact point with a stiffness (N/m) and a polar second moment (N m), across z.
-    #[cfg(test)]
-    pub(crate) fn round(stiffness: f64, polar: f64) -> Self {
+    /// A round patch: its centre from the contact point (m), any direction in its plane, its stiffness (N/m) and polar
+    /// second moment (N m).
+    pub(crate) fn round(centre: Vector3, axis: Vector3, stiffness: f64, polar: f64) -> Self {
         Self {
             stiffness,
-            centre: Vector3::zeros(),
-            axis: Vector3::x(),
+            centre,
+            axis,
             rocking: [0.5 * polar; 2],
         }
     }

@@ -389,7 +389,7 @@ mod tests {
                 energy: 0.1,
                 volume: 1.0,
                 area: 0.0,
-                foundation: Foundation::round(stiffness, 0.0),
+                foundation: Foundation::round(Vector3::zeros(), Vector3::x(), stiffness, 0.0),
                 torsion_radius: 0.5,
             };
             let mut state = FrictionState::new(&overlap, &body, &moving);
@@ -425,7 +425,7 @@ mod tests {
             energy: 0.1,
             volume: 1.0,
             area: 1.0,
-            foundation: Foundation::round(stiffness, stiffness),
+            foundation: Foundation::round(Vector3::zeros(), Vector3::x(), stiffness, stiffness),
             torsion_radius: 0.5,
         };
         let law = ContactParameters {

@@ -3,8 +3,8 @@
 //!
 //! **Use it** to add contacts of polyhedra, against each other and against walls, to your granular or
 //! multibody code. The normal force is the exact gradient of an overlap energy, so it conserves energy for
-//! any kind of contact. Bodies may be rigid or deformable ([`deform`]). **Do not use it** for spheres (closed
-//! formulas serve better), where nothing may overlap at all (the bodies are penalty bodies), or if you want
+//! any kind of contact. Bodies may be rigid or deformable ([`deform`]), and exact balls ([`Sphere`]) mix with them.
+//! **Do not use it** where nothing may overlap at all (the bodies are penalty bodies), or if you want
 //! the bodies integrated for you (femdem-solve does that).
 //!
 //! ```
@@ -36,8 +36,9 @@
 //!    [`kernel::PairCache`]; the caller owns both. [`kernel::CavityKernel`] does the same for a wall.
 //!    [`GeneralKernel`] takes bodies of any shape, as tetrahedra with a field ([`FieldMesh`]), and walls of
 //!    any shape ([`SolidWall`]); it gives one overlap for each connected part. For convex bodies it costs
-//!    many times as much as [`PairKernel`].
-//! 2. [`ContactBatch`]: many bodies and walls of either kind ([`BodyShape`], [`WallShape`]), each pair
+//!    many times as much as [`PairKernel`]. [`SphereKernel`] takes a ball and another, a wall of planes or a convex
+//!    polyhedron, in closed form along the radius and, but for spheres and single planes, to rounding along edges.
+//! 2. [`ContactBatch`]: many bodies and walls of any kind ([`BodyShape`], [`WallShape`]), each pair
 //!    evaluated by the kernel it needs. It finds the pairs, keeps caches and friction history, and turns one
 //!    [`Motion`] per body into sorted [`Contact`]s and a [`Load`] per body. Your code integrates; the batch
 //!    also bounds the stable step ([`ContactBatch::largest_step`]).
@@ -89,7 +90,7 @@
 //! # Accuracy
 //!
 //! - Force and torque agree with central differences of the energy to 1e-6 and better, for all 18
-//!   catalogue solids in random poses (`tests/gradient.rs`).
+//!   catalogue solids in random poses (`tests/gradient.rs`), and for balls (`tests/spheres.rs`).
 //! - Everything is computed relative to the contact, not to the world's origin; positions themselves
 //!   are `f64`, so that a body 1 km away is placed to 1e-13 m.
 //! - Vertex and crossed-edge contacts are soft at first touch (F ~ δ³, an edge on a face δ², face on face δ).
@@ -129,6 +130,7 @@ mod rolling;
 mod shape;
 mod sides;
 mod slots;
+mod sphere;
 #[cfg(feature = "proptest")]
 pub mod strategies;
 mod walls;
@@ -147,4 +149,5 @@ pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};
 pub use limit_surface::LimitSurface;
 pub use motion::Motion;
 pub use shape::{ConvexShape, Frame};
+pub use sphere::{Sphere, SphereKernel};
 pub use walls::{Drum, Hopper, MeshWall, Silo, Wall, WallPlane, WallShape};

@@ -182,7 +182,7 @@ mod tests {
     fn foundation(length: f64, width: f64) -> Foundation {
         Foundation {
             rocking: [width * width / 12.0, length * length / 12.0].map(|x| x * 100.0),
-            ..Foundation::round(100.0, 0.0)
+            ..Foundation::round(Vector3::zeros(), Vector3::x(), 100.0, 0.0)
         }
     }
 

@@ -6,6 +6,7 @@ use crate::kernel::{Line, Point, integrate};
 use crate::sides;
 use femdem_mesh::{Matrix3, Polyhedron, Pose, Vector3};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Planes whose scaled normals n/h differ by less than this (times 1/h) are one
 /// plane: their gauge cells cannot be told apart (physics: cells of equal gauge).
@@ -121,6 +122,8 @@ pub struct ConvexShape {
     pub(crate) corners: Vec<Point>,
     pub(crate) vertices: Vec<Vector3>,
     pub(crate) edges: Vec<[u16; 2]>,
+    /// Planes on the left and on the right of each edge, seen from outside.
+    pub(crate) edge_planes: Vec<[u16; 2]>,
     /// Vertices of the facets, laid out as `corners`.
     pub(crate) loops: Vec<u16>,
     centroid: Vector3,
@@ -165,6 +168,7 @@ impl ConvexShape {
             facets: Vec::with_capacity(polyhedron.face_count()),
             corners: Vec::new(),
             edges: edges.iter().map(|e| [e[0] as u16, e[1] as u16]).collect(),
+            edge_planes: Vec::new(),
             loops: Vec::new(),
             vertices,
             centroid,
@@ -176,6 +180,7 @@ impl ConvexShape {
         for (i, face) in polyhedron.faces().enumerate() {
             shape.push_face(i, face, polyhedron.face_normal(i))?;
         }
+        shape.edge_planes = shape.planes_at_edges();
         let facets = shape.facets.iter().map(|facet| {
             let plane = &shape.planes[usize::from(facet.plane)];
             (plane.normal, 2.0 * facet.area / plane.offset)
@@ -211,6 +216,21 @@ impl ConvexShape {
         self.corners.extend(polygon);
         self.loops.extend(face.iter().map(|&v| v as u16));
         Ok(())
+    }
+
+    /// The planes on both sides of each edge.
+    fn planes_at_edges(&self) -> Vec<[u16; 2]> {
+        let mut left = BTreeMap::new();
+        for facet in &self.facets {
+            let start = facet.start as usize;
+            let own = &self.loops[start..start + usize::from(facet.len)];
+            for (k, &v) in own.iter().enumerate() {
+                left.insert([v, own[(k + 1) % own.len()]], facet.plane);
+            }
+        }
+        let side = |edge: [u16; 2]| left.get(&edge).copied().unwrap_or_default();
+        let both = |&[p, q]: &[u16; 2]| [side([p, q]), side([q, p])];
+        self.edges.iter().map(both).collect()
     }
 
     /// Index of an equal plane, or of `plane` newly added.

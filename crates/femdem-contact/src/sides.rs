@@ -7,7 +7,7 @@ const SIDES: usize = 256;
 
 /// Parts of the skin whose normals have a larger cosine (18 degrees) count as one side: a contact
 /// on a finely faceted skin spans many facets.
-const ONE_SIDE: f64 = 0.95;
+pub(crate) const ONE_SIDE: f64 = 0.95;
 
 /// The largest sum over a side, from the unit normals of the parts of the skin and their stiffnesses.
 pub(crate) fn stiffest(parts: &[(Vector3, f64)]) -> f64 {

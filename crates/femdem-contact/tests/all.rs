@@ -21,6 +21,8 @@ mod pair_properties;
 mod patches;
 mod reach;
 mod refusals;
+mod sphere_batch;
+mod spheres;
 mod springs;
 #[cfg(feature = "proptest")]
 mod strategies;

@@ -7,12 +7,13 @@ use crate::protocol::Protocol;
 use femdem_contact::{ContactParameters, Field};
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::tet::{self, MeshOptions, MeshReport};
-use femdem_mesh::{Polyhedron, TetMesh, Vector3};
+use femdem_mesh::{Polyhedron, TetMesh, Vector3, shapes};
 use femdem_solve::{
     ImplicitStep, Medium, ShapeId, SleepMeasure, SleepParameters, SolveError, TimeStepParameters,
     World, WorldParameters,
 };
 use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_6;
 
 /// Circumscribed diameter of the default bodies, m.
 const DEFAULT_DIAMETER: f64 = 0.02;
@@ -42,6 +43,9 @@ pub struct PackShape {
     /// Tetrahedra of the same body, in the same coordinates; a body that is not convex needs them.
     #[serde(default)]
     pub mesh: Option<TetMesh>,
+    /// Whether the body is the exact ball around its surface, which is then a polyhedron to be drawn, about the origin.
+    #[serde(default)]
+    pub sphere: bool,
     /// Relative number of bodies of this shape in a mixture (see [`Mixing`]), from 1e-100 to 1e100.
     #[serde(default = "equal_share")]
     pub share: f64,
@@ -58,8 +62,21 @@ impl PackShape {
             name: name.into(),
             polyhedron,
             mesh: None,
+            sphere: false,
             share: equal_share(),
         }
+    }
+
+    /// An exact ball of a diameter in m, with share 1.
+    ///
+    /// # Errors
+    /// [`PackError::Mesh`] for a diameter that is not positive and finite.
+    pub fn ball(name: impl Into<String>, diameter: f64) -> Result<Self, PackError> {
+        let facets = shapes::Shape::from(shapes::Sphere { level: 3 });
+        Ok(Self {
+            sphere: true,
+            ..Self::new(name, facets.polyhedron(diameter)?)
+        })
     }
 
     /// A shape of any closed surface, with share 1. A surface that is not convex is meshed, and the report
@@ -81,8 +98,20 @@ impl PackShape {
         Ok((Self { mesh, ..shape }, Some(report)))
     }
 
+    /// Volume of the body, m^3.
+    pub fn volume(&self) -> f64 {
+        if self.sphere {
+            FRAC_PI_6 * self.diameter().powi(3)
+        } else {
+            self.polyhedron.mass_properties().volume
+        }
+    }
+
     /// Adds the shape to a world: with its mesh if it has one, with the body field.
     pub(crate) fn add_to(&self, world: &mut World) -> Result<ShapeId, SolveError> {
+        if self.sphere {
+            return world.add_sphere(&self.name, 0.5 * self.diameter());
+        }
         match &self.mesh {
             Some(mesh) => world.add_mesh_shape(&self.name, &self.polyhedron, mesh, Field::Body),
             None => world.add_shape(&self.name, &self.polyhedron),
@@ -308,7 +337,7 @@ impl PackSpec {
 
     /// Volume of a body, m^3; the mean by share for a mixture.
     pub fn mean_volume(&self) -> f64 {
-        self.mean(|s| s.polyhedron.mass_properties().volume)
+        self.mean(PackShape::volume)
     }
 
     /// Expected height of the pack, m, at a packing density of 0.57.

@@ -165,6 +165,23 @@ fn rings_settle() {
     );
 }
 
+/// Exact balls among cubes, which weigh what they are.
+#[test]
+fn balls_settle() {
+    let mut spec = cubes(10);
+    spec.shapes.push(PackShape::ball("ball", D).unwrap());
+    let of_ball = spec.shapes[1].volume();
+    assert!((of_ball / (std::f64::consts::FRAC_PI_6 * D.powi(3)) - 1.0).abs() < 1e-12);
+    let mut packing = Packing::new(spec).unwrap();
+    let report = packing.run().unwrap();
+    assert_settled(&packing, &report);
+    assert_walls_carry_the_weight(&packing);
+    let world = packing.world();
+    let ball = (0..10).find(|&b| world.shape_of(b) == Some(1)).unwrap();
+    let mass = packing.spec().density * of_ball;
+    assert!((world.mass(ball).unwrap() / mass - 1.0).abs() < 1e-12);
+}
+
 #[test]
 fn all_protocols_end_settled() {
     let pour = Protocol::Pour(Pour {

@@ -2,11 +2,12 @@
 
 use crate::error::{SolveError, check};
 use crate::guide::Guide;
-use femdem_contact::{BodyShape, ConvexShape, Field, FieldMesh, Frame, Motion, Wrench};
+use femdem_contact::{BodyShape, ConvexShape, Field, FieldMesh, Frame, Motion, Sphere, Wrench};
 use femdem_fem::Driven;
 use femdem_mesh::nalgebra::{Matrix3, Translation3};
-use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3, checked_pose};
+use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3, checked_pose, shapes};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// Index of a shape, by order of addition.
 pub type ShapeId = u32;
@@ -17,12 +18,16 @@ pub type ShapeId = u32;
 pub struct Shape {
     /// Name, as it appears in results.
     pub name: String,
-    /// The surface in the coordinates it was given in.
+    /// The surface in the coordinates it was given in; of a sphere a polyhedron of 1,280 facets inscribed in it, to be
+    /// drawn.
     pub polyhedron: Polyhedron,
     /// Tetrahedra in the same coordinates with their field; `None` for a convex shape, whose
-    /// contacts are those of `polyhedron`.
+    /// contacts are those of `polyhedron`, and for a sphere.
     pub mesh: Option<(TetMesh, Field)>,
-    /// Volume within the surface, m^3.
+    /// Radius of a sphere about the origin, m, whose contacts and mass are those of the exact ball; `None` for any other
+    /// shape.
+    pub sphere: Option<f64>,
+    /// Volume of the body, m^3.
     pub volume: f64,
     /// Principal axes at the centroid -> given coordinates.
     principal: Pose,
@@ -38,10 +43,27 @@ impl Shape {
             name: name.to_owned(),
             polyhedron: polyhedron.clone(),
             mesh: None,
+            sphere: None,
             volume: mass.volume,
             principal: Pose::from_parts(Translation3::from(mass.centroid.coords), frame.rotation),
             moments: frame.moments,
         }
+    }
+
+    /// A ball: V = 4/3 pi R^3, I = 2/5 V R^2 at unit density.
+    pub(crate) fn sphere(name: &str, radius: f64) -> Result<Self, SolveError> {
+        let radius = Sphere::new(radius)?.radius();
+        let facets = shapes::Shape::from(shapes::Sphere { level: 3 });
+        let volume = 4.0 / 3.0 * PI * radius.powi(3);
+        Ok(Self {
+            name: name.to_owned(),
+            polyhedron: facets.polyhedron(2.0 * radius)?,
+            mesh: None,
+            sphere: Some(radius),
+            volume,
+            principal: Pose::identity(),
+            moments: Vector3::repeat(0.4 * volume * radius * radius),
+        })
     }
 
     /// With tetrahedra for the contacts, which have to fill the surface.
@@ -72,6 +94,9 @@ impl Shape {
 
     /// The contact shape in the principal frame.
     pub(crate) fn contact(&self) -> Result<BodyShape, SolveError> {
+        if let Some(radius) = self.sphere {
+            return Ok(Sphere::new(radius)?.into());
+        }
         let to_principal = self.principal.inverse();
         let Some((mesh, field)) = &self.mesh else {
             let posed = self.polyhedron.transformed(&to_principal)?;
@@ -203,7 +228,7 @@ impl Body {
         let place = shape.place(&checked_pose(&spec.pose)?);
         let position = place.translation.vector;
         check_velocities(&spec.velocity, &spec.angular_velocity)?;
-        let mass = shape.polyhedron.mass_properties().volume * spec.density;
+        let mass = shape.volume * spec.density;
         let moments = shape.moments * spec.density;
         for (name, value, allowed) in [
             ("mass of the body", mass, "positive and finite, in kg"),

@@ -37,8 +37,8 @@
 //!   ([`Residuals`], [`Stability`], [`Counters`], contacts).
 //! - [`WorldParameters`]: gravity, the contact law, the time step, the active set, the medium; every
 //!   field has a default.
-//! - [`World::add_shape`] takes convex surfaces, [`World::add_mesh_shape`] any closed surface with
-//!   tetrahedra that fill it; [`World::add_wall`] takes planes and meshes.
+//! - [`World::add_shape`] takes convex surfaces, [`World::add_sphere`] exact balls, [`World::add_mesh_shape`] any closed
+//!   surface with tetrahedra that fill it; [`World::add_wall`] takes planes and meshes.
 //! - [`World::add_model`] and [`World::add_deformable`] take deformable bodies
 //!   ([`DeformableModel`](femdem_fem::DeformableModel)), which share the step, the walls and the ledger with the
 //!   rigid ones; [`World::relax`] brings all to rest.

@@ -22,5 +22,6 @@ mod restart;
 mod rolling;
 mod sleeping;
 mod sliding;
+mod spheres;
 mod step_size;
 mod turning;

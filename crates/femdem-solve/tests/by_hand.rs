@@ -123,7 +123,6 @@ fn a_push_beyond_friction_slides() {
         let mut p = parameters(1e8, friction, 0.6);
         p.sleeping.enabled = true;
         p.sleeping.tolerance = 1e-3;
-        p.sleeping.wake = 2e-3;
         let mut world = World::new(p).unwrap();
         add_floor(&mut world, Drive::Fixed);
         let shape = world.add_shape("P5", &solid("P5")).unwrap();

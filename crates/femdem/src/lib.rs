@@ -3,8 +3,7 @@
 //!
 //! **Use it** to pack rigid bodies under gravity with friction, to measure and draw packs, to let rigid and
 //! deformable bodies collide, slide and squeeze each other, or to use its parts in a simulation of your own.
-//! **Do not use it** where bodies break, where a fluid matters, or for rigid spheres, for which closed formulas
-//! and lighter codes exist.
+//! **Do not use it** where bodies break, where a fluid matters, or for spheres alone, for which lighter codes exist.
 //!
 //! ```
 //! use femdem::mesh::catalogue::{CatalogueShape, Solid};

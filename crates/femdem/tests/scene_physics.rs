@@ -318,6 +318,28 @@ fn a_body_weighs_the_same_whether_it_deforms_or_not() {
     }
 }
 
+/// A rigid body named a sphere is the exact ball, one with a level a polyhedron, and one that deforms is meshed.
+#[test]
+fn a_rigid_sphere_without_a_level_is_a_ball() {
+    let ball = std::f64::consts::FRAC_PI_6 * 0.05_f64.powi(3);
+    for (shape, behaviour, least, most) in [
+        ("sphere", "rigid", 1.0 - 1e-12, 1.0 + 1e-12),
+        ("sphere:level=3", "rigid", 0.99, 0.993),
+        ("sphere", "deformable", 0.99, 0.993),
+    ] {
+        let text = format!(
+            "duration = 1\n{CLAY}[[body]]\nshape = \"{shape}\"\nsize = 0.05\nmaterial = \"clay\"\n\
+             behaviour = \"{behaviour}\"\n"
+        );
+        let simulation = Scenario::from_toml(&text).unwrap().build().unwrap();
+        let share = simulation.bodies()[0].mass / (1000.0 * ball);
+        assert!(
+            (least..most).contains(&share),
+            "{shape}, {behaviour}: {share}"
+        );
+    }
+}
+
 /// A parameter that is out of its range is no file, though a point stands in it.
 #[test]
 fn a_parameter_out_of_range_is_named() {

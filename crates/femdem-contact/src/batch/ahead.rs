@@ -5,6 +5,7 @@ use super::pairs::{Cache, Pair};
 use crate::body_shape::BodyShape;
 use crate::contact::{BodyId, Partner};
 use crate::motion::Motion;
+use crate::sphere::Meeting;
 use crate::walls::WallShape;
 use femdem_mesh::Vector3;
 
@@ -54,6 +55,7 @@ impl ContactBatch {
             return false;
         }
         let convex = |body: BodyId| self.shape_of(body)?.convex();
+        let frames = [&a.frame, &b.frame];
         // The travel budget of a cache counts all motion; a plane between the two counts only closing motion.
         let close = |gap: f64, direction: &Vector3| gap < approach.closing(direction) * dt;
         match (&pair.cache, pair.a) {
@@ -62,16 +64,27 @@ impl ContactBatch {
                 let gap = shapes.and_then(|(in_a, in_b)| cache.gap(in_a, &a.frame, in_b, &b.frame));
                 gap.is_none_or(|(gap, direction)| close(gap, &direction))
             }
-            (Cache::Wall(_), Partner::Wall(w)) => {
-                let planes = self.wall(w).and_then(WallShape::planes);
-                planes.zip(convex(pair.b)).is_none_or(|(wall, body)| {
-                    let centre = b.frame.position - a.frame.position;
-                    wall.planes().iter().any(|plane| {
-                        let normal = a.frame.rotation * plane.normal;
-                        let reach = body.support(&-b.frame.rotation.tr_mul(&normal));
-                        close(normal.dot(&centre) - plane.offset - reach, &normal)
-                    })
+            (Cache::Sphere { .. }, Partner::Body(i)) => {
+                let shapes = self.shape_of(i).zip(self.shape_of(pair.b));
+                let meeting =
+                    shapes.and_then(|(in_a, in_b)| Meeting::of_bodies([in_a, in_b], frames));
+                meeting.is_none_or(|meeting| {
+                    let (gap, direction) = meeting.gap();
+                    close(gap, &direction)
                 })
+            }
+            (Cache::Wall(_) | Cache::Sphere { .. }, Partner::Wall(w)) => {
+                let planes = self.wall(w).and_then(WallShape::planes);
+                planes
+                    .zip(self.shape_of(pair.b))
+                    .is_none_or(|(wall, body)| {
+                        let centre = b.frame.position - a.frame.position;
+                        wall.planes().iter().any(|plane| {
+                            let normal = a.frame.rotation * plane.normal;
+                            let reach = body.support(&-b.frame.rotation.tr_mul(&normal));
+                            close(normal.dot(&centre) - plane.offset - reach, &normal)
+                        })
+                    })
             }
             _ => true,
         }

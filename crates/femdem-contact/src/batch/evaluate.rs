@@ -12,7 +12,7 @@ use crate::law::ContactParameters;
 use crate::motion::Motion;
 use crate::rocking::{Rocker, Turn};
 use crate::rolling::{Roller, Rolling};
-use crate::shape::ConvexShape;
+use crate::sphere::{Meeting, SphereKernel};
 use crate::walls::{Wall, WallShape};
 use femdem_mesh::Vector3;
 use std::sync::Arc;
@@ -43,13 +43,14 @@ const HARDER: f64 = 2.0;
 pub(crate) struct Context<'a> {
     pub pair: PairKernel,
     pub cavity: CavityKernel,
+    pub sphere: SphereKernel,
     pub general: GeneralKernel,
     pub parameters: ContactParameters,
     /// The law of pairs whose side A is a wall.
     pub at_walls: ContactParameters,
     pub shapes: &'a [BodyShape],
-    /// Fans of the convex shapes; empty as long as there is no mesh.
-    pub fans: &'a [Option<Arc<FieldMesh>>],
+    /// The shapes as tetrahedra; empty as long as there is no mesh.
+    pub fans: &'a [Arc<FieldMesh>],
     pub body_shapes: &'a [u32],
     pub wall_shapes: &'a [Option<WallShape>],
     pub bodies: &'a [Motion],
@@ -61,16 +62,13 @@ pub(crate) struct Context<'a> {
 type Ids = (Partner, BodyId, u32);
 
 impl Context<'_> {
-    fn convex(&self, body: BodyId) -> Option<&ConvexShape> {
-        self.shapes[self.body_shapes[body as usize] as usize].convex()
+    fn shape(&self, body: BodyId) -> &BodyShape {
+        &self.shapes[self.body_shapes[body as usize] as usize]
     }
 
     fn mesh(&self, body: BodyId) -> Option<&FieldMesh> {
         let shape = self.body_shapes[body as usize] as usize;
-        match &self.shapes[shape] {
-            BodyShape::Convex(_) => self.fans.get(shape)?.as_deref(),
-            BodyShape::Mesh(mesh) => Some(mesh),
-        }
+        self.fans.get(shape).map(Arc::as_ref)
     }
 
     fn planes(&self, wall: u32) -> Option<&Wall> {
@@ -90,7 +88,7 @@ impl Context<'_> {
         pair.is_clear(travelled)
             && match &pair.cache {
                 Cache::Mesh(mesh) => self.sees_wall(pair, mesh),
-                Cache::Body(_) | Cache::Wall(_) => true,
+                Cache::Body(_) | Cache::Wall(_) | Cache::Sphere { .. } => true,
             }
     }
 
@@ -120,7 +118,7 @@ impl Context<'_> {
                 self.evaluate_mesh(pair.a, pair.b, mesh, &mut work.general);
                 return;
             }
-            cache => self.evaluate_convex(pair.a, pair.b, cache, &mut work.convex),
+            cache => self.evaluate_whole(pair.a, pair.b, cache, &mut work.convex),
         };
         let Some(overlap) = overlap else {
             pair.touch = None;
@@ -152,7 +150,7 @@ impl Context<'_> {
             return;
         }
         let expected = contact.elastic_force + contact.foundation.stiffness * closing;
-        let Some(overlap) = self.evaluate_convex(pair.a, pair.b, &mut pair.cache, scratch) else {
+        let Some(overlap) = self.evaluate_whole(pair.a, pair.b, &mut pair.cache, scratch) else {
             return;
         };
         if overlap.force_magnitude() > HARDER * expected {
@@ -165,7 +163,8 @@ impl Context<'_> {
         }
     }
 
-    fn evaluate_convex(
+    /// The contact of a pair that touches in one patch at most.
+    fn evaluate_whole(
         &self,
         a: Partner,
         b: BodyId,
@@ -175,17 +174,33 @@ impl Context<'_> {
         let (of_a, of_b) = (self.motion_a(a), &self.bodies[b as usize]);
         let (frame_a, frame_b) = (&of_a.frame, &of_b.frame);
         let travelled = of_a.travelled + of_b.travelled;
-        let body = self.convex(b)?;
         match (cache, a) {
             (Cache::Body(cache), Partner::Body(i)) => {
-                let shape = self.convex(i)?;
+                let (shape, body) = (self.shape(i).convex()?, self.shape(b).convex()?);
                 self.pair
                     .evaluate_cached(shape, frame_a, body, frame_b, cache, travelled, scratch)
             }
             (Cache::Wall(cache), Partner::Wall(w)) => {
-                let wall = self.planes(w)?;
+                let (wall, body) = (self.planes(w)?, self.shape(b).convex()?);
                 self.cavity
                     .evaluate_cached(wall, frame_a, body, frame_b, cache, travelled, scratch)
+            }
+            (Cache::Sphere { clear_until }, _) => {
+                if travelled < *clear_until {
+                    return None;
+                }
+                let body = self.shape(b);
+                let meeting = match a {
+                    Partner::Body(i) => {
+                        Meeting::of_bodies([self.shape(i), body], [frame_a, frame_b])?
+                    }
+                    Partner::Wall(w) => {
+                        Meeting::with_wall(self.planes(w)?, frame_a, body, frame_b)?
+                    }
+                };
+                let (gap, _) = meeting.gap();
+                *clear_until = travelled + gap.max(0.0);
+                (gap < 0.0).then(|| meeting.overlap(&self.sphere)).flatten()
             }
             _ => None,
         }

@@ -247,7 +247,7 @@ mod tests {
             energy: 1.0,
             volume: 1.0,
             area: 1.0,
-            foundation: Foundation::round(k, 0.01 * k),
+            foundation: Foundation::round(Vector3::zeros(), Vector3::x(), k, 0.01 * k),
             torsion_radius: 0.1,
         }
     }

@@ -45,6 +45,7 @@ impl PairTable {
 mod tests {
     use super::*;
     use crate::batch::pairs::Neighbour;
+    use crate::body_shape::Kind;
     use crate::contact::Partner;
 
     /// Bodies in a row, each a neighbour of the four before and the four after it; entered from the last to
@@ -52,7 +53,7 @@ mod tests {
     fn scrambled(bodies: u32) -> PairTable {
         let mut table = PairTable::default();
         for body in 0..bodies as usize {
-            table.set_body(body, false);
+            table.set_body(body, Kind::Convex);
         }
         for body in (0..bodies).rev() {
             let near = body.saturating_sub(4)..bodies.min(body + 5);

@@ -23,6 +23,7 @@ use crate::kernel::{CavityKernel, PairKernel};
 use crate::law::{ContactLaw, ContactParameters};
 use crate::motion::Motion;
 use crate::slots::Slots;
+use crate::sphere::SphereKernel;
 use crate::walls::WallShape;
 use evaluate::{Context, Views};
 use gather::{Sums, load_not_finite};
@@ -94,9 +95,9 @@ pub struct ContactBatch {
     /// Whether the shapes are those of the bodies: not in a batch that was read and has not got them back.
     #[serde(skip)]
     restored: bool,
-    /// Fans of the convex shapes; empty as long as there is no mesh.
+    /// The shapes as tetrahedra; empty as long as there is no mesh.
     #[serde(skip)]
-    fans: Vec<Option<Arc<FieldMesh>>>,
+    fans: Vec<Arc<FieldMesh>>,
     /// Numbers of bodies and of walls. What other lists hold for numbers not in use means nothing.
     body_slots: Slots,
     wall_slots: Slots,
@@ -135,7 +136,7 @@ impl ContactBatch {
         }
     }
 
-    /// Adds a shape, convex or a mesh, and returns its index.
+    /// Adds a shape, convex, a sphere or a mesh, and returns its index.
     pub fn add_shape(&mut self, shape: impl Into<BodyShape>) -> u32 {
         self.shapes.push(shape.into());
         self.shapes.len() as u32 - 1
@@ -146,7 +147,7 @@ impl ContactBatch {
     /// # Errors
     /// [`ContactError::NoSuch`] if the shape was never added.
     pub fn add_body(&mut self, shape: u32) -> Result<BodyId, ContactError> {
-        let is_mesh = self.known_shape(shape)?.is_mesh();
+        let kind = self.known_shape(shape)?.kind();
         let (body, is_new) = self.body_slots.take();
         let i = body as usize;
         if is_new {
@@ -157,7 +158,7 @@ impl ContactBatch {
             self.body_shapes[i] = shape;
             self.awake[i] = true;
         }
-        self.pairs.set_body(i, is_mesh);
+        self.pairs.set_body(i, kind);
         self.awake_changed = true;
         Ok(body)
     }
@@ -242,7 +243,7 @@ impl ContactBatch {
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if a body refers to a shape that is not there, [`ContactError::Stored`] if the shape is
-    /// of another kind, convex or a mesh, than it was, or if what was read is not consistent.
+    /// of another kind, convex, sphere or mesh, than it was, or if what was read is not consistent.
     pub fn restore_shapes(&mut self, shapes: Vec<BodyShape>) -> Result<(), ContactError> {
         stored::check(self, &shapes)?;
         self.shapes = shapes;
@@ -377,6 +378,7 @@ impl ContactBatch {
         let parameters = *self.law.parameters();
         let pair = PairKernel::new(parameters.penalty)?;
         let cavity = CavityKernel::new(parameters.penalty)?;
+        let sphere = SphereKernel::new(parameters.penalty)?;
         let general = GeneralKernel::new(parameters.penalty)?;
         let context = |view: Snapshot<'a>| Context {
             // Who looks ahead steps far.
@@ -386,6 +388,7 @@ impl ContactBatch {
                 pair
             },
             cavity,
+            sphere,
             general,
             parameters,
             at_walls: parameters.at_walls(),
@@ -463,14 +466,11 @@ impl ContactBatch {
         check("dt", view.dt, view.dt >= 0.0, "0 or more and finite, in s")
     }
 
-    /// Makes tetrahedra of the convex shapes, once a mesh can meet them.
+    /// Makes tetrahedra of the shapes, once a mesh can meet them.
     fn make_fans(&mut self) -> Result<(), ContactError> {
         if self.fans.len() < self.shapes.len() && self.pairs.has_meshes() {
             for shape in &self.shapes[self.fans.len()..] {
-                self.fans.push(match shape {
-                    BodyShape::Convex(convex) => Some(Arc::new(convex.fan()?)),
-                    BodyShape::Mesh(_) => None,
-                });
+                self.fans.push(shape.tetrahedra()?);
             }
         }
         Ok(())

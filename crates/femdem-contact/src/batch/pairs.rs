@@ -2,6 +2,7 @@
 //! the pairs to evaluate.
 
 use super::history::{History, PatchRecord};
+use crate::body_shape::Kind;
 use crate::contact::{BodyId, Contact, Partner};
 use crate::general::GeneralCache;
 use crate::kernel::{CavityCache, PairCache};
@@ -12,7 +13,7 @@ use std::collections::BTreeSet;
 /// Neighbour code: bodies by index, walls by index plus this.
 const WALL: u32 = 1 << 31;
 
-/// The stored data of a candidate pair. A convex pair stores its one patch here, others store theirs in the
+/// The stored data of a candidate pair. A pair of convex bodies stores its one patch here, others store theirs in the
 /// cache. Half of the pairs of a pack do not touch, so the data of a contact is boxed.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Pair {
@@ -37,7 +38,7 @@ impl Pair {
     pub fn contacts(&self) -> impl Iterator<Item = &Contact> {
         let patches: &[PatchRecord] = match &self.cache {
             Cache::Mesh(mesh) => &mesh.patches,
-            Cache::Body(_) | Cache::Wall(_) => &[],
+            Cache::Body(_) | Cache::Wall(_) | Cache::Sphere { .. } => &[],
         };
         self.touch
             .as_deref()
@@ -60,7 +61,7 @@ impl Pair {
     pub fn contacts_mut(&mut self) -> impl Iterator<Item = &mut Contact> {
         let patches: &mut [PatchRecord] = match &mut self.cache {
             Cache::Mesh(mesh) => &mut mesh.patches,
-            Cache::Body(_) | Cache::Wall(_) => &mut [],
+            Cache::Body(_) | Cache::Wall(_) | Cache::Sphere { .. } => &mut [],
         };
         self.touch
             .as_deref_mut()
@@ -74,6 +75,7 @@ impl Pair {
         match &self.cache {
             Cache::Body(cache) => cache.is_clear(travelled),
             Cache::Wall(cache) => cache.is_clear(travelled),
+            Cache::Sphere { clear_until } => travelled < *clear_until,
             Cache::Mesh(mesh) => mesh.cache.is_clear(travelled),
         }
     }
@@ -92,6 +94,10 @@ impl Pair {
 pub(crate) enum Cache {
     Body(PairCache),
     Wall(CavityCache),
+    /// A sphere with anything but a mesh: the travel up to which they are apart, m.
+    Sphere {
+        clear_until: f64,
+    },
     Mesh(Box<MeshPair>),
 }
 
@@ -117,8 +123,8 @@ pub(crate) struct PairTable {
     pub(super) neighbours: Vec<Vec<Neighbour>>,
     pub(super) order: Vec<u32>,
     changed: bool,
-    /// Whether a body or a wall is a mesh.
-    mesh_bodies: Vec<bool>,
+    kinds: Vec<Kind>,
+    /// Whether a wall is a mesh.
     mesh_walls: Vec<bool>,
     /// Bodies of pairs that ended since this was last emptied.
     #[serde(skip)]
@@ -126,13 +132,13 @@ pub(crate) struct PairTable {
 }
 
 impl PairTable {
-    /// Notes a body that has no pairs, and whether it is a mesh.
-    pub fn set_body(&mut self, body: usize, is_mesh: bool) {
+    /// Notes a body that has no pairs, and its kind.
+    pub fn set_body(&mut self, body: usize, kind: Kind) {
         if body == self.neighbours.len() {
             self.neighbours.push(Vec::new());
-            self.mesh_bodies.push(is_mesh);
+            self.kinds.push(kind);
         } else {
-            self.mesh_bodies[body] = is_mesh;
+            self.kinds[body] = kind;
         }
         self.changed = true;
     }
@@ -175,21 +181,24 @@ impl PairTable {
 
     /// Whether any body or wall is a mesh.
     pub fn has_meshes(&self) -> bool {
-        self.mesh_bodies.iter().chain(&self.mesh_walls).any(|m| *m)
+        self.kinds.contains(&Kind::Mesh) || self.mesh_walls.contains(&true)
     }
 
     fn is_mesh(&self, code: u32) -> bool {
-        let (list, index) = if code >= WALL {
-            (&self.mesh_walls, code & !WALL)
+        if code >= WALL {
+            self.mesh_walls[(code & !WALL) as usize]
         } else {
-            (&self.mesh_bodies, code)
-        };
-        list[index as usize]
+            self.kinds[code as usize] == Kind::Mesh
+        }
     }
 
-    /// Whether a body is a mesh, if it is there.
-    pub fn is_mesh_body(&self, body: usize) -> Option<bool> {
-        self.mesh_bodies.get(body).copied()
+    fn is_sphere(&self, code: u32) -> bool {
+        code < WALL && self.kinds[code as usize] == Kind::Sphere
+    }
+
+    /// The kind of a body's shape, if it is there.
+    pub fn kind_of(&self, body: usize) -> Option<Kind> {
+        self.kinds.get(body).copied()
     }
 
     /// Number of walls.
@@ -204,13 +213,27 @@ impl PairTable {
         slots.filter_map(move |(slot, pair)| (!free.contains(&slot)).then_some(pair))
     }
 
-    /// Whether one of the two is a mesh.
-    pub fn meets_mesh(&self, pair: &Pair) -> bool {
+    /// A cache, never used, of the kind that two need.
+    fn cache_for(&self, code: u32, body: BodyId) -> Cache {
+        if self.is_mesh(body) || self.is_mesh(code) {
+            Cache::Mesh(Box::default())
+        } else if self.is_sphere(body) || self.is_sphere(code) {
+            Cache::Sphere { clear_until: 0.0 }
+        } else if code >= WALL {
+            Cache::Wall(CavityCache::default())
+        } else {
+            Cache::Body(PairCache::default())
+        }
+    }
+
+    /// Whether the cache of a pair is of the kind that its sides need.
+    pub fn has_its_cache(&self, pair: &Pair) -> bool {
         let code = match pair.a {
             Partner::Body(a) => a,
             Partner::Wall(w) => WALL | w,
         };
-        self.is_mesh(code) || self.is_mesh(pair.b)
+        let wanted = self.cache_for(code, pair.b);
+        std::mem::discriminant(&wanted) == std::mem::discriminant(&pair.cache)
     }
 
     /// Whether all slots in the lists are there.
@@ -275,17 +298,10 @@ impl PairTable {
         } else {
             (Partner::Body(body.min(code)), body.max(code))
         };
-        let cache = if self.is_mesh(body) || self.is_mesh(code) {
-            Cache::Mesh(Box::default())
-        } else if code >= WALL {
-            Cache::Wall(CavityCache::default())
-        } else {
-            Cache::Body(PairCache::default())
-        };
         let pair = Pair {
             a,
             b,
-            cache,
+            cache: self.cache_for(code, body),
             touch: None,
             was: 0.0,
         };

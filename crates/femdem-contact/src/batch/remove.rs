@@ -1,6 +1,7 @@
 //! Bodies and walls that go, and bodies that a host moves or reshapes by hand.
 
 use super::ContactBatch;
+use crate::body_shape::Kind;
 use crate::contact::{BodyId, Contact, Load, Partner};
 use crate::error::ContactError;
 
@@ -18,7 +19,7 @@ impl ContactBatch {
         self.awake[i] = false;
         self.awake_list.retain(|other| *other != body);
         self.sums.loads[i] = Load::default();
-        self.pairs.set_body(i, false);
+        self.pairs.set_body(i, Kind::Convex);
         Ok(touched)
     }
 
@@ -52,10 +53,10 @@ impl ContactBatch {
     /// # Errors
     /// [`ContactError::NoSuch`] if there is no such body or shape.
     pub fn reshape(&mut self, body: BodyId, shape: u32) -> Result<Vec<BodyId>, ContactError> {
-        let is_mesh = self.known_shape(shape)?.is_mesh();
+        let kind = self.known_shape(shape)?.kind();
         let touched = self.leave(body)?;
         self.body_shapes[body as usize] = shape;
-        self.pairs.set_body(body as usize, is_mesh);
+        self.pairs.set_body(body as usize, kind);
         Ok(touched)
     }
 

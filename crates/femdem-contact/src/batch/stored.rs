@@ -20,9 +20,9 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
             });
         };
         let is_there = batch.contains(body as u32);
-        if is_there && batch.pairs.is_mesh_body(body) != Some(kind.is_mesh()) {
+        if is_there && batch.pairs.kind_of(body) != Some(kind.kind()) {
             return Err(ContactError::Stored {
-                what: format!("the kind, convex or mesh, of the shape of body {body}"),
+                what: format!("the kind, convex, sphere or mesh, of the shape of body {body}"),
             });
         }
     }
@@ -67,13 +67,15 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
             Partner::Body(a) => is_body(a),
             Partner::Wall(a) => batch.wall(a).is_some(),
         };
-        let mesh = a_is_there && b_is_there && table.meets_mesh(pair);
+        if !(a_is_there && b_is_there && table.has_its_cache(pair)) {
+            return false;
+        }
         let convex = |body: u32| {
             let shape = *batch.body_shapes.get(body as usize)?;
             shapes.get(shape as usize)?.convex()
         };
         let cached = match (&pair.cache, pair.a) {
-            (Cache::Mesh(_), _) => mesh,
+            (Cache::Mesh(_) | Cache::Sphere { .. }, _) => true,
             (Cache::Body(cache), Partner::Body(a)) => convex(a)
                 .zip(convex(pair.b))
                 .is_some_and(|(a, b)| cache.fits(a, b)),
@@ -85,7 +87,7 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
             _ => false,
         };
         let own = pair.contacts().all(|c| (c.a, c.b) == (pair.a, pair.b));
-        a_is_there && b_is_there && cached && own
+        cached && own
     };
     if sound && table.pairs().all(fits) {
         return Ok(());

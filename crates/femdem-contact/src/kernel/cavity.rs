@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 /// Wall penalty over body penalty.
-const WALL_FACTOR: f64 = 2.0;
+pub(crate) const WALL_FACTOR: f64 = 2.0;
 
 /// Lists stay valid while the relative motion is below this fraction of twice the inradius.
 const MARGIN: f64 = 0.01;

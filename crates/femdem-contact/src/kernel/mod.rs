@@ -19,8 +19,9 @@ mod separation;
 mod side;
 mod skin;
 
+pub(crate) use cavity::WALL_FACTOR;
 pub use cavity::{CavityCache, CavityKernel};
 pub use overlap::{Overlap, mean_penetration};
 pub use pair::{PairCache, PairKernel, Scratch};
 
-pub(crate) use clip::{Line, Point, integrate};
+pub(crate) use clip::{Clipper, Cut, Line, Point, Second, integrate};

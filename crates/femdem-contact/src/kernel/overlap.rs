@@ -33,6 +33,19 @@ pub struct Overlap {
 }
 
 impl Overlap {
+    /// The same contact with A and B exchanged.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        Self {
+            force: -self.force,
+            moment: -self.moment,
+            arm_a: self.arm_b,
+            arm_b: self.arm_a,
+            normal: -self.normal,
+            ..*self
+        }
+    }
+
     /// Magnitude of the elastic normal force, N.
     pub fn force_magnitude(&self) -> f64 {
         self.force.dot(&self.normal)

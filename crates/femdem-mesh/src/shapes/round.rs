@@ -8,6 +8,9 @@ family! {
     /// A sphere as an icosahedron whose triangles are split in four `level` times, with all vertices
     /// on the sphere.
     ///
+    /// The program `femdem` takes rigid bodies of this family that are named without a level, `sphere`, as exact balls,
+    /// and those with one, as `sphere:level=3`, as polyhedra.
+    ///
     /// The polyhedron lies inside the sphere. Its volume falls short of the sphere's, and its faces
     /// reach at most so far below the sphere (as parts of the volume and of the radius):
     ///
@@ -19,7 +22,7 @@ family! {
     /// | 3 | 1,280 | 0.86 % | 0.46 % |
     /// | 4 | 5,120 | 0.22 % | 0.12 % |
     /// | 5 | 20,480 | 0.054 % | 0.029 % |
-    Sphere = "sphere", "sphere, a subdivided icosahedron", size: "the diameter of the sphere" {
+    Sphere = "sphere", "sphere; given a level, a subdivided icosahedron", size: "the diameter of the sphere" {
         /// How often the triangles of the icosahedron are split in four.
         level: u32 = 3, in 0, 5;
     }

@@ -142,6 +142,18 @@ impl World {
         self.insert_shape(Shape::new(name, polyhedron))
     }
 
+    /// Adds a sphere of a radius in m, about the origin of its coordinates, and returns its index.
+    ///
+    /// Mass and inertia are those of the exact ball, and so are the contacts with spheres, walls of planes and convex
+    /// shapes ([`Sphere`](femdem_contact::Sphere)); with meshes and deformable bodies they are those of the polyhedron that
+    /// is drawn.
+    ///
+    /// # Errors
+    /// [`SolveError::Contact`] unless the radius is between 1e-40 and 1e40 m.
+    pub fn add_sphere(&mut self, name: &str, radius: f64) -> Result<ShapeId, SolveError> {
+        self.insert_shape(Shape::sphere(name, radius)?)
+    }
+
     /// Adds a shape of any form and returns its index: its surface, and tetrahedra that fill it,
     /// in the same coordinates, with the field that makes the contact forces.
     ///

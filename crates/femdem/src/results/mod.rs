@@ -9,9 +9,9 @@ mod summary;
 use std::path::Path;
 
 use femdem_contact::Contact;
-use femdem_mesh::{Point3, Vector3};
+use femdem_mesh::{Point3, Polyhedron, Vector3};
 use femdem_pack::Packing;
-use femdem_solve::World;
+use femdem_solve::{Shape, World};
 
 pub use facts::run_facts;
 pub use parts::{ContainerSummary, ShapeSummary};
@@ -30,7 +30,7 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
     let world = packing.world();
     let shapes = world.shapes().iter().map(|shape| NamedShape {
         name: shape.name.clone(),
-        polyhedron: shape.polyhedron.clone(),
+        polyhedron: surface_of(shape),
     });
     let bodies = (0..).map_while(|id| {
         Some(Body {
@@ -54,6 +54,17 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
         gravity: packing.spec().gravity,
         gaps: Gaps::default(),
     }
+}
+
+/// The surface with which a shape is drawn and measured: that of a sphere is a polyhedron of the same volume, so that
+/// densities are those of the sphere.
+fn surface_of(shape: &Shape) -> Polyhedron {
+    let own = &shape.polyhedron;
+    let larger = shape.sphere.and_then(|_| {
+        let ratio = shape.volume / own.mass_properties().volume;
+        own.scaled(ratio.cbrt()).ok()
+    });
+    larger.unwrap_or_else(|| own.clone())
 }
 
 /// A contact record as a row that starts from a body.
@@ -148,4 +159,24 @@ pub fn write(folder: &Path, packing: &Packing, usage: &Usage) -> Result<Summary,
     write_file(folder.join("pack.png"), |w| picture.write_png(w))?;
     write_file(folder.join("summary.json"), |w| summary.write_json(w))?;
     Ok(summary)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use femdem_solve::WorldParameters;
+
+    /// A sphere is measured with its volume, other bodies as they are.
+    #[test]
+    fn surfaces_have_the_volume_of_their_bodies() {
+        let mut world = World::new(WorldParameters::default()).unwrap();
+        world.add_sphere("ball", 0.3).unwrap();
+        let own = world.shapes()[0].polyhedron.clone();
+        world.add_shape("facets", &own).unwrap();
+        for shape in world.shapes() {
+            let volume = surface_of(shape).mass_properties().volume;
+            assert!((volume / shape.volume - 1.0).abs() < 1e-12);
+        }
+        assert_eq!(surface_of(&world.shapes()[1]), own);
+    }
 }

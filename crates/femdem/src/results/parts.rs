@@ -65,7 +65,7 @@ impl ShapeSummary {
             name: shape.name.clone(),
             count,
             diameter: shape.diameter(),
-            volume: shape.polyhedron.mass_properties().volume,
+            volume: shape.volume(),
             faces: shape.polyhedron.face_count(),
             convex: shape.polyhedron.is_convex(),
             tetrahedra: shape.mesh.as_ref().map(|mesh| mesh.tets().len()),

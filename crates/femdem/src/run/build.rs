@@ -270,6 +270,7 @@ impl Simulation {
                 self.world
                     .add_mesh_shape(name, surface, mesh, Field::Body)?
             }
+            _ if geometry.is_ball => self.world.add_sphere(name, surface.bounding_radius())?,
             _ => self.world.add_shape(name, surface)?,
         };
         let mut ids = Vec::new();

@@ -10,7 +10,7 @@ use femdem_mesh::{Point3, Polyhedron, TetMesh, Vector3};
 use super::{Behaviour, BodyEntry};
 use crate::Error;
 use crate::error::wrong;
-use crate::scene::{ShapeNote, Unit, surface};
+use crate::scene::{ShapeNote, Unit, is_ball, surface};
 
 /// Edge length of the tetrahedra of deformable bodies, in circumscribed diameters.
 const DEFAULT_MESH_SIZE: f64 = 0.2;
@@ -25,6 +25,8 @@ pub(super) struct Geometry {
     pub surface: Polyhedron,
     /// Tetrahedra, if the entry or its behaviour needs them.
     pub mesh: Option<TetMesh>,
+    /// Whether the body is the exact ball around the surface.
+    pub is_ball: bool,
     /// How the surface was read and meshed.
     pub note: Option<ShapeNote>,
 }
@@ -117,6 +119,7 @@ impl BodyEntry {
                 name,
                 surface,
                 mesh: None,
+                is_ball: is_ball(text),
                 note,
             });
         }
@@ -142,6 +145,7 @@ impl BodyEntry {
             name,
             surface,
             mesh: Some(mesh),
+            is_ball: false,
             note: Some(note),
         })
     }
@@ -194,6 +198,7 @@ impl Geometry {
             name,
             surface: mesh.surface()?,
             mesh: Some(mesh),
+            is_ball: false,
             note: None,
         })
     }

@@ -1,5 +1,6 @@
 //! From the shapes named in a scene to bodies that can be packed.
 
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use femdem_mesh::io::Report;
@@ -11,10 +12,17 @@ use femdem_pack::{PackError, PackShape};
 use super::{DEFAULT_DIAMETER, Scene, ShapeNote, Unit, surface};
 use crate::Error;
 
+/// Whether a text names the exact ball: the sphere without its level, which would make it a polyhedron.
+pub(crate) fn is_ball(text: &str) -> bool {
+    !text.contains(':') && matches!(text.parse(), Ok(Shape::Sphere(_)))
+}
+
 /// A shape before it has a size.
 struct Source {
     name: String,
     form: Form,
+    /// Whether it is the exact ball.
+    ball: bool,
     share: f64,
 }
 
@@ -40,11 +48,13 @@ pub(super) fn bodies(scene: &Scene) -> Result<(Vec<PackShape>, Vec<ShapeNote>), 
         let options = mesh_options(scene, &polyhedron)?;
         let (shape, mesh) = PackShape::of_surface(&source.name, polyhedron, &options)
             .map_err(|error| source.named(error))?;
-        notes.push(source.note(scene.unit, &shape, mesh));
-        shapes.push(PackShape {
+        let shape = PackShape {
             share: source.share,
+            sphere: source.ball,
             ..shape
-        });
+        };
+        notes.push(source.note(scene.unit, &shape, mesh));
+        shapes.push(shape);
     }
     if let (Some(size), true) = (scene.mesh_size, notes.iter().all(|note| note.is_convex)) {
         return Err(Error::Option {
@@ -85,18 +95,27 @@ fn sources(scene: &Scene) -> Result<Vec<Source>, Error> {
     let mut sources: Vec<Source> = Vec::new();
     for (text, share) in scene.shape.iter().zip(shares) {
         let form = form(text, scene)?;
+        let ball = is_ball(text);
         let name = match &form {
+            // With its level, which tells it from the ball.
+            Form::Shape(shape @ Shape::Sphere(_)) if !ball => format!("{shape:#}"),
             Form::Shape(shape) => shape.to_string(),
             Form::File { path, .. } => file_stem(path),
         };
         let variants = variants(&form, scene.variety)?;
         let share = share / variants.len().max(1) as f64;
         if variants.is_empty() {
-            sources.push(Source { name, form, share });
+            sources.push(Source {
+                name,
+                form,
+                ball,
+                share,
+            });
         }
         sources.extend(variants.into_iter().map(|shape| Source {
             name: shape.to_string(),
             form: Form::Shape(shape),
+            ball: false,
             share,
         }));
     }
@@ -190,7 +209,12 @@ impl Source {
             (Form::Shape(_), None, Some(size), None) => positive("size", size)?,
             (_, None, None, Some(mass)) => {
                 let volume = positive("mass", mass)? / positive("density", scene.density)?;
-                (volume / own.mass_properties().volume).cbrt()
+                let of_own = if self.ball {
+                    4.0 / 3.0 * PI * own.bounding_radius().powi(3)
+                } else {
+                    own.mass_properties().volume
+                };
+                (volume / of_own).cbrt()
             }
             (Form::Shape(_), None, None, None) => DEFAULT_DIAMETER / (2.0 * own.bounding_radius()),
             (Form::File { .. }, None, None, None) => return Ok(own),
@@ -218,7 +242,10 @@ impl Source {
             Form::Shape(_) => None,
             Form::File { path, report, .. } => Some((path.clone(), unit, report.clone())),
         };
-        ShapeNote::new(shape.name.clone(), file, &shape.polyhedron, mesh)
+        ShapeNote {
+            volume: shape.volume(),
+            ..ShapeNote::new(shape.name.clone(), file, &shape.polyhedron, mesh)
+        }
     }
 
     /// The error of a body with its file, if it has one.
@@ -297,6 +324,28 @@ mod tests {
             ["boulder:seed=7", "boulder:seed=8", "boulder:seed=9", "P5"]
         );
         assert_ne!(shapes[0].polyhedron, shapes[1].polyhedron);
+    }
+
+    /// A sphere is the exact ball unless it has a level, which is then in its name; both have the mass asked for.
+    #[test]
+    fn a_sphere_without_a_level_is_a_ball() {
+        let shape = ["sphere", "sphere:level=3"].map(str::to_owned).to_vec();
+        let scene = Scene {
+            shape,
+            mass: Some(2.0),
+            density: 1000.0,
+            ..Scene::default()
+        };
+        let shapes = packed(&scene);
+        let names: Vec<&str> = shapes.iter().map(|shape| shape.name.as_str()).collect();
+        assert_eq!(names, ["sphere", "sphere:level=3"]);
+        assert_eq!([shapes[0].sphere, shapes[1].sphere], [true, false]);
+        for shape in &shapes {
+            assert!((shape.volume() / 0.002 - 1.0).abs() < 1e-12);
+        }
+        let radius = (0.006 / (4.0 * PI)).cbrt();
+        assert!((shapes[0].diameter() / (2.0 * radius) - 1.0).abs() < 1e-12);
+        assert!(shapes[1].diameter() > 1.002 * shapes[0].diameter());
     }
 
     /// Diameter is that of the sphere around the body, size a length of the shape, mass by density.

@@ -31,6 +31,7 @@ use femdem_pack::{Mixing, PackSpec, Packing, Penalty, Pour, Protocol, Release, S
 use femdem_solve::Medium;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use bodies::is_ball;
 pub use footprint::Footprint;
 pub use length::Length;
 pub use note::ShapeNote;

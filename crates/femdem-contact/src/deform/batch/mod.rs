@@ -90,11 +90,10 @@ pub(crate) struct RigidShape {
 
 impl RigidShape {
     fn new(shape: BodyShape) -> Result<Self, ContactError> {
-        let mesh = match &shape {
-            BodyShape::Convex(convex) => Arc::new(convex.fan()?),
-            BodyShape::Mesh(mesh) => Arc::clone(mesh),
-        };
-        Ok(Self { shape, mesh })
+        Ok(Self {
+            mesh: shape.tetrahedra()?,
+            shape,
+        })
     }
 }
 

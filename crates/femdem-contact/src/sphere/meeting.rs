@@ -1,0 +1,100 @@
+//! A sphere and whatever it meets, in either order.
+
+use super::convex;
+use super::kernel::{SphereKernel, place};
+use super::shape::Sphere;
+use crate::body_shape::BodyShape;
+use crate::kernel::Overlap;
+use crate::shape::{ConvexShape, Frame};
+use crate::walls::Wall;
+use femdem_mesh::Vector3;
+
+/// What a sphere meets.
+#[derive(Debug, Clone, Copy)]
+enum Other<'a> {
+    Sphere(&'a Sphere),
+    Convex(&'a ConvexShape),
+    Wall(&'a Wall),
+}
+
+/// A pair with a sphere.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Meeting<'a> {
+    other: Other<'a>,
+    frame: &'a Frame,
+    sphere: &'a Sphere,
+    centre: &'a Vector3,
+    /// Whether the sphere is side A.
+    reversed: bool,
+}
+
+impl<'a> Meeting<'a> {
+    /// Of bodies A and B; `None` without a sphere, or with a mesh.
+    pub fn of_bodies(shapes: [&'a BodyShape; 2], frames: [&'a Frame; 2]) -> Option<Self> {
+        let reversed = shapes[1].sphere().is_none();
+        let (own, its) = if reversed { (0, 1) } else { (1, 0) };
+        let other = match shapes[its] {
+            BodyShape::Sphere(sphere) => Other::Sphere(sphere),
+            BodyShape::Convex(convex) => Other::Convex(convex),
+            BodyShape::Mesh(_) => return None,
+        };
+        Some(Self {
+            other,
+            frame: frames[its],
+            sphere: shapes[own].sphere()?,
+            centre: &frames[own].position,
+            reversed,
+        })
+    }
+
+    /// Of a wall A and a body B; `None` if that is no sphere.
+    pub fn with_wall(
+        wall: &'a Wall,
+        frame: &'a Frame,
+        body: &'a BodyShape,
+        of_body: &'a Frame,
+    ) -> Option<Self> {
+        Some(Self {
+            other: Other::Wall(wall),
+            frame,
+            sphere: body.sphere()?,
+            centre: &of_body.position,
+            reversed: false,
+        })
+    }
+
+    /// A lower bound of their distance, m, negative if they may touch; from bodies also a direction from A to B, in
+    /// world axes, along which they are that far apart.
+    pub fn gap(&self) -> (f64, Vector3) {
+        let radius = self.sphere.radius();
+        let (between, local) = place(self.frame, self.centre);
+        let (gap, direction) = match self.other {
+            Other::Sphere(other) => {
+                let distance = between.norm();
+                let direction = between / distance.max(f64::MIN_POSITIVE);
+                (distance - radius - other.radius(), direction)
+            }
+            Other::Convex(body) => {
+                let (gap, normal) = convex::gap(body, &local, radius);
+                (gap, self.frame.rotation * normal)
+            }
+            Other::Wall(wall) => (wall.clearance(&local) - radius, Vector3::zeros()),
+        };
+        (gap, if self.reversed { -direction } else { direction })
+    }
+
+    /// Their contact.
+    pub fn overlap(&self, kernel: &SphereKernel) -> Option<Overlap> {
+        let (frame, sphere, centre) = (self.frame, self.sphere, self.centre);
+        let found = match self.other {
+            Other::Sphere(other) => kernel.evaluate(other, sphere, &(centre - frame.position)),
+            Other::Convex(body) => kernel.evaluate_convex(body, frame, sphere, centre),
+            Other::Wall(wall) => kernel.evaluate_wall(wall, frame, sphere, centre),
+        }?;
+        Some(if self.reversed {
+            found.reversed()
+        } else {
+            found
+        })
+    }
+}
