@@ -83,7 +83,7 @@ impl Pack {
         let own = &self.batch.shapes()[b % 4];
         let Partner::Body(i) = a else {
             let Partner::Wall(w) = a else { unreachable!() };
-            let wall = self.batch.walls()[w as usize].planes().unwrap();
+            let wall = self.batch.wall(w).unwrap().planes().unwrap();
             let at = &Frame::identity();
             return kernel.evaluate_wall(wall, at, own.sphere()?, &frame_b.position);
         };
