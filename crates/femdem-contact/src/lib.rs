@@ -130,6 +130,7 @@ mod shape;
 mod sides;
 #[cfg(feature = "proptest")]
 pub mod strategies;
+mod tets;
 mod walls;
 
 pub use femdem_mesh as mesh;

@@ -5,9 +5,9 @@ use super::scratch::DeformableScratch;
 use super::skins::{Met, SkinScratch};
 use super::sums::{PairSums, Place, Triangles};
 use super::walk::{Meet, Walk};
-use crate::general::piece::Piece;
-use crate::general::pieces::intersect;
-use crate::general::posed::{Posed, PosedList};
+use crate::tets::piece::Piece;
+use crate::tets::pieces::intersect;
+use crate::tets::posed::{Posed, PosedList};
 
 /// How the sums of a pair are formed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -187,8 +187,8 @@ impl Near {
 
 #[cfg(test)]
 mod tests {
-    use super::super::current::Operand;
     use super::super::near::Tree;
+    use super::super::operand::Operand;
     use super::super::shape::DeformableShape;
     use super::*;
     use femdem_mesh::catalogue::{CatalogueShape, Solid};

@@ -16,8 +16,9 @@
 //! in which nothing cancels for slight overlaps. The volume of the part of i that is in B is found alike, with
 //! (x - x_k) (1/3 - 1/(3 g³)) of one corner inside the body and the whole volume of i if that corner lies in B.
 
-use super::clip::{Clip, Flux, Left, depths, is_outside, sunken};
-use super::sums::{PairSums, Place, PolygonSums, Triangles};
+use super::sums::{PairSums, Place, Triangles};
+use crate::tets::clip::{Clip, Flux, Left, depths, is_outside, sunken};
+use crate::tets::polygon::PolygonSums;
 use femdem_mesh::{Matrix3, Vector3};
 
 /// How the skins of a pair of tetrahedra met.

@@ -1,11 +1,12 @@
 //! Loop over the candidates of a pair.
 
-use super::current::{Current, Operand};
 use super::near::{Failure, Near, Sides};
+use super::operand::Operand;
 use super::skins::Met;
 use super::sums::{Place, Triangles};
-use crate::general::pieces::distance;
-use crate::general::posed::PosedList;
+use crate::tets::current::Current;
+use crate::tets::pieces::distance;
+use crate::tets::posed::PosedList;
 
 /// The candidates of a pair, and storage for their posed tetrahedra.
 pub(crate) struct Walk<'a, 's> {

@@ -2,16 +2,17 @@
 
 use super::assemble::assemble;
 use super::cache::{GeneralCache, Placed};
-use super::cells::Cells;
 use super::mesh::FieldMesh;
 use super::patch::{Patch, connect};
-use super::piece::Piece;
-use super::pieces::{Record, distance, integrate, intersect};
-use super::posed::{Posed, PosedList};
+use super::pieces::{Record, integrate};
 use super::sums::Sums;
 use super::wall::SolidWall;
 use crate::error::{ContactError, check_pressure};
 use crate::shape::Frame;
+use crate::tets::cells::Cells;
+use crate::tets::piece::Piece;
+use crate::tets::pieces::{distance, intersect};
+use crate::tets::posed::{Posed, PosedList};
 use serde::{Deserialize, Serialize};
 
 /// Buffers that the general kernel reuses from call to call.

@@ -1,9 +1,9 @@
 //! Bodies with a field on a tetrahedral mesh.
 
-use super::cells::{Cells, NONE};
 use crate::error::ContactError;
 use crate::shape::{self, ConvexShape};
 use crate::sides;
+use crate::tets::cells::{Cells, NONE};
 use femdem_mesh::tet::FACES;
 use femdem_mesh::{Matrix3, Point3, Polyhedron, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};

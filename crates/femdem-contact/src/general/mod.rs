@@ -46,16 +46,12 @@
 //!   mesh, more than one tetrahedron from the side's edges (`tests/general_sliding.rs`).
 
 mod assemble;
-pub(crate) mod cache;
-pub(crate) mod cells;
+mod cache;
 mod kernel;
 mod mesh;
-pub(crate) mod near_list;
 mod patch;
-pub(crate) mod piece;
-pub(crate) mod pieces;
-pub(crate) mod posed;
-pub(crate) mod sums;
+mod pieces;
+mod sums;
 mod wall;
 
 pub use cache::GeneralCache;

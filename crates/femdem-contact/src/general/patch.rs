@@ -1,9 +1,9 @@
 //! Connected parts of an overlap.
 
-use super::cells::{Cells, NONE};
 use super::pieces::Record;
 use crate::disjoint::{find, join};
 use crate::kernel::Overlap;
+use crate::tets::cells::{Cells, NONE};
 
 /// One connected part of the overlap of two bodies (or of a wall A and a body B).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,22 +1,7 @@
-//! Tetrahedra in their current shape, with shape functions, about the origin of a contact.
+//! Tetrahedra with shape functions, about the origin of a contact.
 
-use super::shape::DeformableShape;
-use crate::error::ContactError;
-use crate::general::posed::{Posed, bounds, extent};
-use crate::general::{FieldMesh, SolidWall};
-use crate::shape::Frame;
+use super::posed::{Posed, bounds, extent};
 use femdem_mesh::Vector3;
-
-/// One side of a pair, as input of the kernel.
-#[derive(Debug, Clone, Copy)]
-pub enum Operand<'a> {
-    /// A deformable body and the positions of its nodes, m.
-    Deformable(&'a DeformableShape, &'a [Vector3]),
-    /// A rigid body, as tetrahedra with a field.
-    Rigid(&'a FieldMesh, &'a Frame),
-    /// A wall.
-    Wall(&'a SolidWall, &'a Frame),
-}
 
 /// A tetrahedron posed about the origin of a pair.
 #[derive(Debug, Clone, Copy, Default)]
@@ -39,12 +24,6 @@ pub(crate) struct Current {
     pub skin: u8,
 }
 
-/// Errors of posing a tetrahedron.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Inverted {
-    pub tet: u32,
-}
-
 /// Values of a rigid body's field at a corner below this fraction of its change across the tetrahedron are
 /// set to zero.
 const NO_FIELD: f64 = 1e-12;
@@ -53,7 +32,7 @@ impl Current {
     /// Sets this to the tetrahedron of `corners` with the given field; `false` if its volume is not positive.
     #[must_use]
     #[inline(always)]
-    fn deform(
+    pub fn deform(
         &mut self,
         corners: [Vector3; 4],
         values: &[f64; 4],
@@ -104,7 +83,7 @@ impl Current {
         larger(larger(0, 1), larger(2, 3))
     }
 
-    fn rigid(posed: &Posed, pressure: f64) -> Self {
+    pub fn rigid(posed: &Posed, pressure: f64) -> Self {
         let [a, b, c, d] = &posed.corners;
         let mut current = Self {
             corners: posed.corners,
@@ -173,71 +152,5 @@ impl Current {
             levels[2] + c.dot(x),
             levels[3] + d.dot(x),
         ]
-    }
-}
-
-impl Operand<'_> {
-    /// Poses tetrahedron `i` about `origin`, with its field in units of `pressure`, in `room`; `None` if
-    /// there is none, an error if it is inverted.
-    #[inline(always)]
-    pub(crate) fn pose(
-        &self,
-        i: u32,
-        pressure: f64,
-        origin: &Vector3,
-        room: &mut Current,
-    ) -> Result<Option<()>, Inverted> {
-        match self {
-            Self::Deformable(shape, x) => {
-                let (Some(corners), Some(tet)) =
-                    (shape.corners(i, x), shape.tets().get(i as usize))
-                else {
-                    return Ok(None);
-                };
-                let [a, b, c, d] = corners;
-                let corners = [a - origin, b - origin, c - origin, d - origin];
-                if room.deform(corners, &tet.values, pressure, tet.skin) {
-                    Ok(Some(()))
-                } else {
-                    Err(Inverted { tet: i })
-                }
-            }
-            Self::Rigid(FieldMesh { cells, .. }, frame)
-            | Self::Wall(SolidWall { cells }, frame) => {
-                let Some(cell) = cells.list.get(i as usize) else {
-                    return Ok(None);
-                };
-                let offset = frame.position - origin;
-                *room = Current::rigid(&Posed::new(cell, &frame.rotation, &offset), pressure);
-                Ok(Some(()))
-            }
-        }
-    }
-
-    /// Length of the field, m; 0 for walls.
-    pub(crate) fn length(&self) -> f64 {
-        match self {
-            Self::Deformable(shape, _) => shape.inradius(),
-            Self::Rigid(mesh, _) => mesh.inradius(),
-            Self::Wall(..) => 0.0,
-        }
-    }
-
-    /// Checks that every node has a finite position.
-    pub(crate) fn check(&self, body: usize) -> Result<(), ContactError> {
-        let Self::Deformable(shape, x) = self else {
-            return Ok(());
-        };
-        if x.len() != shape.node_count() {
-            return Err(ContactError::NodeCount {
-                body,
-                given: x.len(),
-                expected: shape.node_count(),
-            });
-        }
-        match x.iter().position(|x| !x.iter().all(|x| x.is_finite())) {
-            Some(node) => Err(ContactError::NodeState { body, node }),
-            None => Ok(()),
-        }
     }
 }

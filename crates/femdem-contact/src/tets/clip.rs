@@ -1,8 +1,8 @@
 //! The part of a triangle of skin that lies in a tetrahedron.
 
 use super::current::Current;
+use super::polygon::PolygonSums;
 use super::row::Row;
-use super::sums::PolygonSums;
 use femdem_mesh::tet::FACES;
 use femdem_mesh::{Matrix3, Vector3};
 
