@@ -2,12 +2,13 @@
 
 use super::near::{Candidates, Failure, Near, Sides};
 use super::scratch::DeformableScratch;
-use super::skins::{Met, SkinScratch};
+use super::skins::SkinScratch;
 use super::sums::{PairSums, Place, Triangles};
 use super::walk::{Meet, Walk};
 use crate::tets::piece::Piece;
 use crate::tets::pieces::intersect;
 use crate::tets::posed::{Posed, PosedList};
+use crate::tets::skins::Met;
 
 /// How the sums of a pair are formed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

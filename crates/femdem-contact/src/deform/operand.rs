@@ -5,7 +5,6 @@ use crate::error::ContactError;
 use crate::general::{FieldMesh, SolidWall};
 use crate::shape::Frame;
 use crate::tets::current::Current;
-use crate::tets::posed::Posed;
 use femdem_mesh::Vector3;
 
 /// One side of a pair, as input of the kernel.
@@ -57,7 +56,7 @@ impl Operand<'_> {
                     return Ok(None);
                 };
                 let offset = frame.position - origin;
-                *room = Current::rigid(&Posed::new(cell, &frame.rotation, &offset), pressure);
+                *room = cell.tet.placed(&frame.rotation, &offset, pressure);
                 Ok(Some(()))
             }
         }

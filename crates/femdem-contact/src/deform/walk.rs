@@ -2,11 +2,11 @@
 
 use super::near::{Failure, Near, Sides};
 use super::operand::Operand;
-use super::skins::Met;
 use super::sums::{Place, Triangles};
 use crate::tets::current::Current;
 use crate::tets::pieces::distance;
 use crate::tets::posed::PosedList;
+use crate::tets::skins::Met;
 
 /// The candidates of a pair, and storage for their posed tetrahedra.
 pub(crate) struct Walk<'a, 's> {

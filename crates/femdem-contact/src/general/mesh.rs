@@ -205,7 +205,7 @@ fn skin_of(cells: &Cells) -> Vec<([Vector3; 3], u32)> {
     for (i, cell) in cells.list.iter().enumerate() {
         for (k, face) in FACES.iter().enumerate() {
             if cell.neighbours[k] == NONE {
-                skin.push((face.map(|c| cell.corners[c]), i as u32));
+                skin.push((face.map(|c| cell.tet.corners[c]), i as u32));
             }
         }
     }
@@ -219,7 +219,7 @@ fn face_stiffness(cells: &Cells, skin: &[([Vector3; 3], u32)]) -> f64 {
         .map(|([a, b, c], tet)| {
             let vector = (b - a).cross(&(c - a)) * 0.5;
             let area = vector.norm();
-            let slope = cells.list[*tet as usize].gradient.norm();
+            let slope = cells.list[*tet as usize].tet.gradient.norm();
             (vector / area, 2.0 * area * slope)
         })
         .collect();

@@ -51,6 +51,7 @@ mod kernel;
 mod mesh;
 mod patch;
 mod pieces;
+mod skins;
 mod sums;
 mod wall;
 

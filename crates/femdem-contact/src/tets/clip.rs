@@ -11,11 +11,14 @@ use femdem_mesh::{Matrix3, Vector3};
 const ROOM: usize = 8;
 
 /// Absolute values of shape functions up to this are treated as round-off.
-const NOISE: f64 = 1e-11;
+pub(crate) const NOISE: f64 = 1e-11;
 
 /// Polygons that come this near to a node with pressure, measured by 1 minus its shape function, are left to
 /// the sums over pieces: the flux about the node has a pole.
 const POLE: f64 = 1e-3;
+
+/// Bit of an edge that lies on face 0 of the triangle's own tetrahedron.
+const OWN: u8 = 1 << 4;
 
 /// Sizes of tetrahedra that differ by more than this factor differ much.
 const LARGE: f64 = 4.0;
@@ -46,6 +49,9 @@ pub(crate) enum Left {
 pub(crate) struct Clip {
     count: usize,
     at: [[Corner; ROOM]; 2],
+    /// What the edge that ends in each corner lies on, as a bit: 0 to 3 a face of the host, 4 + k face k of the
+    /// triangle's own tetrahedron.
+    on: [[u8; ROOM]; 2],
     now: usize,
     /// 1 if its corners are in counter-clockwise order seen from outside, else -1.
     turn: f64,
@@ -115,9 +121,12 @@ impl Clip {
         for (room, (shares, c)) in self.at[0].iter_mut().zip([(p, i), (q, j), (r, k)]) {
             *room = Corner::new(shares, &own.corners[c], host);
         }
+        for (room, c) in self.on[0].iter_mut().zip([j, k, i]) {
+            *room = OWN << c;
+        }
         let cut = low.bits(|x| x < 0.0);
         for k in 0..4 {
-            if cut >> k & 1 == 1 && !self.cut(|x| x.shares.0[k]) {
+            if cut >> k & 1 == 1 && !self.cut(1 << k, |x| x.shares.0[k]) {
                 return Left::Nothing;
             }
         }
@@ -144,7 +153,7 @@ impl Clip {
         self.turn = if inwards { -1.0 } else { 1.0 };
         for k in (0..4).filter(|k| *k != face && of_host.iter().any(|d| d.0[*k] < 0.0)) {
             let (level, slope) = (own.levels[k], own.slopes[k]);
-            if !self.cut(|x| level + slope.dot(&x.point())) {
+            if !self.cut(OWN << k, |x| level + slope.dot(&x.point())) {
                 return Left::Nothing;
             }
         }
@@ -174,17 +183,23 @@ impl Clip {
             let share = depth[from] / (depth[from] - depth[to]);
             *room = end(from).towards(&end(to), share);
         }
+        let bits = edges.map(|[from, to]| 1 << from | 1 << to);
+        for (at, room) in self.on[0][..self.count].iter_mut().enumerate() {
+            // The face without the corner that is on neither of two edges.
+            let before = (at + self.count - 1) % self.count;
+            *room = !(bits[at] | bits[before]) & 0b1111;
+        }
         true
     }
 
-    /// Keeps the part where `depth` (affine) is at least 0; `false` if none is left.
+    /// Keeps the part where `depth` (affine) is at least 0; `false` if none is left. The new edge lies on `side`.
     #[inline(always)]
-    fn cut(&mut self, depth: impl Fn(&Corner) -> f64) -> bool {
-        let [first, second] = &mut self.at;
-        let (old, new) = if self.now == 0 {
-            (&*first, second)
+    fn cut(&mut self, side: u8, depth: impl Fn(&Corner) -> f64) -> bool {
+        let ([first, second], [of_first, of_second]) = (&mut self.at, &mut self.on);
+        let (old, new, on, newly_on) = if self.now == 0 {
+            (&*first, second, &*of_first, of_second)
         } else {
-            (&*second, first)
+            (&*second, first, &*of_second, of_first)
         };
         let mut depths = [0.0; ROOM];
         let mut inside = 0;
@@ -202,14 +217,24 @@ impl Clip {
             // mispredict.
             let (dx, dy) = (depths[last], depths[at]);
             new[count % ROOM] = old[last].towards(&old[at], dx / (dx - dy));
+            newly_on[count % ROOM] = if dx >= 0.0 { on[at] } else { side };
             count += usize::from((dx >= 0.0) != (dy >= 0.0));
             new[count % ROOM] = old[at];
+            newly_on[count % ROOM] = on[at];
             count += usize::from(dy >= 0.0);
             last = at;
         }
         self.count = count;
         self.now = 1 - self.now;
         count >= 3
+    }
+
+    /// What the polygon's edges lie on, as bits: 0 to 3 the host's faces, 4 + k face k of the triangle's own
+    /// tetrahedron.
+    #[inline(always)]
+    pub fn edges(&self) -> u8 {
+        let on = self.on[self.now].iter().take(self.count);
+        on.fold(0, |bits, on| bits | on)
     }
 
     /// Integrals over the polygon with the given unit normal, and its fluxes. `None` if it comes too near to a node with pressure.
@@ -230,6 +255,8 @@ impl Clip {
         let scale = self.turn / normal[axis];
         // Integrals of position and field, of the field times both, and of the squares of both.
         let (mut first, mut moment) = (Row::default(), Row::default());
+        // Of the field times x x, y y, z z.
+        let mut spread = Row::default();
         // Of x x, y y, z z and of x y, y z, z x.
         let (mut squares, mut products) = (Row::default(), Row::default());
         let (mut area, mut flux, mut volume_flux) = (0.0, Row::default(), Row::default());
@@ -242,8 +269,12 @@ impl Clip {
             let sum = p + q + r;
             area += doubled;
             first += sum * doubled;
-            moment += (sum * sum.0[3] + p * p.0[3] + q * q.0[3] + r * r.0[3]) * doubled;
-            squares += (sum * sum + p * p + q * q + r * r) * doubled;
+            let weighted = p * p.0[3] + q * q.0[3] + r * r.0[3];
+            moment += (sum * sum.0[3] + weighted) * doubled;
+            let square = sum * sum + p * p + q * q + r * r;
+            squares += square * doubled;
+            let cubes = p * p * p.0[3] + q * q * q.0[3] + r * r * r.0[3];
+            spread += (square * sum.0[3] + (sum * weighted + cubes) * 2.0) * doubled;
             let product = |x: Row| x * x.turned();
             products += (product(sum) + product(p) + product(q) + product(r)) * doubled;
             let [energy, volume] = flux_of(x.shares, y.shares, z.shares);
@@ -271,6 +302,7 @@ impl Clip {
             second: symmetric(&squares, &products) / 24.0,
             pressure: first.0[3] / 6.0,
             moment: vector(moment, 1.0 / 24.0),
+            spread: (spread.0[0] + spread.0[1] + spread.0[2]) / 120.0,
         };
         Some((
             sums,

@@ -1,10 +1,10 @@
 //! Tetrahedra with shape functions, about the origin of a contact.
 
 use super::posed::{Posed, bounds, extent};
-use femdem_mesh::Vector3;
+use femdem_mesh::{Matrix3, Vector3};
 
 /// A tetrahedron posed about the origin of a pair.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Current {
     pub corners: [Vector3; 4],
     /// The field at the corners, Pa: scaled by the pressure of the pair's law.
@@ -24,9 +24,11 @@ pub(crate) struct Current {
     pub skin: u8,
 }
 
-/// Values of a rigid body's field at a corner below this fraction of its change across the tetrahedron are
-/// set to zero.
-const NO_FIELD: f64 = 1e-12;
+/// Constant terms of shape functions with the given slopes.
+#[inline(always)]
+fn levels([p, q, r, s]: &[Vector3; 4], [a, b, c, d]: &[Vector3; 4]) -> [f64; 4] {
+    [-p.dot(b), -q.dot(c), -r.dot(d), -s.dot(a)]
+}
 
 impl Current {
     /// Sets this to the tetrahedron of `corners` with the given field; `false` if its volume is not positive.
@@ -50,12 +52,7 @@ impl Current {
         }
         let scale = -1.0 / six_volumes;
         self.slopes = [of_a * scale, of_b * scale, of_c * scale, of_d * scale];
-        self.levels = [
-            -self.slopes[0].dot(b),
-            -self.slopes[1].dot(c),
-            -self.slopes[2].dot(d),
-            -self.slopes[3].dot(a),
-        ];
+        self.levels = levels(&self.slopes, &corners);
         // The slopes add up to zero, so only differences of values enter.
         self.gradient = (self.slopes[1] * (values[1] - values[0])
             + self.slopes[2] * (values[2] - values[0])
@@ -83,28 +80,50 @@ impl Current {
         larger(larger(0, 1), larger(2, 3))
     }
 
-    pub fn rigid(posed: &Posed, pressure: f64) -> Self {
-        let [a, b, c, d] = &posed.corners;
-        let mut current = Self {
-            corners: posed.corners,
-            gradient: posed.gradient * pressure,
-            six_volumes: (b - a).cross(&(c - a)).dot(&(d - a)),
-            low: posed.low,
-            high: posed.high,
-            size: posed.size,
-            skin: posed.skin,
-            ..Self::default()
-        };
-        let least = NO_FIELD * posed.gradient.norm() * posed.size;
-        for (k, corner) in posed.corners.iter().enumerate() {
-            // Such a remainder is round-off.
-            let value = posed.level + posed.gradient.dot(corner);
-            current.values[k] = if value > least { value * pressure } else { 0.0 };
-            let inverse_height = 1.0 / posed.depth(k, corner);
-            current.levels[k] = posed.offsets[k] * inverse_height;
-            current.slopes[k] = posed.normals[k] * -inverse_height;
+    /// The tetrahedron of a rigid body at x -> rotation x + offset, with its field in units of `pressure`.
+    #[inline(always)]
+    pub fn placed(&self, rotation: &Matrix3, offset: &Vector3, pressure: f64) -> Self {
+        let [a, b, c, d] = &self.corners;
+        let at = |x: &Vector3| rotation * x + offset;
+        let [e, f, g, h] = &self.slopes;
+        let slopes = [rotation * e, rotation * f, rotation * g, rotation * h];
+        self.posed(
+            [at(a), at(b), at(c), at(d)],
+            slopes,
+            rotation * self.gradient,
+            pressure,
+        )
+    }
+
+    /// As [`placed`](Self::placed), without a rotation and in its own units.
+    #[inline(always)]
+    pub fn shifted(&self, offset: &Vector3) -> Self {
+        let [a, b, c, d] = &self.corners;
+        let corners = [a + offset, b + offset, c + offset, d + offset];
+        self.posed(corners, self.slopes, self.gradient, 1.0)
+    }
+
+    #[inline(always)]
+    fn posed(
+        &self,
+        corners: [Vector3; 4],
+        slopes: [Vector3; 4],
+        gradient: Vector3,
+        pressure: f64,
+    ) -> Self {
+        let [low, high] = bounds(&corners);
+        Self {
+            levels: levels(&slopes, &corners),
+            gradient: gradient * pressure,
+            values: self.values.map(|v| v * pressure),
+            six_volumes: self.six_volumes,
+            size: extent(&low, &high),
+            skin: self.skin,
+            corners,
+            slopes,
+            low,
+            high,
         }
-        current
     }
 
     /// The same, with the planes of its faces.
@@ -133,6 +152,18 @@ impl Current {
     #[inline(always)]
     pub fn normal(&self, face: usize) -> Vector3 {
         self.slopes[face] * (-1.0 / self.slopes[face].norm())
+    }
+
+    /// Distance of a point along the normals of the faces, m; 0 if its shape functions are no less than -`noise`.
+    #[inline]
+    pub fn gap(&self, x: &Vector3, noise: f64) -> f64 {
+        let mut gap = 0.0;
+        for (weight, slope) in self.weights(x).iter().zip(&self.slopes) {
+            if *weight < -noise {
+                gap = f64::max(gap, -weight / slope.norm());
+            }
+        }
+        gap
     }
 
     /// Whether the boxes overlap.

@@ -1,7 +1,7 @@
 //! Tetrahedra in the local axes of a pair.
 
-use super::cells::{Cell, NONE};
-use femdem_mesh::{Matrix3, Vector3};
+use super::cells::NONE;
+use femdem_mesh::Vector3;
 
 /// A tetrahedron in local coordinates.
 #[derive(Debug, Clone, Copy, Default)]
@@ -36,49 +36,6 @@ pub(crate) struct Across {
 const CLOSE: f64 = 1e-5;
 
 impl Posed {
-    /// x -> rotation x + offset.
-    pub fn new(cell: &Cell, rotation: &Matrix3, offset: &Vector3) -> Self {
-        let normals = cell.normals.map(|n| rotation * n);
-        let corners = cell.corners.map(|x| rotation * x + offset);
-        Self::assemble(cell, corners, normals, rotation * cell.gradient)
-    }
-
-    /// x -> x + offset.
-    pub fn shifted(cell: &Cell, offset: &Vector3) -> Self {
-        let corners = cell.corners.map(|x| x + offset);
-        Self::assemble(cell, corners, cell.normals, cell.gradient)
-    }
-
-    fn assemble(
-        cell: &Cell,
-        corners: [Vector3; 4],
-        normals: [Vector3; 4],
-        gradient: Vector3,
-    ) -> Self {
-        let [a, b, c, d] = &corners;
-        let mut skin = 0;
-        for (k, n) in cell.neighbours.iter().enumerate() {
-            skin |= u8::from(*n == NONE) << k;
-        }
-        let [low, high] = bounds(&corners);
-        Self {
-            offsets: [
-                normals[0].dot(b),
-                normals[1].dot(c),
-                normals[2].dot(d),
-                normals[3].dot(a),
-            ],
-            level: cell.level - gradient.dot(a),
-            low,
-            high,
-            size: extent(&low, &high),
-            corners,
-            normals,
-            gradient,
-            skin,
-        }
-    }
-
     /// Depth of a point under face k, m.
     #[inline]
     pub fn depth(&self, k: usize, x: &Vector3) -> f64 {
@@ -246,11 +203,18 @@ impl<T: Default> PosedList<T> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::current::Current;
     use super::*;
 
     fn tet(corners: [[f64; 3]; 4]) -> Posed {
-        let cell = Cell::new(corners.map(Vector3::from), [0.0, 0.0, 0.0, 1.0], [NONE; 4]);
-        Posed::shifted(&cell, &Vector3::zeros())
+        let mut tet = Current::default();
+        assert!(tet.deform(
+            corners.map(Vector3::from),
+            &[0.0, 0.0, 0.0, 1.0],
+            1.0,
+            0b1111
+        ));
+        tet.planes()
     }
 
     /// Two wedges, edge across edge: only the plane along both edges separates them, and the
