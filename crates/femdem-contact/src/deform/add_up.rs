@@ -8,6 +8,7 @@ use super::walk::{Meet, Walk};
 use crate::tets::piece::Piece;
 use crate::tets::pieces::intersect;
 use crate::tets::posed::{Posed, PosedList};
+use crate::tets::row::{Lanes, Plain};
 use crate::tets::skins::Met;
 
 /// How the sums of a pair are formed.
@@ -83,7 +84,7 @@ fn by_skins(
     };
     let task = &mut SkinsOf { sums, skins };
     let clear = if plain {
-        walk.all(task)?
+        walk.all(Plain, task)?
     } else {
         walk.all_at_once(task)?
     };
@@ -132,7 +133,7 @@ fn by_pieces(
         piece,
         sums,
     };
-    Ok(walk.all(task)?.unwrap_or(motion))
+    Ok(walk.all(Plain, task)?.unwrap_or(motion))
 }
 
 struct SkinsOf<'a> {
@@ -142,8 +143,8 @@ struct SkinsOf<'a> {
 
 impl Meet for SkinsOf<'_> {
     #[inline(always)]
-    fn meet(&mut self, places: &[Place; 2], triangles: &Triangles) -> Met {
-        self.sums.add_skins(places, triangles, self.skins)
+    fn meet(&mut self, lanes: impl Lanes, places: &[Place; 2], triangles: &Triangles) -> Met {
+        self.sums.add_skins(lanes, places, triangles, self.skins)
     }
 }
 
@@ -154,7 +155,7 @@ struct PiecesOf<'a> {
 }
 
 impl Meet for PiecesOf<'_> {
-    fn meet(&mut self, places: &[Place; 2], triangles: &Triangles) -> Met {
+    fn meet(&mut self, _: impl Lanes, places: &[Place; 2], triangles: &Triangles) -> Met {
         let [planes_a, planes_b] = &mut *self.planes;
         let planes_of = |place: &Place, room: &mut Posed| {
             *room = place.tet.planes();

@@ -7,7 +7,8 @@
 //! I_i, of which the energy is the sum, follows from fluxes through the same triangles: see [`tets::skins`](crate::tets::skins).
 
 use super::sums::{PairSums, Place, Triangles};
-use crate::tets::clip::{Clip, Flux};
+use crate::tets::clip::Flux;
+use crate::tets::row::Lanes;
 use crate::tets::skins::{Gather, Met, Polygon, meet};
 use femdem_mesh::{Matrix3, Vector3};
 
@@ -37,16 +38,9 @@ struct FaceSums {
     first: Vector3,
 }
 
-/// Buffers of the sums over skins.
-#[derive(Debug, Default)]
-pub(crate) struct SkinScratch {
-    hosts: HostScratch,
-    clip: Clip,
-}
-
 /// Sums of the tetrahedra and of their faces.
 #[derive(Debug, Default)]
-struct HostScratch {
+pub(crate) struct SkinScratch {
     /// By side and index in the list.
     hosts: [Vec<HostSums>; 2],
     faces: [Vec<[FaceSums; 4]>; 2],
@@ -63,12 +57,6 @@ const OF_HOST: u16 = 1 << 8;
 
 impl SkinScratch {
     pub fn reset(&mut self, counts: [usize; 2]) {
-        self.hosts.reset(counts);
-    }
-}
-
-impl HostScratch {
-    fn reset(&mut self, counts: [usize; 2]) {
         for (side, count) in counts.into_iter().enumerate() {
             self.hosts[side].resize(count, HostSums::default());
             self.faces[side].resize(count, [FaceSums::default(); 4]);
@@ -90,8 +78,7 @@ struct Adds<'a> {
     sums: &'a mut PairSums,
     sides: &'a [Place<'a>; 2],
     triangles: &'a Triangles,
-    /// All but the clip, which is in use.
-    scratch: &'a mut HostScratch,
+    scratch: &'a mut SkinScratch,
 }
 
 impl Gather for Adds<'_> {
@@ -168,18 +155,18 @@ impl PairSums {
     #[inline(always)]
     pub fn add_skins(
         &mut self,
+        lanes: impl Lanes,
         sides: &[Place; 2],
         triangles: &Triangles,
         scratch: &mut SkinScratch,
     ) -> Met {
-        let SkinScratch { hosts, clip } = scratch;
         let mut adds = Adds {
             sums: self,
             sides,
             triangles,
-            scratch: hosts,
+            scratch,
         };
-        let met = meet([sides[0].tet, sides[1].tet], clip, &mut adds);
+        let met = meet(lanes, [sides[0].tet, sides[1].tet], &mut adds);
         self.pieces += usize::from(met == Met::Skins);
         met
     }
@@ -191,7 +178,6 @@ impl PairSums {
         scratch: &SkinScratch,
         tet: impl Fn(usize, u32) -> Option<Place<'a>>,
     ) {
-        let scratch = &scratch.hosts;
         let mut volumes = [0.0; 2];
         let mut fields = [false; 2];
         for (side, met) in scratch.met.iter().enumerate() {

@@ -3,7 +3,7 @@
 use super::assemble::assemble;
 use super::cache::{GeneralCache, Near, Placed};
 use super::mesh::FieldMesh;
-use super::patch::{Patch, Record, connect};
+use super::patch::{Groups, Patch, Record};
 use super::pieces::integrate;
 use super::skins::Walk;
 use super::sums::Sums;
@@ -11,7 +11,6 @@ use super::wall::SolidWall;
 use crate::error::{ContactError, check_pressure};
 use crate::shape::Frame;
 use crate::tets::cells::Cells;
-use crate::tets::clip::Clip;
 use crate::tets::current::Current;
 use crate::tets::piece::Piece;
 use crate::tets::pieces::{distance, intersect};
@@ -25,11 +24,10 @@ pub struct GeneralScratch {
     tets: [PosedList<Current>; 2],
     /// The same with planes, for pieces.
     planes: [PosedList<Posed>; 2],
-    clip: Clip,
     piece: Piece,
     counts: [usize; 2],
     records: Vec<Record>,
-    root: Vec<u32>,
+    groups: Groups,
     sums: Vec<([u32; 2], Sums)>,
 }
 
@@ -301,16 +299,19 @@ impl GeneralScratch {
             near,
             motion,
             tets: &mut self.tets,
-            clip: &mut self.clip,
             records: &mut self.records,
             is_one: pair.connected,
             counts: &mut self.counts,
         };
         let (clear, sunken) = walk.run()?;
         self.gather(pair);
-        let is_clear = self.sums.len() < 2 || self.sums.iter().all(|(_, sums)| sums.is_outer());
         match (sunken, self.sums.as_mut_slice()) {
-            (None, _) => is_clear.then_some(clear),
+            (None, [] | [_]) => Some(clear),
+            (None, several) => {
+                let outer = several.iter().all(|(_, sums)| sums.is_outer());
+                let whole = || self.groups.are_whole(&self.records, [pair.a, pair.b]);
+                (outer && whole()).then_some(clear)
+            }
             (Some([energy, volume]), [(_, sums)]) => {
                 sums.energy += energy;
                 sums.volume += volume;
@@ -380,10 +381,10 @@ impl GeneralScratch {
             }
             return;
         }
-        connect(&self.records, [pair.a, pair.b], &mut self.root);
+        self.groups.connect(&self.records, [pair.a, pair.b]);
         // By root first.
         for (n, record) in self.records.iter().enumerate() {
-            let first = self.records[self.root[n] as usize].pair;
+            let first = self.records[self.groups.root[n] as usize].pair;
             match self.sums.binary_search_by_key(&first, |s| s.0) {
                 Ok(place) => self.sums[place].1 += &record.sums,
                 Err(place) => self.sums.insert(place, (first, record.sums)),
@@ -394,7 +395,7 @@ impl GeneralScratch {
         }
         for (key, _) in &mut self.sums {
             let root = self.records.binary_search_by_key(key, |record| record.pair);
-            let mut members = self.records.iter().zip(&self.root);
+            let mut members = self.records.iter().zip(&self.groups.root);
             let first = members.find(|(record, of)| record.has_skin && Ok(**of as usize) == root);
             if let Some((record, _)) = first {
                 *key = record.pair;

@@ -29,70 +29,101 @@ pub(crate) struct Record {
     pub sums: Sums,
 }
 
-/// Finds for every record the first one of its patch. Records come in the order of their pairs.
-///
-/// They are joined across the faces of tetrahedra that bound both, and across edges of either skin. Where a face of A
-/// coincides with one of B, they are also joined across both at once.
-pub(crate) fn connect(records: &[Record], [a, b]: [&Cells; 2], root: &mut Vec<u32>) {
-    root.clear();
-    root.extend(0..records.len() as u32);
-    let join = |root: &mut [u32], n: u32, pair: [u32; 2]| {
-        // The other record of two joins them if it comes first.
-        if pair > records[n as usize].pair
-            && let Ok(m) = records.binary_search_by_key(&pair, |r| r.pair)
-        {
-            join(root, n, m as u32);
+/// Groups of records.
+#[derive(Debug, Default)]
+pub(crate) struct Groups {
+    /// The first record of the patch of each.
+    pub root: Vec<u32>,
+    /// Their pairs, for a search that does not visit the records.
+    keys: Vec<u64>,
+}
+
+impl Groups {
+    /// Finds for every record the first one of its patch. Records come in the order of their pairs.
+    ///
+    /// They are joined across the faces of tetrahedra that bound both, and across edges of either skin. Where a face of
+    /// A coincides with one of B, they are also joined across both at once.
+    pub fn connect(&mut self, records: &[Record], solids: [&Cells; 2]) {
+        let Self { root, keys } = self;
+        root.clear();
+        root.extend(0..records.len() as u32);
+        keys.clear();
+        keys.extend(records.iter().map(|record| key(record.pair)));
+        for (n, record) in (0_u32..).zip(records) {
+            record.for_next(solids, |pair| {
+                // Of two records the first joins both.
+                let (wanted, rest) = (key(pair), &keys[n as usize..]);
+                if rest.first().is_some_and(|own| wanted > *own)
+                    && let Ok(m) = rest.binary_search(&wanted)
+                {
+                    join(root, n, n + m as u32);
+                }
+            });
         }
-    };
-    for (n, record) in (0..).zip(records) {
-        let [i, j] = record.pair;
-        let bits = record.faces.bits;
-        for k in 0..4 {
-            let beside_i = across(a, i, k, bits);
-            if let Some(i) = beside_i {
-                join(root, n, [i, j]);
+        for n in 0..root.len() {
+            root[n] = find(root, n as u32);
+        }
+    }
+
+    /// Whether every record goes on in another one wherever it should.
+    pub fn are_whole(&self, records: &[Record], solids: [&Cells; 2]) -> bool {
+        let mut whole = true;
+        for record in records {
+            record.for_next(solids, |pair| {
+                whole &= self.keys.binary_search(&key(pair)).is_ok();
+            });
+        }
+        whole
+    }
+}
+
+fn key([i, j]: [u32; 2]) -> u64 {
+    u64::from(i) << 32 | u64::from(j)
+}
+
+impl Record {
+    /// Calls `next` with the pairs of tetrahedra in which the common part goes on.
+    #[inline]
+    fn for_next(&self, [a, b]: [&Cells; 2], mut next: impl FnMut([u32; 2])) {
+        let [i, j] = self.pair;
+        let (Some(of_i), Some(of_j)) = (a.list.get(i as usize), b.list.get(j as usize)) else {
+            return;
+        };
+        let bits = self.faces.bits;
+        for k in ones(u16::from(bits & 0b1111)) {
+            let beside_i = of_i.neighbours[k];
+            if beside_i == NONE {
+                continue;
             }
-            if let Some(j) = across(b, j, k, bits >> 4) {
-                join(root, n, [i, j]);
-            }
-            if let (Some(i), true) = (beside_i, record.faces.coincide) {
-                for l in 0..4 {
-                    if let Some(j) = across(b, j, l, bits >> 4) {
-                        join(root, n, [i, j]);
+            next([beside_i, j]);
+            if self.faces.coincide {
+                for l in ones(u16::from(bits >> 4)) {
+                    if of_j.neighbours[l] != NONE {
+                        next([beside_i, of_j.neighbours[l]]);
                     }
                 }
             }
         }
-        for i in round_edges(a, i, record.edges[0]) {
-            join(root, n, [i, j]);
+        for k in ones(u16::from(bits >> 4)) {
+            if of_j.neighbours[k] != NONE {
+                next([i, of_j.neighbours[k]]);
+            }
         }
-        for j in round_edges(b, j, record.edges[1]) {
-            join(root, n, [i, j]);
+        for bit in ones(self.edges[0]) {
+            next([of_i.beside[bit / 4][bit % 4], j]);
         }
-    }
-    for n in 0..root.len() {
-        root[n] = find(root, n as u32);
+        for bit in ones(self.edges[1]) {
+            next([i, of_j.beside[bit / 4][bit % 4]]);
+        }
     }
 }
 
-/// The tetrahedron across face k, if that face bounds the common part.
-fn across(cells: &Cells, i: u32, k: usize, faces: u8) -> Option<u32> {
-    if faces >> k & 1 == 0 {
-        return None;
-    }
-    let next = cells.list.get(i as usize)?.neighbours[k];
-    (next != NONE).then_some(next)
-}
-
-/// The tetrahedra behind the next triangles of the skin.
-fn round_edges(cells: &Cells, i: u32, edges: u16) -> impl Iterator<Item = u32> {
-    let beside = cells.list.get(i as usize).map(|cell| &cell.beside);
-    let mut left = edges;
+/// The places of the bits that are set.
+#[inline]
+fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
-        (left != 0).then(|| {
-            let bit = left.trailing_zeros() as usize;
-            left &= left - 1;
-            beside.map_or(NONE, |beside| beside[bit / 4][bit % 4])
-        })
+        let place = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (place < 16).then_some(place)
     })
 }

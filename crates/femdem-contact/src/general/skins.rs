@@ -3,10 +3,13 @@
 use super::cache::{Near, Placed};
 use super::patch::Record;
 use super::sums::Sums;
-use crate::tets::clip::{Clip, NOISE};
+use crate::tets::clip::NOISE;
 use crate::tets::current::Current;
 use crate::tets::pieces::distance;
 use crate::tets::posed::PosedList;
+#[cfg(target_arch = "x86_64")]
+use crate::tets::row::V3;
+use crate::tets::row::{Lanes, Plain};
 use crate::tets::skins::{Gather, Met, Polygon, meet};
 
 /// What the integrals over skins need and give.
@@ -15,7 +18,6 @@ pub(crate) struct Walk<'a, 'p> {
     pub near: &'a mut Near,
     pub motion: f64,
     pub tets: &'a mut [PosedList<Current>; 2],
-    pub clip: &'a mut Clip,
     /// One for each pair of tetrahedra, or for all if the overlap is one patch.
     pub records: &'a mut Vec<Record>,
     pub is_one: bool,
@@ -30,16 +32,21 @@ impl Walk<'_, '_> {
     /// Fills the records. Returns up to which motion nothing touches, and the contribution of nodes, which is not in
     /// any record; `None` if round-off would decide.
     pub fn run(self) -> Option<(f64, Sunken)> {
-        // Products and sums are never fused, so that both give the same bits.
         #[cfg(target_arch = "x86_64")]
-        if let Some(simd) = pulp::x86::V3::try_new() {
-            return simd.vectorize(self);
+        if let Some(lanes) = V3::try_new() {
+            return lanes.vectorize(Run { walk: self, lanes });
         }
-        pulp::NullaryFnOnce::call(self)
+        self.run_by(Plain)
     }
 
     #[inline(always)]
-    fn skins(&mut self) -> Option<f64> {
+    fn run_by(mut self, lanes: impl Lanes) -> Option<(f64, Sunken)> {
+        let clear = self.skins(lanes)?;
+        Some((clear, self.nodes()))
+    }
+
+    #[inline(always)]
+    fn skins(&mut self, lanes: impl Lanes) -> Option<f64> {
         let Near {
             centre,
             tets: [in_a, in_b],
@@ -74,7 +81,7 @@ impl Walk<'_, '_> {
                     continue;
                 };
                 let tets = [a, b];
-                let met = meet(tets, self.clip, &mut Adds { tets, record });
+                let met = meet(lanes, tets, &mut Adds { tets, record });
                 if met == Met::Skins {
                     self.counts[1] += 1;
                 } else if is_new {
@@ -139,13 +146,19 @@ impl Walk<'_, '_> {
     }
 }
 
-impl pulp::NullaryFnOnce for Walk<'_, '_> {
+#[cfg(target_arch = "x86_64")]
+struct Run<'a, 'p> {
+    walk: Walk<'a, 'p>,
+    lanes: V3,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl pulp::NullaryFnOnce for Run<'_, '_> {
     type Output = Option<(f64, Sunken)>;
 
     #[inline(always)]
-    fn call(mut self) -> Self::Output {
-        let clear = self.skins()?;
-        Some((clear, self.nodes()))
+    fn call(self) -> Self::Output {
+        self.walk.run_by(self.lanes)
     }
 }
 

@@ -24,12 +24,6 @@ pub(crate) struct Current {
     pub skin: u8,
 }
 
-/// Constant terms of shape functions with the given slopes.
-#[inline(always)]
-fn levels([p, q, r, s]: &[Vector3; 4], [a, b, c, d]: &[Vector3; 4]) -> [f64; 4] {
-    [-p.dot(b), -q.dot(c), -r.dot(d), -s.dot(a)]
-}
-
 impl Current {
     /// Sets this to the tetrahedron of `corners` with the given field; `false` if its volume is not positive.
     #[must_use]
@@ -52,7 +46,12 @@ impl Current {
         }
         let scale = -1.0 / six_volumes;
         self.slopes = [of_a * scale, of_b * scale, of_c * scale, of_d * scale];
-        self.levels = levels(&self.slopes, &corners);
+        self.levels = [
+            -self.slopes[0].dot(b),
+            -self.slopes[1].dot(c),
+            -self.slopes[2].dot(d),
+            -self.slopes[3].dot(a),
+        ];
         // The slopes add up to zero, so only differences of values enter.
         self.gradient = (self.slopes[1] * (values[1] - values[0])
             + self.slopes[2] * (values[2] - values[0])
@@ -91,6 +90,7 @@ impl Current {
             [at(a), at(b), at(c), at(d)],
             slopes,
             rotation * self.gradient,
+            offset,
             pressure,
         )
     }
@@ -100,7 +100,7 @@ impl Current {
     pub fn shifted(&self, offset: &Vector3) -> Self {
         let [a, b, c, d] = &self.corners;
         let corners = [a + offset, b + offset, c + offset, d + offset];
-        self.posed(corners, self.slopes, self.gradient, 1.0)
+        self.posed(corners, self.slopes, self.gradient, offset, 1.0)
     }
 
     #[inline(always)]
@@ -109,11 +109,19 @@ impl Current {
         corners: [Vector3; 4],
         slopes: [Vector3; 4],
         gradient: Vector3,
+        offset: &Vector3,
         pressure: f64,
     ) -> Self {
         let [low, high] = bounds(&corners);
+        let [p, q, r, s] = &slopes;
+        let levels = &self.levels;
         Self {
-            levels: levels(&slopes, &corners),
+            levels: [
+                levels[0] - p.dot(offset),
+                levels[1] - q.dot(offset),
+                levels[2] - r.dot(offset),
+                levels[3] - s.dot(offset),
+            ],
             gradient: gradient * pressure,
             values: self.values.map(|v| v * pressure),
             six_volumes: self.six_volumes,

@@ -35,8 +35,8 @@ impl PolygonSums {
             let second = sum * sum.transpose() + squares;
             sums.second += second * (area / 12.0);
             sums.pressure += area / 3.0 * total;
+            sums.moment += (sum * total + x * fx + y * fy + z * fz) * (area / 12.0);
             let weighted = x * fx + y * fy + z * fz;
-            sums.moment += (sum * total + weighted) * (area / 12.0);
             let cubes = x.norm_squared() * fx + y.norm_squared() * fy + z.norm_squared() * fz;
             sums.spread +=
                 area / 60.0 * (second.trace() * total + 2.0 * (sum.dot(&weighted) + cubes));

@@ -15,6 +15,7 @@
 use super::clip::{Clip, Flux, Left, depths, is_outside, sunken};
 use super::current::Current;
 use super::polygon::PolygonSums;
+use super::row::Lanes;
 use femdem_mesh::Vector3;
 
 /// How the skins of a pair of tetrahedra met.
@@ -55,14 +56,15 @@ pub(crate) trait Gather {
 
 /// Finds the polygons of two tetrahedra.
 #[inline(always)]
-pub(crate) fn meet([a, b]: [&Current; 2], clip: &mut Clip, to: &mut impl Gather) -> Met {
+pub(crate) fn meet<L: Lanes>(lanes: L, [a, b]: [&Current; 2], to: &mut impl Gather) -> Met {
     if !a.is_near(b) {
         return Met::Apart;
     }
-    let depths = [depths(b, a), depths(a, b)];
+    let depths = [depths(lanes, b, a), depths(lanes, a, b)];
     if is_outside(&depths[0]) || is_outside(&depths[1]) {
         return Met::Apart;
     }
+    let mut clip = Clip::new(lanes);
     let mut met = if a.skin | b.skin == 0 {
         Met::Inside
     } else {
@@ -77,8 +79,11 @@ pub(crate) fn meet([a, b]: [&Current; 2], clip: &mut Clip, to: &mut impl Gather)
                 Left::Polygon => {}
                 Left::Unclear => return Met::Unclear,
             }
-            let normal = own.normal(face);
-            let Some((sums, flux)) = clip.integrate(&normal, host) else {
+            // The shape function of the opposite corner is the depth over the height.
+            let height = 1.0 / own.slopes[face].norm();
+            let normal = own.slopes[face] * -height;
+            let of_host = depths[1 - side].map(|shares| shares.get()[face] * height);
+            let Some((sums, flux)) = clip.integrate(&normal, host, of_host) else {
                 return Met::Unclear;
             };
             to.add(&Polygon {
