@@ -1,6 +1,8 @@
 //! The sums of rigid meshes over skins against those over common parts of tetrahedra: the same patches, and the same
 //! numbers of each.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 use crate::common::meshes;
 use crate::common::tets::{self, cube, dolos, l_block, tube};
 use crate::common::{Stream, solids};

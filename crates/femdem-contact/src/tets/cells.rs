@@ -109,15 +109,14 @@ impl Cells {
 
 /// The tetrahedra behind the next triangles of the skin, by face on the skin and by other face at the edge.
 fn beside(mesh: &TetMesh, tet: u32) -> [[u32; 4]; 4] {
-    let mut beside = [[NONE; 4]; 4];
-    for face in 0..4 {
-        for other in (0..4).filter(|k| *k != face) {
-            if mesh.neighbours()[tet as usize][face].is_none() {
-                beside[face][other] = around(mesh, tet, face, other);
-            }
-        }
-    }
-    beside
+    let faces = [0, 1, 2, 3];
+    let on_skin = mesh.neighbours()[tet as usize].map(|next| next.is_none());
+    faces.map(|face| {
+        faces.map(|other| match on_skin[face] && other != face {
+            true => around(mesh, tet, face, other),
+            false => NONE,
+        })
+    })
 }
 
 /// Turns from face `from` of a tetrahedron about its edge on face `to`, through all the tetrahedra at that edge, to the

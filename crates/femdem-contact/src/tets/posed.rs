@@ -1,6 +1,5 @@
 //! Tetrahedra in the local axes of a pair.
 
-use super::cells::NONE;
 use femdem_mesh::Vector3;
 
 /// A tetrahedron in local coordinates.
@@ -151,10 +150,13 @@ fn along(corners: &[Vector3; 4], n: &Vector3) -> [f64; 2] {
     [a.min(b).min(c.min(d)), a.max(b).max(c.max(d))]
 }
 
+/// Place of a tetrahedron that has not been posed.
+const NOT_YET: u32 = u32::MAX;
+
 /// Tetrahedra of one body, each posed on its first use.
 #[derive(Debug)]
 pub(crate) struct PosedList<T = Posed> {
-    /// Index in `list` by place, or [`NONE`].
+    /// Index in `list` by place, or [`NOT_YET`].
     at: Vec<u32>,
     /// The first `used` are posed; the rest is kept as storage.
     list: Vec<T>,
@@ -176,7 +178,7 @@ impl<T: Default> PosedList<T> {
     pub fn reset(&mut self, count: usize) {
         self.used = 0;
         self.at.clear();
-        self.at.resize(count, NONE);
+        self.at.resize(count, NOT_YET);
     }
 
     /// The tetrahedron of a place, if it has been posed.
@@ -189,7 +191,7 @@ impl<T: Default> PosedList<T> {
     #[inline]
     pub fn get(&mut self, place: u32, pose: impl FnOnce(&mut T) -> Option<()>) -> Option<&T> {
         let at = self.at.get_mut(place as usize)?;
-        if *at == NONE {
+        if *at == NOT_YET {
             if self.used == self.list.len() {
                 self.list.push(T::default());
             }

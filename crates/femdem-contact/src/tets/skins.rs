@@ -81,7 +81,7 @@ pub(crate) fn meet<L: Lanes>(lanes: L, [a, b]: [&Current; 2], to: &mut impl Gath
             }
             // The shape function of the opposite corner is the depth over the height.
             let height = 1.0 / own.slopes[face].norm();
-            let normal = own.slopes[face] * -height;
+            let normal = own.normal(face);
             let of_host = depths[1 - side].map(|shares| shares.get()[face] * height);
             let Some((sums, flux)) = clip.integrate(&normal, host, of_host) else {
                 return Met::Unclear;
