@@ -57,6 +57,7 @@ impl Operand<'_> {
                 };
                 let offset = frame.position - origin;
                 *room = cell.tet.placed(&frame.rotation, &offset, pressure);
+                room.align();
                 Ok(Some(()))
             }
         }

@@ -206,3 +206,61 @@ impl Sums {
         self.enclosed += normal.dot(&sums.first);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::cache::GeneralCache;
+    use super::super::mesh::{Field, FieldMesh};
+    use super::*;
+    use femdem_mesh::catalogue::{CatalogueShape, Solid};
+    use femdem_mesh::{Rotation, TetMesh, Vector3};
+
+    /// The records of two dodecahedra, and what nodes contribute, by plain instructions or the best that there are.
+    fn records(plain: bool) -> (Vec<Record>, Sunken) {
+        let solid = CatalogueShape::from(Solid::P4).polyhedron(1.0).unwrap();
+        let mesh = TetMesh::centroid_fan(&solid).unwrap().refined().unwrap();
+        let body = FieldMesh::new(&mesh, Vector3::zeros(), Field::Body).unwrap();
+        let turn = Rotation::from_scaled_axis(Vector3::new(0.3, 0.8, -0.5));
+        let placed = Placed {
+            a: &body.cells,
+            b: &body.cells,
+            rotation: turn.to_rotation_matrix().into_inner(),
+            offset: Vector3::new(0.4, 0.31, 0.23),
+            scale: body.inradius(),
+        };
+        let mut cache = GeneralCache::default();
+        let near = cache.candidates(&placed, 0.0).unwrap();
+        let mut tets: [PosedList<Current>; 2] = Default::default();
+        for (list, places) in tets.iter_mut().zip(&near.tets) {
+            list.reset(places.len());
+        }
+        let mut records = Vec::new();
+        let walk = Walk {
+            placed: &placed,
+            near,
+            motion: 0.0,
+            tets: &mut tets,
+            records: &mut records,
+            is_one: false,
+            counts: &mut [0; 2],
+        };
+        let found = if plain {
+            walk.run_by(Plain)
+        } else {
+            walk.run()
+        };
+        (records, found.unwrap().1)
+    }
+
+    #[test]
+    fn every_processor_gives_the_same_bits() {
+        let ((plain, nodes), (best, same)) = (records(true), records(false));
+        assert!(plain.len() > 4);
+        assert_eq!(nodes, same);
+        assert_eq!(plain.len(), best.len());
+        for (x, y) in plain.iter().zip(&best) {
+            assert_eq!((x.pair, x.edges, x.faces), (y.pair, y.edges, y.faces));
+            assert_eq!(x.sums, y.sums);
+        }
+    }
+}

@@ -318,7 +318,7 @@ impl<L: Lanes> Clip<L> {
             let field = sum.fourth();
             first += sum * doubled;
             let weighted = of_x.weighted + of_y.weighted + of_z.weighted;
-            moment += (sum * field + weighted) * doubled;
+            moment += (sum * field + of_x.weighted + of_y.weighted + of_z.weighted) * doubled;
             let square = sum * sum + of_x.square + of_y.square + of_z.square;
             squares += square * doubled;
             let cubes = of_x.cube + of_y.cube + of_z.cube;

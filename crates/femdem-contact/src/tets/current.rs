@@ -79,6 +79,17 @@ impl Current {
         larger(larger(0, 1), larger(2, 3))
     }
 
+    /// Computes the shape functions anew from the corners, so that they are zero at corners that a pose has rounded.
+    pub fn align(&mut self) {
+        for face in 0..4 {
+            let normal = -self.slopes[face].normalize();
+            let offset = normal.dot(&self.corners[(face + 1) % 4]);
+            let inverse_height = 1.0 / (offset - normal.dot(&self.corners[face]));
+            self.slopes[face] = normal * -inverse_height;
+            self.levels[face] = offset * inverse_height;
+        }
+    }
+
     /// The tetrahedron of a rigid body at x -> rotation x + offset, with its field in units of `pressure`.
     #[inline(always)]
     pub fn placed(&self, rotation: &Matrix3, offset: &Vector3, pressure: f64) -> Self {
