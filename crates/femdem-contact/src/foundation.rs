@@ -31,20 +31,6 @@ impl std::ops::AddAssign for FoundationSums {
     }
 }
 
-impl FoundationSums {
-    /// Adds a triangle of a stiffness, N/m, spread over it evenly.
-    #[inline]
-    pub fn add_triangle(&mut self, stiffness: f64, corners: &[Vector3; 3]) {
-        let [x, y, z] = corners;
-        let sum = x + y + z;
-        self.total += stiffness;
-        self.first += sum * (stiffness / 3.0);
-        // int x x^T dS = T/12 (s s^T + sum of x_i x_i^T), s the sum of the corners.
-        let squares = x * x.transpose() + y * y.transpose() + z * z.transpose();
-        self.second += (sum * sum.transpose() + squares) * (stiffness / 12.0);
-    }
-}
-
 /// The elastic foundation of a patch, in the plane across its normal n.
 ///
 /// Rocking of B against A by a small angle theta about an axis e in that plane, through the foundation's centre,

@@ -133,6 +133,7 @@ mod slots;
 mod sphere;
 #[cfg(feature = "proptest")]
 pub mod strategies;
+mod tets;
 mod walls;
 
 pub use femdem_mesh as mesh;

@@ -13,6 +13,7 @@ mod densest_lattices;
 mod friction;
 mod general;
 mod general_gradient;
+mod general_skins;
 mod general_sliding;
 mod general_states;
 mod general_walls;

@@ -2,12 +2,14 @@
 
 use super::near::{Candidates, Failure, Near, Sides};
 use super::scratch::DeformableScratch;
-use super::skins::{Met, SkinScratch};
+use super::skins::SkinScratch;
 use super::sums::{PairSums, Place, Triangles};
 use super::walk::{Meet, Walk};
-use crate::general::piece::Piece;
-use crate::general::pieces::intersect;
-use crate::general::posed::{Posed, PosedList};
+use crate::tets::piece::Piece;
+use crate::tets::pieces::intersect;
+use crate::tets::posed::{Posed, PosedList};
+use crate::tets::row::{Lanes, Plain};
+use crate::tets::skins::Met;
 
 /// How the sums of a pair are formed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,7 +84,7 @@ fn by_skins(
     };
     let task = &mut SkinsOf { sums, skins };
     let clear = if plain {
-        walk.all(task)?
+        walk.all(Plain, task)?
     } else {
         walk.all_at_once(task)?
     };
@@ -131,7 +133,7 @@ fn by_pieces(
         piece,
         sums,
     };
-    Ok(walk.all(task)?.unwrap_or(motion))
+    Ok(walk.all(Plain, task)?.unwrap_or(motion))
 }
 
 struct SkinsOf<'a> {
@@ -141,8 +143,8 @@ struct SkinsOf<'a> {
 
 impl Meet for SkinsOf<'_> {
     #[inline(always)]
-    fn meet(&mut self, places: &[Place; 2], triangles: &Triangles) -> Met {
-        self.sums.add_skins(places, triangles, self.skins)
+    fn meet(&mut self, lanes: impl Lanes, places: &[Place; 2], triangles: &Triangles) -> Met {
+        self.sums.add_skins(lanes, places, triangles, self.skins)
     }
 }
 
@@ -153,7 +155,7 @@ struct PiecesOf<'a> {
 }
 
 impl Meet for PiecesOf<'_> {
-    fn meet(&mut self, places: &[Place; 2], triangles: &Triangles) -> Met {
+    fn meet(&mut self, _: impl Lanes, places: &[Place; 2], triangles: &Triangles) -> Met {
         let [planes_a, planes_b] = &mut *self.planes;
         let planes_of = |place: &Place, room: &mut Posed| {
             *room = place.tet.planes();
@@ -187,8 +189,8 @@ impl Near {
 
 #[cfg(test)]
 mod tests {
-    use super::super::current::Operand;
     use super::super::near::Tree;
+    use super::super::operand::Operand;
     use super::super::shape::DeformableShape;
     use super::*;
     use femdem_mesh::catalogue::{CatalogueShape, Solid};

@@ -10,8 +10,9 @@
 //! along the normal, can only lower the energy. With points that stay behind, the force is not the gradient
 //! of an energy, and bodies rock forever.
 
-use super::current::{Current, Operand};
+use super::operand::Operand;
 use crate::law::ContactParameters;
+use crate::tets::current::Current;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,8 @@
 //! The pair kernel of deformable bodies.
 
 use super::add_up::{Way, run};
-use super::current::{Inverted, Operand};
 use super::near::{Candidates, Failure, Near, Sides, Tree};
+use super::operand::{Inverted, Operand};
 use super::scratch::DeformableScratch;
 use super::shape::Modulus;
 use crate::contact::Wrench;
@@ -166,7 +166,7 @@ impl OwnTree {
     }
 }
 
-impl crate::general::cells::Cells {
+impl crate::tets::cells::Cells {
     /// The tree of a rigid side, in its own axes.
     pub(crate) fn tree(&self) -> Tree<'_> {
         Tree {

@@ -1,9 +1,10 @@
 //! Cached lists of the tetrahedra of a pair that can meet, and how long they stay valid.
 
-use super::current::{Current, Inverted, Operand};
-use crate::general::cache::{BoxTest, gap_along_axes};
-use crate::general::near_list::{Candidate, NearList, Search, Within, members, place};
-use crate::general::posed::Posed;
+use super::operand::{Inverted, Operand};
+use crate::tets::boxes::{BoxTest, gap_along_axes};
+use crate::tets::current::Current;
+use crate::tets::near_list::{Candidate, NearList, Search, Within, members, place};
+use crate::tets::posed::Posed;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! Two sides in contact, and how they move.
 
-use super::current::Operand;
 use super::near::Near;
+use super::operand::Operand;
 use super::record::{DeformablePartner, NodalState};
 use super::turning::Turning;
 use crate::law::ContactParameters;

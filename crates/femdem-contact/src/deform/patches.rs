@@ -7,8 +7,8 @@
 //! Triangles of B's skin that share a node belong to one patch, and so do nodes that carry force and share a tetrahedron.
 //! The contact energy is known for the pair only; patches share it by F²/K, as linear springs do.
 
-use super::current::Operand;
 use super::near::Near;
+use super::operand::Operand;
 use super::sums::PairSums;
 use crate::disjoint::{find, join};
 use crate::foundation::FoundationSums;

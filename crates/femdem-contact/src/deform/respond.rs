@@ -1,7 +1,7 @@
 //! Damping and friction of one pair, from the sums of its elastic contact.
 
 use super::body_dashpot::BodyDashpot;
-use super::current::Operand;
+use super::operand::Operand;
 use super::outcome::{Dashpot, NodeLoad, Outcome};
 use super::pair::{Mover, Pair};
 use super::patches::{Patch, Patches};

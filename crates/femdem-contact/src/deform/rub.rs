@@ -1,7 +1,7 @@
 //! Friction of one pair: the springs of all its triangles.
 
 use super::bristle::{Bristle, Mobility, Touch};
-use super::current::Operand;
+use super::operand::Operand;
 use super::outcome::{Dashpot, Outcome};
 use super::pair::{FrictionStart, Mover, Pair};
 use super::patches::Patches;

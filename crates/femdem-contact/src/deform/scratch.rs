@@ -1,10 +1,10 @@
 //! Buffers of the pair kernel of deformable bodies.
 
-use super::current::Current;
 use super::skins::SkinScratch;
 use super::sums::PairSums;
-use crate::general::piece::Piece;
-use crate::general::posed::{Posed, PosedList};
+use crate::tets::current::Current;
+use crate::tets::piece::Piece;
+use crate::tets::posed::{Posed, PosedList};
 
 /// Buffers that the kernel reuses from call to call.
 #[derive(Debug, Default)]

@@ -1,8 +1,8 @@
 //! Contact meshes of deformable bodies.
 
 use crate::error::{ContactError, STIFFNESSES, check, check_pressure};
-use crate::general::cells::NONE;
 use crate::general::{Field, gauge};
+use crate::tets::cells::NONE;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};

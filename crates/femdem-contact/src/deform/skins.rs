@@ -4,34 +4,13 @@
 //! part of it in A. The nodes of A get the opposite with their own shape functions, and -I_i grad N_a in each
 //! of A's tetrahedra i, where I_i = ∫ p φ_A dV over the part of i that is in B. Likewise for U_B.
 //!
-//! I_i needs no volume to be cut out. φ is Σ φ_k N_k over the corners k. With g = 1 - N_k, the field w = (x -
-//! x_k) (1/3 - g/4 - 1/(12 g³)) has the divergence N_k except at x_k; it lies in the three faces that meet in
-//! x_k and is zero on the fourth. So ∫ N_k dV is its flux through the triangles of B's skin in i, plus a
-//! quarter of i's volume if x_k lies in B. Over a triangle of area T the mean of g is the mean of its corner
-//! values g_c, and that of 1/g³ is 1/(g_1 g_2 g_3). With the elementary symmetric polynomials e of the corner
-//! values a_c of N_k,
-//!
-//! flux = -(x - x_k)·n T/12 (e_1² - e_2 + e_3 - e_1 e_2 + e_1 e_3)/((1 - a_1)(1 - a_2)(1 - a_3)),
-//!
-//! in which nothing cancels for slight overlaps. The volume of the part of i that is in B is found alike, with
-//! (x - x_k) (1/3 - 1/(3 g³)) of one corner inside the body and the whole volume of i if that corner lies in B.
+//! I_i, of which the energy is the sum, follows from fluxes through the same triangles: see [`tets::skins`](crate::tets::skins).
 
-use super::clip::{Clip, Flux, Left, depths, is_outside, sunken};
-use super::sums::{PairSums, Place, PolygonSums, Triangles};
+use super::sums::{PairSums, Place, Triangles};
+use crate::tets::clip::Flux;
+use crate::tets::row::Lanes;
+use crate::tets::skins::{Gather, Met, Polygon, meet};
 use femdem_mesh::{Matrix3, Vector3};
-
-/// How the skins of a pair of tetrahedra met.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Met {
-    /// They are apart, or neither has a skin in the other.
-    Apart,
-    /// They may overlap, but neither has a face on its skin.
-    Inside,
-    /// The skin of one is in the other.
-    Skins,
-    /// Round-off would decide: a skin lies in a face inside the other body, or at a node with pressure.
-    Unclear,
-}
 
 /// Action of the skin of the other body on one tetrahedron.
 #[derive(Debug, Clone, Copy, Default)]
@@ -59,7 +38,7 @@ struct FaceSums {
     first: Vector3,
 }
 
-/// Buffers of the sums over skins.
+/// Sums of the tetrahedra and of their faces.
 #[derive(Debug, Default)]
 pub(crate) struct SkinScratch {
     /// By side and index in the list.
@@ -68,7 +47,6 @@ pub(crate) struct SkinScratch {
     /// Which data of a tetrahedron is set, as bits: corners that lie in the other body, [`OF_FACE`] and
     /// [`OF_HOST`]. Sums without their bit are left over from another pair.
     met: [Vec<u16>; 2],
-    clip: Clip,
 }
 
 /// The sums of face 0 are set; the next bits are those of the other faces.
@@ -95,69 +73,44 @@ impl SkinScratch {
     }
 }
 
-impl PairSums {
-    /// Adds the action of the skins of two tetrahedra on each other.
+/// Adds the polygons of a pair of tetrahedra to the sums of its pair of bodies.
+struct Adds<'a> {
+    sums: &'a mut PairSums,
+    sides: &'a [Place<'a>; 2],
+    triangles: &'a Triangles,
+    scratch: &'a mut SkinScratch,
+}
+
+impl Gather for Adds<'_> {
     #[inline(always)]
-    pub fn add_skins(
-        &mut self,
-        sides: &[Place; 2],
-        triangles: &Triangles,
-        scratch: &mut SkinScratch,
-    ) -> Met {
-        let [a, b] = sides.map(|s| s.tet);
-        if !a.is_near(b) {
-            return Met::Apart;
-        }
-        let depths = [depths(b, a), depths(a, b)];
-        if is_outside(&depths[0]) || is_outside(&depths[1]) {
-            return Met::Apart;
-        }
-        let mut met = if a.skin | b.skin == 0 {
-            Met::Inside
-        } else {
-            Met::Apart
-        };
-        for side in 0..2 {
-            let (own, host) = (&sides[side], &sides[1 - side]);
-            scratch.note(side, own.place, u16::from(sunken(own.tet, &depths[side])));
-            for face in (0..4).filter(|k| own.tet.skin >> k & 1 == 1) {
-                let clip = &mut scratch.clip;
-                match clip.load(
-                    (own.tet, face, &depths[side]),
-                    (host.tet, &depths[1 - side]),
-                ) {
-                    Left::Nothing => continue,
-                    Left::Polygon => {}
-                    Left::Unclear => return Met::Unclear,
-                }
-                let normal = own.tet.normal(face);
-                let Some(found) = clip.integrate(&normal, host.tet) else {
-                    return Met::Unclear;
-                };
-                let triangle = if side == 0 {
-                    triangles.nearest
-                } else {
-                    triangles.faces[face]
-                };
-                self.add_skin(sides, (side, face), &normal, found, triangle, scratch);
-                met = Met::Skins;
-            }
-        }
-        self.pieces += usize::from(met == Met::Skins);
-        met
+    fn note(&mut self, side: usize, sunken: u8) {
+        let place = self.sides[side].place;
+        self.scratch.note(side, place, u16::from(sunken));
     }
 
     /// Adds a polygon of a face of one side's skin in the other side's tetrahedron, with its flux.
     #[inline(always)]
-    fn add_skin(
-        &mut self,
-        sides: &[Place; 2],
-        (side, face): (usize, usize),
-        normal: &Vector3,
-        (sums, flux): (PolygonSums, Flux),
-        triangle: u32,
-        scratch: &mut SkinScratch,
-    ) {
+    fn add(&mut self, polygon: &Polygon) {
+        let Self {
+            sums: all,
+            sides,
+            scratch,
+            ..
+        } = self;
+        let Polygon {
+            side,
+            face,
+            normal,
+            sums,
+            flux,
+            ..
+        } = polygon;
+        let (side, face) = (*side, *face);
+        let triangle = if side == 0 {
+            self.triangles.nearest
+        } else {
+            self.triangles.faces[face]
+        };
         let (own, host) = (&sides[side], &sides[1 - side]);
         let known = scratch.note(side, own.place, OF_FACE << face);
         let faces = scratch.faces[side].get_mut(own.place as usize);
@@ -170,7 +123,7 @@ impl PairSums {
         of_face.area += sums.area;
         let on_b = if side == 0 { *normal } else { -normal };
         let weight = normal.dot(&host.tet.gradient).max(0.0);
-        let Some(centre) = self.add_polygon(sides, triangle, &on_b, weight, &sums) else {
+        let Some(centre) = all.add_polygon(sides, triangle, &on_b, weight, sums) else {
             return;
         };
         let stiffness = weight * sums.area;
@@ -180,7 +133,7 @@ impl PairSums {
         of_face.stiffness += stiffness;
         of_face.first += first;
         for place in sides.iter().filter(|place| place.nodes.is_none()) {
-            self.stiffen(0, place, &centre, &on_b, stiffness);
+            all.stiffen(0, place, &centre, &on_b, stiffness);
         }
         let known = scratch.note(1 - side, host.place, OF_HOST);
         if let Some(of_host) = scratch.hosts[1 - side].get_mut(host.place as usize) {
@@ -194,6 +147,28 @@ impl PairSums {
             of_host.stiffness += stiffness;
             of_host.first += first;
         }
+    }
+}
+
+impl PairSums {
+    /// Adds the action of the skins of two tetrahedra on each other.
+    #[inline(always)]
+    pub fn add_skins(
+        &mut self,
+        lanes: impl Lanes,
+        sides: &[Place; 2],
+        triangles: &Triangles,
+        scratch: &mut SkinScratch,
+    ) -> Met {
+        let mut adds = Adds {
+            sums: self,
+            sides,
+            triangles,
+            scratch,
+        };
+        let met = meet(lanes, [sides[0].tet, sides[1].tet], &mut adds);
+        self.pieces += usize::from(met == Met::Skins);
+        met
     }
 
     /// Distributes the sums of the tetrahedra to their nodes. `tet` returns the tetrahedron of a side and

@@ -1,11 +1,15 @@
 //! Loop over the candidates of a pair.
 
-use super::current::{Current, Operand};
 use super::near::{Failure, Near, Sides};
-use super::skins::Met;
+use super::operand::Operand;
 use super::sums::{Place, Triangles};
-use crate::general::pieces::distance;
-use crate::general::posed::PosedList;
+use crate::tets::current::Current;
+use crate::tets::pieces::distance;
+use crate::tets::posed::PosedList;
+#[cfg(target_arch = "x86_64")]
+use crate::tets::row::V3;
+use crate::tets::row::{Lanes, Plain};
+use crate::tets::skins::Met;
 
 /// The candidates of a pair, and storage for their posed tetrahedra.
 pub(crate) struct Walk<'a, 's> {
@@ -21,14 +25,14 @@ pub(crate) struct Walk<'a, 's> {
 
 /// The operation on two tetrahedra. (Not a closure, whose inlining cannot be forced.)
 pub(crate) trait Meet {
-    fn meet(&mut self, places: &[Place; 2], triangles: &Triangles) -> Met;
+    fn meet(&mut self, lanes: impl Lanes, places: &[Place; 2], triangles: &Triangles) -> Met;
 }
 
 impl Walk<'_, '_> {
     /// Calls `task` for every candidate that may touch. Returns up to which motion none touches, or `None` if
     /// one was unclear.
     #[inline(always)]
-    pub fn all(self, task: &mut impl Meet) -> Result<Option<f64>, Failure> {
+    pub fn all(self, lanes: impl Lanes, task: &mut impl Meet) -> Result<Option<f64>, Failure> {
         let Near {
             origin,
             sides: members,
@@ -65,7 +69,7 @@ impl Walk<'_, '_> {
                     nodes: members[side].corners.get(place as usize),
                 });
                 let triangles = self.sides.operands[1].triangles(members[1].tets[j as usize]);
-                match task.meet(&places, &triangles) {
+                match task.meet(lanes, &places, &triangles) {
                     Met::Unclear => return Ok(None),
                     Met::Apart => {
                         candidate.clear = self.motion + distance(&a.planes(), &b.planes());
@@ -84,26 +88,32 @@ impl Walk<'_, '_> {
     /// As [`all`](Self::all), by AVX2 where the machine has it. Products and sums are never fused, so that
     /// both give the same bits.
     pub fn all_at_once(self, task: &mut impl Meet) -> Result<Option<f64>, Failure> {
-        let all = All { walk: self, task };
         #[cfg(target_arch = "x86_64")]
-        if let Some(simd) = pulp::x86::V3::try_new() {
-            return simd.vectorize(all);
+        if let Some(lanes) = V3::try_new() {
+            return lanes.vectorize(All {
+                walk: self,
+                lanes,
+                task,
+            });
         }
-        pulp::NullaryFnOnce::call(all)
+        self.all(Plain, task)
     }
 }
 
+#[cfg(target_arch = "x86_64")]
 struct All<'a, 's, M> {
     walk: Walk<'a, 's>,
+    lanes: V3,
     task: &'a mut M,
 }
 
+#[cfg(target_arch = "x86_64")]
 impl<M: Meet> pulp::NullaryFnOnce for All<'_, '_, M> {
     type Output = Result<Option<f64>, Failure>;
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        self.walk.all(self.task)
+        self.walk.all(self.lanes, self.task)
     }
 }
 

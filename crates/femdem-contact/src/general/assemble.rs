@@ -29,7 +29,7 @@ pub(crate) fn assemble(
     // The vector areas of both skins are equal up to sign and round-off.
     // Faces that coincide have a volume of round-off, and no area. (So has a body inside the other, but not such a
     // volume.)
-    let area = normal.dot(&(sums.area * 0.5)).max(0.0);
+    let area = (0.5 * normal.dot(&(sums.areas[0] - sums.areas[1]))).max(0.0);
     if sums.volume > area * size && sums.volume < ROUND_OFF * size.powi(3) {
         return None;
     }

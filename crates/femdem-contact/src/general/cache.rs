@@ -1,9 +1,11 @@
 //! Cached lists of the tetrahedra of a pair that can meet, and how long they stay valid.
 
-use super::cells::Cells;
-use super::near_list::{Candidate, NearList, Search, Within, members, place};
-use super::posed::Posed;
 use crate::mark::Mark;
+use crate::tets::boxes::{BoxTest, gap_along_axes};
+use crate::tets::cells::Cells;
+use crate::tets::current::Current;
+use crate::tets::near_list::{Candidate, NearList, Search, Within, members, place};
+use crate::tets::posed::Posed;
 use femdem_mesh::bvh::Aabb;
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -22,16 +24,20 @@ pub struct GeneralCache {
     here: Mark,
 }
 
-/// Candidate pairs.
+/// Candidates.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Near {
     /// Origin of the integrals, in A's axes: the middle of the region that can overlap.
     pub centre: Vector3,
-    /// Tetrahedra of A and of B that appear in pairs, ascending.
-    pub in_a: Vec<u32>,
-    pub in_b: Vec<u32>,
-    /// In ascending order of their indices in the lists.
+    /// Tetrahedra of A and of B among the candidates, ascending.
+    pub tets: [Vec<u32>; 2],
+    /// Pairs of which one has a face on the skin, in ascending order of their indices in the lists. Nothing touches
+    /// unless two of these do.
     pub pairs: Vec<Candidate>,
+    /// Pairs of which neither has.
+    pub inside: Vec<Candidate>,
+    /// By side, nodes inside it and tetrahedra of the other, in ascending order.
+    pub nodes: [Vec<Candidate>; 2],
 }
 
 /// Two solids and the pose of B in A's axes.
@@ -109,90 +115,115 @@ impl Search for Placed<'_> {
                 }
             },
         );
-        let (in_a, in_b) = (members(&pairs, 0), members(&pairs, 1));
+        let tets = [0, 1].map(|side| members(&pairs, side));
         let origin = Vector3::zeros();
-        let posed_a: Vec<Posed> = in_a
-            .iter()
-            .filter_map(|&i| self.pose_a(i, &origin))
-            .collect();
-        let posed_b: Vec<Posed> = in_b
-            .iter()
-            .filter_map(|&j| self.pose_b(j, &origin))
-            .collect();
-        let posed = |[i, j]: [u32; 2]| {
-            let a = posed_a.get(place(&in_a, i))?;
-            Some([a, posed_b.get(place(&in_b, j))?])
+        let posed = [0, 1].map(|side| -> Vec<Posed> {
+            let mut tet = Current::default();
+            let pose = |&i: &u32| {
+                self.pose(side, i, &origin, &mut tet)?;
+                Some(tet.planes())
+            };
+            tets[side].iter().filter_map(pose).collect()
+        });
+        let found = |[i, j]: [u32; 2]| {
+            let a = posed[0].get(place(&tets[0], i))?;
+            Some([a, posed[1].get(place(&tets[1], j))?])
         };
-        let Some(within) = Within::new(&pairs, margin, posed) else {
+        let Some(within) = Within::new(&pairs, margin, found) else {
             return Ok(None);
         };
-        let (in_a, in_b) = (members(&within.pairs, 0), members(&within.pairs, 1));
-        Ok(Some(Box::new(Near {
-            centre: within.centre,
-            pairs: within.candidates([&in_a, &in_b], motion),
-            in_a,
-            in_b,
-        })))
+        let nodes = [0, 1].map(|side| self.nodes(side, &boxes, margin));
+        let lists = [0, 1].map(|side| {
+            let hosts = nodes[1 - side].iter().map(|(pair, _)| pair[1]);
+            let mut list: Vec<u32> = within
+                .pairs
+                .iter()
+                .map(|pair| pair[side])
+                .chain(hosts)
+                .collect();
+            list.sort_unstable();
+            list.dedup();
+            list
+        });
+        let on_skin = |[i, j]: [u32; 2]| {
+            let skin = |cells: &Cells, i: u32| cells.list.get(i as usize).map_or(0, |c| c.tet.skin);
+            skin(self.a, i) | skin(self.b, j) != 0
+        };
+        let (pairs, inside) = within
+            .pairs
+            .iter()
+            .zip(within.candidates([&lists[0], &lists[1]], motion))
+            .partition::<Vec<_>, _>(|(pair, _)| on_skin(**pair));
+        let candidates =
+            |list: Vec<(&[u32; 2], Candidate)>| list.into_iter().map(|c| c.1).collect();
+        let nodes = [0, 1].map(|side| {
+            let candidate = |([node, tet], gap): &([u32; 2], f64)| Candidate {
+                places: [*node, place(&lists[1 - side], *tet) as u32],
+                clear: motion + gap,
+            };
+            nodes[side].iter().map(candidate).collect()
+        });
+        Ok((!pairs.is_empty()).then(|| {
+            Box::new(Near {
+                centre: within.centre,
+                pairs: candidates(pairs),
+                inside: candidates(inside),
+                nodes,
+                tets: lists,
+            })
+        }))
     }
 }
 
 impl Placed<'_> {
-    /// Tetrahedron i of A about an origin in A's axes.
-    pub fn pose_a(&self, i: u32, origin: &Vector3) -> Option<Posed> {
-        let cell = self.a.list.get(i as usize)?;
-        Some(Posed::shifted(cell, &-origin))
+    pub fn side(&self, side: usize) -> &Cells {
+        [self.a, self.b][side]
     }
 
-    /// Tetrahedron j of B about an origin in A's axes.
-    pub fn pose_b(&self, j: u32, origin: &Vector3) -> Option<Posed> {
-        let cell = self.b.list.get(j as usize)?;
-        Some(Posed::new(cell, &self.rotation, &(self.offset - origin)))
+    /// Sets `room` to a side's tetrahedron about an origin in A's axes.
+    #[inline(always)]
+    pub fn pose(&self, side: usize, i: u32, origin: &Vector3, room: &mut Current) -> Option<()> {
+        let tet = &self.side(side).list.get(i as usize)?.tet;
+        *room = if side == 0 {
+            tet.shifted(&-origin)
+        } else {
+            tet.placed(&self.rotation, &(self.offset - origin), 1.0)
+        };
+        Some(())
     }
-}
 
-/// Test whether a box in A's axes and one in B's axes come within a margin, along the axes of both.
-pub(crate) struct BoxTest {
-    rotation: Matrix3,
-    inverse: Matrix3,
-    /// Absolute values of the rotation and its transpose.
-    spread: Matrix3,
-    back: Matrix3,
-    offset: Vector3,
-    margin: f64,
-}
-
-impl BoxTest {
-    pub fn new(rotation: &Matrix3, offset: &Vector3, margin: f64) -> Self {
-        let inverse = rotation.transpose();
-        Self {
-            rotation: *rotation,
-            inverse,
-            spread: rotation.abs(),
-            back: inverse.abs(),
-            offset: *offset,
-            margin,
+    /// A side's point about an origin in A's axes.
+    pub fn point(&self, side: usize, x: &Vector3, origin: &Vector3) -> Vector3 {
+        if side == 0 {
+            x - origin
+        } else {
+            self.rotation * x + (self.offset - origin)
         }
     }
 
-    #[inline]
-    pub fn meet(&self, a: &Aabb, b: &Aabb) -> bool {
-        let (half_a, half_b) = ((a.high - a.low) * 0.5, (b.high - b.low) * 0.5);
-        let between = self.rotation * b.center().coords + self.offset - a.center().coords;
-        let reach = half_a + self.spread * half_b;
-        if (0..3).any(|k| between[k].abs() > reach[k] + self.margin) {
-            return false;
-        }
-        let between = self.inverse * between;
-        let reach = half_b + self.back * half_a;
-        (0..3).all(|k| between[k].abs() <= reach[k] + self.margin)
+    /// Nodes inside a side and tetrahedra of the other within `margin` of them, ascending, with their distances, m.
+    fn nodes(&self, side: usize, boxes: &BoxTest, margin: f64) -> Vec<([u32; 2], f64)> {
+        let (own, other) = (self.side(side), self.side(1 - side));
+        let mut found = Vec::new();
+        let origin = Vector3::zeros();
+        let mut room = Current::default();
+        let meet = |a: &Aabb, b: &Aabb| {
+            if side == 0 {
+                boxes.meet(a, b)
+            } else {
+                boxes.meet(b, a)
+            }
+        };
+        own.inner_tree.visit_pairs(&other.tree, meet, |node, tet| {
+            let x = self.point(side, &own.inner[node as usize].at, &origin);
+            if self.pose(1 - side, tet, &origin, &mut room).is_some() {
+                let gap = room.gap(&x, 0.0);
+                if gap <= margin {
+                    found.push(([node, tet], gap));
+                }
+            }
+        });
+        found.sort_unstable_by_key(|(pair, _)| *pair);
+        found
     }
-}
-
-/// Largest gap between a box and a rotated box along the first one's axes, m.
-pub(crate) fn gap_along_axes(a: &Aabb, b: &Aabb, rotation: &Matrix3, offset: &Vector3) -> f64 {
-    let half = rotation.abs() * ((b.high - b.low) * 0.5);
-    let centre = rotation * b.center().coords + offset;
-    (0..3)
-        .map(|k| (centre[k] - half[k] - a.high[k]).max(a.low[k] - centre[k] - half[k]))
-        .fold(f64::NEG_INFINITY, f64::max)
 }

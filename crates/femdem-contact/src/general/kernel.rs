@@ -1,29 +1,33 @@
 //! The general kernel.
 
 use super::assemble::assemble;
-use super::cache::{GeneralCache, Placed};
-use super::cells::Cells;
+use super::cache::{GeneralCache, Near, Placed};
 use super::mesh::FieldMesh;
-use super::patch::{Patch, connect};
-use super::piece::Piece;
-use super::pieces::{Record, distance, integrate, intersect};
-use super::posed::{Posed, PosedList};
+use super::patch::{Groups, Patch, Record};
+use super::pieces::integrate;
+use super::skins::Walk;
 use super::sums::Sums;
 use super::wall::SolidWall;
 use crate::error::{ContactError, check_pressure};
 use crate::shape::Frame;
+use crate::tets::cells::Cells;
+use crate::tets::current::Current;
+use crate::tets::piece::Piece;
+use crate::tets::pieces::{distance, intersect};
+use crate::tets::posed::{Posed, PosedList};
 use serde::{Deserialize, Serialize};
 
 /// Buffers that the general kernel reuses from call to call.
 #[derive(Debug, Default)]
 pub struct GeneralScratch {
     patches: Vec<Patch>,
-    in_a: PosedList,
-    in_b: PosedList,
+    tets: [PosedList<Current>; 2],
+    /// The same with planes, for pieces.
+    planes: [PosedList<Posed>; 2],
     piece: Piece,
-    candidates: usize,
-    pieces: Vec<Record>,
-    root: Vec<u32>,
+    counts: [usize; 2],
+    records: Vec<Record>,
+    groups: Groups,
     sums: Vec<([u32; 2], Sums)>,
 }
 
@@ -81,14 +85,30 @@ impl GeneralKernel {
         motion: f64,
         scratch: &'s mut GeneralScratch,
     ) -> &'s [Patch] {
-        let pair = Pair {
-            a: &a.cells,
-            b: &b.cells,
-            length: a.inradius().max(b.inradius()),
-            connected: a.is_convex() && b.is_convex(),
-            factor: 1.0,
-        };
-        self.run(&pair, frame_a, frame_b, cache, motion, scratch)
+        let pair = Pair::bodies(a, b);
+        self.run(Way::Skins, &pair, frame_a, frame_b, cache, motion, scratch)
+    }
+
+    /// As [`evaluate`](Self::evaluate), with sums over the common parts of tetrahedra only: slower, and an oracle, as
+    /// it shares no arithmetic with sums over skins.
+    pub fn evaluate_pieces<'s>(
+        &self,
+        a: &FieldMesh,
+        frame_a: &Frame,
+        b: &FieldMesh,
+        frame_b: &Frame,
+        scratch: &'s mut GeneralScratch,
+    ) -> &'s [Patch] {
+        let (pair, mut cache) = (Pair::bodies(a, b), GeneralCache::default());
+        self.run(
+            Way::Pieces,
+            &pair,
+            frame_a,
+            frame_b,
+            &mut cache,
+            0.0,
+            scratch,
+        )
     }
 
     /// The contact of a wall (A) with a body (B): U = 2 p int phi_B dV over the part of B in the
@@ -121,18 +141,46 @@ impl GeneralKernel {
         motion: f64,
         scratch: &'s mut GeneralScratch,
     ) -> &'s [Patch] {
-        let pair = Pair {
-            a: &wall.cells,
-            b: &body.cells,
-            length: body.inradius(),
-            connected: false,
-            factor: 2.0,
-        };
-        self.run(&pair, frame_wall, frame_body, cache, motion, scratch)
+        let pair = Pair::wall(wall, body);
+        self.run(
+            Way::Skins,
+            &pair,
+            frame_wall,
+            frame_body,
+            cache,
+            motion,
+            scratch,
+        )
     }
 
+    /// As [`evaluate_wall`](Self::evaluate_wall), by the sums of [`evaluate_pieces`](Self::evaluate_pieces).
+    pub fn evaluate_wall_pieces<'s>(
+        &self,
+        wall: &SolidWall,
+        frame_wall: &Frame,
+        body: &FieldMesh,
+        frame_body: &Frame,
+        scratch: &'s mut GeneralScratch,
+    ) -> &'s [Patch] {
+        let (pair, mut cache) = (Pair::wall(wall, body), GeneralCache::default());
+        self.run(
+            Way::Pieces,
+            &pair,
+            frame_wall,
+            frame_body,
+            &mut cache,
+            0.0,
+            scratch,
+        )
+    }
+
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a pair, both frames, and its cache"
+    )]
     fn run<'s>(
         &self,
+        way: Way,
         pair: &Pair,
         frame_a: &Frame,
         frame_b: &Frame,
@@ -141,8 +189,8 @@ impl GeneralKernel {
         scratch: &'s mut GeneralScratch,
     ) -> &'s [Patch] {
         scratch.patches.clear();
-        scratch.pieces.clear();
-        scratch.candidates = 0;
+        scratch.records.clear();
+        scratch.counts = [0; 2];
         if cache.is_clear(motion) {
             return &scratch.patches;
         }
@@ -158,47 +206,13 @@ impl GeneralKernel {
         let Some(near) = cache.candidates(&placed, motion) else {
             return &scratch.patches;
         };
+        let found = match way {
+            Way::Skins => scratch.by_skins(pair, &placed, near, motion),
+            Way::Pieces => None,
+        };
+        let clear = found.unwrap_or_else(|| scratch.by_pieces(pair, &placed, near, motion));
         let centre = near.centre;
-        scratch.in_a.reset(near.in_a.len());
-        scratch.in_b.reset(near.in_b.len());
-        let mut clear = f64::INFINITY;
-        for candidate in &mut near.pairs {
-            if motion >= candidate.clear {
-                let [i, j] = candidate.places;
-                let (Some(&tet_a), Some(&tet_b)) =
-                    (near.in_a.get(i as usize), near.in_b.get(j as usize))
-                else {
-                    continue;
-                };
-                let pose_a = |room: &mut Posed| {
-                    *room = placed.pose_a(tet_a, &centre)?;
-                    Some(())
-                };
-                let pose_b = |room: &mut Posed| {
-                    *room = placed.pose_b(tet_b, &centre)?;
-                    Some(())
-                };
-                let (Some(a), Some(b)) = (scratch.in_a.get(i, pose_a), scratch.in_b.get(j, pose_b))
-                else {
-                    continue;
-                };
-                scratch.candidates += 1;
-                match intersect(a, b, &mut scratch.piece) {
-                    None => candidate.clear = motion + distance(a, b),
-                    Some(flush) => {
-                        let sums = integrate(a, b, flush, &mut scratch.piece);
-                        scratch.pieces.extend(sums.map(|(faces, sums)| Record {
-                            pair: [tet_a, tet_b],
-                            faces,
-                            sums,
-                        }));
-                    }
-                }
-            }
-            clear = clear.min(candidate.clear);
-        }
         cache.set_clear(clear);
-        scratch.gather(pair);
         let size = 2.0 * pair.b.radius;
         let penalty = self.penalty * pair.factor;
         for (key, sums) in &scratch.sums {
@@ -209,6 +223,15 @@ impl GeneralKernel {
         }
         &scratch.patches
     }
+}
+
+/// How the sums of a pair are formed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// Over skins, unless round-off would decide.
+    Skins,
+    /// Over common parts of tetrahedra.
+    Pieces,
 }
 
 /// Two solids.
@@ -223,32 +246,161 @@ struct Pair<'a> {
     factor: f64,
 }
 
-impl GeneralScratch {
-    /// Numbers of pairs of tetrahedra that the last evaluation tested, and of those that overlap.
-    pub fn counts(&self) -> [usize; 2] {
-        [self.candidates, self.pieces.len()]
+impl<'a> Pair<'a> {
+    fn bodies(a: &'a FieldMesh, b: &'a FieldMesh) -> Self {
+        Self {
+            a: &a.cells,
+            b: &b.cells,
+            length: a.inradius().max(b.inradius()),
+            connected: a.is_convex() && b.is_convex(),
+            factor: 1.0,
+        }
     }
 
-    /// Sums over the pieces of each patch, in the order of the patches' first pairs.
+    fn wall(wall: &'a SolidWall, body: &'a FieldMesh) -> Self {
+        Self {
+            a: &wall.cells,
+            b: &body.cells,
+            length: body.inradius(),
+            connected: false,
+            factor: 2.0,
+        }
+    }
+}
+
+impl GeneralScratch {
+    /// Numbers of pairs of tetrahedra that the last evaluation tested, and of those in which the skin of one lies in
+    /// the other (in sums over common parts: of those that overlap).
+    pub fn counts(&self) -> [usize; 2] {
+        self.counts
+    }
+
+    fn reset(&mut self, near: &Near) {
+        self.records.clear();
+        self.counts = [0; 2];
+        for side in 0..2 {
+            self.tets[side].reset(near.tets[side].len());
+            self.planes[side].reset(near.tets[side].len());
+        }
+    }
+
+    /// Sums over skins of all patches. Returns up to which motion nothing touches; `None` if round-off would decide, or if
+    /// the skins do not tell the patches.
+    fn by_skins(
+        &mut self,
+        pair: &Pair,
+        placed: &Placed,
+        near: &mut Near,
+        motion: f64,
+    ) -> Option<f64> {
+        self.reset(near);
+        let walk = Walk {
+            placed,
+            near,
+            motion,
+            tets: &mut self.tets,
+            records: &mut self.records,
+            is_one: pair.connected,
+            counts: &mut self.counts,
+        };
+        let (clear, sunken) = walk.run()?;
+        self.gather(pair);
+        match (sunken, self.sums.as_mut_slice()) {
+            (None, [] | [_]) => Some(clear),
+            (None, several) => {
+                let outer = several.iter().all(|(_, sums)| sums.is_outer());
+                let whole = || self.groups.are_whole(&self.records, [pair.a, pair.b]);
+                (outer && whole()).then_some(clear)
+            }
+            (Some([energy, volume]), [(_, sums)]) => {
+                sums.energy += energy;
+                sums.volume += volume;
+                Some(clear)
+            }
+            // To which patch the nodes belong is not known.
+            _ => None,
+        }
+    }
+
+    /// Sums over common parts of all patches. Returns up to which motion nothing touches.
+    fn by_pieces(&mut self, pair: &Pair, placed: &Placed, near: &mut Near, motion: f64) -> f64 {
+        self.reset(near);
+        let mut clear = f64::INFINITY;
+        let [list_a, list_b] = &mut self.planes;
+        for candidate in near.pairs.iter_mut().chain(&mut near.inside) {
+            if motion >= candidate.clear {
+                let [i, j] = candidate.places;
+                let (Some(&tet_a), Some(&tet_b)) =
+                    (near.tets[0].get(i as usize), near.tets[1].get(j as usize))
+                else {
+                    continue;
+                };
+                let pose = |side: usize, tet: u32, room: &mut Posed| {
+                    let mut posed = Current::default();
+                    placed.pose(side, tet, &near.centre, &mut posed)?;
+                    *room = posed.planes();
+                    Some(())
+                };
+                let (Some(a), Some(b)) = (
+                    list_a.get(i, |room| pose(0, tet_a, room)),
+                    list_b.get(j, |room| pose(1, tet_b, room)),
+                ) else {
+                    continue;
+                };
+                self.counts[0] += 1;
+                match intersect(a, b, &mut self.piece) {
+                    None => candidate.clear = motion + distance(a, b),
+                    Some(flush) => {
+                        let record = integrate(a, b, flush, &mut self.piece);
+                        self.records.extend(record.map(|record| Record {
+                            pair: [tet_a, tet_b],
+                            ..record
+                        }));
+                    }
+                }
+            }
+            clear = clear.min(candidate.clear);
+        }
+        self.counts[1] = self.records.len();
+        self.records.sort_unstable_by_key(|record| record.pair);
+        self.gather(pair);
+        clear
+    }
+
+    /// Sums of each patch, in the order of their keys.
     fn gather(&mut self, pair: &Pair) {
         self.sums.clear();
         if pair.connected {
-            if let Some(first) = self.pieces.first() {
+            let key = self.records.iter().find(|record| record.has_skin);
+            if let Some(first) = key.or(self.records.first()) {
                 let mut total = Sums::default();
-                for piece in &self.pieces {
-                    total += &piece.sums;
+                for record in &self.records {
+                    total += &record.sums;
                 }
                 self.sums.push((first.pair, total));
             }
             return;
         }
-        connect(&self.pieces, pair.a, pair.b, &mut self.root);
-        for (n, piece) in self.pieces.iter().enumerate() {
-            let first = self.pieces[self.root[n] as usize].pair;
+        self.groups.connect(&self.records, [pair.a, pair.b]);
+        // By root first.
+        for (n, record) in self.records.iter().enumerate() {
+            let first = self.records[self.groups.root[n] as usize].pair;
             match self.sums.binary_search_by_key(&first, |s| s.0) {
-                Ok(place) => self.sums[place].1 += &piece.sums,
-                Err(place) => self.sums.insert(place, (first, piece.sums)),
+                Ok(place) => self.sums[place].1 += &record.sums,
+                Err(place) => self.sums.insert(place, (first, record.sums)),
             }
         }
+        if self.records.iter().all(|record| record.has_skin) {
+            return;
+        }
+        for (key, _) in &mut self.sums {
+            let root = self.records.binary_search_by_key(key, |record| record.pair);
+            let mut members = self.records.iter().zip(&self.groups.root);
+            let first = members.find(|(record, of)| record.has_skin && Ok(**of as usize) == root);
+            if let Some((record, _)) = first {
+                *key = record.pair;
+            }
+        }
+        self.sums.sort_unstable_by_key(|(key, _)| *key);
     }
 }

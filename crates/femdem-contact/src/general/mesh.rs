@@ -1,9 +1,9 @@
 //! Bodies with a field on a tetrahedral mesh.
 
-use super::cells::{Cells, NONE};
 use crate::error::ContactError;
 use crate::shape::{self, ConvexShape};
 use crate::sides;
+use crate::tets::cells::{Cells, NONE};
 use femdem_mesh::tet::FACES;
 use femdem_mesh::{Matrix3, Point3, Polyhedron, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};
@@ -38,8 +38,6 @@ pub enum Field {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldMesh {
     pub(crate) cells: Cells,
-    /// Triangles of the skin with the tetrahedron behind each.
-    pub(crate) skin: Vec<([Vector3; 3], u32)>,
     vertices: Vec<Vector3>,
     field: Field,
     convex: bool,
@@ -109,12 +107,10 @@ impl FieldMesh {
             .map(|i| mesh.points()[i].coords - centroid)
             .collect();
         let cells = Cells::new(mesh, &centroid, values);
-        let skin = skin_of(&cells);
-        let face_stiffness = face_stiffness(&cells, &skin);
+        let face_stiffness = face_stiffness(&cells);
         Self {
             radius: vertices.iter().map(Vector3::norm).fold(0.0, f64::max),
             cells,
-            skin,
             vertices,
             field,
             convex,
@@ -213,28 +209,18 @@ pub(crate) fn gauge(mesh: &TetMesh) -> Result<(Vec<f64>, f64), ContactError> {
     Ok((values, shape.inradius()))
 }
 
-fn skin_of(cells: &Cells) -> Vec<([Vector3; 3], u32)> {
-    let mut skin = Vec::new();
-    for (i, cell) in cells.list.iter().enumerate() {
-        for (k, face) in FACES.iter().enumerate() {
-            if cell.neighbours[k] == NONE {
-                skin.push((face.map(|c| cell.corners[c]), i as u32));
+/// Twice the largest integral of |grad phi| over a side of the skin.
+fn face_stiffness(cells: &Cells) -> f64 {
+    let mut facets: Vec<(Vector3, f64)> = Vec::new();
+    for cell in &cells.list {
+        for (face, next) in FACES.iter().zip(cell.neighbours) {
+            if next == NONE {
+                let [a, b, c] = face.map(|corner| cell.tet.corners[corner]);
+                let vector = (b - a).cross(&(c - a)) * 0.5;
+                let area = vector.norm();
+                facets.push((vector / area, 2.0 * area * cell.tet.gradient.norm()));
             }
         }
     }
-    skin
-}
-
-/// Twice the largest integral of |grad phi| over a side of the skin.
-fn face_stiffness(cells: &Cells, skin: &[([Vector3; 3], u32)]) -> f64 {
-    let facets: Vec<(Vector3, f64)> = skin
-        .iter()
-        .map(|([a, b, c], tet)| {
-            let vector = (b - a).cross(&(c - a)) * 0.5;
-            let area = vector.norm();
-            let slope = cells.list[*tet as usize].gradient.norm();
-            (vector / area, 2.0 * area * slope)
-        })
-        .collect();
     sides::stiffest(&facets)
 }

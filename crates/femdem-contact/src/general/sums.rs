@@ -1,10 +1,11 @@
-//! Sums over the pieces of a patch, for unit penalty, about the local origin.
+//! Sums over a patch, for unit penalty, about the local origin.
 
 use crate::foundation::FoundationSums;
+use crate::tets::polygon::PolygonSums;
 use femdem_mesh::Vector3;
 use std::ops::AddAssign;
 
-/// Sums over pieces and over the polygons on which they touch the skins (or the contact surface).
+/// Sums over a patch and over the polygons of both skins that bound it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Sums {
     pub volume: f64,
@@ -19,8 +20,10 @@ pub(crate) struct Sums {
     pub pressure_second: f64,
     /// Of the polygons.
     pub stiffness: FoundationSums,
-    /// Integral of n over A's polygons less that over B's.
-    pub area: Vector3,
+    /// Integrals of n over A's polygons and over B's.
+    pub areas: [Vector3; 2],
+    /// Integral of x.n over all polygons: three times the volume that they enclose, if they are closed.
+    pub enclosed: f64,
 }
 
 impl AddAssign<&Self> for Sums {
@@ -33,81 +36,47 @@ impl AddAssign<&Self> for Sums {
         self.pressure_moment += other.pressure_moment;
         self.pressure_second += other.pressure_second;
         self.stiffness += other.stiffness;
-        self.area += other.area;
+        self.enclosed += other.enclosed;
+        for (area, more) in self.areas.iter_mut().zip(&other.areas) {
+            *area += more;
+        }
     }
 }
 
-/// A polygon to be added: its outward normal, the field on it, its stiffness per area, and its sign (1 for
-/// A's skin, -1 for B's).
-pub(crate) struct Face<'a> {
-    pub polygon: &'a [Vector3],
-    pub normal: Vector3,
-    pub gradient: Vector3,
-    pub level: f64,
-    pub weight: f64,
-    pub side: f64,
-}
+/// Largest vector area of a closed surface over those of its parts.
+const CLOSED: f64 = 1e-6;
 
 impl Sums {
-    /// Adds a plane convex polygon, triangle by triangle; on each, products of linear functions
-    /// are integrated exactly.
-    pub fn add_face(&mut self, face: &Face) {
-        let Some((x, rest)) = face.polygon.split_first() else {
-            return;
-        };
-        let field = |x: &Vector3| face.level + face.gradient.dot(x);
-        let mut area = 0.0;
-        let fx = field(x);
-        for edge in rest.windows(2) {
-            let (y, z) = (&edge[0], &edge[1]);
-            let (fy, fz) = (field(y), field(z));
-            let t = 0.5 * face.normal.dot(&(y - x).cross(&(z - x)));
-            let (sum, total) = (x + y + z, fx + fy + fz);
-            let squares = [x.norm_squared(), y.norm_squared(), z.norm_squared()];
-            let square = squares.iter().sum::<f64>();
-            let weighted = x * fx + y * fy + z * fz;
-            let cubes = squares[0] * fx + squares[1] * fy + squares[2] * fz;
-            area += t;
-            if face.weight > 0.0 {
-                self.stiffness.add_triangle(face.weight * t, &[*x, *y, *z]);
-            }
-            self.pressure += t / 3.0 * total;
-            self.pressure_moment += (sum * total + weighted) * (t / 12.0);
-            self.pressure_second += t / 60.0
-                * ((sum.norm_squared() + square) * total + 2.0 * (sum.dot(&weighted) + cubes));
-        }
-        self.area += face.normal * (face.side * area);
+    /// Whether the polygons of both skins surely are the outer boundary of a part of the overlap: they are closed, and
+    /// enclose a positive volume. The boundary of a hole in it encloses a negative one. (Where skins coincide, polygons
+    /// are missing.)
+    pub fn is_outer(&self) -> bool {
+        let [a, b] = &self.areas;
+        (a + b).norm() <= CLOSED * (a.norm() + b.norm()) && self.enclosed > 0.0
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The unit square at height 1 with phi = x, against integrals done by hand.
-    #[test]
-    fn integrals_over_a_square() {
-        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let polygon = corners.map(|[x, y]| Vector3::new(x, y, 1.0));
-        let mut s = Sums::default();
-        s.add_face(&Face {
-            polygon: &polygon,
-            normal: Vector3::z(),
-            gradient: Vector3::x(),
-            level: 0.0,
-            weight: 2.0,
-            side: -1.0,
-        });
-        assert!((s.pressure - 0.5).abs() < 1e-15);
-        let first = Vector3::new(1.0 / 3.0, 0.25, 0.5);
-        assert!((s.pressure_moment - first).norm() < 1e-15);
-        // x^3 + x y^2 + x.
-        assert!((s.pressure_second - (0.25 + 1.0 / 6.0 + 0.5)).abs() < 1e-15);
-        assert!((s.stiffness.total - 2.0).abs() < 1e-15);
-        // 2 x^2, 2 x y, 2 x, 2 y and 2 over the square.
-        let second = s.stiffness.second;
-        assert!((second.trace() - 2.0 * (1.0 / 3.0 + 1.0 / 3.0 + 1.0)).abs() < 1e-14);
-        assert!((second.m12 - 0.5).abs() < 1e-14 && (second.m13 - 1.0).abs() < 1e-14);
-        assert!((s.area + Vector3::z()).norm() < 1e-15);
+    /// Adds what a polygon of one side's skin tells of the area, the pressure and the stiffness. `gradient` is that of
+    /// the other side's field, and `counts` the part of the area that counts.
+    #[inline(always)]
+    pub fn add_polygon(
+        &mut self,
+        side: usize,
+        sums: &PolygonSums,
+        normal: &Vector3,
+        gradient: &Vector3,
+        counts: f64,
+    ) {
+        let weight = normal.dot(gradient);
+        if weight > 0.0 {
+            self.stiffness += FoundationSums {
+                total: weight * sums.area,
+                first: sums.first * weight,
+                second: sums.second * weight,
+            };
+        }
+        self.pressure += sums.pressure;
+        self.pressure_moment += sums.moment;
+        self.pressure_second += sums.spread;
+        self.areas[side] += normal * (counts * sums.area);
     }
 }

@@ -1,7 +1,7 @@
 //! Rigid walls given as solids of tetrahedra, without a field.
 
-use super::cells::Cells;
 use crate::error::ContactError;
+use crate::tets::cells::Cells;
 use femdem_mesh::{Point3, TetMesh, Vector3};
 
 /// A rigid wall of any shape: the space that its tetrahedra fill is solid.

@@ -173,8 +173,8 @@ impl MeshWall {
     /// Distance of a point in the wall's axes from the boxes around the wall's tetrahedra, m.
     pub(super) fn clearance(&self, x: &Vector3) -> f64 {
         let (x, cells) = (Point3::from(*x), &self.inner.solid.cells);
-        let distance = |i: u32| match cells.list.get(i as usize) {
-            Some(cell) => cell.aabb().distance_squared(&x),
+        let distance = |i: u32| match cells.boxes.get(i as usize) {
+            Some(bounds) => bounds.distance_squared(&x),
             None => f64::INFINITY,
         };
         let nearest = cells.tree.nearest(&x, distance);

@@ -3,7 +3,7 @@
 use super::pair::SoftPair;
 use super::state::Sleep;
 use super::touching::{Part, Touching};
-use crate::deform::current::Operand;
+use crate::deform::operand::Operand;
 use crate::deform::outcome::NodeLoad;
 use crate::deform::record::NodalState;
 use crate::deform::shape::{DeformableShape, Modulus};

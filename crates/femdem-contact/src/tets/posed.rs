@@ -1,7 +1,6 @@
 //! Tetrahedra in the local axes of a pair.
 
-use super::cells::{Cell, NONE};
-use femdem_mesh::{Matrix3, Vector3};
+use femdem_mesh::Vector3;
 
 /// A tetrahedron in local coordinates.
 #[derive(Debug, Clone, Copy, Default)]
@@ -36,49 +35,6 @@ pub(crate) struct Across {
 const CLOSE: f64 = 1e-5;
 
 impl Posed {
-    /// x -> rotation x + offset.
-    pub fn new(cell: &Cell, rotation: &Matrix3, offset: &Vector3) -> Self {
-        let normals = cell.normals.map(|n| rotation * n);
-        let corners = cell.corners.map(|x| rotation * x + offset);
-        Self::assemble(cell, corners, normals, rotation * cell.gradient)
-    }
-
-    /// x -> x + offset.
-    pub fn shifted(cell: &Cell, offset: &Vector3) -> Self {
-        let corners = cell.corners.map(|x| x + offset);
-        Self::assemble(cell, corners, cell.normals, cell.gradient)
-    }
-
-    fn assemble(
-        cell: &Cell,
-        corners: [Vector3; 4],
-        normals: [Vector3; 4],
-        gradient: Vector3,
-    ) -> Self {
-        let [a, b, c, d] = &corners;
-        let mut skin = 0;
-        for (k, n) in cell.neighbours.iter().enumerate() {
-            skin |= u8::from(*n == NONE) << k;
-        }
-        let [low, high] = bounds(&corners);
-        Self {
-            offsets: [
-                normals[0].dot(b),
-                normals[1].dot(c),
-                normals[2].dot(d),
-                normals[3].dot(a),
-            ],
-            level: cell.level - gradient.dot(a),
-            low,
-            high,
-            size: extent(&low, &high),
-            corners,
-            normals,
-            gradient,
-            skin,
-        }
-    }
-
     /// Depth of a point under face k, m.
     #[inline]
     pub fn depth(&self, k: usize, x: &Vector3) -> f64 {
@@ -194,10 +150,13 @@ fn along(corners: &[Vector3; 4], n: &Vector3) -> [f64; 2] {
     [a.min(b).min(c.min(d)), a.max(b).max(c.max(d))]
 }
 
+/// Place of a tetrahedron that has not been posed.
+const NOT_YET: u32 = u32::MAX;
+
 /// Tetrahedra of one body, each posed on its first use.
 #[derive(Debug)]
 pub(crate) struct PosedList<T = Posed> {
-    /// Index in `list` by place, or [`NONE`].
+    /// Index in `list` by place, or [`NOT_YET`].
     at: Vec<u32>,
     /// The first `used` are posed; the rest is kept as storage.
     list: Vec<T>,
@@ -219,7 +178,7 @@ impl<T: Default> PosedList<T> {
     pub fn reset(&mut self, count: usize) {
         self.used = 0;
         self.at.clear();
-        self.at.resize(count, NONE);
+        self.at.resize(count, NOT_YET);
     }
 
     /// The tetrahedron of a place, if it has been posed.
@@ -232,7 +191,7 @@ impl<T: Default> PosedList<T> {
     #[inline]
     pub fn get(&mut self, place: u32, pose: impl FnOnce(&mut T) -> Option<()>) -> Option<&T> {
         let at = self.at.get_mut(place as usize)?;
-        if *at == NONE {
+        if *at == NOT_YET {
             if self.used == self.list.len() {
                 self.list.push(T::default());
             }
@@ -246,11 +205,18 @@ impl<T: Default> PosedList<T> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::current::Current;
     use super::*;
 
     fn tet(corners: [[f64; 3]; 4]) -> Posed {
-        let cell = Cell::new(corners.map(Vector3::from), [0.0, 0.0, 0.0, 1.0], [NONE; 4]);
-        Posed::shifted(&cell, &Vector3::zeros())
+        let mut tet = Current::default();
+        assert!(tet.deform(
+            corners.map(Vector3::from),
+            &[0.0, 0.0, 0.0, 1.0],
+            1.0,
+            0b1111
+        ));
+        tet.planes()
     }
 
     /// Two wedges, edge across edge: only the plane along both edges separates them, and the
