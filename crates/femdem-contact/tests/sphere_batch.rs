@@ -7,7 +7,7 @@ use crate::common::pack::shape;
 use crate::common::tets::{body, cube};
 use femdem_contact::{
     BodyShape, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Field, Frame,
-    GeneralKernel, Load, Motion, Overlap, Partner, Sphere, SphereKernel, Wall,
+    GeneralKernel, Motion, Overlap, Partner, Sphere, SphereKernel, Wall,
 };
 use femdem_mesh::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use femdem_mesh::shapes;
@@ -151,7 +151,7 @@ fn the_batch_finds_what_the_kernel_finds() {
 #[cfg(feature = "parallel")]
 #[test]
 fn spheres_give_the_same_bits() {
-    let run = |threads: usize, stored: bool| -> Vec<Load> {
+    let run = |threads: usize, stored: bool| -> Vec<femdem_contact::Load> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().unwrap().install(|| {
             let mut pack = Pack::new(200);
