@@ -3,6 +3,7 @@
 use crate::mark::Mark;
 use crate::tets::boxes::{BoxTest, gap_along_axes};
 use crate::tets::cells::Cells;
+use crate::tets::clip::NOISE;
 use crate::tets::current::Current;
 use crate::tets::near_list::{Candidate, NearList, Search, Within, members, place};
 use crate::tets::posed::Posed;
@@ -217,7 +218,8 @@ impl Placed<'_> {
         own.inner_tree.visit_pairs(&other.tree, meet, |node, tet| {
             let x = self.point(side, &own.inner[node as usize].at, &origin);
             if self.pose(1 - side, tet, &origin, &mut room).is_some() {
-                let gap = room.gap(&x, 0.0);
+                // On a face between two tetrahedra round-off must not put it outside both.
+                let gap = room.gap(&x, NOISE);
                 if gap <= margin {
                     found.push(([node, tet], gap));
                 }

@@ -225,6 +225,10 @@ impl GeneralKernel {
     }
 }
 
+/// A small body around a node of a large one is the small difference of what the node and the skins contribute: below this
+/// part of the first, too many digits are lost.
+const CANCELLED: f64 = 0.01;
+
 /// How the sums of a pair are formed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
@@ -315,7 +319,9 @@ impl GeneralScratch {
             (Some([energy, volume]), [(_, sums)]) => {
                 sums.energy += energy;
                 sums.volume += volume;
-                Some(clear)
+                let has_digits =
+                    sums.energy >= CANCELLED * energy && sums.volume >= CANCELLED * volume;
+                has_digits.then_some(clear)
             }
             // To which patch the nodes belong is not known.
             _ => None,
