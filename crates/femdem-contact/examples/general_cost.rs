@@ -78,11 +78,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let n = f64::from(count) * f64::from(turns + 1);
     let [patches, candidates, overlaps] = sums.map(|sum| sum as f64 / n);
     println!(
-        "{name}, {} tetrahedra: {patches:.2} patches, {candidates:.1} candidates and {overlaps:.1} overlaps per pair",
+        "{name}, {} tetrahedra: {patches:.2} patches, {candidates:.1} candidates and {overlaps:.1} with skin per pair",
         body.tet_count()
     );
     println!(
-        "{:.0} ns per pair, {:.0} ns per overlap",
+        "{:.0} ns per pair, {:.0} ns per one with skin",
         1e9 * time / n,
         1e9 * time / (n * overlaps)
     );

@@ -23,6 +23,18 @@ impl std::iter::Sum for FoundationSums {
     }
 }
 
+impl std::ops::Mul<f64> for FoundationSums {
+    type Output = Self;
+
+    fn mul(self, by: f64) -> Self {
+        Self {
+            total: self.total * by,
+            first: self.first * by,
+            second: self.second * by,
+        }
+    }
+}
+
 impl std::ops::AddAssign for FoundationSums {
     fn add_assign(&mut self, other: Self) {
         self.total += other.total;

@@ -1,7 +1,7 @@
-//! Contact of polyhedra, convex or not: where bodies overlap, the force that pushes them apart, and the
+//! Contact of polyhedra, convex or not, and of balls: where bodies overlap, the force that pushes them apart, and the
 //! friction between them.
 //!
-//! **Use it** to add contacts of polyhedra, against each other and against walls, to your granular or
+//! **Use it** to add contacts of polyhedra and balls, against each other and against walls, to your granular or
 //! multibody code. The normal force is the exact gradient of an overlap energy, so it conserves energy for
 //! any kind of contact. Bodies may be rigid or deformable ([`deform`]), and exact balls ([`Sphere`]) mix with them.
 //! **Do not use it** where nothing may overlap at all (the bodies are penalty bodies), or if you want

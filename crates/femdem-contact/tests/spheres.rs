@@ -381,3 +381,37 @@ fn a_plane_presses_as_the_textbook_integral_says() {
         assert!((turned * o.normal - turned.column(2)).norm() < 1e-14);
     }
 }
+
+/// With the ball's centre on a plane, to the last bit or nearly, half of the ball lies behind it: U = p pi R^3/3 on a wall,
+/// whichever zero its distance is, and energy and force go on smoothly through a facet of a cube.
+#[test]
+fn a_centre_on_a_plane_is_no_exception() {
+    let radius = 0.1;
+    let ball = Sphere::new(radius).unwrap();
+    let near = [0.0, -0.0, 1e-17, -1e-17, 1e-12, -1e-12, 1e-10, -1e-10];
+    let half = std::f64::consts::PI * radius.powi(3) / 3.0;
+    for sign in [1.0, -1.0] {
+        let wall = corner(&[Vector3::z() * sign]);
+        for off in near {
+            let centre = Vector3::new(0.02, 0.03, off);
+            let found = kernel().evaluate_wall(&wall, &Frame::identity(), &ball, &centre);
+            assert!((energy(found) / half - 1.0).abs() < 1e-7, "{sign} {off}");
+        }
+    }
+    let cube = "box:width=1,height=1".parse::<shapes::Shape>().unwrap();
+    let cube = ConvexShape::new(&cube.polyhedron(1.0).unwrap()).unwrap();
+    let at = |off: f64| {
+        let centre = Vector3::new(0.02, 0.03, 0.5 + off);
+        let found = kernel().evaluate_convex(&cube, &Frame::identity(), &ball, &centre);
+        found.unwrap()
+    };
+    let beside = at(1e-7);
+    for off in near {
+        let o = at(off);
+        assert!((o.energy / beside.energy - 1.0).abs() < 1e-4, "{off} {o:?}");
+        assert!(
+            (o.force - beside.force).norm() < 1e-4 * o.force.norm(),
+            "{off} {o:?}"
+        );
+    }
+}

@@ -101,7 +101,7 @@ impl PackReport {
             .iter()
             .map(|c| c.penetration() / diameter)
             .collect();
-        let bodies = (0..).map_while(|body| world.bounds(body));
+        let bodies = world.body_ids().filter_map(|body| world.bounds(body));
         Self {
             settled,
             bodies: u32::try_from(world.body_count()).unwrap_or(u32::MAX),

@@ -29,6 +29,9 @@ pub(crate) const LEAST_DAMPING: f64 = 0.1;
 /// Allowed shares: their sums, and those of lengths and volumes weighted with them, stay finite and above 0.
 const SHARES: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
+/// Least inradius over circumscribed radius of a surface that stands for a ball.
+const ROUND: f64 = 0.99;
+
 /// More bodies than this would take years and are taken for a typing error.
 const MOST_BODIES: u32 = 100_000_000;
 
@@ -129,6 +132,25 @@ impl PackShape {
         deepest / (CALIBRATED_DEPTH * self.diameter())
     }
 
+    /// Refuses a surface that is not that of a ball about the origin.
+    fn check_ball(&self) -> Result<(), PackError> {
+        let radius = self.polyhedron.bounding_radius();
+        let roundness = self.polyhedron.inradius() / radius;
+        let off = self.polyhedron.mass_properties().centroid.coords.norm() / radius;
+        check(
+            "inradius over circumscribed radius of a ball's surface",
+            roundness,
+            roundness >= ROUND,
+            "at least 0.99: a polyhedron near the ball, as PackShape::ball has it",
+        )?;
+        check(
+            "distance of a ball's centroid from the origin over its radius",
+            off,
+            off <= 1e-6,
+            "at most 1e-6",
+        )
+    }
+
     /// Circumscribed diameter, m: that of the smallest sphere about the centroid that contains the body.
     pub fn diameter(&self) -> f64 {
         2.0 * self.polyhedron.bounding_radius()
@@ -148,7 +170,8 @@ pub enum Mixing {
 
 /// When a pack counts as settled: every body's residual (net force over the larger of its weight and its mean contact
 /// force) and kinetic energy have been within the limits, with all bodies awake and no medium, at ten checks in a row over
-/// sqrt(d/g). The last three of them at least follow explicit steps, all of them if the job has no implicit steps.
+/// sqrt(d/g), and no body has moved by more than 1e-3 d meanwhile. The last three of them at least follow explicit steps, all
+/// of them if the job has no implicit steps.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settling {
@@ -156,8 +179,8 @@ pub struct Settling {
     pub residual: f64,
     /// Largest allowed kinetic energy of a body over m g d.
     pub kinetic_energy: f64,
-    /// Longest time in units of sqrt(d/g) for coming to rest once the last body has had time to fall, and again for the
-    /// verification, all attempts together.
+    /// Longest time in units of sqrt(d/g) for coming to rest once the last body has had time to fall, again for each awake
+    /// relaxation, and again for the verification, all attempts together.
     pub longest: f64,
 }
 
@@ -283,6 +306,9 @@ impl PackSpec {
                 SHARES.contains(&shape.share),
                 "between 1e-100 and 1e100",
             )?;
+            if shape.sphere {
+                shape.check_ball()?;
+            }
             if shape.mesh.is_none() && !shape.polyhedron.is_convex() {
                 return Err(PackError::NotConvex {
                     name: shape.name.clone(),
@@ -466,6 +492,7 @@ mod tests {
         );
         assert!(says(|s| s.container = Container::Cylinder { diameter: 0.01 }).contains("0.02"));
         assert!(says(|s| s.settling.residual = 0.0).contains("settling residual = 0"));
+        assert!(says(|s| s.shapes[0].sphere = true).contains("of a ball's surface"));
     }
 
     /// Without friction the walls carry nothing, and the floor's stress is the weight above it.

@@ -30,6 +30,9 @@ pub enum SolveError {
         /// The allowed range in words.
         allowed: &'static str,
     },
+    /// A world that was read as a part of something else has not got its shapes back.
+    #[error("the world has no contact shapes yet: call World::restore after reading it")]
+    NotRestored,
     /// An index refers to something that was never added, or has been removed.
     #[error("there is no {what} {index} (never added, or removed): there are {count}")]
     NoSuch {

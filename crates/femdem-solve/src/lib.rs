@@ -41,7 +41,7 @@
 //!   surface with tetrahedra that fill it; [`World::add_wall`] takes planes and meshes.
 //! - [`World::add_model`] and [`World::add_deformable`] take deformable bodies
 //!   ([`DeformableModel`](femdem_fem::DeformableModel)), which share the step, the walls and the ledger with the
-//!   rigid ones; [`World::relax`] brings all to rest.
+//!   rigid ones; [`World::relax`] brings all to rest, [`World::solve_single_bodies`] those that touch nothing.
 //! - [`Drive`]: prescribed motion of a wall or a body: shaken, tapped, drawn along a line, turned
 //!   about an axis.
 //! - For hosts, at any time between steps: [`World::remove_body`], [`World::remove_deformable`] and

@@ -10,7 +10,7 @@ use femdem_contact::{BodyId, Partner, Wall, Wrench};
 use femdem_fem::DeformableModel;
 use femdem_fem::element::Element;
 use femdem_fem::material::NeoHookean;
-use femdem_mesh::{Point3, Polyhedron, TetMesh, Vector3};
+use femdem_mesh::{TetMesh, Vector3};
 use femdem_solve::{
     BodySpec, ContactStiffness, DeformableSpec, Drive, ImplicitStep, SolveError, World,
     WorldParameters,
@@ -321,23 +321,8 @@ fn a_refused_shape_leaves_nothing_behind() {
     let mut world = World::new(WorldParameters::default()).unwrap();
     add_soft(&mut world, Vector3::zeros());
     let thin = 2.2e-6;
-    let corner = |i: u32| {
-        Point3::new(
-            2.0 * f64::from(i & 1),
-            thin * f64::from(i >> 1 & 1),
-            thin * f64::from(i >> 2),
-        )
-    };
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let points = (0..8).map(corner).collect();
-    let needle = Polyhedron::new(points, faces.iter().map(|f| f.to_vec()).collect()).unwrap();
+    let block = TetMesh::block([1, 1, 1], &Vector3::new(2.0, thin, thin)).unwrap();
+    let needle = block.surface().unwrap().with_merged_faces();
     assert!(
         World::new(WorldParameters::default())
             .unwrap()

@@ -428,7 +428,11 @@ fn altered_bytes_with_a_right_checksum_do_not_panic() {
 /// A world that was read as a part of something else and not restored reports this from every method.
 #[test]
 fn a_world_that_was_not_restored_is_refused() {
-    let (mut world, _) = cubes();
+    let (mut world, shape) = cubes();
+    world
+        .add_body(BodySpec::at_rest(shape, DENSITY, Pose::identity()))
+        .unwrap();
+    add_floor(&mut world, Drive::Fixed);
     let mesh = TetMesh::block([1, 1, 1], &Vector3::repeat(0.1)).unwrap();
     let region = MaterialRegion {
         material: NeoHookean::new(1e6, 0.0).unwrap().into(),
@@ -445,7 +449,11 @@ fn a_world_that_was_not_restored_is_refused() {
     let read = || read_file::<World>(&path, "part").unwrap();
     let (contact, medium) = (world.parameters().contact, world.parameters().medium);
     type Ask<'a> = &'a dyn Fn(&mut World) -> Result<(), SolveError>;
-    let asked: [Ask; 6] = [
+    let asked: [Ask; 10] = [
+        &|w| w.set_load(0, femdem_contact::Wrench::default()),
+        &|w| w.set_deformable_load(0, Vector3::zeros()),
+        &|w| w.drive_wall(0, Drive::Fixed),
+        &|w| w.remove_body(0),
         &|w| w.step(),
         &|w| w.set_medium(medium),
         &|w| w.set_contact(contact),

@@ -72,7 +72,7 @@ impl DeformableKernel {
         self.evaluate_by(Way::Skins, a, b, scratch)
     }
 
-    /// As [`evaluate`](Self::evaluate), with sums over the common parts of tetrahedra only: half as fast, and an
+    /// As [`evaluate`](Self::evaluate), with sums over the common parts of tetrahedra only: slower, and an
     /// oracle, as it shares no arithmetic with sums over skins.
     ///
     /// # Errors

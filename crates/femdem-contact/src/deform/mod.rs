@@ -78,7 +78,7 @@
 //! - Sums over skins and over common parts agree to 1e-11, in random poses and where faces or nodes of one
 //!   body lie in skins of the other (`tests/deform_skins.rs`).
 //! - Cost: 0.6 to 0.9 µs per pair of tetrahedra in which the skin of one lies inside the other, everything
-//!   included. That is 60 to 70 % of the cost of sums over common parts (example `deform_cost`). Bodies that
+//!   included. That is 60 to 70 % of the cost of sums over common parts. Bodies that
 //!   touch nothing cost 1 to 2 ns per tetrahedron and step. Light contacts of boulders have 10 to 20 such
 //!   pairs each.
 //! - A quadratic tetrahedron is treated as eight linear ones; curved faces are replaced by the triangles of

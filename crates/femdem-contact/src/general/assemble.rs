@@ -1,7 +1,7 @@
 //! Conversion of the sums of a patch to its contact.
 
 use super::sums::Sums;
-use crate::foundation::{Foundation, FoundationSums};
+use crate::foundation::Foundation;
 use crate::kernel::Overlap;
 use femdem_mesh::{Matrix3, Vector3};
 
@@ -36,12 +36,7 @@ pub(crate) fn assemble(
     let centre = sums.pressure_moment / sums.pressure;
     let spread = sums.pressure_second / sums.pressure - centre.norm_squared();
     let arm_a = to_world * (origin + centre);
-    let foundation = FoundationSums {
-        total: penalty * sums.stiffness.total,
-        first: sums.stiffness.first * penalty,
-        second: sums.stiffness.second * penalty,
-    };
-    let foundation = Foundation::new(&foundation, &normal, &centre);
+    let foundation = Foundation::new(&(sums.stiffness * penalty), &normal, &centre);
     Some(Overlap {
         force: to_world * force,
         moment: to_world * (torque - centre.cross(&force)),

@@ -9,6 +9,7 @@ use super::skins::Walk;
 use super::sums::Sums;
 use super::wall::SolidWall;
 use crate::error::{ContactError, check_pressure};
+use crate::kernel::WALL_FACTOR;
 use crate::shape::Frame;
 use crate::tets::cells::Cells;
 use crate::tets::current::Current;
@@ -85,8 +86,8 @@ impl GeneralKernel {
         motion: f64,
         scratch: &'s mut GeneralScratch,
     ) -> &'s [Patch] {
-        let pair = Pair::bodies(a, b);
-        self.run(Way::Skins, &pair, frame_a, frame_b, cache, motion, scratch)
+        let pair = Pair::bodies([a, b], [frame_a, frame_b]);
+        self.run(Way::Skins, &pair, cache, motion, scratch)
     }
 
     /// As [`evaluate`](Self::evaluate), with sums over the common parts of tetrahedra only: slower, and an oracle, as
@@ -99,13 +100,11 @@ impl GeneralKernel {
         frame_b: &Frame,
         scratch: &'s mut GeneralScratch,
     ) -> &'s [Patch] {
-        let (pair, mut cache) = (Pair::bodies(a, b), GeneralCache::default());
+        let pair = Pair::bodies([a, b], [frame_a, frame_b]);
         self.run(
             Way::Pieces,
             &pair,
-            frame_a,
-            frame_b,
-            &mut cache,
+            &mut GeneralCache::default(),
             0.0,
             scratch,
         )
@@ -141,16 +140,8 @@ impl GeneralKernel {
         motion: f64,
         scratch: &'s mut GeneralScratch,
     ) -> &'s [Patch] {
-        let pair = Pair::wall(wall, body);
-        self.run(
-            Way::Skins,
-            &pair,
-            frame_wall,
-            frame_body,
-            cache,
-            motion,
-            scratch,
-        )
+        let pair = Pair::wall(wall, body, [frame_wall, frame_body]);
+        self.run(Way::Skins, &pair, cache, motion, scratch)
     }
 
     /// As [`evaluate_wall`](Self::evaluate_wall), by the sums of [`evaluate_pieces`](Self::evaluate_pieces).
@@ -162,38 +153,30 @@ impl GeneralKernel {
         frame_body: &Frame,
         scratch: &'s mut GeneralScratch,
     ) -> &'s [Patch] {
-        let (pair, mut cache) = (Pair::wall(wall, body), GeneralCache::default());
+        let pair = Pair::wall(wall, body, [frame_wall, frame_body]);
         self.run(
             Way::Pieces,
             &pair,
-            frame_wall,
-            frame_body,
-            &mut cache,
+            &mut GeneralCache::default(),
             0.0,
             scratch,
         )
     }
 
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "a pair, both frames, and its cache"
-    )]
     fn run<'s>(
         &self,
         way: Way,
         pair: &Pair,
-        frame_a: &Frame,
-        frame_b: &Frame,
         cache: &mut GeneralCache,
         motion: f64,
         scratch: &'s mut GeneralScratch,
     ) -> &'s [Patch] {
         scratch.patches.clear();
-        scratch.records.clear();
-        scratch.counts = [0; 2];
+        scratch.reset();
         if cache.is_clear(motion) {
             return &scratch.patches;
         }
+        let [frame_a, frame_b] = pair.frames;
         let between = frame_b.position - frame_a.position;
         let placed = Placed {
             a: pair.a,
@@ -238,36 +221,39 @@ enum Way {
     Pieces,
 }
 
-/// Two solids.
+/// Two solids and where they are.
 struct Pair<'a> {
     a: &'a Cells,
     b: &'a Cells,
+    frames: [&'a Frame; 2],
     /// The larger of the lengths over which their fields rise.
     length: f64,
     /// The overlap is one patch.
     connected: bool,
-    /// 2 for walls.
+    /// On the penalty: that of walls, which have no field.
     factor: f64,
 }
 
 impl<'a> Pair<'a> {
-    fn bodies(a: &'a FieldMesh, b: &'a FieldMesh) -> Self {
+    fn bodies([a, b]: [&'a FieldMesh; 2], frames: [&'a Frame; 2]) -> Self {
         Self {
             a: &a.cells,
             b: &b.cells,
+            frames,
             length: a.inradius().max(b.inradius()),
             connected: a.is_convex() && b.is_convex(),
             factor: 1.0,
         }
     }
 
-    fn wall(wall: &'a SolidWall, body: &'a FieldMesh) -> Self {
+    fn wall(wall: &'a SolidWall, body: &'a FieldMesh, frames: [&'a Frame; 2]) -> Self {
         Self {
             a: &wall.cells,
             b: &body.cells,
+            frames,
             length: body.inradius(),
             connected: false,
-            factor: 2.0,
+            factor: WALL_FACTOR,
         }
     }
 }
@@ -279,13 +265,9 @@ impl GeneralScratch {
         self.counts
     }
 
-    fn reset(&mut self, near: &Near) {
+    fn reset(&mut self) {
         self.records.clear();
         self.counts = [0; 2];
-        for side in 0..2 {
-            self.tets[side].reset(near.tets[side].len());
-            self.planes[side].reset(near.tets[side].len());
-        }
     }
 
     /// Sums over skins of all patches. Returns up to which motion nothing touches; `None` if round-off would decide, or if
@@ -297,7 +279,10 @@ impl GeneralScratch {
         near: &mut Near,
         motion: f64,
     ) -> Option<f64> {
-        self.reset(near);
+        self.reset();
+        for (list, tets) in self.tets.iter_mut().zip(&near.tets) {
+            list.reset(tets.len());
+        }
         let walk = Walk {
             placed,
             near,
@@ -330,7 +315,10 @@ impl GeneralScratch {
 
     /// Sums over common parts of all patches. Returns up to which motion nothing touches.
     fn by_pieces(&mut self, pair: &Pair, placed: &Placed, near: &mut Near, motion: f64) -> f64 {
-        self.reset(near);
+        self.reset();
+        for (list, tets) in self.planes.iter_mut().zip(&near.tets) {
+            list.reset(tets.len());
+        }
         let mut clear = f64::INFINITY;
         let [list_a, list_b] = &mut self.planes;
         for candidate in near.pairs.iter_mut().chain(&mut near.inside) {

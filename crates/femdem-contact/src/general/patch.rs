@@ -22,7 +22,7 @@ pub(crate) struct Record {
     pub pair: [u32; 2],
     /// Whether the skin of one lies in the other.
     pub has_skin: bool,
-    /// Faces of either across which the common part goes on.
+    /// Faces of either across which the polygons, or the common part, go on.
     pub faces: Faces,
     /// Edges of either's skin across which it goes on, as bits: 4 k + l for the edge of face k on face l.
     pub edges: [u16; 2],

@@ -61,12 +61,14 @@ pub(super) fn gap(shape: &ConvexShape, centre: &Vector3, radius: f64) -> (f64, V
 
 /// The sums over a convex polyhedron for a ball at `centre` in its axes.
 pub(super) fn patch(shape: &ConvexShape, centre: &Vector3, radius: f64) -> Patch {
-    let inside = shape.holds(centre);
-    let centre = if inside {
+    // By the heights over the facets, which decide below what lies behind them.
+    let holds = |x: &Vector3| gap(shape, x, 0.0).0 < 0.0;
+    let centre = if holds(centre) {
         centre + Vector3::from(ASIDE) * radius
     } else {
         *centre
     };
+    let inside = holds(&centre);
     let near = Near::new(&centre, radius);
     let mut patch = Patch::default();
     let mut own = OwnField::default();

@@ -65,7 +65,7 @@ impl Face {
 
     /// 1 if the ball's centre lies behind the face, else -1.
     pub fn side(&self) -> f64 {
-        1.0_f64.copysign(self.height)
+        if self.height > 0.0 { 1.0 } else { -1.0 }
     }
 
     /// int y y^T k dA of the points y = foot + x, from the moments about the foot.
@@ -120,11 +120,7 @@ impl Patch {
         let normal = force / magnitude;
         let centre = self.moment / self.pressure;
         let spread = self.second / self.pressure - centre.norm_squared();
-        let stiffness = FoundationSums {
-            total: penalty * self.stiffness.total,
-            first: self.stiffness.first * penalty,
-            second: self.stiffness.second * penalty,
-        };
+        let stiffness = self.stiffness * penalty;
         let foundation = Foundation::new(&stiffness, &normal, &centre);
         let arm_b = rotation * centre;
         let to_world = rotation * normal;

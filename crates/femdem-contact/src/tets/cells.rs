@@ -1,5 +1,6 @@
 //! The tetrahedra of a rigid solid, in the axes of its body.
 
+use super::clip::NOISE;
 use super::current::Current;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, TetMesh, Vector3};
@@ -46,10 +47,9 @@ impl Cell {
         self.tet.values[0] + self.tet.gradient.dot(&(x - self.tet.corners[0]))
     }
 
-    /// Whether a point lies in the tetrahedron.
+    /// Whether a point lies in the tetrahedron. One on a face between two lies in both, whatever round-off says.
     pub fn holds(&self, x: &Vector3) -> bool {
-        let inwards = |k: usize| self.tet.slopes[k].dot(&(x - self.tet.corners[(k + 1) % 4]));
-        (0..4).all(|k| inwards(k) >= 0.0)
+        self.tet.gap(x, NOISE) == 0.0
     }
 }
 

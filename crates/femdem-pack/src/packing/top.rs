@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 
 /// Centroids of all bodies.
 pub(super) fn positions(world: &World) -> impl Iterator<Item = (BodyId, Vector3)> {
-    (0..).map_while(|body| world.position(body).map(|p| (body, p)))
+    let bodies = world.body_ids();
+    bodies.filter_map(|body| Some((body, world.position(body)?)))
 }
 
 /// Mean top of a pack, m: the floor plan is divided into squares of side d, and the highest points

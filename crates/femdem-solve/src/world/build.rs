@@ -316,13 +316,10 @@ impl World {
         let deformables = self.deformables.as_deref();
         let soft = deformables.map_or((0, 0), |d| (d.models.len(), d.batch.shapes().len()));
         let rigid = (self.shapes.len(), self.batch.shapes().len());
-        match [rigid, soft].into_iter().find(|(all, made)| made < all) {
-            None => Ok(()),
-            Some((count, made)) => Err(SolveError::NoSuch {
-                what: "restored shape",
-                index: count - 1,
-                count: made,
-            }),
+        if [rigid, soft].iter().all(|(all, made)| made >= all) {
+            Ok(())
+        } else {
+            Err(SolveError::NotRestored)
         }
     }
 

@@ -33,6 +33,7 @@ impl World {
 
     /// Gives a wall a new prescribed motion, counted from where it is now.
     pub(super) fn guide_wall(&mut self, wall: u32, guide: Guide) -> Result<(), SolveError> {
+        self.restored()?;
         let (w, time) = (self.known_wall(wall)?, self.time);
         let (old, base) = &mut self.wall_drives[w];
         let here = old.now(time).place(base);

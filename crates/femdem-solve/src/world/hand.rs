@@ -37,7 +37,7 @@ impl World {
     /// evaluated first, the errors of [`World::step`].
     pub fn remove_body(&mut self, id: BodyId) -> Result<(), SolveError> {
         let i = self.known_body(id)?;
-        self.settle()?;
+        self.evaluate_pending()?;
         let stored = self.stored_by(Partner::Body(id));
         let mut touched = self.batch.remove_body(id)?;
         if let Some(deformables) = &mut self.deformables {
@@ -54,7 +54,7 @@ impl World {
         self.awake.retain(|&other| other != id);
         self.newcomers.forget_body(id);
         self.step_control.lose();
-        self.part(stored, &touched);
+        self.book_ended(stored, &touched);
         Ok(())
     }
 
@@ -65,7 +65,7 @@ impl World {
     /// As [`World::remove_body`].
     pub fn remove_wall(&mut self, wall: u32) -> Result<(), SolveError> {
         let w = self.known_wall(wall)?;
-        self.settle()?;
+        self.evaluate_pending()?;
         let stored = self.stored_by(Partner::Wall(wall));
         let mut touched = self.batch.remove_wall(wall)?;
         if let Some(deformables) = &mut self.deformables {
@@ -75,7 +75,7 @@ impl World {
         self.wall_drives[w] = (Guide::FIXED, Pose::identity());
         self.wall_motions[w] = Motion::fixed(Frame::identity());
         self.newcomers.forget_wall(wall);
-        self.part(stored, &touched);
+        self.book_ended(stored, &touched);
         Ok(())
     }
 
@@ -88,7 +88,7 @@ impl World {
     pub fn set_pose(&mut self, id: BodyId, pose: Pose) -> Result<(), SolveError> {
         let i = self.known_body(id)?;
         let pose = checked_pose(&pose)?;
-        self.settle()?;
+        self.evaluate_pending()?;
         let stored = self.stored_by(Partner::Body(id));
         let mut touched = self.batch.moved_by_hand(id)?;
         if let Some(deformables) = &mut self.deformables {
@@ -112,7 +112,7 @@ impl World {
         self.motions[i] = body.motion();
         self.newcomers.moved.bodies.insert(id);
         touched.push(id);
-        self.part(stored, &touched);
+        self.book_ended(stored, &touched);
         Ok(())
     }
 
@@ -155,6 +155,7 @@ impl World {
     /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::Parameter`] for a load that is not finite.
     pub fn set_load(&mut self, id: BodyId, load: Wrench) -> Result<(), SolveError> {
         let i = self.known_body(id)?;
+        self.restored()?;
         check("force", load.force.norm(), true, "finite, in N")?;
         check("torque", load.torque.norm(), true, "finite, in N m")?;
         if self.bodies[i].applied != load {
@@ -193,7 +194,7 @@ impl World {
 
     /// The contacts of the present positions, if those on record are of an implicit step, which books what they store in
     /// the next one.
-    pub(super) fn settle(&mut self) -> Result<(), SolveError> {
+    pub(super) fn evaluate_pending(&mut self) -> Result<(), SolveError> {
         self.restored()?;
         if self.flows.pending.is_some() {
             self.evaluate_if_due()?;
@@ -234,7 +235,7 @@ impl World {
     }
 
     /// Books what contacts held that have ended by hand, and judges the bodies anew that they held.
-    pub(super) fn part(&mut self, stored: Stored, touched: &[BodyId]) {
+    pub(super) fn book_ended(&mut self, stored: Stored, touched: &[BodyId]) {
         self.flows.by_hand -= stored.elastic + stored.springs;
         // What friction has dissipated is its work less what its springs hold.
         self.flows.friction_work += stored.springs;

@@ -1,5 +1,5 @@
-//! Bringing a world to rest: Newton's method for single bodies, then dynamic relaxation with kinetic damping, first of the
-//! bodies as wholes, then of their elements.
+//! Bringing a world to rest: dynamic relaxation with kinetic damping, first of the bodies as wholes, then of
+//! their elements.
 //!
 //! For bodies much stiffer than their contacts there are two time scales: an element oscillates thousands of
 //! times while the body oscillates once on its contacts. So bodies are first moved as wholes, with a step
@@ -68,9 +68,6 @@ pub struct WorldRelaxed {
     pub steps: [u64; 2],
     /// How often all motion was stopped.
     pub stops: u64,
-    /// Deformable bodies that were put into equilibrium by Newton's method first: those that supports hold and that touched
-    /// nothing.
-    pub solved: u32,
 }
 
 /// A body moved as a whole.
@@ -108,7 +105,8 @@ impl World {
     /// Brings the world to rest under its walls, its gravity and what is prescribed. Friction acts as in
     /// motion: springs that slide at their limit. Frozen bodies wake. Time advances. The ledger books the
     /// removed kinetic energy as frozen, and with it all losses while bodies are moved as wholes, including
-    /// friction.
+    /// friction. Bodies that supports hold and that touch nothing are found much faster by
+    /// [`solve_single_bodies`](Self::solve_single_bodies), to be called before.
     ///
     /// # Errors
     /// [`SolveError::NotConverged`] if the steps do not suffice, and the errors of
@@ -138,8 +136,6 @@ impl World {
 
     fn relax_in_turns(&mut self, options: &WorldRelaxation) -> Result<WorldRelaxed, SolveError> {
         let mut report = WorldRelaxed::default();
-        self.evaluate_if_due()?;
-        report.solved = self.solve_single_bodies(options.tolerance)?;
         self.evaluate_if_due()?;
         loop {
             self.relax_wholes(options, &mut report)?;

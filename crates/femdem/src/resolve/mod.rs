@@ -42,6 +42,7 @@ use femdem_view::ViewError;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::results::surface_of;
 use crate::run::{Member, MemberId, Penalty, Simulation};
 
 pub use files::ResolveSummary;
@@ -205,7 +206,7 @@ impl Models {
             }
             .into());
         };
-        let density = mass / shape.polyhedron.mass_properties().volume;
+        let density = mass / shape.volume;
         if let Some(&model) = self.by_shape.get(&(id, density.to_bits())) {
             return Ok(model);
         }
@@ -228,12 +229,13 @@ fn mesh_of(shape: &Shape, size: f64) -> Result<(TetMesh, Field), Error> {
     if let Some((mesh, field)) = &shape.mesh {
         return Ok((mesh.clone(), *field));
     }
-    let edge = size * 2.0 * shape.polyhedron.bounding_radius();
+    let surface = surface_of(shape);
+    let edge = size * 2.0 * surface.bounding_radius();
     let options = MeshOptions {
         edge_length: Some(edge),
         ..MeshOptions::default()
     };
-    let (mesh, report) = tet::mesh(&shape.polyhedron, &options)?;
+    let (mesh, report) = tet::mesh(&surface, &options)?;
     if report.method == Method::CentroidFan || mesh.surface()?.is_convex() {
         return Ok((mesh, Field::Gauge));
     }
@@ -244,7 +246,7 @@ fn mesh_of(shape: &Shape, size: f64) -> Result<(TetMesh, Field), Error> {
         min_dihedral: 0.0,
         ..options
     };
-    let (mesh, _) = tet::mesh(&shape.polyhedron, &fan)?;
+    let (mesh, _) = tet::mesh(&surface, &fan)?;
     Ok((mesh, Field::Gauge))
 }
 

@@ -15,7 +15,8 @@ const RIBS: usize = 8;
 
 /// Highest point of the bodies \[m\].
 pub(super) fn top(packing: &Packing) -> f64 {
-    let bodies = (0..).map_while(|id| packing.world().bounds(id));
+    let world = packing.world();
+    let bodies = world.body_ids().filter_map(|id| world.bounds(id));
     bodies.map(|(_, high)| high.z).fold(0.0, f64::max)
 }
 

@@ -32,7 +32,8 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
         name: shape.name.clone(),
         polyhedron: surface_of(shape),
     });
-    let bodies = (0..).map_while(|id| {
+    // A packing removes no body: their numbers are those of the rows.
+    let bodies = world.body_ids().filter_map(|id| {
         Some(Body {
             shape: world.shape_of(id)?,
             pose: world.pose(id)?,
@@ -50,7 +51,7 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
             .collect(),
         drawing: container::drawing(packing),
         container: container::inside(packing),
-        masses: (0..).map_while(|id| world.mass(id)).collect(),
+        masses: world.body_ids().filter_map(|id| world.mass(id)).collect(),
         gravity: packing.spec().gravity,
         gaps: Gaps::default(),
     }
@@ -58,7 +59,7 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
 
 /// The surface with which a shape is drawn and measured: that of a sphere is a polyhedron of the same volume, so that
 /// densities are those of the sphere.
-fn surface_of(shape: &Shape) -> Polyhedron {
+pub(crate) fn surface_of(shape: &Shape) -> Polyhedron {
     let own = &shape.polyhedron;
     let larger = shape.sphere.and_then(|_| {
         let ratio = shape.volume / own.mass_properties().volume;

@@ -77,7 +77,8 @@ impl ShapeSummary {
 impl ContainerSummary {
     pub(super) fn of(packing: &Packing, report: &PackReport) -> Self {
         let rim = packing.spec().rim;
-        let highest = || (0..).map_while(|id| packing.world().bounds(id));
+        let world = packing.world();
+        let highest = || world.body_ids().filter_map(|id| world.bounds(id));
         let mut summary = Self {
             kind: String::new(),
             width: None,

@@ -339,7 +339,9 @@ fn patches_per_pair(snapshot: &Snapshot) -> Option<f64> {
 fn law(packing: &Packing) -> &'static str {
     let shapes = &packing.spec().shapes;
     let meshed = shapes.iter().filter(|shape| shape.mesh.is_some()).count();
-    if meshed == 0 {
+    if shapes.iter().all(|shape| shape.sphere) {
+        "boundary-integral penalty, gauge field, of exact balls"
+    } else if meshed == 0 {
         "boundary-integral penalty, gauge field"
     } else if meshed == shapes.len() {
         "volume-integral penalty, body field"

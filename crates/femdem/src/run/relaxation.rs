@@ -70,17 +70,20 @@ impl Simulation {
             tolerance: entry.tolerance,
             steps: PART.min(entry.steps.saturating_sub(so_far.steps)),
         };
-        let RelaxSummary {
-            steps: before,
-            solved,
-            ..
-        } = *so_far;
+        let before = so_far.steps;
+        let solved = match before {
+            0 => {
+                let found = self.world.solve_single_bodies(entry.tolerance);
+                found.map_err(|error| self.named(error))?
+            }
+            _ => so_far.solved,
+        };
         match self.world.relax(&part) {
             Ok(report) => Ok(RelaxSummary {
                 converged: true,
                 residual: report.residual,
                 steps: before + report.steps.iter().sum::<u64>(),
-                solved: solved.max(report.solved),
+                solved,
             }),
             Err(SolveError::NotConverged { residual, .. }) => Ok(RelaxSummary {
                 converged: false,

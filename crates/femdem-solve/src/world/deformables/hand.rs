@@ -29,7 +29,7 @@ impl World {
         state.vacate();
         self.newcomers.forget_deformable(id);
         self.step_control.lose();
-        self.part(stored, &touched);
+        self.book_ended(stored, &touched);
         Ok(())
     }
 
@@ -86,7 +86,7 @@ impl World {
         self.step_control.lose();
         self.step_control.see_elements(bound);
         self.step_control.see_launch(USUAL_MOVE * depth / fastest);
-        self.part(stored, &touched);
+        self.book_ended(stored, &touched);
         Ok(())
     }
 
@@ -102,6 +102,7 @@ impl World {
         force: Vector3,
     ) -> Result<(), SolveError> {
         self.known_deformable(id)?;
+        self.restored()?;
         check("force", force.norm(), true, "finite, in N")?;
         if let Some(deformables) = self.deformables.as_deref_mut() {
             let (model, state) = deformables.parts(id);

@@ -1,65 +1,79 @@
-//! Static equilibrium of single bodies by Newton's method: the first part of [`World::relax`].
+//! Static equilibrium of single bodies by Newton's method, before [`World::relax`].
 //!
 //! A body that supports hold and that touches nothing is a problem of its own. Newton's method solves it in a few
 //! iterations, where dynamic relaxation needs some periods of its slowest oscillation, thousands of steps for slender bodies.
-//! What comes of it is judged like everything else: the relaxation that follows measures all residuals, and goes on from
+//! What comes of it is judged like everything else: a relaxation that follows measures all residuals, and goes on from
 //! there if a body now touches something, or if Newton's method failed.
 
 use super::{DeformableId, Deformables};
-use crate::error::SolveError;
+use crate::error::{SolveError, check};
 use crate::world::World;
-use femdem_fem::FemError;
+use femdem_fem::DeformableState;
 use femdem_fem::statics::{
-    Linear, LoadPath, Method, NewtonOptions, StaticOptions, StaticSolution, solve_static_from,
+    Linear, LoadPath, Method, NewtonOptions, StaticOptions, StaticSolution, StepReport,
+    solve_static_from,
 };
-use femdem_fem::{Boundary, DeformableState};
 use femdem_mesh::Vector3;
 
 /// Residual over force scale of Newton's method, over the tolerance of the relaxation: the first is of the norm over all nodes,
-/// the second of the largest.
+/// the second of the largest. And the largest one.
 const STRICTER: f64 = 0.01;
+const LARGEST: f64 = 1e-3;
 
 impl World {
-    /// Puts each deformable body that is held and touches nothing where it is in equilibrium, at rest, if Newton's method finds
-    /// that; returns the number of those. The contacts have to be those of the present positions.
-    pub(in crate::world) fn solve_single_bodies(
-        &mut self,
-        tolerance: f64,
-    ) -> Result<u32, SolveError> {
+    /// Puts each deformable body that supports hold and that touches nothing where it is in equilibrium, at rest, by Newton's
+    /// method; returns the number of bodies so moved. One for which the method fails stays where it is. `tolerance` is that of
+    /// the [relaxation](Self::relax) that follows, which verifies the result. The change of energy is
+    /// [`Ledger::frozen`](crate::Ledger::frozen).
+    ///
+    /// # Errors
+    /// [`SolveError::Parameter`] unless the tolerance is positive and finite, and those of [`World::step`] for the
+    /// contacts.
+    pub fn solve_single_bodies(&mut self, tolerance: f64) -> Result<u32, SolveError> {
+        check(
+            "tolerance",
+            tolerance,
+            tolerance > 0.0,
+            "positive and finite",
+        )?;
+        self.evaluate_if_due()?;
         let (gravity, time) = (self.parameters.gravity, self.time);
         let ids: Vec<DeformableId> = self.deformable_ids().collect();
         let mut solved = 0;
         for id in ids {
-            let Some(deformables) = self.deformables.as_deref() else {
-                return Ok(solved);
-            };
-            let Some(solution) = deformables.solve_alone(id, &gravity, time, tolerance)? else {
+            let deformables = self.deformables.as_deref();
+            let alone = deformables.and_then(|d| d.solve_alone(id, &gravity, time, tolerance));
+            let Some(DeformableState { x, v, history }) = alone.map(|solution| solution.state)
+            else {
                 continue;
             };
-            let DeformableState { x, v, history } = solution.state;
-            self.put_nodes(id, [&x, &v], Some(history))?;
-            solved += 1;
+            let by_hand = self.flows.by_hand;
+            if self.put_nodes(id, [&x, &v], Some(history)).is_ok() {
+                self.flows.frozen -= self.flows.by_hand - by_hand;
+                self.flows.by_hand = by_hand;
+                solved += 1;
+            }
         }
         Ok(solved)
     }
 }
 
 impl Deformables {
-    /// The equilibrium of a body under its own loads and supports at time `time` (s); `None` if it is free, touches something,
-    /// or does not converge.
+    /// The equilibrium of a body under its own loads and supports at time `time` (s); `None` if it is there already, is free,
+    /// touches something, or does not converge.
     fn solve_alone(
         &self,
         id: DeformableId,
         gravity: &Vector3,
         time: f64,
         tolerance: f64,
-    ) -> Result<Option<StaticSolution>, SolveError> {
+    ) -> Option<StaticSolution> {
         let body = &self.bodies[id as usize];
         if body.boundary.held().next().is_none() || self.batch.touches(id) {
-            return Ok(None);
+            return None;
         }
         let model = &self.models[body.model as usize].model;
-        let boundary: Boundary = body.boundary.clone().with_gravity(gravity + body.pull)?;
+        let boundary = body.boundary.clone().with_gravity(gravity + body.pull);
         let start = DeformableState {
             x: body.positions.clone(),
             v: vec![Vector3::zeros(); body.positions.len()],
@@ -67,7 +81,7 @@ impl Deformables {
         };
         let options = StaticOptions {
             method: Method::Newton(NewtonOptions {
-                tolerance: STRICTER * tolerance,
+                tolerance: (STRICTER * tolerance).min(LARGEST),
                 linear: Linear::CgAssembled,
                 ..NewtonOptions::default()
             }),
@@ -76,10 +90,10 @@ impl Deformables {
             max_halvings: 0,
             ..StaticOptions::default()
         };
-        match solve_static_from(model, &boundary, &start, &options) {
-            Ok(solution) => Ok(Some(solution)),
-            Err(FemError::NotConverged { .. } | FemError::Element(_)) => Ok(None),
-            Err(error) => Err(error.into()),
-        }
+        // Whatever is wrong, the relaxation meets it too, and says so.
+        let solution = solve_static_from(model, &boundary.ok()?, &start, &options).ok()?;
+        let done = |step: &StepReport| matches!(step, StepReport::Newton(r) if r.iterations == 0);
+        let moved = solution.report.steps.iter().any(|(_, step)| !done(step));
+        moved.then_some(solution)
     }
 }
