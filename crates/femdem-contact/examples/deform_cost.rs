@@ -7,8 +7,8 @@
 
 #![expect(clippy::print_stdout, reason = "an example shows its results")]
 
-use femdem_contact::deform::{DeformableBatch, DeformableShape, Modulus, NodalState};
-use femdem_contact::{ContactLaw, ContactParameters};
+use femdem_contact::deform::{DeformableShape, Modulus, NodalState};
+use femdem_contact::{ContactBatch, ContactLaw, ContactParameters, Frame, Motion};
 use femdem_mesh::nalgebra::{UnitQuaternion, Vector3};
 use femdem_mesh::shapes::{Boulder, Shape};
 use femdem_mesh::{TetMesh, Vector3 as V};
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let spacing: f64 = argument(2).map_or(Ok(0.93), |s| s.parse())?;
     let steps: u32 = argument(3).map_or(Ok(500), |s| s.parse())?;
     let law = ContactLaw::new(ContactParameters::default())?;
-    let mut batch = DeformableBatch::new(law);
+    let mut batch = ContactBatch::new(law);
     let mut state = 7_u64;
     let mut random = move || {
         state = state
@@ -40,8 +40,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let shape = DeformableShape::new(&mesh)?;
         tets += mesh.tets().len();
         nodes += mesh.points().len();
-        let index = batch.add_shape(shape);
-        batch.add_body(index, Modulus::Penalty(1e6))?;
+        let index = batch.add_deformable_shape(shape);
+        batch.add_deformable(index, Modulus::Penalty(1e6))?;
         let [x, y, z] = [i % side, i / side % side, i / side / side].map(|k| k as f64);
         let turn = UnitQuaternion::from_scaled_axis(vector() * 5.0);
         let at = Vector3::new(x, y, z) * spacing;
@@ -56,6 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         places.push(x);
     }
     let dt = 1e-4;
+    let still = vec![Motion::fixed(Frame::identity()); places.len()];
     let mut sums = [0_usize; 4];
     let (mut time, mut depth) = (0.0, 0.0);
     for step in 0..steps {
@@ -73,12 +74,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             })
             .collect();
         let start = Instant::now();
-        batch.update(&states, &[], &[], 0.0)?;
+        batch.update_deformables(&states, &still, &[], 0.0)?;
         if step >= 10 {
             time += start.elapsed().as_secs_f64();
-            depth = batch.contacts().map(|c| c.penetration()).sum::<f64>()
-                / batch.contacts().count().max(1) as f64;
-            let t = batch.totals();
+            depth = batch
+                .deformable_contacts()
+                .map(|c| c.penetration())
+                .sum::<f64>()
+                / batch.deformable_contacts().count().max(1) as f64;
+            let t = batch.deformable_totals().copied().unwrap_or_default();
             for (sum, n) in sums
                 .iter_mut()
                 .zip([t.pairs, t.touching, t.candidates, t.pieces])

@@ -24,10 +24,10 @@ pub enum Partner {
     Wall(u32),
 }
 
-/// One contact patch of a touching pair: a body or wall A, and a body B. Convex bodies touch in one patch.
-/// Others may touch in several; each patch is a separate contact. Vectors are in world axes.
+/// A [`Contact`](crate::Contact) of rigid bodies or of one and a wall, with all that the law and an implicit step need to know
+/// of it. Vectors are in world axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Contact {
+pub struct RigidContact {
     /// Side A: the body with the lower index, or a wall.
     pub a: Partner,
     /// Side B.
@@ -192,7 +192,7 @@ pub(crate) fn assemble(
     (rocking, rolling): (&Rocking, &Rolling),
     friction: &Friction,
     motions: [&Motion; 2],
-) -> Contact {
+) -> RigidContact {
     let elastic_force = overlap.force_magnitude();
     let w = friction.inverse_mass;
     let shares = [0, 1].map(|i| {
@@ -202,7 +202,7 @@ pub(crate) fn assemble(
             0.0
         }
     });
-    Contact {
+    RigidContact {
         a,
         b,
         patch,
@@ -241,7 +241,7 @@ pub(crate) fn assemble(
     }
 }
 
-impl Contact {
+impl RigidContact {
     /// Stiffnesses of the springs: those of the foundation, integrated over the patch, and of the bristles in its
     /// plane.
     pub fn springs(&self) -> Springs {
@@ -383,7 +383,7 @@ const BOUNDS_TO_SPARE: f64 = 1.0 + 1e-9;
 
 impl Load {
     /// Adds a contact; `side` 0 is A, 1 is B.
-    pub(crate) fn add(&mut self, contact: &Contact, side: usize) {
+    pub(crate) fn add(&mut self, contact: &RigidContact, side: usize) {
         let (sign, arm) = if side == 1 {
             (1.0, &contact.arm_b)
         } else {
@@ -460,7 +460,7 @@ impl Load {
 }
 
 impl Bounds {
-    fn add(&mut self, contact: &Contact, arm: &Vector3, share: f64) {
+    fn add(&mut self, contact: &RigidContact, arm: &Vector3, share: f64) {
         let square = arm.norm_squared();
         let springs = contact.springs().scaled(share);
         // The stiffness against any motion of the contact point is at most that of the stiffest spring.
@@ -486,7 +486,7 @@ impl Bounds {
 impl Resistance {
     /// Adds the springs and dashpots of a contact; `side` 0 is A, 1 is B. `moves` says whether the other side
     /// moves: only then are they weighted by this side's share.
-    pub(crate) fn add(&mut self, contact: &Contact, side: usize, moves: bool) {
+    pub(crate) fn add(&mut self, contact: &RigidContact, side: usize, moves: bool) {
         let arm = [&contact.arm_a, &contact.arm_b][side];
         let share = if moves { contact.shares[side] } else { 1.0 };
         let n = &contact.normal;

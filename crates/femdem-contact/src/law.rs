@@ -47,7 +47,7 @@ pub struct ContactParameters {
     /// Coulomb friction coefficient between bodies and walls; `None`, the default: `friction`.
     pub wall_friction: Option<f64>,
     /// Coefficient of rolling friction mu_r: the moment against rolling is at most mu_r N r, with the rolling radius r
-    /// ([`Contact::rolling_radius`](crate::Contact::rolling_radius)). Default 0.
+    /// ([`RigidContact::rolling_radius`](crate::RigidContact::rolling_radius)). Default 0.
     pub rolling_friction: f64,
     /// Fraction zeta of critical damping of the normal contact; below 1/sqrt(2). Default 0.6.
     pub damping_ratio: f64,

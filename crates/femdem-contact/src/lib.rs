@@ -46,8 +46,8 @@
 //!
 //! Vectors, polyhedra and tetrahedra are those of femdem-mesh, which is re-exported as [`mesh`].
 //!
-//! For deformable bodies, layer 1 is [`deform::DeformableKernel`] and layer 2 [`deform::DeformableBatch`]:
-//! nodal positions in, nodal forces out, beside a [`ContactBatch`] for the rigid bodies.
+//! For deformable bodies, layer 1 is [`deform::DeformableKernel`], and layer 2 the same batch:
+//! nodal positions in ([`ContactBatch::update_deformables`]), nodal forces out.
 //!
 //! # The law
 //!
@@ -69,7 +69,7 @@
 //!   normal; the limit surface of a disc bounds both ([`LimitSurface`]). The anchors follow the patch as it moves, so
 //!   that rolling and turning under stretched springs gains no energy. Friction does not resist rolling.
 //! - Rolling friction, 0 by default: a spring against rolling that slides at the moment μ_r N r, with the
-//!   rolling radius r of the pair ([`Contact::rolling_radius`]).
+//!   rolling radius r of the pair ([`RigidContact::rolling_radius`]).
 //! - Patches: bodies that are not convex may touch in several patches, each a [`Contact`] with a separate
 //!   friction history. A patch that splits divides its springs among the new ones, and merging patches
 //!   combine theirs by least squares. Neither creates energy, and the energy of a patch that vanishes is
@@ -125,6 +125,7 @@ mod law;
 mod limit_surface;
 mod mark;
 mod motion;
+mod record;
 mod rocking;
 mod rolling;
 mod shape;
@@ -140,7 +141,7 @@ pub use femdem_mesh as mesh;
 
 pub use batch::{BatchTotals, ContactBatch, Snapshot};
 pub use body_shape::BodyShape;
-pub use contact::{BodyId, Contact, ContactForce, Dashpots, Load, Partner, Springs, Wrench};
+pub use contact::{BodyId, ContactForce, Dashpots, Load, Partner, RigidContact, Springs, Wrench};
 pub use error::ContactError;
 pub use foundation::Foundation;
 pub use general::{Field, FieldMesh, GeneralKernel, SolidWall};
@@ -149,6 +150,7 @@ pub use kernel::{Overlap, PairKernel, mean_penetration};
 pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};
 pub use limit_surface::LimitSurface;
 pub use motion::Motion;
+pub use record::Contact;
 pub use shape::{ConvexShape, Frame};
 pub use sphere::{Sphere, SphereKernel};
 pub use walls::{Drum, Hopper, MeshWall, Silo, Wall, WallPlane, WallShape};

@@ -2,7 +2,7 @@
 //!
 //! The relative rotation of the two sides about axes in the contact plane turns a spring of the stiffness k_t r^2, with
 //! the tangential stiffness k_t of the patch and the rolling radius r
-//! ([`Contact::rolling_radius`](crate::Contact::rolling_radius)). Its moment, with a dashpot beside it as in the
+//! ([`RigidContact::rolling_radius`](crate::RigidContact::rolling_radius)). Its moment, with a dashpot beside it as in the
 //! tangential spring, is at most mu_r N r: beyond, the spring is turned back and the difference is dissipated. For
 //! spheres this is the constant directional torque with an elastic start of Ai, Chen, Rotter and Ooi (2011), Powder
 //! Technology 206, 269-282 (their type C), with mu_r as it is given for other codes.

@@ -7,8 +7,8 @@ use crate::common::Stream;
 use crate::common::pack::{advance, placed, shape, stir};
 use femdem_contact::kernel::{CavityKernel, Scratch};
 use femdem_contact::{
-    Contact, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Frame, Motion, Overlap,
-    PairKernel, Partner, Wall, WallShape,
+    ContactBatch, ContactLaw, ContactParameters, ConvexShape, Frame, Motion, Overlap, PairKernel,
+    Partner, RigidContact, Wall, WallShape,
 };
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -130,10 +130,10 @@ impl Pack {
     }
 
     /// Contacts on record with at least one awake body, sorted like `brute_force`.
-    fn evaluated(&self) -> Vec<Contact> {
-        let mut list: Vec<Contact> = self
+    fn evaluated(&self) -> Vec<RigidContact> {
+        let mut list: Vec<RigidContact> = self
             .batch
-            .contacts()
+            .rigid_contacts()
             .into_iter()
             .copied()
             .filter(|c| {
@@ -155,7 +155,7 @@ impl Pack {
         let seen: Vec<_> = got.iter().map(|c| (c.a, c.b)).collect();
         got.retain(|c| c.elastic_force > slight || known.contains(&(c.a, c.b)));
         want.retain(|w| w.2.force.norm() > slight || seen.contains(&(w.0, w.1)));
-        let pairs = |x: &[Contact]| x.iter().map(|c| (c.a, c.b)).collect::<Vec<_>>();
+        let pairs = |x: &[RigidContact]| x.iter().map(|c| (c.a, c.b)).collect::<Vec<_>>();
         let wanted: Vec<_> = want.iter().map(|w| (w.0, w.1)).collect();
         assert_eq!(pairs(&got), wanted, "pairs at step {}", self.step);
         for (c, (a, b, x)) in got.iter().zip(&want) {
@@ -203,7 +203,7 @@ impl Pack {
             if self.batch.is_awake(i as u32) {
                 close(&load.total.force, &sum[0], &format!("force on {i}"));
                 close(&load.total.torque, &sum[1], &format!("torque on {i}"));
-                let count = self.batch.contacts_of(i as u32).count();
+                let count = self.batch.rigid_contacts_of(i as u32).count();
                 assert_eq!(load.contacts as usize, count);
             }
         }
@@ -216,7 +216,7 @@ impl Pack {
             let resistance = self.batch.resistance_of(body);
             let own = resistance.largest_step(motion, f64::INFINITY);
             for most in [0.1 * own, 0.6 * own, 0.99 * own, 2.0 * own, f64::INFINITY] {
-                let step = self.batch.largest_step(body, motion, None, most);
+                let step = self.batch.largest_step(body, motion, most);
                 let wanted = resistance.largest_step(motion, most);
                 assert_eq!(step, wanted, "{body} with at most {most:e} of {own:e}");
             }
@@ -268,7 +268,7 @@ fn bodies_and_walls_come_and_go() {
         let position = (pack.stream.vector() + Vector3::repeat(0.5)) * side;
         let touched: Vec<u32> = pack
             .batch
-            .contacts_of(body)
+            .rigid_contacts_of(body)
             .filter_map(|c| match c.a {
                 Partner::Body(a) => Some(if a == body { c.b } else { a }),
                 Partner::Wall(_) => None,
@@ -296,7 +296,7 @@ fn bodies_and_walls_come_and_go() {
             assert_eq!(found.is_ok(), there);
             if let Ok(found) = found {
                 assert_eq!(found, touched);
-                assert_eq!(pack.batch.contacts_of(body).count(), 0);
+                assert_eq!(pack.batch.rigid_contacts_of(body).count(), 0);
                 changes[kind] += 1;
                 match kind {
                     0 => pack.bodies[pick].frame.position.x = f64::NAN,
@@ -357,13 +357,13 @@ fn sleeping_pairs_stay_on_record() {
             pack.batch.set_awake(i, true);
         }
         pack.advance();
-        let both = |c: &Contact, set: &[u32]| match c.a {
+        let both = |c: &RigidContact, set: &[u32]| match c.a {
             Partner::Body(a) => set.contains(&a) && set.contains(&c.b),
             Partner::Wall(_) => set.contains(&c.b),
         };
         let sleepers: Vec<u32> = (0..40).filter(|_| pack.stream.unit() < 0.6).collect();
-        let on_record = |pack: &Pack| -> Vec<Contact> {
-            let all = pack.batch.contacts();
+        let on_record = |pack: &Pack| -> Vec<RigidContact> {
+            let all = pack.batch.rigid_contacts();
             all.into_iter()
                 .copied()
                 .filter(|c| both(c, &sleepers))
@@ -381,7 +381,10 @@ fn sleeping_pairs_stay_on_record() {
         }
         for &i in &sleepers {
             let load = pack.batch.load_of(i);
-            assert_eq!(load.contacts as usize, pack.batch.contacts_of(i).count());
+            assert_eq!(
+                load.contacts as usize,
+                pack.batch.rigid_contacts_of(i).count()
+            );
         }
         let neighbours = pack.batch.sleeping_neighbours();
         assert!(neighbours.iter().all(|i| sleepers.contains(i)));
@@ -410,8 +413,8 @@ fn a_sleeping_partner_allows_a_larger_step() {
     });
     let step_of = |batch: &mut ContactBatch| {
         batch.update(&bodies, &[], 0.0).unwrap();
-        assert_eq!(batch.contacts().len(), 1);
-        batch.largest_step(0, &bodies[0], None, f64::INFINITY)
+        assert_eq!(batch.rigid_contacts().len(), 1);
+        batch.largest_step(0, &bodies[0], f64::INFINITY)
     };
     let both = step_of(&mut batch);
     batch.set_awake(1, false);
@@ -429,7 +432,7 @@ fn a_sleeping_partner_allows_a_larger_step() {
 fn fingerprint(batch: &ContactBatch) -> Vec<u64> {
     let bits = |v: &Vector3<f64>| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     let mut all: Vec<u64> = Vec::new();
-    for c in batch.contacts() {
+    for c in batch.rigid_contacts() {
         all.push(u64::from(c.b));
         for v in [&c.point, &c.normal, &c.friction, &c.moment, &c.rocking] {
             all.extend(bits(v));

@@ -46,7 +46,7 @@ proptest! {
             walls.push(Motion::fixed(Frame::identity()));
         }
         batch.update(&bodies, &walls, 1e-3).unwrap();
-        prop_assume!(!batch.contacts().is_empty());
+        prop_assume!(!batch.rigid_contacts().is_empty());
         let (mut power, mut size) = (0.0, 0.0);
         for (load, body) in batch.loads().iter().zip(&bodies) {
             power += load.damping.power(&body.velocity, &body.angular_velocity);
@@ -54,7 +54,7 @@ proptest! {
                 + load.damping.torque.norm() * body.angular_velocity.norm();
         }
         prop_assert!(power <= 1e-10 * size, "it feeds {power:e} W in");
-        for c in batch.contacts() {
+        for c in batch.rigid_contacts() {
             prop_assert!(c.normal_force >= 0.0, "it pulls");
             let into_b = c.force_on_b().dot(&c.normal);
             prop_assert!(into_b >= 0.0);
@@ -90,7 +90,7 @@ fn the_dashpot_of_a_face_contact() {
         batch
             .update(&[body], &[Motion::fixed(Frame::identity())], 0.0)
             .unwrap();
-        let c = batch.contacts()[0];
+        let c = batch.rigid_contacts()[0];
         // U = 2 p A delta^2/(2 h) for a face of A = 1 m^2, h = 1/2 m from the centroid.
         let elastic = 2.0 * 1e6 * depth * depth / (2.0 * 0.5);
         close(c.energy, elastic, 0.02);

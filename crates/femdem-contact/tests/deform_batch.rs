@@ -6,16 +6,17 @@
 use crate::common::Stream;
 use crate::common::soft::Soft;
 use crate::common::tets::{body, cube, dolos};
-use femdem_contact::deform::{DeformableBatch, DeformablePartner, Modulus, NodalState};
+use femdem_contact::deform::{Modulus, NodalState};
 use femdem_contact::{
-    BodyShape, ContactError, ContactLaw, ContactParameters, Field, Frame, MeshWall, Motion, Wall,
+    BodyShape, ContactBatch, ContactError, ContactLaw, ContactParameters, Field, Frame, MeshWall,
+    Motion, Partner, Wall,
 };
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
 
-/// Deformable bodies, rigid ones and walls, with their motions.
+/// Deformable bodies, then rigid ones, and walls, with their motions.
 #[derive(Clone)]
 struct Scene {
-    batch: DeformableBatch,
+    batch: ContactBatch,
     bodies: Vec<Soft>,
     velocities: Vec<Vec<Vector3<f64>>>,
     masses: Vec<Vec<f64>>,
@@ -46,7 +47,7 @@ fn moving(frame: Frame, velocity: Vector3<f64>, turn: Vector3<f64>) -> Motion {
 impl Scene {
     fn new(law: ContactLaw) -> Self {
         Self {
-            batch: DeformableBatch::new(law),
+            batch: ContactBatch::new(law),
             bodies: Vec::new(),
             velocities: Vec::new(),
             masses: Vec::new(),
@@ -56,22 +57,33 @@ impl Scene {
     }
 
     fn add(&mut self, soft: Soft, modulus: Modulus) {
-        let shape = self.batch.add_shape(soft.shape.clone());
-        self.batch.add_body(shape, modulus).unwrap();
+        let shape = self.batch.add_deformable_shape(soft.shape.clone());
+        self.batch.add_deformable(shape, modulus).unwrap();
         self.velocities.push(vec![Vector3::zeros(); soft.x.len()]);
         self.masses.push(vec![0.5; soft.x.len()]);
         self.bodies.push(soft);
     }
 
     fn update(&mut self) -> Result<(), ContactError> {
-        let states: Vec<NodalState> = (0..self.bodies.len())
+        let mut nodes: Vec<NodalState> = (0..self.bodies.len())
             .map(|i| NodalState {
                 positions: &self.bodies[i].x,
                 velocities: &self.velocities[i],
                 inverse_masses: &self.masses[i],
             })
             .collect();
-        self.batch.update(&states, &self.rigid, &self.walls, 0.0)
+        let mut motions = vec![Motion::fixed(Frame::identity()); nodes.len()];
+        motions.extend(&self.rigid);
+        nodes.resize(
+            motions.len(),
+            NodalState {
+                positions: &[],
+                velocities: &[],
+                inverse_masses: &[],
+            },
+        );
+        self.batch
+            .update_deformables(&nodes, &motions, &self.walls, 0.0)
     }
 
     /// Moves everything by its velocity.
@@ -115,8 +127,8 @@ impl Scene {
             *v = stream.vector() * 0.3;
         }
         let shape = BodyShape::from(body(&dolos(), Field::Body));
-        scene.batch.add_rigid_shape(shape).unwrap();
-        scene.batch.add_rigid(0).unwrap();
+        scene.batch.add_shape(shape);
+        scene.batch.add_body(0).unwrap();
         frame.position = Vector3::new(0.7, 0.4, 1.1);
         let rigid = moving(frame, -Vector3::z() * 0.5, Vector3::new(0.3, 0.4, 0.0));
         scene.rigid.push(rigid);
@@ -134,7 +146,8 @@ impl Scene {
 
     fn forces(&self) -> Vec<Vector3<f64>> {
         let all = 0..self.bodies.len() as u32;
-        all.flat_map(|i| self.batch.forces(i).to_vec()).collect()
+        all.flat_map(|i| self.batch.nodal_loads(i).forces.to_vec())
+            .collect()
     }
 }
 
@@ -161,15 +174,15 @@ fn kept_lists_find_what_fresh_ones_find() {
         for (x, y) in without.forces().iter().zip(fresh.forces()) {
             assert!((x - y).norm() < 1e-9 * size, "step {step}: {x} {y}");
         }
-        assert!(kept.batch.totals().pieces > 0);
+        assert!(kept.batch.deformable_totals().unwrap().pieces > 0);
         let mut total = [Vector3::zeros(); 2];
         for (i, soft) in kept.bodies.iter().enumerate() {
-            for (x, f) in soft.x.iter().zip(kept.batch.forces(i as u32)) {
+            for (x, f) in soft.x.iter().zip(kept.batch.nodal_loads(i as u32).forces) {
                 total[0] += f;
                 total[1] += x.cross(f);
             }
         }
-        let loads = kept.batch.rigid_loads().iter().zip(&kept.rigid);
+        let loads = kept.batch.loads()[5..].iter().zip(&kept.rigid);
         let walls = kept.batch.wall_loads().iter().zip(&kept.walls);
         for (load, motion) in loads.chain(walls) {
             total[0] += load.total.force;
@@ -177,11 +190,10 @@ fn kept_lists_find_what_fresh_ones_find() {
         }
         assert!(total[0].norm() < 1e-12 * size, "{}", total[0]);
         assert!(total[1].norm() < 1e-11 * size, "{}", total[1]);
-        for contact in kept.batch.contacts() {
+        for contact in kept.batch.deformable_contacts() {
             match contact.a {
-                DeformablePartner::Deformable(_) => seen[0] = true,
-                DeformablePartner::Rigid(_) => seen[1] = true,
-                DeformablePartner::Wall(_) => seen[2] = true,
+                Partner::Body(a) => seen[usize::from(!kept.batch.is_deformable(a))] = true,
+                Partner::Wall(_) => seen[2] = true,
             }
         }
         kept.drift(2e-3);
@@ -200,41 +212,32 @@ fn what_is_removed_acts_no_more() {
     let mut named = [0; 3];
     for step in 0..60 {
         kept.update().unwrap();
-        for (kind, thing) in [
-            DeformablePartner::Deformable(1),
-            DeformablePartner::Rigid(0),
-            DeformablePartner::Wall(0),
-        ]
-        .into_iter()
-        .enumerate()
-        .filter(|_| step % 10 == 9)
+        for (kind, thing) in [Partner::Body(1), Partner::Body(5), Partner::Wall(0)]
+            .into_iter()
+            .enumerate()
+            .filter(|_| step % 10 == 9)
         {
             let (mut left, mut far) = (kept.clone(), kept.clone());
             far.batch = start.batch.clone();
             far.batch.set_law(none);
             left.batch.set_law(none);
             left.update().unwrap();
-            let contacts = left.batch.contacts();
-            let own =
-                contacts.filter(|c| c.a == thing || DeformablePartner::Deformable(c.b) == thing);
-            let others = own.flat_map(|c| [c.a, DeformablePartner::Deformable(c.b)]);
-            let mut expected: Vec<_> = others
-                .filter(|p| *p != thing && !matches!(p, DeformablePartner::Wall(_)))
-                .collect();
+            let contacts = left.batch.deformable_contacts();
+            let own = contacts.filter(|c| c.a == thing || Partner::Body(c.b) == thing);
+            let others = own.flat_map(|c| [c.a, Partner::Body(c.b)]);
+            let body = |p: Partner| match p {
+                Partner::Body(body) if p != thing => Some(body),
+                _ => None,
+            };
+            let mut expected: Vec<_> = others.filter_map(body).collect();
             expected.sort_unstable();
             expected.dedup();
             let touched = match kind {
                 0 => left.batch.remove_body(1),
-                1 => left.batch.remove_rigid(0),
+                1 => left.batch.remove_body(5),
                 _ => left.batch.remove_wall(0),
             };
-            let touched = touched.unwrap();
-            let soft = touched
-                .deformables
-                .iter()
-                .map(|i| DeformablePartner::Deformable(*i));
-            let rigid = touched.rigid.iter().map(|i| DeformablePartner::Rigid(*i));
-            assert_eq!(soft.chain(rigid).collect::<Vec<_>>(), expected);
+            assert_eq!(touched.unwrap(), expected);
             named[kind] += expected.len();
             let away = Vector3::z() * 1e3;
             match kind {
@@ -246,16 +249,19 @@ fn what_is_removed_acts_no_more() {
             let size = far.forces().iter().map(Vector3::norm).fold(0.0, f64::max);
             let compare = |left: &Scene| {
                 for i in (0..5).filter(|i| (kind, *i) != (0, 1)) {
-                    for (x, y) in left.batch.forces(i).iter().zip(far.batch.forces(i)) {
+                    for (x, y) in left
+                        .batch
+                        .nodal_loads(i)
+                        .forces
+                        .iter()
+                        .zip(far.batch.nodal_loads(i).forces)
+                    {
                         assert!((x - y).norm() < 1e-9 * size, "{kind} at {step}: {x} {y}");
                     }
                 }
                 let loads = |scene: &Scene| {
-                    let all = scene
-                        .batch
-                        .rigid_loads()
-                        .iter()
-                        .chain(scene.batch.wall_loads());
+                    let batch = &scene.batch;
+                    let all = batch.loads().iter().chain(batch.wall_loads());
                     all.map(|load| load.total.force).collect::<Vec<_>>()
                 };
                 for (x, y) in loads(left).iter().zip(loads(&far)) {
@@ -275,11 +281,11 @@ fn what_is_removed_acts_no_more() {
             left.update().unwrap();
             compare(&left);
             let again = match kind {
-                0 => left.batch.add_body(0, Modulus::Penalty(1e5)).unwrap(),
-                1 => left.batch.add_rigid(0).unwrap(),
+                0 => left.batch.add_deformable(0, Modulus::Penalty(1e5)).unwrap(),
+                1 => left.batch.add_body(0).unwrap(),
                 _ => left.batch.add_wall(MeshWall::solid("block", &cube(1))),
             };
-            assert_eq!(again, [1, 0, 0][kind]);
+            assert_eq!(again, [1, 5, 0][kind]);
             assert!(left.batch.remove_body(7).is_err() && left.batch.remove_wall(7).is_err());
         }
         kept.drift(2e-3);
@@ -312,12 +318,12 @@ fn advance(scene: &mut Scene, trace: &mut Vec<Vector3<f64>>) {
     scene.update().unwrap();
     for i in 0..scene.bodies.len() {
         let pairs = scene.velocities[i].iter_mut();
-        for (v, f) in pairs.zip(scene.batch.forces(i as u32)) {
+        for (v, f) in pairs.zip(scene.batch.nodal_loads(i as u32).forces) {
             *v += f * 2e-5;
         }
     }
     trace.extend(scene.forces());
-    trace.push(scene.batch.rigid_loads()[0].total.torque);
+    trace.push(scene.batch.loads()[5].total.torque);
     scene.drift(1e-3);
 }
 
@@ -334,15 +340,20 @@ fn a_restart_goes_on_with_the_same_bits() {
     let mut again = scene.clone();
     again.batch = bincode::serde::decode_from_slice(&bytes, config).unwrap().0;
     let rigid = vec![BodyShape::from(body(&dolos(), Field::Body))];
-    let shapes = scene.batch.shapes().to_vec();
+    let shapes = scene.batch.deformable_shapes().to_vec();
     assert!(again.update().is_err(), "its shapes are missing");
-    again.batch.restore_shapes(shapes, rigid).unwrap();
+    again.batch.restore_shapes(rigid, shapes).unwrap();
     let mut traces = [Vec::new(), Vec::new()];
     for _ in 0..25 {
         advance(&mut scene, &mut traces[0]);
         advance(&mut again, &mut traces[1]);
     }
-    assert!(scene.batch.contacts().any(|c| c.spring_energy > 0.0));
+    assert!(
+        scene
+            .batch
+            .deformable_contacts()
+            .any(|c| c.spring_energy > 0.0)
+    );
     assert!(traces[0] == traces[1]);
 }
 
@@ -363,7 +374,7 @@ fn unusable_states_are_named() {
         assert_eq!(why(&|s| s.masses[1][2] = bad), node);
         assert!(matches!(
             why(&|s| s.rigid[0].frame.position.x = bad),
-            ContactError::NotFinite { body: 0, .. }
+            ContactError::NotFinite { body: 5, .. }
         ));
     }
     assert_eq!(
@@ -385,9 +396,9 @@ fn unusable_states_are_named() {
             s.rigid.clear();
         }),
         ContactError::StateCount {
-            what: "rigid body",
-            given: 0,
-            expected: 1
+            what: "body",
+            given: 5,
+            expected: 6
         }
     ));
     assert!(matches!(
@@ -400,12 +411,24 @@ fn unusable_states_are_named() {
     ));
     let mut empty = Scene::new(law(|_| ()));
     empty.update().unwrap();
-    assert!(empty.batch.add_body(0, Modulus::Penalty(1.0)).is_err());
-    assert!(empty.batch.add_rigid(0).is_err());
-    assert!(empty.batch.forces(3).is_empty() && empty.batch.rates(3).is_empty());
+    assert!(
+        empty
+            .batch
+            .add_deformable(0, Modulus::Penalty(1.0))
+            .is_err()
+    );
+    assert!(empty.batch.add_body(0).is_err());
+    assert!(
+        empty.batch.nodal_loads(3).forces.is_empty() && empty.batch.nodal_loads(3).rates.is_empty()
+    );
     let mut scene = good.clone();
     for bad in [0.0, f64::NAN, -1.0] {
-        assert!(scene.batch.add_body(0, Modulus::Foundation(bad)).is_err());
+        assert!(
+            scene
+                .batch
+                .add_deformable(0, Modulus::Foundation(bad))
+                .is_err()
+        );
     }
     assert!(scene.batch.restore_shapes(Vec::new(), Vec::new()).is_err());
 }
@@ -459,12 +482,12 @@ fn sleepers_at_rest_have_the_forces_of_awake_bodies() {
     // A wall is added amid the sleepers.
     let place = asleep.bodies[1].x[0];
     for scene in [&mut awake, &mut asleep] {
-        let touching = scene.batch.totals().touching;
+        let touching = scene.batch.deformable_totals().unwrap().touching;
         let lid = Wall::half_space("lid", Vector3::y(), place.y + 0.05).unwrap();
         scene.batch.add_wall(lid);
         scene.walls.push(Motion::fixed(Frame::identity()));
         scene.update().unwrap();
-        assert!(scene.batch.totals().touching > touching);
+        assert!(scene.batch.deformable_totals().unwrap().touching > touching);
     }
     both([&mut awake, &mut asleep]);
     let stiffer = law(|p| p.penalty *= 2.0);

@@ -5,11 +5,10 @@
 use crate::common::Stream;
 use crate::common::soft::Soft;
 use crate::common::tets::{block, body, cube, cubes};
-use femdem_contact::deform::{
-    DeformableBatch, DeformableContact, DeformablePartner, Modulus, NodalState,
-};
+use femdem_contact::deform::{Modulus, NodalState};
 use femdem_contact::{
-    BodyShape, ContactLaw, ContactParameters, Field, Frame, Motion, Wall, restitution,
+    BodyShape, Contact, ContactBatch, ContactLaw, ContactParameters, Field, Frame, Motion, Partner,
+    Wall, restitution,
 };
 use femdem_mesh::nalgebra::{UnitQuaternion, Vector3};
 
@@ -39,7 +38,7 @@ const GROUNDS: [Ground; 3] = [Ground::Floor, Ground::Rigid, Ground::Soft];
 /// A deformable body on a support whose top is the plane z = 0.
 #[derive(Clone)]
 struct Rig {
-    batch: DeformableBatch,
+    batch: ContactBatch,
     ground: Option<Soft>,
     rigid: Vec<Motion>,
     walls: Vec<Motion>,
@@ -65,7 +64,7 @@ impl Rig {
         upper: Soft,
     ) -> Self {
         let law = ContactLaw::new(law).unwrap();
-        let mut batch = DeformableBatch::new(law);
+        let mut batch = ContactBatch::new(law);
         let mut rig = Self {
             ground: None,
             rigid: Vec::new(),
@@ -84,31 +83,31 @@ impl Rig {
             Ground::Rigid => {
                 let mesh = body(slab, Field::Body);
                 below.position.z = -0.5 * height(slab);
-                batch.add_rigid_shape(BodyShape::from(mesh)).unwrap();
-                batch.add_rigid(0).unwrap();
+                batch.add_shape(BodyShape::from(mesh));
+                batch.add_body(0).unwrap();
                 rig.rigid.push(Motion::fixed(below));
             }
             Ground::Soft => {
                 below.position.z = -0.5 * height(slab);
                 let soft = Soft::linear(slab).posed(&below);
-                let shape = batch.add_shape(soft.shape.clone());
-                batch.add_body(shape, Modulus::Penalty(1e6)).unwrap();
+                let shape = batch.add_deformable_shape(soft.shape.clone());
+                batch.add_deformable(shape, Modulus::Penalty(1e6)).unwrap();
                 rig.ground = Some(soft);
             }
         }
-        let shape = batch.add_shape(rig.upper.shape.clone());
-        batch.add_body(shape, Modulus::Penalty(1e6)).unwrap();
+        let shape = batch.add_deformable_shape(rig.upper.shape.clone());
+        batch.add_deformable(shape, Modulus::Penalty(1e6)).unwrap();
         rig.batch = batch;
         rig
     }
 
     /// The one contact after an update.
-    fn update(&mut self) -> DeformableContact {
+    fn update(&mut self) -> Contact {
         self.update_after(0.0)
     }
 
     /// The same, a time after the last, s.
-    fn update_after(&mut self, dt: f64) -> DeformableContact {
+    fn update_after(&mut self, dt: f64) -> Contact {
         let zeros = |soft: &Soft| {
             (
                 vec![Vector3::zeros(); soft.x.len()],
@@ -117,6 +116,13 @@ impl Rig {
         };
         let still = self.ground.as_ref().map(zeros);
         let mut states = Vec::new();
+        if !self.rigid.is_empty() {
+            states.push(NodalState {
+                positions: &[],
+                velocities: &[],
+                inverse_masses: &[],
+            });
+        }
         if let (Some(soft), Some((v, w))) = (&self.ground, &still) {
             states.push(NodalState {
                 positions: &soft.x,
@@ -129,16 +135,18 @@ impl Rig {
             velocities: &self.velocity,
             inverse_masses: &self.masses,
         });
+        let mut motions = self.rigid.clone();
+        motions.resize(states.len(), Motion::fixed(Frame::identity()));
         self.batch
-            .update(&states, &self.rigid, &self.walls, dt)
+            .update_deformables(&states, &motions, &self.walls, dt)
             .unwrap();
-        let contacts: Vec<_> = self.batch.contacts().collect();
+        let contacts: Vec<_> = self.batch.deformable_contacts().collect();
         assert_eq!(contacts.len(), 1);
         *contacts[0]
     }
 
     fn upper_index(&self) -> u32 {
-        u32::from(self.ground.is_some())
+        u32::from(self.ground.is_some() || !self.rigid.is_empty())
     }
 
     fn shift(&mut self, by: Vector3<f64>) {
@@ -177,7 +185,11 @@ fn a_common_motion_keeps_the_force() {
         rig.update();
         rig.shift(Vector3::new(2e-4, 1e-4, 0.0));
         let start = rig.update();
-        let all = rig.batch.forces(rig.batch.len() as u32 - 1).to_vec();
+        let all = rig
+            .batch
+            .nodal_loads(rig.batch.len() as u32 - 1)
+            .forces
+            .to_vec();
         assert!(start.friction.norm() > 0.1 * start.normal_force && !start.slides);
         let (begin, mut total) = (rig.clone(), UnitQuaternion::identity());
         for i in 0..2000 {
@@ -187,10 +199,10 @@ fn a_common_motion_keeps_the_force() {
             rig.carry(&begin, &total, &by);
             rig.update();
         }
-        let end = *rig.batch.contacts().next().unwrap();
+        let end = *rig.batch.deformable_contacts().next().unwrap();
         let error = (end.friction - total * start.friction).norm() / start.friction.norm();
         assert!(error < 1e-10, "{ground:?}: {error:e}");
-        let now = rig.batch.forces(rig.batch.len() as u32 - 1);
+        let now = rig.batch.nodal_loads(rig.batch.len() as u32 - 1).forces;
         for (x, y) in all.iter().zip(now) {
             assert!((total * x - y).norm() < 1e-10 * start.normal_force);
         }
@@ -260,8 +272,13 @@ fn a_closed_loop_of_stick_does_no_work() {
         let turn = std::f64::consts::TAU;
         let circle = |s: f64| Vector3::new((turn * s).cos() - 1.0, (turn * s).sin(), 0.0) * 2e-5;
         let (work, largest) = work(&mut rig, circle, 200);
-        let spring = rig.batch.contacts().next().unwrap().spring_energy;
-        assert!(largest > 0.0 && !rig.batch.contacts().next().unwrap().slides);
+        let spring = rig
+            .batch
+            .deformable_contacts()
+            .next()
+            .unwrap()
+            .spring_energy;
+        assert!(largest > 0.0 && !rig.batch.deformable_contacts().next().unwrap().slides);
         // On a mesh the stiffness at the rim varies slightly with position, which dissipates energy.
         let lost = -work / (largest * 2e-5);
         let most = if ground == Ground::Floor { 1e-11 } else { 5e-5 };
@@ -272,7 +289,7 @@ fn a_closed_loop_of_stick_does_no_work() {
 
 /// The work of friction on the nodes of the upper body from one update to the next, by the trapezoidal rule.
 fn nodal_work(rig: &Rig, before: &(Vec<Vector3<f64>>, Vec<Vector3<f64>>)) -> f64 {
-    let now = rig.batch.friction_forces(rig.upper_index());
+    let now = rig.batch.nodal_loads(rig.upper_index()).friction;
     let forces = now.iter().zip(&before.1).map(|(f, g)| (f + g) * 0.5);
     let ways = rig.upper.x.iter().zip(&before.0).map(|(x, y)| x - y);
     forces.zip(ways).map(|(f, way)| f.dot(&way)).sum()
@@ -318,10 +335,15 @@ fn friction_feeds_no_rolling() {
                     work += nodal_work(&rig, &before);
                     largest = largest.max(contact.spring_energy);
                 }
-                let forces = rig.batch.friction_forces(rig.upper_index());
+                let forces = rig.batch.nodal_loads(rig.upper_index()).friction;
                 before = (rig.upper.x.clone(), forces.to_vec());
             }
-            let last = rig.batch.contacts().next().unwrap().spring_energy;
+            let last = rig
+                .batch
+                .deformable_contacts()
+                .next()
+                .unwrap()
+                .spring_energy;
             let dissipated = (first - last - work) / largest;
             assert!(dissipated > -1e-3, "{ground:?} {direction}: {dissipated:e}");
         }
@@ -378,7 +400,10 @@ fn a_contact_of_several_triangles_has_one_dashpot() {
     rig.velocity.fill(slip);
     let contact = rig.update();
     let body = rig.upper_index();
-    let (all, friction) = (rig.batch.forces(body), rig.batch.friction_forces(body));
+    let (all, friction) = (
+        rig.batch.nodal_loads(body).forces,
+        rig.batch.nodal_loads(body).friction,
+    );
     let elastic: Vec<Vector3<f64>> = all.iter().zip(friction).map(|(f, t)| f - t).collect();
     let total: Vector3<f64> = elastic.iter().sum();
     let responses = elastic.iter().zip(&rig.masses);
@@ -466,7 +491,13 @@ fn impacts_have_the_restitution_of_their_damping_ratio() {
             let mut rig = Rig::new(parameters, ground);
             rig.update();
             let top = rig.batch.len() as u32 - 1;
-            let share: Vec<f64> = rig.batch.forces(top).iter().map(|f| f.z).collect();
+            let share: Vec<f64> = rig
+                .batch
+                .nodal_loads(top)
+                .forces
+                .iter()
+                .map(|f| f.z)
+                .collect();
             let total: f64 = share.iter().sum();
             for (w, f) in rig.masses.iter_mut().zip(&share) {
                 *w = if *f > 1e-2 * total { total / f } else { 0.0 };
@@ -487,7 +518,7 @@ fn impacts_have_the_restitution_of_their_damping_ratio() {
                 }
                 rig.velocity.fill(Vector3::z() * speed);
                 rig.update();
-                let force: f64 = rig.batch.forces(top).iter().map(|f| f.z).sum();
+                let force: f64 = rig.batch.nodal_loads(top).forces.iter().map(|f| f.z).sum();
                 speed += force / mass * dt;
             }
             let e = speed / 0.1;
@@ -529,7 +560,7 @@ fn rocking_is_damped_by_the_stiffness_of_the_face() {
                 *v = (axis * speed).cross(&(*x - foot));
             }
             let contact = rig.update_after(dt);
-            let forces = rig.batch.damping_forces(rig.upper_index());
+            let forces = rig.batch.nodal_loads(rig.upper_index()).damping;
             let total: Vector3<f64> = forces.iter().sum();
             let nodes = rig.upper.x.iter().zip(forces);
             let torque: Vector3<f64> = nodes.map(|(x, f)| (x - centre).cross(f)).sum();
@@ -582,9 +613,8 @@ fn contacts_begin_with_the_friction_they_are_given() {
         let mut rig = Rig::new(law(), ground);
         let load = rig.clone().update().normal_force;
         let a = match ground {
-            Ground::Floor => DeformablePartner::Wall(0),
-            Ground::Rigid => DeformablePartner::Rigid(0),
-            Ground::Soft => DeformablePartner::Deformable(0),
+            Ground::Floor => Partner::Wall(0),
+            Ground::Rigid | Ground::Soft => Partner::Body(0),
         };
         let b = rig.batch.len() as u32 - 1;
         let force = Vector3::new(0.2, -0.1, 0.0) * load;
@@ -597,7 +627,7 @@ fn contacts_begin_with_the_friction_they_are_given() {
             "{ground:?} {}",
             (contact.friction - force) / load
         );
-        let nodes = rig.upper.x.iter().zip(rig.batch.friction_forces(b));
+        let nodes = rig.upper.x.iter().zip(rig.batch.nodal_loads(b).friction);
         let moment: Vector3<f64> = nodes.map(|(x, f)| (x - contact.point).cross(f)).sum();
         assert!(
             (moment.z - torsion).abs() < 1e-3 * torsion,

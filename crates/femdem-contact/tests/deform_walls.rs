@@ -6,12 +6,11 @@ use crate::common::Stream;
 use crate::common::soft::Soft;
 use crate::common::tets::cube;
 use femdem_contact::deform::{
-    DeformableBatch, DeformableKernel, DeformableOverlap, DeformableScratch, Modulus, NodalState,
-    Operand,
+    DeformableKernel, DeformableOverlap, DeformableScratch, Modulus, NodalState, Operand,
 };
 use femdem_contact::{
-    ContactLaw, ContactParameters, Frame, MeshWall, Motion, SolidWall, Wall, WallResponse,
-    WallShape,
+    ContactBatch, ContactLaw, ContactParameters, Frame, MeshWall, Motion, SolidWall, Wall,
+    WallResponse, WallShape,
 };
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::Vector3;
@@ -94,10 +93,12 @@ fn on_floor(
     frame: Frame,
     law: ContactParameters,
 ) -> (Vec<Vector3<f64>>, Vec<f64>, f64) {
-    let mut batch = DeformableBatch::new(ContactLaw::new(law).unwrap());
+    let mut batch = ContactBatch::new(ContactLaw::new(law).unwrap());
     let mut body = bent(0.01).shaken(&mut Stream(11), 2e-3);
-    let kind = batch.add_shape(body.shape.clone());
-    batch.add_body(kind, Modulus::Penalty(law.penalty)).unwrap();
+    let kind = batch.add_deformable_shape(body.shape.clone());
+    batch
+        .add_deformable(kind, Modulus::Penalty(law.penalty))
+        .unwrap();
     batch.add_wall(wall);
     let inverse_masses = vec![1.0; body.x.len()];
     let velocities = vec![Vector3::new(0.1, 0.05, -0.2); body.x.len()];
@@ -111,13 +112,18 @@ fn on_floor(
             inverse_masses: &inverse_masses,
         };
         batch
-            .update(&[state], &[], &[Motion::fixed(frame)], 0.0)
+            .update_deformables(
+                &[state],
+                &[Motion::fixed(frame)],
+                &[Motion::fixed(frame)],
+                0.0,
+            )
             .unwrap();
     }
-    let energy = batch.totals().energy;
+    let energy = batch.deformable_totals().unwrap().energy;
     (
-        batch.forces(0).to_vec(),
-        batch.stiffness(0).to_vec(),
+        batch.nodal_loads(0).forces.to_vec(),
+        batch.nodal_loads(0).stiffness.to_vec(),
         energy,
     )
 }

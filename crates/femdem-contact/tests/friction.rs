@@ -6,7 +6,7 @@
 use crate::common::pack::{placed, shape};
 use crate::common::{Stream, turned};
 use femdem_contact::{
-    Contact, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Frame, Motion, Wall,
+    ContactBatch, ContactLaw, ContactParameters, ConvexShape, Frame, Motion, RigidContact, Wall,
 };
 use femdem_mesh::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
@@ -49,9 +49,9 @@ impl Rig {
     }
 
     /// The one contact after an update.
-    fn update(&mut self, bodies: &[Motion], dt: f64) -> Contact {
+    fn update(&mut self, bodies: &[Motion], dt: f64) -> RigidContact {
         self.batch.update(bodies, &self.walls, dt).unwrap();
-        let contacts = self.batch.contacts();
+        let contacts = self.batch.rigid_contacts();
         assert_eq!(contacts.len(), 1);
         *contacts[0]
     }
@@ -323,7 +323,7 @@ proptest! {
             }
             crate::common::pack::advance(&mut bodies[1], &rig.cube, dt);
             rig.batch.update(&bodies, &[], dt).unwrap();
-            for c in rig.batch.contacts() {
+            for c in rig.batch.rigid_contacts() {
                 let most = mu * c.normal_force;
                 seen += 1;
                 prop_assert!(c.normal_force >= 0.0);
@@ -360,7 +360,7 @@ fn given_by_rocking(rock: f64, turn: f64) -> f64 {
         let turned = next.frame.rotation * now.frame.rotation.transpose();
         let turned = UnitQuaternion::from_matrix(&turned).scaled_axis();
         // The contact point stays in place, except for a push at the start.
-        let arm = rig.batch.contacts()[0].arm_b;
+        let arm = rig.batch.rigid_contacts()[0].arm_b;
         let mut moved = -turned.cross(&arm);
         if i == 1 {
             moved += Vector3::new(1e-3, 2e-3, 0.0);
@@ -382,7 +382,7 @@ fn given_by_rocking(rock: f64, turn: f64) -> f64 {
         }
         now = next;
     }
-    let last = rig.batch.contacts()[0].spring_energy;
+    let last = rig.batch.rigid_contacts()[0].spring_energy;
     (work + last - first) / largest
 }
 

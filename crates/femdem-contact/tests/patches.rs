@@ -7,8 +7,8 @@ use crate::common::meshes::{block, boxes, dolos};
 use crate::common::pack::{advance, placed, shape, stir};
 use crate::common::{Stream, turned};
 use femdem_contact::{
-    BodyShape, Contact, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Drum, Field,
-    FieldMesh, Frame, MeshWall, Motion, Partner, Wall, WallShape,
+    BodyShape, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Drum, Field, FieldMesh,
+    Frame, MeshWall, Motion, Partner, RigidContact, Wall, WallShape,
 };
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
@@ -19,10 +19,10 @@ fn batch(parameters: ContactParameters) -> ContactBatch {
 }
 
 /// Largest difference of two contacts over the larger force, in force and moment about B.
-fn difference(x: &Contact, y: &Contact) -> f64 {
+fn difference(x: &RigidContact, y: &RigidContact) -> f64 {
     let size = x.elastic_force.max(y.elastic_force);
     let force = (x.force_on_b() - y.force_on_b()).norm();
-    let torque = |c: &Contact| {
+    let torque = |c: &RigidContact| {
         let scale = c.normal_force / c.elastic_force;
         c.moment * scale + c.normal * c.torsion + c.arm_b.cross(&c.force_on_b())
     };
@@ -30,8 +30,8 @@ fn difference(x: &Contact, y: &Contact) -> f64 {
 }
 
 /// Contacts with a force that is not lost in rounding.
-fn firm(batch: &ContactBatch) -> Vec<Contact> {
-    let all = batch.contacts().into_iter().copied();
+fn firm(batch: &ContactBatch) -> Vec<RigidContact> {
+    let all = batch.rigid_contacts().into_iter().copied();
     all.filter(|c| c.elastic_force > 1e-9).collect()
 }
 
@@ -99,10 +99,11 @@ fn fans_touch_as_convex_bodies_do() {
         }
         let [convex, mixed, meshed] = [0, 1, 2].map(|k| firm(&batches[k]));
         for other in [&mixed, &meshed] {
-            let pairs = |x: &[Contact]| x.iter().map(|c| (c.a, c.b, c.patch)).collect::<Vec<_>>();
+            let pairs =
+                |x: &[RigidContact]| x.iter().map(|c| (c.a, c.b, c.patch)).collect::<Vec<_>>();
             assert_eq!(pairs(&convex), pairs(other), "step {step}");
             // For the slightest contacts the kernels' energies agree to fewer digits.
-            let firm = |c: &&Contact| c.elastic_force > 1e-5;
+            let firm = |c: &&RigidContact| c.elastic_force > 1e-5;
             let other = other.iter().filter(firm);
             for (x, y) in convex.iter().filter(firm).zip(other) {
                 let off = difference(x, y);
@@ -148,7 +149,7 @@ fn a_plane_given_as_planes_and_as_a_mesh() {
                 stream.rotation(),
             );
             stir(&mut body, &convex, &mut stream);
-            let mut found: Vec<Vec<Contact>> = Vec::new();
+            let mut found: Vec<Vec<RigidContact>> = Vec::new();
             for wall in &walls {
                 for is_mesh in [false, true] {
                     let mut batch = batch(ContactParameters::default());
@@ -218,7 +219,7 @@ fn several_patches_are_one_partner() {
         let body = on_two_patches(&mesh, depth);
         let still = Motion::fixed(Frame::identity());
         batch.update(&[body], &[still], 1e-3).unwrap();
-        let contacts = batch.contacts();
+        let contacts = batch.rigid_contacts();
         found = found.max(contacts.len());
         for (rank, c) in contacts.iter().enumerate() {
             assert_eq!((c.a, c.b, c.patch), (Partner::Wall(0), 0, rank as u32));
@@ -253,7 +254,7 @@ fn several_patches_share_the_friction_dashpot() {
     body.inverse_inertia_max = 0.0;
     let still = Motion::fixed(Frame::identity());
     batch.update(&[body], &[still], 1e-3).unwrap();
-    let contacts = batch.contacts();
+    let contacts = batch.rigid_contacts();
     assert!(contacts.len() >= 2);
     let stiffness: f64 = contacts.iter().map(|c| c.tangential_stiffness).sum();
     let viscosity: f64 = contacts.iter().map(|c| c.dashpots().tangential).sum();
@@ -312,7 +313,13 @@ impl Press {
     }
 
     /// Moves the feet by `aside`, `depth` deep and rotated by `twist`; returns the contacts.
-    fn update(&mut self, aside: Vector3<f64>, depth: f64, twist: f64, dt: f64) -> Vec<Contact> {
+    fn update(
+        &mut self,
+        aside: Vector3<f64>,
+        depth: f64,
+        twist: f64,
+        dt: f64,
+    ) -> Vec<RigidContact> {
         let to = Vector3::new(aside.x, aside.y, -depth);
         let table = Motion::fixed(Frame::identity());
         let mut feet = Motion::fixed(turned(&Frame::identity(), &Vector3::z(), twist));
@@ -324,12 +331,12 @@ impl Press {
         feet.inverse_inertia = Matrix3::identity();
         feet.inverse_inertia_max = 1.0;
         self.batch.update(&[table, feet], &[], dt).unwrap();
-        self.batch.contacts().into_iter().copied().collect()
+        self.batch.rigid_contacts().into_iter().copied().collect()
     }
 }
 
 /// Friction on B, energy in the springs and number of patches.
-fn held(contacts: &[Contact]) -> (Vector3<f64>, f64, usize) {
+fn held(contacts: &[RigidContact]) -> (Vector3<f64>, f64, usize) {
     (
         contacts.iter().map(|c| c.friction).sum(),
         contacts.iter().map(|c| c.spring_energy).sum(),
@@ -347,7 +354,8 @@ fn splits_and_merges_keep_the_stick() {
     let (low, high) = (0.9 * CHANNEL, 1.1 * CHANNEL);
     press.update(Vector3::zeros(), low, 0.0, 1e-3);
     let start = press.update(aside, low, 0.0, 1e-3);
-    let springs = |list: &[Contact]| -> f64 { list.iter().map(|c| c.tangential_stiffness).sum() };
+    let springs =
+        |list: &[RigidContact]| -> f64 { list.iter().map(|c| c.tangential_stiffness).sum() };
     let (first, mut energy, mut patches) = held(&start);
     assert_eq!(patches, 2);
     assert!((first + aside * springs(&start)).norm() < 1e-9 * first.norm());
@@ -410,7 +418,7 @@ fn closed_paths_with_splits_gain_nothing() {
             // Torsion advances by the angular velocity, so the motion is given one.
             let now = press.update_turning(x, depth, twist, twist - before.1);
             changes += u32::from(now.len() != last.len());
-            let power = |list: &[Contact]| -> f64 {
+            let power = |list: &[RigidContact]| -> f64 {
                 list.iter()
                     .map(|c| {
                         let moment = c.torsion + c.arm_b.cross(&c.friction).z;
@@ -440,7 +448,7 @@ impl Press {
         depth: f64,
         twist: f64,
         rate: f64,
-    ) -> Vec<Contact> {
+    ) -> Vec<RigidContact> {
         let to = Vector3::new(aside.x, aside.y, -depth);
         let table = Motion::fixed(Frame::identity());
         let mut feet = Motion::fixed(turned(&Frame::identity(), &Vector3::z(), twist));
@@ -454,7 +462,7 @@ impl Press {
         feet.inverse_inertia = Matrix3::identity();
         feet.inverse_inertia_max = 1.0;
         self.batch.update(&[table, feet], &[], 1.0).unwrap();
-        self.batch.contacts().into_iter().copied().collect()
+        self.batch.rigid_contacts().into_iter().copied().collect()
     }
 }
 
@@ -478,7 +486,11 @@ fn a_drum_holds_what_is_inside() {
         let mut body = placed(&ball, Vector3::new(x, y, z), Matrix3::identity());
         body.travelled = travelled;
         batch.update(&[body], &[still], 0.0).unwrap();
-        batch.contacts().into_iter().copied().collect::<Vec<_>>()
+        batch
+            .rigid_contacts()
+            .into_iter()
+            .copied()
+            .collect::<Vec<_>>()
     };
     assert!(at(0.0, 0.0, 0.0, 0.0).is_empty());
     for (n, direction) in [-Vector3::z(), Vector3::x(), Vector3::y(), -Vector3::y()]

@@ -5,9 +5,9 @@
 use crate::common::pack::{placed, shape};
 use crate::common::soft::Soft;
 use crate::common::tets::{body, cube};
-use femdem_contact::deform::{DeformableBatch, DeformablePartner, Modulus, NodalState};
+use femdem_contact::deform::{Modulus, NodalState};
 use femdem_contact::{
-    ContactBatch, ContactLaw, ContactParameters, Field, Frame, Motion, Wall, WallPlane,
+    ContactBatch, ContactLaw, ContactParameters, Field, Frame, Motion, Partner, Wall, WallPlane,
 };
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
 
@@ -94,9 +94,9 @@ fn states<'a>(x: &'a [Vector3<f64>], v: &'a [Vector3<f64>], w: &'a [f64]) -> Nod
 #[test]
 fn a_body_that_stretches() {
     let mut soft = Soft::linear(&cube(2));
-    let mut batch = DeformableBatch::new(law());
-    let shape = batch.add_shape(soft.shape.clone());
-    batch.add_body(shape, Modulus::Penalty(1e3)).unwrap();
+    let mut batch = ContactBatch::new(law());
+    let shape = batch.add_deformable_shape(soft.shape.clone());
+    batch.add_deformable(shape, Modulus::Penalty(1e3)).unwrap();
     batch.add_wall(slot(7.99));
     let rest = soft.x.clone();
     let (v, w) = (vec![Vector3::zeros(); rest.len()], vec![1.0; rest.len()]);
@@ -107,11 +107,11 @@ fn a_body_that_stretches() {
             *x = Vector3::new(3.995 + stretch * rest.x, rest.y, rest.z);
         }
         batch
-            .update(&[states(&soft.x, &v, &w)], &[], &still, 0.0)
+            .update_deformables(&[states(&soft.x, &v, &w)], &still, &still, 0.0)
             .unwrap();
     }
     let sum = |sign: f64| {
-        let nodes = rest.iter().zip(batch.forces(0));
+        let nodes = rest.iter().zip(batch.nodal_loads(0).forces);
         let side = nodes.filter(|(x, _)| x.x * sign > 0.4);
         side.map(|(_, f)| f.x).sum::<f64>()
     };
@@ -124,9 +124,9 @@ fn a_body_that_stretches() {
 fn a_start_of_friction_does_not_wait() {
     let force = |before: bool| {
         let mut soft = Soft::linear(&cube(2));
-        let mut batch = DeformableBatch::new(law());
-        let shape = batch.add_shape(soft.shape.clone());
-        batch.add_body(shape, Modulus::Penalty(1e3)).unwrap();
+        let mut batch = ContactBatch::new(law());
+        let shape = batch.add_deformable_shape(soft.shape.clone());
+        batch.add_deformable(shape, Modulus::Penalty(1e3)).unwrap();
         batch.add_wall(Wall::half_space("floor", Vector3::z(), 0.0).unwrap());
         let (v, w) = (
             vec![Vector3::zeros(); soft.x.len()],
@@ -139,16 +139,16 @@ fn a_start_of_friction_does_not_wait() {
                 *x = rest + Vector3::z() * height;
             }
             if before == (k == 0) {
-                let floor = DeformablePartner::Wall(0);
+                let floor = Partner::Wall(0);
                 batch
                     .begin_friction(floor, 0, Vector3::x() * 1e-3, 0.0)
                     .unwrap();
             }
             batch
-                .update(&[states(&soft.x, &v, &w)], &[], &still, 0.0)
+                .update_deformables(&[states(&soft.x, &v, &w)], &still, &still, 0.0)
                 .unwrap();
         }
-        batch.friction_forces(0).iter().sum::<Vector3<f64>>().x
+        batch.nodal_loads(0).friction.iter().sum::<Vector3<f64>>().x
     };
     assert!((force(false) / 1e-3 - 1.0).abs() < 1e-9, "{}", force(false));
     assert!(force(true).abs() < 1e-15, "{}", force(true));

@@ -193,10 +193,10 @@ fn a_batch_refuses_what_does_not_fit_it() {
     let mut apart = still;
     apart.frame.position.x = 5.0;
     batch.update(&[still, apart], &[], 1e-4).unwrap();
-    assert!(batch.contacts().is_empty());
+    assert!(batch.rigid_contacts().is_empty());
     assert!(
         batch
-            .restore_shapes(vec![])
+            .restore_shapes(vec![], vec![])
             .unwrap_err()
             .to_string()
             .contains("shape 0")
@@ -224,7 +224,7 @@ fn a_batch_that_was_read_wants_its_own_shapes() {
         motion
     });
     batch.update(&motions, &[], 1e-4).unwrap();
-    assert_eq!(batch.contacts().len(), 1);
+    assert_eq!(batch.rigid_contacts().len(), 1);
     let config = bincode::config::standard();
     let bytes = bincode::serde::encode_to_vec(&batch, config).unwrap();
     let read = || -> ContactBatch { bincode::serde::decode_from_slice(&bytes, config).unwrap().0 };
@@ -234,9 +234,9 @@ fn a_batch_that_was_read_wants_its_own_shapes() {
     let error = again.update(&motions, &[], 1e-4).unwrap_err();
     assert!(matches!(error, ContactError::NoSuch { what: "shape", .. }));
     let shapes = |last: &BodyShape| vec![convex.clone(), convex.clone(), last.clone()];
-    let error = again.restore_shapes(shapes(&mesh)).unwrap_err();
+    let error = again.restore_shapes(shapes(&mesh), vec![]).unwrap_err();
     assert!(error.to_string().contains("shape of body 2"), "{error}");
-    again.restore_shapes(shapes(&convex)).unwrap();
+    again.restore_shapes(shapes(&convex), vec![]).unwrap();
     again.update(&motions, &[], 1e-4).unwrap();
-    assert_eq!(again.contacts().len(), 1);
+    assert_eq!(again.rigid_contacts().len(), 1);
 }

@@ -112,7 +112,7 @@ fn the_batch_finds_what_the_kernel_finds() {
     let mut kinds = [0; 3];
     for _ in 0..30 {
         pack.step();
-        let contacts = pack.batch.contacts();
+        let contacts = pack.batch.rigid_contacts();
         let found = |a: Partner, b: usize| {
             let mut all = contacts.iter();
             all.find(|c| (c.a, c.b as usize) == (a, b))
@@ -165,9 +165,9 @@ fn spheres_give_the_same_bits() {
                         bincode::serde::decode_from_slice(&bytes, config).unwrap().0;
                     let mut wrong = shapes.clone();
                     wrong[0] = shapes[3].clone();
-                    let error = read.restore_shapes(wrong).unwrap_err().to_string();
+                    let error = read.restore_shapes(wrong, vec![]).unwrap_err().to_string();
                     assert!(error.contains("shape of body 0"), "{error}");
-                    read.restore_shapes(shapes).unwrap();
+                    read.restore_shapes(shapes, vec![]).unwrap();
                     pack.batch = read;
                 }
             }
@@ -213,7 +213,7 @@ fn an_approach_is_seen_ahead() {
         motion.velocity.z = -1.0;
         bodies.push(motion);
         batch.update(&bodies, &walls, 0.0).unwrap();
-        assert!(batch.contacts().is_empty());
+        assert!(batch.rigid_contacts().is_empty());
         assert!(batch.may_touch(body, &bodies, &walls, 0.011));
         assert!(!batch.may_touch(body, &bodies, &walls, 0.009));
         bodies.last_mut().unwrap().velocity.z = 1.0;
@@ -237,7 +237,7 @@ fn meshes_meet_a_polyhedron_in_its_place() {
     above.frame.position.z = top + radius - depth;
     let bodies = [Motion::fixed(Frame::identity()), above];
     batch.update(&bodies, &[], 0.0).unwrap();
-    let contacts = batch.contacts();
+    let contacts = batch.rigid_contacts();
     assert_eq!(contacts.len(), 1);
     let facets = shapes::Shape::from(shapes::Sphere { level: 3 });
     let facets = ConvexShape::new(&facets.polyhedron(2.0 * radius).unwrap()).unwrap();

@@ -5,7 +5,7 @@
 
 use crate::common::pack::{placed, shape};
 use femdem_contact::{
-    Contact, ContactBatch, ContactError, ContactForce, ContactLaw, ContactParameters, Motion,
+    ContactBatch, ContactError, ContactForce, ContactLaw, ContactParameters, Motion, RigidContact,
     Snapshot,
 };
 use femdem_mesh::nalgebra::{Matrix3, Rotation3, Vector3};
@@ -40,7 +40,7 @@ fn ahead(bodies: &[Motion], dt: f64) -> Vec<Motion> {
     bodies
 }
 
-fn look(batch: &mut ContactBatch, bodies: &[Motion], dt: f64) -> Vec<Contact> {
+fn look(batch: &mut ContactBatch, bodies: &[Motion], dt: f64) -> Vec<RigidContact> {
     let later = ahead(bodies, dt);
     let view = |bodies| Snapshot {
         bodies,
@@ -59,9 +59,11 @@ fn springs_come_without_dashpots() {
     // In contact already.
     damped.update(&bodies, &[], 0.0).unwrap();
     plain.update(&bodies, &[], 0.0).unwrap();
-    assert!(damped.contacts()[0].normal_force > 1.001 * plain.contacts()[0].normal_force);
+    assert!(
+        damped.rigid_contacts()[0].normal_force > 1.001 * plain.rigid_contacts()[0].normal_force
+    );
     let found = look(&mut damped, &bodies, 1e-4)[0];
-    let expected = *plain.contacts()[0];
+    let expected = *plain.rigid_contacts()[0];
     assert!(!found.foreseen);
     assert!((found.normal_force / expected.normal_force - 1.0).abs() < 1e-12);
     assert!((found.friction - expected.friction).norm() < 1e-12 * expected.normal_force);
@@ -111,11 +113,11 @@ fn a_face_that_comes_down_is_foreseen() {
             dt,
         };
         batch.update_springs(view(&now), view(&later)).unwrap();
-        let found = *batch.contacts()[0];
+        let found = *batch.rigid_contacts()[0];
         let force = |bodies: &[Motion]| {
             let (mut other, _) = cubes(0.0, 0.6);
             other.update(bodies, &[], 0.0).unwrap();
-            other.contacts()[0].elastic_force
+            other.rigid_contacts()[0].elastic_force
         };
         (found, force(&now), force(&later))
     };

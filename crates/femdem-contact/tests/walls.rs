@@ -56,7 +56,7 @@ fn the_mantle_of_a_cylinder_touches_once() {
             batch
                 .update(&[body], &[Motion::fixed(Frame::identity())], 0.0)
                 .unwrap();
-            let contacts = batch.contacts();
+            let contacts = batch.rigid_contacts();
             assert_eq!(contacts.len(), 1, "place {place}");
             let c = contacts[0];
             assert_eq!((c.a, c.b), (Partner::Wall(0), 0));
@@ -177,7 +177,7 @@ fn walls_follow_their_frames() {
         place.rotation,
     );
     batch.update(&[body], &[Motion::fixed(place)], 0.0).unwrap();
-    let c = batch.contacts()[0];
+    let c = batch.rigid_contacts()[0];
     assert!((c.normal - up).norm() < 1e-9);
     assert!((c.volume / (4.0 * half * half * 1e-3) - 1.0).abs() < 1e-9);
     assert!((c.penetration() / 1e-3 - 1.0).abs() < 1e-6);

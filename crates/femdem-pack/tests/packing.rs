@@ -67,9 +67,8 @@ fn assert_walls_carry_the_weight(packing: &Packing) {
     let world = packing.world();
     let masses = world.body_ids().map(|b| world.mass(b).unwrap());
     let weight = masses.sum::<f64>() * packing.spec().gravity;
-    let walls = |c: &&femdem_contact::Contact| matches!(c.a, femdem_contact::Partner::Wall(_));
-    let contacts = world.contacts();
-    let forces = contacts.iter().copied().filter(walls);
+    let walls = |c: &femdem_contact::Contact| matches!(c.a, femdem_contact::Partner::Wall(_));
+    let forces = world.contacts().into_iter().filter(walls);
     let sum: Vector3 = forces.map(|c| c.force_on_b()).sum();
     let error = (sum - Vector3::z() * weight).norm() / weight;
     assert!(error < 0.01, "the walls carry {sum} of {weight} N");
@@ -364,7 +363,7 @@ fn forces(packing: &Packing) -> [[f64; 4]; 2] {
             contact.friction.norm(),
             contact.normal_force,
             contact.tangential_stiffness,
-            contact.foundation.stiffness,
+            contact.stiffness,
         ];
         for (sum, part) in sums[kind].iter_mut().zip(of_contact) {
             *sum += part;

@@ -218,6 +218,25 @@ pub(crate) struct Body {
 }
 
 impl Body {
+    /// What stands for a number that is not a rigid body's.
+    pub fn vacant() -> Self {
+        Self {
+            shape: 0,
+            mass: 1.0,
+            moments: Vector3::repeat(1.0),
+            position: Vector3::zeros(),
+            orientation: Rotation::identity(),
+            velocity: Vector3::zeros(),
+            momentum: Vector3::zeros(),
+            travelled: 0.0,
+            radius: 0.0,
+            quiet_steps: 0,
+            means: Means::default(),
+            applied: Wrench::default(),
+            driven: None,
+        }
+    }
+
     pub fn new(spec: &BodySpec, shape: &Shape, radius: f64) -> Result<Self, SolveError> {
         check(
             "density",

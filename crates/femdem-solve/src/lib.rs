@@ -44,8 +44,9 @@
 //!   rigid ones; [`World::relax`] brings all to rest, [`World::solve_single_bodies`] those that touch nothing.
 //! - [`Drive`]: prescribed motion of a wall or a body: shaken, tapped, drawn along a line, turned
 //!   about an axis.
-//! - For hosts, at any time between steps: [`World::remove_body`], [`World::remove_deformable`] and
-//!   [`World::remove_wall`]; [`World::set_pose`], [`World::set_velocity`] and [`World::set_nodes`]; forces and torques by
+//! - Rigid and deformable bodies are numbered together. [`World::body_ids`], [`World::position`], [`World::velocity`],
+//!   [`World::mass`], [`World::set_load`] and [`World::remove_body`] are for both; [`World::deformable`] has the nodes.
+//! - For hosts, at any time between steps: [`World::remove_body`] and [`World::remove_wall`]; [`World::set_pose`], [`World::set_velocity`] and [`World::set_nodes`]; forces and torques by
 //!   [`World::set_load`]; walls and bodies that the host moves step by step, by [`World::step_with`].
 //! - [`Ledger`]: where every joule came from and went.
 //! - [`checkpoint`]: files that survive crashes; [`World::to_bytes`] and [`World::state_hash`].
@@ -196,6 +197,6 @@ pub use parameters::{
     ImplicitStep, Medium, SleepMeasure, SleepParameters, TimeStepParameters, WorldParameters,
 };
 pub use world::{
-    ContactStiffness, Counters, Deformable, DeformableId, DeformableSpec, ModelId, Residuals,
-    Stability, World, WorldRelaxation, WorldRelaxed,
+    ContactStiffness, Counters, Deformable, DeformableSpec, ModelId, Residuals, Stability, World,
+    WorldRelaxation, WorldRelaxed,
 };

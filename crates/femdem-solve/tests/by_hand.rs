@@ -373,9 +373,9 @@ fn deformable_bodies_come_and_go() {
     let error = |world: &World| world.ledger().error();
     let scale = world.ledger().elastic + world.ledger().strain;
     let before = error(&world);
-    world.remove_deformable(ids[1]).unwrap();
+    world.remove_body(ids[1]).unwrap();
     assert!((error(&world) - before).abs() < 1e-9 * scale);
-    assert!(world.remove_deformable(ids[1]).is_err() && world.deformable(ids[1]).is_none());
+    assert!(world.remove_body(ids[1]).is_err() && world.deformable(ids[1]).is_none());
     assert_eq!(world.deformable_ids().collect::<Vec<_>>(), [ids[0], ids[2]]);
     // Of the two above.
     let momentum = |world: &World| {
@@ -426,13 +426,61 @@ fn deformable_bodies_come_and_go() {
     assert!(books.error_relative().abs() < 1e-2, "{books:?}");
 }
 
+/// A number is one body's, whatever the body is: what is asked of all bodies is answered for both kinds, and the lowest free
+/// number goes to what comes next.
+#[test]
+fn rigid_and_deformable_bodies_are_numbered_together() {
+    let mut world = World::new(weightless(1e7, 0.5, 0.5)).unwrap();
+    let shape = world.add_shape("P5", &solid("P5")).unwrap();
+    let rigid = |x: f64| BodySpec::at_rest(shape, DENSITY, at(Vector3::x() * x));
+    assert_eq!(world.add_body(rigid(0.0)).unwrap(), 0);
+    let soft = add_soft(&mut world, Vector3::y() * D);
+    assert_eq!((soft, world.add_body(rigid(1.0)).unwrap()), (1, 2));
+    assert_eq!(world.body_ids().collect::<Vec<_>>(), [0, 1, 2]);
+    assert_eq!(world.rigid_ids().collect::<Vec<_>>(), [0, 2]);
+    assert_eq!(world.deformable_ids().collect::<Vec<_>>(), [1]);
+    // A cube of side D, whose nodes move at 3 m/s.
+    let nodes = world.deformable(soft).unwrap().positions().to_vec();
+    let velocities = vec![Vector3::z() * 3.0; nodes.len()];
+    world.set_nodes(soft, &nodes, &velocities).unwrap();
+    let mass = world.mass(soft).unwrap();
+    let centre = Vector3::new(0.5, 1.5, 0.5) * D;
+    assert!((world.position(soft).unwrap() - centre).norm() < 1e-12);
+    assert!((world.velocity(soft).unwrap() - Vector3::z() * 3.0).norm() < 1e-12);
+    let kinetic = world.body_kinetic_energy(soft).unwrap();
+    assert!((kinetic / (4.5 * mass) - 1.0).abs() < 1e-12);
+    // What only rigid bodies have is refused by name.
+    let refused = world.set_pose(soft, at(Vector3::z())).unwrap_err();
+    assert!(refused.to_string().contains("no rigid body 1"), "{refused}");
+    assert!(world.pose(soft).is_none() && world.set_nodes(0, &[], &[]).is_err());
+    // A rigid body takes the number of a deformable one, and the other way round.
+    world.step().unwrap();
+    world.remove_body(soft).unwrap();
+    assert!(world.mass(soft).is_none() && world.deformable_count() == 0);
+    assert_eq!(world.add_body(rigid(2.0)).unwrap(), 1);
+    world.remove_body(0).unwrap();
+    assert_eq!(add_soft(&mut world, Vector3::z() * D), 0);
+    world.step().unwrap();
+    let mut again = World::from_bytes(&world.to_bytes().unwrap()).unwrap();
+    for world in [&mut world, &mut again] {
+        run_until(world, 2e-3);
+    }
+    assert_eq!(world.state_hash().unwrap(), again.state_hash().unwrap());
+}
+
 /// A force on a deformable body accelerates it as a whole, without straining it.
 #[test]
 fn a_force_on_a_deformable_body_accelerates_it() {
     let mut world = World::new(weightless(1e7, 0.5, 0.5)).unwrap();
     let body = add_soft(&mut world, Vector3::zeros());
     let load = Vector3::new(1.0, 2.0, -3.0);
-    world.set_deformable_load(body, load).unwrap();
+    world.set_load(body, force(load)).unwrap();
+    let turned = Wrench {
+        force: load,
+        torque: load,
+    };
+    let refused = world.set_load(body, turned).unwrap_err().to_string();
+    assert!(refused.contains("torque"), "{refused}");
     run_until(&mut world, 0.02);
     let found = world.deformable(body).unwrap();
     assert!((found.applied_load() - load).norm() < 1e-12);

@@ -213,10 +213,10 @@ fn a_body_braked_by_a_deformable_one_is_slowing() {
         at(Vector3::z() * (crate::common::half_edge() + 1e-3)),
     );
     spec.velocity.z = -0.5;
-    world.add_body(spec).unwrap();
+    let body = world.add_body(spec).unwrap();
     world.step().unwrap();
     assert!(!world.is_slowing());
-    while world.velocity(0).unwrap().z < -0.3 {
+    while world.velocity(body).unwrap().z < -0.3 {
         world.step().unwrap();
         assert!(world.time() < 0.1);
     }

@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use crate::common::{DENSITY, add_floor, at, half_edge, parameters, solid, weightless};
-use femdem_contact::deform::{DeformableKernel, DeformablePartner};
+use femdem_contact::Partner;
+use femdem_contact::deform::DeformableKernel;
 use femdem_contact::kernel::CavityKernel;
 use femdem_contact::{GeneralKernel, PairKernel, Wall};
 use femdem_fem::element::Element;
@@ -451,7 +452,7 @@ fn a_world_that_was_not_restored_is_refused() {
     type Ask<'a> = &'a dyn Fn(&mut World) -> Result<(), SolveError>;
     let asked: [Ask; 10] = [
         &|w| w.set_load(0, femdem_contact::Wrench::default()),
-        &|w| w.set_deformable_load(0, Vector3::zeros()),
+        &|w| w.set_load(1, femdem_contact::Wrench::default()),
         &|w| w.drive_wall(0, Drive::Fixed),
         &|w| w.remove_body(0),
         &|w| w.step(),
@@ -559,7 +560,7 @@ fn friction_to_begin_with_is_checked() {
     add_floor(&mut world, Drive::Fixed);
     let body = world.add_deformable(DeformableSpec::at_rest(model, Pose::identity()));
     let body = body.unwrap();
-    let floor = DeformablePartner::Wall(0);
+    let floor = Partner::Wall(0);
     let mut begin = |a, b, force: f64, torsion| {
         let begun = world.begin_friction(a, b, Vector3::repeat(force), torsion);
         begun.map_err(|e| e.to_string())
@@ -569,9 +570,8 @@ fn friction_to_begin_with_is_checked() {
         assert!(begin(floor, body, force, torsion).is_err());
     }
     for (a, b) in [
-        (DeformablePartner::Wall(7), body),
-        (DeformablePartner::Rigid(0), body),
-        (DeformablePartner::Deformable(4), body),
+        (Partner::Wall(7), body),
+        (Partner::Body(4), body),
         (floor, 9),
     ] {
         let error = begin(a, b, 1.0, 0.0).unwrap_err();

@@ -3,7 +3,7 @@
 use super::history::{History, PatchRecord, inherit};
 use super::pairs::{Cache, MeshPair, Pair, PairTable, Touch};
 use crate::body_shape::BodyShape;
-use crate::contact::{BodyId, Contact, Partner, assemble, rolling_radius_at};
+use crate::contact::{BodyId, Partner, RigidContact, assemble, rolling_radius_at};
 use crate::damping::{Moment, Whole, damp};
 use crate::friction::Pace;
 use crate::general::{FieldMesh, GeneralKernel, GeneralScratch, Patch};
@@ -283,7 +283,7 @@ impl Context<'_> {
         overlap: &Overlap,
         whole: Option<&Whole>,
         history: &mut History,
-    ) -> Contact {
+    ) -> RigidContact {
         let (a, b) = (self.motion_a(ids.0), &self.bodies[ids.1 as usize]);
         // A host that asks for springs alone applies the dashpots itself, without these corrections.
         let moment = if self.pace.dashpots {

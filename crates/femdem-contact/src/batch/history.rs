@@ -6,7 +6,7 @@
 //! far away for either vanishes, and the energy of its springs is dissipated. Everything is done in index
 //! order, so that the outcome is a function of the state.
 
-use crate::contact::Contact;
+use crate::contact::RigidContact;
 use crate::friction::{FrictionState, Springs};
 use crate::kernel::Overlap;
 use crate::motion::Motion;
@@ -54,7 +54,7 @@ pub(crate) struct PatchRecord {
     /// Mean distance of the pressure from the contact point, m.
     radius: f64,
     pub history: History,
-    pub contact: Contact,
+    pub contact: RigidContact,
 }
 
 impl PatchRecord {
@@ -63,7 +63,7 @@ impl PatchRecord {
         overlap: &Overlap,
         [a, b]: [&Motion; 2],
         history: History,
-        contact: Contact,
+        contact: RigidContact,
     ) -> Self {
         Self {
             key,

@@ -2,7 +2,7 @@
 //! and replaced forces.
 
 use super::ContactBatch;
-use crate::contact::{Contact, ContactForce};
+use crate::contact::{ContactForce, RigidContact};
 use crate::error::ContactError;
 use crate::motion::Motion;
 
@@ -19,10 +19,10 @@ pub struct Snapshot<'a> {
 
 impl ContactBatch {
     /// As [`update`](Self::update), with two differences. First, dashpots exert no force: every contact has
-    /// the forces of its springs, and its viscosities are in [`Contact::dashpots`]. The friction springs of a
+    /// the forces of its springs, and its viscosities are in [`RigidContact::dashpots`]. The friction springs of a
     /// sliding patch carry what the dashpots leave of the bound, as in `update`. Second, pairs that do not
     /// touch are evaluated at the poses predicted for the end of the step from the present velocities. A
-    /// contact found there is [foreseen](Contact::foreseen). So is a contact of two convex bodies, or of one
+    /// contact found there is [foreseen](RigidContact::foreseen). So is a contact of two convex bodies, or of one
     /// and a wall of planes, that becomes much harder within the step, as when a body tips over an edge and a
     /// face comes down.
     ///
@@ -38,7 +38,7 @@ impl ContactBatch {
     }
 
     /// The contacts evaluated in the last update, in its order.
-    pub fn evaluated(&self) -> impl Iterator<Item = &Contact> {
+    pub fn evaluated(&self) -> impl Iterator<Item = &RigidContact> {
         self.pairs.evaluated().flat_map(|pair| pair.contacts())
     }
 

@@ -2,20 +2,23 @@
 //! history; the host owns the bodies, their integration and the time step.
 
 mod ahead;
+mod deformable;
 mod evaluate;
 mod gather;
 mod history;
 mod implicit;
 mod layout;
 mod pairs;
+mod query;
 mod remove;
 mod search;
 mod stable;
 mod stored;
 
-use crate::body_shape::BodyShape;
+use crate::body_shape::{BodyShape, Kind};
 use crate::broadphase::Broadphase;
-use crate::contact::{BodyId, Contact, Load, Partner};
+use crate::contact::{BodyId, Load, Partner, RigidContact};
+use crate::deform::{DeformablePart, DeformableShape, Side};
 use crate::error::{ContactError, check};
 use crate::friction::Pace;
 use crate::general::{FieldMesh, GeneralKernel};
@@ -55,7 +58,8 @@ pub struct BatchTotals {
 /// Contact of many bodies and walls of any shape, with friction history.
 ///
 /// Bodies are added, updated with one [`Motion`] each, and removed at any time between updates. Pairs of two bodies
-/// that are both asleep are not evaluated; their last contact stays on record.
+/// that are both asleep are not evaluated; their last contact stays on record. Deformable bodies have numbers among those of
+/// the rigid ones, and are updated with the state of their nodes ([`update_deformables`](Self::update_deformables)).
 ///
 /// A number that has become free is given to the next body, the lowest first: an id that was kept after the removal of
 /// its body is refused until then, and names the new body afterwards. The same holds for walls.
@@ -112,6 +116,11 @@ pub struct ContactBatch {
     broadphase: Broadphase,
     pairs: PairTable,
     sums: Sums,
+    /// The deformable bodies, if there ever were any.
+    deformable: Option<Box<DeformablePart>>,
+    /// Then the loads of the bodies and the walls from all contacts.
+    #[serde(skip)]
+    all_loads: [Vec<Load>; 2],
 }
 
 impl ContactBatch {
@@ -133,6 +142,8 @@ impl ContactBatch {
             broadphase: Broadphase::default(),
             pairs: PairTable::default(),
             sums: Sums::default(),
+            deformable: None,
+            all_loads: Default::default(),
         }
     }
 
@@ -148,19 +159,31 @@ impl ContactBatch {
     /// [`ContactError::NoSuch`] if the shape was never added.
     pub fn add_body(&mut self, shape: u32) -> Result<BodyId, ContactError> {
         let kind = self.known_shape(shape)?.kind();
+        let body = self.take_number(shape, kind);
+        self.awake[body as usize] = true;
+        self.awake_changed = true;
+        if let Some(part) = &mut self.deformable {
+            part.add_rigid(body);
+        }
+        Ok(body)
+    }
+
+    /// A number for a body: the lowest that is free. It is not awake as a rigid body.
+    fn take_number(&mut self, shape: u32, kind: Kind) -> BodyId {
         let (body, is_new) = self.body_slots.take();
         let i = body as usize;
         if is_new {
             self.body_shapes.push(shape);
-            self.awake.push(true);
+            self.awake.push(false);
             self.sums.loads.push(Load::default());
+            if self.deformable.is_some() {
+                self.all_loads[0].push(Load::default());
+            }
         } else {
             self.body_shapes[i] = shape;
-            self.awake[i] = true;
         }
         self.pairs.set_body(i, kind);
-        self.awake_changed = true;
-        Ok(body)
+        body
     }
 
     fn known_shape(&self, shape: u32) -> Result<&BodyShape, ContactError> {
@@ -181,9 +204,15 @@ impl ContactBatch {
             self.walls.push(Some(wall));
             self.wall_expires.push(f64::NEG_INFINITY);
             self.sums.walls.push(Load::default());
+            if self.deformable.is_some() {
+                self.all_loads[1].push(Load::default());
+            }
         } else {
             self.walls[w] = Some(wall);
             self.wall_expires[w] = f64::NEG_INFINITY;
+        }
+        if let Some(part) = &mut self.deformable {
+            part.add_wall(slot);
         }
         slot
     }
@@ -208,19 +237,51 @@ impl ContactBatch {
         self.body_slots.holds(body)
     }
 
-    /// Index of the shape of a body.
+    /// Whether there is such a body and it is rigid.
+    pub fn is_rigid(&self, body: BodyId) -> bool {
+        self.contains(body) && !self.is_deformable(body)
+    }
+
+    /// Number of rigid bodies.
+    pub fn rigid_count(&self) -> usize {
+        self.len() - self.deformable_count()
+    }
+
+    /// The rigid bodies, ascending.
+    pub fn rigid_ids(&self) -> impl Iterator<Item = BodyId> {
+        self.body_ids().filter(|body| self.is_rigid(*body))
+    }
+
+    /// Index of the shape of a rigid body.
     pub fn shape_index(&self, body: BodyId) -> Option<u32> {
-        self.contains(body).then(|| self.body_shapes[body as usize])
+        self.is_rigid(body).then(|| self.body_shapes[body as usize])
     }
 
     /// Numbers of bodies and of walls that have been in use: how many motions of each [`update`](Self::update) takes.
     pub fn slots(&self) -> [usize; 2] {
-        self.numbers().map(Slots::total)
+        [self.body_slots.total(), self.wall_slots.total()]
     }
 
-    /// The numbers of the bodies and of the walls.
-    pub(crate) fn numbers(&self) -> [&Slots; 2] {
-        [&self.body_slots, &self.wall_slots]
+    fn known_body(&self, body: BodyId) -> Result<(), ContactError> {
+        if self.contains(body) {
+            return Ok(());
+        }
+        Err(ContactError::NoSuch {
+            what: "body",
+            index: body as usize,
+            count: self.len(),
+        })
+    }
+
+    fn known_wall(&self, wall: u32) -> Result<(), ContactError> {
+        if self.wall_slots.holds(wall) {
+            return Ok(());
+        }
+        Err(ContactError::NoSuch {
+            what: "wall",
+            index: wall as usize,
+            count: self.wall_slots.len(),
+        })
     }
 
     /// The walls with their indices, ascending.
@@ -239,13 +300,28 @@ impl ContactBatch {
         &self.shapes
     }
 
-    /// Gives a batch that was read from a file its shapes back, in the order of addition.
+    /// Gives a batch that was read from a file its shapes back, those of rigid and those of deformable bodies, in the order of
+    /// addition.
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if a body refers to a shape that is not there, [`ContactError::Stored`] if the shape is
     /// of another kind, convex, sphere or mesh, than it was, or if what was read is not consistent.
-    pub fn restore_shapes(&mut self, shapes: Vec<BodyShape>) -> Result<(), ContactError> {
+    pub fn restore_shapes(
+        &mut self,
+        shapes: Vec<BodyShape>,
+        deformable: Vec<Arc<DeformableShape>>,
+    ) -> Result<(), ContactError> {
         stored::check(self, &shapes)?;
+        if let Some(mut part) = self.deformable.take() {
+            let restored = part.restore_shapes(deformable, self.slots(), |side| match side {
+                Side::Rigid(body) => self.contains(body),
+                Side::Wall(wall) => self.wall_slots.holds(wall),
+                Side::Deformable(_) => true,
+            });
+            self.deformable = Some(part);
+            restored?;
+        }
+        self.sum_loads();
         self.shapes = shapes;
         self.restored = true;
         self.fans.clear();
@@ -260,26 +336,44 @@ impl ContactBatch {
     /// Replaces the law; contacts keep their history.
     pub fn set_law(&mut self, law: ContactLaw) {
         self.law = law;
+        if let Some(part) = &mut self.deformable {
+            part.evaluate_all();
+        }
     }
 
     /// Whether a body is awake; `false` for a body that does not exist.
     pub fn is_awake(&self, body: BodyId) -> bool {
-        self.awake.get(body as usize).copied().unwrap_or(false)
+        let rigid = self.awake.get(body as usize).copied().unwrap_or(false);
+        rigid
+            || self
+                .deformable
+                .as_ref()
+                .is_some_and(|part| part.is_awake(body))
     }
 
-    /// Wakes a body or puts it to sleep. Between two sleeping bodies nothing is evaluated.
+    /// Wakes a body or puts it to sleep. Between two sleeping bodies, and between a sleeping deformable body and a wall,
+    /// nothing is evaluated: contacts stay as they are. The next update reads the state of a deformable body once more,
+    /// which should be at rest; after that it must not move until it is woken, and a host that moves a wall must wake what
+    /// touches it.
     pub fn set_awake(&mut self, body: BodyId, awake: bool) {
-        if self.contains(body) && self.awake[body as usize] != awake {
+        if let Some(part) = &mut self.deformable {
+            part.set_awake(body, awake);
+        }
+        if self.is_rigid(body) && self.awake[body as usize] != awake {
             self.awake[body as usize] = awake;
             self.awake_changed = true;
             self.pairs.mark_changed();
         }
     }
 
-    /// Wakes a body with the load of its contacts on record.
+    /// Wakes a rigid body with the load of its contacts on record.
     pub fn wake_with_load(&mut self, body: BodyId) {
-        if self.contains(body) {
-            self.sums.loads[body as usize] = self.load_of(body);
+        if self.is_rigid(body) {
+            self.sums.loads[body as usize] = self.rigid_load_of(body);
+            let load = self.load_of(body);
+            if let Some(sum) = self.all_loads[0].get_mut(body as usize) {
+                *sum = load;
+            }
             self.set_awake(body, true);
         }
     }
@@ -413,6 +507,7 @@ impl ContactBatch {
         self.sums.begin(&self.awake_list);
         let seen = |pair: &Pair| self.sums.add(&self.awake, pair);
         evaluate::run(views, &mut self.pairs, seen);
+        self.sum_loads();
         self.check_results(bodies)
     }
 
@@ -424,7 +519,7 @@ impl ContactBatch {
         if energies.iter().all(|x| x.is_finite()) {
             return Ok(());
         }
-        let stored = |c: &&Contact| (c.energy + c.spring_energy).abs();
+        let stored = |c: &&RigidContact| (c.energy + c.spring_energy).abs();
         let contacts = self.evaluated();
         match contacts.max_by(|a, b| stored(a).total_cmp(&stored(b))) {
             Some(contact) => Err(load_not_finite(contact.b as usize, bodies)),
@@ -468,7 +563,8 @@ impl ContactBatch {
 
     /// Makes tetrahedra of the shapes, once a mesh can meet them.
     fn make_fans(&mut self) -> Result<(), ContactError> {
-        if self.fans.len() < self.shapes.len() && self.pairs.has_meshes() {
+        let are_met = self.pairs.has_meshes() || self.deformable.is_some();
+        if self.fans.len() < self.shapes.len() && are_met {
             for shape in &self.shapes[self.fans.len()..] {
                 self.fans.push(shape.tetrahedra()?);
             }
@@ -482,55 +578,6 @@ impl ContactBatch {
         for pair in self.pairs.evaluated() {
             self.sums.add(&self.awake, pair);
         }
-    }
-
-    /// Loads of all bodies; those of sleeping bodies are from when they fell asleep.
-    pub fn loads(&self) -> &[Load] {
-        &self.sums.loads
-    }
-
-    /// Loads on the walls from the evaluated pairs, about the walls' origins.
-    pub fn wall_loads(&self) -> &[Load] {
-        &self.sums.walls
-    }
-
-    /// The load of one body from all its contacts on record, evaluated or not.
-    pub fn load_of(&self, body: BodyId) -> Load {
-        let mut load = Load::default();
-        for contact in self.contacts_of(body) {
-            load.add(contact, usize::from(contact.b == body));
-        }
-        load
-    }
-
-    /// The load of a wall, about its origin, from all its recorded contacts.
-    pub fn wall_load_of(&self, wall: u32) -> Load {
-        let mut load = Load::default();
-        for contact in self.contacts() {
-            if contact.a == Partner::Wall(wall) {
-                load.add(contact, 0);
-            }
-        }
-        load
-    }
-
-    /// Sums of the last update.
-    pub fn totals(&self) -> &BatchTotals {
-        &self.sums.totals
-    }
-
-    /// All contacts on record, sorted by pair and patch.
-    pub fn contacts(&self) -> Vec<&Contact> {
-        self.pairs.contacts()
-    }
-
-    /// The contacts of one body, sorted by partner and patch.
-    pub fn contacts_of(&self, body: BodyId) -> impl Iterator<Item = &Contact> {
-        self.pairs.contacts_of(body)
-    }
-
-    /// Candidate pairs that will be evaluated at the next update.
-    pub fn candidate_count(&self) -> usize {
-        self.pairs.order_len()
+        self.sum_loads();
     }
 }

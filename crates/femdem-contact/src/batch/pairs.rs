@@ -3,7 +3,7 @@
 
 use super::history::{History, PatchRecord};
 use crate::body_shape::Kind;
-use crate::contact::{BodyId, Contact, Partner};
+use crate::contact::{BodyId, Partner, RigidContact};
 use crate::general::GeneralCache;
 use crate::kernel::{CavityCache, PairCache};
 use crate::walls::LocalSolid;
@@ -30,12 +30,12 @@ pub(crate) struct Pair {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Touch {
     pub history: History,
-    pub contact: Contact,
+    pub contact: RigidContact,
 }
 
 impl Pair {
     /// The contacts on record, by patch.
-    pub fn contacts(&self) -> impl Iterator<Item = &Contact> {
+    pub fn contacts(&self) -> impl Iterator<Item = &RigidContact> {
         let patches: &[PatchRecord] = match &self.cache {
             Cache::Mesh(mesh) => &mesh.patches,
             Cache::Body(_) | Cache::Wall(_) | Cache::Sphere { .. } => &[],
@@ -58,7 +58,7 @@ impl Pair {
     }
 
     /// As [`contacts`](Self::contacts).
-    pub fn contacts_mut(&mut self) -> impl Iterator<Item = &mut Contact> {
+    pub fn contacts_mut(&mut self) -> impl Iterator<Item = &mut RigidContact> {
         let patches: &mut [PatchRecord] = match &mut self.cache {
             Cache::Mesh(mesh) => &mut mesh.patches,
             Cache::Body(_) | Cache::Wall(_) | Cache::Sphere { .. } => &mut [],
@@ -405,8 +405,8 @@ impl PairTable {
         self.order.iter().map(|&slot| self.slot(slot))
     }
 
-    pub fn contacts(&self) -> Vec<&Contact> {
-        let mut all: Vec<&Contact> = Vec::new();
+    pub fn contacts(&self) -> Vec<&RigidContact> {
+        let mut all: Vec<&RigidContact> = Vec::new();
         for (i, list) in self.neighbours.iter().enumerate() {
             let own = list.iter().filter(|n| n.code > i as u32);
             all.extend(own.flat_map(|n| self.slot(n.slot).contacts()));
@@ -420,7 +420,7 @@ impl PairTable {
         list.into_iter().flatten().map(|n| self.slot(n.slot))
     }
 
-    pub fn contacts_of(&self, body: BodyId) -> impl Iterator<Item = &Contact> {
+    pub fn contacts_of(&self, body: BodyId) -> impl Iterator<Item = &RigidContact> {
         self.of(body).flat_map(Pair::contacts)
     }
 }

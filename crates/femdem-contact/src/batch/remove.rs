@@ -2,7 +2,8 @@
 
 use super::ContactBatch;
 use crate::body_shape::Kind;
-use crate::contact::{BodyId, Contact, Load, Partner};
+use crate::contact::{BodyId, Load, Partner, RigidContact};
+use crate::deform::Side;
 use crate::error::ContactError;
 
 impl ContactBatch {
@@ -14,6 +15,9 @@ impl ContactBatch {
     /// [`ContactError::NoSuch`] if there is no such body.
     pub fn remove_body(&mut self, body: BodyId) -> Result<Vec<BodyId>, ContactError> {
         let touched = self.leave(body)?;
+        if let Some(part) = &mut self.deformable {
+            part.remove_body(body);
+        }
         self.body_slots.give_back(body);
         let i = body as usize;
         self.awake[i] = false;
@@ -28,32 +32,39 @@ impl ContactBatch {
     /// # Errors
     /// [`ContactError::NoSuch`] if there is no such wall.
     pub fn remove_wall(&mut self, wall: u32) -> Result<Vec<BodyId>, ContactError> {
-        if !self.wall_slots.give_back(wall) {
-            return Err(ContactError::NoSuch {
-                what: "wall",
-                index: wall as usize,
-                count: self.wall_slots.len(),
-            });
-        }
-        let contacts = self.contacts().into_iter();
+        self.known_wall(wall)?;
+        self.wall_slots.give_back(wall);
+        let contacts = self.rigid_contacts().into_iter();
         let own = contacts.filter(|contact| contact.a == Partner::Wall(wall));
         let mut touched: Vec<BodyId> = own.map(|contact| contact.b).collect();
+        if let Some(part) = &mut self.deformable {
+            touched.extend(part.leave(Side::Wall(wall)));
+            touched.sort_unstable();
+        }
         touched.dedup();
         let w = wall as usize;
         self.pairs.leave_wall(wall);
         self.pairs.set_wall(w, false);
         self.walls[w] = None;
         self.sums.walls[w] = Load::default();
+        self.sum_loads();
         Ok(touched)
     }
 
-    /// Gives a body another shape. Its contacts end with their history, since the surfaces that touched are gone; those of
+    /// Gives a rigid body another shape. Its contacts end with their history, since the surfaces that touched are gone; those of
     /// the new shape are found in the next update. Returns the bodies that it touched, ascending.
     ///
     /// # Errors
-    /// [`ContactError::NoSuch`] if there is no such body or shape.
+    /// [`ContactError::NoSuch`] if there is no such rigid body or shape.
     pub fn reshape(&mut self, body: BodyId, shape: u32) -> Result<Vec<BodyId>, ContactError> {
         let kind = self.known_shape(shape)?.kind();
+        if !self.is_rigid(body) {
+            return Err(ContactError::NoSuch {
+                what: "rigid body",
+                index: body as usize,
+                count: self.rigid_count(),
+            });
+        }
         let touched = self.leave(body)?;
         self.body_shapes[body as usize] = shape;
         self.pairs.set_body(body as usize, kind);
@@ -72,23 +83,22 @@ impl ContactBatch {
 
     /// Ends all pairs of a body, and forgets where it was.
     fn leave(&mut self, body: BodyId) -> Result<Vec<BodyId>, ContactError> {
-        if !self.contains(body) {
-            return Err(ContactError::NoSuch {
-                what: "body",
-                index: body as usize,
-                count: self.len(),
-            });
-        }
-        let partner = |contact: &Contact| match contact.a {
+        let side = self.side(Partner::Body(body))?;
+        let partner = |contact: &RigidContact| match contact.a {
             Partner::Body(a) => Some(if a == body { contact.b } else { a }),
             Partner::Wall(_) => None,
         };
-        let mut touched: Vec<BodyId> = self.contacts_of(body).filter_map(partner).collect();
+        let mut touched: Vec<BodyId> = self.rigid_contacts_of(body).filter_map(partner).collect();
+        if let Some(part) = &mut self.deformable {
+            touched.extend(part.leave(side));
+            touched.sort_unstable();
+        }
         touched.dedup();
         self.pairs.leave(body);
         self.broadphase.forget(body as usize);
         // The lists of the awake are renewed, and one that sleeps is entered anew.
         self.awake_changed = true;
+        self.sum_loads();
         Ok(touched)
     }
 }

@@ -3,6 +3,7 @@
 use super::{ContactBatch, Snapshot};
 use crate::body_shape::BodyShape;
 use crate::broadphase::Broadphase;
+use crate::contact::BodyId;
 use crate::error::ContactError;
 use crate::motion::Motion;
 
@@ -15,7 +16,7 @@ impl ContactBatch {
     ) -> Result<(), ContactError> {
         let mut neighbours = Vec::new();
         for (i, motion) in bodies.iter().enumerate() {
-            if self.awake[i] || self.broadphase.knows(i) || !self.body_slots.holds(i as u32) {
+            if self.awake[i] || self.broadphase.knows(i) || !self.is_rigid(i as BodyId) {
                 continue;
             }
             if !motion.is_sound() {
@@ -61,7 +62,7 @@ impl ContactBatch {
             }
         }
         if walls_moved {
-            let ids: Vec<u32> = self.body_ids().collect();
+            let ids: Vec<BodyId> = self.rigid_ids().collect();
             for i in ids {
                 self.search_walls(i as usize, &bodies[i as usize], walls);
             }

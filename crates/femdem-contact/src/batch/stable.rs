@@ -1,7 +1,7 @@
 //! The step for which the contacts on record are stable.
 
 use super::ContactBatch;
-use crate::contact::{BodyId, Contact, Partner};
+use crate::contact::{BodyId, Partner, RigidContact};
 use crate::generalized::Resistance;
 use crate::motion::Motion;
 
@@ -10,47 +10,46 @@ impl ContactBatch {
     /// [`largest_step`](Self::largest_step) of the bodies that are awake, infinite without contacts. `bodies` are their
     /// motions. Contacts that begin in the step are stiffer than those on record: take a small part of it.
     pub fn stable_step(&self, bodies: &[Motion]) -> f64 {
-        let awake = (0..).zip(bodies).filter(|(body, _)| self.is_awake(*body));
-        awake.fold(f64::INFINITY, |most, (body, motion)| {
-            self.largest_step(body, motion, None, most)
+        let rigid = (0..).zip(bodies).zip(&self.awake);
+        let awake = rigid.filter(|(_, awake)| **awake);
+        awake.fold(f64::INFINITY, |most, ((body, motion), _)| {
+            self.largest_step(body, motion, most)
         })
     }
 
-    /// The springs and dashpots of all recorded contacts of a body. Sleeping partners do not move.
+    /// The springs and dashpots of all recorded contacts of a rigid body. Sleeping partners do not move.
     pub fn resistance_of(&self, body: BodyId) -> Resistance {
         let mut resistance = Resistance::default();
-        for contact in self.contacts_of(body) {
+        for contact in self.rigid_contacts_of(body) {
             let side = usize::from(contact.b == body);
             let moves = partner(contact, side).is_none_or(|other| self.is_awake(other));
             resistance.add(contact, side, moves);
         }
+        if let Some(others) = self.by_deformables(body) {
+            resistance += others;
+        }
         resistance
     }
 
-    /// The largest step for which the contacts of a body are stable, at most `most`, s: that of
-    /// [`Resistance::largest_step`], with sleeping partners fixed. `others` holds springs and dashpots on the
-    /// body from outside this batch.
-    pub fn largest_step(
-        &self,
-        body: BodyId,
-        motion: &Motion,
-        others: Option<&Resistance>,
-        most: f64,
-    ) -> f64 {
+    /// The largest step for which the contacts of a rigid body are stable, at most `most`, s: that of
+    /// [`Resistance::largest_step`], with sleeping partners fixed.
+    pub fn largest_step(&self, body: BodyId, motion: &Motion, most: f64) -> f64 {
         let load = self.sums.loads.get(body as usize);
-        if others.is_none() && load.is_none_or(|load| load.allows(motion, most)) {
+        let allows = load.is_none_or(|load| load.allows(motion, most));
+        if allows && self.by_deformables(body).is_none() {
             return most;
         }
-        let mut resistance = self.resistance_of(body);
-        if let Some(others) = others {
-            resistance += others;
-        }
-        resistance.largest_step(motion, most)
+        self.resistance_of(body).largest_step(motion, most)
+    }
+
+    /// Springs and dashpots on a rigid body that deformable ones touch.
+    fn by_deformables(&self, body: BodyId) -> Option<&Resistance> {
+        self.deformable.as_ref()?.rigid_resistance(body)
     }
 }
 
 /// The body on the other side of a contact.
-fn partner(contact: &Contact, side: usize) -> Option<BodyId> {
+fn partner(contact: &RigidContact, side: usize) -> Option<BodyId> {
     match (contact.a, side) {
         (Partner::Body(a), 1) => Some(a),
         (Partner::Body(_), _) => Some(contact.b),

@@ -11,7 +11,8 @@ use crate::walls::WallShape;
 
 /// Refuses a batch whose parts do not fit together, or `shapes` that are not those of its bodies.
 pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), ContactError> {
-    for (body, &shape) in batch.body_shapes.iter().enumerate() {
+    for body in batch.rigid_ids() {
+        let shape = batch.body_shapes[body as usize];
         let Some(kind) = shapes.get(shape as usize) else {
             return Err(ContactError::NoSuch {
                 what: "shape",
@@ -19,8 +20,7 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
                 count: shapes.len(),
             });
         };
-        let is_there = batch.contains(body as u32);
-        if is_there && batch.pairs.kind_of(body) != Some(kind.kind()) {
+        if batch.pairs.kind_of(body as usize) != Some(kind.kind()) {
             return Err(ContactError::Stored {
                 what: format!("the kind, convex, sphere or mesh, of the shape of body {body}"),
             });
@@ -45,7 +45,7 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
             });
         }
     }
-    let is_body = |body: u32| batch.contains(body);
+    let is_body = |body: u32| batch.is_rigid(body);
     let mut present = (0..).zip(&batch.walls);
     let sound = batch.body_slots.is_sound()
         && batch.wall_slots.is_sound()

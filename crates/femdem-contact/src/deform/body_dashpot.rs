@@ -15,7 +15,7 @@
 //!
 //! A body softer than its contact yields itself, and must not be braked as a whole while it does:
 //! α = 1/(1 + (ω_c/ω)²)², with ω_c = √(R/(2U)) the frequency of the bodies on the contact and ω that of the slowest elastic
-//! oscillation of either ([`DeformableBatch::set_frequency`](super::DeformableBatch::set_frequency)); 0 where ω is not
+//! oscillation of either ([`ContactBatch::set_frequency`](crate::ContactBatch::set_frequency)); 0 where ω is not
 //! known. A body of which nodes are held does not move as a whole.
 
 use super::pair::{Mover, Pair};

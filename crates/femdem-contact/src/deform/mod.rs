@@ -56,7 +56,7 @@
 //! - **Damping**: all elastic forces of a patch are scaled by 1 + 2 ζ (dU/dt)/(√(2U) √(Σ |f_a|²/m_a)) ≥ 0,
 //!   where rigid bodies enter the sum with their inertia. For motion along the forces the restitution is that
 //!   of [`restitution`](crate::restitution). A body that is stiff compared with its contacts is damped with all
-//!   of its mass, if its frequency is known ([`DeformableBatch::set_frequency`]). Rocking is damped by a moment
+//!   of its mass, if its frequency is known ([`ContactBatch::set_frequency`](crate::ContactBatch::set_frequency)). Rocking is damped by a moment
 //!   against the rotation of the bodies as a whole, with the rocking stiffness of the patch and the same ζ.
 //! - **Step**: every node gets the sum of w S N_a(c) over the polygons of skin in contact (w the stiffness
 //!   per area, S the area, c the centroid), and its share of the tangential springs. Twice the largest of
@@ -99,14 +99,17 @@ mod respond;
 mod rub;
 mod scratch;
 mod shape;
+mod side;
 mod skins;
 mod sums;
 mod turning;
 mod walk;
 
-pub use batch::{DeformableBatch, Touched};
+pub(crate) use batch::{Around, DeformablePart};
 pub use kernel::{DeformableKernel, DeformableOverlap, NodeForce};
 pub use operand::Operand;
-pub use record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
+pub(crate) use pair::FrictionStart;
+pub use record::{DeformableTotals, NodalLoads, NodalState};
 pub use scratch::DeformableScratch;
 pub use shape::{DeformableShape, Modulus};
+pub(crate) use side::Side;

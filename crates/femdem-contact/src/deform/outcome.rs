@@ -1,9 +1,10 @@
 //! Response of a pair, and its history.
 
 use super::bristle::Bristle;
-use super::record::{DeformableContact, DeformableTotals};
+use super::record::DeformableTotals;
 use crate::contact::Load;
 use crate::generalized::Resistance;
+use crate::record::Contact;
 use crate::rocking::RockingState;
 use crate::rolling::RollingState;
 use femdem_mesh::Vector3;
@@ -33,7 +34,7 @@ pub(crate) struct Outcome {
     /// Load on a rigid body or wall.
     pub load: Option<Box<(Load, Resistance)>>,
     /// One for each patch.
-    pub contacts: Vec<DeformableContact>,
+    pub contacts: Vec<Contact>,
     pub totals: DeformableTotals,
     pub bristles: Vec<Bristle>,
     /// One for each patch.

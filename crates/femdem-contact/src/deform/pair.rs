@@ -2,8 +2,9 @@
 
 use super::near::Near;
 use super::operand::Operand;
-use super::record::{DeformablePartner, NodalState};
+use super::record::NodalState;
 use super::turning::Turning;
+use crate::contact::{BodyId, Partner};
 use crate::law::ContactParameters;
 use crate::motion::Motion;
 use crate::rocking::Turn;
@@ -19,7 +20,7 @@ pub(crate) enum Mover<'a> {
 
 /// A pair of bodies in contact.
 pub(crate) struct Pair<'a> {
-    pub ids: (DeformablePartner, u32),
+    pub ids: (Partner, BodyId),
     pub sides: [Operand<'a>; 2],
     pub movers: [Mover<'a>; 2],
     /// Slowest elastic oscillations of the deformable sides, rad/s; 0 if not known.

@@ -1,71 +1,7 @@
 //! Results of the batch of deformable bodies.
 
-use crate::contact::BodyId;
-use crate::kernel::mean_penetration;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
-
-/// Side A of a contact with a deformable body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum DeformablePartner {
-    /// Another one, of lower index.
-    Deformable(u32),
-    /// A rigid body.
-    Rigid(BodyId),
-    /// A wall, by order of addition.
-    Wall(u32),
-}
-
-/// A contact, one connected patch: A, and a deformable body B. Vectors are in world axes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct DeformableContact {
-    /// Side A.
-    pub a: DeformablePartner,
-    /// Side B, a deformable body.
-    pub b: u32,
-    /// Number of the patch, from 0: the two may touch in several places.
-    pub patch: u32,
-    /// Centre of pressure, m.
-    pub point: Vector3,
-    /// Direction of the elastic force on B: from A to B.
-    pub normal: Vector3,
-    /// Elastic force, N.
-    pub elastic_force: f64,
-    /// Normal force on B along `normal`, damping included, N.
-    pub normal_force: f64,
-    /// Moment on B of the dashpot against rocking, N m.
-    pub rocking: Vector3,
-    /// Moment of rolling friction on B, N m.
-    pub rolling: Vector3,
-    /// Friction force on B, N.
-    pub friction: Vector3,
-    /// Whether every part of the contact slides.
-    pub slides: bool,
-    /// Contact area, m^2.
-    pub area: f64,
-    /// Overlap volume, m^3.
-    pub volume: f64,
-    /// Contact energy U, J.
-    pub energy: f64,
-    /// Energy in the friction springs, J.
-    pub spring_energy: f64,
-    /// Normal stiffness, N/m.
-    pub stiffness: f64,
-    /// Stiffness of all friction springs, N/m.
-    pub tangential_stiffness: f64,
-}
-
-impl DeformableContact {
-    /// Total force on B, N.
-    pub fn force_on_b(&self) -> Vector3 {
-        self.normal * self.normal_force + self.friction
-    }
-
-    /// Penetration estimate, m: overlap volume over contact area.
-    pub fn penetration(&self) -> f64 {
-        mean_penetration(self.volume, self.area)
-    }
-}
 
 /// Sums over the contacts of deformable bodies, at the last update.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -111,4 +47,19 @@ pub struct NodalState<'a> {
     pub velocities: &'a [Vector3],
     /// Inverse masses, 1/kg; 0 for prescribed nodes.
     pub inverse_masses: &'a [f64],
+}
+
+/// What the contacts do to the nodes of a deformable body: one value for each node.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NodalLoads<'a> {
+    /// Forces, N: elastic, damping and friction.
+    pub forces: &'a [Vector3],
+    /// The part of the forces due to damping, N.
+    pub damping: &'a [Vector3],
+    /// The part of the forces due to friction, N.
+    pub friction: &'a [Vector3],
+    /// Stiffness k, N/m: a node of mass m adds 2 k/m to the squared frequency that bounds the step.
+    pub stiffness: &'a [f64],
+    /// Damping rates, 1/s: the rate in [`stable_step`](crate::stable_step).
+    pub rates: &'a [f64],
 }

@@ -5,13 +5,15 @@ use super::operand::Operand;
 use super::outcome::{Dashpot, NodeLoad, Outcome};
 use super::pair::{Mover, Pair};
 use super::patches::{Patch, Patches};
-use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
+use super::record::{DeformableTotals, NodalState};
 use super::rub::Rubbing;
 use super::scratch::DeformableScratch;
+use crate::contact::Partner;
 use crate::contact::{Load, Wrench, rolling_radius};
 use crate::foundation::Foundation;
 use crate::generalized::Resistance;
 use crate::motion::Motion;
+use crate::record::Contact;
 use crate::rocking::{Rocker, Rocking, RockingState, Turn};
 use crate::rolling::{Roller, Rolling, RollingState};
 use femdem_mesh::Vector3;
@@ -249,7 +251,7 @@ impl<'a> Pair<'a> {
     fn rocking(
         &self,
         patch: &Patch,
-        contact: &DeformableContact,
+        contact: &Contact,
         turn: &Turn,
         state: &mut RockingState,
     ) -> (Rocking, [f64; 2]) {
@@ -279,7 +281,7 @@ impl<'a> Pair<'a> {
     /// Rolling friction of a patch of the given normal stiffness, N/m.
     fn rolling(
         &self,
-        contact: &DeformableContact,
+        contact: &Contact,
         stiffness: f64,
         turn: &Turn,
         state: &mut RollingState,
@@ -288,7 +290,7 @@ impl<'a> Pair<'a> {
             return Rolling::default();
         }
         let distance = |side: usize| {
-            if side == 0 && matches!(self.ids.0, DeformablePartner::Wall(_)) {
+            if side == 0 && matches!(self.ids.0, Partner::Wall(_)) {
                 return f64::INFINITY;
             }
             let centre = match (&self.movers[side], self.turnings[side]) {
@@ -349,7 +351,7 @@ impl<'a> Pair<'a> {
         patches: &Patches,
         number: usize,
         scale: f64,
-    ) -> DeformableContact {
+    ) -> Contact {
         let (sums, patch) = (&scratch.sums, &patches.list[number]);
         let force = patch.wrench[1][0];
         let elastic_force = force.norm();
@@ -371,7 +373,7 @@ impl<'a> Pair<'a> {
         } else {
             moment
         };
-        DeformableContact {
+        Contact {
             a: self.ids.0,
             b: self.ids.1,
             patch: number as u32,

@@ -119,7 +119,7 @@ impl Packing {
             let energy = self.world.body_kinetic_energy(body);
             let moving = energy.zip(self.world.mass(body));
             let rests = moving.is_some_and(|(energy, mass)| energy < limit * mass);
-            self.world.is_asleep(body) || (rests && self.world.contacts_of(body).next().is_some())
+            self.world.is_asleep(body) || (rests && !self.world.contacts_of(body).is_empty())
         })
     }
 }

@@ -13,7 +13,6 @@
 //! nothing is frozen until all are at rest after it.
 
 use super::World;
-use super::deformables::all_loads;
 use crate::body::Means;
 use crate::error::SolveError;
 use crate::parameters::{SleepMeasure, SleepParameters, WorldParameters};
@@ -98,7 +97,7 @@ impl World {
     /// not chosen for it.
     #[must_use]
     pub(super) fn wake_for_drives(&mut self, ahead: f64) -> bool {
-        let rigid = self.awake.len() < self.body_count();
+        let rigid = self.awake.len() < self.rigid_count();
         let asleep = rigid || self.awake_deformable_count() < self.deformable_count();
         let wakes = asleep && self.is_driven(ahead);
         if wakes {
@@ -168,11 +167,10 @@ impl World {
 
     fn count_quiet_steps(&mut self) {
         let rule = self.parameters.sleeping;
-        let deformables = self.deformables.as_deref();
-        let beside = deformables.map_or_else(Vec::new, |d| d.batch.rigid_beside_awake());
+        let beside = self.batch.rigid_beside_awake();
         for k in 0..self.awake.len() {
             let i = self.awake[k] as usize;
-            let load = all_loads(&self.batch, self.deformables.as_deref())[i];
+            let load = self.batch.loads()[i];
             let scale = self.scale(i, &load) * 2.0 * self.bodies[i].radius;
             let rings = self.bodies[i].kinetic_energy() >= rule.ringing() * scale;
             let share = self.bodies[i].means.count(rings, rule.window);
@@ -213,7 +211,7 @@ impl World {
                     && self.bodies[i as usize].driven.is_none()
                     && self
                         .batch
-                        .contacts_of(i)
+                        .rigid_contacts_of(i)
                         .all(|c| settled(c.a) && settled(Partner::Body(c.b)))
             })
             .collect()
@@ -222,7 +220,7 @@ impl World {
     /// Whether the recorded forces of a frozen body balance well enough for it to stay asleep. Its means
     /// follow them with a delay, and are not updated once nothing near it is awake.
     fn holds(&self, i: u32) -> bool {
-        let load = self.load_of(i);
+        let load = self.batch.load_of(i);
         let share = self.wake_share(i as usize, &load);
         let bound = share * self.measure_of_balance(i as usize, &load);
         let diameter = 2.0 * self.bodies[i as usize].radius;
@@ -237,7 +235,7 @@ impl World {
         let share = f64::from(rule.recheck()) / f64::from(rule.window);
         let mut list = self.batch.sleeping_neighbours();
         list.retain(|&i| {
-            let load = self.load_of(i);
+            let load = self.batch.load_of(i);
             self.mix(i as usize, &load, share);
             let lost = load.contacts < self.bodies[i as usize].means.contacts;
             self.bodies[i as usize].means.contacts = load.contacts;
@@ -252,7 +250,7 @@ impl World {
         if self.awake.len() == self.body_count() {
             return Vec::new();
         }
-        let loads = all_loads(&self.batch, self.deformables.as_deref());
+        let loads = self.batch.loads();
         self.batch
             .struck_sleepers(|i, force| force > STRUCK * self.scale(i as usize, &loads[i as usize]))
     }
@@ -264,9 +262,6 @@ impl World {
         for &i in list {
             self.stop_body(i as usize);
             self.batch.set_awake(i, false);
-            if let Some(deformables) = &mut self.deformables {
-                deformables.batch.set_rigid_awake(i, false);
-            }
         }
         self.awake.retain(|i| list.binary_search(i).is_err());
     }
@@ -277,10 +272,6 @@ impl World {
         }
         for &i in list {
             self.batch.wake_with_load(i);
-            if let Some(deformables) = &mut self.deformables {
-                deformables.batch.set_rigid_awake(i, true);
-                deformables.sum_load(i, &self.batch);
-            }
             let body = &mut self.bodies[i as usize];
             body.quiet_steps = 0;
             // The means of force and moment are kept. Restarted from zero they would let the body sleep again
@@ -335,7 +326,7 @@ impl World {
     /// Whether more of the awake rigid bodies are losing kinetic energy than gaining it; driven ones do not
     /// count. It counts bodies instead of comparing the total energy, so that a single body does not decide.
     pub fn is_slowing(&self) -> bool {
-        let loads = all_loads(&self.batch, self.deformables.as_deref());
+        let loads = self.batch.loads();
         let balance: i64 = self
             .awake
             .iter()
@@ -355,11 +346,11 @@ impl World {
 
     /// Wakes all bodies.
     pub fn wake_all(&mut self) {
-        let ids = self.batch.body_ids();
+        let ids = self.rigid_ids();
         let asleep: Vec<u32> = ids.filter(|&i| !self.batch.is_awake(i)).collect();
         self.wake(&asleep);
         if let Some(deformables) = &mut self.deformables {
-            deformables.wake_all();
+            deformables.wake_all(&mut self.batch);
         }
     }
 
@@ -385,7 +376,7 @@ impl World {
         self.parameters = parameters;
         self.set_sleeping(rule.enabled);
         if let Some(deformables) = &mut self.deformables {
-            deformables.wake_all();
+            deformables.wake_all(&mut self.batch);
         }
         Ok(())
     }

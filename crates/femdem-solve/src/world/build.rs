@@ -7,7 +7,9 @@ use crate::error::SolveError;
 use crate::guide::Guide;
 use crate::ledger::Flows;
 use crate::parameters::{TimeStepParameters, WorldParameters};
-use femdem_contact::{BodyId, ContactBatch, ContactParameters, Field, Frame, Motion, WallShape};
+use femdem_contact::{
+    BodyId, BodyShape, ContactBatch, ContactParameters, Field, Frame, Motion, WallShape,
+};
 use femdem_fem::Drive;
 use femdem_mesh::{Polyhedron, Pose, TetMesh};
 
@@ -117,7 +119,7 @@ impl World {
         self.parameters = parameters;
         self.batch.set_law(law);
         if let Some(deformables) = &mut self.deformables {
-            deformables.set_law(law)?;
+            deformables.renew_moduli(&mut self.batch)?;
         }
         self.loaded = false;
         self.step_control.forget();
@@ -176,8 +178,8 @@ impl World {
     fn insert_shape(&mut self, shape: Shape) -> Result<ShapeId, SolveError> {
         let contact = shape.contact()?;
         self.restored()?;
-        if let Some(deformables) = &mut self.deformables {
-            deformables.batch.add_rigid_shape(contact.clone())?;
+        if self.deformables.is_some() {
+            meets_deformables(&contact)?;
         }
         self.shapes.push(shape);
         Ok(self.batch.add_shape(contact))
@@ -225,7 +227,7 @@ impl World {
         }
         let id = self.batch.add_body(shape)?;
         if let Some(deformables) = &mut self.deformables {
-            deformables.batch.add_rigid(shape)?;
+            deformables.reach(id as usize + 1);
         }
         place(&mut self.motions, id, body.motion());
         place(&mut self.bodies, id, body);
@@ -253,10 +255,6 @@ impl World {
         let base = drive.at(self.time).base_of(&Pose::identity());
         self.wake_all();
         self.loaded = false;
-        let wall = wall.into();
-        if let Some(deformables) = &mut self.deformables {
-            deformables.batch.add_wall(wall.clone());
-        }
         let id = self.batch.add_wall(wall);
         place(&mut self.wall_drives, id, (Guide::Drive(drive), base));
         place(&mut self.wall_motions, id, Motion::fixed(Frame::identity()));
@@ -304,17 +302,16 @@ impl World {
             .iter()
             .map(Shape::contact)
             .collect::<Result<Vec<_>, _>>()?;
-        if let Some(deformables) = &mut self.deformables {
-            deformables.restore(&shapes)?;
-        }
-        self.batch.restore_shapes(shapes)?;
-        Ok(())
+        let deformables = self.deformables.as_deref();
+        let soft = deformables.map_or_else(|| Ok(Vec::new()), |d| d.shapes())?;
+        Ok(self.batch.restore_shapes(shapes, soft)?)
     }
 
     /// A world that was read has no contact shapes before it is restored.
     pub(super) fn restored(&self) -> Result<(), SolveError> {
         let deformables = self.deformables.as_deref();
-        let soft = deformables.map_or((0, 0), |d| (d.models.len(), d.batch.shapes().len()));
+        let models = deformables.map_or(0, |d| d.models.len());
+        let soft = (models, self.batch.deformable_shapes().len());
         let rigid = (self.shapes.len(), self.batch.shapes().len());
         if [rigid, soft].iter().all(|(all, made)| made >= all) {
             Ok(())
@@ -347,6 +344,14 @@ impl World {
             self.step_control.see_elements(bound);
         }
     }
+}
+
+/// Refuses a shape that is too flat for the tetrahedra by which deformable bodies meet it.
+pub(super) fn meets_deformables(shape: &BodyShape) -> Result<(), SolveError> {
+    if let Some(convex) = shape.convex() {
+        convex.fan()?;
+    }
+    Ok(())
 }
 
 /// Writes an item of a list by number, which may be the next one.

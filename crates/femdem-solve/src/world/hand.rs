@@ -5,11 +5,10 @@
 //! The energy that comes and goes is in [`Ledger::by_hand`](crate::Ledger::by_hand).
 
 use super::World;
-use crate::body::check_velocities;
+use crate::body::{Body, check_velocities};
 use crate::error::{SolveError, check};
 use crate::guide::Guide;
-use femdem_contact::deform::{DeformableContact, DeformablePartner};
-use femdem_contact::{BodyId, Contact, Frame, Motion, Partner, Wrench};
+use femdem_contact::{BodyId, Frame, Motion, Partner, Wrench};
 use femdem_mesh::{Pose, Vector3, checked_pose};
 
 /// Energies of contacts, J.
@@ -29,30 +28,27 @@ impl Stored {
 }
 
 impl World {
-    /// Removes a rigid body and its contacts. What it touched wakes. The index is given to the next body that is added,
-    /// unless a lower one is free; until then it names no body.
+    /// Removes a body, rigid or deformable, and its contacts. What it touched wakes. The index is given to the next body that is
+    /// added, unless a lower one is free; until then it names no body.
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown body, and after [implicit](crate::ImplicitStep) steps, whose contacts are
     /// evaluated first, the errors of [`World::step`].
     pub fn remove_body(&mut self, id: BodyId) -> Result<(), SolveError> {
-        let i = self.known_body(id)?;
-        self.evaluate_pending()?;
-        let stored = self.stored_by(Partner::Body(id));
-        let mut touched = self.batch.remove_body(id)?;
-        if let Some(deformables) = &mut self.deformables {
-            let soft = deformables.batch.remove_rigid(id)?;
-            touched.extend(deformables.let_go(soft, &self.batch));
+        if !self.batch.contains(id) {
+            return Err(self.no_such("body", id, self.body_count()));
         }
-        self.flows.by_hand -= self.bodies[i].energy(&self.parameters.gravity);
-        let body = &mut self.bodies[i];
-        body.driven = None;
-        body.applied = Wrench::default();
-        body.velocity = Vector3::zeros();
-        body.momentum = Vector3::zeros();
+        self.evaluate_pending()?;
+        let i = id as usize;
+        let stored = self.stored_by(Partner::Body(id));
+        let energy = self.remove_deformable(id);
+        let energy = energy.unwrap_or_else(|| self.bodies[i].energy(&self.parameters.gravity));
+        self.flows.by_hand -= energy;
+        let touched = self.batch.remove_body(id)?;
+        self.bodies[i] = Body::vacant();
         self.motions[i] = Motion::fixed(Frame::identity());
         self.awake.retain(|&other| other != id);
-        self.newcomers.forget_body(id);
+        self.newcomers.forget(Partner::Body(id));
         self.step_control.lose();
         self.book_ended(stored, &touched);
         Ok(())
@@ -67,14 +63,10 @@ impl World {
         let w = self.known_wall(wall)?;
         self.evaluate_pending()?;
         let stored = self.stored_by(Partner::Wall(wall));
-        let mut touched = self.batch.remove_wall(wall)?;
-        if let Some(deformables) = &mut self.deformables {
-            let soft = deformables.batch.remove_wall(wall)?;
-            touched.extend(deformables.let_go(soft, &self.batch));
-        }
+        let touched = self.batch.remove_wall(wall)?;
         self.wall_drives[w] = (Guide::FIXED, Pose::identity());
         self.wall_motions[w] = Motion::fixed(Frame::identity());
-        self.newcomers.forget_wall(wall);
+        self.newcomers.forget(Partner::Wall(wall));
         self.book_ended(stored, &touched);
         Ok(())
     }
@@ -91,10 +83,6 @@ impl World {
         self.evaluate_pending()?;
         let stored = self.stored_by(Partner::Body(id));
         let mut touched = self.batch.moved_by_hand(id)?;
-        if let Some(deformables) = &mut self.deformables {
-            let soft = deformables.batch.rigid_moved_by_hand(id)?;
-            touched.extend(deformables.let_go(soft, &self.batch));
-        }
         let (gravity, time) = (self.parameters.gravity, self.time);
         let body = &mut self.bodies[i];
         let (before, turn) = (body.energy(&gravity), body.angular_velocity());
@@ -147,17 +135,23 @@ impl World {
         Ok(())
     }
 
-    /// Loads a rigid body with a force (N) and a torque about its centroid (N m), in world axes, until it is changed.
-    /// Gravity acts besides. The body wakes if the load changes. The work is [`Ledger::load_work`](crate::Ledger::load_work).
-    /// While a body follows a drive, the drive bears its load, which then does no work on anything in the world.
+    /// Loads a body with a force (N) and, if it is rigid, a torque about its centroid (N m), in world axes, until they are
+    /// changed. Gravity acts besides. On a deformable body the force is distributed by mass, as gravity is; forces on a part
+    /// of it are conditions of its [boundary](World::set_boundary). The body wakes if the load changes. The work is
+    /// [`Ledger::load_work`](crate::Ledger::load_work). While a body follows a drive, the drive bears its load, which then
+    /// does no work on anything in the world.
     ///
     /// # Errors
-    /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::Parameter`] for a load that is not finite.
+    /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::Parameter`] for a load that is not finite, and for a torque
+    /// on a deformable body.
     pub fn set_load(&mut self, id: BodyId, load: Wrench) -> Result<(), SolveError> {
-        let i = self.known_body(id)?;
-        self.restored()?;
         check("force", load.force.norm(), true, "finite, in N")?;
         check("torque", load.torque.norm(), true, "finite, in N m")?;
+        self.restored()?;
+        if self.batch.is_deformable(id) {
+            return self.pull_deformable(id, &load);
+        }
+        let i = self.known_body(id)?;
         if self.bodies[i].applied != load {
             self.bodies[i].applied = load;
             self.stir(&[id]);
@@ -165,20 +159,34 @@ impl World {
         Ok(())
     }
 
-    /// The external load of a rigid body, set by [`set_load`](Self::set_load).
+    /// The external load of a body, set by [`set_load`](Self::set_load).
     pub fn applied_load(&self, id: BodyId) -> Option<Wrench> {
+        if let Some(body) = self.deformable(id) {
+            return Some(Wrench {
+                force: body.applied_load(),
+                torque: Vector3::zeros(),
+            });
+        }
         self.body(id).map(|body| body.applied)
     }
 
+    /// The place of a rigid body in the lists.
     pub(super) fn known_body(&self, id: BodyId) -> Result<usize, SolveError> {
-        if self.batch.contains(id) {
+        if self.batch.is_rigid(id) {
             return Ok(id as usize);
         }
-        Err(SolveError::NoSuch {
-            what: "body",
-            index: id as usize,
-            count: self.body_count(),
-        })
+        if self.batch.contains(id) {
+            return Err(self.no_such("rigid body", id, self.rigid_count()));
+        }
+        Err(self.no_such("body", id, self.body_count()))
+    }
+
+    fn no_such(&self, what: &'static str, index: u32, count: usize) -> SolveError {
+        SolveError::NoSuch {
+            what,
+            index: index as usize,
+            count,
+        }
     }
 
     pub(super) fn known_wall(&self, wall: u32) -> Result<usize, SolveError> {
@@ -202,33 +210,13 @@ impl World {
         Ok(())
     }
 
-    /// What the contacts of a rigid body or a wall store.
-    fn stored_by(&self, partner: Partner) -> Stored {
-        let add = |sum: Stored, c: &Contact| sum.with(c.energy, c.spring_energy);
-        let (rigid, soft) = match partner {
-            Partner::Body(id) => (
-                self.batch.contacts_of(id).fold(Stored::default(), add),
-                DeformablePartner::Rigid(id),
-            ),
-            Partner::Wall(wall) => {
-                let contacts = self.batch.contacts().into_iter();
-                let own = contacts.filter(|contact| contact.a == partner);
-                (
-                    own.fold(Stored::default(), add),
-                    DeformablePartner::Wall(wall),
-                )
-            }
+    /// What the contacts of a body or a wall store.
+    pub(super) fn stored_by(&self, thing: Partner) -> Stored {
+        let contacts = match thing {
+            Partner::Body(id) => self.contacts_of(id),
+            Partner::Wall(_) => self.contacts(),
         };
-        let soft = self.stored_softly_by(soft);
-        rigid.with(soft.elastic, soft.springs)
-    }
-
-    /// What its contacts with deformable bodies store.
-    pub(super) fn stored_softly_by(&self, partner: DeformablePartner) -> Stored {
-        let is_side = |c: &&DeformableContact| {
-            c.a == partner || DeformablePartner::Deformable(c.b) == partner
-        };
-        let own = self.deformable_contacts().filter(is_side);
+        let own = contacts.iter().filter(|contact| contact.has_side(thing));
         own.fold(Stored::default(), |sum, c| {
             sum.with(c.energy, c.spring_energy)
         })
@@ -240,6 +228,14 @@ impl World {
         // What friction has dissipated is its work less what its springs hold.
         self.flows.friction_work += stored.springs;
         self.loaded = false;
-        self.stir(touched);
+        let (soft, rigid): (Vec<BodyId>, Vec<BodyId>) = touched
+            .iter()
+            .partition(|body| self.batch.is_deformable(**body));
+        if let Some(deformables) = &mut self.deformables {
+            for body in soft {
+                deformables.wake(body as usize, &mut self.batch);
+            }
+        }
+        self.stir(&rigid);
     }
 }

@@ -27,7 +27,7 @@ use femdem_mesh::Pose;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
-pub use deformables::{ContactStiffness, Deformable, DeformableId, DeformableSpec, ModelId};
+pub use deformables::{ContactStiffness, Deformable, DeformableSpec, ModelId};
 pub use query::Residuals;
 pub use relax::{WorldRelaxation, WorldRelaxed};
 pub use stability::Stability;
@@ -74,7 +74,7 @@ pub use stability::Stability;
 pub struct World {
     parameters: WorldParameters,
     shapes: Vec<Shape>,
-    /// By number, as the motions; the batch knows which numbers are in use.
+    /// The rigid bodies by number, as the motions; the batch knows which numbers are in use, and of which kind the bodies are.
     bodies: Vec<Body>,
     motions: Vec<Motion>,
     /// Predicted motions of implicit steps; those of sleeping bodies are their present motions.
@@ -100,7 +100,7 @@ pub struct World {
     behind: f64,
     initial_energy: f64,
     flows: Flows,
-    /// The deformable bodies; absent in a world of rigid bodies.
+    /// What a batch does not hold of deformable bodies; absent in a world of rigid ones.
     deformables: Option<Box<Deformables>>,
     #[serde(skip)]
     counters: Counters,

@@ -2,8 +2,7 @@
 
 use super::World;
 use crate::error::SolveError;
-use femdem_contact::deform::{DeformableContact, DeformablePartner};
-use femdem_contact::{Contact, Partner};
+use femdem_contact::{BodyId, Contact, Partner, RigidContact};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -18,8 +17,7 @@ pub(super) struct Newcomers {
 /// Some bodies and walls.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Things {
-    pub bodies: BTreeSet<u32>,
-    pub deformables: BTreeSet<u32>,
+    pub bodies: BTreeSet<BodyId>,
     pub walls: BTreeSet<u32>,
 }
 
@@ -31,12 +29,11 @@ impl Things {
         }
     }
 
-    fn has_soft(&self, partner: DeformablePartner) -> bool {
+    fn forget(&mut self, partner: Partner) {
         match partner {
-            DeformablePartner::Deformable(i) => self.deformables.contains(&i),
-            DeformablePartner::Rigid(i) => self.bodies.contains(&i),
-            DeformablePartner::Wall(w) => self.walls.contains(&w),
-        }
+            Partner::Body(i) => self.bodies.remove(&i),
+            Partner::Wall(w) => self.walls.remove(&w),
+        };
     }
 }
 
@@ -46,30 +43,15 @@ impl Newcomers {
     }
 
     /// 0 if something that was added is a side of a contact, else 1 if something that was moved is.
-    fn kind(&self, is_side: impl Fn(&Things) -> bool) -> Option<usize> {
+    fn kind(&self, a: Partner, b: BodyId) -> Option<usize> {
+        let is_side = |things: &Things| things.has(a) || things.has(Partner::Body(b));
         [&self.added, &self.moved].into_iter().position(is_side)
     }
 
-    fn each(&mut self) -> [&mut Things; 2] {
-        [&mut self.added, &mut self.moved]
-    }
-
-    pub fn forget_body(&mut self, id: u32) {
-        for things in self.each() {
-            things.bodies.remove(&id);
-        }
-    }
-
-    pub fn forget_deformable(&mut self, id: u32) {
-        for things in self.each() {
-            things.deformables.remove(&id);
-        }
-    }
-
-    pub fn forget_wall(&mut self, wall: u32) {
-        for things in self.each() {
-            things.walls.remove(&wall);
-        }
+    /// Something was removed.
+    pub fn forget(&mut self, partner: Partner) {
+        self.added.forget(partner);
+        self.moved.forget(partner);
     }
 }
 
@@ -99,11 +81,8 @@ impl World {
         if self.newcomers.is_empty() {
             return 0.0;
         }
-        let kind = |c: &&Contact| {
-            let of = |things: &Things| things.has(c.a) || things.has(Partner::Body(c.b));
-            self.newcomers.kind(of)
-        };
-        let brought = sums(self.batch.contacts().into_iter(), kind, |c| c.energy);
+        let kind = |c: &&RigidContact| self.newcomers.kind(c.a, c.b);
+        let brought = sums(self.batch.rigid_contacts().into_iter(), kind, |c| c.energy);
         self.book(brought);
         brought.iter().sum()
     }
@@ -113,11 +92,7 @@ impl World {
         if self.newcomers.is_empty() {
             return;
         }
-        let kind = |c: &&DeformableContact| {
-            let b = DeformablePartner::Deformable(c.b);
-            self.newcomers
-                .kind(|things| things.has_soft(c.a) || things.has_soft(b))
-        };
+        let kind = |c: &&Contact| self.newcomers.kind(c.a, c.b);
         let brought = sums(self.deformable_contacts(), kind, |c| c.energy);
         self.book(brought);
         self.newcomers = Newcomers::default();

@@ -4,7 +4,7 @@ use super::{Counters, Deformable, World};
 use crate::body::{Body, Shape, ShapeId};
 use crate::ledger::Ledger;
 use crate::parameters::WorldParameters;
-use femdem_contact::{BodyId, Contact, Load, WallShape};
+use femdem_contact::{BodyId, Contact, Load, RigidContact, WallShape};
 use femdem_mesh::nalgebra::{Rotation3, Translation3, UnitQuaternion};
 use femdem_mesh::{Pose, Vector3};
 use serde::{Deserialize, Serialize};
@@ -52,17 +52,27 @@ impl World {
         self.step_control.bound()
     }
 
-    /// Number of rigid bodies.
+    /// Number of bodies, rigid and deformable.
     pub fn body_count(&self) -> usize {
         self.batch.len()
     }
 
-    /// The rigid bodies, ascending. Their numbers have gaps once bodies were [removed](Self::remove_body).
+    /// The bodies, rigid and deformable, ascending. Their numbers have gaps once bodies were [removed](Self::remove_body).
     pub fn body_ids(&self) -> impl Iterator<Item = BodyId> {
         self.batch.body_ids()
     }
 
-    /// Whether there is such a rigid body.
+    /// Number of rigid bodies.
+    pub fn rigid_count(&self) -> usize {
+        self.batch.rigid_count()
+    }
+
+    /// The rigid bodies, ascending.
+    pub fn rigid_ids(&self) -> impl Iterator<Item = BodyId> {
+        self.batch.rigid_ids()
+    }
+
+    /// Whether there is such a body, rigid or deformable.
     pub fn has_body(&self, id: BodyId) -> bool {
         self.batch.contains(id)
     }
@@ -84,41 +94,47 @@ impl World {
     }
 
     pub(super) fn body(&self, id: BodyId) -> Option<&Body> {
-        self.batch.contains(id).then(|| &self.bodies[id as usize])
+        self.batch.is_rigid(id).then(|| &self.bodies[id as usize])
     }
 
-    /// Pose of a body: from the coordinates of its shape's polyhedron to the world.
+    /// Pose of a rigid body: from the coordinates of its shape's polyhedron to the world.
     pub fn pose(&self, id: BodyId) -> Option<Pose> {
         let body = self.body(id)?;
         Some(body.pose(&self.shapes[body.shape as usize]))
     }
 
-    /// Centroid of a body, m.
+    /// Centre of mass of a body, m.
     pub fn position(&self, id: BodyId) -> Option<Vector3> {
-        self.body(id).map(|b| b.position)
+        let soft = || self.deformable(id).map(|body| body.centroid());
+        self.body(id).map(|b| b.position).or_else(soft)
     }
 
-    /// Velocity of a body's centroid, m/s.
+    /// Velocity of a body's centre of mass, m/s.
     pub fn velocity(&self, id: BodyId) -> Option<Vector3> {
-        self.body(id).map(|b| b.velocity)
+        let soft = || {
+            self.deformable(id)
+                .map(|body| body.momentum() / body.mass())
+        };
+        self.body(id).map(|b| b.velocity).or_else(soft)
     }
 
-    /// Angular velocity of a body, world axes, rad/s.
+    /// Angular velocity of a rigid body, world axes, rad/s.
     pub fn angular_velocity(&self, id: BodyId) -> Option<Vector3> {
         self.body(id).map(Body::angular_velocity)
     }
 
-    /// Whether a body follows a drive, so that contacts do not move it.
+    /// Whether a rigid body follows a drive, so that contacts do not move it.
     pub fn follows_drive(&self, id: BodyId) -> Option<bool> {
         Some(self.body(id)?.driven.is_some())
     }
 
     /// Mass of a body, kg.
     pub fn mass(&self, id: BodyId) -> Option<f64> {
-        self.body(id).map(|b| b.mass)
+        let soft = || self.deformable(id).map(|body| body.mass());
+        self.body(id).map(|b| b.mass).or_else(soft)
     }
 
-    /// Shape of a body.
+    /// Shape of a rigid body.
     pub fn shape_of(&self, id: BodyId) -> Option<ShapeId> {
         self.body(id).map(|b| b.shape)
     }
@@ -128,17 +144,17 @@ impl World {
         self.batch.contains(id) && !self.batch.is_awake(id)
     }
 
-    /// Awake bodies, ascending.
+    /// Awake rigid bodies, ascending.
     pub fn awake(&self) -> &[BodyId] {
         &self.awake
     }
 
-    /// Number of awake bodies.
+    /// Number of awake rigid bodies.
     pub fn awake_count(&self) -> usize {
         self.awake.len()
     }
 
-    /// Axis-aligned bounding box of a body, m.
+    /// Axis-aligned bounding box of a rigid body, m.
     pub fn bounds(&self, id: BodyId) -> Option<(Vector3, Vector3)> {
         let body = self.body(id)?;
         let frame = &self.motions[id as usize].frame;
@@ -149,7 +165,8 @@ impl World {
 
     /// Kinetic energy of a body, J.
     pub fn body_kinetic_energy(&self, id: BodyId) -> Option<f64> {
-        self.body(id).map(Body::kinetic_energy)
+        let soft = || self.deformable(id).map(|body| body.kinetic_energy());
+        self.body(id).map(Body::kinetic_energy).or_else(soft)
     }
 
     /// Kinetic energy of all bodies except driven ones, J.
@@ -163,10 +180,10 @@ impl World {
         self.live_bodies().filter(|(_, b)| b.driven.is_none())
     }
 
-    /// All bodies that are there, driven ones too.
+    /// All rigid bodies, driven ones too.
     pub(super) fn live_bodies(&self) -> impl Iterator<Item = (usize, &Body)> {
-        let ids = self.batch.body_ids();
-        ids.map(|id| (id as usize, &self.bodies[id as usize]))
+        self.rigid_ids()
+            .map(|id| (id as usize, &self.bodies[id as usize]))
     }
 
     /// Linear momentum of all bodies except driven ones, kg m/s.
@@ -184,14 +201,19 @@ impl World {
         rigid.sum::<Vector3>() + deformable.sum::<Vector3>()
     }
 
-    /// All recorded contacts, sorted by pair and patch: a contact for each patch.
-    pub fn contacts(&self) -> Vec<&Contact> {
+    /// All recorded contacts of rigid and deformable bodies, sorted by pair and patch: a contact for each patch.
+    pub fn contacts(&self) -> Vec<Contact> {
         self.batch.contacts()
     }
 
-    /// The contacts of one body, sorted by partner and patch.
-    pub fn contacts_of(&self, id: BodyId) -> impl Iterator<Item = &Contact> {
+    /// The contacts of one body, sorted by pair and patch.
+    pub fn contacts_of(&self, id: BodyId) -> Vec<Contact> {
         self.batch.contacts_of(id)
+    }
+
+    /// The contacts of rigid bodies with each other and with walls, with all that the law knows of them.
+    pub fn rigid_contacts(&self) -> Vec<&RigidContact> {
+        self.batch.rigid_contacts()
     }
 
     /// The walls with their indices, ascending. The indices have gaps once walls were [removed](Self::remove_wall).
@@ -218,36 +240,19 @@ impl World {
     /// The load on a wall, about its origin, from all its recorded contacts.
     pub fn wall_load(&self, wall: u32) -> Option<Load> {
         self.batch.wall(wall)?;
-        let mut load = self.batch.wall_load_of(wall);
-        if let Some(deformables) = &self.deformables
-            && let Some(other) = deformables.batch.wall_loads().get(wall as usize)
-        {
-            load += other;
-        }
-        Some(load)
+        Some(self.batch.wall_load_of(wall))
     }
 
-    /// The load on a body, about its centroid, from all its recorded contacts.
+    /// The load on a rigid body, about its centroid, from all its recorded contacts.
     pub fn load(&self, id: BodyId) -> Option<Load> {
-        self.body(id).map(|_| self.load_of(id))
+        self.body(id).map(|_| self.batch.load_of(id))
     }
 
-    /// The load of a body from all its recorded contacts, including those with deformable bodies.
-    pub(super) fn load_of(&self, id: BodyId) -> Load {
-        let mut load = self.batch.load_of(id);
-        if let Some(deformables) = &self.deformables
-            && let Some(other) = deformables.batch.rigid_loads().get(id as usize)
-        {
-            load += other;
-        }
-        load
-    }
-
-    /// Residual of a body over the larger of its weight and its mean contact force: its net force, or its net moment over
+    /// Residual of a rigid body over the larger of its weight and its mean contact force: its net force, or its net moment over
     /// its diameter if that is larger, both without dashpots.
     pub fn body_residual(&self, id: BodyId) -> Option<f64> {
         let body = self.body(id)?;
-        let load = self.load_of(id);
+        let load = self.batch.load_of(id);
         let weight = body.mass * self.parameters.gravity.norm();
         Some(over(
             self.imbalance(id as usize, &load),
@@ -274,7 +279,7 @@ impl World {
         let g = self.parameters.gravity.norm();
         let mut count = 0.0;
         for (i, body) in self.free_bodies() {
-            let load = self.load_of(i as u32);
+            let load = self.batch.load_of(i as u32);
             let net = self.imbalance(i, &load);
             let weight = body.mass * g;
             let over_load = over(net, weight.max(mean_force(&load)));
@@ -298,7 +303,7 @@ impl World {
 
     /// The energy ledger now.
     pub fn ledger(&self) -> Ledger {
-        let contacts = self.batch.contacts();
+        let contacts = self.batch.rigid_contacts();
         let soft = self.deformable_totals();
         let friction_springs = contacts.iter().map(|c| c.spring_energy).sum::<f64>()
             + soft.map_or(0.0, |t| t.spring_energy);

@@ -10,7 +10,7 @@ mod residual;
 use super::World;
 use super::deformables::{Deformables, State, centroid};
 use crate::error::{SolveError, check};
-use femdem_contact::stable_step;
+use femdem_contact::{ContactBatch, stable_step};
 use femdem_mesh::{Matrix3, Rotation, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -169,7 +169,11 @@ impl World {
             return Ok(());
         };
         let held: Vec<bool> = (0..d.bodies.len()).map(|i| self.is_held(i)).collect();
-        let mut wholes: Vec<Whole> = d.bodies.iter().map(|b| d.whole(b, penalty)).collect();
+        let mut wholes: Vec<Whole> = d
+            .bodies
+            .iter()
+            .map(|b| d.whole(b, &self.batch, penalty))
+            .collect();
         if held.iter().all(|&h| h) {
             return Ok(());
         }
@@ -211,18 +215,20 @@ impl World {
         };
         let free = |i: &usize| !held[*i];
         let wrenches: Vec<[Vector3; 2]> = (0..wholes.len())
-            .map(|i| deformables.net_wrench(i, &gravity))
+            .map(|i| deformables.net_wrench(i, &self.batch, &gravity))
             .collect();
         // A body that comes to touch has another stiffness in every step.
-        let near = deformables.batch.have_neighbours();
+        let near = self.batch.have_neighbours();
         let dt = (0..wholes.len())
             .filter(free)
             .map(|i| {
-                let step = deformables.whole_step(i, &wholes[i], &wrenches[i]);
+                let step = deformables.whole_step(i, &self.batch, &wholes[i], &wrenches[i]);
                 if near[i] {
                     let pull = deformables.bodies[i].pull;
                     let given = wholes[i].mass * (gravity + pull).norm();
-                    step.min(deformables.touching_step(i, &wholes[i], &wrenches[i], given))
+                    let touching =
+                        deformables.touching_step(i, &self.batch, &wholes[i], &wrenches[i], given);
+                    step.min(touching)
                 } else {
                     step
                 }
@@ -241,7 +247,7 @@ impl World {
             self.flows.load_work += load.dot(&whole.velocity) * dt;
             energy += deformables.carry(i, whole, dt);
         }
-        deformables.touch(&self.motions, &self.wall_motions, 0.0)?;
+        self.meet_deformables(0.0)?;
         Ok(energy)
     }
 
@@ -342,9 +348,9 @@ impl Deformables {
     }
 
     /// The mass and inertia of a body as a whole, at rest.
-    fn whole(&self, body: &State, penalty: f64) -> Whole {
+    fn whole(&self, body: &State, batch: &ContactBatch, penalty: f64) -> Whole {
         let model = &self.models[body.model as usize];
-        let shape = &self.batch.shapes()[body.model as usize];
+        let shape = &batch.deformable_shapes()[body.model as usize];
         let (masses, centre) = (self.masses(body), self.centre(body));
         let mut inertia = Matrix3::zeros();
         for (x, m) in body.positions.iter().zip(masses) {
@@ -363,10 +369,10 @@ impl Deformables {
     }
 
     /// Force and torque about the centre of mass of contacts, loads and gravity on a body.
-    fn net_wrench(&self, i: usize, gravity: &Vector3) -> [Vector3; 2] {
+    fn net_wrench(&self, i: usize, batch: &ContactBatch, gravity: &Vector3) -> [Vector3; 2] {
         let body = &self.bodies[i];
         let (masses, centre) = (self.masses(body), self.centre(body));
-        let contact = self.batch.forces(i as u32);
+        let contact = batch.nodal_loads(i as u32).forces;
         let mut wrench = [Vector3::zeros(); 2];
         for (a, x) in body.positions.iter().enumerate() {
             let force = contact[a] + body.loads[a] + (gravity + body.pull) * masses[a];
@@ -378,13 +384,23 @@ impl Deformables {
 
     /// The step of a body moved as a whole under a force and a torque, s: stable for its contacts, and so short that no
     /// point moves by more than [`NEAR`] of the depth of its contact field.
-    fn whole_step(&self, i: usize, whole: &Whole, wrench: &[Vector3; 2]) -> f64 {
+    fn whole_step(
+        &self,
+        i: usize,
+        batch: &ContactBatch,
+        whole: &Whole,
+        wrench: &[Vector3; 2],
+    ) -> f64 {
         let body = &self.bodies[i];
         let centre = self.centre(body);
-        let springs = self.batch.stiffness(i as u32).iter().zip(&body.positions);
+        let springs = batch
+            .nodal_loads(i as u32)
+            .stiffness
+            .iter()
+            .zip(&body.positions);
         let squares = springs.map(|(k, x)| whole.square(*k, (x - centre).norm_squared()));
         let stable = SAFETY * stable_step(squares.sum(), 0.0);
-        let shape = &self.batch.shapes()[body.model as usize];
+        let shape = &batch.deformable_shapes()[body.model as usize];
         let way = NEAR * shape.inradius();
         stable.min(whole.time_for(way, wrench, shape.radius()))
     }
@@ -392,10 +408,18 @@ impl Deformables {
     /// The step in which a body may come to touch something, s. It must not get deeper in it than its speed accounts for,
     /// or it is thrown back. So the step is stable for a contact of half of the skin, unless the body moves less in it
     /// than such a contact gives way under what now acts on the body: its contacts, and what is `given` (N).
-    fn touching_step(&self, i: usize, whole: &Whole, wrench: &[Vector3; 2], given: f64) -> f64 {
-        let arm = self.batch.shapes()[self.bodies[i].model as usize].radius();
+    fn touching_step(
+        &self,
+        i: usize,
+        batch: &ContactBatch,
+        whole: &Whole,
+        wrench: &[Vector3; 2],
+        given: f64,
+    ) -> f64 {
+        let arm = batch.deformable_shapes()[self.bodies[i].model as usize].radius();
         let stable = SAFETY * stable_step(whole.square(whole.stiffest, arm * arm), 0.0);
-        let contacts: f64 = self.batch.forces(i as u32).iter().map(Vector3::norm).sum();
+        let forces = batch.nodal_loads(i as u32).forces;
+        let contacts: f64 = forces.iter().map(Vector3::norm).sum();
         let yielding = (contacts + given) / whole.stiffest;
         stable.max(whole.time_for(yielding, wrench, arm))
     }

@@ -1,7 +1,6 @@
 //! One step: kick, drift, contacts, kick.
 
 use super::World;
-use super::deformables::{all_loads, all_wall_loads};
 use super::medium::{relaxation, resist};
 use super::time_step::{LARGEST_MOVE, USUAL_MOVE};
 use crate::body::Body;
@@ -109,11 +108,8 @@ impl World {
 
     fn choose_step(&mut self) -> f64 {
         self.renew_cap();
-        let deformables = self.deformables.as_deref();
         let bound = self.awake.iter().fold(self.deformable_bound(), |most, &i| {
-            let others = deformables.and_then(|d| d.batch.rigid_resistance(i));
-            self.batch
-                .largest_step(i, &self.motions[i as usize], others, most)
+            self.batch.largest_step(i, &self.motions[i as usize], most)
         });
         let bound = self.bound_at_touch(bound);
         let usual = self.usual_step();
@@ -169,7 +165,7 @@ impl World {
             least = steps.fold(least, f64::min);
         }
         let deformables = self.deformables.as_deref();
-        deformables.map_or(least, |d| d.usual_step(met).min(least))
+        deformables.map_or(least, |d| d.usual_step(&self.batch, met).min(least))
     }
 
     /// The prescribed motions now.
@@ -197,7 +193,7 @@ impl World {
 
     /// Adds the impulse of half a step to all awake rigid bodies and books the work.
     fn kick(&mut self, h: f64) {
-        let loads = all_loads(&self.batch, self.deformables.as_deref());
+        let loads = self.batch.loads();
         let mut flows = Flows::default();
         for &i in &self.awake {
             let (body, load) = (&mut self.bodies[i as usize], &loads[i as usize]);
@@ -208,7 +204,7 @@ impl World {
                 kick_body(body, load, &self.parameters, h, &mut flows);
             }
         }
-        let wall_loads = all_wall_loads(&self.batch, self.deformables.as_deref());
+        let wall_loads = self.batch.wall_loads();
         for (load, (guide, base)) in wall_loads.iter().zip(&self.wall_drives) {
             if !guide.is_fixed() {
                 let driven = guide.now(self.time);
@@ -279,7 +275,7 @@ impl World {
             let reach = if turn == 0.0 {
                 0.0
             } else {
-                let rigid = self.batch.body_ids().map(|id| {
+                let rigid = self.batch.rigid_ids().map(|id| {
                     let b = &self.bodies[id as usize];
                     (b.position - driven.point).norm() + b.radius
                 });
@@ -354,7 +350,7 @@ impl World {
 
     pub(super) fn blow_up(&self, i: usize) -> SolveError {
         let body = &self.bodies[i];
-        let contacts = self.batch.contacts_of(i as u32);
+        let contacts = self.batch.rigid_contacts_of(i as u32);
         let deepest = contacts.map(|c| c.penetration()).fold(0.0, f64::max);
         let ratio = self.step_control.current() / self.step_control.bound();
         let cause = if deepest > 0.1 * body.radius {

@@ -3,6 +3,7 @@
 //! Lengths, indices and drives are checked, not every number: the checksum of a file tells those that were damaged.
 
 use super::World;
+use crate::body::Body;
 use crate::error::SolveError;
 
 impl World {
@@ -22,7 +23,9 @@ impl World {
             }
         }
         let shapes = self.shapes.len();
-        if let Some(body) = self.bodies.iter().position(|b| b.shape as usize >= shapes) {
+        let lost =
+            |(i, body): (u32, &Body)| self.batch.is_rigid(i) && body.shape as usize >= shapes;
+        if let Some(body) = (0..).zip(&self.bodies).position(lost) {
             return Err(inconsistent(format!(
                 "body {body} has shape {}, but there are {shapes}",
                 self.bodies[body].shape
@@ -40,7 +43,7 @@ impl World {
         }
         self.deformables
             .as_ref()
-            .map_or(Ok(()), |d| d.check_stored())
+            .map_or(Ok(()), |d| d.check_stored(&self.batch))
     }
 }
 

@@ -7,14 +7,14 @@ mod rocking;
 mod round_trip;
 mod sleep;
 
-use femdem_contact::Wall;
+use femdem_contact::{BodyId, Wall};
 use femdem_fem::element::Element;
 use femdem_fem::material::NeoHookean;
 use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::{Pose, TetMesh, Vector3};
 use femdem_solve::{
-    BodySpec, ContactStiffness, DeformableId, DeformableSpec, Drive, Medium, World, WorldParameters,
+    BodySpec, ContactStiffness, DeformableSpec, Drive, Medium, World, WorldParameters,
 };
 
 /// A block of `cells` with the given sides, centred at the origin.
@@ -197,7 +197,7 @@ enum Slope {
 }
 
 /// A deformable block at rest on a slope of angle `t` (gravity is turned instead), and the block.
-fn on_a_slope(slope: Slope, mu: f64, t: f64) -> (World, DeformableId) {
+fn on_a_slope(slope: Slope, mu: f64, t: f64) -> (World, BodyId) {
     let mut p = smooth(0.9);
     p.gravity = 9.81 * Vector3::new(t.sin(), 0.0, -t.cos());
     p.contact.friction = mu;
@@ -255,7 +255,7 @@ fn on_a_slope(slope: Slope, mu: f64, t: f64) -> (World, DeformableId) {
     (world, id)
 }
 
-fn place_and_speed(world: &World, id: DeformableId) -> (f64, f64) {
+fn place_and_speed(world: &World, id: BodyId) -> (f64, f64) {
     let body = world.deformable(id).unwrap();
     let mass: f64 = body.model().masses().iter().sum();
     (body.centroid().x, body.momentum().x / mass)

@@ -106,10 +106,7 @@ fn a_block_in_a_clamp_has_two_contacts() {
             assert!((a.1 / b.1 - 1.0).abs() < 0.2 && a.1 > 50.0, "{contacts:?}");
             let sides = (contacts[0].point.x, contacts[1].point.x);
             assert!((sides.0 + sides.1).abs() < 0.01 && sides.0.abs() > 0.07);
-            let place = |world: &World| {
-                let soft = world.deformable(1).map(|body| body.centroid().x);
-                soft.or_else(|| world.position(0).map(|x| x.x)).unwrap()
-            };
+            let place = |world: &World| world.position(1).unwrap().x;
             let mut most = 0.0_f64;
             while world.time() < 0.04 {
                 world.step().unwrap();

@@ -32,7 +32,7 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     if !walls.is_empty() {
         say(&format!("walls: {}", walls.join(", ")));
     }
-    if simulation.world.body_count() > 0 {
+    if simulation.world.rigid_count() > 0 {
         tell_penalty(run);
     }
     let began = Instant::now();

@@ -27,8 +27,7 @@ mod files;
 
 use std::collections::BTreeMap;
 
-use femdem_contact::deform::DeformablePartner;
-use femdem_contact::{Field, Partner, WallResponse};
+use femdem_contact::{BodyId, Field, Partner, WallResponse};
 use femdem_fem::element::Element;
 use femdem_fem::material::NeoHookean;
 use femdem_fem::{DeformableModel, MaterialRegion};
@@ -43,7 +42,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::results::surface_of;
-use crate::run::{Member, MemberId, Penalty, Simulation};
+use crate::run::{Member, Penalty, Simulation};
 
 pub use files::ResolveSummary;
 
@@ -151,7 +150,7 @@ pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Erro
         members.push(Member {
             name: name.unwrap_or_default(),
             placed: pose,
-            id: MemberId::Deformable(id),
+            id,
         });
     }
     for ((a, b), start) in starts(rigid) {
@@ -251,15 +250,11 @@ fn mesh_of(shape: &Shape, size: f64) -> Result<(TetMesh, Field), Error> {
 }
 
 /// Friction force on B and torsion of each pair.
-fn starts(rigid: &World) -> BTreeMap<(DeformablePartner, u32), (Vector3, f64)> {
+fn starts(rigid: &World) -> BTreeMap<(Partner, BodyId), (Vector3, f64)> {
     let mut starts = BTreeMap::new();
-    for contact in rigid.contacts() {
-        let a = match contact.a {
-            Partner::Body(i) => DeformablePartner::Deformable(i),
-            Partner::Wall(w) => DeformablePartner::Wall(w),
-        };
+    for contact in rigid.rigid_contacts() {
         let start = starts
-            .entry((a, contact.b))
+            .entry((contact.a, contact.b))
             .or_insert((Vector3::zeros(), 0.0));
         start.0 += contact.friction;
         start.1 += contact.torsion;
@@ -291,7 +286,7 @@ fn means(world: &World) -> Result<Vec<BodyMean>, Error> {
         });
     }
     let centres: Vec<Vector3> = world.deformables().map(|d| d.centroid()).collect();
-    for contact in world.deformable_contacts() {
+    for contact in world.contacts() {
         let mut add = |i: u32, force: Vector3| {
             if let (Some(body), Some(centre)) =
                 (bodies.get_mut(i as usize), centres.get(i as usize))
@@ -302,7 +297,7 @@ fn means(world: &World) -> Result<Vec<BodyMean>, Error> {
         };
         let force = contact.force_on_b();
         add(contact.b, force);
-        if let DeformablePartner::Deformable(a) = contact.a {
+        if let Partner::Body(a) = contact.a {
             add(a, -force);
         }
     }

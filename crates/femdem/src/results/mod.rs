@@ -8,7 +8,7 @@ mod summary;
 
 use std::path::Path;
 
-use femdem_contact::Contact;
+use femdem_contact::RigidContact;
 use femdem_mesh::{Point3, Polyhedron, Vector3};
 use femdem_pack::Packing;
 use femdem_solve::{Shape, World};
@@ -45,7 +45,7 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
         shapes: shapes.collect(),
         bodies: bodies.collect(),
         contacts: world
-            .contacts()
+            .rigid_contacts()
             .into_iter()
             .map(|contact| row(world, contact))
             .collect(),
@@ -69,7 +69,7 @@ pub(crate) fn surface_of(shape: &Shape) -> Polyhedron {
 }
 
 /// A contact record as a row that starts from a body.
-fn row(world: &World, contact: &Contact) -> ContactRow {
+fn row(world: &World, contact: &RigidContact) -> ContactRow {
     let (body, partner, sign) = match contact.a {
         femdem_contact::Partner::Body(a) => (a, Partner::Body(contact.b), 1.0),
         femdem_contact::Partner::Wall(wall) => {
@@ -101,7 +101,7 @@ fn row(world: &World, contact: &Contact) -> ContactRow {
 
 /// Moment on side B about the contact point \[N m\]: the elastic one, scaled by damping like the normal force,
 /// that of the dashpot of the rattle, rolling friction, and torsion.
-fn moment(contact: &Contact) -> Vector3 {
+fn moment(contact: &RigidContact) -> Vector3 {
     let scale = if contact.elastic_force > 0.0 {
         contact.normal_force / contact.elastic_force
     } else {
@@ -111,7 +111,7 @@ fn moment(contact: &Contact) -> Vector3 {
 }
 
 /// Mean circumscribed diameter of the bodies of a contact \[m\].
-fn mean_diameter(world: &World, contact: &Contact) -> f64 {
+fn mean_diameter(world: &World, contact: &RigidContact) -> f64 {
     let diameter = |body| {
         let shape = world.shape(world.shape_of(body)?)?;
         Some(2.0 * shape.polyhedron.bounding_radius())

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use femdem_contact::Field;
+use femdem_contact::{BodyId, Field};
 use femdem_fem::{Boundary, DeformableModel, MaterialRegion};
 use femdem_mesh::{Pose, TetMesh, Vector3};
 use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, SolveError, World};
@@ -12,8 +12,8 @@ use super::loads::Loads;
 use super::names::{Names, check_names};
 use super::words::KEYS;
 use super::{
-    Behaviour, BodyEntry, MaterialEntry, Member, MemberId, MotionEntry, Penalty, Scenario,
-    Simulation, Support,
+    Behaviour, BodyEntry, MaterialEntry, Member, MotionEntry, Penalty, Scenario, Simulation,
+    Support,
 };
 use crate::Error;
 use crate::error::wrong;
@@ -262,7 +262,7 @@ impl Simulation {
         entry: &BodyEntry,
         name: &str,
         geometry: &Geometry,
-    ) -> Result<Vec<(MemberId, Pose)>, Error> {
+    ) -> Result<Vec<(BodyId, Pose)>, Error> {
         let Geometry { surface, mesh, .. } = geometry;
         let density = scenario.material(&entry.material)?.density;
         let shape = match mesh {
@@ -286,7 +286,7 @@ impl Simulation {
                 Some(motion) => self.world.add_driven_body(spec, motion.drive())?,
                 None => self.world.add_body(spec)?,
             };
-            ids.push((MemberId::Rigid(id), pose));
+            ids.push((id, pose));
         }
         Ok(ids)
     }
@@ -297,7 +297,7 @@ impl Simulation {
         entry: &BodyEntry,
         name: &str,
         (mesh, density_factor): (&TetMesh, f64),
-    ) -> Result<Vec<(MemberId, Pose)>, Error> {
+    ) -> Result<Vec<(BodyId, Pose)>, Error> {
         let (mut regions, region_of) = scenario.regions(entry, mesh)?;
         for region in &mut regions {
             region.density *= density_factor;
@@ -335,7 +335,7 @@ impl Simulation {
                 angular_velocity: Vector3::from(entry.spin),
                 boundary: boundary.clone(),
             })?;
-            ids.push((MemberId::Deformable(id), pose));
+            ids.push((id, pose));
         }
         Ok(ids)
     }
@@ -353,8 +353,9 @@ impl Simulation {
     /// The same error with the name of the body at fault.
     pub(super) fn named(&self, source: SolveError) -> Error {
         let id = match &source {
-            SolveError::BodyFailed { body, .. } => MemberId::Deformable(*body as u32),
-            SolveError::BlowUp { body, .. } => MemberId::Rigid(*body as u32),
+            SolveError::BodyFailed { body, .. } | SolveError::BlowUp { body, .. } => {
+                *body as BodyId
+            }
             _ => return source.into(),
         };
         match self.members.iter().find(|member| member.id == id) {
@@ -370,10 +371,7 @@ impl Simulation {
         self.members
             .iter()
             .enumerate()
-            .filter_map(|(i, member)| match member.id {
-                MemberId::Deformable(id) => Some((i, member, self.world.deformable(id)?)),
-                MemberId::Rigid(_) => None,
-            })
+            .filter_map(|(i, member)| Some((i, member, self.world.deformable(member.id)?)))
     }
 }
 

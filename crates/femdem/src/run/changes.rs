@@ -8,7 +8,7 @@ use toml::{Table, Value};
 
 use super::loads::Loads;
 use super::words::KEYS;
-use super::{MemberId, MotionEntry, Scenario, Simulation};
+use super::{MotionEntry, Scenario, Simulation};
 use crate::{Error, toml_file};
 
 /// Keys that say how a run is written down and when it ends.
@@ -227,10 +227,9 @@ impl Simulation {
         let (mut found, mut members) = (Vec::new(), self.members.iter());
         for (old, new) in old.body.iter().zip(&new.body) {
             for member in members.by_ref().take(new.poses()?.len()) {
-                if let MemberId::Rigid(id) = member.id
-                    && old.motion != new.motion
-                {
-                    found.push((id, new.motion));
+                let is_rigid = self.world.deformable(member.id).is_none();
+                if is_rigid && old.motion != new.motion {
+                    found.push((member.id, new.motion));
                 }
             }
         }

@@ -1,10 +1,10 @@
 //! Contacts of a simulation: of rigid and deformable bodies and walls, in one list.
 
-use femdem_contact::deform::DeformablePartner;
-use femdem_contact::{Partner, mean_penetration};
+use femdem_contact::{Contact, Partner, mean_penetration};
 use femdem_mesh::Vector3;
+use std::collections::BTreeMap;
 
-use super::{MemberId, Simulation};
+use super::Simulation;
 
 /// A side of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,60 +60,29 @@ pub struct ContactForces {
 }
 
 impl Simulation {
-    /// All contacts: those of rigid bodies, then those of deformable ones.
+    /// All contacts, sorted by pair.
     #[must_use]
     pub fn contacts(&self) -> Vec<ContactLine> {
-        let place = |wanted: fn(MemberId) -> Option<u32>| -> Vec<usize> {
-            let members = self.members.iter().enumerate();
-            // Members are in the order in which their bodies were added to the world.
-            members
-                .filter(|(_, m)| wanted(m.id).is_some())
-                .map(|(i, _)| i)
-                .collect()
+        let mut members = BTreeMap::new();
+        for (i, member) in self.members.iter().enumerate() {
+            members.insert(member.id, i);
+        }
+        let side = |partner| match partner {
+            Partner::Body(body) => Side::Member(members[&body]),
+            Partner::Wall(wall) => Side::Wall(wall as usize),
         };
-        let rigid = place(|id| match id {
-            MemberId::Rigid(id) => Some(id),
-            MemberId::Deformable(_) => None,
-        });
-        let soft = place(|id| match id {
-            MemberId::Deformable(id) => Some(id),
-            MemberId::Rigid(_) => None,
-        });
-        let mut lines: Vec<ContactLine> = Vec::new();
-        for contact in self.world.contacts() {
-            let a = match contact.a {
-                Partner::Body(body) => Side::Member(rigid[body as usize]),
-                Partner::Wall(wall) => Side::Wall(wall as usize),
-            };
-            lines.push(ContactLine {
-                a,
-                b: rigid[contact.b as usize],
-                point: contact.point,
-                normal: contact.normal,
-                normal_force: contact.normal_force,
-                friction: contact.friction,
-                area: contact.area,
-                volume: contact.volume,
-            });
-        }
-        for contact in self.world.deformable_contacts() {
-            let a = match contact.a {
-                DeformablePartner::Deformable(body) => Side::Member(soft[body as usize]),
-                DeformablePartner::Rigid(body) => Side::Member(rigid[body as usize]),
-                DeformablePartner::Wall(wall) => Side::Wall(wall as usize),
-            };
-            lines.push(ContactLine {
-                a,
-                b: soft[contact.b as usize],
-                point: contact.point,
-                normal: contact.normal,
-                normal_force: contact.normal_force,
-                friction: contact.friction,
-                area: contact.area,
-                volume: contact.volume,
-            });
-        }
-        lines
+        let contacts = self.world.contacts().into_iter();
+        let line = |c: Contact| ContactLine {
+            a: side(c.a),
+            b: members[&c.b],
+            point: c.point,
+            normal: c.normal,
+            normal_force: c.normal_force,
+            friction: c.friction,
+            area: c.area,
+            volume: c.volume,
+        };
+        contacts.map(line).collect()
     }
 
     /// Sums of the forces of these contacts by member and by wall.

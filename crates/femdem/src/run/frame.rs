@@ -16,7 +16,7 @@ use femdem_view::output::vtk::Document;
 use femdem_view::output::vtu;
 
 use super::contacts::{ContactLine, Side};
-use super::{Member, MemberId, Simulation};
+use super::{Member, Simulation};
 use crate::{Body, Error, NamedShape, Snapshot};
 
 const VTK_TETRA: u8 = 10;
@@ -62,9 +62,7 @@ impl Simulation {
             .iter()
             .zip(0..)
             .filter_map(|(member, sequence)| {
-                let MemberId::Rigid(id) = member.id else {
-                    return None;
-                };
+                let id = member.id;
                 Some(Body {
                     shape: world.shape_of(id)?,
                     pose: world.pose(id)?,

@@ -10,8 +10,8 @@ use femdem_view::ViewError;
 use femdem_view::output::csv::quoted;
 use serde::{Deserialize, Serialize};
 
+use super::Simulation;
 use super::contacts::ContactForces;
-use super::{MemberId, Simulation};
 use crate::Error;
 
 /// Columns of `history.csv` before those of the walls and supports.
@@ -157,25 +157,18 @@ pub(super) fn member_rows(simulation: &Simulation, forces: &ContactForces) -> Ve
     let world = &simulation.world;
     let members = simulation.members.iter().zip(&forces.members);
     let rows = members.filter_map(|(member, force)| {
+        let id = member.id;
         let mut turned = [const { String::new() }; 4];
-        let (x, v, kinetic, strain) = match member.id {
-            MemberId::Rigid(id) => {
-                let q = world.pose(id)?.rotation;
-                turned = [q.w, q.i, q.j, q.k].map(number);
-                let kinetic = world.body_kinetic_energy(id)?;
-                (world.position(id)?, world.velocity(id)?, kinetic, 0.0)
-            }
-            MemberId::Deformable(id) => {
-                let body = world.deformable(id)?;
-                let mass: f64 = body.model().masses().iter().sum();
-                let kinetic = body.kinetic_energy();
-                let strain = body.internal().energy;
-                (body.centroid(), body.momentum() / mass, kinetic, strain)
-            }
-        };
+        if let Some(pose) = world.pose(id) {
+            let q = pose.rotation;
+            turned = [q.w, q.i, q.j, q.k].map(number);
+        }
+        let (x, v) = (world.position(id)?, world.velocity(id)?);
+        let kinetic = world.body_kinetic_energy(id)?;
+        let strain = world.deformable(id).map(|body| body.internal().energy);
         let mut row = vec![number(world.time()), quoted(&member.name)];
         row.extend([x, v, *force].iter().flat_map(vector));
-        row.extend([kinetic, strain].map(number));
+        row.extend([kinetic, strain.unwrap_or(0.0)].map(number));
         row.extend(turned);
         Some(row)
     });

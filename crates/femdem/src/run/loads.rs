@@ -3,7 +3,7 @@
 use femdem_contact::{Wall, WallShape};
 use femdem_mesh::{Point3, Pose, Vector3};
 
-use super::{MemberId, Scenario, Simulation};
+use super::{Scenario, Simulation};
 
 /// Directions over half a turn in which the width of a body is measured.
 const DIRECTIONS: usize = 16;
@@ -250,24 +250,14 @@ fn floor_under(body: &Placed, bearing: &[(&Wall, Pose)], axes: &[Vector3; 3], lo
 impl Simulation {
     /// Mass of all bodies that contacts move \[kg\].
     pub(super) fn free_mass(&self) -> f64 {
-        let rigid = self
-            .world
-            .body_ids()
-            .filter(|&id| self.world.follows_drive(id) == Some(false))
-            .filter_map(|id| self.world.mass(id));
-        let soft = self.world.deformables();
-        rigid.sum::<f64>()
-            + soft
-                .map(|d| d.model().masses().iter().sum::<f64>())
-                .sum::<f64>()
+        let ids = self.world.body_ids();
+        let free = ids.filter(|&id| self.world.follows_drive(id) != Some(true));
+        free.filter_map(|id| self.world.mass(id)).sum()
     }
 
     fn placed(&self, axes: &[Vector3; 3]) -> Vec<Placed> {
         let each = self.members.iter().enumerate().filter_map(|(member, of)| {
-            let MemberId::Rigid(id) = of.id else {
-                return None;
-            };
-            let world = &self.world;
+            let (world, id) = (&self.world, of.id);
             if world.follows_drive(id)? {
                 return None;
             }
@@ -311,7 +301,7 @@ impl Simulation {
     fn reach(&self, axis: &[f64; 3], point: &[f64; 3]) -> f64 {
         let axis = Vector3::from(*axis).try_normalize(0.0).unwrap_or_default();
         let point = Point3::from(*point);
-        let each = self.world.body_ids().filter_map(|id| {
+        let each = self.world.rigid_ids().filter_map(|id| {
             let arm = self.world.position(id)? - point.coords;
             let (low, high) = self.world.bounds(id)?;
             Some((arm - axis * axis.dot(&arm)).norm() + 0.5 * (high - low).norm())

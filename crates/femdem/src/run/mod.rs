@@ -88,7 +88,7 @@ pub use rest::RestSummary;
 pub use saved::RUN_CHECKPOINT;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
-pub use simulation::{Member, MemberId, Penalty, Simulation, Support};
+pub use simulation::{Member, Penalty, Simulation, Support};
 pub use summary::{
     BodySummary, PenetrationSummary, RUN_SCHEMA, ReactionSummary, RunEnergy, RunSummary,
     StrainSummary, WallSummary,

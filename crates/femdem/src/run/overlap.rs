@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use femdem_contact::WallShape;
 use femdem_mesh::{Point3, Vector3};
 
+use super::Simulation;
 use super::contacts::{ContactLine, Side};
-use super::{MemberId, Simulation};
 
 /// Depth over the circumscribed diameter of the smaller body from which an overlap is deep: contacts of
 /// bodies at rest are a few tenths of a percent deep.
@@ -88,10 +88,7 @@ impl Simulation {
 
     /// Whether the centroid of a member lies in a wall of planes.
     pub(super) fn is_beyond(&self, wall: usize, shape: &WallShape, member: usize) -> bool {
-        let centroid = match self.members[member].id {
-            MemberId::Rigid(id) => self.world.position(id),
-            MemberId::Deformable(id) => self.world.deformable(id).map(|body| body.centroid()),
-        };
+        let centroid = self.world.position(self.members[member].id);
         let (WallShape::Planes(planes), Some(centroid), Some(pose)) =
             (shape, centroid, self.world.wall_pose(wall as u32))
         else {
@@ -114,19 +111,15 @@ impl Simulation {
 
     /// Circumscribed diameter of a member, as it was made \[m\].
     pub(super) fn diameter(&self, member: usize) -> Option<f64> {
-        let radius = match self.members.get(member)?.id {
-            MemberId::Rigid(id) => {
-                let shape = self.world.shape(self.world.shape_of(id)?)?;
-                shape.polyhedron.bounding_radius()
-            }
-            MemberId::Deformable(id) => {
-                let nodes = self.world.deformable(id)?.model().nodes();
-                let centre = nodes.iter().sum::<Vector3>() / nodes.len() as f64;
-                nodes
-                    .iter()
-                    .map(|x| (x - centre).norm())
-                    .fold(0.0, f64::max)
-            }
+        let id = self.members.get(member)?.id;
+        let radius = if let Some(body) = self.world.deformable(id) {
+            let nodes = body.model().nodes();
+            let centre = nodes.iter().sum::<Vector3>() / nodes.len() as f64;
+            let far = nodes.iter().map(|x| (x - centre).norm());
+            far.fold(0.0, f64::max)
+        } else {
+            let shape = self.world.shape(self.world.shape_of(id)?)?;
+            shape.polyhedron.bounding_radius()
         };
         Some(2.0 * radius)
     }

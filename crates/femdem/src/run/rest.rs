@@ -5,7 +5,7 @@ use femdem_pack::Settling;
 use serde::{Deserialize, Serialize};
 
 use super::contacts::ContactForces;
-use super::{BoundaryEntry, ContactLine, MemberId, Run, Side, Simulation};
+use super::{BoundaryEntry, ContactLine, Run, Side, Simulation};
 
 /// Largest residual of a body at rest, and its largest kinetic energy over its load times its diameter: as for a settled pack.
 const LIMITS: Settling = Settling::USUAL;
@@ -51,8 +51,7 @@ impl Simulation {
     pub fn rest(&self) -> RestSummary {
         let contacts = self.contacts();
         let ids = self.world.body_ids();
-        let frozen = ids.filter(|&id| self.world.is_asleep(id)).count()
-            + (self.world.deformable_count() - self.world.awake_deformable_count());
+        let frozen = ids.filter(|&id| self.world.is_asleep(id)).count();
         let found = self.world.residuals();
         let elements = self.world.deformable_residual().unwrap_or(0.0);
         let residual = found.max_over_load.max(elements);
@@ -90,14 +89,11 @@ impl Simulation {
         let g = self.world.parameters().gravity.norm();
         let each = forces.into_iter().enumerate();
         let each = each.filter_map(|(member, (sum, count))| {
-            let (energy, mass) = match self.members[member].id {
-                MemberId::Rigid(id) if self.world.follows_drive(id)? => return None,
-                MemberId::Rigid(id) => (self.world.body_kinetic_energy(id)?, self.world.mass(id)?),
-                MemberId::Deformable(id) => {
-                    let body = self.world.deformable(id)?;
-                    (body.kinetic_energy(), body.model().masses().iter().sum())
-                }
-            };
+            let id = self.members[member].id;
+            if self.world.follows_drive(id) == Some(true) {
+                return None;
+            }
+            let (energy, mass) = (self.world.body_kinetic_energy(id)?, self.world.mass(id)?);
             if energy == 0.0 {
                 return Some(0.0);
             }
@@ -113,9 +109,7 @@ impl Simulation {
         let mut carried: Vec<Vector3> = forces.walls.clone();
         carried.extend(self.reactions().iter().map(|force| -force));
         for (member, force) in self.members.iter().zip(&forces.members) {
-            if let MemberId::Rigid(id) = member.id
-                && self.world.follows_drive(id) == Some(true)
-            {
+            if self.world.follows_drive(member.id) == Some(true) {
                 carried.push(*force);
             }
         }

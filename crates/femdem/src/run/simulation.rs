@@ -2,19 +2,10 @@
 
 use femdem_contact::BodyId;
 use femdem_mesh::Pose;
-use femdem_solve::{DeformableId, SolveError, World};
+use femdem_solve::{SolveError, World};
 use serde::{Deserialize, Serialize};
 
 use crate::scene::ShapeNote;
-
-/// The index of a body in a world.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum MemberId {
-    /// A rigid body.
-    Rigid(BodyId),
-    /// A deformable body.
-    Deformable(DeformableId),
-}
 
 /// A body of a simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,7 +13,7 @@ pub struct Member {
     /// Its name; copies of a body carry a number from 1.
     pub name: String,
     /// Its index in the world.
-    pub id: MemberId,
+    pub id: BodyId,
     /// Its initial pose: coordinates of its shape -> world.
     pub placed: Pose,
 }

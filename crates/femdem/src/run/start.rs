@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::changes::changes;
 use super::saved::RUN_CHECKPOINT;
-use super::{MemberId, Run, Scenario, Simulation};
+use super::{Run, Scenario, Simulation};
 use crate::Error;
 
 /// Most that the mass of a body may differ, relative, between two readings of the same shape.
@@ -46,9 +46,7 @@ impl Simulation {
         simulation.world.restart_clock();
         simulation.change(&before, scene)?;
         for (_, member, body) in self.deformables() {
-            let MemberId::Deformable(id) = member.id else {
-                continue;
-            };
+            let id = member.id;
             let Some(present) = simulation.world.deformable(id) else {
                 continue;
             };
@@ -70,12 +68,10 @@ impl Simulation {
         let walls = self.world.walls().zip(other.world.walls());
         let walls = walls.map(|((_, a), (_, b))| (a, b));
         let mut walls = walls.filter(|(a, b)| a.name() != b.name());
-        let size = |of: &Self, id| match id {
-            MemberId::Rigid(id) => of.world.mass(id).map(|mass| (mass, 0)),
-            MemberId::Deformable(id) => of.world.deformable(id).map(|body| {
-                let model = body.model();
-                (model.masses().iter().sum(), model.nodes().len())
-            }),
+        let size = |of: &Self, id| {
+            let body = of.world.deformable(id);
+            let nodes = body.map_or(0, |body| body.model().nodes().len());
+            of.world.mass(id).map(|mass| (mass, nodes))
         };
         let same = |id| match (size(self, id), size(other, id)) {
             (Some((a, n)), Some((b, m))) => n == m && (a - b).abs() <= SAME * a.abs(),

@@ -1,11 +1,12 @@
 //! `summary.json` of a run.
 
+use femdem_fem::DeformableModel;
 use std::io::{self, Write};
 
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{Ending, MemberId, Penalty, RelaxSummary, RestSummary, Run, Side};
+use super::{Ending, Penalty, RelaxSummary, RestSummary, Run, Side};
 use crate::{Error, Usage};
 
 /// Version of the keys of the summary of a run.
@@ -270,34 +271,23 @@ impl super::Simulation {
     pub fn bodies(&self) -> Vec<BodySummary> {
         let world = &self.world;
         let summary = self.members.iter().filter_map(|member| {
-            let name = member.name.clone();
-            Some(match member.id {
-                MemberId::Rigid(id) => BodySummary {
-                    name,
-                    behaviour: "rigid".to_owned(),
-                    mass: world.mass(id)?,
-                    added_mass: 0.0,
-                    nodes: 0,
-                    tetrahedra: 0,
-                    centroid: world.position(id)?.into(),
-                    velocity: world.velocity(id)?.into(),
-                    max_plastic_strain: None,
-                },
-                MemberId::Deformable(id) => {
-                    let body = world.deformable(id)?;
-                    let mass = body.model().masses().iter().sum();
-                    BodySummary {
-                        name,
-                        behaviour: "deformable".to_owned(),
-                        mass,
-                        added_mass: body.model().added_mass(),
-                        nodes: body.model().nodes().len(),
-                        tetrahedra: body.model().volumes().len(),
-                        centroid: body.centroid().into(),
-                        velocity: (body.momentum() / mass).into(),
-                        max_plastic_strain: max_plastic_strain(&body),
-                    }
-                }
+            let body = world.deformable(member.id);
+            let behaviour = if body.is_some() {
+                "deformable"
+            } else {
+                "rigid"
+            };
+            let count = |of: fn(&DeformableModel) -> usize| body.map_or(0, |b| of(b.model()));
+            Some(BodySummary {
+                name: member.name.clone(),
+                behaviour: behaviour.to_owned(),
+                mass: world.mass(member.id)?,
+                added_mass: body.map_or(0.0, |body| body.model().added_mass()),
+                nodes: count(|model| model.nodes().len()),
+                tetrahedra: count(|model| model.volumes().len()),
+                centroid: world.position(member.id)?.into(),
+                velocity: world.velocity(member.id)?.into(),
+                max_plastic_strain: body.as_ref().and_then(max_plastic_strain),
             })
         });
         summary.collect()

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use femdem_fem::{Boundary, DeformableModel};
 use femdem_mesh::Vector3;
 
-use super::{BodyEntry, MemberId, Simulation, Support};
+use super::{BodyEntry, Simulation, Support};
 use crate::Error;
 use crate::error::wrong;
 
@@ -84,9 +84,7 @@ impl Simulation {
 
     fn reaction(&self, support: &Support) -> Option<Vector3> {
         let world = &self.world;
-        let MemberId::Deformable(id) = self.members.get(support.member)?.id else {
-            return None;
-        };
+        let id = self.members.get(support.member)?.id;
         if world.steps() == 0 {
             return None;
         }

@@ -6,8 +6,8 @@ use femdem_contact::{Partner, WallShape};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
+use super::Simulation;
 use super::contacts::Side;
-use super::{MemberId, Simulation};
 use crate::Error;
 
 /// Steps between looks.
@@ -87,10 +87,8 @@ impl Watch {
         let world = &simulation.world;
         let most = self.deepest.depth;
         let is_new = |volume: f64, area: f64| volume > most * area;
-        let mut rigid = world.contacts().into_iter();
-        let mut soft = world.deformable_contacts();
-        let news =
-            rigid.any(|c| is_new(c.volume, c.area)) || soft.any(|c| is_new(c.volume, c.area));
+        let contacts = world.contacts();
+        let news = contacts.iter().any(|c| is_new(c.volume, c.area));
         let due = self.warnings.is_empty() && world.steps().is_multiple_of(EVERY);
         if !(news || due) {
             return;
@@ -138,7 +136,7 @@ impl Watch {
         let mut turned = None;
         // A pair with several patches has no one side.
         let mut several = BTreeSet::new();
-        for contact in world.contacts() {
+        for contact in world.rigid_contacts() {
             let Partner::Wall(wall) = contact.a else {
                 continue;
             };
@@ -170,10 +168,10 @@ impl Watch {
 }
 
 impl Simulation {
-    /// The number of a rigid body among the members.
+    /// The number of a body among the members.
     pub(super) fn member_of(&self, body: u32) -> Option<usize> {
         let mut members = self.members.iter();
-        members.position(|member| member.id == MemberId::Rigid(body))
+        members.position(|member| member.id == body)
     }
 
     /// Thickness of the thinner of the rigid bodies of a contact \[m\]; `None` with a deformable one, whose depth is its own
@@ -182,10 +180,8 @@ impl Simulation {
         let mut least = f64::INFINITY;
         for side in sides {
             let Side::Member(member) = side else { continue };
-            let MemberId::Rigid(id) = self.members[member].id else {
-                return None;
-            };
-            least = least.min(2.0 * self.world.field_depth(self.world.shape_of(id)?)?);
+            let shape = self.world.shape_of(self.members[member].id)?;
+            least = least.min(2.0 * self.world.field_depth(shape)?);
         }
         Some(least)
     }
@@ -197,10 +193,8 @@ impl Simulation {
             let Side::Member(member) = side else {
                 return None;
             };
-            let MemberId::Deformable(id) = self.members[member].id else {
-                return None;
-            };
-            let positions = self.world.deformable(id)?.positions();
+            let body = self.world.deformable(self.members[member].id)?;
+            let positions = body.positions();
             let first = positions.first()?;
             let each = positions.iter();
             let (low, high) =
@@ -250,10 +244,7 @@ impl Simulation {
 
     /// Whether a member is a rigid body that contacts move.
     fn moves(&self, member: usize) -> bool {
-        match self.members[member].id {
-            MemberId::Rigid(id) => self.world.follows_drive(id) == Some(false),
-            MemberId::Deformable(_) => false,
-        }
+        self.world.follows_drive(self.members[member].id) == Some(false)
     }
 
     /// Volume of a rigid body \[m³\].
@@ -261,9 +252,7 @@ impl Simulation {
         let Side::Member(member) = side else {
             return None;
         };
-        let MemberId::Rigid(id) = self.members.get(member)?.id else {
-            return None;
-        };
+        let id = self.members.get(member)?.id;
         let shape = self.world.shape(self.world.shape_of(id)?)?;
         Some(shape.volume)
     }

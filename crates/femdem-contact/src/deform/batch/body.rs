@@ -5,7 +5,7 @@ use super::state::Sleep;
 use super::touching::{Part, Touching};
 use crate::deform::operand::Operand;
 use crate::deform::outcome::NodeLoad;
-use crate::deform::record::NodalState;
+use crate::deform::record::{NodalLoads, NodalState};
 use crate::deform::shape::{DeformableShape, Modulus};
 use crate::deform::turning::Turning;
 use crate::error::ContactError;
@@ -19,6 +19,8 @@ const STRETCH: f64 = 1.5;
 /// A deformable body of the batch.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct SoftBody {
+    /// Whether it is there: its number may stand for a rigid body, or for none.
+    pub is_there: bool,
     pub shape: u32,
     pub modulus: Modulus,
     /// Slowest elastic oscillation, rad/s; 0 if not known.
@@ -38,15 +40,15 @@ pub(crate) struct SoftBody {
     #[serde(skip)]
     pub tree: Option<Box<(Bvh, Vec<Aabb>)>>,
     #[serde(skip)]
-    pub forces: Vec<Vector3>,
+    forces: Vec<Vector3>,
     #[serde(skip)]
-    pub damping: Vec<Vector3>,
+    damping: Vec<Vector3>,
     #[serde(skip)]
-    pub friction: Vec<Vector3>,
+    friction: Vec<Vector3>,
     #[serde(skip)]
-    pub stiffness: Vec<f64>,
+    stiffness: Vec<f64>,
     #[serde(skip)]
-    pub rates: Vec<f64>,
+    rates: Vec<f64>,
     /// Force and moment about the centre on the body as a whole, N and N m, and their rate, 1/s.
     #[serde(skip)]
     whole: ([Vector3; 2], f64),
@@ -61,14 +63,29 @@ pub(crate) struct SoftBody {
 impl SoftBody {
     pub fn new(index: u32, shape: &DeformableShape, modulus: Modulus) -> Self {
         let mut body = Self {
+            is_there: true,
             shape: index,
             modulus,
-            frequency: 0.0,
             sleep: Sleep::Awake,
+            reach: STRETCH * shape.radius(),
+            ..Self::vacant()
+        };
+        body.restore(shape);
+        body
+    }
+
+    /// What stands for a number that is not a deformable body's.
+    pub fn vacant() -> Self {
+        Self {
+            is_there: false,
+            shape: 0,
+            modulus: Modulus::Penalty(1.0),
+            frequency: 0.0,
+            sleep: Sleep::Frozen,
             travelled: 0.0,
             before: Vec::new(),
             centre: Vector3::zeros(),
-            reach: STRETCH * shape.radius(),
+            reach: 0.0,
             turning: None,
             tree: None,
             forces: Vec::new(),
@@ -79,9 +96,7 @@ impl SoftBody {
             whole: Default::default(),
             loaded: false,
             stirred: false,
-        };
-        body.restore(shape);
-        body
+        }
     }
 
     /// Rebuilds the data that is not stored.
@@ -96,28 +111,21 @@ impl SoftBody {
         self.loaded = false;
     }
 
-    /// Leaves nothing but the number.
-    pub fn vacate(&mut self) {
-        self.displaced();
-        for nodal in [&mut self.forces, &mut self.damping, &mut self.friction] {
-            *nodal = Vec::new();
-        }
-        self.stiffness = Vec::new();
-        self.rates = Vec::new();
-        self.tree = None;
-        self.loaded = false;
-        self.sleep = Sleep::Frozen;
-    }
-
-    /// Whether the body was removed.
-    pub fn is_vacant(&self) -> bool {
-        self.forces.is_empty()
-    }
-
     /// Forgets where its nodes were.
     pub fn displaced(&mut self) {
         self.before = Vec::new();
         self.turning = None;
+    }
+
+    /// What the contacts do to its nodes.
+    pub fn loads(&self) -> NodalLoads<'_> {
+        NodalLoads {
+            forces: &self.forces,
+            damping: &self.damping,
+            friction: &self.friction,
+            stiffness: &self.stiffness,
+            rates: &self.rates,
+        }
     }
 
     fn clear(&mut self) {

@@ -1,35 +1,28 @@
 //! What the stages of an update share: shapes, places and laws.
 
-use super::RigidShape;
+use super::Around;
 use super::body::SoftBody;
 use super::pair::SoftPair;
 use super::state::Sleep;
 use crate::deform::kernel::DeformableKernel;
 use crate::deform::operand::Operand;
-use crate::deform::record::{DeformablePartner, NodalState};
+use crate::deform::record::NodalState;
 use crate::deform::shape::DeformableShape;
+use crate::deform::side::Side;
 use crate::general::SolidWall;
 use crate::law::ContactParameters;
-use crate::motion::Motion;
 use crate::walls::WallShape;
 use std::sync::Arc;
 
 /// Data shared by all pairs of one update.
 pub(crate) struct Context<'a> {
-    pub parameters: &'a ContactParameters,
+    pub around: &'a Around<'a>,
     /// The law of pairs whose side A is a wall.
     pub at_walls: ContactParameters,
     pub kernel: &'a DeformableKernel,
     pub shapes: &'a [Arc<DeformableShape>],
-    pub rigid_shapes: &'a [RigidShape],
-    pub rigid_kinds: &'a [Option<u32>],
     pub rigid_sleep: &'a [Sleep],
-    pub wall_shapes: &'a [Option<WallShape>],
     pub states: &'a [NodalState<'a>],
-    pub rigid: &'a [Motion],
-    pub walls: &'a [Motion],
-    /// Time since the last update, s.
-    pub dt: f64,
 }
 
 impl Context<'_> {
@@ -44,9 +37,9 @@ impl Context<'_> {
     pub fn motion(&self, pair: &SoftPair, bodies: &[SoftBody]) -> f64 {
         let of = |i: u32| bodies[i as usize].travelled;
         let of_a = match pair.a {
-            DeformablePartner::Deformable(i) => of(i),
-            DeformablePartner::Rigid(i) => self.rigid[i as usize].travelled,
-            DeformablePartner::Wall(w) => self.walls[w as usize].travelled,
+            Side::Deformable(i) => of(i),
+            Side::Rigid(i) => self.around.rigid[i as usize].travelled,
+            Side::Wall(w) => self.around.walls[w as usize].travelled,
         };
         of_a + of(pair.b)
     }
@@ -58,9 +51,10 @@ impl Context<'_> {
         w: u32,
         body: &SoftBody,
     ) -> (Option<&'p SolidWall>, bool) {
-        let (Some(Some(shape)), Some(motion)) =
-            (self.wall_shapes.get(w as usize), self.walls.get(w as usize))
-        else {
+        let (Some(Some(shape)), Some(motion)) = (
+            self.around.wall_shapes.get(w as usize),
+            self.around.walls.get(w as usize),
+        ) else {
             return (None, false);
         };
         match shape {

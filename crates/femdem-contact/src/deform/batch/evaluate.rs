@@ -9,9 +9,9 @@ use crate::deform::add_up::{Way, run as run_kernel};
 use crate::deform::near::{Sides, Tree};
 use crate::deform::operand::Operand;
 use crate::deform::pair::{Mover, Pair};
-use crate::deform::record::DeformablePartner;
 use crate::deform::scratch::DeformableScratch;
 use crate::deform::shape::Modulus;
+use crate::deform::side::Side;
 use crate::error::ContactError;
 
 impl Context<'_> {
@@ -43,15 +43,13 @@ impl Context<'_> {
     /// The springs of friction belong to the skin of side B, one for each triangle. That has to be the finer skin:
     /// a spring of a large triangle would act on a single small one of the other skin, and shake its nodes instead of
     /// holding the body. So it does not matter either which body was added first.
-    fn sides(&self, pair: &SoftPair, bodies: &[SoftBody]) -> (DeformablePartner, u32, bool) {
+    fn sides(&self, pair: &SoftPair, bodies: &[SoftBody]) -> (Side, u32, bool) {
         let edge = |i: u32| {
             let shape = self.shapes.get(bodies.get(i as usize)?.shape as usize)?;
             Some(shape.edge())
         };
         match pair.a {
-            DeformablePartner::Deformable(i) if edge(i) < edge(pair.b) => {
-                (DeformablePartner::Deformable(pair.b), i, true)
-            }
+            Side::Deformable(i) if edge(i) < edge(pair.b) => (Side::Deformable(pair.b), i, true),
             _ => (pair.a, pair.b, false),
         }
     }
@@ -69,25 +67,25 @@ impl Context<'_> {
         let of_b = self.soft(b, body)?;
         let tree_b = tree(body)?;
         let moduli_b = body.modulus;
-        let rigid = Modulus::Penalty(self.parameters.penalty);
+        let rigid = Modulus::Penalty(self.around.parameters.penalty);
         let (mut turning, mut frequency) = (None, 0.0);
         let (of_a, tree_a, modulus, mover) = match a {
-            DeformablePartner::Deformable(i) => {
+            Side::Deformable(i) => {
                 let body = bodies.get(i as usize)?;
                 let state = self.states.get(i as usize)?;
                 let operand = self.soft(i, body)?;
                 (turning, frequency) = (body.turning.as_ref(), body.frequency);
                 (operand, tree(body)?, body.modulus, Mover::Nodes(*state))
             }
-            DeformablePartner::Rigid(i) => {
-                let motion = self.rigid.get(i as usize)?;
-                let kind = (*self.rigid_kinds.get(i as usize)?)?;
-                let mesh = &self.rigid_shapes.get(kind as usize)?.mesh;
+            Side::Rigid(i) => {
+                let motion = self.around.rigid.get(i as usize)?;
+                let kind = (*self.around.rigid_kinds.get(i as usize)?)?;
+                let mesh = self.around.rigid_meshes.get(kind as usize)?;
                 let operand = Operand::Rigid(mesh, &motion.frame);
                 (operand, mesh.cells.tree(), rigid, Mover::Rigid(motion))
             }
-            DeformablePartner::Wall(w) => {
-                let motion = self.walls.get(w as usize)?;
+            Side::Wall(w) => {
+                let motion = self.around.walls.get(w as usize)?;
                 let solid = self.wall(&mut pair.local, w, body).0?;
                 let operand = Operand::Wall(solid, &motion.frame);
                 (operand, solid.cells.tree(), rigid, Mover::Rigid(motion))
@@ -109,7 +107,7 @@ impl Context<'_> {
             Ok(touches) => touches,
             Err((side, inverted)) => {
                 let body = match a {
-                    DeformablePartner::Deformable(i) if side == 0 => i,
+                    Side::Deformable(i) if side == 0 => i,
                     _ => b,
                 };
                 pair.failure = Some((body, inverted.tet));
@@ -121,18 +119,18 @@ impl Context<'_> {
             return None;
         }
         let of_pair = Pair {
-            ids: (pair.a, pair.b),
+            ids: (pair.a.into(), pair.b),
             sides: sides.operands,
             movers: [mover, Mover::Nodes(*self.states.get(b as usize)?)],
             frequencies: [frequency, body.frequency],
             turnings: [turning, body.turning.as_ref()],
             near: pair.candidates.near()?,
             law: match a {
-                DeformablePartner::Wall(_) => &self.at_walls,
-                _ => self.parameters,
+                Side::Wall(_) => &self.at_walls,
+                _ => self.around.parameters,
             },
             begins: pair.begins.take().map(|start| start.seen_from(swapped)),
-            dt: self.dt,
+            dt: self.around.dt,
         };
         pair.outcome.take(&of_pair, scratch);
         if swapped {

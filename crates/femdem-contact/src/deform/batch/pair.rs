@@ -3,14 +3,15 @@
 use crate::deform::near::Candidates;
 use crate::deform::outcome::Outcome;
 use crate::deform::pair::FrictionStart;
-use crate::deform::record::{DeformablePartner, DeformableTotals};
+use crate::deform::record::DeformableTotals;
+use crate::deform::side::Side;
 use crate::walls::LocalSolid;
 use serde::{Deserialize, Serialize};
 
 /// A body or wall A, and a deformable body B.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct SoftPair {
-    pub a: DeformablePartner,
+    pub a: Side,
     pub b: u32,
     pub candidates: Candidates,
     /// The part of a wall of planes near the body.
@@ -24,7 +25,7 @@ pub(crate) struct SoftPair {
 }
 
 impl SoftPair {
-    pub fn new((a, b): (DeformablePartner, u32)) -> Self {
+    pub fn new((a, b): (Side, u32)) -> Self {
         Self {
             a,
             b,
@@ -37,14 +38,14 @@ impl SoftPair {
         }
     }
 
-    pub fn key(&self) -> (DeformablePartner, u32) {
+    pub fn key(&self) -> (Side, u32) {
         (self.a, self.b)
     }
 
     /// Its deformable bodies.
     pub fn deformables(&self) -> impl Iterator<Item = u32> + use<> {
         let of_a = match self.a {
-            DeformablePartner::Deformable(i) => Some(i),
+            Side::Deformable(i) => Some(i),
             _ => None,
         };
         of_a.into_iter().chain([self.b])

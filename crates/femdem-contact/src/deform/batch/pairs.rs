@@ -5,9 +5,8 @@ use super::context::Context;
 use super::pair::SoftPair;
 use super::prepare::Wanted;
 use super::sleep::rests;
-use super::{RigidShape, SOFT};
 use crate::deform::near::Candidates;
-use crate::deform::record::DeformablePartner;
+use crate::deform::side::Side;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -34,12 +33,9 @@ impl PairList {
     }
 
     /// Whether the bodies and walls of all pairs are there.
-    pub fn fits(&self, is_there: impl Fn(usize, u32) -> bool) -> bool {
+    pub fn fits(&self, is_there: impl Fn(Side) -> bool) -> bool {
         let mut pairs = self.list.iter();
-        pairs.all(|pair| {
-            let (kind, a) = pair.a.kind();
-            is_there(kind, a) && is_there(SOFT, pair.b)
-        })
+        pairs.all(|pair| is_there(pair.a) && is_there(Side::Deformable(pair.b)))
     }
 
     /// Ends the pairs for which `ends` holds.
@@ -57,8 +53,8 @@ impl PairList {
     pub fn search(&mut self, context: &Context, bodies: &mut [SoftBody]) -> bool {
         let travelled = [
             bodies.iter().map(|b| b.travelled).collect::<Vec<_>>(),
-            context.rigid.iter().map(|m| m.travelled).collect(),
-            context.walls.iter().map(|m| m.travelled).collect(),
+            context.around.rigid.iter().map(|m| m.travelled).collect(),
+            context.around.walls.iter().map(|m| m.travelled).collect(),
         ];
         let holds = |(now, until): (&Vec<f64>, &Vec<f64>)| {
             now.len() == until.len() && now.iter().zip(until).all(|(now, until)| now < until)
@@ -67,10 +63,10 @@ impl PairList {
             return false;
         }
         let extents: Vec<(Aabb, f64)> = bodies.iter().map(SoftBody::extent).collect();
-        let mut boxes: Vec<Aabb> = Vec::with_capacity(bodies.len() + context.rigid.len());
+        let mut boxes: Vec<Aabb> = Vec::with_capacity(2 * bodies.len());
         let mut skins = [Vec::with_capacity(bodies.len()), Vec::new(), Vec::new()];
         for (body, (bounds, radius)) in bodies.iter_mut().zip(&extents) {
-            if body.is_vacant() {
+            if !body.is_there {
                 boxes.push(Aabb::EMPTY);
                 skins[0].push(f64::INFINITY);
                 continue;
@@ -81,9 +77,9 @@ impl PairList {
             // A node may move one way as far as the mean moves the other way.
             body.stretch_to(*radius, 2.0 * skin);
         }
-        for (motion, &kind) in context.rigid.iter().zip(context.rigid_kinds) {
-            let known = kind.and_then(|kind| context.rigid_shapes.get(kind as usize));
-            let Some(RigidShape { shape, .. }) = known else {
+        for (motion, &kind) in context.around.rigid.iter().zip(context.around.rigid_kinds) {
+            let known = kind.and_then(|kind| context.around.rigid_shapes.get(kind as usize));
+            let Some(shape) = known else {
                 boxes.push(Aabb::EMPTY);
                 skins[1].push(f64::INFINITY);
                 continue;
@@ -106,18 +102,24 @@ impl PairList {
         } else {
             f64::INFINITY
         };
-        skins[2] = vec![until; context.walls.len()];
+        skins[2] = vec![until; context.around.walls.len()];
         let mut keys = body_pairs(&boxes, bodies.len());
         let present = bodies.iter().zip(&extents).enumerate();
-        for (b, (body, (_, radius))) in present.filter(|(_, (body, _))| !body.is_vacant()) {
+        for (b, (body, (_, radius))) in present.filter(|(_, (body, _))| body.is_there) {
             let reach = radius * (1.0 + HALF_SKIN) + wall_skin;
-            for (w, (motion, wall)) in context.walls.iter().zip(context.wall_shapes).enumerate() {
+            for (w, (motion, wall)) in context
+                .around
+                .walls
+                .iter()
+                .zip(context.around.wall_shapes)
+                .enumerate()
+            {
                 let Some(wall) = wall else {
                     continue;
                 };
                 let from = body.centre - motion.frame.position;
                 if wall.clearance(&motion.frame.rotation.tr_mul(&from)) < reach {
-                    keys.push((DeformablePartner::Wall(w as u32), b as u32));
+                    keys.push((Side::Wall(w as u32), b as u32));
                 }
             }
         }
@@ -131,7 +133,7 @@ impl PairList {
     }
 
     /// Replaces the list by the pairs `keys`, which are sorted; pairs that stay keep their data.
-    fn keep(&mut self, keys: Vec<(DeformablePartner, u32)>) {
+    fn keep(&mut self, keys: Vec<(Side, u32)>) {
         let mut old = std::mem::take(&mut self.list).into_iter().peekable();
         self.list.reserve(keys.len());
         for key in keys {
@@ -147,8 +149,7 @@ impl PairList {
         let mut wanted = vec![Wanted::default(); bodies.len()];
         let rigid = context.rigid_sleep;
         for pair in self.list.iter_mut().filter(|p| !rests(p, bodies, rigid)) {
-            if let (DeformablePartner::Wall(w), Some(body)) = (pair.a, bodies.get(pair.b as usize))
-            {
+            if let (Side::Wall(w), Some(body)) = (pair.a, bodies.get(pair.b as usize)) {
                 let (solid, fresh) = context.wall(&mut pair.local, w, body);
                 let is_near = solid.is_some();
                 if fresh {
@@ -175,7 +176,7 @@ impl PairList {
 }
 
 /// Pairs with a deformable body, which come first in `boxes`.
-fn body_pairs(boxes: &[Aabb], soft: usize) -> Vec<(DeformablePartner, u32)> {
+fn body_pairs(boxes: &[Aabb], soft: usize) -> Vec<(Side, u32)> {
     let tree = Bvh::new(boxes);
     let mut keys = Vec::new();
     for (b, own) in boxes[..soft].iter().enumerate() {
@@ -183,9 +184,9 @@ fn body_pairs(boxes: &[Aabb], soft: usize) -> Vec<(DeformablePartner, u32)> {
             let i = i as usize;
             if boxes[i].overlaps(own) {
                 if i < b {
-                    keys.push((DeformablePartner::Deformable(i as u32), b as u32));
+                    keys.push((Side::Deformable(i as u32), b as u32));
                 } else if i >= soft {
-                    keys.push((DeformablePartner::Rigid((i - soft) as u32), b as u32));
+                    keys.push((Side::Rigid((i - soft) as u32), b as u32));
                 }
             }
         });

@@ -1,101 +1,45 @@
 //! Bodies and walls that go, and bodies that a host moves by hand.
 
-use super::{DeformableBatch, RIGID, SOFT, WALL};
-use crate::contact::BodyId;
-use crate::deform::record::DeformablePartner;
-use crate::error::ContactError;
+use super::DeformablePart;
+use super::body::SoftBody;
+use crate::contact::{BodyId, Partner};
+use crate::deform::side::Side;
 use crate::generalized::Resistance;
 
-/// What touched something before it was removed or moved by hand, ascending. Those asleep among them may have lost their
-/// balance.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Touched {
-    /// Deformable bodies.
-    pub deformables: Vec<u32>,
-    /// Rigid bodies.
-    pub rigid: Vec<BodyId>,
-}
-
-impl DeformableBatch {
-    /// Removes a deformable body with its contacts and their history. Its number is given to the next one that is added,
-    /// unless a lower one is free.
-    ///
-    /// # Errors
-    /// [`ContactError::NoSuch`] if there is no such body.
-    pub fn remove_body(&mut self, body: u32) -> Result<Touched, ContactError> {
-        let touched = self.leave(DeformablePartner::Deformable(body))?;
-        self.slots[SOFT].give_back(body);
-        self.bodies[body as usize].vacate();
-        Ok(touched)
+impl DeformablePart {
+    /// Removes a body, rigid or deformable, that [has left](Self::leave) its contacts.
+    pub fn remove_body(&mut self, body: BodyId) {
+        let i = body as usize;
+        self.count -= usize::from(self.bodies[i].is_there);
+        self.bodies[i] = SoftBody::vacant();
+        self.rigid_resistances[i] = Resistance::default();
     }
 
-    /// The same for a rigid body.
-    ///
-    /// # Errors
-    /// [`ContactError::NoSuch`] if there is no such body.
-    pub fn remove_rigid(&mut self, body: BodyId) -> Result<Touched, ContactError> {
-        let touched = self.leave(DeformablePartner::Rigid(body))?;
-        self.slots[RIGID].give_back(body);
-        self.rigid[body as usize] = None;
-        self.rigid_resistances[body as usize] = Resistance::default();
-        Ok(touched)
-    }
-
-    /// The same for a wall.
-    ///
-    /// # Errors
-    /// [`ContactError::NoSuch`] if there is no such wall.
-    pub fn remove_wall(&mut self, wall: u32) -> Result<Touched, ContactError> {
-        let touched = self.leave(DeformablePartner::Wall(wall))?;
-        self.slots[WALL].give_back(wall);
-        self.walls[wall as usize] = None;
-        Ok(touched)
-    }
-
-    /// Tells that the nodes of a deformable body were put somewhere else by hand. Its contacts end with their history,
-    /// since other material points face each other now; those at its new place are found in the next update.
-    ///
-    /// # Errors
-    /// [`ContactError::NoSuch`] if there is no such body.
-    pub fn moved_by_hand(&mut self, body: u32) -> Result<Touched, ContactError> {
-        let touched = self.leave(DeformablePartner::Deformable(body))?;
-        self.bodies[body as usize].displaced();
-        Ok(touched)
-    }
-
-    /// The same for a rigid body.
-    ///
-    /// # Errors
-    /// [`ContactError::NoSuch`] if there is no such body.
-    pub fn rigid_moved_by_hand(&mut self, body: BodyId) -> Result<Touched, ContactError> {
-        self.leave(DeformablePartner::Rigid(body))
-    }
-
-    /// Ends all pairs of a body or wall, and sums the forces of the others again.
-    fn leave(&mut self, thing: DeformablePartner) -> Result<Touched, ContactError> {
-        let (kind, slot) = thing.kind();
-        self.known(kind, slot)?;
-        let own =
-            |a: DeformablePartner, b: u32| a == thing || DeformablePartner::Deformable(b) == thing;
-        let mut touched = Touched::default();
+    /// Ends all pairs of a body or wall, and sums the forces of the others again. Returns the bodies that touched it,
+    /// ascending: those asleep among them may have lost their balance. The place of a deformable body is forgotten.
+    pub fn leave(&mut self, thing: Side) -> Vec<BodyId> {
+        let own = |a: Side, b: BodyId| a == thing || Side::Deformable(b) == thing;
+        let mut touched = Vec::new();
         let pairs = self.pairs.list().iter().filter(|pair| own(pair.a, pair.b));
         for pair in pairs.filter(|pair| !pair.outcome.contacts.is_empty()) {
-            for other in [pair.a, DeformablePartner::Deformable(pair.b)] {
-                match other {
-                    _ if other == thing => {}
-                    DeformablePartner::Deformable(i) => touched.deformables.push(i),
-                    DeformablePartner::Rigid(i) => touched.rigid.push(i),
-                    DeformablePartner::Wall(_) => {}
+            for other in [pair.a, Side::Deformable(pair.b)] {
+                if other != thing
+                    && let Partner::Body(body) = other.into()
+                {
+                    touched.push(body);
                 }
             }
         }
-        touched.deformables.sort_unstable();
+        touched.sort_unstable();
         self.pairs.end(|pair| own(pair.a, pair.b));
         self.starts.retain(|(a, b), _| !own(*a, *b));
-        for &i in &touched.deformables {
-            self.bodies[i as usize].sleep.stir();
+        for &body in &touched {
+            self.bodies[body as usize].sleep.stir();
+        }
+        if let Side::Deformable(body) = thing {
+            self.bodies[body as usize].displaced();
         }
         self.gather(false);
-        Ok(touched)
+        touched
     }
 }

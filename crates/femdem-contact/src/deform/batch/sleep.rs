@@ -1,13 +1,13 @@
 //! Bodies that a host has stopped: pairs of them keep their contacts and cost nothing.
 
+use super::DeformablePart;
 use super::body::SoftBody;
 use super::pair::SoftPair;
 use super::state::Sleep;
-use super::{DeformableBatch, RIGID, SOFT};
 use crate::contact::BodyId;
-use crate::deform::record::DeformablePartner;
+use crate::deform::side::Side;
 
-impl DeformableBatch {
+impl DeformablePart {
     /// Whether a deformable body is awake; `false` for one that does not exist.
     pub fn is_awake(&self, body: u32) -> bool {
         let body = self.bodies.get(body as usize);
@@ -20,22 +20,23 @@ impl DeformableBatch {
     /// stay as they are. A host that moves a wall must wake the bodies that touch it. A body that does not
     /// exist is ignored.
     pub fn set_awake(&mut self, body: u32, awake: bool) {
-        if self.slots[SOFT].holds(body) {
-            self.bodies[body as usize].sleep.set(awake);
+        let body = self.bodies.get_mut(body as usize);
+        if let Some(body) = body.filter(|body| body.is_there) {
+            body.sleep.set(awake);
         }
     }
 
     /// The same for a rigid body.
     pub fn set_rigid_awake(&mut self, body: BodyId, awake: bool) {
-        if self.slots[RIGID].holds(body) {
-            self.rigid_sleep[body as usize].set(awake);
+        if let Some(sleep) = self.rigid_sleep.get_mut(body as usize) {
+            sleep.set(awake);
         }
     }
 
     /// Rigid bodies that touch an awake deformable body, in ascending order.
     pub fn rigid_beside_awake(&self) -> Vec<BodyId> {
         let touching = self.pairs.list().iter().filter_map(|pair| match pair.a {
-            DeformablePartner::Rigid(i) if !pair.outcome.contacts.is_empty() => {
+            Side::Rigid(i) if !pair.outcome.contacts.is_empty() => {
                 self.is_awake(pair.b).then_some(i)
             }
             _ => None,
@@ -53,17 +54,12 @@ impl DeformableBatch {
         body.is_some_and(|body| body.stirred)
     }
 
-    /// Makes the next update evaluate the contacts of sleepers too.
-    pub(super) fn evaluate_all(&mut self) {
-        self.sleeps().for_each(Sleep::stir);
-    }
-
     /// Ends an update: all stopped bodies have been evaluated at rest.
     pub(super) fn settle(&mut self) {
         self.sleeps().for_each(Sleep::settle);
     }
 
-    fn sleeps(&mut self) -> impl Iterator<Item = &mut Sleep> {
+    pub(super) fn sleeps(&mut self) -> impl Iterator<Item = &mut Sleep> {
         let bodies = self.bodies.iter_mut().map(|body| &mut body.sleep);
         bodies.chain(&mut self.rigid_sleep)
     }
@@ -95,8 +91,8 @@ pub(super) fn rests(pair: &SoftPair, bodies: &[SoftBody], rigid: &[Sleep]) -> bo
     };
     frozen(pair.b)
         && match pair.a {
-            DeformablePartner::Deformable(i) => frozen(i),
-            DeformablePartner::Rigid(i) => rigid.get(i as usize) == Some(&Sleep::Frozen),
-            DeformablePartner::Wall(_) => true,
+            Side::Deformable(i) => frozen(i),
+            Side::Rigid(i) => rigid.get(i as usize) == Some(&Sleep::Frozen),
+            Side::Wall(_) => true,
         }
 }

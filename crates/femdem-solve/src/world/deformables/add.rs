@@ -1,15 +1,15 @@
 //! Adding models and deformable bodies to a world.
 
 use super::nodal_bound::NodalBound;
-use super::{ContactStiffness, DeformableId, DeformableSpec, Deformables, Model, ModelId, State};
-use crate::body::check_velocities;
+use super::{ContactStiffness, DeformableSpec, Deformables, Model, ModelId, State};
+use crate::body::{Body, check_velocities};
 use crate::error::{SolveError, check};
 use crate::world::World;
-use crate::world::build::place;
+use crate::world::build::{meets_deformables, place};
 use crate::world::stored::inconsistent;
 use crate::world::time_step::USUAL_MOVE;
-use femdem_contact::deform::{DeformableBatch, DeformablePartner};
-use femdem_contact::{BodyShape, ContactBatch, ContactLaw, Field};
+use femdem_contact::deform::DeformableShape;
+use femdem_contact::{BodyId, ContactBatch, Field, Frame, Motion, Partner};
 use femdem_fem::material::{Deformation, Material};
 use femdem_fem::{Boundary, DeformableModel};
 use femdem_mesh::nalgebra::Matrix6;
@@ -62,26 +62,32 @@ impl World {
             young,
         };
         let shape = model.shape()?;
-        let deformables = self.deformables_mut()?;
-        deformables.batch.add_shape(shape);
+        self.restored()?;
+        if self.deformables.is_none() {
+            self.batch.shapes().iter().try_for_each(meets_deformables)?;
+        }
+        let numbers = self.batch.slots()[0];
+        let deformables = self.deformables.get_or_insert_default();
+        deformables.reach(numbers);
         deformables.models.push(model);
-        Ok(deformables.models.len() as u32 - 1)
+        Ok(self.batch.add_deformable_shape(shape))
     }
 
-    /// Adds a deformable body and returns its index: that of a [removed](Self::remove_deformable) one, the lowest, or else a
+    /// Adds a deformable body and returns its index: that of a [removed](Self::remove_body) body, the lowest, or else a
     /// new one. Motions of its boundary count from its pose at this
     /// moment, like those of walls and driven bodies.
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown model, [`SolveError::Parameter`] for a pose or velocity
     /// that is not finite, [`SolveError::BodyFailed`] if an element has no stress.
-    pub fn add_deformable(&mut self, spec: DeformableSpec) -> Result<DeformableId, SolveError> {
+    pub fn add_deformable(&mut self, spec: DeformableSpec) -> Result<BodyId, SolveError> {
         let gravity = self.parameters.gravity;
         let penalty = self.parameters.contact.penalty;
         let (time, step) = (self.time, self.steps);
-        let deformables = self.deformables_mut()?;
-        let count = deformables.models.len();
-        let Some(model) = deformables.models.get(spec.model as usize) else {
+        self.restored()?;
+        let models = self.deformables.as_deref().map_or(&[][..], |d| &d.models);
+        let count = models.len();
+        let Some(model) = models.get(spec.model as usize) else {
             return Err(SolveError::NoSuch {
                 what: "model",
                 index: spec.model as usize,
@@ -89,23 +95,27 @@ impl World {
             });
         };
         let mut state = State::new(&spec, &model.model, time)?;
-        let body = deformables.batch.len();
+        let body = self.batch.len();
         state.bound = model
             .model
             .stable_frequency2(&state.positions, &state.history)
             .map_err(|failure| SolveError::from(failure).in_body(body, step, time))?;
         let masses = model.model.masses();
         let energy = state.kinetic_energy(masses) + state.potential(masses, &gravity);
-        let shape = &deformables.batch.shapes()[spec.model as usize];
+        let shape = &self.batch.deformable_shapes()[spec.model as usize];
         let launch = USUAL_MOVE * shape.inradius() / state.fastest;
         let modulus = model.modulus(shape, penalty);
         state.contact_step = model.contact_step(shape, modulus);
         let bound = state.bound.critical_step().min(state.contact_step);
         let frequency = model.frequency(shape);
-        let id = deformables.batch.add_body(spec.model, modulus)?;
-        deformables.batch.set_frequency(id, frequency)?;
-        place(&mut deformables.bodies, id, state);
-        self.newcomers.added.deformables.insert(id);
+        let id = self.batch.add_deformable(spec.model, modulus)?;
+        self.batch.set_frequency(id, frequency)?;
+        place(&mut self.bodies, id, Body::vacant());
+        place(&mut self.motions, id, Motion::fixed(Frame::identity()));
+        if let Some(deformables) = &mut self.deformables {
+            place(&mut deformables.bodies, id, state);
+        }
+        self.newcomers.added.bodies.insert(id);
         self.initial_energy += energy;
         self.step_control.see_elements(bound);
         self.step_control.see_launch(launch);
@@ -114,37 +124,20 @@ impl World {
     }
 
     /// Starts the contact of a deformable body B with a friction force on B (N) and a moment about the normal
-    /// (N m), such as those of the rigid bodies that it replaces: see [`DeformableBatch::begin_friction`].
+    /// (N m), such as those of the rigid bodies that it replaces: see [`ContactBatch::begin_friction`](femdem_contact::ContactBatch::begin_friction).
     ///
     /// # Errors
-    /// As [`World::add_model`] and [`DeformableBatch::begin_friction`].
+    /// [`SolveError::NotRestored`] and those of
+    /// [`ContactBatch::begin_friction`](femdem_contact::ContactBatch::begin_friction).
     pub fn begin_friction(
         &mut self,
-        a: DeformablePartner,
-        b: DeformableId,
+        a: Partner,
+        b: BodyId,
         force: Vector3,
         torsion: f64,
     ) -> Result<(), SolveError> {
-        self.deformables_mut()?
-            .batch
-            .begin_friction(a, b, force, torsion)?;
-        Ok(())
-    }
-
-    /// The deformable part, created with all rigid shapes, bodies and walls if it does not exist.
-    fn deformables_mut(&mut self) -> Result<&mut Deformables, SolveError> {
         self.restored()?;
-        let law = ContactLaw::new(self.parameters.contact)?;
-        if self.deformables.is_none() {
-            let new = Deformables::new(law, &self.batch)?;
-            self.deformables = Some(Box::new(new));
-        }
-        // It exists: it was created above.
-        self.deformables.as_deref_mut().ok_or(SolveError::NoSuch {
-            what: "deformable part",
-            index: 0,
-            count: 0,
-        })
+        Ok(self.batch.begin_friction(a, b, force, torsion)?)
     }
 }
 
@@ -227,41 +220,35 @@ fn young(material: &dyn Material) -> f64 {
 }
 
 impl Deformables {
-    /// Replaces the contact law, and with it the stiffnesses given [by the
-    /// law](super::ContactStiffness::Law).
-    pub(in crate::world) fn set_law(&mut self, law: ContactLaw) -> Result<(), SolveError> {
-        self.batch.set_law(law);
-        let penalty = law.parameters().penalty;
+    /// Makes the list of bodies long enough for `count` numbers.
+    pub(in crate::world) fn reach(&mut self, count: usize) {
+        let count = count.max(self.bodies.len());
+        self.bodies.resize_with(count, State::vacant);
+    }
+
+    /// Renews the stiffnesses that are given [by the law](super::ContactStiffness::Law), after the law was replaced.
+    pub(in crate::world) fn renew_moduli(
+        &mut self,
+        batch: &mut ContactBatch,
+    ) -> Result<(), SolveError> {
+        let penalty = batch.parameters().penalty;
         let bodies = self.bodies.iter_mut().enumerate();
         for (i, body) in bodies.filter(|(_, body)| !body.is_vacant()) {
-            let shape = &self.batch.shapes()[body.model as usize];
+            let shape = &batch.deformable_shapes()[body.model as usize];
             let model = &self.models[body.model as usize];
             let modulus = model.modulus(shape, penalty);
             body.contact_step = model.contact_step(shape, modulus);
-            self.batch.set_modulus(i as u32, modulus)?;
+            batch.set_modulus(i as u32, modulus)?;
         }
         Ok(())
     }
 
-    /// An empty deformable part with the rigid bodies and walls of a world.
-    fn new(law: ContactLaw, rigid: &ContactBatch) -> Result<Self, SolveError> {
-        let batch = DeformableBatch::beside(rigid, law)?;
-        Ok(Self {
-            models: Vec::new(),
-            bodies: Vec::new(),
-            batch,
-            loads: Vec::new(),
-            wall_loads: Vec::new(),
-            bound: None,
-        })
-    }
-
     /// Refuses what does not fit together.
-    pub(in crate::world) fn check_stored(&self) -> Result<(), SolveError> {
-        let (found, expected) = (self.bodies.len(), self.batch.slots()[0]);
+    pub(in crate::world) fn check_stored(&self, batch: &ContactBatch) -> Result<(), SolveError> {
+        let (found, expected) = (self.bodies.len(), batch.slots()[0]);
         if found != expected {
             return Err(inconsistent(format!(
-                "it has {found} deformable bodies where {expected} are right"
+                "it has {found} states of deformable bodies where {expected} are right"
             )));
         }
         for (index, body) in self.bodies.iter().enumerate() {
@@ -272,8 +259,7 @@ impl Deformables {
                     body.model
                 )));
             };
-            let is_there = self.batch.contains(index as u32);
-            let nodes = if is_there {
+            let nodes = if batch.is_deformable(index as u32) {
                 model.model.nodes().len()
             } else {
                 0
@@ -295,10 +281,9 @@ impl Deformables {
         Ok(())
     }
 
-    /// Rebuilds what is not stored.
-    pub(in crate::world) fn restore(&mut self, rigid: &[BodyShape]) -> Result<(), SolveError> {
+    /// The contact shapes of the models.
+    pub(in crate::world) fn shapes(&self) -> Result<Vec<Arc<DeformableShape>>, SolveError> {
         let shapes = self.models.iter().map(|m| m.shape().map(Arc::new));
-        let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
-        Ok(self.batch.restore_shapes(shapes, rigid.to_vec())?)
+        shapes.collect()
     }
 }

@@ -1,36 +1,22 @@
 //! What a host does with deformable bodies by hand, as with rigid ones.
 
 use super::add::held_energy;
-use super::{DeformableId, Deformables, Model, Scratch, State};
+use super::{Deformables, Model, Scratch, State};
 use crate::error::{SolveError, check};
 use crate::world::World;
 use crate::world::time_step::USUAL_MOVE;
-use femdem_contact::deform::DeformablePartner;
+use femdem_contact::{BodyId, Partner, Wrench};
 use femdem_mesh::Vector3;
 
 impl World {
-    /// Removes a deformable body and its contacts. What it touched wakes. The index is given to the next deformable body
-    /// that is added, unless a lower one is free; until then it names none.
-    ///
-    /// # Errors
-    /// [`SolveError::NoSuch`] for an unknown body.
-    pub fn remove_deformable(&mut self, id: DeformableId) -> Result<(), SolveError> {
-        self.known_deformable(id)?;
-        self.restored()?;
+    /// Forgets the nodes of a body that is being removed, if it is deformable; returns the energy that it had, J.
+    pub(in crate::world) fn remove_deformable(&mut self, id: BodyId) -> Option<f64> {
+        self.known_deformable(id).ok()?;
         let gravity = self.parameters.gravity;
-        let stored = self.stored_softly_by(DeformablePartner::Deformable(id));
-        let Some(deformables) = self.deformables.as_deref_mut() else {
-            return Ok(());
-        };
-        let touched = deformables.batch.remove_body(id)?;
-        let touched = deformables.let_go(touched, &self.batch);
-        let (model, state) = deformables.parts(id);
-        self.flows.by_hand -= state.energy(model, &gravity);
-        state.vacate();
-        self.newcomers.forget_deformable(id);
-        self.step_control.lose();
-        self.book_ended(stored, &touched);
-        Ok(())
+        let (model, state) = self.deformables.as_deref_mut()?.parts(id);
+        let energy = state.energy(model, &gravity);
+        *state = State::vacant();
+        Some(energy)
     }
 
     /// Puts the nodes of a deformable body somewhere else (m), with new velocities (m/s). Its contacts end with their
@@ -42,7 +28,7 @@ impl World {
     /// velocity for each node, [`SolveError::BodyFailed`] if an element is inverted there. Nothing has changed then.
     pub fn set_nodes(
         &mut self,
-        id: DeformableId,
+        id: BodyId,
         positions: &[Vector3],
         velocities: &[Vector3],
     ) -> Result<(), SolveError> {
@@ -54,12 +40,12 @@ impl World {
     /// As [`set_nodes`](Self::set_nodes), with another history of the materials if one is given.
     pub(super) fn put_nodes(
         &mut self,
-        id: DeformableId,
+        id: BodyId,
         nodes: [&[Vector3]; 2],
         history: Option<Vec<f64>>,
     ) -> Result<(), SolveError> {
         let (gravity, time, steps) = (self.parameters.gravity, self.time, self.steps);
-        let stored = self.stored_softly_by(DeformablePartner::Deformable(id));
+        let stored = self.stored_by(Partner::Body(id));
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
@@ -75,14 +61,13 @@ impl World {
         let gained = new.energy(model, &gravity) - state.energy(model, &gravity);
         let (fastest, bound) = (new.fastest, new.bound.critical_step().min(new.contact_step));
         *state = new;
-        let touched = deformables.batch.moved_by_hand(id)?;
-        let touched = deformables.let_go(touched, &self.batch);
-        deformables.wake(id as usize);
+        let touched = self.batch.moved_by_hand(id)?;
+        deformables.wake(id as usize, &mut self.batch);
         let model = deformables.bodies[id as usize].model;
-        let depth = deformables.batch.shapes()[model as usize].inradius();
+        let depth = self.batch.deformable_shapes()[model as usize].inradius();
         self.flows.by_hand += gained + flown;
         self.flows.plastic_work -= flown;
-        self.newcomers.moved.deformables.insert(id);
+        self.newcomers.moved.bodies.insert(id);
         self.step_control.lose();
         self.step_control.see_elements(bound);
         self.step_control.see_launch(USUAL_MOVE * depth / fastest);
@@ -90,34 +75,32 @@ impl World {
         Ok(())
     }
 
-    /// Loads a deformable body with a force (N) in world axes, distributed by mass as gravity is, until it is changed. The
-    /// body wakes if the force changes. The work is [`Ledger::load_work`](crate::Ledger::load_work). Forces on a part of a
-    /// body are conditions of its [boundary](World::set_boundary).
-    ///
-    /// # Errors
-    /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::Parameter`] for a force that is not finite.
-    pub fn set_deformable_load(
+    /// Loads a deformable body with a force (N) in world axes.
+    pub(in crate::world) fn pull_deformable(
         &mut self,
-        id: DeformableId,
-        force: Vector3,
+        id: BodyId,
+        load: &Wrench,
     ) -> Result<(), SolveError> {
-        self.known_deformable(id)?;
-        self.restored()?;
-        check("force", force.norm(), true, "finite, in N")?;
+        let torque = load.torque.norm();
+        check(
+            "torque",
+            torque,
+            torque == 0.0,
+            "0 N m for a deformable body: give forces on its nodes by its boundary",
+        )?;
         if let Some(deformables) = self.deformables.as_deref_mut() {
             let (model, state) = deformables.parts(id);
-            let pull = force / model.model.masses().iter().sum::<f64>();
+            let pull = load.force / model.model.masses().iter().sum::<f64>();
             if state.pull != pull {
                 state.pull = pull;
-                deformables.wake(id as usize);
+                deformables.wake(id as usize, &mut self.batch);
             }
         }
         Ok(())
     }
 
-    pub(super) fn known_deformable(&self, id: DeformableId) -> Result<(), SolveError> {
-        let deformables = self.deformables.as_deref();
-        if deformables.is_some_and(|d| d.batch.contains(id)) {
+    pub(super) fn known_deformable(&self, id: BodyId) -> Result<(), SolveError> {
+        if self.batch.is_deformable(id) {
             return Ok(());
         }
         Err(SolveError::NoSuch {
@@ -130,7 +113,7 @@ impl World {
 
 impl Deformables {
     /// The model and the state of a body that is there.
-    pub(super) fn parts(&mut self, id: DeformableId) -> (&Model, &mut State) {
+    pub(super) fn parts(&mut self, id: BodyId) -> (&Model, &mut State) {
         let state = &mut self.bodies[id as usize];
         (&self.models[state.model as usize], state)
     }
@@ -180,17 +163,16 @@ impl State {
         self.strain(&model.model, &mut Scratch::default(), time, true)
     }
 
-    /// Leaves nothing but the number of a body that has been removed.
-    fn vacate(&mut self) {
-        *self = Self {
-            model: self.model,
+    /// What stands for a number that is not a deformable body's.
+    pub(in crate::world) fn vacant() -> Self {
+        Self {
             contact_step: f64::INFINITY,
-            rest: super::rest::Rest::of_removed(),
+            rest: super::rest::Rest::of_none(),
             ..Self::default()
-        };
+        }
     }
 
-    /// Whether the body was removed.
+    /// Whether its number is not a deformable body's.
     pub(in crate::world) fn is_vacant(&self) -> bool {
         self.positions.is_empty()
     }

@@ -6,30 +6,14 @@ use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
 use crate::world::World;
 use crate::world::medium::{relaxation, resist};
-use femdem_contact::deform::DeformableBatch;
+use femdem_contact::ContactBatch;
+use femdem_contact::deform::NodalLoads;
 use femdem_fem::DeformableModel;
 use femdem_mesh::Vector3;
 
-/// Forces of the contacts on the nodes of a body, N.
-struct Contact<'a> {
-    forces: &'a [Vector3],
-    damping: &'a [Vector3],
-    friction: &'a [Vector3],
-}
-
-impl<'a> Contact<'a> {
-    fn of(batch: &'a DeformableBatch, body: u32) -> Self {
-        Self {
-            forces: batch.forces(body),
-            damping: batch.damping_forces(body),
-            friction: batch.friction_forces(body),
-        }
-    }
-}
-
 /// Everything that kicks bodies beside the forces on their nodes, and the duration.
 pub(super) struct Kick<'a> {
-    batch: &'a DeformableBatch,
+    batch: &'a ContactBatch,
     gravity: &'a Vector3,
     medium: &'a Medium,
     /// s.
@@ -37,7 +21,7 @@ pub(super) struct Kick<'a> {
 }
 
 impl<'a> Kick<'a> {
-    pub fn new(batch: &'a DeformableBatch, parameters: &'a WorldParameters, h: f64) -> Self {
+    pub fn new(batch: &'a ContactBatch, parameters: &'a WorldParameters, h: f64) -> Self {
         Self {
             batch,
             gravity: &parameters.gravity,
@@ -49,7 +33,7 @@ impl<'a> Kick<'a> {
     /// Adds the impulse to the nodes of body `i`; returns the work.
     pub fn apply(&self, i: usize, body: &mut State, model: &DeformableModel) -> Flows {
         let i = i as u32;
-        let contact = Contact::of(self.batch, i);
+        let contact = self.batch.nodal_loads(i);
         let plain = *self.medium == Medium::default();
         let (masses, gravity) = (model.masses(), self.gravity + body.pull);
         let loaded = body.pull != Vector3::zeros();
@@ -81,12 +65,8 @@ impl World {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return;
         };
-        let Deformables {
-            models,
-            bodies,
-            batch,
-            ..
-        } = deformables;
+        let Deformables { models, bodies, .. } = deformables;
+        let batch = &self.batch;
         let kick = Kick::new(batch, &self.parameters, h);
         let results = on_each(bodies, |i, body| {
             if body.rest.asleep {
@@ -121,7 +101,7 @@ impl State {
     }
 
     /// As [`kick`](Self::kick), without boundary and medium.
-    fn kick_touching(&mut self, contact: &Contact, gravity: &Vector3, h: f64) -> Flows {
+    fn kick_touching(&mut self, contact: &NodalLoads, gravity: &Vector3, h: f64) -> Flows {
         let mut flows = Flows::default();
         let nodes = self.strain_forces.iter().zip(&self.inverse_masses);
         let parts = contact.damping.iter().zip(contact.friction);
@@ -143,7 +123,7 @@ impl State {
     /// them.
     fn kick(
         &mut self,
-        contact: &Contact,
+        contact: &NodalLoads,
         masses: &[f64],
         gravity: &Vector3,
         medium: &Medium,

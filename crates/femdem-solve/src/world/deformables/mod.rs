@@ -11,8 +11,8 @@ mod single;
 mod step;
 
 use crate::error::SolveError;
-use femdem_contact::deform::{DeformableBatch, DeformableShape, Modulus};
-use femdem_contact::{Field, Load, stable_step};
+use femdem_contact::deform::{DeformableShape, Modulus};
+use femdem_contact::{Field, stable_step};
 use femdem_fem::{Boundary, DeformableModel, FrequencyBound, InternalState, Workspace};
 use femdem_mesh::{Pose, Vector3};
 use nodal_bound::NodalBound;
@@ -21,10 +21,6 @@ use serde::{Deserialize, Serialize};
 pub(super) use add::centroid;
 pub use query::Deformable;
 use rest::Rest;
-pub(super) use step::{all_loads, all_wall_loads};
-
-/// Index of a deformable body, by order of addition.
-pub type DeformableId = u32;
 
 /// Index of a model of deformable bodies, by order of addition.
 pub type ModelId = u32;
@@ -180,7 +176,7 @@ impl Model {
     }
 }
 
-/// The present state of a deformable body; without nodes if it was removed.
+/// The present state of a deformable body; without nodes where a number stands for a rigid body, or for none.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct State {
     pub model: ModelId,
@@ -218,15 +214,12 @@ struct Scratch {
     work: Workspace,
 }
 
-/// All deformable bodies, with their contacts.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+/// All deformable bodies.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Deformables {
     pub models: Vec<Model>,
+    /// By number of the bodies, rigid ones included.
     pub bodies: Vec<State>,
-    pub batch: DeformableBatch,
-    /// Loads of the rigid bodies and of the walls, from all contacts.
-    loads: Vec<Load>,
-    wall_loads: Vec<Load>,
     /// The largest stable step under the present forces, s, once it has been computed.
     #[serde(skip)]
     bound: Option<f64>,

@@ -1,10 +1,11 @@
 //! Queries of the deformable bodies of a world.
 
 use super::add::{centroid, held_energy, inverse_masses};
-use super::{DeformableId, Model, ModelId, State};
+use super::{Model, ModelId, State};
 use crate::error::SolveError;
 use crate::world::World;
-use femdem_contact::deform::{DeformableContact, DeformableTotals};
+use femdem_contact::deform::DeformableTotals;
+use femdem_contact::{BodyId, Contact};
 use femdem_fem::element::ElementFailure;
 use femdem_fem::material::Material;
 use femdem_fem::{Boundary, DeformableModel, ElementStress, InternalState};
@@ -56,10 +57,10 @@ impl<'a> Deformable<'a> {
         &self.state.history
     }
 
-    /// The external load, set by [`World::set_deformable_load`], N.
+    /// The external load, set by [`World::set_load`], N.
     #[must_use]
     pub fn applied_load(&self) -> Vector3 {
-        self.state.pull * self.model().masses().iter().sum::<f64>()
+        self.state.pull * self.mass()
     }
 
     /// The boundary conditions.
@@ -96,6 +97,12 @@ impl<'a> Deformable<'a> {
     pub fn internal(&self) -> InternalState {
         let state = self.state;
         self.model().with_energy(state.internal, &state.positions)
+    }
+
+    /// Mass, kg.
+    #[must_use]
+    pub fn mass(&self) -> f64 {
+        self.model().masses().iter().sum()
     }
 
     /// Centre of mass, m.
@@ -175,17 +182,17 @@ impl World {
     /// Number of deformable bodies.
     #[must_use]
     pub fn deformable_count(&self) -> usize {
-        self.deformables.as_ref().map_or(0, |d| d.batch.len())
+        self.batch.deformable_count()
     }
 
-    /// The deformable bodies, ascending. Their numbers have gaps once bodies were [removed](Self::remove_deformable).
-    pub fn deformable_ids(&self) -> impl Iterator<Item = DeformableId> {
-        self.deformables.iter().flat_map(|d| d.batch.body_ids())
+    /// The deformable bodies, ascending.
+    pub fn deformable_ids(&self) -> impl Iterator<Item = BodyId> {
+        self.batch.deformable_ids()
     }
 
     /// A deformable body; `None` for an unknown index.
     #[must_use]
-    pub fn deformable(&self, id: DeformableId) -> Option<Deformable<'_>> {
+    pub fn deformable(&self, id: BodyId) -> Option<Deformable<'_>> {
         let deformables = self.deformables.as_deref()?;
         let state = deformables.bodies.get(id as usize)?;
         if state.is_vacant() {
@@ -194,7 +201,7 @@ impl World {
         Some(Deformable {
             model: deformables.models.get(state.model as usize)?,
             state,
-            contact: deformables.batch.forces(id),
+            contact: self.batch.nodal_loads(id).forces,
         })
     }
 
@@ -204,14 +211,14 @@ impl World {
     }
 
     /// Contacts of deformable bodies, sorted by pair.
-    pub fn deformable_contacts(&self) -> impl Iterator<Item = &DeformableContact> {
-        self.deformables.iter().flat_map(|d| d.batch.contacts())
+    pub fn deformable_contacts(&self) -> impl Iterator<Item = &Contact> {
+        self.batch.deformable_contacts()
     }
 
     /// Sums over the contacts of deformable bodies.
     #[must_use]
     pub fn deformable_totals(&self) -> Option<&DeformableTotals> {
-        self.deformables.as_ref().map(|d| d.batch.totals())
+        self.batch.deformable_totals()
     }
 
     /// Replaces the boundary conditions of a deformable body. The places given to the boundary (see
@@ -221,7 +228,7 @@ impl World {
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown body, or a node that its model does not have.
-    pub fn set_boundary(&mut self, id: DeformableId, boundary: Boundary) -> Result<(), SolveError> {
+    pub fn set_boundary(&mut self, id: BodyId, boundary: Boundary) -> Result<(), SolveError> {
         self.known_deformable(id)?;
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
@@ -233,7 +240,7 @@ impl World {
         state.held_energy = held_energy(&boundary, model.masses(), &state.velocities);
         state.boundary = boundary;
         state.loads.fill(Vector3::zeros());
-        deformables.wake(id as usize);
+        deformables.wake(id as usize, &mut self.batch);
         self.loaded = false;
         Ok(())
     }

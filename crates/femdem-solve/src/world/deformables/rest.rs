@@ -14,7 +14,7 @@ use super::{Deformables, Scratch, State, centroid};
 use crate::error::SolveError;
 use crate::parameters::WorldParameters;
 use crate::world::World;
-use femdem_contact::deform::DeformableBatch;
+use femdem_contact::ContactBatch;
 use femdem_fem::{Boundary, DeformableModel};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -72,12 +72,8 @@ impl World {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
-        let Deformables {
-            models,
-            bodies,
-            batch,
-            ..
-        } = deformables;
+        let Deformables { models, bodies, .. } = &mut *deformables;
+        let batch = &self.batch;
         let changes = on_each_with(bodies, Scratch::default, |scratch, i, body| {
             let judge = Judge {
                 parameters,
@@ -95,11 +91,11 @@ impl World {
                 Change::Stopped(energy) => self.flows.frozen += energy,
                 Change::Asleep(energy) => {
                     self.flows.frozen += energy;
-                    deformables.batch.set_awake(i as u32, false);
+                    self.batch.set_awake(i as u32, false);
                     // The bound included this body.
                     deformables.bound = None;
                 }
-                Change::Awake => deformables.wake(i),
+                Change::Awake => deformables.wake(i, &mut self.batch),
             }
         }
         Ok(())
@@ -114,8 +110,8 @@ impl World {
 }
 
 impl Rest {
-    /// That of a removed body, which is left out as those asleep are.
-    pub(super) fn of_removed() -> Self {
+    /// That of a number without a body, which is left out as those asleep are.
+    pub(super) fn of_none() -> Self {
         Self {
             asleep: true,
             ..Self::default()
@@ -125,19 +121,19 @@ impl Rest {
 
 impl Deformables {
     /// Wakes a body.
-    pub(in crate::world) fn wake(&mut self, i: usize) {
+    pub(in crate::world) fn wake(&mut self, i: usize, batch: &mut ContactBatch) {
         if let Some(body) = self.bodies.get_mut(i).filter(|body| !body.is_vacant()) {
             body.rest = Rest::default();
-            self.batch.set_awake(i as u32, true);
+            batch.set_awake(i as u32, true);
             // The bound did not include this body.
             self.bound = None;
         }
     }
 
     /// Wakes all bodies; awake ones start a new spell.
-    pub(in crate::world) fn wake_all(&mut self) {
+    pub(in crate::world) fn wake_all(&mut self, batch: &mut ContactBatch) {
         for i in 0..self.bodies.len() {
-            self.wake(i);
+            self.wake(i, batch);
         }
     }
 
@@ -149,7 +145,7 @@ impl Deformables {
 /// Data by which a body is judged.
 struct Judge<'a> {
     parameters: &'a WorldParameters,
-    batch: &'a DeformableBatch,
+    batch: &'a ContactBatch,
     body: u32,
     model: &'a DeformableModel,
     /// s.
@@ -183,15 +179,15 @@ impl Judge<'_> {
 
     /// The larger of the weight and half the sum of the contact forces, N.
     fn load_scale(&self) -> f64 {
-        let forces = self.batch.forces(self.body);
-        let borne: f64 = forces.iter().map(Vector3::norm).sum();
+        let loads = self.batch.nodal_loads(self.body);
+        let borne: f64 = loads.forces.iter().map(Vector3::norm).sum();
         let mass: f64 = self.model.masses().iter().sum();
         f64::max(0.5 * borne, mass * self.parameters.gravity.norm())
     }
 
     /// m.
     fn diameter(&self, state: &State) -> f64 {
-        2.0 * self.batch.shapes()[state.model as usize].radius()
+        2.0 * self.batch.deformable_shapes()[state.model as usize].radius()
     }
 
     /// Updates the spell of an awake body, and stops the body if it rests.
@@ -269,8 +265,8 @@ impl Judge<'_> {
     fn imbalance(&self, state: &State) -> f64 {
         let (gravity, masses) = (self.parameters.gravity + state.pull, self.model.masses());
         let centre = centroid(&state.positions, masses);
-        let forces = self.batch.forces(self.body).iter();
-        let contacts = forces.zip(self.batch.damping_forces(self.body));
+        let loads = self.batch.nodal_loads(self.body);
+        let contacts = loads.forces.iter().zip(loads.damping);
         let nodes = state.strain_forces.iter().zip(masses).zip(&state.positions);
         let (mut left, mut borne) = (0.0, 0.0);
         let mut wrench = [Vector3::zeros(); 2];

@@ -5,9 +5,10 @@
 //! What comes of it is judged like everything else: a relaxation that follows measures all residuals, and goes on from
 //! there if a body now touches something, or if Newton's method failed.
 
-use super::{DeformableId, Deformables};
+use super::Deformables;
 use crate::error::{SolveError, check};
 use crate::world::World;
+use femdem_contact::{BodyId, ContactBatch};
 use femdem_fem::DeformableState;
 use femdem_fem::statics::{
     Linear, LoadPath, Method, NewtonOptions, StaticOptions, StaticSolution, StepReport,
@@ -38,11 +39,12 @@ impl World {
         )?;
         self.evaluate_if_due()?;
         let (gravity, time) = (self.parameters.gravity, self.time);
-        let ids: Vec<DeformableId> = self.deformable_ids().collect();
+        let ids: Vec<BodyId> = self.deformable_ids().collect();
         let mut solved = 0;
         for id in ids {
             let deformables = self.deformables.as_deref();
-            let alone = deformables.and_then(|d| d.solve_alone(id, &gravity, time, tolerance));
+            let alone =
+                deformables.and_then(|d| d.solve_alone(id, &self.batch, &gravity, time, tolerance));
             let Some(DeformableState { x, v, history }) = alone.map(|solution| solution.state)
             else {
                 continue;
@@ -63,13 +65,14 @@ impl Deformables {
     /// touches something, or does not converge.
     fn solve_alone(
         &self,
-        id: DeformableId,
+        id: BodyId,
+        batch: &ContactBatch,
         gravity: &Vector3,
         time: f64,
         tolerance: f64,
     ) -> Option<StaticSolution> {
         let body = &self.bodies[id as usize];
-        if body.boundary.held().next().is_none() || self.batch.touches(id) {
+        if body.boundary.held().next().is_none() || batch.touches(id) {
             return None;
         }
         let model = &self.models[body.model as usize].model;

@@ -8,38 +8,11 @@ use crate::ledger::Flows;
 use crate::world::World;
 use crate::world::time_step::LARGEST_MOVE;
 use crate::world::time_step::USUAL_MOVE;
-use femdem_contact::deform::{DeformableBatch, NodalState, Touched};
-use femdem_contact::{BodyId, ContactBatch, ContactError, Load, Motion, stable_step};
+use femdem_contact::deform::NodalState;
+use femdem_contact::{BodyId, ContactBatch, stable_step};
 use femdem_fem::DeformableModel;
 use femdem_fem::element::ElementFailure;
 use femdem_mesh::Vector3;
-
-/// Loads of the rigid bodies from all contacts.
-pub(in crate::world) fn all_loads<'a>(
-    batch: &'a ContactBatch,
-    deformables: Option<&'a Deformables>,
-) -> &'a [Load] {
-    summed(batch, deformables).map_or(batch.loads(), |d| &d.loads)
-}
-
-/// Loads of the walls from all contacts.
-pub(in crate::world) fn all_wall_loads<'a>(
-    batch: &'a ContactBatch,
-    deformables: Option<&'a Deformables>,
-) -> &'a [Load] {
-    summed(batch, deformables).map_or(batch.wall_loads(), |d| &d.wall_loads)
-}
-
-/// The deformable part, if its sums include all bodies and walls: not before the first evaluation after an
-/// addition.
-fn summed<'a>(
-    batch: &ContactBatch,
-    deformables: Option<&'a Deformables>,
-) -> Option<&'a Deformables> {
-    deformables.filter(|d| {
-        d.loads.len() == batch.loads().len() && d.wall_loads.len() == batch.wall_loads().len()
-    })
-}
 
 impl World {
     /// The largest step that is stable for the deformable bodies with their contacts, s; infinite
@@ -54,7 +27,7 @@ impl World {
         // Before the first kick, and after bodies have woken.
         let bodies = (0..).zip(&deformables.bodies);
         let awake = bodies.filter(|(_, body)| !body.rest.asleep);
-        let steps = awake.map(|(i, body)| body.largest_step(&deformables.batch, i));
+        let steps = awake.map(|(i, body)| body.largest_step(&self.batch, i));
         steps.fold(f64::INFINITY, f64::min)
     }
 
@@ -78,12 +51,8 @@ impl World {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
-        let Deformables {
-            models,
-            bodies,
-            batch,
-            ..
-        } = deformables;
+        let Deformables { models, bodies, .. } = deformables;
+        let batch = &self.batch;
         let kick = Kick::new(batch, &self.parameters, 0.5 * dt);
         let results = on_each_with(bodies, Scratch::default, |scratch, i, body| {
             if body.rest.asleep {
@@ -93,7 +62,7 @@ impl World {
             body.aim(dt, time);
             let flows = kick.apply(i, body, model);
             body.drift(dt, time);
-            let depth = batch.shapes()[body.model as usize].inradius();
+            let depth = batch.deformable_shapes()[body.model as usize].inradius();
             let strain = body.strain(model, scratch, time, renew);
             (
                 flows,
@@ -134,14 +103,13 @@ impl World {
     /// Forces of the contacts at the present positions. `dt` is the time since the last call.
     pub(in crate::world) fn touch_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
         let renew = self.renews_bounds();
+        self.meet_deformables(dt)?;
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
-        deformables.touch(&self.motions, &self.wall_motions, dt)?;
         if renew && dt > 0.0 {
-            deformables.adapt(dt)?;
+            deformables.adapt(&self.batch, dt)?;
         }
-        deformables.sum_loads(&self.batch);
         for body in &deformables.bodies {
             self.flows.viscous_work -= body.internal.viscous_power * dt;
             self.flows.plastic_work -= body.internal.plastic_work;
@@ -150,12 +118,20 @@ impl World {
         Ok(())
     }
 
+    /// Evaluates the contacts of the deformable bodies. `dt` is the time since the last call.
+    pub(in crate::world) fn meet_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return Ok(());
+        };
+        deformables.bound = None;
+        let nodes: Vec<NodalState> = deformables.bodies.iter().map(State::nodes).collect();
+        let (bodies, walls) = (&self.motions, &self.wall_motions);
+        Ok(self.batch.update_deformables(&nodes, bodies, walls, dt)?)
+    }
+
     /// Wakes rigid bodies that touch an awake deformable one; they do not count as quiet meanwhile.
     fn wake_touched(&mut self) {
-        let Some(deformables) = self.deformables.as_deref() else {
-            return;
-        };
-        let mut touched = deformables.batch.rigid_beside_awake();
+        let mut touched = self.batch.rigid_beside_awake();
         touched.retain(|&i| !self.batch.is_awake(i));
         self.wake(&touched);
     }
@@ -165,10 +141,14 @@ impl Deformables {
     /// The step, s, in which no node moves by more than [`USUAL_MOVE`] times the depth of its body, relative
     /// to what it may meet. `met(x, r)` is the largest speed, m/s, of driven walls and bodies that may be met
     /// within `r` (m) of `x` (m).
-    pub(in crate::world) fn usual_step(&self, met: impl Fn(&Vector3, f64) -> f64) -> f64 {
+    pub(in crate::world) fn usual_step(
+        &self,
+        batch: &ContactBatch,
+        met: impl Fn(&Vector3, f64) -> f64,
+    ) -> f64 {
         let bodies = self.bodies.iter().filter(|body| !body.is_vacant());
         let bodies = bodies.map(|body| {
-            let shape = &self.batch.shapes()[body.model as usize];
+            let shape = &batch.deformable_shapes()[body.model as usize];
             let centre = body.positions[0];
             let speed = body.fastest + met(&centre, 2.0 * shape.radius());
             USUAL_MOVE * shape.inradius() / speed
@@ -176,29 +156,9 @@ impl Deformables {
         bodies.fold(f64::INFINITY, f64::min)
     }
 
-    /// Forces of the contacts.
-    pub(in crate::world) fn touch(
-        &mut self,
-        rigid: &[Motion],
-        walls: &[Motion],
-        dt: f64,
-    ) -> Result<(), ContactError> {
-        self.bound = None;
-        let states: Vec<NodalState> = self
-            .bodies
-            .iter()
-            .map(|body| NodalState {
-                positions: &body.positions,
-                velocities: &body.velocities,
-                inverse_masses: &body.inverse_masses,
-            })
-            .collect();
-        self.batch.update(&states, rigid, walls, dt)
-    }
-
     /// Updates the bounds of the step for the present contacts, for steps of `dt` (s).
-    fn adapt(&mut self, dt: f64) -> Result<(), SolveError> {
-        let Self { models, batch, .. } = self;
+    fn adapt(&mut self, batch: &ContactBatch, dt: f64) -> Result<(), SolveError> {
+        let models = &self.models;
         let each = on_each(&mut self.bodies, |i, body| {
             if body.rest.asleep {
                 return Ok(());
@@ -208,57 +168,29 @@ impl Deformables {
         });
         Ok(each.into_iter().collect::<Result<(), _>>()?)
     }
-
-    /// Adds the loads of both batches.
-    fn sum_loads(&mut self, batch: &ContactBatch) {
-        let sum = |into: &mut Vec<Load>, of: &[Load], and: &[Load]| {
-            into.clear();
-            into.extend_from_slice(of);
-            for (load, other) in into.iter_mut().zip(and) {
-                *load += other;
-            }
-        };
-        sum(&mut self.loads, batch.loads(), self.batch.rigid_loads());
-        let walls = batch.wall_loads();
-        sum(&mut self.wall_loads, walls, self.batch.wall_loads());
-    }
-
-    /// Wakes deformable bodies that something has left by hand, and returns the rigid ones.
-    pub(in crate::world) fn let_go(
-        &mut self,
-        touched: Touched,
-        batch: &ContactBatch,
-    ) -> Vec<BodyId> {
-        for i in touched.deformables {
-            self.wake(i as usize);
-        }
-        self.bound = None;
-        self.sum_loads(batch);
-        touched.rigid
-    }
-
-    /// Sums the loads of both batches on a rigid body that wakes: its old sum is from when it fell asleep.
-    pub(in crate::world) fn sum_load(&mut self, body: BodyId, batch: &ContactBatch) {
-        let i = body as usize;
-        let parts = batch.loads().get(i).zip(self.batch.rigid_loads().get(i));
-        if let (Some(sum), Some((load, other))) = (self.loads.get_mut(i), parts) {
-            *sum = *load;
-            *sum += other;
-        }
-    }
 }
 
 impl State {
+    /// What the contact stage sees.
+    fn nodes(&self) -> NodalState<'_> {
+        NodalState {
+            positions: &self.positions,
+            velocities: &self.velocities,
+            inverse_masses: &self.inverse_masses,
+        }
+    }
+
     /// The largest step that is stable for body `i` with its contacts, s.
-    pub(super) fn largest_step(&self, batch: &DeformableBatch, i: u32) -> f64 {
+    pub(super) fn largest_step(&self, batch: &ContactBatch, i: BodyId) -> f64 {
         if !batch.touches(i) {
             return self.bound.critical_step();
         }
         // The squared frequencies of elements and contacts add at most, even where they act on different
         // motions.
-        let stiffness = batch.stiffness(i).iter().zip(&self.inverse_masses);
+        let loads = batch.nodal_loads(i);
+        let stiffness = loads.stiffness.iter().zip(&self.inverse_masses);
         let contact = stiffness.map(|(k, w)| 2.0 * k * w).fold(0.0, f64::max);
-        let rate = batch.rates(i).iter().copied().fold(0.0, f64::max);
+        let rate = loads.rates.iter().copied().fold(0.0, f64::max);
         let apart = stable_step(
             self.bound.frequency2 + contact,
             self.bound.viscous_rate + rate,
@@ -269,19 +201,22 @@ impl State {
     /// Stiffness over mass of the nodes of body `i` due to its contacts, 1/s^2, and their damping rates, 1/s.
     fn contact<'a>(
         &'a self,
-        batch: &'a DeformableBatch,
-        i: u32,
+        batch: &'a ContactBatch,
+        i: BodyId,
     ) -> impl Fn(usize) -> (f64, f64) + 'a {
-        let (stiffness, rates) = (batch.stiffness(i), batch.rates(i));
-        move |a| (2.0 * stiffness[a] * self.inverse_masses[a], rates[a])
+        let loads = batch.nodal_loads(i);
+        move |a| {
+            let stiffness = 2.0 * loads.stiffness[a] * self.inverse_masses[a];
+            (stiffness, loads.rates[a])
+        }
     }
 
     /// Updates the bound by nodes for the contacts of body `i`, for steps of `dt` (s).
     fn adapt(
         &mut self,
         model: &DeformableModel,
-        batch: &DeformableBatch,
-        i: u32,
+        batch: &ContactBatch,
+        i: BodyId,
         dt: f64,
     ) -> Result<(), ElementFailure> {
         if !batch.touches(i) {

@@ -4,7 +4,7 @@
 mod works;
 
 use super::twist::Twist;
-use femdem_contact::{Contact, ContactForce, LimitSurface, Springs};
+use femdem_contact::{ContactForce, LimitSurface, RigidContact, Springs};
 use femdem_mesh::nalgebra::{Matrix6, Vector6};
 use femdem_mesh::{Matrix3, Vector3};
 
@@ -74,7 +74,7 @@ struct Slopes {
 
 impl Slopes {
     /// Slopes of dashpots, and of springs that the motion loads for a time, s.
-    fn new(contact: &Contact, time: f64) -> Self {
+    fn new(contact: &RigidContact, time: f64) -> Self {
         let (c, springs) = (contact.dashpots(), contact.springs());
         Self {
             normal: springs.normal * time + c.normal,
@@ -88,7 +88,7 @@ impl Slopes {
 /// Slope of the resistance to rocking over a time, N m s: of springs without what rolling takes back, and of dashpots. When
 /// a body rolls by a small angle on a rolling radius r, the pressure F, which travels with the patch, turns it on by F r
 /// per angle. For round bodies no stiffness is left; for a face, nearly all of it.
-fn rocking(contact: &Contact, time: f64) -> Matrix3 {
+fn rocking(contact: &RigidContact, time: f64) -> Matrix3 {
     // A contact that comes down does not roll yet.
     let rolls = if contact.foreseen {
         0.0
@@ -116,7 +116,7 @@ struct Edge {
     off: f64,
 }
 
-fn edges(contact: &Contact, lever: &Vector3) -> [Edge; 2] {
+fn edges(contact: &RigidContact, lever: &Vector3) -> [Edge; 2] {
     let foundation = &contact.foundation;
     let off = lever - foundation.centre.cross(&contact.normal);
     let axes = foundation.axes(&contact.normal);
@@ -175,7 +175,7 @@ impl Link {
     /// Coulomb's coefficient, `dt` the step, s. The contact has the forces of its springs alone, at the
     /// present poses or, if it is foreseen, at those predicted after `dt` from these velocities.
     pub(super) fn new(
-        contact: &Contact,
+        contact: &RigidContact,
         sides: [Option<u32>; 2],
         arms: [Vector3; 2],
         before: Twist,

@@ -22,7 +22,7 @@ use crate::error::{SolveError, check};
 use crate::ledger::{Flows, Pending};
 use crate::parameters::ImplicitStep;
 use crate::rotation;
-use femdem_contact::{BodyId, Contact, ContactForce, Motion, Partner, Snapshot, Wrench};
+use femdem_contact::{BodyId, ContactForce, Motion, Partner, RigidContact, Snapshot, Wrench};
 use femdem_fem::Driven;
 use femdem_mesh::{Matrix3, Rotation, Vector3};
 use link::Link;
@@ -270,7 +270,7 @@ impl World {
     /// The link of a contact, with both arms to the same point, so that the angular momentum of the two is
     /// conserved; for a foreseen contact that point follows the mean motion of both. `members` are the free
     /// bodies, ascending.
-    fn link(&self, contact: &Contact, members: &[BodyId], dt: f64) -> Link {
+    fn link(&self, contact: &RigidContact, members: &[BodyId], dt: f64) -> Link {
         let place = |i: BodyId| members.binary_search(&i).ok().map(|k| k as u32);
         let (a, side_a): (&Motion, _) = match contact.a {
             Partner::Body(i) => (&self.ahead[i as usize], place(i)),

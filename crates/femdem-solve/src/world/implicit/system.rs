@@ -161,7 +161,7 @@ mod tests {
             assert!(world.time() < 0.1, "they do not meet");
         }
         world.ahead = world.motions.clone();
-        let links = world.contacts().into_iter();
+        let links = world.rigid_contacts().into_iter();
         let inertia = Inertia {
             mass: 30.0,
             turning: Matrix3::from_diagonal(&Vector3::new(0.02, 0.03, 0.05)),

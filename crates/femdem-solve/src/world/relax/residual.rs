@@ -43,7 +43,7 @@ impl World {
         };
         let g = self.parameters.gravity.norm();
         for (i, body) in self.free_bodies() {
-            let load = self.load_of(i as u32);
+            let load = self.batch.load_of(i as u32);
             let moment = self.net_torque(i, &load).norm() / (2.0 * body.radius);
             let net = self.net_force(i, &load).norm();
             let net = falling(net, body.mass * g, load.contacts > 0);
@@ -52,8 +52,7 @@ impl World {
         for (id, Nodal { net, given }) in &nodal {
             node = net.iter().map(Vector3::norm).fold(node, f64::max);
             if !self.is_held(*id as usize) {
-                let touches = self.deformables.as_deref();
-                let touches = touches.is_some_and(|d| d.batch.touches(*id));
+                let touches = self.batch.touches(*id);
                 let net = net.iter().sum::<Vector3>().norm();
                 whole = whole.max(falling(net, *given, touches));
             }
@@ -65,9 +64,7 @@ impl World {
 
     /// Mean normal force of the contacts, N, if there is any.
     fn mean_contact_force(&self) -> Option<f64> {
-        let rigid = self.batch.contacts().into_iter().map(|c| c.normal_force);
-        let soft = self.deformable_contacts().map(|c| c.normal_force);
-        let each = rigid.chain(soft);
+        let each = self.contacts().into_iter().map(|c| c.normal_force);
         let (sum, count) = each.fold((0.0, 0.0), |(sum, count), force| (sum + force, count + 1.0));
         (sum > 0.0).then_some(sum / count)
     }

@@ -94,7 +94,7 @@ impl Run {
             let path = frames.join(file_name(DEFORMABLE, number));
             write_file(path, |w| simulation.write_deformables(w))?;
         }
-        if simulation.world.body_count() > 0 {
+        if simulation.world.rigid_count() > 0 {
             let path = frames.join(file_name(RIGID, number));
             write_file(path, |w| simulation.write_rigid(w))?;
         }
@@ -114,7 +114,7 @@ impl Run {
         let world = &self.simulation.world;
         let kinds = [
             (world.deformable_count() > 0, DEFORMABLE),
-            (world.body_count() > 0, RIGID),
+            (world.rigid_count() > 0, RIGID),
         ];
         let given = || kinds.iter().filter(|(given, _)| *given);
         let (mut bodies, mut contacts) = (Vec::new(), Vec::new());

@@ -1,0 +1,273 @@
+//! Deformable bodies of the batch: they have a number as all bodies do, and meet everything else.
+
+use super::ContactBatch;
+use crate::body_shape::Kind;
+use crate::contact::{BodyId, Load, Partner};
+use crate::deform::{
+    Around, DeformablePart, DeformableShape, DeformableTotals, FrictionStart, Modulus, NodalLoads,
+    NodalState, Side,
+};
+use crate::error::{ContactError, check};
+use crate::motion::Motion;
+use crate::record::Contact;
+use femdem_mesh::Vector3;
+use std::sync::Arc;
+
+impl ContactBatch {
+    /// Adds the shape of deformable bodies and returns its index; they are counted apart from those of rigid bodies.
+    pub fn add_deformable_shape(&mut self, shape: impl Into<Arc<DeformableShape>>) -> u32 {
+        self.deformable_mut().add_shape(shape.into())
+    }
+
+    /// Adds a deformable body, awake, and returns its index.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if the shape was never added, [`ContactError::Parameter`] if the modulus is out of its
+    /// range.
+    pub fn add_deformable(&mut self, shape: u32, modulus: Modulus) -> Result<BodyId, ContactError> {
+        modulus.check()?;
+        let count = self.deformable_shapes().len();
+        if shape as usize >= count {
+            return Err(ContactError::NoSuch {
+                what: "shape of deformable bodies",
+                index: shape as usize,
+                count,
+            });
+        }
+        let body = self.take_number(0, Kind::Convex);
+        self.deformable_mut().add_body(body, shape, modulus);
+        Ok(body)
+    }
+
+    /// The shapes of deformable bodies, by index.
+    pub fn deformable_shapes(&self) -> &[Arc<DeformableShape>] {
+        self.deformable.as_ref().map_or(&[], |part| part.shapes())
+    }
+
+    /// Whether there is such a body and it is deformable.
+    pub fn is_deformable(&self, body: BodyId) -> bool {
+        let part = self.deformable.as_ref();
+        part.is_some_and(|part| part.contains(body))
+    }
+
+    /// Number of deformable bodies.
+    pub fn deformable_count(&self) -> usize {
+        self.deformable.as_ref().map_or(0, |part| part.len())
+    }
+
+    /// The deformable bodies, ascending.
+    pub fn deformable_ids(&self) -> impl Iterator<Item = BodyId> {
+        self.body_ids().filter(|body| self.is_deformable(*body))
+    }
+
+    /// Replaces the modulus of a deformable body; its contacts keep their history.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if there is no such deformable body, [`ContactError::Parameter`] if the modulus is out of
+    /// its range.
+    pub fn set_modulus(&mut self, body: BodyId, modulus: Modulus) -> Result<(), ContactError> {
+        modulus.check()?;
+        self.known_deformable(body)?.set_modulus(body, modulus);
+        Ok(())
+    }
+
+    /// Sets the frequency of the slowest elastic oscillation of a deformable body, rad/s; π c/L for a bar of length L, with
+    /// c = √(E/ρ). If it is high compared with the oscillation on the contacts, the dashpots damp the body as if it
+    /// were rigid, with all of its mass. With 0, the initial value, they know the mass of the touching nodes only.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if there is no such deformable body, [`ContactError::Parameter`] if the frequency is
+    /// negative or not finite.
+    pub fn set_frequency(&mut self, body: BodyId, frequency: f64) -> Result<(), ContactError> {
+        check(
+            "frequency",
+            frequency,
+            frequency >= 0.0,
+            "at least 0 and finite, in rad/s",
+        )?;
+        self.known_deformable(body)?.set_frequency(body, frequency);
+        Ok(())
+    }
+
+    /// Finds and evaluates all contacts of the deformable bodies, with each other, with rigid bodies and with walls. Those
+    /// among rigid bodies and walls are [`update`](Self::update)'s, which is called before.
+    ///
+    /// `nodes` holds a state for each body by number (see [`slots`](Self::slots)), empty for those that are not
+    /// deformable; `bodies` and `walls` are those of `update`. `dt` is the time since the last call, s. The nodal values of
+    /// a sleeping deformable body are read only in the first update after it fell asleep, or after a change of the batch
+    /// that affects its contacts.
+    ///
+    /// # Errors
+    /// [`ContactError::StateCount`] or [`ContactError::NodeCount`] if a list has the wrong length,
+    /// [`ContactError::NodeState`], [`ContactError::NotFinite`] or [`ContactError::Wall`] if a state is not finite or an
+    /// inverse mass is negative, [`ContactError::Parameter`] for a `dt` that is negative or not finite,
+    /// [`ContactError::InvertedTet`] if a tetrahedron in a contact is inverted, and [`ContactError::Mesh`] if a rigid
+    /// convex body is too flat for tetrahedra. After an error the histories are a mixture of two steps.
+    pub fn update_deformables(
+        &mut self,
+        nodes: &[NodalState],
+        bodies: &[Motion],
+        walls: &[Motion],
+        dt: f64,
+    ) -> Result<(), ContactError> {
+        self.check(&super::Snapshot { bodies, walls, dt })?;
+        self.check_nodes(nodes)?;
+        let kinds: Vec<Option<u32>> = (0..self.body_slots.total() as u32)
+            .map(|body| self.shape_index(body))
+            .collect();
+        let lost = |(kind, motion): (&Option<u32>, &Motion)| kind.is_some() && !motion.is_sound();
+        if let Some(body) = kinds.iter().zip(bodies).position(lost) {
+            return Err(ContactError::NotFinite {
+                body,
+                position: bodies[body].frame.position.into(),
+            });
+        }
+        self.make_fans()?;
+        if let Some(part) = &mut self.deformable {
+            let around = Around {
+                parameters: self.law.parameters(),
+                rigid_shapes: &self.shapes,
+                rigid_meshes: &self.fans,
+                rigid_kinds: &kinds,
+                wall_shapes: &self.walls,
+                rigid: bodies,
+                walls,
+                dt,
+            };
+            part.update(nodes, &around)?;
+        }
+        self.sum_loads();
+        Ok(())
+    }
+
+    fn check_nodes(&self, nodes: &[NodalState]) -> Result<(), ContactError> {
+        let expected = self.body_slots.total();
+        if nodes.len() == expected {
+            return Ok(());
+        }
+        Err(ContactError::StateCount {
+            what: "nodal state",
+            given: nodes.len(),
+            expected,
+        })
+    }
+
+    /// Starts the contact of A and a deformable body B with the friction of a contact that was computed elsewhere, such as
+    /// that of rigid bodies: a force on B (N) and a moment on B about the normal (N m), spread over the triangles in
+    /// contact in proportion to their normal loads. It takes effect in the next update, if the pair touches
+    /// then and has no friction yet. Of two deformable bodies A is that of the lower number.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if A or B is not there or B not deformable, [`ContactError::Parameter`] if the force or the
+    /// moment is not finite.
+    pub fn begin_friction(
+        &mut self,
+        a: Partner,
+        b: BodyId,
+        force: Vector3,
+        torsion: f64,
+    ) -> Result<(), ContactError> {
+        check(
+            "force",
+            force.norm(),
+            true,
+            "finite in every component, in N",
+        )?;
+        check("torsion", torsion, true, "finite, in N m")?;
+        let a = self.side(a)?;
+        let start = FrictionStart { force, torsion };
+        self.known_deformable(b)?.begin_friction(a, b, start);
+        Ok(())
+    }
+
+    /// What something is to a deformable body that meets it.
+    pub(super) fn side(&self, thing: Partner) -> Result<Side, ContactError> {
+        match thing {
+            Partner::Body(body) if self.is_deformable(body) => Ok(Side::Deformable(body)),
+            Partner::Body(body) => self.known_body(body).map(|()| Side::Rigid(body)),
+            Partner::Wall(wall) => self.known_wall(wall).map(|()| Side::Wall(wall)),
+        }
+    }
+
+    /// Whether anything touches a deformable body. If not, its [`nodal_loads`](Self::nodal_loads) are zero.
+    pub fn touches(&self, body: BodyId) -> bool {
+        let part = self.deformable.as_ref();
+        part.is_some_and(|part| part.touches(body))
+    }
+
+    /// What the contacts do to the nodes of a deformable body; empty lists if there is no such body.
+    pub fn nodal_loads(&self, body: BodyId) -> NodalLoads<'_> {
+        let part = self.deformable.as_ref();
+        part.map_or(NodalLoads::default(), |part| part.nodal_loads(body))
+    }
+
+    /// By number, whether anything is near a deformable body. The others touch nothing until they, or what they may meet,
+    /// have moved by a twentieth of their radius since the last update.
+    pub fn have_neighbours(&self) -> Vec<bool> {
+        let part = self.deformable.as_ref();
+        part.map_or_else(Vec::new, |part| part.have_neighbours())
+    }
+
+    /// Rigid bodies that touch an awake deformable body, in ascending order.
+    pub fn rigid_beside_awake(&self) -> Vec<BodyId> {
+        let part = self.deformable.as_ref();
+        part.map_or_else(Vec::new, |part| part.rigid_beside_awake())
+    }
+
+    /// Whether the forces on a deformable body may have changed in the last update: not if it sleeps among
+    /// sleepers. `false` for a body that does not exist.
+    pub fn is_stirred(&self, body: BodyId) -> bool {
+        let part = self.deformable.as_ref();
+        part.is_some_and(|part| part.is_stirred(body))
+    }
+
+    /// The contacts of deformable bodies, sorted by pair and patch.
+    pub fn deformable_contacts(&self) -> impl Iterator<Item = &Contact> {
+        self.deformable.iter().flat_map(|part| part.contacts())
+    }
+
+    /// Sums of the last update over the contacts of deformable bodies; `None` if there were never any.
+    pub fn deformable_totals(&self) -> Option<&DeformableTotals> {
+        self.deformable.as_ref().map(|part| part.totals())
+    }
+
+    /// The deformable part, made beside all rigid bodies and walls if it does not exist.
+    fn deformable_mut(&mut self) -> &mut DeformablePart {
+        let (awake, walls) = (&self.awake, self.walls.len());
+        if self.deformable.is_none() {
+            self.all_loads = [self.sums.loads.clone(), self.sums.walls.clone()];
+        }
+        let part = self
+            .deformable
+            .get_or_insert_with(|| Box::new(DeformablePart::beside(awake, walls)));
+        part.as_mut()
+    }
+
+    fn known_deformable(&mut self, body: BodyId) -> Result<&mut DeformablePart, ContactError> {
+        let count = self.deformable_count();
+        let part = self.deformable.as_deref_mut();
+        part.filter(|part| part.contains(body))
+            .ok_or(ContactError::NoSuch {
+                what: "deformable body",
+                index: body as usize,
+                count,
+            })
+    }
+
+    /// Adds the loads by deformable bodies to those by rigid ones, if there ever were deformable ones.
+    pub(super) fn sum_loads(&mut self) {
+        let Some(part) = &self.deformable else {
+            return;
+        };
+        let sum = |into: &mut Vec<Load>, of: &[Load], and: &[Load]| {
+            into.clear();
+            into.extend_from_slice(of);
+            for (load, other) in into.iter_mut().zip(and) {
+                *load += other;
+            }
+        };
+        let [bodies, walls] = &mut self.all_loads;
+        sum(bodies, &self.sums.loads, part.rigid_loads());
+        sum(walls, &self.sums.walls, part.wall_loads());
+    }
+}

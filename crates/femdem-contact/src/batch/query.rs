@@ -1,0 +1,100 @@
+//! What the batch knows after an update: loads, sums and contacts.
+
+use super::{BatchTotals, ContactBatch};
+use crate::contact::{BodyId, Load, Partner, RigidContact};
+use crate::record::Contact;
+
+impl ContactBatch {
+    /// Loads of the rigid bodies from all contacts, by number; those of sleeping bodies by rigid ones are from when they
+    /// fell asleep.
+    pub fn loads(&self) -> &[Load] {
+        match self.deformable {
+            Some(_) => &self.all_loads[0],
+            None => &self.sums.loads,
+        }
+    }
+
+    /// Loads on the walls from all evaluated contacts, about the walls' origins.
+    pub fn wall_loads(&self) -> &[Load] {
+        match self.deformable {
+            Some(_) => &self.all_loads[1],
+            None => &self.sums.walls,
+        }
+    }
+
+    /// The load of one rigid body from all its contacts on record, evaluated or not.
+    pub fn load_of(&self, body: BodyId) -> Load {
+        let mut load = self.rigid_load_of(body);
+        let part = self.deformable.as_ref();
+        if let Some(other) = part.and_then(|part| part.rigid_loads().get(body as usize)) {
+            load += other;
+        }
+        load
+    }
+
+    /// The same without deformable bodies.
+    pub(super) fn rigid_load_of(&self, body: BodyId) -> Load {
+        let mut load = Load::default();
+        for contact in self.rigid_contacts_of(body) {
+            load.add(contact, usize::from(contact.b == body));
+        }
+        load
+    }
+
+    /// The load of a wall, about its origin, from all its recorded contacts.
+    pub fn wall_load_of(&self, wall: u32) -> Load {
+        let mut load = Load::default();
+        for contact in self.rigid_contacts() {
+            if contact.a == Partner::Wall(wall) {
+                load.add(contact, 0);
+            }
+        }
+        let part = self.deformable.as_ref();
+        if let Some(other) = part.and_then(|part| part.wall_loads().get(wall as usize)) {
+            load += other;
+        }
+        load
+    }
+
+    /// Sums of the last update.
+    pub fn totals(&self) -> &BatchTotals {
+        &self.sums.totals
+    }
+
+    /// All contacts on record, sorted by pair and patch.
+    pub fn contacts(&self) -> Vec<Contact> {
+        let rigid = self.rigid_contacts();
+        let mut all: Vec<Contact> = rigid.into_iter().map(Contact::from).collect();
+        all.extend(self.deformable_contacts());
+        if self.deformable.is_some() {
+            all.sort_by_key(|contact| (contact.a, contact.b, contact.patch));
+        }
+        all
+    }
+
+    /// The contacts of one body, sorted by pair and patch.
+    pub fn contacts_of(&self, body: BodyId) -> Vec<Contact> {
+        let rigid = self.rigid_contacts_of(body).map(Contact::from);
+        let thing = Partner::Body(body);
+        let soft = self.deformable_contacts().filter(|c| c.has_side(thing));
+        let mut own: Vec<Contact> = rigid.chain(soft.copied()).collect();
+        own.sort_by_key(|contact| (contact.a, contact.b, contact.patch));
+        own
+    }
+
+    /// The contacts on record of rigid bodies with each other and with walls, sorted by pair and patch, with what an
+    /// implicit step needs to know of them.
+    pub fn rigid_contacts(&self) -> Vec<&RigidContact> {
+        self.pairs.contacts()
+    }
+
+    /// Those of one body, sorted by partner and patch.
+    pub fn rigid_contacts_of(&self, body: BodyId) -> impl Iterator<Item = &RigidContact> {
+        self.pairs.contacts_of(body)
+    }
+
+    /// Candidate pairs that will be evaluated at the next update.
+    pub fn candidate_count(&self) -> usize {
+        self.pairs.order_len()
+    }
+}

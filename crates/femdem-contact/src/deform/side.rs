@@ -1,0 +1,24 @@
+//! What a deformable body meets.
+
+use crate::contact::{BodyId, Partner};
+use serde::{Deserialize, Serialize};
+
+/// Side A of a pair with a deformable body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub(crate) enum Side {
+    /// Another one, of lower number.
+    Deformable(BodyId),
+    /// A rigid body.
+    Rigid(BodyId),
+    /// A wall.
+    Wall(u32),
+}
+
+impl From<Side> for Partner {
+    fn from(side: Side) -> Self {
+        match side {
+            Side::Deformable(body) | Side::Rigid(body) => Self::Body(body),
+            Side::Wall(wall) => Self::Wall(wall),
+        }
+    }
+}
