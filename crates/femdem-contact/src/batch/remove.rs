@@ -28,17 +28,9 @@ impl ContactBatch {
     /// # Errors
     /// [`ContactError::NoSuch`] if there is no such wall.
     pub fn remove_wall(&mut self, wall: u32) -> Result<Vec<BodyId>, ContactError> {
-        if !self.wall_slots.give_back(wall) {
-            return Err(ContactError::NoSuch {
-                what: "wall",
-                index: wall as usize,
-                count: self.wall_slots.len(),
-            });
-        }
-        let contacts = self.contacts().into_iter();
-        let own = contacts.filter(|contact| contact.a == Partner::Wall(wall));
-        let mut touched: Vec<BodyId> = own.map(|contact| contact.b).collect();
-        touched.dedup();
+        self.known_wall(wall)?;
+        let touched = self.touched_by_wall(wall);
+        self.wall_slots.give_back(wall);
         let w = wall as usize;
         self.pairs.leave_wall(wall);
         self.pairs.set_wall(w, false);
@@ -72,23 +64,54 @@ impl ContactBatch {
 
     /// Ends all pairs of a body, and forgets where it was.
     fn leave(&mut self, body: BodyId) -> Result<Vec<BodyId>, ContactError> {
-        if !self.contains(body) {
-            return Err(ContactError::NoSuch {
-                what: "body",
-                index: body as usize,
-                count: self.len(),
-            });
+        self.known_body(body)?;
+        let touched = self.touched_by(body);
+        self.pairs.leave(body);
+        self.broadphase.forget(body as usize);
+        // The lists of the awake are renewed, and one that sleeps is entered anew.
+        self.awake_changed = true;
+        Ok(touched)
+    }
+
+    pub(super) fn known_body(&self, body: BodyId) -> Result<(), ContactError> {
+        if self.contains(body) {
+            return Ok(());
         }
+        Err(ContactError::NoSuch {
+            what: "body",
+            index: body as usize,
+            count: self.len(),
+        })
+    }
+
+    pub(super) fn known_wall(&self, wall: u32) -> Result<(), ContactError> {
+        if self.wall(wall).is_some() {
+            return Ok(());
+        }
+        Err(ContactError::NoSuch {
+            what: "wall",
+            index: wall as usize,
+            count: self.wall_slots.len(),
+        })
+    }
+
+    /// The bodies that a body touches, ascending.
+    pub(super) fn touched_by(&self, body: BodyId) -> Vec<BodyId> {
         let partner = |contact: &Contact| match contact.a {
             Partner::Body(a) => Some(if a == body { contact.b } else { a }),
             Partner::Wall(_) => None,
         };
         let mut touched: Vec<BodyId> = self.contacts_of(body).filter_map(partner).collect();
         touched.dedup();
-        self.pairs.leave(body);
-        self.broadphase.forget(body as usize);
-        // The lists of the awake are renewed, and one that sleeps is entered anew.
-        self.awake_changed = true;
-        Ok(touched)
+        touched
+    }
+
+    /// The bodies that touch a wall, ascending.
+    pub(super) fn touched_by_wall(&self, wall: u32) -> Vec<BodyId> {
+        let contacts = self.contacts().into_iter();
+        let own = contacts.filter(|contact| contact.a == Partner::Wall(wall));
+        let mut touched: Vec<BodyId> = own.map(|contact| contact.b).collect();
+        touched.dedup();
+        touched
     }
 }

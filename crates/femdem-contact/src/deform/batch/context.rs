@@ -2,24 +2,20 @@
 
 use super::RigidShape;
 use super::body::SoftBody;
+use super::materials::Materials;
 use super::pair::SoftPair;
 use super::state::Sleep;
-use crate::deform::kernel::DeformableKernel;
 use crate::deform::operand::Operand;
 use crate::deform::record::{DeformablePartner, NodalState};
 use crate::deform::shape::DeformableShape;
 use crate::general::SolidWall;
-use crate::law::ContactParameters;
 use crate::motion::Motion;
 use crate::walls::WallShape;
 use std::sync::Arc;
 
 /// Data shared by all pairs of one update.
 pub(crate) struct Context<'a> {
-    pub parameters: &'a ContactParameters,
-    /// The law of pairs whose side A is a wall.
-    pub at_walls: ContactParameters,
-    pub kernel: &'a DeformableKernel,
+    pub materials: &'a Materials,
     pub shapes: &'a [Arc<DeformableShape>],
     pub rigid_shapes: &'a [RigidShape],
     pub rigid_kinds: &'a [Option<u32>],

@@ -3,6 +3,7 @@
 mod body;
 mod context;
 mod evaluate;
+mod materials;
 mod pair;
 mod pairs;
 mod prepare;
@@ -11,7 +12,6 @@ mod sleep;
 mod state;
 mod touching;
 
-use super::kernel::DeformableKernel;
 use super::pair::FrictionStart;
 use super::record::{DeformableContact, DeformablePartner, DeformableTotals, NodalState};
 use super::shape::{DeformableShape, Modulus};
@@ -21,13 +21,14 @@ use crate::contact::{BodyId, Load};
 use crate::error::{ContactError, check};
 use crate::general::FieldMesh;
 use crate::generalized::Resistance;
-use crate::law::{ContactLaw, ContactParameters};
+use crate::laws::{ContactLaws, MaterialId};
 use crate::motion::Motion;
 use crate::slots::Slots;
 use crate::walls::WallShape;
 use body::SoftBody;
 use context::Context;
 use femdem_mesh::Vector3;
+use materials::Materials;
 use pairs::PairList;
 pub use remove::Touched;
 use serde::{Deserialize, Serialize};
@@ -60,8 +61,7 @@ impl DeformablePartner {
 /// numbers are given out again, the lowest first.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct DeformableBatch {
-    law: ContactLaw,
-    kernel: DeformableKernel,
+    materials: Materials,
     #[serde(skip)]
     shapes: Vec<Arc<DeformableShape>>,
     #[serde(skip)]
@@ -98,11 +98,11 @@ impl RigidShape {
 }
 
 impl DeformableBatch {
-    /// An empty batch with one contact law, whose penalty is that of the rigid bodies.
-    pub fn new(law: ContactLaw) -> Self {
+    /// An empty batch with one contact law, or with laws for pairs of materials. The penalty of a law is that of a rigid body
+    /// that a deformable one meets.
+    pub fn new(laws: impl Into<ContactLaws>) -> Self {
         Self {
-            law,
-            kernel: DeformableKernel::default().with_walls(law.parameters().wall_response),
+            materials: Materials::new(laws.into()),
             shapes: Vec::new(),
             rigid_shapes: Vec::new(),
             slots: Default::default(),
@@ -119,12 +119,12 @@ impl DeformableBatch {
         }
     }
 
-    /// As [`new`](Self::new), with the rigid shapes, the rigid bodies and the walls of another batch under their indices.
+    /// An empty batch with the laws of another, and its rigid shapes, rigid bodies and walls under their indices.
     ///
     /// # Errors
     /// [`ContactError::Mesh`] if a convex shape is too flat for tetrahedra.
-    pub fn beside(rigid: &ContactBatch, law: ContactLaw) -> Result<Self, ContactError> {
-        let mut batch = Self::new(law);
+    pub fn beside(rigid: &ContactBatch) -> Result<Self, ContactError> {
+        let mut batch = Self::new(rigid.laws().clone());
         for shape in rigid.shapes() {
             batch.add_rigid_shape(shape.clone())?;
         }
@@ -138,20 +138,16 @@ impl DeformableBatch {
             .map(|wall| rigid.wall(wall).cloned())
             .collect();
         batch.wall_loads = vec![Load::default(); walls.total()];
+        for i in 0..bodies.total() as u32 {
+            let material = rigid.material(i).unwrap_or_default();
+            batch.materials.set(RIGID, i, material);
+        }
+        for w in 0..walls.total() as u32 {
+            let material = rigid.wall_material(w).unwrap_or_default();
+            batch.materials.set(WALL, w, material);
+        }
         batch.slots = [Slots::default(), bodies.clone(), walls.clone()];
         Ok(batch)
-    }
-
-    /// The law's parameters.
-    pub fn parameters(&self) -> &ContactParameters {
-        self.law.parameters()
-    }
-
-    /// Replaces the law; contacts keep their history.
-    pub fn set_law(&mut self, law: ContactLaw) {
-        self.evaluate_all();
-        self.kernel = self.kernel.with_walls(law.parameters().wall_response);
-        self.law = law;
     }
 
     /// Adds the shape of deformable bodies and returns its index.
@@ -160,7 +156,7 @@ impl DeformableBatch {
         self.shapes.len() as u32 - 1
     }
 
-    /// Adds a deformable body and returns its index.
+    /// Adds a deformable body, of material 0, and returns its index.
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if the shape was never added, [`ContactError::Parameter`] if the
@@ -177,8 +173,15 @@ impl DeformableBatch {
         } else {
             self.bodies[body as usize] = new;
         }
+        self.materials.set(SOFT, body, MaterialId::default());
         self.pairs.forget_search();
         Ok(body)
+    }
+
+    /// The modulus of a deformable body; `None` if it does not exist.
+    pub fn modulus(&self, body: u32) -> Option<Modulus> {
+        self.contains(body)
+            .then(|| self.bodies[body as usize].modulus)
     }
 
     /// Replaces the modulus of a deformable body; its contacts keep their history.
@@ -224,7 +227,7 @@ impl DeformableBatch {
         Ok(self.rigid_shapes.len() as u32 - 1)
     }
 
-    /// Adds a rigid body and returns its index.
+    /// Adds a rigid body, of material 0, and returns its index.
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if the shape was never added.
@@ -243,11 +246,12 @@ impl DeformableBatch {
             self.rigid[i] = Some(shape);
             self.rigid_sleep[i] = Sleep::Awake;
         }
+        self.materials.set(RIGID, body, MaterialId::default());
         self.pairs.forget_search();
         Ok(body)
     }
 
-    /// Adds a wall, of planes or a mesh, and returns its index. Its contacts with sleeping bodies are found
+    /// Adds a wall, of planes or a mesh, of material 0, and returns its index. Its contacts with sleeping bodies are found
     /// in the next update.
     pub fn add_wall(&mut self, wall: impl Into<WallShape>) -> u32 {
         self.evaluate_all();
@@ -258,6 +262,7 @@ impl DeformableBatch {
         } else {
             self.walls[slot as usize] = Some(wall.into());
         }
+        self.materials.set(WALL, slot, MaterialId::default());
         self.pairs.forget_search();
         slot
     }
@@ -286,6 +291,7 @@ impl DeformableBatch {
         if !slots.iter().zip(counts).all(numbered)
             || !self.pairs.fits(|kind, slot| slots[kind].holds(slot))
             || self.rigid_sleep.len() != counts[RIGID]
+            || self.materials.counts() != counts
         {
             return Err(ContactError::Stored {
                 what: "the table of pairs".to_owned(),
@@ -397,9 +403,7 @@ impl DeformableBatch {
         check("dt", dt, dt >= 0.0, "0 or more and finite, in s")?;
         body::advance(&mut self.bodies, bodies)?;
         let context = Context {
-            parameters: self.law.parameters(),
-            at_walls: self.law.parameters().at_walls(),
-            kernel: &self.kernel,
+            materials: &self.materials,
             shapes: &self.shapes,
             rigid_shapes: &self.rigid_shapes,
             rigid_kinds: &self.rigid,

@@ -77,19 +77,7 @@ impl DeformableBatch {
         self.known(kind, slot)?;
         let own =
             |a: DeformablePartner, b: u32| a == thing || DeformablePartner::Deformable(b) == thing;
-        let mut touched = Touched::default();
-        let pairs = self.pairs.list().iter().filter(|pair| own(pair.a, pair.b));
-        for pair in pairs.filter(|pair| !pair.outcome.contacts.is_empty()) {
-            for other in [pair.a, DeformablePartner::Deformable(pair.b)] {
-                match other {
-                    _ if other == thing => {}
-                    DeformablePartner::Deformable(i) => touched.deformables.push(i),
-                    DeformablePartner::Rigid(i) => touched.rigid.push(i),
-                    DeformablePartner::Wall(_) => {}
-                }
-            }
-        }
-        touched.deformables.sort_unstable();
+        let touched = self.touched_by(thing);
         self.pairs.end(|pair| own(pair.a, pair.b));
         self.starts.retain(|(a, b), _| !own(*a, *b));
         for &i in &touched.deformables {
@@ -97,5 +85,24 @@ impl DeformableBatch {
         }
         self.gather(false);
         Ok(touched)
+    }
+
+    /// What a body or a wall touches.
+    pub(super) fn touched_by(&self, thing: DeformablePartner) -> Touched {
+        let mut touched = Touched::default();
+        let pairs = self.pairs.list().iter();
+        for pair in pairs.filter(|pair| !pair.outcome.contacts.is_empty()) {
+            let sides = [pair.a, DeformablePartner::Deformable(pair.b)];
+            for other in sides.iter().filter(|_| sides.contains(&thing)) {
+                match *other {
+                    same if same == thing => {}
+                    DeformablePartner::Deformable(i) => touched.deformables.push(i),
+                    DeformablePartner::Rigid(i) => touched.rigid.push(i),
+                    DeformablePartner::Wall(_) => {}
+                }
+            }
+        }
+        touched.deformables.sort_unstable();
+        touched
     }
 }

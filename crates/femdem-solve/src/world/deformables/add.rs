@@ -9,7 +9,7 @@ use crate::world::build::place;
 use crate::world::stored::inconsistent;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableBatch, DeformablePartner};
-use femdem_contact::{BodyShape, ContactBatch, ContactLaw, Field};
+use femdem_contact::{BodyShape, ContactBatch, ContactLaws, Field};
 use femdem_fem::material::{Deformation, Material};
 use femdem_fem::{Boundary, DeformableModel};
 use femdem_mesh::nalgebra::Matrix6;
@@ -77,7 +77,7 @@ impl World {
     /// that is not finite, [`SolveError::BodyFailed`] if an element has no stress.
     pub fn add_deformable(&mut self, spec: DeformableSpec) -> Result<DeformableId, SolveError> {
         let gravity = self.parameters.gravity;
-        let penalty = self.parameters.contact.penalty;
+        let laws = self.batch.laws().clone();
         let (time, step) = (self.time, self.steps);
         let deformables = self.deformables_mut()?;
         let count = deformables.models.len();
@@ -98,12 +98,14 @@ impl World {
         let energy = state.kinetic_energy(masses) + state.potential(masses, &gravity);
         let shape = &deformables.batch.shapes()[spec.model as usize];
         let launch = USUAL_MOVE * shape.inradius() / state.fastest;
-        let modulus = model.modulus(shape, penalty);
+        let modulus = model.modulus(shape, &laws, spec.material);
         state.contact_step = model.contact_step(shape, modulus);
         let bound = state.bound.critical_step().min(state.contact_step);
         let frequency = model.frequency(shape);
         let id = deformables.batch.add_body(spec.model, modulus)?;
         deformables.batch.set_frequency(id, frequency)?;
+        let own = DeformablePartner::Deformable(id);
+        deformables.batch.set_material(own, spec.material)?;
         place(&mut deformables.bodies, id, state);
         self.newcomers.added.deformables.insert(id);
         self.initial_energy += energy;
@@ -134,9 +136,8 @@ impl World {
     /// The deformable part, created with all rigid shapes, bodies and walls if it does not exist.
     fn deformables_mut(&mut self) -> Result<&mut Deformables, SolveError> {
         self.restored()?;
-        let law = ContactLaw::new(self.parameters.contact)?;
         if self.deformables.is_none() {
-            let new = Deformables::new(law, &self.batch)?;
+            let new = Deformables::new(&self.batch)?;
             self.deformables = Some(Box::new(new));
         }
         // It exists: it was created above.
@@ -227,25 +228,28 @@ fn young(material: &dyn Material) -> f64 {
 }
 
 impl Deformables {
-    /// Replaces the contact law, and with it the stiffnesses given [by the
+    /// Replaces the contact laws, and with them the stiffnesses given [by the
     /// law](super::ContactStiffness::Law).
-    pub(in crate::world) fn set_law(&mut self, law: ContactLaw) -> Result<(), SolveError> {
-        self.batch.set_law(law);
-        let penalty = law.parameters().penalty;
-        let bodies = self.bodies.iter_mut().enumerate();
-        for (i, body) in bodies.filter(|(_, body)| !body.is_vacant()) {
-            let shape = &self.batch.shapes()[body.model as usize];
-            let model = &self.models[body.model as usize];
-            let modulus = model.modulus(shape, penalty);
-            body.contact_step = model.contact_step(shape, modulus);
-            self.batch.set_modulus(i as u32, modulus)?;
-        }
-        Ok(())
+    pub(in crate::world) fn set_laws(&mut self, laws: &ContactLaws) -> Result<(), SolveError> {
+        self.batch.set_laws(laws.clone());
+        let ids: Vec<u32> = self.batch.body_ids().collect();
+        ids.into_iter().try_for_each(|id| self.renew_modulus(id))
+    }
+
+    /// Sets the stiffness of the contact field of a body anew, when the laws or its material have changed.
+    pub(in crate::world) fn renew_modulus(&mut self, id: DeformableId) -> Result<(), SolveError> {
+        let body = &mut self.bodies[id as usize];
+        let shape = &self.batch.shapes()[body.model as usize];
+        let model = &self.models[body.model as usize];
+        let material = self.batch.material(DeformablePartner::Deformable(id));
+        let modulus = model.modulus(shape, self.batch.laws(), material.unwrap_or_default());
+        body.contact_step = model.contact_step(shape, modulus);
+        Ok(self.batch.set_modulus(id, modulus)?)
     }
 
     /// An empty deformable part with the rigid bodies and walls of a world.
-    fn new(law: ContactLaw, rigid: &ContactBatch) -> Result<Self, SolveError> {
-        let batch = DeformableBatch::beside(rigid, law)?;
+    fn new(rigid: &ContactBatch) -> Result<Self, SolveError> {
+        let batch = DeformableBatch::beside(rigid)?;
         Ok(Self {
             models: Vec::new(),
             bodies: Vec::new(),

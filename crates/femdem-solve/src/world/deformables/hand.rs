@@ -115,7 +115,7 @@ impl World {
         Ok(())
     }
 
-    pub(super) fn known_deformable(&self, id: DeformableId) -> Result<(), SolveError> {
+    pub(in crate::world) fn known_deformable(&self, id: DeformableId) -> Result<(), SolveError> {
         let deformables = self.deformables.as_deref();
         if deformables.is_some_and(|d| d.batch.contains(id)) {
             return Ok(());

@@ -1,0 +1,183 @@
+//! Contact laws of pairs of materials, and the materials of bodies and walls.
+
+use super::{DeformableId, World};
+use crate::error::SolveError;
+use crate::parameters::WorldParameters;
+use femdem_contact::deform::DeformablePartner;
+use femdem_contact::{BodyId, ContactLaw, ContactLaws, ContactParameters, MaterialId, Partner};
+
+impl World {
+    /// Replaces the contact law of all pairs of materials without one of their own; contacts keep their friction history. Frozen bodies wake, and what
+    /// the contacts and their springs hold more than before is on the books as work, except before the first
+    /// step, when nothing has been held yet.
+    ///
+    /// # Errors
+    /// As [`World::new`], and the errors of [`World::step`].
+    pub fn set_contact(&mut self, contact: ContactParameters) -> Result<(), SolveError> {
+        let laws = self.batch.laws().clone();
+        self.set_laws(laws.with_usual(ContactLaw::new(contact)?))
+    }
+
+    /// Gives a pair of materials, or a material and itself, a contact law of its own; `None`: that of the
+    /// [parameters](Self::set_contact) again. Contacts, frozen bodies and books as there.
+    ///
+    /// The penalty is that of the fields of rigid bodies; a deformable body keeps the stiffness of its model, unless that is
+    /// [by the law](crate::ContactStiffness::Law): then it is the penalty of its material with itself. The step is stable for
+    /// every law of a material and for that of the parameters, also before bodies meet.
+    ///
+    /// ```
+    /// use femdem_contact::{ContactParameters, MaterialId, Wall};
+    /// use femdem_mesh::{Pose, Vector3, catalogue::CatalogueShape};
+    /// use femdem_solve::{BodySpec, Drive, World, WorldParameters};
+    ///
+    /// // Two cubes on one ramp of 20 degrees: that of ice slides.
+    /// let mut world = World::new(WorldParameters::default())?;
+    /// let ice = MaterialId(1);
+    /// let usual = world.parameters().contact;
+    /// world.set_law(ice, MaterialId::default(), ContactParameters { friction: 0.05, ..usual })?;
+    /// let slope = 20_f64.to_radians();
+    /// let up = Vector3::new(slope.sin(), 0.0, slope.cos());
+    /// world.add_wall(Wall::half_space("ramp", up, 0.0)?, Drive::Fixed)?;
+    /// let shape = world.add_shape("cube", &"P5".parse::<CatalogueShape>()?.polyhedron(3_f64.sqrt())?)?;
+    /// let place = |y| Pose::new(0.4995 * up + y * Vector3::y(), slope * Vector3::y());
+    /// let stone = world.add_body(BodySpec::at_rest(shape, 2000.0, place(0.0)))?;
+    /// let cold = world.add_body(BodySpec { material: ice, ..BodySpec::at_rest(shape, 2000.0, place(2.0)) })?;
+    /// while world.time() < 0.2 {
+    ///     world.step()?;
+    /// }
+    /// let speed = |body| world.velocity(body).map_or(f64::NAN, |v| v.norm());
+    /// assert!(speed(stone) < 0.01 && speed(cold) > 0.5);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`World::set_contact`].
+    pub fn set_law(
+        &mut self,
+        a: MaterialId,
+        b: MaterialId,
+        law: impl Into<Option<ContactParameters>>,
+    ) -> Result<(), SolveError> {
+        let law = law.into().map(ContactLaw::new).transpose()?;
+        let mut laws = self.batch.laws().clone();
+        laws.set([a, b], law);
+        self.set_laws(laws)
+    }
+
+    /// The contact laws.
+    pub fn laws(&self) -> &ContactLaws {
+        self.batch.laws()
+    }
+
+    /// Replaces the contact law of the parameters and those of all pairs of materials. Contacts, frozen bodies and books as in
+    /// [`set_contact`](Self::set_contact).
+    ///
+    /// # Errors
+    /// As [`World::set_contact`].
+    pub fn set_laws(&mut self, laws: ContactLaws) -> Result<(), SolveError> {
+        let parameters = WorldParameters {
+            contact: *laws.usual(),
+            ..self.parameters
+        };
+        if self.steps == 0 && !self.loaded {
+            return self.replace_laws(parameters, &laws);
+        }
+        parameters.laws(&laws)?;
+        self.restored()?;
+        self.wake_all();
+        self.evaluate_if_due()?;
+        let before = self.ledger();
+        self.replace_laws(parameters, &laws)?;
+        self.evaluate(0.0)?;
+        self.loaded = true;
+        let after = self.ledger();
+        let springs = after.friction_springs - before.friction_springs;
+        self.flows.work_in += after.elastic - before.elastic + springs;
+        // What friction has dissipated is its work less what its springs hold.
+        self.flows.friction_work -= springs;
+        Ok(())
+    }
+
+    /// The material of a rigid body.
+    pub fn material(&self, id: BodyId) -> Option<MaterialId> {
+        self.batch.material(id)
+    }
+
+    /// The material of a wall.
+    pub fn wall_material(&self, wall: u32) -> Option<MaterialId> {
+        self.batch.wall_material(wall)
+    }
+
+    /// The material of the skin of a deformable body.
+    pub fn deformable_material(&self, id: DeformableId) -> Option<MaterialId> {
+        let batch = &self.deformables.as_deref()?.batch;
+        batch.material(DeformablePartner::Deformable(id))
+    }
+
+    /// Gives a rigid body another material. Its contacts keep their friction; it and what it touches wake. What its overlaps
+    /// hold more under their new laws is in [`Ledger::by_hand`](crate::Ledger::by_hand).
+    ///
+    /// # Errors
+    /// As [`World::remove_body`].
+    pub fn set_material(&mut self, id: BodyId, material: MaterialId) -> Result<(), SolveError> {
+        self.known_body(id)?;
+        self.evaluate_pending()?;
+        let stored = self.stored_by(Partner::Body(id));
+        let mut touched = self.batch.set_material(id, material)?;
+        if let Some(deformables) = &mut self.deformables {
+            let own = DeformablePartner::Rigid(id);
+            let soft = deformables.batch.set_material(own, material)?;
+            touched.extend(deformables.let_go(soft, &self.batch));
+        }
+        touched.push(id);
+        self.newcomers.moved.bodies.insert(id);
+        self.step_control.lose();
+        self.book_ended(stored.of_overlaps(), &touched);
+        Ok(())
+    }
+
+    /// The same for a wall, which is of material 0 when it is added.
+    ///
+    /// # Errors
+    /// As [`World::remove_wall`].
+    pub fn set_wall_material(&mut self, wall: u32, material: MaterialId) -> Result<(), SolveError> {
+        self.known_wall(wall)?;
+        self.evaluate_pending()?;
+        let stored = self.stored_by(Partner::Wall(wall));
+        let mut touched = self.batch.set_wall_material(wall, material)?;
+        if let Some(deformables) = &mut self.deformables {
+            let own = DeformablePartner::Wall(wall);
+            let soft = deformables.batch.set_material(own, material)?;
+            touched.extend(deformables.let_go(soft, &self.batch));
+        }
+        self.newcomers.moved.walls.insert(wall);
+        self.book_ended(stored.of_overlaps(), &touched);
+        Ok(())
+    }
+
+    /// The same for a deformable body.
+    ///
+    /// # Errors
+    /// [`SolveError::NoSuch`] for an unknown body.
+    pub fn set_deformable_material(
+        &mut self,
+        id: DeformableId,
+        material: MaterialId,
+    ) -> Result<(), SolveError> {
+        self.known_deformable(id)?;
+        self.restored()?;
+        let own = DeformablePartner::Deformable(id);
+        let stored = self.stored_softly_by(own);
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return Ok(());
+        };
+        let soft = deformables.batch.set_material(own, material)?;
+        deformables.renew_modulus(id)?;
+        let touched = deformables.let_go(soft, &self.batch);
+        deformables.wake(id as usize);
+        self.newcomers.moved.deformables.insert(id);
+        self.step_control.lose();
+        self.book_ended(stored.of_overlaps(), &touched);
+        Ok(())
+    }
+}
