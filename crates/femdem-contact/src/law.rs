@@ -145,6 +145,12 @@ impl ContactLaw {
     pub fn parameters(&self) -> &ContactParameters {
         &self.parameters
     }
+
+    pub(crate) fn without_dashpots(mut self) -> Self {
+        self.parameters.damping_ratio = 0.0;
+        self.parameters.tangential_damping = 0.0;
+        self
+    }
 }
 
 impl TryFrom<ContactParameters> for ContactLaw {

@@ -18,6 +18,7 @@ mod general_sliding;
 mod general_states;
 mod general_walls;
 mod gradient;
+mod materials;
 mod pair_properties;
 mod patches;
 mod reach;

@@ -166,8 +166,8 @@ fn kept_lists_find_what_fresh_ones_find() {
         fresh.batch = start.batch.clone();
         let mut without = kept.clone();
         let none = law(|p| p.friction = 0.0);
-        fresh.batch.set_law(none);
-        without.batch.set_law(none);
+        fresh.batch.set_laws(none);
+        without.batch.set_laws(none);
         fresh.update().unwrap();
         without.update().unwrap();
         let size = fresh.forces().iter().map(Vector3::norm).fold(0.0, f64::max);
@@ -219,8 +219,8 @@ fn what_is_removed_acts_no_more() {
         {
             let (mut left, mut far) = (kept.clone(), kept.clone());
             far.batch = start.batch.clone();
-            far.batch.set_law(none);
-            left.batch.set_law(none);
+            far.batch.set_laws(none);
+            left.batch.set_laws(none);
             left.update().unwrap();
             let contacts = left.batch.deformable_contacts();
             let own = contacts.filter(|c| c.a == thing || Partner::Body(c.b) == thing);
@@ -491,8 +491,8 @@ fn sleepers_at_rest_have_the_forces_of_awake_bodies() {
     }
     both([&mut awake, &mut asleep]);
     let stiffer = law(|p| p.penalty *= 2.0);
-    awake.batch.set_law(stiffer);
-    asleep.batch.set_law(stiffer);
+    awake.batch.set_laws(stiffer);
+    asleep.batch.set_laws(stiffer);
     both([&mut awake, &mut asleep]);
     asleep.velocities[1].pop();
     let node_count = ContactError::NodeCount {

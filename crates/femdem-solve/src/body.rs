@@ -2,7 +2,9 @@
 
 use crate::error::{SolveError, check};
 use crate::guide::Guide;
-use femdem_contact::{BodyShape, ConvexShape, Field, FieldMesh, Frame, Motion, Sphere, Wrench};
+use femdem_contact::{
+    BodyShape, ConvexShape, Field, FieldMesh, Frame, MaterialId, Motion, Sphere, Wrench,
+};
 use femdem_fem::Driven;
 use femdem_mesh::nalgebra::{Matrix3, Translation3};
 use femdem_mesh::{Polyhedron, Pose, Rotation, TetMesh, Vector3, checked_pose, shapes};
@@ -145,6 +147,9 @@ pub struct BodySpec {
     pub velocity: Vector3,
     /// Angular velocity, world axes, rad/s.
     pub angular_velocity: Vector3,
+    /// Its material, by which its contacts find [their laws](crate::World::set_law).
+    #[serde(default)]
+    pub material: MaterialId,
 }
 
 impl BodySpec {
@@ -156,6 +161,7 @@ impl BodySpec {
             pose,
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
+            material: MaterialId::default(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Parameters of a world, with defaults and validation.
 
 use crate::error::{SolveError, check};
-use femdem_contact::{ContactLaw, ContactParameters};
+use femdem_contact::{ContactLaw, ContactLaws, ContactParameters};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 pub struct WorldParameters {
     /// Acceleration of gravity, m/s^2.
     pub gravity: Vector3,
-    /// The contact law.
+    /// The contact law of all pairs of materials without [one of their own](crate::World::set_law).
     pub contact: ContactParameters,
     /// Step size control.
     pub time_step: TimeStepParameters,
@@ -281,6 +281,23 @@ pub struct Medium {
 }
 
 impl WorldParameters {
+    /// The laws of a world with these parameters and the laws of pairs of `others`.
+    pub(crate) fn laws(&self, others: &ContactLaws) -> Result<ContactLaws, SolveError> {
+        let laws = others.clone().with_usual(self.validate()?);
+        let rolls = |law: &&ContactParameters| law.rolling_friction != 0.0;
+        if let Some(law) = laws.all().find(rolls)
+            && self.time_step.implicit.is_some()
+        {
+            check(
+                "rolling_friction with time_step.implicit",
+                law.rolling_friction,
+                false,
+                "0: implicit steps have no rolling friction; step explicitly",
+            )?;
+        }
+        Ok(laws)
+    }
+
     pub(crate) fn validate(&self) -> Result<ContactLaw, SolveError> {
         let law = ContactLaw::new(self.contact)?;
         let g = self.gravity.norm();
@@ -307,13 +324,6 @@ impl WorldParameters {
                 self.medium.local_damping,
                 self.medium.local_damping == 0.0,
                 "0: local damping is not a function that an implicit step can follow",
-            )?;
-            let rolling = self.contact.rolling_friction;
-            check(
-                "rolling_friction with time_step.implicit",
-                rolling,
-                rolling == 0.0,
-                "0: implicit steps have no rolling friction; step explicitly",
             )?;
         }
         let s = &self.sleeping;

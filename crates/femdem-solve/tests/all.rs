@@ -10,6 +10,7 @@ mod host;
 mod impacts;
 mod implicit;
 mod masonry;
+mod materials;
 #[path = "../../femdem-contact/tests/common/meshes.rs"]
 #[expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 mod meshes;

@@ -43,6 +43,7 @@ fn elastic_box(count: u64, seconds: f64) -> (f64, f64, [usize; 2]) {
                     noise(7 * i + 4),
                     noise(7 * i + 5),
                 ) * 9.0,
+                material: Default::default(),
             })
             .unwrap();
     }

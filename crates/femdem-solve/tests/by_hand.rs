@@ -256,6 +256,7 @@ fn what_remains_is_a_world_of_its_own() {
             pose: world.pose(id).unwrap(),
             velocity: world.velocity(id).unwrap(),
             angular_velocity: world.angular_velocity(id).unwrap(),
+            material: world.material(id).unwrap(),
         };
         fresh.add_body(spec).unwrap();
     }

@@ -57,6 +57,7 @@ fn elastic_box_of_27_keeps_its_energy() {
             pose: pose(position, Rotation::from_scaled_axis(turn)),
             velocity,
             angular_velocity: turn * 3.0,
+            material: Default::default(),
         };
         world.add_body(spec).unwrap();
     }

@@ -6,6 +6,7 @@
 mod common;
 
 use common::{D, DENSITY, G, add_floor, add_heap, add_sides, parameters};
+use femdem_contact::{ContactParameters, MaterialId};
 use femdem_mesh::nalgebra::Vector3;
 use femdem_solve::checkpoint::checksum;
 use femdem_solve::{Drive, World};
@@ -31,7 +32,16 @@ fn heap(count: u64, wide: u64) -> World {
             end: 0.2,
         },
     );
-    add_heap(&mut world, count, wide);
+    // Bodies of three materials, with a law for the pair of two of them.
+    for (k, id) in (0..).zip(add_heap(&mut world, count, wide)) {
+        world.set_material(id, MaterialId(k % 3)).unwrap();
+    }
+    let law = ContactParameters {
+        penalty: 3e6,
+        friction: 0.3,
+        ..p.contact
+    };
+    world.set_law(MaterialId(1), MaterialId(2), law).unwrap();
     world
 }
 

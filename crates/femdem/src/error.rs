@@ -23,7 +23,7 @@ pub enum Error {
     },
     /// A body goes through another or through a wall.
     #[error(
-        "at {time:.6} s \"{b}\" lies in \"{a}\" by {:.0} % of the smaller one's volume: contact.penalty = {penalty:e} Pa \
+        "at {time:.6} s \"{b}\" lies in \"{a}\" by {:.0} % of the smaller one's volume: contact.penalty, or that of their pair, = {penalty:e} Pa \
          cannot hold them apart; {enough:.1e} Pa would, or a lower speed or load",
         100.0 * share
     )]
@@ -87,6 +87,16 @@ pub enum Error {
         value: String,
         /// What is allowed.
         allowed: &'static str,
+    },
+    /// A name that nothing in a scene has.
+    #[error("{name} = \"{value}\" is not known: give one of {known}")]
+    Unknown {
+        /// The key.
+        name: &'static str,
+        /// The name given.
+        value: String,
+        /// What is known.
+        known: String,
     },
     /// A scene file is not TOML, or has a wrong key or value.
     #[error("{}: {message}", path.display())]

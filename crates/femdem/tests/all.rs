@@ -12,6 +12,7 @@ mod resume;
 mod run;
 mod scene_cases;
 mod scene_keys;
+mod scene_pairs;
 mod scene_physics;
 mod scene_rest;
 mod scene_statics;

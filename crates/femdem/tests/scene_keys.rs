@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use femdem::run::{
     Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, ContactEntry, Copies,
     CylinderEntry, Ending, FocusEntry, HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry,
-    MediumEntry, MotionEntry, Penalty, PenetrationSummary, PlaneEntry, ReactionSummary,
+    MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry, ReactionSummary,
     RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary, RotationEntry, RunEnergy,
     RunSummary, Scenario, SelectEntry, StepEntry, StrainSummary, WallEntry, WallSummary, Zone,
 };
@@ -101,7 +101,7 @@ fn boundary() -> BoundaryEntry {
 
 fn material() -> MaterialEntry {
     MaterialEntry {
-        density: 1.0,
+        density: Some(1.0),
         law: Some(Law::J2),
         young: Some(1.0),
         poisson: Some(0.1),
@@ -149,7 +149,22 @@ fn wall() -> WallEntry {
         file: Some(PathBuf::from("w.stl")),
         unit: Unit::M,
         repair: true,
+        material: Some("m".to_owned()),
         motion: Some(SHAKE),
+    }
+}
+
+fn pair() -> PairEntry {
+    PairEntry {
+        materials: ["m".to_owned(), "n".to_owned()],
+        penalty: Some(1.0),
+        friction: Some(0.1),
+        wall_friction: Some(0.1),
+        rolling_friction: Some(0.1),
+        damping: Some(0.1),
+        tangential_ratio: Some(0.1),
+        tangential_damping: Some(0.1),
+        wall_response: Some(femdem::contact::WallResponse::Rigid),
     }
 }
 
@@ -179,6 +194,7 @@ fn scenario() -> Scenario {
         relax: Some(RelaxEntry::default()),
         gravity: V,
         contact: ContactEntry::default(),
+        pair: vec![pair()],
         time_step: step(),
         medium: MediumEntry::default(),
         energy_error_limit: 0.5,
@@ -255,6 +271,7 @@ fn every_key_of_every_table_is_documented_and_no_other() {
         ("## `[rest]`", keys(&rest())),
         ("## `[relax]`", keys(&RelaxEntry::default())),
         ("## `[contact]`", keys(&ContactEntry::default())),
+        ("## `[[pair]]`", keys(&pair())),
         ("## `[time-step]`", keys(&step())),
         ("## `[medium]`", keys(&MediumEntry::default())),
         ("## `[[wall]]`", keys(&wall())),

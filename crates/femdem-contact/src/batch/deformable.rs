@@ -60,6 +60,11 @@ impl ContactBatch {
         self.body_ids().filter(|body| self.is_deformable(*body))
     }
 
+    /// The modulus of a deformable body.
+    pub fn modulus(&self, body: BodyId) -> Option<Modulus> {
+        self.deformable.as_ref()?.modulus(body)
+    }
+
     /// Replaces the modulus of a deformable body; its contacts keep their history.
     ///
     /// # Errors
@@ -125,7 +130,7 @@ impl ContactBatch {
         self.make_fans()?;
         if let Some(part) = &mut self.deformable {
             let around = Around {
-                parameters: self.law.parameters(),
+                materials: &self.materials,
                 rigid_shapes: &self.shapes,
                 rigid_meshes: &self.fans,
                 rigid_kinds: &kinds,

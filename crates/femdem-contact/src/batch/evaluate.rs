@@ -8,7 +8,7 @@ use crate::damping::{Moment, Whole, damp};
 use crate::friction::Pace;
 use crate::general::{FieldMesh, GeneralKernel, GeneralScratch, Patch};
 use crate::kernel::{CavityKernel, Overlap, PairKernel, Scratch};
-use crate::law::ContactParameters;
+use crate::materials::Materials;
 use crate::motion::Motion;
 use crate::rocking::{Rocker, Turn};
 use crate::rolling::{Roller, Rolling};
@@ -41,13 +41,7 @@ const HARDER: f64 = 2.0;
 
 /// Data shared by all pairs of one update.
 pub(crate) struct Context<'a> {
-    pub pair: PairKernel,
-    pub cavity: CavityKernel,
-    pub sphere: SphereKernel,
-    pub general: GeneralKernel,
-    pub parameters: ContactParameters,
-    /// The law of pairs whose side A is a wall.
-    pub at_walls: ContactParameters,
+    pub materials: &'a Materials,
     pub shapes: &'a [BodyShape],
     /// The shapes as tetrahedra; empty as long as there is no mesh.
     pub fans: &'a [Arc<FieldMesh>],
@@ -64,6 +58,16 @@ type Ids = (Partner, BodyId, u32);
 impl Context<'_> {
     fn shape(&self, body: BodyId) -> &BodyShape {
         &self.shapes[self.body_shapes[body as usize] as usize]
+    }
+
+    /// Who looks ahead, without dashpots, steps far.
+    fn pair_kernel(&self, penalty: f64) -> PairKernel {
+        let kernel = PairKernel::of(penalty);
+        if self.pace.dashpots {
+            kernel
+        } else {
+            kernel.for_large_steps()
+        }
     }
 
     fn mesh(&self, body: BodyId) -> Option<&FieldMesh> {
@@ -174,15 +178,16 @@ impl Context<'_> {
         let (of_a, of_b) = (self.motion_a(a), &self.bodies[b as usize]);
         let (frame_a, frame_b) = (&of_a.frame, &of_b.frame);
         let travelled = of_a.travelled + of_b.travelled;
+        let penalty = self.materials.law(a, b).penalty;
         match (cache, a) {
             (Cache::Body(cache), Partner::Body(i)) => {
                 let (shape, body) = (self.shape(i).convex()?, self.shape(b).convex()?);
-                self.pair
+                self.pair_kernel(penalty)
                     .evaluate_cached(shape, frame_a, body, frame_b, cache, travelled, scratch)
             }
             (Cache::Wall(cache), Partner::Wall(w)) => {
                 let (wall, body) = (self.planes(w)?, self.shape(b).convex()?);
-                self.cavity
+                CavityKernel::of(penalty)
                     .evaluate_cached(wall, frame_a, body, frame_b, cache, travelled, scratch)
             }
             (Cache::Sphere { clear_until }, _) => {
@@ -200,7 +205,9 @@ impl Context<'_> {
                 };
                 let (gap, _) = meeting.gap();
                 *clear_until = travelled + gap.max(0.0);
-                (gap < 0.0).then(|| meeting.overlap(&self.sphere)).flatten()
+                (gap < 0.0)
+                    .then(|| meeting.overlap(&SphereKernel::of(penalty)))
+                    .flatten()
             }
             _ => None,
         }
@@ -222,7 +229,7 @@ impl Context<'_> {
         let motions = [self.motion_a(a), &self.bodies[b as usize]];
         let found: Vec<([u32; 2], &Overlap)> =
             patches.iter().map(|p| (p.key, &p.overlap)).collect();
-        let ratio = self.parameters.tangential_ratio;
+        let ratio = self.materials.law(a, b).tangential_ratio;
         let states = inherit(&pair.patches, &found, motions, ratio);
         let overlaps = patches.iter().map(|p| &p.overlap);
         let whole = (patches.len() > 1).then(|| Whole::new(overlaps, motions[0], motions[1]));
@@ -245,13 +252,13 @@ impl Context<'_> {
         let (frame_a, frame_b) = (&of_a.frame, &of_b.frame);
         let travelled = of_a.travelled + of_b.travelled;
         let body = self.mesh(b)?;
+        let kernel = GeneralKernel::of(self.materials.law(a, b).penalty);
         let cache = &mut pair.cache;
         let wall = match a {
             Partner::Body(i) => {
                 let mesh = self.mesh(i)?;
                 return Some(
-                    self.general
-                        .evaluate_cached(mesh, frame_a, body, frame_b, cache, travelled, scratch),
+                    kernel.evaluate_cached(mesh, frame_a, body, frame_b, cache, travelled, scratch),
                 );
             }
             Partner::Wall(w) => match self.wall_shapes[w as usize].as_ref()? {
@@ -269,10 +276,7 @@ impl Context<'_> {
                 }
             },
         };
-        Some(
-            self.general
-                .evaluate_wall_cached(wall, frame_a, body, frame_b, cache, travelled, scratch),
-        )
+        Some(kernel.evaluate_wall_cached(wall, frame_a, body, frame_b, cache, travelled, scratch))
     }
 
     /// Damping and friction of one patch, whose state is advanced; `whole` is the whole pair if it has
@@ -294,7 +298,8 @@ impl Context<'_> {
         } else {
             Moment::default()
         };
-        let zeta = self.parameters.damping_ratio;
+        let law = self.materials.law(ids.0, ids.1);
+        let zeta = law.damping_ratio;
         let mut damped = damp(overlap, whole, a, b, zeta, moment);
         let rocker = Rocker {
             foundation: &overlap.foundation,
@@ -311,10 +316,6 @@ impl Context<'_> {
             damped.scale = 1.0;
             rocking.leave_springs();
         }
-        let law = match ids.0 {
-            Partner::Body(_) => &self.parameters,
-            Partner::Wall(_) => &self.at_walls,
-        };
         let share = whole.map_or(1.0, |all| all.friction_share(overlap));
         let pace = Pace {
             share,
@@ -323,7 +324,7 @@ impl Context<'_> {
         };
         let friction = history
             .friction
-            .update(law, overlap, normal_force, a, b, pace);
+            .update(&law, overlap, normal_force, a, b, pace);
         let mut rolling = Rolling::default();
         if law.rolling_friction > 0.0 {
             let arms = [&overlap.arm_a, &overlap.arm_b];

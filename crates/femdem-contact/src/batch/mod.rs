@@ -8,6 +8,7 @@ mod gather;
 mod history;
 mod implicit;
 mod layout;
+mod materials;
 mod pairs;
 mod query;
 mod remove;
@@ -21,12 +22,11 @@ use crate::contact::{BodyId, Load, Partner, RigidContact};
 use crate::deform::{DeformablePart, DeformableShape, Side};
 use crate::error::{ContactError, check};
 use crate::friction::Pace;
-use crate::general::{FieldMesh, GeneralKernel};
-use crate::kernel::{CavityKernel, PairKernel};
-use crate::law::{ContactLaw, ContactParameters};
+use crate::general::FieldMesh;
+use crate::laws::{ContactLaws, MaterialId};
+use crate::materials::Materials;
 use crate::motion::Motion;
 use crate::slots::Slots;
-use crate::sphere::SphereKernel;
 use crate::walls::WallShape;
 use evaluate::{Context, Views};
 use gather::{Sums, load_not_finite};
@@ -93,7 +93,7 @@ pub struct BatchTotals {
 /// ```
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ContactBatch {
-    law: ContactLaw,
+    materials: Materials,
     #[serde(skip)]
     shapes: Vec<BodyShape>,
     /// Whether the shapes are those of the bodies: not in a batch that was read and has not got them back.
@@ -124,10 +124,10 @@ pub struct ContactBatch {
 }
 
 impl ContactBatch {
-    /// An empty batch with one contact law.
-    pub fn new(law: ContactLaw) -> Self {
+    /// An empty batch with one contact law, or with laws for pairs of materials.
+    pub fn new(laws: impl Into<ContactLaws>) -> Self {
         Self {
-            law,
+            materials: Materials::new(laws.into()),
             shapes: Vec::new(),
             restored: true,
             fans: Vec::new(),
@@ -153,7 +153,7 @@ impl ContactBatch {
         self.shapes.len() as u32 - 1
     }
 
-    /// Adds a body, awake, and returns its index.
+    /// Adds a body, awake and of material 0, and returns its index.
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if the shape was never added.
@@ -174,6 +174,7 @@ impl ContactBatch {
         let i = body as usize;
         if is_new {
             self.body_shapes.push(shape);
+            self.materials.of_bodies.push(MaterialId::default());
             self.awake.push(false);
             self.sums.loads.push(Load::default());
             if self.deformable.is_some() {
@@ -181,6 +182,7 @@ impl ContactBatch {
             }
         } else {
             self.body_shapes[i] = shape;
+            self.materials.of_bodies[i] = MaterialId::default();
         }
         self.pairs.set_body(i, kind);
         body
@@ -194,7 +196,7 @@ impl ContactBatch {
         })
     }
 
-    /// Adds a wall, of planes or a mesh, and returns its index.
+    /// Adds a wall, of planes or a mesh, of material 0, and returns its index.
     pub fn add_wall(&mut self, wall: impl Into<WallShape>) -> u32 {
         let wall = wall.into();
         let (slot, is_new) = self.wall_slots.take();
@@ -202,6 +204,7 @@ impl ContactBatch {
         self.pairs.set_wall(w, wall.is_mesh());
         if is_new {
             self.walls.push(Some(wall));
+            self.materials.of_walls.push(MaterialId::default());
             self.wall_expires.push(f64::NEG_INFINITY);
             self.sums.walls.push(Load::default());
             if self.deformable.is_some() {
@@ -209,6 +212,7 @@ impl ContactBatch {
             }
         } else {
             self.walls[w] = Some(wall);
+            self.materials.of_walls[w] = MaterialId::default();
             self.wall_expires[w] = f64::NEG_INFINITY;
         }
         if let Some(part) = &mut self.deformable {
@@ -326,19 +330,6 @@ impl ContactBatch {
         self.restored = true;
         self.fans.clear();
         Ok(())
-    }
-
-    /// The law's parameters.
-    pub fn parameters(&self) -> &ContactParameters {
-        self.law.parameters()
-    }
-
-    /// Replaces the law; contacts keep their history.
-    pub fn set_law(&mut self, law: ContactLaw) {
-        self.law = law;
-        if let Some(part) = &mut self.deformable {
-            part.evaluate_all();
-        }
     }
 
     /// Whether a body is awake; `false` for a body that does not exist.
@@ -469,23 +460,8 @@ impl ContactBatch {
         self.make_fans()?;
         self.search(view)?;
         self.pairs.refresh_order(&self.awake, &self.awake_list);
-        let parameters = *self.law.parameters();
-        let pair = PairKernel::new(parameters.penalty)?;
-        let cavity = CavityKernel::new(parameters.penalty)?;
-        let sphere = SphereKernel::new(parameters.penalty)?;
-        let general = GeneralKernel::new(parameters.penalty)?;
         let context = |view: Snapshot<'a>| Context {
-            // Who looks ahead steps far.
-            pair: if ahead.is_some() {
-                pair.for_large_steps()
-            } else {
-                pair
-            },
-            cavity,
-            sphere,
-            general,
-            parameters,
-            at_walls: parameters.at_walls(),
+            materials: &self.materials,
             shapes: &self.shapes,
             fans: &self.fans,
             body_shapes: &self.body_shapes,

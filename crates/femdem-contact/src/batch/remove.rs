@@ -33,15 +33,12 @@ impl ContactBatch {
     /// [`ContactError::NoSuch`] if there is no such wall.
     pub fn remove_wall(&mut self, wall: u32) -> Result<Vec<BodyId>, ContactError> {
         self.known_wall(wall)?;
-        self.wall_slots.give_back(wall);
-        let contacts = self.rigid_contacts().into_iter();
-        let own = contacts.filter(|contact| contact.a == Partner::Wall(wall));
-        let mut touched: Vec<BodyId> = own.map(|contact| contact.b).collect();
+        let side = Side::Wall(wall);
+        let touched = self.touched_by(side);
         if let Some(part) = &mut self.deformable {
-            touched.extend(part.leave(Side::Wall(wall)));
-            touched.sort_unstable();
+            part.leave(side);
         }
-        touched.dedup();
+        self.wall_slots.give_back(wall);
         let w = wall as usize;
         self.pairs.leave_wall(wall);
         self.pairs.set_wall(w, false);
@@ -84,21 +81,43 @@ impl ContactBatch {
     /// Ends all pairs of a body, and forgets where it was.
     fn leave(&mut self, body: BodyId) -> Result<Vec<BodyId>, ContactError> {
         let side = self.side(Partner::Body(body))?;
-        let partner = |contact: &RigidContact| match contact.a {
-            Partner::Body(a) => Some(if a == body { contact.b } else { a }),
-            Partner::Wall(_) => None,
-        };
-        let mut touched: Vec<BodyId> = self.rigid_contacts_of(body).filter_map(partner).collect();
+        let touched = self.touched_by(side);
         if let Some(part) = &mut self.deformable {
-            touched.extend(part.leave(side));
-            touched.sort_unstable();
+            part.leave(side);
         }
-        touched.dedup();
         self.pairs.leave(body);
         self.broadphase.forget(body as usize);
         // The lists of the awake are renewed, and one that sleeps is entered anew.
         self.awake_changed = true;
         self.sum_loads();
         Ok(touched)
+    }
+
+    /// The bodies that touch a body or a wall, ascending. Deformable ones among them, and it if it is one, are evaluated in the
+    /// next update even if they sleep.
+    pub(super) fn touched_by(&mut self, side: Side) -> Vec<BodyId> {
+        let thing = Partner::from(side);
+        let partner = |contact: &RigidContact| match contact.a {
+            Partner::Body(a) if Partner::Body(contact.b) == thing => Some(a),
+            Partner::Wall(_) if Partner::Body(contact.b) == thing => None,
+            _ => Some(contact.b),
+        };
+        let mut touched: Vec<BodyId> = match thing {
+            Partner::Body(body) => {
+                let contacts = self.rigid_contacts_of(body);
+                contacts.filter_map(partner).collect()
+            }
+            Partner::Wall(_) => {
+                let contacts = self.rigid_contacts().into_iter();
+                let own = contacts.filter(|contact| contact.a == thing);
+                own.filter_map(partner).collect()
+            }
+        };
+        if let Some(part) = &mut self.deformable {
+            touched.extend(part.stir_around(side));
+            touched.sort_unstable();
+        }
+        touched.dedup();
+        touched
     }
 }

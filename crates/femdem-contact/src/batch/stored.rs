@@ -31,6 +31,12 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
     let lengths = [
         ("numbers of bodies", batch.body_slots.total(), bodies),
         ("numbers of walls", batch.wall_slots.total(), walls),
+        (
+            "materials of bodies",
+            batch.materials.of_bodies.len(),
+            bodies,
+        ),
+        ("materials of walls", batch.materials.of_walls.len(), walls),
         ("bodies awake or asleep", batch.awake.len(), bodies),
         ("loads on bodies", batch.sums.loads.len(), bodies),
         ("lists of neighbours", table.neighbours.len(), bodies),

@@ -46,7 +46,12 @@ impl GeneralKernel {
     /// [`ContactError::Parameter`] unless the penalty is between 1e-100 and 1e100 Pa.
     pub fn new(penalty: f64) -> Result<Self, ContactError> {
         check_pressure("penalty", penalty)?;
-        Ok(Self { penalty })
+        Ok(Self::of(penalty))
+    }
+
+    /// With a penalty that was checked.
+    pub(crate) fn of(penalty: f64) -> Self {
+        Self { penalty }
     }
 
     /// The penalty, Pa.

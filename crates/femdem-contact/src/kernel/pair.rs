@@ -96,10 +96,15 @@ impl PairKernel {
     /// [`ContactError::Parameter`] unless the penalty is between 1e-100 and 1e100 Pa.
     pub fn new(penalty: f64) -> Result<Self, ContactError> {
         check_pressure("penalty", penalty)?;
-        Ok(Self {
+        Ok(Self::of(penalty))
+    }
+
+    /// With a penalty that was checked.
+    pub(crate) fn of(penalty: f64) -> Self {
+        Self {
             penalty,
             lists: Lists::default(),
-        })
+        }
     }
 
     /// The same kernel, tuned for large motion between evaluations. Contacts are the same to round-off.

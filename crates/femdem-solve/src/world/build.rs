@@ -8,7 +8,7 @@ use crate::guide::Guide;
 use crate::ledger::Flows;
 use crate::parameters::{TimeStepParameters, WorldParameters};
 use femdem_contact::{
-    BodyId, BodyShape, ContactBatch, ContactParameters, Field, Frame, Motion, WallShape,
+    BodyId, BodyShape, ContactBatch, ContactLaw, ContactLaws, Field, Frame, Motion, WallShape,
 };
 use femdem_fem::Drive;
 use femdem_mesh::{Polyhedron, Pose, TetMesh};
@@ -19,7 +19,7 @@ impl World {
     /// # Errors
     /// [`SolveError::Parameter`] or [`SolveError::Contact`] name a parameter out of range.
     pub fn new(parameters: WorldParameters) -> Result<Self, SolveError> {
-        let law = parameters.validate()?;
+        let laws = parameters.laws(&ContactLaw::new(parameters.contact)?.into())?;
         Ok(Self {
             parameters,
             shapes: Vec::new(),
@@ -28,7 +28,7 @@ impl World {
             ahead: Vec::new(),
             wall_drives: Vec::new(),
             wall_motions: Vec::new(),
-            batch: ContactBatch::new(law),
+            batch: ContactBatch::new(laws),
             awake: Vec::new(),
             time: 0.0,
             steps: 0,
@@ -42,36 +42,6 @@ impl World {
             deformables: None,
             counters: Counters::default(),
         })
-    }
-
-    /// Replaces the contact law; contacts keep their friction history. Frozen bodies wake, and what
-    /// the contacts and their springs hold more than before is on the books as work, except before the first
-    /// step, when nothing has been held yet.
-    ///
-    /// # Errors
-    /// As [`World::new`], and the errors of [`World::step`].
-    pub fn set_contact(&mut self, contact: ContactParameters) -> Result<(), SolveError> {
-        let parameters = WorldParameters {
-            contact,
-            ..self.parameters
-        };
-        if self.steps == 0 && !self.loaded {
-            return self.replace(parameters);
-        }
-        parameters.validate()?;
-        self.restored()?;
-        self.wake_all();
-        self.evaluate_if_due()?;
-        let before = self.ledger();
-        self.replace(parameters)?;
-        self.evaluate(0.0)?;
-        self.loaded = true;
-        let after = self.ledger();
-        let springs = after.friction_springs - before.friction_springs;
-        self.flows.work_in += after.elastic - before.elastic + springs;
-        // What friction has dissipated is its work less what its springs hold.
-        self.flows.friction_work -= springs;
-        Ok(())
     }
 
     /// Replaces the control of the step size, and whether steps are implicit.
@@ -114,13 +84,23 @@ impl World {
     }
 
     pub(super) fn replace(&mut self, parameters: WorldParameters) -> Result<(), SolveError> {
-        let law = parameters.validate()?;
+        let laws = self.batch.laws().clone();
+        self.replace_laws(parameters, &laws)
+    }
+
+    /// Replaces the parameters, and the laws of pairs of materials by those of `others`.
+    pub(super) fn replace_laws(
+        &mut self,
+        parameters: WorldParameters,
+        others: &ContactLaws,
+    ) -> Result<(), SolveError> {
+        let laws = parameters.laws(others)?;
         self.restored()?;
         self.parameters = parameters;
-        self.batch.set_law(law);
         if let Some(deformables) = &mut self.deformables {
             deformables.renew_moduli(&mut self.batch)?;
         }
+        self.batch.set_laws(laws);
         self.loaded = false;
         self.step_control.forget();
         self.tell_step_control();
@@ -220,12 +200,13 @@ impl World {
             body.driven = Some(Box::new((Guide::Drive(drive), driven.base_of(&place))));
             body.follow(&driven, &place);
         } else {
-            self.step_control
-                .see(contact, &body, &self.parameters.contact);
+            let laws = self.batch.laws().of(spec.material);
+            self.step_control.see(contact, &body, laws);
             self.step_control.launch(&body);
             self.initial_energy += body.energy(&self.parameters.gravity);
         }
         let id = self.batch.add_body(shape)?;
+        self.batch.set_material(id, spec.material)?;
         if let Some(deformables) = &mut self.deformables {
             deformables.reach(id as usize + 1);
         }
@@ -242,7 +223,7 @@ impl World {
     }
 
     /// Adds a wall, of planes or a mesh, that is fixed or moves as prescribed, and returns its
-    /// index. Frozen bodies wake: it may stand where one of them is.
+    /// index. Its material is 0 until [another](Self::set_wall_material) is set. Frozen bodies wake: it may stand where one of them is.
     ///
     /// # Errors
     /// [`SolveError::Parameter`] for a drive out of range.
@@ -320,7 +301,7 @@ impl World {
         }
     }
 
-    /// Tells the step control about all bodies again if one has gone.
+    /// Tells the step control about all bodies again if one has gone or has another material.
     pub(super) fn renew_cap(&mut self) {
         if self.step_control.begins_anew() {
             self.tell_step_control();
@@ -334,8 +315,9 @@ impl World {
         for (_, body) in self.live_bodies() {
             control.meet(contact(body));
         }
-        for (_, body) in self.free_bodies() {
-            control.see(contact(body), body, &self.parameters.contact);
+        for (i, body) in self.free_bodies() {
+            let material = self.batch.material(i as u32).unwrap_or_default();
+            control.see(contact(body), body, self.batch.laws().of(material));
         }
         self.step_control = control;
         let deformables = self.deformables.as_deref();

@@ -35,9 +35,7 @@ impl World {
     /// [`SolveError::NoSuch`] for an unknown body, and after [implicit](crate::ImplicitStep) steps, whose contacts are
     /// evaluated first, the errors of [`World::step`].
     pub fn remove_body(&mut self, id: BodyId) -> Result<(), SolveError> {
-        if !self.batch.contains(id) {
-            return Err(self.no_such("body", id, self.body_count()));
-        }
+        self.known(id)?;
         self.evaluate_pending()?;
         let i = id as usize;
         let stored = self.stored_by(Partner::Body(id));
@@ -170,15 +168,20 @@ impl World {
         self.body(id).map(|body| body.applied)
     }
 
+    pub(super) fn known(&self, id: BodyId) -> Result<(), SolveError> {
+        if self.batch.contains(id) {
+            return Ok(());
+        }
+        Err(self.no_such("body", id, self.body_count()))
+    }
+
     /// The place of a rigid body in the lists.
     pub(super) fn known_body(&self, id: BodyId) -> Result<usize, SolveError> {
         if self.batch.is_rigid(id) {
             return Ok(id as usize);
         }
-        if self.batch.contains(id) {
-            return Err(self.no_such("rigid body", id, self.rigid_count()));
-        }
-        Err(self.no_such("body", id, self.body_count()))
+        self.known(id)?;
+        Err(self.no_such("rigid body", id, self.rigid_count()))
     }
 
     fn no_such(&self, what: &'static str, index: u32, count: usize) -> SolveError {
@@ -228,6 +231,11 @@ impl World {
         // What friction has dissipated is its work less what its springs hold.
         self.flows.friction_work += stored.springs;
         self.loaded = false;
+        self.judge_anew(touched);
+    }
+
+    /// Judges rigid and deformable bodies anew, and wakes those of them that are asleep: what holds them has changed.
+    pub(super) fn judge_anew(&mut self, touched: &[BodyId]) {
         let (soft, rigid): (Vec<BodyId>, Vec<BodyId>) = touched
             .iter()
             .partition(|body| self.batch.is_deformable(**body));

@@ -7,6 +7,7 @@ mod guide;
 mod hand;
 mod hash;
 mod implicit;
+mod materials;
 mod medium;
 mod newcomers;
 mod query;

@@ -8,7 +8,7 @@
 mod residual;
 
 use super::World;
-use super::deformables::{Deformables, State, centroid};
+use super::deformables::{Deformables, State, centroid, foundation};
 use crate::error::{SolveError, check};
 use femdem_contact::{ContactBatch, stable_step};
 use femdem_mesh::{Matrix3, Rotation, Vector3};
@@ -122,15 +122,16 @@ impl World {
         let mut elastic = kept;
         elastic.time_step.implicit = None;
         elastic.time_step.safety = kept.time_step.safety.min(SAFETY);
-        elastic.contact.damping_ratio = 0.0;
-        elastic.contact.tangential_damping = 0.0;
+        let laws = self.batch.laws().clone();
+        let undamped = laws.clone().without_dashpots();
+        elastic.contact = *undamped.usual();
         elastic.sleeping.enabled = false;
         self.wake_all();
-        self.replace(elastic)?;
+        self.replace_laws(elastic, &undamped)?;
         self.halt();
         let result = self.relax_in_turns(options);
         self.halt();
-        self.replace(kept)?;
+        self.replace_laws(kept, &laws)?;
         result
     }
 
@@ -164,15 +165,12 @@ impl World {
         options: &WorldRelaxation,
         report: &mut WorldRelaxed,
     ) -> Result<(), SolveError> {
-        let penalty = self.parameters.contact.penalty;
         let Some(d) = self.deformables.as_deref() else {
             return Ok(());
         };
         let held: Vec<bool> = (0..d.bodies.len()).map(|i| self.is_held(i)).collect();
-        let mut wholes: Vec<Whole> = d
-            .bodies
-            .iter()
-            .map(|b| d.whole(b, &self.batch, penalty))
+        let mut wholes: Vec<Whole> = (0..d.bodies.len())
+            .map(|i| d.whole(i, &self.batch))
             .collect();
         if held.iter().all(|&h| h) {
             return Ok(());
@@ -348,7 +346,8 @@ impl Deformables {
     }
 
     /// The mass and inertia of a body as a whole, at rest.
-    fn whole(&self, body: &State, batch: &ContactBatch, penalty: f64) -> Whole {
+    fn whole(&self, i: usize, batch: &ContactBatch) -> Whole {
+        let body = &self.bodies[i];
         let model = &self.models[body.model as usize];
         let shape = &batch.deformable_shapes()[body.model as usize];
         let (masses, centre) = (self.masses(body), self.centre(body));
@@ -357,6 +356,8 @@ impl Deformables {
             let r = x - centre;
             inertia += (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * *m;
         }
+        let modulus = batch.modulus(i as u32);
+        let foundation = modulus.map_or(0.0, |modulus| foundation(shape, modulus));
         let inverse_inertia = inertia.try_inverse().unwrap_or_else(Matrix3::zeros);
         Whole {
             mass: masses.iter().sum(),
@@ -364,7 +365,7 @@ impl Deformables {
             easiest: inverse_inertia.symmetric_eigenvalues().max(),
             velocity: Vector3::zeros(),
             turning: Vector3::zeros(),
-            stiffest: 2.0 * model.foundation(shape, penalty) * model.skin_area(shape),
+            stiffest: 2.0 * foundation * model.skin_area(shape),
         }
     }
 

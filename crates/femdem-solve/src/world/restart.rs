@@ -118,8 +118,9 @@ impl World {
         self.motions[i] = body.motion();
         let contact = &self.batch.shapes()[body.shape as usize];
         if guide.is_none() {
-            self.step_control
-                .see(contact, body, &self.parameters.contact);
+            let material = self.batch.material(id).unwrap_or_default();
+            let laws = self.batch.laws().of(material);
+            self.step_control.see(contact, body, laws);
             self.step_control.launch(body);
         }
         if !self.batch.is_awake(id) {

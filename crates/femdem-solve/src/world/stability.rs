@@ -12,7 +12,7 @@ use serde::Serialize;
 pub struct Stability {
     /// Highest angular frequency of the contacts, friction springs included, 1/s.
     pub frequency: f64,
-    /// Limit of the step for that mode, with the damping ratio of the law, s.
+    /// Limit of the step for that mode, with the largest damping ratio of the laws, s.
     pub limit: f64,
     /// The present step, s.
     pub step: f64,
@@ -40,11 +40,10 @@ impl World {
         /// The estimate grows towards the true value; 30 rounds come within a few percent.
         const ROUNDS: usize = 30;
         let mut still = self.clone();
-        still.parameters.contact.damping_ratio = 0.0;
-        still.parameters.contact.tangential_damping = 0.0;
         still.parameters.medium = Medium::default();
-        let law = still.parameters.validate()?;
-        still.batch.set_law(law);
+        still
+            .batch
+            .set_laws(self.batch.laws().clone().without_dashpots());
         let free = |i: usize| self.bodies[i].driven.is_none() && self.batch.is_awake(i as u32);
         let held: Vec<usize> = (0..self.bodies.len()).filter(|&i| !free(i)).collect();
         let hold = |mode: &mut Mode| {
@@ -76,7 +75,8 @@ impl World {
             return Ok(None);
         }
         let frequency = square.sqrt();
-        let zeta = self.parameters.contact.damping_ratio;
+        let ratios = self.batch.laws().all().map(|law| law.damping_ratio);
+        let zeta = ratios.fold(0.0, f64::max);
         Ok(Some(Stability {
             frequency,
             limit: 2.0 / frequency * ((1.0 + zeta * zeta).sqrt() - zeta),

@@ -351,7 +351,12 @@ impl World {
     pub(super) fn blow_up(&self, i: usize) -> SolveError {
         let body = &self.bodies[i];
         let contacts = self.batch.rigid_contacts_of(i as u32);
-        let deepest = contacts.map(|c| c.penetration()).fold(0.0, f64::max);
+        let depths = contacts.map(|c| (c.penetration(), self.batch.law_of(c.a, c.b)));
+        let (deepest, law) = depths.fold(
+            (0.0, None),
+            |most, next| if next.0 > most.0 { next } else { most },
+        );
+        let penalty = law.map_or(self.parameters.contact.penalty, |law| law.penalty);
         let ratio = self.step_control.current() / self.step_control.bound();
         let cause = if deepest > 0.1 * body.radius {
             format!(
@@ -359,7 +364,7 @@ impl World {
                  overlapped when they were added, or the penalty {:.3e} Pa is too small \
                  for the load: separate them or raise the penalty",
                 100.0 * deepest / body.radius,
-                self.parameters.contact.penalty
+                penalty
             )
         } else {
             format!(

@@ -43,7 +43,7 @@ pub(crate) struct StepControl {
     launch: f64,
     /// Smallest length scale of the fields of all shapes in use, m.
     thinnest: f64,
-    /// Whether a body has gone that may have lowered the cap.
+    /// Whether a body has gone that may have lowered the cap, or one's material has changed.
     stale: bool,
 }
 
@@ -78,7 +78,7 @@ impl StepControl {
         *self = Self::default();
     }
 
-    /// Notes that a body has gone.
+    /// Notes that a body has gone, or that one's material has changed.
     pub(crate) fn lose(&mut self) {
         self.stale = true;
     }
@@ -103,14 +103,21 @@ impl StepControl {
     }
 
     /// Lowers the cap for a body: one contact over its stiffest side against an equal body, or against one as
-    /// thin as the thinnest in use.
-    pub(crate) fn see(&mut self, shape: &BodyShape, body: &Body, law: &ContactParameters) {
+    /// thin as the thinnest in use, by each of the laws that its material may meet.
+    pub(crate) fn see<'a>(
+        &mut self,
+        shape: &BodyShape,
+        body: &Body,
+        laws: impl Iterator<Item = &'a ContactParameters>,
+    ) {
         let length = shape.inradius();
         let steeper = 0.5 * (1.0 + length / self.thinnest.min(length));
-        let stiffness = shape.face_stiffness() * steeper * law.penalty;
-        let frequency2 = 2.0 * stiffness / body.mass;
-        let rate = 2.0 * law.damping_ratio * frequency2.sqrt();
-        self.cap = self.cap.min(stable_step(frequency2, rate));
+        for law in laws {
+            let stiffness = shape.face_stiffness() * steeper * law.penalty;
+            let frequency2 = 2.0 * stiffness / body.mass;
+            let rate = 2.0 * law.damping_ratio * frequency2.sqrt();
+            self.cap = self.cap.min(stable_step(frequency2, rate));
+        }
     }
 
     /// Allows steps as short as the speed of a body requires that was added or got its velocity by hand.

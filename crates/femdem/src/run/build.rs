@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use femdem_contact::{BodyId, Field};
+use femdem_contact::{BodyId, Field, MaterialId};
 use femdem_fem::{Boundary, DeformableModel, MaterialRegion};
 use femdem_mesh::{Pose, TetMesh, Vector3};
 use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, SolveError, World};
@@ -56,8 +56,14 @@ impl Scenario {
         let mut names = Names::default();
         for (number, wall) in (1..).zip(&self.wall) {
             let name = names.of("wall", &wall.name, &format!("wall {number}"))?;
-            let added = wall.add_to(&name, &mut simulation.world);
-            let note = added.map_err(in_entry(format!("wall \"{name}\"")))?;
+            let mut add = || {
+                let material = match &wall.material {
+                    Some(name) => self.material_id(name)?,
+                    None => MaterialId::default(),
+                };
+                wall.add_to(&name, material, &mut simulation.world)
+            };
+            let note = add().map_err(in_entry(format!("wall \"{name}\"")))?;
             simulation.note(note.as_ref());
         }
         let mut names = Names::default();
@@ -90,6 +96,7 @@ impl Scenario {
         self.check_relaxation()?;
         let loads = Loads::of(self, &simulation);
         self.set_penalty(&mut simulation, &loads)?;
+        self.set_pairs(&mut simulation)?;
         loads.bound_step(&mut simulation)?;
         Ok(simulation)
     }
@@ -112,15 +119,28 @@ impl Scenario {
             .map(|body| &body.material)
             .chain(parts.map(|part| &part.material))
             .collect();
+        let of_walls: BTreeSet<&String> = self
+            .wall
+            .iter()
+            .filter_map(|wall| wall.material.as_ref())
+            .collect();
         for (name, material) in &self.material {
             let checked = if used.contains(name) {
                 material.check()
-            } else {
+            } else if !of_walls.contains(name) {
                 Err(wrong(
                     "material",
                     "unused",
-                    "no body is made of it: name it in one, or take it out",
+                    "no body or wall is made of it: name it in one, or take it out",
                 ))
+            } else if *material != MaterialEntry::default() {
+                Err(wrong(
+                    "material",
+                    "of walls only",
+                    "walls have neither density nor law: leave its table empty",
+                ))
+            } else {
+                Ok(())
             };
             checked.map_err(in_entry(format!("material.{name}")))?;
         }
@@ -180,11 +200,17 @@ impl Scenario {
         region.map_err(in_entry(format!("material.{name}")))
     }
 
-    fn material(&self, name: &str) -> Result<&MaterialEntry, Error> {
-        self.material.get(name).ok_or_else(|| Error::Option {
-            name: "material",
-            value: format!("\"{name}\""),
-            allowed: "give the name of a table [material.NAME] of the scenario",
+    pub(super) fn material(&self, name: &str) -> Result<&MaterialEntry, Error> {
+        self.material.get(name).ok_or_else(|| {
+            let names: Vec<&str> = self.material.keys().map(String::as_str).collect();
+            Error::Unknown {
+                name: "material",
+                value: name.to_owned(),
+                known: format!(
+                    "the tables [material.NAME] of the scene: {}",
+                    names.join(", ")
+                ),
+            }
         })
     }
 
@@ -264,7 +290,8 @@ impl Simulation {
         geometry: &Geometry,
     ) -> Result<Vec<(BodyId, Pose)>, Error> {
         let Geometry { surface, mesh, .. } = geometry;
-        let density = scenario.material(&entry.material)?.density;
+        let density = scenario.material(&entry.material)?.density()?;
+        let material = scenario.material_id(&entry.material)?;
         let shape = match mesh {
             Some(mesh) if !surface.is_convex() => {
                 self.world
@@ -281,6 +308,7 @@ impl Simulation {
                 pose,
                 velocity: Vector3::from(entry.velocity),
                 angular_velocity: Vector3::from(entry.spin),
+                material,
             };
             let id = match entry.motion {
                 Some(motion) => self.world.add_driven_body(spec, motion.drive())?,
@@ -299,6 +327,7 @@ impl Simulation {
         (mesh, density_factor): (&TetMesh, f64),
     ) -> Result<Vec<(BodyId, Pose)>, Error> {
         let (mut regions, region_of) = scenario.regions(entry, mesh)?;
+        let material = scenario.material_id(&entry.material)?;
         for region in &mut regions {
             region.density *= density_factor;
         }
@@ -334,6 +363,7 @@ impl Simulation {
                 velocity: Vector3::from(entry.velocity),
                 angular_velocity: Vector3::from(entry.spin),
                 boundary: boundary.clone(),
+                material,
             })?;
             ids.push((id, pose));
         }
@@ -376,7 +406,7 @@ impl Simulation {
 }
 
 /// Adds the entry of a scenario to an error.
-fn in_entry(entry: String) -> impl FnOnce(Error) -> Error {
+pub(super) fn in_entry(entry: String) -> impl FnOnce(Error) -> Error {
     |fault| Error::Entry {
         entry,
         fault: Box::new(fault.by_keys(&KEYS)),

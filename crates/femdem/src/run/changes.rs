@@ -27,9 +27,10 @@ const OF_OUTPUT: [&str; 11] = [
 ];
 
 /// Keys that change the motion of the bodies that are there.
-const OF_MOTION: [&str; 6] = [
+const OF_MOTION: [&str; 7] = [
     "gravity",
     "contact",
+    "pair",
     "time-step",
     "medium",
     "sleeping",
@@ -187,6 +188,7 @@ impl Simulation {
                 new.set_penalty(self, &loads)?;
             }
         }
+        new.set_pairs(self)?;
         let world = &mut self.world;
         world.set_time_step(wanted.time_step)?;
         if old.medium != new.medium {

@@ -25,50 +25,37 @@ pub enum Law {
     DruckerPrager,
 }
 
-/// A material. Rigid bodies need its density only; keys that do not belong to its law are refused.
+/// A material. Rigid bodies need its density only, walls nothing; keys that do not belong to its law are refused.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct MaterialEntry {
     /// Density \[kg/m³\].
-    pub density: f64,
+    pub density: Option<f64>,
     /// The law of deformable bodies.
-    #[serde(default)]
     pub law: Option<Law>,
     /// Young's modulus \[Pa\].
-    #[serde(default)]
     pub young: Option<f64>,
     /// Poisson's ratio.
-    #[serde(default)]
     pub poisson: Option<f64>,
     /// Share of the second invariant in the shear modulus, 0 to 1 (Mooney-Rivlin).
-    #[serde(default)]
     pub share: Option<f64>,
     /// Yield stress \[Pa\] (J2).
-    #[serde(default)]
     pub yield_stress: Option<f64>,
     /// Hardening modulus \[Pa\] (J2); 0 if left out.
-    #[serde(default)]
     pub hardening: Option<f64>,
     /// Yield stress at large plastic strain \[Pa\], approached exponentially (J2).
-    #[serde(default)]
     pub saturation_stress: Option<f64>,
     /// Rate at which `saturation-stress` is approached, per unit of plastic strain (J2).
-    #[serde(default)]
     pub saturation_rate: Option<f64>,
     /// Cohesion \[Pa\] (Drucker-Prager).
-    #[serde(default)]
     pub cohesion: Option<f64>,
     /// Angle of internal friction \[degrees\] (Drucker-Prager).
-    #[serde(default)]
     pub friction_angle: Option<f64>,
     /// Angle of dilatancy \[degrees\] (Drucker-Prager); 0 if left out.
-    #[serde(default)]
     pub dilatancy_angle: Option<f64>,
     /// Shear viscosity beside any law \[Pa s\]; 0 if left out.
-    #[serde(default)]
     pub shear_viscosity: Option<f64>,
     /// Bulk viscosity beside any law \[Pa s\]; 0 if left out.
-    #[serde(default)]
     pub bulk_viscosity: Option<f64>,
 }
 
@@ -86,8 +73,14 @@ impl MaterialEntry {
         self.refuse_strangers(law)?;
         Ok(MaterialRegion {
             material: self.with_viscosity(self.elastic(law)?)?,
-            density: self.density,
+            density: self.density()?,
         })
+    }
+
+    /// The density, which every body needs.
+    pub(super) fn density(&self) -> Result<f64, Error> {
+        self.density
+            .ok_or_else(|| wrong("density", "none", "a body needs it, in kg/m³"))
     }
 
     fn elastic(&self, law: Law) -> Result<AnyMaterial, Error> {

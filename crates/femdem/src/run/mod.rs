@@ -52,6 +52,7 @@ mod material;
 mod motion;
 mod names;
 mod overlap;
+mod pair;
 mod penalty;
 mod picture;
 mod relaxation;
@@ -82,6 +83,7 @@ pub use job::Run;
 pub use material::{Law, MaterialEntry};
 pub use motion::MotionEntry;
 pub use overlap::Overlap;
+pub use pair::PairEntry;
 pub use penalty::{ExpectedDepth, Forecast};
 pub use relaxation::{RelaxEntry, RelaxSummary};
 pub use rest::RestSummary;
@@ -120,8 +122,10 @@ pub struct Scenario {
     pub relax: Option<RelaxEntry>,
     /// Acceleration of gravity \[m/s²\].
     pub gravity: [f64; 3],
-    /// The contact law, for all bodies.
+    /// The contact law of all pairs of materials without one of their own.
     pub contact: ContactEntry,
+    /// Contact laws of pairs of materials.
+    pub pair: Vec<PairEntry>,
     /// The choice of the time step.
     pub time_step: StepEntry,
     /// Error of the energy ledger over the energy turned over, above which the run stops.
@@ -162,6 +166,7 @@ impl Default for Scenario {
             relax: None,
             gravity: [0.0, 0.0, -9.81],
             contact: ContactEntry::default(),
+            pair: Vec::new(),
             time_step: StepEntry::default(),
             energy_error_limit: books::LIMIT,
             medium: MediumEntry::default(),

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Scenario;
 
-/// The contact law, for all bodies.
+/// The contact law of all pairs of materials without [one of their own](super::PairEntry).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct ContactEntry {

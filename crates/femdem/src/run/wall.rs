@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use femdem_contact::{MeshWall, Wall, WallShape};
+use femdem_contact::{MaterialId, MeshWall, Wall, WallShape};
 use femdem_mesh::Vector3;
 use femdem_mesh::tet::{self, MeshOptions};
 use femdem_solve::World;
@@ -31,6 +31,8 @@ pub struct WallEntry {
     pub unit: Unit,
     /// Whether small faults of the file are mended.
     pub repair: bool,
+    /// Material, by name, by which contacts find the laws of pairs. `None`: one of which no pair is.
+    pub material: Option<String>,
     /// Prescribed motion.
     pub motion: Option<MotionEntry>,
 }
@@ -77,11 +79,17 @@ fn facets() -> usize {
 impl WallEntry {
     /// Adds the wall, or the walls of a box, to a world, and returns how its file was read, if it has one; `name` is
     /// that of the entry.
-    pub(super) fn add_to(&self, name: &str, world: &mut World) -> Result<Option<ShapeNote>, Error> {
+    pub(super) fn add_to(
+        &self,
+        name: &str,
+        material: MaterialId,
+        world: &mut World,
+    ) -> Result<Option<ShapeNote>, Error> {
         let drive = self.motion.map(|motion| motion.drive()).unwrap_or_default();
         let (shapes, note) = self.shapes(name)?;
         for shape in shapes {
-            world.add_wall(shape, drive)?;
+            let wall = world.add_wall(shape, drive)?;
+            world.set_wall_material(wall, material)?;
         }
         Ok(note)
     }

@@ -69,7 +69,7 @@ impl Watch {
         let Some((pair, share)) = through else {
             return Ok(());
         };
-        let penalty = simulation.penalty.value;
+        let penalty = simulation.penalty_between(pair);
         let [a, b] = pair.map(|side| simulation.name_of(side));
         Err(Error::Through {
             a,
@@ -113,11 +113,11 @@ impl Watch {
             if depth > DEEP * thickness {
                 let share = depth / thickness;
                 let [a, b] = sides.map(|side| simulation.name_of(side));
-                let penalty = simulation.penalty.value;
+                let penalty = simulation.penalty_between(sides);
                 let enough = penalty * (share / WANTED).powi(2);
                 self.warnings.push(format!(
                     "{b} overlaps {a} by {:.0} % of its thickness, {depth:.2e} m, at {:.6} s: the penalty of {penalty:.2e} Pa is soft \
-                     for it; contact.penalty = {enough:.1e} would do",
+                     for it; contact.penalty, or that of their pair, = {enough:.1e} would do",
                     100.0 * share,
                     world.time(),
                 ));
@@ -184,6 +184,16 @@ impl Simulation {
             least = least.min(2.0 * self.world.field_depth(shape)?);
         }
         Some(least)
+    }
+
+    /// The penalty of the law of two sides, Pa.
+    fn penalty_between(&self, sides: [Side; 2]) -> f64 {
+        let material = |side| match side {
+            Side::Wall(wall) => self.world.wall_material(wall as u32),
+            Side::Member(member) => self.world.material(self.members[member].id),
+        };
+        let materials = sides.map(|side| material(side).unwrap_or_default());
+        self.world.laws().between(materials).penalty
     }
 
     /// A warning if the contact of a deformable body is deep beside it, so that it is the contact that gives way.

@@ -28,6 +28,17 @@ pub(super) const KEYS: [(&str, &str); 24] = [
     ("rise of a ramp", "rise"),
 ];
 
+/// The same for the laws of pairs of materials.
+pub(super) const OF_PAIRS: [(&str, &str); 7] = [
+    ("penalty", "penalty"),
+    ("friction", "friction"),
+    ("wall_friction", "wall-friction"),
+    ("rolling_friction", "rolling-friction"),
+    ("damping_ratio", "damping"),
+    ("tangential_ratio", "tangential-ratio"),
+    ("tangential_damping", "tangential-damping"),
+];
+
 #[cfg(test)]
 mod tests {
     use crate::run::Scenario;

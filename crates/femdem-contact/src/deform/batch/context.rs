@@ -4,22 +4,17 @@ use super::Around;
 use super::body::SoftBody;
 use super::pair::SoftPair;
 use super::state::Sleep;
-use crate::deform::kernel::DeformableKernel;
 use crate::deform::operand::Operand;
 use crate::deform::record::NodalState;
 use crate::deform::shape::DeformableShape;
 use crate::deform::side::Side;
 use crate::general::SolidWall;
-use crate::law::ContactParameters;
 use crate::walls::WallShape;
 use std::sync::Arc;
 
 /// Data shared by all pairs of one update.
 pub(crate) struct Context<'a> {
     pub around: &'a Around<'a>,
-    /// The law of pairs whose side A is a wall.
-    pub at_walls: ContactParameters,
-    pub kernel: &'a DeformableKernel,
     pub shapes: &'a [Arc<DeformableShape>],
     pub rigid_sleep: &'a [Sleep],
     pub states: &'a [NodalState<'a>],

@@ -6,6 +6,7 @@ use super::pair::SoftPair;
 use super::pairs::PairList;
 use super::sleep::rests;
 use crate::deform::add_up::{Way, run as run_kernel};
+use crate::deform::kernel::DeformableKernel;
 use crate::deform::near::{Sides, Tree};
 use crate::deform::operand::Operand;
 use crate::deform::pair::{Mover, Pair};
@@ -67,7 +68,8 @@ impl Context<'_> {
         let of_b = self.soft(b, body)?;
         let tree_b = tree(body)?;
         let moduli_b = body.modulus;
-        let rigid = Modulus::Penalty(self.around.parameters.penalty);
+        let law = self.around.materials.law(a.into(), b);
+        let rigid = Modulus::Penalty(law.penalty);
         let (mut turning, mut frequency) = (None, 0.0);
         let (of_a, tree_a, modulus, mover) = match a {
             Side::Deformable(i) => {
@@ -95,7 +97,8 @@ impl Context<'_> {
             operands: [of_a, of_b],
             trees: [tree_a, tree_b],
         };
-        let pressures = self.kernel.pressures(&sides, [modulus, moduli_b]);
+        let kernel = DeformableKernel::default().with_walls(law.wall_response);
+        let pressures = kernel.pressures(&sides, [modulus, moduli_b]);
         let touches = match run_kernel(
             &sides,
             pressures,
@@ -125,10 +128,7 @@ impl Context<'_> {
             frequencies: [frequency, body.frequency],
             turnings: [turning, body.turning.as_ref()],
             near: pair.candidates.near()?,
-            law: match a {
-                Side::Wall(_) => &self.at_walls,
-                _ => self.around.parameters,
-            },
+            law: &law,
             begins: pair.begins.take().map(|start| start.seen_from(swapped)),
             dt: self.around.dt,
         };

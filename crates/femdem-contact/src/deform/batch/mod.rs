@@ -11,7 +11,6 @@ mod sleep;
 mod state;
 mod touching;
 
-use super::kernel::DeformableKernel;
 use super::pair::FrictionStart;
 use super::record::{DeformableTotals, NodalLoads, NodalState};
 use super::shape::{DeformableShape, Modulus};
@@ -21,7 +20,7 @@ use crate::contact::{BodyId, Load};
 use crate::error::ContactError;
 use crate::general::FieldMesh;
 use crate::generalized::Resistance;
-use crate::law::ContactParameters;
+use crate::materials::Materials;
 use crate::motion::Motion;
 use crate::record::Contact;
 use crate::walls::WallShape;
@@ -36,7 +35,7 @@ use touching::{Part, Touching};
 
 /// What the contacts of deformable bodies need of the batch around them. Lists are by number of the bodies, or of the walls.
 pub(crate) struct Around<'a> {
-    pub parameters: &'a ContactParameters,
+    pub materials: &'a Materials,
     pub rigid_shapes: &'a [BodyShape],
     /// The same as tetrahedra.
     pub rigid_meshes: &'a [Arc<FieldMesh>],
@@ -124,6 +123,12 @@ impl DeformablePart {
         self.sleeps().for_each(Sleep::stir);
     }
 
+    /// The modulus of a deformable body.
+    pub fn modulus(&self, body: BodyId) -> Option<Modulus> {
+        let body = self.bodies.get(body as usize)?;
+        body.is_there.then_some(body.modulus)
+    }
+
     /// Replaces the modulus of a deformable body.
     pub fn set_modulus(&mut self, body: BodyId, modulus: Modulus) {
         let body = &mut self.bodies[body as usize];
@@ -201,8 +206,6 @@ impl DeformablePart {
         body::advance(&mut self.bodies, states)?;
         let context = Context {
             around,
-            at_walls: around.parameters.at_walls(),
-            kernel: &DeformableKernel::default().with_walls(around.parameters.wall_response),
             shapes: &self.shapes,
             rigid_sleep: &self.rigid_sleep,
             states,

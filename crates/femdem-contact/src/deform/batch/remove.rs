@@ -15,11 +15,11 @@ impl DeformablePart {
         self.rigid_resistances[i] = Resistance::default();
     }
 
-    /// Ends all pairs of a body or wall, and sums the forces of the others again. Returns the bodies that touched it,
-    /// ascending: those asleep among them may have lost their balance. The place of a deformable body is forgotten.
-    pub fn leave(&mut self, thing: Side) -> Vec<BodyId> {
-        let own = |a: Side, b: BodyId| a == thing || Side::Deformable(b) == thing;
+    /// The bodies that touch a body or a wall. The next update evaluates the contacts of the deformable ones among them, and
+    /// of itself, even if they sleep.
+    pub fn stir_around(&mut self, thing: Side) -> Vec<BodyId> {
         let mut touched = Vec::new();
+        let own = |a: Side, b: BodyId| a == thing || Side::Deformable(b) == thing;
         let pairs = self.pairs.list().iter().filter(|pair| own(pair.a, pair.b));
         for pair in pairs.filter(|pair| !pair.outcome.contacts.is_empty()) {
             for other in [pair.a, Side::Deformable(pair.b)] {
@@ -30,16 +30,24 @@ impl DeformablePart {
                 }
             }
         }
-        touched.sort_unstable();
-        self.pairs.end(|pair| own(pair.a, pair.b));
-        self.starts.retain(|(a, b), _| !own(*a, *b));
-        for &body in &touched {
+        let itself = match thing {
+            Side::Deformable(body) => Some(body),
+            Side::Rigid(_) | Side::Wall(_) => None,
+        };
+        for body in touched.iter().copied().chain(itself) {
             self.bodies[body as usize].sleep.stir();
         }
+        touched
+    }
+
+    /// Ends all pairs of a body or wall, and sums the forces of the others again. The place of a deformable body is forgotten.
+    pub fn leave(&mut self, thing: Side) {
+        let own = |a: Side, b: BodyId| a == thing || Side::Deformable(b) == thing;
+        self.pairs.end(|pair| own(pair.a, pair.b));
+        self.starts.retain(|(a, b), _| !own(*a, *b));
         if let Side::Deformable(body) = thing {
             self.bodies[body as usize].displaced();
         }
         self.gather(false);
-        touched
     }
 }

@@ -82,7 +82,7 @@ impl World {
     /// that is not finite, [`SolveError::BodyFailed`] if an element has no stress.
     pub fn add_deformable(&mut self, spec: DeformableSpec) -> Result<BodyId, SolveError> {
         let gravity = self.parameters.gravity;
-        let penalty = self.parameters.contact.penalty;
+        let laws = self.batch.laws().clone();
         let (time, step) = (self.time, self.steps);
         self.restored()?;
         let models = self.deformables.as_deref().map_or(&[][..], |d| &d.models);
@@ -104,12 +104,13 @@ impl World {
         let energy = state.kinetic_energy(masses) + state.potential(masses, &gravity);
         let shape = &self.batch.deformable_shapes()[spec.model as usize];
         let launch = USUAL_MOVE * shape.inradius() / state.fastest;
-        let modulus = model.modulus(shape, penalty);
+        let modulus = model.modulus(shape, &laws, spec.material);
         state.contact_step = model.contact_step(shape, modulus);
         let bound = state.bound.critical_step().min(state.contact_step);
         let frequency = model.frequency(shape);
         let id = self.batch.add_deformable(spec.model, modulus)?;
         self.batch.set_frequency(id, frequency)?;
+        self.batch.set_material(id, spec.material)?;
         place(&mut self.bodies, id, Body::vacant());
         place(&mut self.motions, id, Motion::fixed(Frame::identity()));
         if let Some(deformables) = &mut self.deformables {
@@ -226,21 +227,29 @@ impl Deformables {
         self.bodies.resize_with(count, State::vacant);
     }
 
-    /// Renews the stiffnesses that are given [by the law](super::ContactStiffness::Law), after the law was replaced.
+    /// Renews the stiffnesses that are given [by the law](super::ContactStiffness::Law), after the laws were replaced.
     pub(in crate::world) fn renew_moduli(
         &mut self,
         batch: &mut ContactBatch,
     ) -> Result<(), SolveError> {
-        let penalty = batch.parameters().penalty;
-        let bodies = self.bodies.iter_mut().enumerate();
-        for (i, body) in bodies.filter(|(_, body)| !body.is_vacant()) {
-            let shape = &batch.deformable_shapes()[body.model as usize];
-            let model = &self.models[body.model as usize];
-            let modulus = model.modulus(shape, penalty);
-            body.contact_step = model.contact_step(shape, modulus);
-            batch.set_modulus(i as u32, modulus)?;
-        }
-        Ok(())
+        let ids: Vec<BodyId> = batch.deformable_ids().collect();
+        ids.into_iter()
+            .try_for_each(|id| self.renew_modulus(id, batch))
+    }
+
+    /// Sets the stiffness of the contact field of a body anew, when the laws or its material have changed.
+    pub(in crate::world) fn renew_modulus(
+        &mut self,
+        id: BodyId,
+        batch: &mut ContactBatch,
+    ) -> Result<(), SolveError> {
+        let body = &mut self.bodies[id as usize];
+        let shape = &batch.deformable_shapes()[body.model as usize];
+        let model = &self.models[body.model as usize];
+        let material = batch.material(id).unwrap_or_default();
+        let modulus = model.modulus(shape, batch.laws(), material);
+        body.contact_step = model.contact_step(shape, modulus);
+        Ok(batch.set_modulus(id, modulus)?)
     }
 
     /// Refuses what does not fit together.

@@ -99,7 +99,7 @@ impl World {
         Ok(())
     }
 
-    pub(super) fn known_deformable(&self, id: BodyId) -> Result<(), SolveError> {
+    pub(in crate::world) fn known_deformable(&self, id: BodyId) -> Result<(), SolveError> {
         if self.batch.is_deformable(id) {
             return Ok(());
         }

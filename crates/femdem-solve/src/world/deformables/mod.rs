@@ -12,7 +12,7 @@ mod step;
 
 use crate::error::SolveError;
 use femdem_contact::deform::{DeformableShape, Modulus};
-use femdem_contact::{Field, stable_step};
+use femdem_contact::{ContactLaws, Field, MaterialId, stable_step};
 use femdem_fem::{Boundary, DeformableModel, FrequencyBound, InternalState, Workspace};
 use femdem_mesh::{Pose, Vector3};
 use nodal_bound::NodalBound;
@@ -65,6 +65,9 @@ pub struct DeformableSpec {
     pub angular_velocity: Vector3,
     /// Conditions at its nodes and on its skin.
     pub boundary: Boundary,
+    /// Material of its skin, by which its contacts find [their laws](crate::World::set_law).
+    #[serde(default)]
+    pub material: MaterialId,
 }
 
 impl DeformableSpec {
@@ -77,6 +80,7 @@ impl DeformableSpec {
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
             boundary: Boundary::default(),
+            material: MaterialId::default(),
         }
     }
 }
@@ -85,7 +89,7 @@ impl DeformableSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ContactStiffness {
-    /// The penalty of the world's contact law.
+    /// The penalty of the world's contact law between two bodies of its material.
     Law,
     /// A penalty p, Pa.
     Penalty(f64),
@@ -128,10 +132,12 @@ impl Model {
                 areas[i as usize] += area / 3.0;
             }
         }
-        let foundation = modulus.penalty(shape.inradius()) / shape.inradius();
         let lightest = areas.iter().zip(masses).map(|(area, m)| area / m);
         // A stiffness k on a node of mass m counts as 2 k/m in the step.
-        stable_step(8.0 * foundation * lightest.fold(0.0, f64::max), 0.0)
+        stable_step(
+            8.0 * foundation(shape, modulus) * lightest.fold(0.0, f64::max),
+            0.0,
+        )
     }
 
     /// The slowest elastic oscillation of a free body, rad/s: that of a bar as long as it, π c/L with c = √(E/ρ).
@@ -162,18 +168,24 @@ impl Model {
         self.skin_areas(shape).map(|(_, area)| area).sum()
     }
 
-    /// Stiffness per area of the contact field, Pa/m, with the penalty of the rigid bodies, Pa.
-    pub(in crate::world) fn foundation(&self, shape: &DeformableShape, penalty: f64) -> f64 {
-        self.modulus(shape, penalty).penalty(shape.inradius()) / shape.inradius()
-    }
-
-    fn modulus(&self, shape: &DeformableShape, penalty: f64) -> Modulus {
+    /// The stiffness of the contact field of a body of a material under these laws.
+    fn modulus(
+        &self,
+        shape: &DeformableShape,
+        laws: &ContactLaws,
+        material: MaterialId,
+    ) -> Modulus {
         match self.stiffness {
-            ContactStiffness::Law => Modulus::Penalty(penalty),
+            ContactStiffness::Law => Modulus::Penalty(laws.between([material; 2]).penalty),
             ContactStiffness::Penalty(p) => Modulus::Penalty(p),
             ContactStiffness::Ratio(r) => Modulus::of_material(self.young, r, shape),
         }
     }
+}
+
+/// Stiffness per area of a contact field, Pa/m.
+pub(super) fn foundation(shape: &DeformableShape, modulus: Modulus) -> f64 {
+    modulus.penalty(shape.inradius()) / shape.inradius()
 }
 
 /// The present state of a deformable body; without nodes where a number stands for a rigid body, or for none.

@@ -286,11 +286,10 @@ impl World {
             let half = (b.velocity - a.velocity) * (0.5 * dt);
             arms = [arms[0] - half, arms[1] + half];
         }
-        let law = &self.parameters.contact;
-        let friction = match contact.a {
-            Partner::Body(_) => law.friction,
-            Partner::Wall(_) => law.at_walls().friction,
-        };
+        let friction = self
+            .batch
+            .law_of(contact.a, contact.b)
+            .map_or(0.0, |law| law.friction);
         Link::new(contact, [side_a, side_b], arms, before, friction, dt)
     }
 

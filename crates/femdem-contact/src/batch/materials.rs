@@ -1,0 +1,73 @@
+//! Laws, and materials that are given to bodies and walls.
+
+use super::ContactBatch;
+use crate::contact::{BodyId, Partner};
+use crate::deform::Side;
+use crate::error::ContactError;
+use crate::law::ContactParameters;
+use crate::laws::{ContactLaws, MaterialId};
+
+impl ContactBatch {
+    /// The laws.
+    pub fn laws(&self) -> &ContactLaws {
+        &self.materials.laws
+    }
+
+    /// Replaces the laws; contacts keep their history.
+    pub fn set_laws(&mut self, laws: impl Into<ContactLaws>) {
+        self.materials.laws = laws.into();
+        if let Some(part) = &mut self.deformable {
+            part.evaluate_all();
+        }
+    }
+
+    /// The law of a contact of `a` and `b`; that with a wall has the friction of walls. `None` if one is not there.
+    pub fn law_of(&self, a: Partner, b: BodyId) -> Option<ContactParameters> {
+        let a_is_there = match a {
+            Partner::Body(a) => self.contains(a),
+            Partner::Wall(wall) => self.wall(wall).is_some(),
+        };
+        (a_is_there && self.contains(b)).then(|| self.materials.law(a, b))
+    }
+
+    /// The material of a body.
+    pub fn material(&self, body: BodyId) -> Option<MaterialId> {
+        self.contains(body)
+            .then(|| self.materials.of_bodies[body as usize])
+    }
+
+    /// The material of a wall.
+    pub fn wall_material(&self, wall: u32) -> Option<MaterialId> {
+        self.wall(wall)?;
+        self.materials.of_walls.get(wall as usize).copied()
+    }
+
+    /// Gives a body another material. A deformable one keeps its [modulus](Self::set_modulus). Its contacts keep their history, and have the laws of the new material from the next
+    /// update on. Returns the bodies that it touches, ascending: it and those asleep among them may lose their balance.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if there is no such body.
+    pub fn set_material(
+        &mut self,
+        body: BodyId,
+        material: MaterialId,
+    ) -> Result<Vec<BodyId>, ContactError> {
+        let side = self.side(Partner::Body(body))?;
+        self.materials.of_bodies[body as usize] = material;
+        Ok(self.touched_by(side))
+    }
+
+    /// The same for a wall.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if there is no such wall.
+    pub fn set_wall_material(
+        &mut self,
+        wall: u32,
+        material: MaterialId,
+    ) -> Result<Vec<BodyId>, ContactError> {
+        self.known_wall(wall)?;
+        self.materials.of_walls[wall as usize] = material;
+        Ok(self.touched_by(Side::Wall(wall)))
+    }
+}

@@ -1,0 +1,211 @@
+//! Contact laws of pairs of materials in scenes.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+use femdem::contact::{ContactParameters, MaterialId};
+use femdem::run::{Run, Scenario, Simulation};
+use tempfile::tempdir;
+
+/// Boxes of steel and of ice, and one of rubber, on a floor of stone under gravity that is turned by 20 degrees.
+const SCENE: &str = r#"
+duration = 0.2
+sleeping = false
+gravity = [3.355, 0, -9.218]
+contact = { friction = 0.9, wall-friction = 0.8, damping = 0.5, penalty = 1e6 }
+[material.stone]
+[material.steel]
+density = 7800
+[material.ice]
+density = 900
+[material.rubber]
+density = 1100
+law = "neo-hookean"
+young = 1e6
+poisson = 0.3
+[[pair]]
+materials = ["stone", "steel"]
+friction = 0.5
+damping = 0.3
+[[pair]]
+materials = ["ice", "stone"]
+penalty = 4e6
+friction = 0.1
+[[pair]]
+materials = ["rubber", "stone"]
+friction = 0.2
+[[pair]]
+materials = ["steel", "steel"]
+rolling-friction = 0.1
+[[wall]]
+name = "floor"
+plane = { normal = [0, 0, 1] }
+material = "stone"
+[[body]]
+name = "sticks"
+shape = "box:width=1,height=0.5"
+size = 0.04
+material = "steel"
+position = [0, 0, 0.01]
+[[body]]
+name = "slides"
+shape = "box:width=1,height=0.5"
+size = 0.04
+material = "ice"
+position = [0, 0.2, 0.01]
+[[body]]
+name = "gives way"
+block = [3, 3, 2]
+sides = [0.04, 0.04, 0.02]
+material = "rubber"
+behaviour = "deformable"
+position = [0, 0.4, 0.01]
+"#;
+
+fn scene(from: &str, to: &str) -> Scenario {
+    assert!(SCENE.contains(from), "{from}");
+    Scenario::from_toml(&SCENE.replacen(from, to, 1)).unwrap()
+}
+
+/// Speeds of the three down the slope, m/s.
+fn speeds(simulation: &Simulation) -> Vec<f64> {
+    let world = &simulation.world;
+    let speed = |id| world.velocity(id).unwrap().x;
+    simulation.members.iter().map(|m| speed(m.id)).collect()
+}
+
+/// On one slope of tan 0.364 the body with 0.5 sticks, those with 0.1 and 0.2 slide with g (sin - mu cos).
+#[test]
+fn bodies_slide_by_their_own_pairs() {
+    let mut simulation = scene("", "").build().unwrap();
+    let mut until = |time: f64| {
+        while simulation.world.time() < time {
+            simulation.step().unwrap();
+        }
+        (simulation.world.time(), speeds(&simulation))
+    };
+    let ((start, early), (end, late)) = (until(0.08), until(0.2));
+    assert!(late[0].abs() < 1e-3, "{late:?}");
+    for (k, mu) in [(1, 0.1), (2, 0.2)] {
+        let got = (late[k] - early[k]) / (end - start);
+        let want = 3.355 - mu * 9.218;
+        assert!((got / want - 1.0).abs() < 0.02, "{k}: {got} for {want}");
+    }
+}
+
+/// What a pair does not give is that of `[contact]`, the chosen penalty too; with a friction of its own, walls have that.
+#[test]
+fn pairs_inherit() {
+    let simulation = scene(", penalty = 1e6", "").build().unwrap();
+    let world = &simulation.world;
+    let usual = world.parameters().contact;
+    assert_eq!(usual.penalty, simulation.penalty.value);
+    // In alphabetical order, from 1.
+    let [ice, rubber, steel, stone] = [1, 2, 3, 4].map(MaterialId);
+    assert_eq!(world.wall_material(0), Some(stone));
+    let own = ContactParameters {
+        friction: 0.5,
+        wall_friction: None,
+        damping_ratio: 0.3,
+        ..usual
+    };
+    assert_eq!(world.laws().between([steel, stone]), &own);
+    let cold = world.laws().between([stone, ice]);
+    assert_eq!((cold.penalty, cold.damping_ratio), (4e6, 0.5));
+    let rolls = world.laws().between([steel, steel]);
+    assert_eq!(
+        (rolls.rolling_friction, rolls.wall_friction),
+        (0.1, Some(0.8))
+    );
+    assert_eq!(world.laws().between([rubber, steel]), &usual);
+}
+
+/// A run goes on under other pairs: what slid sticks, and inherited numbers follow `[contact]`.
+#[test]
+fn pairs_change_in_a_run() {
+    let folder = tempdir().unwrap();
+    let mut job = Run::new(scene("", "")).unwrap();
+    job.advance(folder.path(), 50).unwrap();
+    let mut new = scene("friction = 0.1\n", "friction = 0.7\n");
+    new.pair.truncate(2);
+    new.contact.damping = 0.4;
+    let changed = job.apply(new).unwrap();
+    let named = |word: &str| changed.iter().any(|name| name.contains(word));
+    assert!(named("[[pair]]") && named("contact.damping"), "{changed:?}");
+    let laws = job.simulation().world.laws();
+    let [ice, rubber, steel, stone] = [1, 2, 3, 4].map(MaterialId);
+    let cold = laws.between([ice, stone]);
+    assert_eq!((cold.friction, cold.damping_ratio), (0.7, 0.4));
+    for gone in [[rubber, stone], [steel, steel]] {
+        assert_eq!(laws.between(gone), laws.usual());
+    }
+    let same = scene("material = \"stone\"", "material = \"steel\"");
+    assert!(
+        job.apply(same)
+            .unwrap_err()
+            .to_string()
+            .contains("material")
+    );
+}
+
+/// Faults are named with their entry and what is known or allowed.
+#[test]
+fn faults_of_pairs_are_named() {
+    for (from, to, words) in [
+        (
+            "[\"ice\", \"stone\"]",
+            "[\"ice\", \"brass\"]",
+            ["\"ice\" and \"brass\"", "ice, rubber, steel, stone"],
+        ),
+        (
+            "material = \"stone\"",
+            "material = \"brass\"",
+            ["wall \"floor\"", "ice, rubber, steel, stone"],
+        ),
+        (
+            "friction = 0.1\n",
+            "friction = -0.1\n",
+            ["pair \"ice\" and \"stone\": friction = -0.1", "at least 0"],
+        ),
+        (
+            "damping = 0.3",
+            "damping = 0.9",
+            ["damping = 0.9", "0.7071"],
+        ),
+        ("penalty = 4e6", "penalty = 0", ["penalty = 0", "Pa"]),
+        (
+            "[\"steel\", \"steel\"]",
+            "[\"steel\", \"stone\"]",
+            ["given twice", "one [[pair]]"],
+        ),
+        (
+            "rolling-friction = 0.1\n",
+            "",
+            ["\"steel\" and \"steel\"", "differs from [contact]"],
+        ),
+        (
+            "[material.stone]",
+            "[material.stone]\ndensity = 2600",
+            ["material.stone", "leave its table empty"],
+        ),
+        (
+            "material = \"stone\"\n",
+            "",
+            ["material.stone", "no body or wall is made of it"],
+        ),
+        ("density = 900", "", ["density = none", "kg/m³"]),
+    ] {
+        let error = scene(from, to).build().map(|_| ()).unwrap_err().to_string();
+        let told = words.iter().all(|word| error.contains(word));
+        assert!(told, "{to}: {error}");
+    }
+    let text = SCENE.replacen("penalty = 4e6", "restitution = 0.5", 1);
+    let error = Scenario::from_toml(&text).unwrap_err().to_string();
+    assert!(
+        error.contains("restitution") && error.contains("tangential-ratio"),
+        "{error}"
+    );
+    let many: String = (0..256).map(|k| format!("[material.m{k}]\n")).collect();
+    let error = scene("[material.stone]", &format!("{many}[material.stone]"));
+    let error = error.build().map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("at most 255"), "{error}");
+}
