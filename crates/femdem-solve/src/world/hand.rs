@@ -20,14 +20,6 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    /// What the overlaps alone store.
-    pub(super) fn of_overlaps(self) -> Self {
-        Self {
-            springs: 0.0,
-            ..self
-        }
-    }
-
     fn with(self, elastic: f64, springs: f64) -> Self {
         Self {
             elastic: self.elastic + elastic,
@@ -211,7 +203,7 @@ impl World {
     }
 
     /// What the contacts of a rigid body or a wall store.
-    pub(super) fn stored_by(&self, partner: Partner) -> Stored {
+    fn stored_by(&self, partner: Partner) -> Stored {
         let add = |sum: Stored, c: &Contact| sum.with(c.energy, c.spring_energy);
         let (rigid, soft) = match partner {
             Partner::Body(id) => (

@@ -4,12 +4,12 @@ use super::{DeformableId, World};
 use crate::error::SolveError;
 use crate::parameters::WorldParameters;
 use femdem_contact::deform::DeformablePartner;
-use femdem_contact::{BodyId, ContactLaw, ContactLaws, ContactParameters, MaterialId, Partner};
+use femdem_contact::{BodyId, ContactLaw, ContactLaws, ContactParameters, MaterialId};
 
 impl World {
-    /// Replaces the contact law of all pairs of materials without one of their own; contacts keep their friction history. Frozen bodies wake, and what
-    /// the contacts and their springs hold more than before is on the books as work, except before the first
-    /// step, when nothing has been held yet.
+    /// Replaces the contact law of all pairs of materials without one of their own; contacts keep their friction history. Frozen
+    /// bodies wake, and what the contacts and their springs hold more than before is on the books as work, except before the
+    /// first step, when nothing has been held yet.
     ///
     /// # Errors
     /// As [`World::new`], and the errors of [`World::step`].
@@ -79,15 +79,25 @@ impl World {
             contact: *laws.usual(),
             ..self.parameters
         };
-        if self.steps == 0 && !self.loaded {
-            return self.replace_laws(parameters, &laws);
-        }
         parameters.laws(&laws)?;
+        self.change_contacts(|world| {
+            world.wake_all();
+            world.replace_laws(parameters, &laws)
+        })
+    }
+
+    /// Changes what contacts are, and books what they hold more than before.
+    fn change_contacts(
+        &mut self,
+        change: impl FnOnce(&mut Self) -> Result<(), SolveError>,
+    ) -> Result<(), SolveError> {
         self.restored()?;
-        self.wake_all();
+        if self.steps == 0 && !self.loaded {
+            return change(self);
+        }
         self.evaluate_if_due()?;
         let before = self.ledger();
-        self.replace_laws(parameters, &laws)?;
+        change(self)?;
         self.evaluate(0.0)?;
         self.loaded = true;
         let after = self.ledger();
@@ -114,70 +124,65 @@ impl World {
         batch.material(DeformablePartner::Deformable(id))
     }
 
-    /// Gives a rigid body another material. Its contacts keep their friction; it and what it touches wake. What its overlaps
-    /// hold more under their new laws is in [`Ledger::by_hand`](crate::Ledger::by_hand).
+    /// Gives a rigid body another material. Its contacts keep their friction; it and what it touches wake. What contacts and
+    /// their springs hold more than before is on the books as work. Once the world has stepped, this evaluates all contacts: give
+    /// many bodies their materials [as they are added](crate::BodySpec::material).
     ///
     /// # Errors
-    /// As [`World::remove_body`].
+    /// [`SolveError::NoSuch`] for an unknown body, and the errors of [`World::step`].
     pub fn set_material(&mut self, id: BodyId, material: MaterialId) -> Result<(), SolveError> {
         self.known_body(id)?;
-        self.evaluate_pending()?;
-        let stored = self.stored_by(Partner::Body(id));
-        let mut touched = self.batch.set_material(id, material)?;
-        if let Some(deformables) = &mut self.deformables {
-            let own = DeformablePartner::Rigid(id);
-            let soft = deformables.batch.set_material(own, material)?;
-            touched.extend(deformables.let_go(soft, &self.batch));
-        }
-        touched.push(id);
-        self.newcomers.moved.bodies.insert(id);
-        self.step_control.lose();
-        self.book_ended(stored.of_overlaps(), &touched);
-        Ok(())
+        self.change_contacts(|world| {
+            let mut touched = world.batch.set_material(id, material)?;
+            touched.push(id);
+            world.recast(DeformablePartner::Rigid(id), material, touched)
+        })
     }
 
     /// The same for a wall, which is of material 0 when it is added.
     ///
     /// # Errors
-    /// As [`World::remove_wall`].
+    /// As [`World::set_material`].
     pub fn set_wall_material(&mut self, wall: u32, material: MaterialId) -> Result<(), SolveError> {
         self.known_wall(wall)?;
-        self.evaluate_pending()?;
-        let stored = self.stored_by(Partner::Wall(wall));
-        let mut touched = self.batch.set_wall_material(wall, material)?;
-        if let Some(deformables) = &mut self.deformables {
-            let own = DeformablePartner::Wall(wall);
-            let soft = deformables.batch.set_material(own, material)?;
-            touched.extend(deformables.let_go(soft, &self.batch));
-        }
-        self.newcomers.moved.walls.insert(wall);
-        self.book_ended(stored.of_overlaps(), &touched);
-        Ok(())
+        self.change_contacts(|world| {
+            let touched = world.batch.set_wall_material(wall, material)?;
+            world.recast(DeformablePartner::Wall(wall), material, touched)
+        })
     }
 
     /// The same for a deformable body.
     ///
     /// # Errors
-    /// [`SolveError::NoSuch`] for an unknown body.
+    /// As [`World::set_material`].
     pub fn set_deformable_material(
         &mut self,
         id: DeformableId,
         material: MaterialId,
     ) -> Result<(), SolveError> {
         self.known_deformable(id)?;
-        self.restored()?;
-        let own = DeformablePartner::Deformable(id);
-        let stored = self.stored_softly_by(own);
-        let Some(deformables) = self.deformables.as_deref_mut() else {
-            return Ok(());
-        };
-        let soft = deformables.batch.set_material(own, material)?;
-        deformables.renew_modulus(id)?;
-        let touched = deformables.let_go(soft, &self.batch);
-        deformables.wake(id as usize);
-        self.newcomers.moved.deformables.insert(id);
+        self.change_contacts(|world| {
+            world.recast(DeformablePartner::Deformable(id), material, Vec::new())
+        })
+    }
+
+    /// Gives something another material as deformable bodies see it, and wakes those and the rigid bodies that it touches.
+    fn recast(
+        &mut self,
+        thing: DeformablePartner,
+        material: MaterialId,
+        mut touched: Vec<BodyId>,
+    ) -> Result<(), SolveError> {
+        if let Some(deformables) = &mut self.deformables {
+            let soft = deformables.batch.set_material(thing, material)?;
+            if let DeformablePartner::Deformable(id) = thing {
+                deformables.renew_modulus(id)?;
+                deformables.wake(id as usize);
+            }
+            touched.extend(deformables.let_go(soft, &self.batch));
+        }
+        self.stir(&touched);
         self.step_control.lose();
-        self.book_ended(stored.of_overlaps(), &touched);
         Ok(())
     }
 }
