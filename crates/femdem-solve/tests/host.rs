@@ -5,7 +5,7 @@
 use crate::common::{
     D, DENSITY, add_floor, add_heap, add_sides, at, parameters, pose, solid, turned,
 };
-use femdem_contact::{Partner, Wrench};
+use femdem_contact::{ContactParameters, MaterialId, Partner, Wrench};
 use femdem_fem::element::Element;
 use femdem_fem::material::NeoHookean;
 use femdem_fem::{DeformableModel, MaterialRegion};
@@ -151,6 +151,8 @@ enum Doing {
     Throw(usize, Vector3),
     Load(usize, Vector3),
     Wall(bool),
+    /// Gives a body, a deformable body or the floor one of three materials.
+    Recast(usize),
     /// Adds, removes, puts or pushes a deformable body, where there may be any.
     Soft(usize, Vector3),
     Steps(usize),
@@ -170,6 +172,7 @@ fn doings() -> impl Strategy<Value = Vec<Doing>> {
         (any::<usize>(), speed()).prop_map(|(i, f)| Doing::Load(i, f)),
         any::<bool>().prop_map(Doing::Wall),
         (any::<usize>(), place()).prop_map(|(i, x)| Doing::Soft(i, x)),
+        any::<usize>().prop_map(Doing::Recast),
         (1..60_usize).prop_map(Doing::Steps),
         (1..60_usize).prop_map(Doing::Steps),
     ];
@@ -205,6 +208,15 @@ fn act(world: &mut World, doing: &Doing) -> Result<(), SolveError> {
                 return world.remove_wall(0);
             }
             Ok(())
+        }
+        Doing::Recast(k) => {
+            let material = MaterialId((k % 3) as u8);
+            let soft = world.deformable_ids().next();
+            match (k / 3 % 3, soft) {
+                (0, Some(id)) => world.set_material(id, material),
+                (1, _) if world.wall(0).is_some() => world.set_wall_material(0, material),
+                _ => world.set_material(pick(k / 9), material),
+            }
         }
         Doing::Soft(i, x) => act_softly(world, *i, x),
         Doing::Steps(count) => (0..*count).try_for_each(|_| world.step()),
@@ -297,6 +309,14 @@ fn playground(sleeping: bool, implicit: bool) -> World {
         let stiffness = ContactStiffness::default();
         world.add_model("cube", model, stiffness).unwrap();
     }
+    for (k, penalty) in [(1, 3e6), (2, 3e5)] {
+        let law = ContactParameters {
+            penalty,
+            friction: 0.2,
+            ..p.contact
+        };
+        world.set_law(MaterialId(k), MaterialId(0), law).unwrap();
+    }
     add_floor(&mut world, Drive::Fixed);
     for k in 0..3 {
         let place = at(Vector3::z() * D * (0.5 + f64::from(k)));
@@ -321,7 +341,7 @@ proptest! {
             // What an implicit step has left open is settled first where contacts end, and large such steps miss much.
             let exact = match doing {
                 Doing::Steps(_) => false,
-                Doing::Remove(_) | Doing::Put(..) | Doing::Wall(_) | Doing::Soft(..) => !implicit,
+                Doing::Remove(_) | Doing::Put(..) | Doing::Wall(_) | Doing::Soft(..) | Doing::Recast(_) => !implicit,
                 Doing::Add(..) | Doing::Throw(..) | Doing::Load(..) => true,
             };
             let done = act(&mut world, doing);
