@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Side A of a contact with a deformable body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum DeformablePartner {
-    /// Another one, of lower index.
+    /// Another one, of lower index, or the same: a body that touches itself.
     Deformable(u32),
     /// A rigid body.
     Rigid(BodyId),
@@ -17,6 +17,9 @@ pub enum DeformablePartner {
 }
 
 /// A contact, one connected patch: A, and a deformable body B. Vectors are in world axes.
+///
+/// Where a body touches itself, A and B are the parts of it on both sides. The forces of one that goes round, such as that
+/// of a coil of several turns, cancel in the sum, so that `normal` and the forces of its record say little.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct DeformableContact {
     /// Side A.

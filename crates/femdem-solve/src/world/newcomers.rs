@@ -60,6 +60,12 @@ impl Newcomers {
         }
     }
 
+    /// Whether the contacts of a deformable body have not been evaluated since it came or was moved.
+    pub fn has_deformable(&self, id: u32) -> bool {
+        let all = [&self.added, &self.moved];
+        all.iter().any(|things| things.deformables.contains(&id))
+    }
+
     pub fn forget_deformable(&mut self, id: u32) {
         for things in self.each() {
             things.deformables.remove(&id);

@@ -26,6 +26,10 @@ pub(crate) struct SoftBody {
     pub sleep: Sleep,
     /// Running bound of the distance that any node has travelled, m.
     pub travelled: f64,
+    /// Whether it may touch itself.
+    pub meets_itself: bool,
+    /// As `travelled`, relative to the mean of the nodes; only while it may touch itself.
+    pub bent: f64,
     /// Positions of the nodes at the last update, m.
     before: Vec<Vector3>,
     /// Mean position of the nodes, m.
@@ -66,6 +70,8 @@ impl SoftBody {
             frequency: 0.0,
             sleep: Sleep::Awake,
             travelled: 0.0,
+            meets_itself: false,
+            bent: 0.0,
             before: Vec::new(),
             centre: Vector3::zeros(),
             reach: STRETCH * shape.radius(),
@@ -226,15 +232,19 @@ impl SoftBody {
                 return Err(ContactError::NodeState { body, node });
             }
         }
-        self.centre = sum / positions.len().max(1) as f64;
+        let centre = sum / positions.len().max(1) as f64;
+        let shift = centre - self.centre;
+        self.centre = centre;
         if self.before.len() == positions.len() {
             // All are finite, so a plain comparison serves; f64::max also handles NaN.
-            let longest = |most: f64, (x, y): (&Vector3, &Vector3)| {
-                let way = (x - y).norm_squared();
-                if way > most { way } else { most }
-            };
-            let pairs = positions.iter().zip(&self.before);
-            self.travelled += pairs.fold(0.0, longest).sqrt();
+            let pairs = || positions.iter().zip(&self.before);
+            let longest = |most: f64, way: f64| if way > most { way } else { most };
+            let ways = pairs().map(|(x, y)| (x - y).norm_squared());
+            self.travelled += ways.fold(0.0, longest).sqrt();
+            if self.meets_itself {
+                let ways = pairs().map(|(x, y)| (x - y - shift).norm_squared());
+                self.bent += ways.fold(0.0, longest).sqrt();
+            }
         }
         self.before.clear();
         self.before.extend_from_slice(positions);

@@ -40,8 +40,11 @@ impl Context<'_> {
         Some(Operand::Deformable(shape, state.positions))
     }
 
-    /// Running bound of the sum of the travels of A and B, m.
+    /// Running bound of the sum of the travels of A and B, m: no part of one moves farther than this towards the other.
     pub fn motion(&self, pair: &SoftPair, bodies: &[SoftBody]) -> f64 {
+        if pair.is_own() {
+            return 2.0 * bodies[pair.b as usize].bent;
+        }
         let of = |i: u32| bodies[i as usize].travelled;
         let of_a = match pair.a {
             DeformablePartner::Deformable(i) => of(i),

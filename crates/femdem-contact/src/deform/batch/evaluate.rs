@@ -70,6 +70,11 @@ impl Context<'_> {
         let tree_b = tree(body)?;
         let moduli_b = body.modulus;
         let rigid = Modulus::Penalty(self.parameters.penalty);
+        let way = if pair.is_own() {
+            Way::Itself
+        } else {
+            Way::Skins
+        };
         let (mut turning, mut frequency) = (None, 0.0);
         let (of_a, tree_a, modulus, mover) = match a {
             DeformablePartner::Deformable(i) => {
@@ -101,7 +106,7 @@ impl Context<'_> {
         let touches = match run_kernel(
             &sides,
             pressures,
-            Way::Skins,
+            way,
             &mut pair.candidates,
             motion,
             scratch,

@@ -215,6 +215,26 @@ impl DeformableBatch {
         Ok(())
     }
 
+    /// Sets whether a deformable body may touch itself, as one that folds does. Initially it does not: its parts pass
+    /// through each other.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] for an unknown body.
+    pub fn set_self_contact(&mut self, body: u32, on: bool) -> Result<(), ContactError> {
+        self.known(SOFT, body)?;
+        let soft = &mut self.bodies[body as usize];
+        soft.meets_itself = on;
+        soft.sleep.stir();
+        self.pairs.forget_search();
+        Ok(())
+    }
+
+    /// Whether a deformable body may touch itself; `false` for one that does not exist.
+    pub fn self_contact(&self, body: u32) -> bool {
+        let body = self.bodies.get(body as usize);
+        body.is_some_and(|body| body.meets_itself)
+    }
+
     /// Adds a rigid shape and returns its index.
     ///
     /// # Errors
@@ -518,7 +538,8 @@ impl DeformableBatch {
     /// moved by a twentieth of their radius since the last update.
     pub fn have_neighbours(&self) -> Vec<bool> {
         let mut near = vec![false; self.bodies.len()];
-        for body in self.pairs.list().iter().flat_map(|pair| pair.deformables()) {
+        let pairs = self.pairs.list().iter().filter(|pair| pair.is_near());
+        for body in pairs.flat_map(|pair| pair.deformables()) {
             if let Some(near) = near.get_mut(body as usize) {
                 *near = true;
             }

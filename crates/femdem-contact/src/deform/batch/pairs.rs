@@ -108,6 +108,11 @@ impl PairList {
         };
         skins[2] = vec![until; context.walls.len()];
         let mut keys = body_pairs(&boxes, bodies.len());
+        let own = bodies
+            .iter()
+            .zip(0..)
+            .filter(|(b, _)| b.meets_itself && !b.is_vacant());
+        keys.extend(own.map(|(_, b)| (DeformablePartner::Deformable(b), b)));
         let present = bodies.iter().zip(&extents).enumerate();
         for (b, (body, (_, radius))) in present.filter(|(_, (body, _))| !body.is_vacant()) {
             let reach = radius * (1.0 + HALF_SKIN) + wall_skin;
@@ -165,7 +170,7 @@ impl PairList {
             let is_stale = pair.candidates.is_expired(motion);
             for i in pair.deformables() {
                 if let Some(of_body) = wanted.get_mut(i as usize) {
-                    of_body.turning = true;
+                    of_body.turning |= !pair.is_own();
                     of_body.tree |= is_stale;
                 }
             }

@@ -70,7 +70,7 @@ impl World {
 
     /// Adds a deformable body and returns its index: that of a [removed](Self::remove_deformable) one, the lowest, or else a
     /// new one. Motions of its boundary count from its pose at this
-    /// moment, like those of walls and driven bodies.
+    /// moment, like those of walls and driven bodies. It may [touch itself](Self::set_self_contact).
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown model, [`SolveError::Parameter`] for a pose or velocity
@@ -104,6 +104,7 @@ impl World {
         let frequency = model.frequency(shape);
         let id = deformables.batch.add_body(spec.model, modulus)?;
         deformables.batch.set_frequency(id, frequency)?;
+        deformables.batch.set_self_contact(id, true)?;
         place(&mut deformables.bodies, id, state);
         self.newcomers.added.deformables.insert(id);
         self.initial_energy += energy;

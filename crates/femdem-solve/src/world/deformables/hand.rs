@@ -115,6 +115,33 @@ impl World {
         Ok(())
     }
 
+    /// Sets whether a deformable body may touch itself, as one that folds does; else its parts pass through each other. The
+    /// body wakes if this changes. Initially it may.
+    ///
+    /// # Errors
+    /// [`SolveError::NoSuch`] for an unknown body, and those of [`World::step`] for the contacts.
+    pub fn set_self_contact(&mut self, id: DeformableId, on: bool) -> Result<(), SolveError> {
+        self.known_deformable(id)?;
+        self.restored()?;
+        let stored = self.stored_within(id);
+        let is_new = self.newcomers.has_deformable(id);
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return Ok(());
+        };
+        if deformables.batch.self_contact(id) == on {
+            return Ok(());
+        }
+        deformables.batch.set_self_contact(id, on)?;
+        deformables.wake(id as usize);
+        self.book_ended(stored, &[]);
+        if on && !is_new {
+            // Where its parts lie in each other, they bring energy.
+            self.evaluate_if_due()?;
+            self.flows.by_hand += self.stored_within(id).elastic;
+        }
+        Ok(())
+    }
+
     pub(super) fn known_deformable(&self, id: DeformableId) -> Result<(), SolveError> {
         let deformables = self.deformables.as_deref();
         if deformables.is_some_and(|d| d.batch.contains(id)) {
