@@ -108,6 +108,11 @@ impl Search for Folds<'_> {
             .map_or(0.0, |skin| skin.shape.inradius().min(skin.shape.edge()))
     }
 
+    /// With wider margins neighbours but one are near everywhere.
+    fn widest(&self) -> f64 {
+        0.0
+    }
+
     fn gap(&self) -> f64 {
         self.skin().map_or(0.0, |skin| skin.gap())
     }
@@ -156,7 +161,7 @@ impl Skin<'_> {
                 let j = j as usize;
                 let apart = j <= i || skin[i].iter().any(|node| skin[j].contains(node));
                 if !apart && own.grown(reach).overlaps(&boxes[j]) {
-                    let gap = gap(&corners[i], &corners[j]);
+                    let gap = gap(&corners[i], &corners[j], reach);
                     reach = if gap < reach { gap } else { reach };
                 }
             });
@@ -304,8 +309,8 @@ fn axis_across(x: &Vector3) -> Vector3 {
 }
 
 /// A lower bound of the distance of two triangles, m: along their normals, in their planes across their edges, and across
-/// an edge of each.
-fn gap(a: &[Vector3; 3], b: &[Vector3; 3]) -> f64 {
+/// an edge of each. More than `enough` is not looked for.
+fn gap(a: &[Vector3; 3], b: &[Vector3; 3], enough: f64) -> f64 {
     let mut gap = 0.0;
     let edges = |t: &[Vector3; 3]| [t[1] - t[0], t[2] - t[1], t[0] - t[2]];
     let (of_a, of_b) = (edges(a), edges(b));
@@ -316,13 +321,12 @@ fn gap(a: &[Vector3; 3], b: &[Vector3; 3]) -> f64 {
             let apart = if p - s > r - q { p - s } else { r - q } / square.sqrt();
             gap = if apart > gap { apart } else { gap };
         }
-        gap > 0.0
+        gap >= enough
     };
     for edges in [&of_a, &of_b] {
         let normal = edges[0].cross(&edges[1]);
-        try_along(normal);
-        for edge in edges {
-            try_along(edge.cross(&normal));
+        if try_along(normal) || edges.iter().any(|edge| try_along(edge.cross(&normal))) {
+            return gap;
         }
     }
     for e in &of_a {

@@ -1,5 +1,6 @@
 //! The stored state of every deformable body of the batch.
 
+use super::bend::Bend;
 use super::pair::SoftPair;
 use super::state::Sleep;
 use super::touching::{Part, Touching};
@@ -26,10 +27,8 @@ pub(crate) struct SoftBody {
     pub sleep: Sleep,
     /// Running bound of the distance that any node has travelled, m.
     pub travelled: f64,
-    /// Whether it may touch itself.
-    pub meets_itself: bool,
-    /// As `travelled`, relative to the mean of the nodes; only while it may touch itself.
-    pub bent: f64,
+    /// How far its parts have moved towards each other, if it may touch itself.
+    pub bend: Option<Bend>,
     /// Positions of the nodes at the last update, m.
     before: Vec<Vector3>,
     /// Mean position of the nodes, m.
@@ -70,8 +69,7 @@ impl SoftBody {
             frequency: 0.0,
             sleep: Sleep::Awake,
             travelled: 0.0,
-            meets_itself: false,
-            bent: 0.0,
+            bend: None,
             before: Vec::new(),
             centre: Vector3::zeros(),
             reach: STRETCH * shape.radius(),
@@ -124,6 +122,9 @@ impl SoftBody {
     pub fn displaced(&mut self) {
         self.before = Vec::new();
         self.turning = None;
+        if let Some(bend) = &mut self.bend {
+            bend.forget();
+        }
     }
 
     fn clear(&mut self) {
@@ -232,23 +233,26 @@ impl SoftBody {
                 return Err(ContactError::NodeState { body, node });
             }
         }
-        let centre = sum / positions.len().max(1) as f64;
-        let shift = centre - self.centre;
-        self.centre = centre;
+        self.centre = sum / positions.len().max(1) as f64;
         if self.before.len() == positions.len() {
             // All are finite, so a plain comparison serves; f64::max also handles NaN.
-            let pairs = || positions.iter().zip(&self.before);
-            let longest = |most: f64, way: f64| if way > most { way } else { most };
-            let ways = pairs().map(|(x, y)| (x - y).norm_squared());
-            self.travelled += ways.fold(0.0, longest).sqrt();
-            if self.meets_itself {
-                let ways = pairs().map(|(x, y)| (x - y - shift).norm_squared());
-                self.bent += ways.fold(0.0, longest).sqrt();
-            }
+            let longest = |most: f64, (x, y): (&Vector3, &Vector3)| {
+                let way = (x - y).norm_squared();
+                if way > most { way } else { most }
+            };
+            let pairs = positions.iter().zip(&self.before);
+            self.travelled += pairs.fold(0.0, longest).sqrt();
         }
         self.before.clear();
         self.before.extend_from_slice(positions);
         Ok(())
+    }
+
+    /// Measures how far its parts have moved towards each other, if they may have by `clear`, m.
+    pub fn measure_bend(&mut self, clear: f64) {
+        if let Some(bend) = &mut self.bend {
+            bend.measure(&self.before, &self.centre, self.travelled, clear);
+        }
     }
 
     /// The box and the largest distance from the centre of the nodes, m.

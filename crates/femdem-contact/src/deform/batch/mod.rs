@@ -1,5 +1,6 @@
 //! Layer 2: many deformable bodies with the rigid bodies and walls around them.
 
+mod bend;
 mod body;
 mod context;
 mod evaluate;
@@ -25,6 +26,7 @@ use crate::law::{ContactLaw, ContactParameters};
 use crate::motion::Motion;
 use crate::slots::Slots;
 use crate::walls::WallShape;
+use bend::Bend;
 use body::SoftBody;
 use context::Context;
 use femdem_mesh::Vector3;
@@ -223,7 +225,9 @@ impl DeformableBatch {
     pub fn set_self_contact(&mut self, body: u32, on: bool) -> Result<(), ContactError> {
         self.known(SOFT, body)?;
         let soft = &mut self.bodies[body as usize];
-        soft.meets_itself = on;
+        if soft.bend.is_some() != on {
+            soft.bend = on.then(Bend::default);
+        }
         soft.sleep.stir();
         self.pairs.forget_search();
         Ok(())
@@ -232,7 +236,7 @@ impl DeformableBatch {
     /// Whether a deformable body may touch itself; `false` for one that does not exist.
     pub fn self_contact(&self, body: u32) -> bool {
         let body = self.bodies.get(body as usize);
-        body.is_some_and(|body| body.meets_itself)
+        body.is_some_and(|body| body.bend.is_some())
     }
 
     /// Adds a rigid shape and returns its index.
@@ -438,6 +442,7 @@ impl DeformableBatch {
             }
             self.starts.clear();
         }
+        self.pairs.measure_bends(&context, &mut self.bodies);
         let wanted = self.pairs.wanted(&context, &self.bodies);
         prepare::prepare(&mut self.bodies, &wanted, &context);
         let result = evaluate::run(&context, &self.bodies, &mut self.pairs);

@@ -1,6 +1,6 @@
 //! Candidate pairs of bodies, and the stored data of each.
 
-use super::body::SoftBody;
+use super::body::{SoftBody, on_each};
 use super::context::Context;
 use super::pair::SoftPair;
 use super::prepare::Wanted;
@@ -111,7 +111,7 @@ impl PairList {
         let own = bodies
             .iter()
             .zip(0..)
-            .filter(|(b, _)| b.meets_itself && !b.is_vacant());
+            .filter(|(b, _)| b.bend.is_some() && !b.is_vacant());
         keys.extend(own.map(|(_, b)| (DeformablePartner::Deformable(b), b)));
         let present = bodies.iter().zip(&extents).enumerate();
         for (b, (body, (_, radius))) in present.filter(|(_, (body, _))| !body.is_vacant()) {
@@ -143,6 +143,22 @@ impl PairList {
             while old.next_if(|p| p.key() < key).is_some() {}
             let kept = old.next_if(|p| p.key() == key);
             self.list.push(kept.unwrap_or_else(|| SoftPair::new(key)));
+        }
+    }
+
+    /// Measures how far the parts of bodies that may touch themselves have moved towards each other, where that matters.
+    pub fn measure_bends(&self, context: &Context, bodies: &mut [SoftBody]) {
+        let mut clear = vec![f64::INFINITY; bodies.len()];
+        let own = self.list.iter().filter(|pair| pair.is_own());
+        let mut any = false;
+        for pair in own.filter(|p| !rests(p, bodies, context.rigid_sleep)) {
+            if let Some(clear) = clear.get_mut(pair.b as usize) {
+                *clear = pair.candidates.clear();
+                any = true;
+            }
+        }
+        if any {
+            on_each(bodies, |i, body| body.measure_bend(clear[i]));
         }
     }
 
