@@ -14,12 +14,15 @@ use super::near::{Failure, Near, Sides};
 use super::operand::Operand;
 use super::parts::orient;
 use super::shape::DeformableShape;
+use crate::tets::current::Current;
 use crate::tets::near_list::Search;
+use crate::tets::posed::Posed;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
 
-/// Parts of the skin that are farther apart than this, over the mean edge of its triangles, are not looked at.
-const REACH: f64 = 0.5;
+/// Parts of the skin that are farther apart than this, over the mean edge of its triangles, are not looked at: where nothing
+/// was near before, and where something was.
+const REACH: [f64; 2] = [0.5, 0.05];
 
 /// The search for the parts of a body that may touch each other. Both sides are this body.
 pub(crate) struct Folds<'a> {
@@ -60,7 +63,7 @@ impl<'a> Folds<'a> {
         }
     }
 
-    /// Pairs of tetrahedra, the lower number first, that come within `margin` of each other and may overlap.
+    /// Pairs of tetrahedra, the lower number first, whose boxes come within `margin` of each other and that may overlap.
     fn pairs(&self, margin: f64) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
         let Some(skin) = self.skin() else {
@@ -86,6 +89,27 @@ impl<'a> Folds<'a> {
         pairs.sort_unstable();
         pairs
     }
+
+    /// Those of `pairs` that are no farther apart than `margin` along the normals of their faces.
+    fn near(&self, pairs: &[[u32; 2]], margin: f64) -> Result<Vec<[u32; 2]>, Failure> {
+        let tree = &self.sides.trees[1];
+        let origin = tree.tree.bounds().center().coords;
+        let mut posed: Vec<Option<Posed>> = vec![None; tree.boxes.len()];
+        let mut tet = Current::default();
+        for &i in pairs.as_flattened() {
+            let room = &mut posed[i as usize];
+            if room.is_none() {
+                let found = self.sides.operands[1].pose(i, 1.0, &origin, &mut tet);
+                let found = found.map_err(|inverted| (1, inverted))?;
+                *room = found.map(|()| tet.planes());
+            }
+        }
+        let is_near = |pair: &&[u32; 2]| match pair.map(|i| &posed[i as usize]) {
+            [Some(a), Some(b)] => a.gap(b, margin) <= margin,
+            _ => false,
+        };
+        Ok(pairs.iter().filter(is_near).copied().collect())
+    }
 }
 
 /// Whether two tetrahedra can overlap, by their common nodes.
@@ -104,8 +128,7 @@ impl Search for Folds<'_> {
 
     /// Margins are small compared with the elements, whose neighbours but one are always near.
     fn length(&self) -> f64 {
-        self.skin()
-            .map_or(0.0, |skin| skin.shape.inradius().min(skin.shape.edge()))
+        self.skin().map_or(0.0, |skin| skin.shape.edge())
     }
 
     /// With wider margins neighbours but one are near everywhere.
@@ -114,11 +137,12 @@ impl Search for Folds<'_> {
     }
 
     fn gap(&self) -> f64 {
-        self.skin().map_or(0.0, |skin| skin.gap())
+        let reach = REACH[usize::from(!self.before.is_empty())];
+        self.skin().map_or(0.0, |skin| skin.gap(reach))
     }
 
     fn find(&self, margin: f64, motion: f64) -> Result<Option<Box<Near>>, Failure> {
-        let mut pairs = self.pairs(margin);
+        let mut pairs = self.near(&self.pairs(margin), margin)?;
         if let Some(skin) = self.skin() {
             orient(&mut pairs, skin.shape.tets(), &self.before);
         }
@@ -139,9 +163,9 @@ impl Skin<'_> {
     }
 
     /// The motion, m, up to which no tetrahedra of the body overlap: no part of it moves farther than this towards another.
-    /// 0 if some may overlap now.
-    fn gap(&self) -> f64 {
-        let mut reach = REACH * self.shape.edge();
+    /// 0 if some may overlap now. No more than `reach` times the mean edge is looked for.
+    fn gap(&self, reach: f64) -> f64 {
+        let mut reach = reach * self.shape.edge();
         for flat in self.flatness() {
             reach = if flat < reach { flat } else { reach };
         }

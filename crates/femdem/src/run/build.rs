@@ -335,6 +335,9 @@ impl Simulation {
                 angular_velocity: Vector3::from(entry.spin),
                 boundary: boundary.clone(),
             })?;
+            if entry.self_contact == Some(false) {
+                self.world.set_self_contact(id, false)?;
+            }
             ids.push((MemberId::Deformable(id), pose));
         }
         Ok(ids)
