@@ -200,8 +200,7 @@ impl Meet for PiecesOf<'_> {
                 if joined {
                     let common = self.piece.moments_and_faces(0, &mut 0, |_, _| ()).volume;
                     let smaller = places[0].tet.six_volumes.min(places[1].tet.six_volumes) / 6.0;
-                    // Written so that NaN is left out, too.
-                    if !(common > SPECK * smaller) {
+                    if common.is_nan() || common <= SPECK * smaller {
                         return Met::Inside;
                     }
                 }

@@ -90,8 +90,9 @@ impl<'a> Folds<'a> {
         pairs
     }
 
-    /// Those of `pairs` that are no farther apart than `margin` along the normals of their faces.
-    fn near(&self, pairs: &[[u32; 2]], margin: f64) -> Result<Vec<[u32; 2]>, Failure> {
+    /// Those of `pairs` that are no farther apart than `margin` along the normals of their faces. What is inverted is left
+    /// out: its element has no stress, or the body will soon turn it back.
+    fn near(&self, pairs: &[[u32; 2]], margin: f64) -> Vec<[u32; 2]> {
         let tree = &self.sides.trees[1];
         let origin = tree.tree.bounds().center().coords;
         let mut posed: Vec<Option<Posed>> = vec![None; tree.boxes.len()];
@@ -100,15 +101,14 @@ impl<'a> Folds<'a> {
             let room = &mut posed[i as usize];
             if room.is_none() {
                 let found = self.sides.operands[1].pose(i, 1.0, &origin, &mut tet);
-                let found = found.map_err(|inverted| (1, inverted))?;
-                *room = found.map(|()| tet.planes());
+                *room = found.ok().flatten().map(|()| tet.planes());
             }
         }
         let is_near = |pair: &&[u32; 2]| match pair.map(|i| &posed[i as usize]) {
             [Some(a), Some(b)] => a.gap(b, margin) <= margin,
             _ => false,
         };
-        Ok(pairs.iter().filter(is_near).copied().collect())
+        pairs.iter().filter(is_near).copied().collect()
     }
 }
 
@@ -142,7 +142,7 @@ impl Search for Folds<'_> {
     }
 
     fn find(&self, margin: f64, motion: f64) -> Result<Option<Box<Near>>, Failure> {
-        let mut pairs = self.near(&self.pairs(margin), margin)?;
+        let mut pairs = self.near(&self.pairs(margin), margin);
         if let Some(skin) = self.skin() {
             orient(&mut pairs, skin.shape.tets(), &self.before);
         }
@@ -272,7 +272,7 @@ impl Skin<'_> {
 fn sees(corners: &[Vector3; 4], k: usize, up: &Vector3) -> bool {
     let [a, b, c] = [1, 2, 3].map(|step| corners[(k + step) % 4] - corners[k]);
     // The three follow each other round one way from corners 0 and 2, and the other way from 1 and 3.
-    let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
     [a.cross(&b), b.cross(&c), c.cross(&a)]
         .iter()
         .all(|side| sign * side.dot(up) >= 0.0)

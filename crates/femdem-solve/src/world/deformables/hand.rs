@@ -142,6 +142,13 @@ impl World {
         Ok(())
     }
 
+    /// Whether a deformable body may touch itself; `false` for one that does not exist.
+    #[must_use]
+    pub fn self_contact(&self, id: DeformableId) -> bool {
+        let deformables = self.deformables.as_deref();
+        deformables.is_some_and(|d| d.batch.self_contact(id))
+    }
+
     pub(super) fn known_deformable(&self, id: DeformableId) -> Result<(), SolveError> {
         let deformables = self.deformables.as_deref();
         if deformables.is_some_and(|d| d.batch.contains(id)) {
