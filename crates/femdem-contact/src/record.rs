@@ -7,9 +7,12 @@ use serde::{Deserialize, Serialize};
 
 /// One contact patch of a touching pair: a body or wall A, and a body B, rigid or deformable. Convex bodies touch in one patch;
 /// others may touch in several, each of which is a contact. Vectors are in world axes.
+///
+/// Where a deformable body touches itself, A and B are the parts of it on both sides. The forces of a contact that goes round,
+/// such as that of a coil of several turns, cancel in the sum, so that `normal` and the forces of its record say little.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// Side A: a wall, a rigid body that meets a deformable one, or the body of the lower number.
+    /// Side A: a wall, a rigid body that meets a deformable one, the body of the lower number, or B itself.
     pub a: Partner,
     /// Side B.
     pub b: BodyId,

@@ -7,6 +7,7 @@ mod damping;
 mod deform_batch;
 mod deform_friction;
 mod deform_gradient;
+mod deform_itself;
 mod deform_skins;
 mod deform_walls;
 mod densest_lattices;

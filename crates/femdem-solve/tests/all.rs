@@ -6,6 +6,7 @@ mod changes;
 mod common;
 mod deformable_world;
 mod energy;
+mod folding;
 mod host;
 mod impacts;
 mod implicit;

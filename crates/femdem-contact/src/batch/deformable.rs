@@ -94,6 +94,22 @@ impl ContactBatch {
         Ok(())
     }
 
+    /// Sets whether a deformable body may touch itself, as one that folds does. Initially it does not: its parts pass
+    /// through each other.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if there is no such deformable body.
+    pub fn set_self_contact(&mut self, body: BodyId, on: bool) -> Result<(), ContactError> {
+        self.known_deformable(body)?.set_self_contact(body, on);
+        Ok(())
+    }
+
+    /// Whether a deformable body may touch itself; `false` for one that does not exist.
+    pub fn self_contact(&self, body: BodyId) -> bool {
+        let part = self.deformable.as_ref();
+        part.is_some_and(|part| part.self_contact(body))
+    }
+
     /// Finds and evaluates all contacts of the deformable bodies, with each other, with rigid bodies and with walls. Those
     /// among rigid bodies and walls are [`update`](Self::update)'s, which is called before.
     ///

@@ -79,7 +79,7 @@ impl Pair<'_> {
             let torque = |centre: &Vector3| about + (self.near.origin - centre).cross(force);
             let (response, power) = match (&self.movers[side], self.turnings[side]) {
                 (Mover::Rigid(motion), _) => self.rigid_response(motion, wrench),
-                (Mover::Nodes(_), Some(turning)) if turning.is_whole() => {
+                (Mover::Nodes(_), Some(turning)) if turning.is_whole() && !self.is_own() => {
                     let torque = torque(turning.centre());
                     found.slowest = found.slowest.min(self.frequencies[side]);
                     found.wrench[side] = [*force, torque];

@@ -86,6 +86,20 @@ impl DeformableKernel {
         self.evaluate_by(Way::Pieces, a, b, scratch)
     }
 
+    /// The contact of a deformable body with itself; `None` if no parts of it touch. A and B are the parts on both sides,
+    /// and a node may belong to both. The energy is p ∫ φ (m - 1) dV over the body, where m parts of it lie at the same
+    /// place.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
+    pub fn evaluate_itself(
+        &self,
+        body: (Operand, Modulus),
+        scratch: &mut DeformableScratch,
+    ) -> Result<Option<DeformableOverlap>, ContactError> {
+        self.evaluate_by(Way::Itself, body, body, scratch)
+    }
+
     fn evaluate_by(
         &self,
         way: Way,

@@ -75,6 +75,43 @@ impl Sides<'_> {
     }
 }
 
+impl Sides<'_> {
+    /// The list of those of `pairs` that touch or may come to touch within `margin`.
+    pub(crate) fn listed(
+        &self,
+        pairs: &[[u32; 2]],
+        margin: f64,
+        motion: f64,
+    ) -> Result<Option<Box<Near>>, Failure> {
+        let Some(origin) = self.middle(pairs) else {
+            return Ok(None);
+        };
+        let tets = [0, 1].map(|side| members(pairs, side));
+        let mut posed: [Vec<Posed>; 2] = Default::default();
+        for side in 0..2 {
+            for &i in &tets[side] {
+                let mut tet = Current::default();
+                let found = self.operands[side].pose(i, 1.0, &origin, &mut tet);
+                let found = found.map_err(|inverted| (side, inverted))?;
+                posed[side].extend(found.map(|()| tet.planes()));
+            }
+        }
+        let posed = |[i, j]: [u32; 2]| {
+            let a = posed[0].get(place(&tets[0], i))?;
+            Some([a, posed[1].get(place(&tets[1], j))?])
+        };
+        let Some(within) = Within::new(pairs, margin, posed) else {
+            return Ok(None);
+        };
+        let sides = [0, 1].map(|side| self.operands[side].members(members(&within.pairs, side)));
+        Ok(Some(Box::new(Near {
+            origin: origin + within.centre,
+            pairs: within.candidates([&sides[0].tets, &sides[1].tets], motion),
+            sides,
+        })))
+    }
+}
+
 impl Search for Sides<'_> {
     type List = Near;
     type Failure = Failure;
@@ -117,32 +154,7 @@ impl Search for Sides<'_> {
                 pairs.push([i, j]);
             }
         });
-        let Some(origin) = self.middle(&pairs) else {
-            return Ok(None);
-        };
-        let tets = [0, 1].map(|side| members(&pairs, side));
-        let mut posed: [Vec<Posed>; 2] = Default::default();
-        for side in 0..2 {
-            for &i in &tets[side] {
-                let mut tet = Current::default();
-                let found = self.operands[side].pose(i, 1.0, &origin, &mut tet);
-                let found = found.map_err(|inverted| (side, inverted))?;
-                posed[side].extend(found.map(|()| tet.planes()));
-            }
-        }
-        let posed = |[i, j]: [u32; 2]| {
-            let a = posed[0].get(place(&tets[0], i))?;
-            Some([a, posed[1].get(place(&tets[1], j))?])
-        };
-        let Some(within) = Within::new(&pairs, margin, posed) else {
-            return Ok(None);
-        };
-        let sides = [0, 1].map(|side| self.operands[side].members(members(&within.pairs, side)));
-        Ok(Some(Box::new(Near {
-            origin: origin + within.centre,
-            pairs: within.candidates([&sides[0].tets, &sides[1].tets], motion),
-            sides,
-        })))
+        self.listed(&pairs, margin, motion)
     }
 }
 

@@ -36,8 +36,16 @@ pub(crate) struct Pair<'a> {
 }
 
 impl Pair<'_> {
-    /// Angular velocities of both sides, and their inverse inertia; `None` if a side cannot turn.
+    /// Whether both sides are one body. Nothing in such a contact acts on the body as a whole.
+    pub fn is_own(&self) -> bool {
+        self.ids.0 == Partner::Body(self.ids.1)
+    }
+
+    /// Angular velocities of both sides, and their inverse inertia; `None` if a side cannot turn, or if both are one body.
     pub fn turn(&self) -> Option<Turn> {
+        if self.is_own() {
+            return None;
+        }
         let side = |side: usize| match &self.movers[side] {
             Mover::Rigid(motion) => Some((motion.angular_velocity, motion.inverse_inertia)),
             Mover::Nodes(..) => self.turnings[side].map(|t| (t.rate, t.mobility)),

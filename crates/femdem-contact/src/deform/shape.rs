@@ -39,6 +39,8 @@ pub struct DeformableShape {
     /// By triangle of the skin, its neighbours across the edges.
     beside: Vec<[u32; 3]>,
     tree: Bvh,
+    /// The same over the triangles of the skin.
+    skin_tree: Bvh,
     inradius: f64,
     radius: f64,
     edge: f64,
@@ -138,6 +140,7 @@ impl DeformableShape {
             beside: beside(&skin),
             edge: mean_edge(&surface),
             skin,
+            skin_tree: finder,
             inradius,
             radius: radius(mesh),
         })
@@ -232,6 +235,11 @@ impl DeformableShape {
     /// The tree over the tetrahedra in the reference state.
     pub(crate) fn tree(&self) -> &Bvh {
         &self.tree
+    }
+
+    /// The tree over the triangles of the skin in the reference state.
+    pub(crate) fn skin_tree(&self) -> &Bvh {
+        &self.skin_tree
     }
 }
 

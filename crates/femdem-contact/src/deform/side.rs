@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Side A of a pair with a deformable body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub(crate) enum Side {
-    /// Another one, of lower number.
+    /// Another one, of lower number, or the same: a body that touches itself.
     Deformable(BodyId),
     /// A rigid body.
     Rigid(BodyId),

@@ -58,6 +58,11 @@ pub(crate) trait Search {
     /// Reference length of the margins, m.
     fn length(&self) -> f64;
 
+    /// Up to which margin a search that finds nothing is repeated, m.
+    fn widest(&self) -> f64 {
+        WIDEST * self.length()
+    }
+
     /// A lower bound of the distance, m.
     fn gap(&self) -> f64;
 
@@ -69,6 +74,11 @@ impl<N> NearList<N> {
     /// Whether the list alone shows that nothing touches at this `motion`.
     pub fn is_clear(&self, motion: f64) -> bool {
         motion < self.clear
+    }
+
+    /// Nothing touches while the motion is below this, m.
+    pub fn clear(&self) -> f64 {
+        self.clear
     }
 
     /// Whether the list is no longer valid.
@@ -97,7 +107,7 @@ impl<N> NearList<N> {
                 margin = gap;
             } else {
                 self.near = pair.find(margin, motion)?;
-                while self.near.is_none() && margin < WIDEST * length {
+                while self.near.is_none() && margin < pair.widest() {
                     let wider = margin * WIDENING;
                     self.near = pair.find(wider, motion)?;
                     margin = wider;

@@ -14,7 +14,7 @@ use femdem_mesh::{Pose, Vector3, checked_pose};
 /// Energies of contacts, J.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Stored {
-    elastic: f64,
+    pub elastic: f64,
     springs: f64,
 }
 
@@ -223,6 +223,16 @@ impl World {
         own.fold(Stored::default(), |sum, c| {
             sum.with(c.energy, c.spring_energy)
         })
+    }
+
+    /// What a deformable body stores where it touches itself.
+    pub(super) fn stored_within(&self, id: BodyId) -> Stored {
+        let itself = Partner::Body(id);
+        let own = self.deformable_contacts();
+        own.filter(|c| c.a == itself && c.b == id)
+            .fold(Stored::default(), |sum, c| {
+                sum.with(c.energy, c.spring_energy)
+            })
     }
 
     /// Books what contacts held that have ended by hand, and judges the bodies anew that they held.

@@ -48,6 +48,11 @@ impl Newcomers {
         [&self.added, &self.moved].into_iter().position(is_side)
     }
 
+    /// Whether the contacts of something have not been evaluated since it came or was moved.
+    pub fn has(&self, thing: Partner) -> bool {
+        self.added.has(thing) || self.moved.has(thing)
+    }
+
     /// Something was removed.
     pub fn forget(&mut self, partner: Partner) {
         self.added.forget(partner);

@@ -32,6 +32,7 @@ enum Call {
     SetTimeStep(bool),
     StepExplicitly,
     SetMedium(f64),
+    SetSelfContact(u32, bool),
     Relax,
 }
 
@@ -125,6 +126,7 @@ impl Call {
                 drag: *drag,
                 ..Medium::default()
             })?),
+            Self::SetSelfContact(body, on) => told(&world.set_self_contact(*body, *on)?),
             Self::Relax => told(&world.relax(&WorldRelaxation {
                 steps: 40,
                 ..WorldRelaxation::default()
@@ -162,6 +164,7 @@ fn calls() -> impl Strategy<Value = Call> {
         1 => Just(Call::StepExplicitly),
         1 => Just(Call::Relax),
         1 => (0.0..10.0_f64).prop_map(Call::SetMedium),
+        1 => (0_u32..3, any::<bool>()).prop_map(|(body, on)| Call::SetSelfContact(body, on)),
     ]
 }
 

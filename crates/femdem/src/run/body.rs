@@ -131,6 +131,8 @@ pub struct BodyEntry {
     /// Contact stiffness of a deformable body, κ h/E: the modulus of its contact foundation times the
     /// edge length of its skin over Young's modulus. `None`: 10 where anything in the scene moves as prescribed, 1 elsewhere.
     pub contact_ratio: Option<f64>,
+    /// Whether a deformable body may touch itself; `None`: yes.
+    pub self_contact: Option<bool>,
     /// Mass is added to the elements of a deformable body whose critical step is shorter than this \[s\], just
     /// enough to raise it to this value; inertia and weight grow with it. `None`: no mass is added.
     pub mass_scaling: Option<f64>,
@@ -185,6 +187,7 @@ impl BodyEntry {
             ("boundary", !self.boundary.is_empty()),
             ("region", !self.region.is_empty()),
             ("contact-ratio", self.contact_ratio.is_some()),
+            ("self-contact", self.self_contact.is_some()),
             ("mass-scaling", self.mass_scaling.is_some()),
             ("focus", self.focus.is_some()),
             ("element", self.element != Element::default()),

@@ -365,6 +365,9 @@ impl Simulation {
                 boundary: boundary.clone(),
                 material,
             })?;
+            if entry.self_contact == Some(false) {
+                self.world.set_self_contact(id, false)?;
+            }
             ids.push((id, pose));
         }
         Ok(ids)

@@ -1,5 +1,6 @@
 //! The stored state of every deformable body of the batch.
 
+use super::bend::Bend;
 use super::pair::SoftPair;
 use super::state::Sleep;
 use super::touching::{Part, Touching};
@@ -28,6 +29,8 @@ pub(crate) struct SoftBody {
     pub sleep: Sleep,
     /// Running bound of the distance that any node has travelled, m.
     pub travelled: f64,
+    /// How far its parts have moved towards each other, if it may touch itself.
+    pub bend: Option<Bend>,
     /// Positions of the nodes at the last update, m.
     before: Vec<Vector3>,
     /// Mean position of the nodes, m.
@@ -83,6 +86,7 @@ impl SoftBody {
             frequency: 0.0,
             sleep: Sleep::Frozen,
             travelled: 0.0,
+            bend: None,
             before: Vec::new(),
             centre: Vector3::zeros(),
             reach: 0.0,
@@ -115,6 +119,9 @@ impl SoftBody {
     pub fn displaced(&mut self) {
         self.before = Vec::new();
         self.turning = None;
+        if let Some(bend) = &mut self.bend {
+            bend.forget();
+        }
     }
 
     /// What the contacts do to its nodes.
@@ -247,6 +254,13 @@ impl SoftBody {
         self.before.clear();
         self.before.extend_from_slice(positions);
         Ok(())
+    }
+
+    /// Measures how far its parts have moved towards each other, if they may have by `clear`, m.
+    pub fn measure_bend(&mut self, clear: f64) {
+        if let Some(bend) = &mut self.bend {
+            bend.measure(&self.before, &self.centre, self.travelled, clear);
+        }
     }
 
     /// The box and the largest distance from the centre of the nodes, m.

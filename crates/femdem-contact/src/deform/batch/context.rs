@@ -1,6 +1,7 @@
 //! What the stages of an update share: shapes, places and laws.
 
 use super::Around;
+use super::bend::Bend;
 use super::body::SoftBody;
 use super::pair::SoftPair;
 use super::state::Sleep;
@@ -28,8 +29,12 @@ impl Context<'_> {
         Some(Operand::Deformable(shape, state.positions))
     }
 
-    /// Running bound of the sum of the travels of A and B, m.
+    /// Running bound of the sum of the travels of A and B, m: no part of one moves farther than this towards the other.
     pub fn motion(&self, pair: &SoftPair, bodies: &[SoftBody]) -> f64 {
+        if pair.is_own() {
+            let bend = bodies[pair.b as usize].bend.as_ref();
+            return bend.map_or(0.0, Bend::motion);
+        }
         let of = |i: u32| bodies[i as usize].travelled;
         let of_a = match pair.a {
             Side::Deformable(i) => of(i),

@@ -70,6 +70,11 @@ impl Context<'_> {
         let moduli_b = body.modulus;
         let law = self.around.materials.law(a.into(), b);
         let rigid = Modulus::Penalty(law.penalty);
+        let way = if pair.is_own() {
+            Way::Itself
+        } else {
+            Way::Skins
+        };
         let (mut turning, mut frequency) = (None, 0.0);
         let (of_a, tree_a, modulus, mover) = match a {
             Side::Deformable(i) => {
@@ -102,7 +107,7 @@ impl Context<'_> {
         let touches = match run_kernel(
             &sides,
             pressures,
-            Way::Skins,
+            way,
             &mut pair.candidates,
             motion,
             scratch,

@@ -1,5 +1,6 @@
 //! The deformable bodies of a batch, with their contacts: with each other, with rigid bodies and with walls.
 
+mod bend;
 mod body;
 mod context;
 mod evaluate;
@@ -24,6 +25,7 @@ use crate::materials::Materials;
 use crate::motion::Motion;
 use crate::record::Contact;
 use crate::walls::WallShape;
+use bend::Bend;
 use body::SoftBody;
 use context::Context;
 use pairs::PairList;
@@ -92,6 +94,22 @@ impl DeformablePart {
         self.bodies[id as usize] = SoftBody::new(shape, kind, modulus);
         self.count += 1;
         self.pairs.forget_search();
+    }
+
+    /// Sets whether a deformable body may touch itself. Initially it does not.
+    pub fn set_self_contact(&mut self, body: BodyId, on: bool) {
+        let body = &mut self.bodies[body as usize];
+        if body.bend.is_some() != on {
+            body.bend = on.then(Bend::default);
+        }
+        body.sleep.stir();
+        self.pairs.forget_search();
+    }
+
+    /// Whether a deformable body may touch itself.
+    pub fn self_contact(&self, body: BodyId) -> bool {
+        let body = self.bodies.get(body as usize);
+        body.is_some_and(|body| body.bend.is_some())
     }
 
     /// Adds a rigid body under a number that is free in the batch.
@@ -218,6 +236,7 @@ impl DeformablePart {
             }
             self.starts.clear();
         }
+        self.pairs.measure_bends(&context, &mut self.bodies);
         let wanted = self.pairs.wanted(&context, &self.bodies);
         prepare::prepare(&mut self.bodies, &wanted, &context);
         let result = evaluate::run(&context, &self.bodies, &mut self.pairs);
@@ -296,7 +315,8 @@ impl DeformablePart {
     /// [`ContactBatch::have_neighbours`](crate::ContactBatch::have_neighbours).
     pub fn have_neighbours(&self) -> Vec<bool> {
         let mut near = vec![false; self.bodies.len()];
-        for body in self.pairs.list().iter().flat_map(|pair| pair.deformables()) {
+        let pairs = self.pairs.list().iter().filter(|pair| pair.is_near());
+        for body in pairs.flat_map(|pair| pair.deformables()) {
             if let Some(near) = near.get_mut(body as usize) {
                 *near = true;
             }

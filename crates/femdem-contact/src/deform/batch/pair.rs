@@ -42,7 +42,17 @@ impl SoftPair {
         (self.a, self.b)
     }
 
-    /// Its deformable bodies.
+    /// Whether it is a body with itself.
+    pub fn is_own(&self) -> bool {
+        self.a == Side::Deformable(self.b)
+    }
+
+    /// Whether anything is near: two bodies by being on the list, parts of one body by their own.
+    pub fn is_near(&self) -> bool {
+        !self.is_own() || self.candidates.near().is_some()
+    }
+
+    /// Its deformable bodies; one that meets itself twice.
     pub fn deformables(&self) -> impl Iterator<Item = u32> + use<> {
         let of_a = match self.a {
             Side::Deformable(i) => Some(i),
@@ -53,7 +63,7 @@ impl SoftPair {
 
     pub fn totals(&self) -> DeformableTotals {
         DeformableTotals {
-            pairs: 1,
+            pairs: usize::from(self.is_near()),
             candidates: self.counts[0] as usize,
             pieces: self.counts[1] as usize,
             ..self.outcome.totals

@@ -1,6 +1,6 @@
 //! Candidate pairs of bodies, and the stored data of each.
 
-use super::body::SoftBody;
+use super::body::{SoftBody, on_each};
 use super::context::Context;
 use super::pair::SoftPair;
 use super::prepare::Wanted;
@@ -104,6 +104,11 @@ impl PairList {
         };
         skins[2] = vec![until; context.around.walls.len()];
         let mut keys = body_pairs(&boxes, bodies.len());
+        let own = bodies
+            .iter()
+            .zip(0..)
+            .filter(|(b, _)| b.bend.is_some() && b.is_there);
+        keys.extend(own.map(|(_, b)| (Side::Deformable(b), b)));
         let present = bodies.iter().zip(&extents).enumerate();
         for (b, (body, (_, radius))) in present.filter(|(_, (body, _))| body.is_there) {
             let reach = radius * (1.0 + HALF_SKIN) + wall_skin;
@@ -143,6 +148,22 @@ impl PairList {
         }
     }
 
+    /// Measures how far the parts of bodies that may touch themselves have moved towards each other, where that matters.
+    pub fn measure_bends(&self, context: &Context, bodies: &mut [SoftBody]) {
+        let mut clear = vec![f64::INFINITY; bodies.len()];
+        let own = self.list.iter().filter(|pair| pair.is_own());
+        let mut any = false;
+        for pair in own.filter(|p| !rests(p, bodies, context.rigid_sleep)) {
+            if let Some(clear) = clear.get_mut(pair.b as usize) {
+                *clear = pair.candidates.clear();
+                any = true;
+            }
+        }
+        if any {
+            on_each(bodies, |i, body| body.measure_bend(clear[i]));
+        }
+    }
+
     /// Data of the deformable bodies needed now: their rotation, if they may touch something, and their
     /// trees, if a pair must renew its candidates.
     pub fn wanted(&mut self, context: &Context, bodies: &[SoftBody]) -> Vec<Wanted> {
@@ -166,7 +187,7 @@ impl PairList {
             let is_stale = pair.candidates.is_expired(motion);
             for i in pair.deformables() {
                 if let Some(of_body) = wanted.get_mut(i as usize) {
-                    of_body.turning = true;
+                    of_body.turning |= !pair.is_own();
                     of_body.tree |= is_stale;
                 }
             }

@@ -75,7 +75,7 @@ impl World {
 
     /// Adds a deformable body and returns its index: that of a [removed](Self::remove_body) body, the lowest, or else a
     /// new one. Motions of its boundary count from its pose at this
-    /// moment, like those of walls and driven bodies.
+    /// moment, like those of walls and driven bodies. It may [touch itself](Self::set_self_contact).
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown model, [`SolveError::Parameter`] for a pose or velocity
@@ -111,6 +111,7 @@ impl World {
         let id = self.batch.add_deformable(spec.model, modulus)?;
         self.batch.set_frequency(id, frequency)?;
         self.batch.set_material(id, spec.material)?;
+        self.batch.set_self_contact(id, true)?;
         place(&mut self.bodies, id, Body::vacant());
         place(&mut self.motions, id, Motion::fixed(Frame::identity()));
         if let Some(deformables) = &mut self.deformables {

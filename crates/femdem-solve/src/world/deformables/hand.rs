@@ -99,6 +99,35 @@ impl World {
         Ok(())
     }
 
+    /// Sets whether a deformable body may touch itself, as one that folds does; else its parts pass through each other. The
+    /// body wakes if this changes. Initially it may.
+    ///
+    /// # Errors
+    /// [`SolveError::NoSuch`] for an unknown body, and those of [`World::step`] for the contacts.
+    pub fn set_self_contact(&mut self, id: BodyId, on: bool) -> Result<(), SolveError> {
+        self.known_deformable(id)?;
+        self.restored()?;
+        if self.batch.self_contact(id) == on {
+            return Ok(());
+        }
+        let stored = self.stored_within(id);
+        let is_new = self.newcomers.has(Partner::Body(id));
+        self.batch.set_self_contact(id, on)?;
+        self.book_ended(stored, &[id]);
+        if on && !is_new {
+            // Where its parts lie in each other, they bring energy.
+            self.evaluate_if_due()?;
+            self.flows.by_hand += self.stored_within(id).elastic;
+        }
+        Ok(())
+    }
+
+    /// Whether a deformable body may touch itself; `false` for one that does not exist.
+    #[must_use]
+    pub fn self_contact(&self, id: BodyId) -> bool {
+        self.batch.self_contact(id)
+    }
+
     pub(in crate::world) fn known_deformable(&self, id: BodyId) -> Result<(), SolveError> {
         if self.batch.is_deformable(id) {
             return Ok(());
