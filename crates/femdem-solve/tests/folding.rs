@@ -90,7 +90,7 @@ fn own_contacts(world: &World) -> usize {
 fn the_arms_of_a_strip_bounce_off_each_other() {
     let mut p = weightless(1e6, 0.0, 0.0);
     p.time_step.safety = 0.3;
-    let mut worlds = [true, false].map(|meets| clapping(p.clone(), meets));
+    let mut worlds = [true, false].map(|meets| clapping(p, meets));
     for (world, meets) in worlds.iter_mut().zip([true, false]) {
         let start = world.ledger().final_energy();
         let (linear, angular) = (
