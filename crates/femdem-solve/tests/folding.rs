@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use crate::common::{add_floor, parameters, weightless};
-use femdem_contact::Partner;
+use femdem_contact::{Partner, Wrench};
 use femdem_fem::element::Element;
 use femdem_fem::material::NeoHookean;
 use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
@@ -87,7 +87,7 @@ fn own_contacts(world: &World) -> usize {
 fn the_arms_of_a_strip_bounce_off_each_other() {
     let mut p = weightless(1e6, 0.0, 0.0);
     p.time_step.safety = 0.3;
-    let mut worlds = [true, false].map(|meets| clapping(p.clone(), meets));
+    let mut worlds = [true, false].map(|meets| clapping(p, meets));
     for (world, meets) in worlds.iter_mut().zip([true, false]) {
         let start = world.ledger().final_energy();
         let (linear, angular) = (
@@ -396,7 +396,13 @@ fn a_strip_sleeps_on_itself() {
     let ledger = world.ledger();
     assert!(ledger.error_relative().abs() < 0.02, "{ledger:?}");
     world
-        .set_deformable_load(id, Vector3::new(0.0, 0.0, -0.1))
+        .set_load(
+            id,
+            Wrench {
+                force: Vector3::new(0.0, 0.0, -0.1),
+                torque: Vector3::zeros(),
+            },
+        )
         .unwrap();
     for _ in 0..200 {
         world.step().unwrap();

@@ -42,6 +42,7 @@ fn body() -> BodyEntry {
         mesh_size: Some(0.1),
         focus: Some(focus()),
         contact_ratio: Some(1.0),
+        self_contact: Some(true),
         mass_scaling: Some(1.0),
         position: V,
         rotation: Some(rotation()),
