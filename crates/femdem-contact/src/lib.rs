@@ -70,6 +70,8 @@
 //!   that rolling and turning under stretched springs gains no energy. Friction does not resist rolling.
 //! - Rolling friction, 0 by default: a spring against rolling that slides at the moment μ_r N r, with the
 //!   rolling radius r of the pair ([`RigidContact::rolling_radius`]).
+//! - Materials: one law for all, or one for each pair of materials ([`ContactLaws`]), with its friction, damping and
+//!   penalty.
 //! - Patches: bodies that are not convex may touch in several patches, each a [`Contact`] with a separate
 //!   friction history. A patch that splits divides its springs among the new ones, and merging patches
 //!   combine theirs by least squares. Neither creates energy, and the energy of a patch that vanishes is
