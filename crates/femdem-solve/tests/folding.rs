@@ -149,6 +149,8 @@ fn a_body_clear_of_itself_has_the_same_bits() {
             states.collect::<Vec<_>>(),
             world.ledger(),
             world.time_step(),
+            // Nothing is on record, and nothing is tested.
+            world.deformable_totals().copied(),
         )
     };
     assert_eq!(run(true), run(false));
