@@ -45,7 +45,7 @@ impl World {
     ///     world.step()?;
     /// }
     /// let speed = |body| world.velocity(body).map_or(f64::NAN, |v| v.norm());
-    /// assert!(speed(stone) < 0.01 && speed(cold) > 0.5);
+    /// assert!(speed(stone) < 0.05 && speed(cold) > 0.5);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
