@@ -1,4 +1,4 @@
-//! The batch of deformable bodies: its contacts, the balance of its forces, and the same bits for any number
+//! Deformable bodies in a batch: its contacts, the balance of its forces, and the same bits for any number
 //! of threads.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
@@ -293,6 +293,34 @@ fn what_is_removed_acts_no_more() {
     assert!(named.iter().all(|n| *n > 2), "{named:?}");
 }
 
+/// Between a sleeping rigid body and sleeping deformable ones nothing is evaluated. One that wakes meets those that sleep on.
+#[test]
+fn sleepers_of_both_kinds_rest_together() {
+    let mut scene = Scene::heap(&mut Stream(3));
+    scene
+        .velocities
+        .iter_mut()
+        .for_each(|v| v.fill(Vector3::zeros()));
+    for motion in scene.rigid.iter_mut().chain(&mut scene.walls) {
+        *motion = Motion::fixed(motion.frame);
+    }
+    let lower = |scene: &mut Scene, by: f64| {
+        scene.rigid[0].frame.position.z -= by;
+        scene.rigid[0].travelled += by;
+        scene.update().unwrap();
+        scene.batch.loads()[5]
+    };
+    assert!(lower(&mut scene, 0.3).contacts > 0);
+    (0..6).for_each(|body| scene.batch.set_awake(body, false));
+    (0..3).for_each(|_| scene.update().unwrap());
+    assert!((0..5).all(|body| !scene.batch.is_stirred(body)));
+    let asleep = scene.batch.loads()[5];
+    scene.batch.set_awake(5, true);
+    let awake = lower(&mut scene, 0.02);
+    assert!(awake.normal_sum > 1.05 * asleep.normal_sum && asleep.normal_sum > 0.0);
+    assert!((0..5).any(|body| scene.batch.is_stirred(body)));
+}
+
 #[test]
 fn bits_do_not_depend_on_the_number_of_threads() {
     let run = |threads: usize| {
@@ -430,6 +458,8 @@ fn unusable_states_are_named() {
                 .is_err()
         );
     }
+    let rigid = scene.batch.shapes().to_vec();
+    assert!(scene.batch.restore_shapes(rigid, Vec::new()).is_err());
     assert!(scene.batch.restore_shapes(Vec::new(), Vec::new()).is_err());
 }
 

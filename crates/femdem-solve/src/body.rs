@@ -235,7 +235,7 @@ impl Body {
             velocity: Vector3::zeros(),
             momentum: Vector3::zeros(),
             travelled: 0.0,
-            radius: 0.0,
+            radius: 1.0,
             quiet_steps: 0,
             means: Means::default(),
             applied: Wrench::default(),

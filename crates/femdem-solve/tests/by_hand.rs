@@ -427,6 +427,22 @@ fn deformable_bodies_come_and_go() {
     assert!(books.error_relative().abs() < 1e-2, "{books:?}");
 }
 
+/// Stability is measured of the rigid bodies that are there: numbers that were removed or that are deformable have no part in it.
+#[test]
+fn the_stability_of_what_remains() {
+    let (mut world, ids) = stack(3);
+    run_until(&mut world, 0.02);
+    world.remove_body(ids[2]).unwrap();
+    world.step().unwrap();
+    let frequency = |world: &World| world.stability().unwrap().unwrap().frequency;
+    let alone = frequency(&world);
+    assert!(alone.is_finite() && alone > 0.0, "{alone}");
+    let soft = add_soft(&mut world, Vector3::new(0.0, 0.0, 50.0 * D));
+    assert_eq!(soft, ids[2]);
+    let beside = frequency(&world);
+    assert!((beside / alone - 1.0).abs() < 0.05, "{beside} {alone}");
+}
+
 /// A number is one body's, whatever the body is: what is asked of all bodies is answered for both kinds, and the lowest free
 /// number goes to what comes next.
 #[test]

@@ -111,6 +111,23 @@ fn deformable_bodies_follow_a_new_law() {
         "{changed} {made_so}"
     );
     assert!(depth(1e5, 1e5) > 5.0 * made_so);
+    // At once, and on the books: the energy is linear in the penalty.
+    let mut world = World::new(parameters(1e5, 0.0, 0.6)).unwrap();
+    add_floor(&mut world, Drive::Fixed);
+    add_soft_cube(&mut world, ContactStiffness::Law, |model| {
+        DeformableSpec::at_rest(model, Pose::translation(0.0, 0.0, -1e-5))
+    });
+    world.step().unwrap();
+    let before = world.ledger();
+    let law = with(&world, |law| law.penalty = 1e6);
+    world.set_contact(law).unwrap();
+    let after = world.ledger();
+    assert!((after.elastic / before.elastic / 10.0 - 1.0).abs() < 1e-9);
+    let (gained, work) = (
+        after.elastic - before.elastic,
+        after.work_in - before.work_in,
+    );
+    assert!((work / gained - 1.0).abs() < 1e-9, "{work} {gained}");
 }
 
 /// A moving body that is suddenly held gives up its kinetic energy as work.

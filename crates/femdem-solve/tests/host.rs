@@ -269,7 +269,7 @@ fn check_ids(world: &World) {
     assert_eq!(ids.len() + soft.len(), all.len());
     assert!(world.awake().is_sorted() && world.awake().iter().all(|id| ids.contains(id)));
     assert_eq!(world.awake_count(), world.awake().len());
-    for id in 0..ids.last().map_or(1, |last| last + 2) {
+    for id in 0..all.last().map_or(1, |last| last + 2) {
         assert_eq!(world.pose(id).is_some(), ids.contains(&id));
         assert_eq!(world.has_body(id), all.contains(&id));
         let alone = world.contacts_of(id).is_empty();

@@ -176,7 +176,7 @@ impl ContactBatch {
     /// Starts the contact of A and a deformable body B with the friction of a contact that was computed elsewhere, such as
     /// that of rigid bodies: a force on B (N) and a moment on B about the normal (N m), spread over the triangles in
     /// contact in proportion to their normal loads. It takes effect in the next update, if the pair touches
-    /// then and has no friction yet. Of two deformable bodies A is that of the lower number.
+    /// then and has no friction yet.
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if A or B is not there or B not deformable, [`ContactError::Parameter`] if the force or the
@@ -195,8 +195,14 @@ impl ContactBatch {
             "finite in every component, in N",
         )?;
         check("torsion", torsion, true, "finite, in N m")?;
-        let a = self.side(a)?;
         let start = FrictionStart { force, torsion };
+        let (a, b, start) = match self.side(a)? {
+            Side::Deformable(other) if other > b => {
+                self.known_deformable(b)?;
+                (Side::Deformable(b), other, start.seen_from(true))
+            }
+            side => (side, b, start),
+        };
         self.known_deformable(b)?.begin_friction(a, b, start);
         Ok(())
     }

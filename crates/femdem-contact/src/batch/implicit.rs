@@ -9,9 +9,9 @@ use crate::motion::Motion;
 /// The poses and velocities of all bodies and walls at one time.
 #[derive(Debug, Clone, Copy)]
 pub struct Snapshot<'a> {
-    /// One motion per added body.
+    /// One motion per number of a body.
     pub bodies: &'a [Motion],
-    /// One motion per added wall.
+    /// One motion per number of a wall.
     pub walls: &'a [Motion],
     /// Time by which the torsion of the contacts advances, s.
     pub dt: f64,

@@ -53,6 +53,9 @@ impl ContactBatch {
         material: MaterialId,
     ) -> Result<Vec<BodyId>, ContactError> {
         let side = self.side(Partner::Body(body))?;
+        if self.materials.of_bodies[body as usize] == material {
+            return Ok(Vec::new());
+        }
         self.materials.of_bodies[body as usize] = material;
         Ok(self.touched_by(side))
     }
@@ -67,6 +70,9 @@ impl ContactBatch {
         material: MaterialId,
     ) -> Result<Vec<BodyId>, ContactError> {
         self.known_wall(wall)?;
+        if self.materials.of_walls[wall as usize] == material {
+            return Ok(Vec::new());
+        }
         self.materials.of_walls[wall as usize] = material;
         Ok(self.touched_by(Side::Wall(wall)))
     }

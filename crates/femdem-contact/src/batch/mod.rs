@@ -318,9 +318,8 @@ impl ContactBatch {
         stored::check(self, &shapes)?;
         if let Some(mut part) = self.deformable.take() {
             let restored = part.restore_shapes(deformable, self.slots(), |side| match side {
-                Side::Rigid(body) => self.contains(body),
+                Side::Rigid(body) | Side::Deformable(body) => self.contains(body),
                 Side::Wall(wall) => self.wall_slots.holds(wall),
-                Side::Deformable(_) => true,
             });
             self.deformable = Some(part);
             restored?;
@@ -347,10 +346,15 @@ impl ContactBatch {
     /// which should be at rest; after that it must not move until it is woken, and a host that moves a wall must wake what
     /// touches it.
     pub fn set_awake(&mut self, body: BodyId, awake: bool) {
+        let is_rigid = self.is_rigid(body);
         if let Some(part) = &mut self.deformable {
-            part.set_awake(body, awake);
+            if is_rigid {
+                part.set_rigid_awake(body, awake);
+            } else {
+                part.set_awake(body, awake);
+            }
         }
-        if self.is_rigid(body) && self.awake[body as usize] != awake {
+        if is_rigid && self.awake[body as usize] != awake {
             self.awake[body as usize] = awake;
             self.awake_changed = true;
             self.pairs.mark_changed();

@@ -61,14 +61,12 @@ impl ContactBatch {
         &self.sums.totals
     }
 
-    /// All contacts on record, sorted by pair and patch.
+    /// All contacts on record, sorted by A, B and patch: those with walls come last.
     pub fn contacts(&self) -> Vec<Contact> {
         let rigid = self.rigid_contacts();
         let mut all: Vec<Contact> = rigid.into_iter().map(Contact::from).collect();
         all.extend(self.deformable_contacts());
-        if self.deformable.is_some() {
-            all.sort_by_key(|contact| (contact.a, contact.b, contact.patch));
-        }
+        all.sort_by_key(|contact| (contact.a, contact.b, contact.patch));
         all
     }
 

@@ -24,6 +24,7 @@ impl ContactBatch {
         self.awake_list.retain(|other| *other != body);
         self.sums.loads[i] = Load::default();
         self.pairs.set_body(i, Kind::Convex);
+        self.sum_loads();
         Ok(touched)
     }
 

@@ -1,4 +1,4 @@
-//! Results of the batch of deformable bodies.
+//! States of deformable bodies, and what their contacts do.
 
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};

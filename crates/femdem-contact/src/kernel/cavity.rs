@@ -16,6 +16,7 @@ use super::plane::FieldPlane;
 use super::polygon::TooMany;
 use super::side::SideScratch;
 use super::skin::{Lever, SideSums};
+use super::trail::Trail;
 use crate::axes::complete;
 use crate::error::{ContactError, check_pressure};
 use crate::foundation::{Foundation, FoundationSums};
@@ -53,6 +54,7 @@ struct Near {
     centre: Vector3,
     reach: f64,
     body: Candidates,
+    trail: Trail,
 }
 
 /// A wall plane, and as bits the body's planes that can matter on it; no bits if there are too many planes.
@@ -182,8 +184,11 @@ impl CavityKernel {
         if expired {
             cache.renew(&view, body, motion, scratch);
         }
-        let near = cache.near.as_ref()?;
+        let near = cache.near.as_deref_mut()?;
+        std::mem::swap(&mut near.trail, &mut scratch.side.fast.trail);
         let sums = sections(&view, body, near, scratch);
+        std::mem::swap(&mut near.trail, &mut scratch.side.fast.trail);
+        near.trail.begin();
         self.assemble(&sums, near, &between, &frame_body.rotation)
     }
 
@@ -228,6 +233,7 @@ impl CavityKernel {
 /// Integrals over the wall planes inside the body, in the body's axes about the region's centre.
 fn sections(view: &View, body: &ConvexShape, near: &Near, scratch: &mut Scratch) -> SideSums {
     let mut sums = SideSums::default();
+    scratch.side.fast.trail.begin();
     own_planes(body, &near.body, &mut scratch.planes);
     let planes: SmallVec<[PosedPlane; 4]> = near
         .planes
@@ -414,7 +420,7 @@ impl CavityCache {
             }
             clear = clear.min(gap);
         }
-        self.near = None;
+        let before = self.near.take();
         if clear > 0.25 * margin {
             self.until = motion + clear;
             return;
@@ -442,6 +448,7 @@ impl CavityCache {
                 centre: region.centre,
                 reach: region.half.norm(),
                 body: list,
+                trail: before.map(|near| near.trail).unwrap_or_default(),
             }))
         });
         self.until = motion + margin;

@@ -5,6 +5,7 @@ use super::pair::{Near, Scratch, find_near, sides};
 use super::plan::SidePlan;
 use super::region::Pose;
 use super::skin::SideSums;
+use super::trail::Trail;
 use crate::shape::ConvexShape;
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::UnitQuaternion;
@@ -28,6 +29,7 @@ fn find_general(
         region: KeptBox::from(&region),
         on_b: SidePlan::general(&in_b.facets, &in_a),
         on_a: SidePlan::general(&in_a.facets, &in_b),
+        trail: Trail::default(),
     })
 }
 

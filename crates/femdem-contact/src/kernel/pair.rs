@@ -10,6 +10,7 @@ use super::region::{Pose, Region};
 use super::separation::{gap_along, separate};
 use super::side::{SideScratch, integrate_side};
 use super::skin::{SideSums, Skin};
+use super::trail::Trail;
 use crate::error::{ContactError, check_pressure};
 use crate::foundation::{Foundation, FoundationSums};
 use crate::mark::Mark;
@@ -78,6 +79,7 @@ pub(super) struct Near {
     pub on_b: SidePlan,
     /// B's field on A's skin.
     pub on_a: SidePlan,
+    pub trail: Trail,
 }
 
 /// The penalty law of convex bodies: U = p int (phi_A + phi_B) dV over the overlap.
@@ -171,8 +173,11 @@ impl PairKernel {
             cache.renew(a, b, &rotation, &offset, motion, margin, scratch);
         }
         cache.last = motion;
-        let near = cache.near.as_ref()?;
+        let near = cache.near.as_deref_mut()?;
+        std::mem::swap(&mut near.trail, &mut scratch.side.fast.trail);
         let sides = sides(a, b, &rotation, &offset, near, scratch);
+        std::mem::swap(&mut near.trail, &mut scratch.side.fast.trail);
+        near.trail.begin();
         let contents = Contents::new(a, b, &rotation, &offset, &sides);
         let (overlap, axis) = self.assemble(
             &frame_a.rotation,
@@ -305,6 +310,7 @@ pub(super) fn sides(
     scratch: &mut Scratch,
 ) -> [SideSums; 2] {
     let Scratch { side, planes, .. } = scratch;
+    side.fast.trail.begin();
     let mut sums = [SideSums::default(); 2];
     let pose = Pose::new(rotation, offset);
     let region = near.region.open();
@@ -419,10 +425,11 @@ impl PairCache {
                 .unwrap_or_else(Vector3::z);
         }
         let mut clear = gap_along(a, b, rotation, offset, &self.axis);
-        self.near = None;
+        let before = self.near.take();
         if clear <= 0.25 * margin {
             self.near = find_near(a, b, rotation, offset, &self.axis, margin, scratch);
-            if self.near.is_some() {
+            if let Some(near) = &mut self.near {
+                near.trail = before.map(|near| near.trail).unwrap_or_default();
                 return margin;
             }
             clear = margin;
@@ -475,6 +482,7 @@ pub(super) fn find_near(
             region: KeptBox::from(&region),
             on_b,
             on_a,
+            trail: Trail::default(),
         })
     })
 }

@@ -247,7 +247,7 @@ impl World {
 
     /// Frozen bodies that an awake one has struck.
     fn struck_bodies(&self) -> Vec<u32> {
-        if self.awake.len() == self.body_count() {
+        if self.awake.len() == self.rigid_count() {
             return Vec::new();
         }
         let loads = self.batch.loads();

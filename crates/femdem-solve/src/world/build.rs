@@ -97,10 +97,10 @@ impl World {
         let laws = parameters.laws(others)?;
         self.restored()?;
         self.parameters = parameters;
+        self.batch.set_laws(laws);
         if let Some(deformables) = &mut self.deformables {
             deformables.renew_moduli(&mut self.batch)?;
         }
-        self.batch.set_laws(laws);
         self.loaded = false;
         self.step_control.forget();
         self.tell_step_control();

@@ -125,6 +125,9 @@ impl World {
     /// [`SolveError::NoSuch`] for an unknown body, and the errors of [`World::step`].
     pub fn set_material(&mut self, id: BodyId, material: MaterialId) -> Result<(), SolveError> {
         self.known(id)?;
+        if self.material(id) == Some(material) {
+            return Ok(());
+        }
         self.change_contacts(|world| {
             let mut touched = world.batch.set_material(id, material)?;
             touched.push(id);
@@ -145,6 +148,9 @@ impl World {
     /// As [`World::set_material`].
     pub fn set_wall_material(&mut self, wall: u32, material: MaterialId) -> Result<(), SolveError> {
         self.known_wall(wall)?;
+        if self.wall_material(wall) == Some(material) {
+            return Ok(());
+        }
         self.change_contacts(|world| {
             let touched = world.batch.set_wall_material(wall, material)?;
             world.judge_anew(&touched);

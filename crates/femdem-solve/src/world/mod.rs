@@ -1,4 +1,4 @@
-//! Layer 3: a world of rigid bodies and walls, and its step.
+//! Layer 3: a world of rigid and deformable bodies and walls, and its step.
 
 mod active;
 mod build;

@@ -71,7 +71,7 @@ pub struct WorldRelaxed {
 }
 
 /// A body moved as a whole.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Whole {
     mass: f64,
     inverse_inertia: Matrix3,
@@ -169,9 +169,11 @@ impl World {
             return Ok(());
         };
         let held: Vec<bool> = (0..d.bodies.len()).map(|i| self.is_held(i)).collect();
-        let mut wholes: Vec<Whole> = (0..d.bodies.len())
-            .map(|i| d.whole(i, &self.batch))
-            .collect();
+        let whole = |i: usize| match d.bodies[i].is_vacant() {
+            true => Whole::default(),
+            false => d.whole(i, &self.batch),
+        };
+        let mut wholes: Vec<Whole> = (0..d.bodies.len()).map(whole).collect();
         if held.iter().all(|&h| h) {
             return Ok(());
         }
@@ -212,9 +214,11 @@ impl World {
             return Ok(0.0);
         };
         let free = |i: &usize| !held[*i];
-        let wrenches: Vec<[Vector3; 2]> = (0..wholes.len())
-            .map(|i| deformables.net_wrench(i, &self.batch, &gravity))
-            .collect();
+        let wrench = |i: usize| match held[i] {
+            true => [Vector3::zeros(); 2],
+            false => deformables.net_wrench(i, &self.batch, &gravity),
+        };
+        let wrenches: Vec<[Vector3; 2]> = (0..wholes.len()).map(wrench).collect();
         // A body that comes to touch has another stiffness in every step.
         let near = self.batch.have_neighbours();
         let dt = (0..wholes.len())

@@ -44,7 +44,10 @@ impl World {
         still
             .batch
             .set_laws(self.batch.laws().clone().without_dashpots());
-        let free = |i: usize| self.bodies[i].driven.is_none() && self.batch.is_awake(i as u32);
+        let free = |i: usize| {
+            let id = i as u32;
+            self.batch.is_rigid(id) && self.bodies[i].driven.is_none() && self.batch.is_awake(id)
+        };
         let held: Vec<usize> = (0..self.bodies.len()).filter(|&i| !free(i)).collect();
         let hold = |mode: &mut Mode| {
             for &i in &held {
@@ -117,11 +120,8 @@ impl World {
             .zip(&self.bodies)
             .map(|([x, turn], b)| x.norm() + turn.norm() * b.radius)
             .fold(0.0, f64::max);
-        let shortest = self
-            .bodies
-            .iter()
-            .map(|b| b.radius)
-            .fold(f64::INFINITY, f64::min);
+        let radii = self.live_bodies().map(|(_, b)| b.radius);
+        let shortest = radii.fold(f64::INFINITY, f64::min);
         let step = 1e-7 * shortest / longest;
         let [ahead, behind] = [self.displaced(mode, step)?, self.displaced(mode, -step)?];
         Ok(ahead

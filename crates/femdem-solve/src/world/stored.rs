@@ -7,7 +7,7 @@ use crate::body::Body;
 use crate::error::SolveError;
 
 impl World {
-    /// Refuses a world whose parts do not fit together. The batches check themselves as they get their shapes back.
+    /// Refuses a world whose parts do not fit together. The batch checks itself as it gets its shapes back.
     pub(super) fn check_stored(&self) -> Result<(), SolveError> {
         let [bodies, walls] = self.batch.slots();
         for (what, found, expected) in [

@@ -87,8 +87,10 @@ impl Watch {
         let world = &simulation.world;
         let most = self.deepest.depth;
         let is_new = |volume: f64, area: f64| volume > most * area;
-        let contacts = world.contacts();
-        let news = contacts.iter().any(|c| is_new(c.volume, c.area));
+        let mut rigid = world.rigid_contacts().into_iter();
+        let mut soft = world.deformable_contacts();
+        let news =
+            rigid.any(|c| is_new(c.volume, c.area)) || soft.any(|c| is_new(c.volume, c.area));
         let due = self.warnings.is_empty() && world.steps().is_multiple_of(EVERY);
         if !(news || due) {
             return;

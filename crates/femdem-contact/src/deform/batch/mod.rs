@@ -182,7 +182,17 @@ impl DeformablePart {
         let fits = lengths.iter().all(|length| *length == bodies)
             && self.wall_loads.len() == walls
             && self.bodies.iter().filter(|body| body.is_there).count() == self.count
-            && self.pairs.fits(is_there);
+            && (0..)
+                .zip(&self.bodies)
+                .all(|(i, body)| !body.is_there || is_there(Side::Deformable(i)))
+            && self.pairs.fits(|side| {
+                let kind = match side {
+                    Side::Deformable(body) => self.contains(body),
+                    Side::Rigid(body) => !self.contains(body),
+                    Side::Wall(_) => true,
+                };
+                kind && is_there(side)
+            });
         if !fits {
             return Err(ContactError::Stored {
                 what: "the table of pairs".to_owned(),
@@ -228,7 +238,7 @@ impl DeformablePart {
             rigid_sleep: &self.rigid_sleep,
             states,
         };
-        let found = self.pairs.search(&context, &mut self.bodies);
+        let found = self.count > 0 && self.pairs.search(&context, &mut self.bodies);
         let begins = !self.starts.is_empty();
         if begins {
             for pair in self.pairs.list_mut() {

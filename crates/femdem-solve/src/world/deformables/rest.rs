@@ -170,7 +170,8 @@ impl Judge<'_> {
     /// alternately by them.
     fn watch(&self, state: &State) -> Change {
         let limit = WAKE * self.parameters.sleeping.tolerance;
-        if self.batch.is_stirred(self.body) && self.imbalance(state) > limit {
+        let is_stirred = !state.is_vacant() && self.batch.is_stirred(self.body);
+        if is_stirred && self.imbalance(state) > limit {
             Change::Awake
         } else {
             Change::None

@@ -1,12 +1,15 @@
 //! A contact in the implicit step: forces that change linearly with the velocities at the end of the step,
 //! within the bounds of a contact that neither pulls nor exceeds its friction.
 
+mod resistance;
 mod works;
 
 use super::twist::Twist;
 use femdem_contact::{ContactForce, LimitSurface, RigidContact, Springs};
 use femdem_mesh::nalgebra::{Matrix6, Vector6};
 use femdem_mesh::{Matrix3, Vector3};
+pub(in crate::world::implicit) use resistance::LinkResistance;
+use resistance::{add, relative};
 
 /// Relative change of a friction force or moment at its bound that requires another solution.
 const SETTLED: f64 = 0.02;
@@ -235,38 +238,14 @@ impl Link {
         link
     }
 
-    /// Relative velocity and angular velocity of B against A from those of the bodies. This and the next
-    /// functions are inlined into the product of every iteration: as calls they pass vectors through memory,
-    /// which costs a tenth of the time of a step.
-    #[inline(always)]
+    /// Relative velocity and angular velocity of B against A from those of the bodies.
     fn relative(&self, x: &[Twist]) -> Twist {
-        let mut apart = Twist::default();
-        if let Some(b) = self.sides[1] {
-            let x = &x[b as usize];
-            apart.velocity += x.velocity + x.turning.cross(&self.arms[1]);
-            apart.turning += x.turning;
-        }
-        if let Some(a) = self.sides[0] {
-            let x = &x[a as usize];
-            apart.velocity -= x.velocity + x.turning.cross(&self.arms[0]);
-            apart.turning -= x.turning;
-        }
-        apart
+        relative(&self.sides, &self.arms, x)
     }
 
     /// Adds a force and a moment on B, and the opposite ones on A.
-    #[inline(always)]
     fn add(&self, force: &Vector3, moment: &Vector3, out: &mut [Twist]) {
-        if let Some(b) = self.sides[1] {
-            let out = &mut out[b as usize];
-            out.velocity += force;
-            out.turning += moment + self.arms[1].cross(force);
-        }
-        if let Some(a) = self.sides[0] {
-            let out = &mut out[a as usize];
-            out.velocity -= force;
-            out.turning -= moment + self.arms[0].cross(force);
-        }
+        add(&self.sides, &self.arms, [force, moment], out);
     }
 
     fn add_force(&self, f: &ContactForce, out: &mut [Twist]) {
@@ -330,20 +309,20 @@ impl Link {
         }
     }
 
-    /// Adds the product of the slopes with a change of the velocities.
-    #[inline(always)]
-    pub(super) fn add_times(&self, x: &[Twist], out: &mut [Twist]) {
-        let Some([held, torsion]) = self.held() else {
-            return;
-        };
-        let (n, tilt) = (&self.normal, self.rocks());
-        let lever = self.lever + tilt.lever;
-        let x = self.relative(x);
-        let (along, spin) = (n.dot(&x.velocity), n.dot(&x.turning));
-        let pressed = self.slopes.normal * (along + lever.dot(&x.turning));
-        let force = n * (pressed - held * along) + x.velocity * held;
-        let moment = lever * pressed + tilt.slope * x.turning + n * (spin * torsion);
-        self.add(&force, &moment, out);
+    /// What the contact adds to the matrix of the system in its present state; `None` if its sides part.
+    pub(super) fn resistance(&self) -> Option<LinkResistance> {
+        let [held, torsion] = self.held()?;
+        let tilt = self.rocks();
+        Some(LinkResistance {
+            sides: self.sides,
+            arms: self.arms,
+            normal: self.normal,
+            lever: self.lever + tilt.lever,
+            pressed: self.slopes.normal,
+            held,
+            torsion,
+            rocking: tilt.slope,
+        })
     }
 
     /// Adds the blocks on the diagonal.

@@ -1,6 +1,6 @@
 //! The linear system of an implicit step, solved by conjugate gradients.
 
-use super::link::Link;
+use super::link::{Link, LinkResistance};
 use super::twist::Twist;
 use femdem_mesh::nalgebra::{Matrix6, Vector6};
 use femdem_mesh::{Matrix3, Vector3};
@@ -41,13 +41,18 @@ pub(super) struct System {
 }
 
 impl System {
-    fn times(&self, x: &[Twist], out: &mut [Twist]) {
+    /// What the contacts add to the matrix in their present states.
+    fn resistances(&self) -> Vec<LinkResistance> {
+        self.links.iter().filter_map(Link::resistance).collect()
+    }
+
+    fn times(&self, resistances: &[LinkResistance], x: &[Twist], out: &mut [Twist]) {
         for ((out, x), inertia) in out.iter_mut().zip(x).zip(&self.inertias) {
             out.velocity = x.velocity * inertia.mass;
             out.turning = inertia.turning * x.turning;
         }
-        for link in &self.links {
-            link.add_times(x, out);
+        for resistance in resistances {
+            resistance.add_times(x, out);
         }
     }
 
@@ -80,8 +85,9 @@ impl System {
         let mut z = r.clone();
         precondition(inverses, &r, &mut z);
         let enough = tolerance * tolerance * dot(&r, &z);
+        let resistances = self.resistances();
         let mut product = vec![Twist::default(); r.len()];
-        self.times(x, &mut product);
+        self.times(&resistances, x, &mut product);
         add_scaled(&mut r, &product, -1.0);
         precondition(inverses, &r, &mut z);
         let mut direction = z.clone();
@@ -90,7 +96,7 @@ impl System {
             if size <= enough {
                 return round;
             }
-            self.times(&direction, &mut product);
+            self.times(&resistances, &direction, &mut product);
             let curvature = dot(&direction, &product);
             if curvature <= 0.0 {
                 return round;
@@ -195,7 +201,7 @@ mod tests {
         let columns: Vec<Vec<Twist>> = (0..18)
             .map(|k| {
                 let mut column = vec![Twist::default(); 3];
-                system.times(&unit(k), &mut column);
+                system.times(&system.resistances(), &unit(k), &mut column);
                 column
             })
             .collect();
@@ -219,7 +225,7 @@ mod tests {
         let mut x = unit(4);
         x[2].velocity = Vector3::new(0.3, -2.0, 1.0);
         let mut product = vec![Twist::default(); 3];
-        system.times(&x, &mut product);
+        system.times(&system.resistances(), &x, &mut product);
         assert!(dot(&x, &product) > 0.0);
     }
 
@@ -238,7 +244,7 @@ mod tests {
         }
         let size = dot(&r, &r);
         let mut product = vec![Twist::default(); 3];
-        system.times(&x, &mut product);
+        system.times(&system.resistances(), &x, &mut product);
         add_scaled(&mut r, &product, -1.0);
         assert!(dot(&r, &r) < 1e-16 * size);
     }
