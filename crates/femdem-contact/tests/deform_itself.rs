@@ -290,7 +290,7 @@ fn lips_hold_and_slide_as_flat_faces_do() {
     let count = crack.soft.x.len();
     let still = [Motion::fixed(Frame::identity())];
     let (rest, masses) = (vec![Vector3::zeros(); count], vec![1.0; count]);
-    let mut update = |slip: f64| {
+    let put = |batch: &mut ContactBatch, slip: f64| {
         let x = slid(&crack, slip);
         let state = NodalState {
             positions: &x,
@@ -300,6 +300,10 @@ fn lips_hold_and_slide_as_flat_faces_do() {
         batch
             .update_deformables(&[state], &still, &[], 1e-3)
             .unwrap();
+        x
+    };
+    let mut update = |slip: f64| {
+        let x = put(&mut batch, slip);
         let all = batch.nodal_loads(body).forces;
         let total: Vector3<f64> = all.iter().sum();
         let moment: Vector3<f64> = x.iter().zip(all).map(|(x, f)| x.cross(f)).sum();
@@ -335,15 +339,7 @@ fn lips_hold_and_slide_as_flat_faces_do() {
     }
     assert_eq!(batch.deformable_totals().unwrap().touching, 1);
     batch.set_self_contact(body, false).unwrap();
-    let x = slid(&crack, 0.0);
-    let state = NodalState {
-        positions: &x,
-        velocities: &rest,
-        inverse_masses: &masses,
-    };
-    batch
-        .update_deformables(&[state], &still, &[], 1e-3)
-        .unwrap();
+    put(&mut batch, 0.0);
     assert!(!batch.touches(body) && batch.deformable_contacts().next().is_none());
     assert!(batch.set_self_contact(7, true).is_err());
 }

@@ -9,7 +9,7 @@ impl ContactBatch {
     /// The largest step for which all contacts on record of rigid bodies are stable, s: the least
     /// [`largest_step`](Self::largest_step) of the bodies that are awake, infinite without contacts. `bodies` are their
     /// motions. Contacts that begin in the step are stiffer than those on record: take a small part of it.
-    /// For the nodes of deformable bodies see [`NodalLoads`](crate::deform::NodalLoads)
+    /// For the nodes of deformable bodies see [`NodalLoads`](crate::deform::NodalLoads).
     pub fn stable_step(&self, bodies: &[Motion]) -> f64 {
         let rigid = (0..).zip(bodies).zip(&self.awake);
         let awake = rigid.filter(|(_, awake)| **awake);

@@ -8,7 +8,7 @@ use super::World;
 use crate::body::{Body, check_velocities};
 use crate::error::{SolveError, check};
 use crate::guide::Guide;
-use femdem_contact::{BodyId, Frame, Motion, Partner, Wrench};
+use femdem_contact::{BodyId, Contact, Frame, Motion, Partner, Wrench};
 use femdem_mesh::{Pose, Vector3, checked_pose};
 
 /// Energies of contacts, J.
@@ -19,11 +19,11 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    fn with(self, elastic: f64, springs: f64) -> Self {
-        Self {
-            elastic: self.elastic + elastic,
-            springs: self.springs + springs,
-        }
+    fn of<'a>(contacts: impl Iterator<Item = &'a Contact>) -> Self {
+        contacts.fold(Self::default(), |sum, contact| Self {
+            elastic: sum.elastic + contact.energy,
+            springs: sum.springs + contact.spring_energy,
+        })
     }
 }
 
@@ -39,7 +39,7 @@ impl World {
         self.evaluate_pending()?;
         let i = id as usize;
         let stored = self.stored_by(Partner::Body(id));
-        let energy = self.remove_deformable(id);
+        let energy = self.forget_nodes(id);
         let energy = energy.unwrap_or_else(|| self.bodies[i].energy(&self.parameters.gravity));
         self.flows.by_hand -= energy;
         let touched = self.batch.remove_body(id)?;
@@ -219,20 +219,14 @@ impl World {
             Partner::Body(id) => self.contacts_of(id),
             Partner::Wall(_) => self.contacts(),
         };
-        let own = contacts.iter().filter(|contact| contact.has_side(thing));
-        own.fold(Stored::default(), |sum, c| {
-            sum.with(c.energy, c.spring_energy)
-        })
+        Stored::of(contacts.iter().filter(|contact| contact.has_side(thing)))
     }
 
     /// What a deformable body stores where it touches itself.
     pub(super) fn stored_within(&self, id: BodyId) -> Stored {
         let itself = Partner::Body(id);
-        let own = self.deformable_contacts();
-        own.filter(|c| c.a == itself && c.b == id)
-            .fold(Stored::default(), |sum, c| {
-                sum.with(c.energy, c.spring_energy)
-            })
+        let contacts = self.deformable_contacts();
+        Stored::of(contacts.filter(|contact| contact.a == itself && contact.b == id))
     }
 
     /// Books what contacts held that have ended by hand, and judges the bodies anew that they held.

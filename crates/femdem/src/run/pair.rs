@@ -19,28 +19,20 @@ pub struct PairEntry {
     /// The two materials, by name, in either order.
     pub materials: [String; 2],
     /// Penalty p of contacts of rigid bodies \[Pa\].
-    #[serde(default)]
     pub penalty: Option<f64>,
     /// Coulomb friction coefficient.
-    #[serde(default)]
     pub friction: Option<f64>,
     /// Coulomb friction coefficient between bodies and walls. `None`: `friction`, if that is given.
-    #[serde(default)]
     pub wall_friction: Option<f64>,
     /// Coefficient of rolling friction.
-    #[serde(default)]
     pub rolling_friction: Option<f64>,
     /// Fraction of critical damping of the normal contact, below 0.7071.
-    #[serde(default)]
     pub damping: Option<f64>,
     /// Tangential over normal foundation modulus.
-    #[serde(default)]
     pub tangential_ratio: Option<f64>,
     /// Fraction of critical damping of the tangential springs.
-    #[serde(default)]
     pub tangential_damping: Option<f64>,
     /// How walls act on deformable bodies.
-    #[serde(default)]
     pub wall_response: Option<WallResponse>,
 }
 

@@ -10,7 +10,7 @@ use femdem_mesh::Vector3;
 
 impl World {
     /// Forgets the nodes of a body that is being removed, if it is deformable; returns the energy that it had, J.
-    pub(in crate::world) fn remove_deformable(&mut self, id: BodyId) -> Option<f64> {
+    pub(in crate::world) fn forget_nodes(&mut self, id: BodyId) -> Option<f64> {
         self.known_deformable(id).ok()?;
         let gravity = self.parameters.gravity;
         let (model, state) = self.deformables.as_deref_mut()?.parts(id);
