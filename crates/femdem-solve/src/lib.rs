@@ -182,6 +182,7 @@ mod guide;
 mod ledger;
 mod parameters;
 mod rotation;
+mod servo;
 mod world;
 
 pub use femdem_contact as contact;
@@ -196,6 +197,7 @@ pub use ledger::Ledger;
 pub use parameters::{
     ImplicitStep, Medium, SleepMeasure, SleepParameters, TimeStepParameters, WorldParameters,
 };
+pub use servo::{Resistance, Servo};
 pub use world::{
     ContactStiffness, Counters, Deformable, DeformableSpec, ModelId, Residuals, Stability, World,
     WorldRelaxation, WorldRelaxed,

@@ -11,6 +11,7 @@ mod resolve;
 mod resume;
 mod run;
 mod scene_cases;
+mod scene_control;
 mod scene_keys;
 mod scene_pairs;
 mod scene_physics;

@@ -6,11 +6,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use femdem::run::{
-    Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, ContactEntry, Copies,
-    CylinderEntry, Ending, FocusEntry, HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry,
-    MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry, ReactionSummary,
-    RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary, RotationEntry, RunEnergy,
-    RunSummary, Scenario, SelectEntry, StepEntry, StrainSummary, WallEntry, WallSummary, Zone,
+    AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, CELL_COLUMNS, CellState,
+    ContactEntry, ControlEntry, Copies, CylinderEntry, Ending, FocusEntry, HISTORY_COLUMNS, Law,
+    MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty,
+    PenetrationSummary, PlaneEntry, ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary,
+    RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry, Sides,
+    StepEntry, StrainSummary, WALL_COLUMNS, WallEntry, WallSummary, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -152,6 +153,31 @@ fn wall() -> WallEntry {
         repair: true,
         material: Some("m".to_owned()),
         motion: Some(SHAKE),
+        control: Some(control()),
+    }
+}
+
+fn control() -> ControlEntry {
+    ControlEntry {
+        force: Some(1.0),
+        pressure: Some(1.0),
+        area: Some(1.0),
+        direction: Some(V),
+        speed: Some(1.0),
+        table: Some(vec![[0.0, 1.0]]),
+        x: Some(axis()),
+        y: Some(axis()),
+        z: Some(axis()),
+    }
+}
+
+fn axis() -> AxisEntry {
+    AxisEntry {
+        stress: Some(1.0),
+        strain_rate: Some(1.0),
+        speed: Some(1.0),
+        sides: Sides::Upper,
+        table: Some(vec![[0.0, 1.0]]),
     }
 }
 
@@ -260,7 +286,7 @@ fn ticked(cell: &str) -> Vec<String> {
 fn documented(text: &str, heading: &str) -> BTreeSet<String> {
     rows(text, heading)
         .iter()
-        .map(|row| ticked(&row[0]).concat())
+        .flat_map(|row| ticked(&row[0]))
         .collect()
 }
 
@@ -276,6 +302,8 @@ fn every_key_of_every_table_is_documented_and_no_other() {
         ("## `[time-step]`", keys(&step())),
         ("## `[medium]`", keys(&MediumEntry::default())),
         ("## `[[wall]]`", keys(&wall())),
+        ("### `control`", keys(&control())),
+        ("### `control.z`", keys(&axis())),
         ("### `plane`", keys(&plane())),
         ("### `box`", keys(&space())),
         ("### `cylinder`", keys(&cylinder())),
@@ -427,6 +455,8 @@ fn every_column_and_key_of_the_results_is_documented() {
     let owned = |names: &[&str]| sorted(names.iter().map(|&s| s.to_owned()).collect());
     assert_eq!(sorted(columns("## history.csv")), owned(&HISTORY_COLUMNS));
     assert_eq!(sorted(columns("## members.csv")), owned(&MEMBER_COLUMNS));
+    assert_eq!(sorted(columns("## walls.csv")), owned(&WALL_COLUMNS));
+    assert_eq!(sorted(columns("## cells.csv")), owned(&CELL_COLUMNS));
 
     let summary = summary();
     let mut wanted = BTreeSet::new();
@@ -451,6 +481,7 @@ fn every_column_and_key_of_the_results_is_documented() {
     let lists = [
         keys(&summary.bodies[0]),
         keys(&summary.walls[0]),
+        keys(&summary.cells[0]),
         keys(&summary.reactions[0]),
     ];
     for key in lists.iter().flatten() {
@@ -489,6 +520,13 @@ fn summary() -> RunSummary {
             force: V,
             peak_force: 1.0,
             peak_time: 1.0,
+        }],
+        cells: vec![CellState {
+            name: String::new(),
+            sides: V,
+            stress: V,
+            strain: V,
+            solid_fraction: 1.0,
         }],
         reactions: vec![ReactionSummary {
             body: String::new(),

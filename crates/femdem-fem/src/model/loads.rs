@@ -38,7 +38,11 @@ impl From<f64> for Curve {
 }
 
 impl Curve {
-    pub(super) fn validate(&self) -> Result<(), FemError> {
+    /// Checks that its numbers are finite and its times ascend.
+    ///
+    /// # Errors
+    /// [`FemError::Parameter`] names the number.
+    pub fn validate(&self) -> Result<(), FemError> {
         match self {
             Self::Constant(value) => check("value of a curve", *value, true, "finite"),
             Self::Ramp { value, rise } => {

@@ -243,6 +243,20 @@ impl World {
         Some(self.batch.wall_load_of(wall))
     }
 
+    /// Elastic energy of the recorded contacts, without that of friction springs, and of the deformable bodies, J.
+    pub fn stored_energy(&self) -> f64 {
+        let rigid = self.batch.rigid_contacts().into_iter().map(|c| c.energy);
+        let soft = self.deformable_totals().map(|totals| totals.energy);
+        let strain = self.deformables().map(|body| body.internal().energy);
+        rigid.chain(soft).chain(strain).sum()
+    }
+
+    /// Stiffness of a wall's recorded contacts against its motion along a unit `direction`, N/m.
+    pub fn wall_stiffness(&self, wall: u32, direction: &Vector3) -> Option<f64> {
+        self.batch.wall(wall)?;
+        Some(self.batch.wall_stiffness_of(wall, direction))
+    }
+
     /// The load on a rigid body, about its centroid, from all its recorded contacts.
     pub fn load(&self, id: BodyId) -> Option<Load> {
         self.body(id).map(|_| self.batch.load_of(id))

@@ -12,8 +12,8 @@ use super::loads::Loads;
 use super::names::{Names, check_names};
 use super::words::KEYS;
 use super::{
-    Behaviour, BodyEntry, MaterialEntry, Member, MotionEntry, Penalty, Scenario, Simulation,
-    Support,
+    Behaviour, BodyEntry, ControlEntry, Controls, MaterialEntry, Member, MotionEntry, Penalty,
+    Scenario, Simulation, Support,
 };
 use crate::Error;
 use crate::error::wrong;
@@ -50,6 +50,7 @@ impl Scenario {
             world: world.map_err(|error| Error::from(error).by_keys(&KEYS))?,
             members: Vec::new(),
             supports: Vec::new(),
+            controls: Controls::default(),
             penalty: Penalty::default(),
             notes: Vec::new(),
         };
@@ -98,6 +99,7 @@ impl Scenario {
         self.set_penalty(&mut simulation, &loads)?;
         self.set_pairs(&mut simulation)?;
         loads.bound_step(&mut simulation)?;
+        simulation.control(self)?;
         Ok(simulation)
     }
 
@@ -108,6 +110,18 @@ impl Scenario {
         let conditions = self.body.iter().flat_map(|body| &body.boundary);
         let nodes = conditions.filter_map(|condition| condition.motion);
         walls.chain(bodies).chain(nodes)
+    }
+
+    /// The controls of walls.
+    pub(super) fn controls(&self) -> impl Iterator<Item = &ControlEntry> {
+        self.wall.iter().filter_map(|wall| wall.control.as_ref())
+    }
+
+    /// Whether a wall moves as prescribed, or is controlled.
+    pub(super) fn moves_walls(&self) -> bool {
+        self.wall
+            .iter()
+            .any(|wall| wall.motion.is_some() || wall.control.is_some())
     }
 
     /// Refuses unused materials, and keys of materials without effect.
@@ -341,7 +355,7 @@ impl Simulation {
             condition.add_to(&mut boundary, &model, radius)?;
         }
         let supports = entry.supports(self.members.len(), &model, radius)?;
-        let is_driven = scenario.motions().next().is_some();
+        let is_driven = scenario.motions().next().is_some() || scenario.controls().next().is_some();
         let usual = if is_driven { PRESSED } else { 1.0 };
         let ratio = entry.contact_ratio.unwrap_or(usual);
         if !(ratio > 0.0 && ratio.is_finite()) {
@@ -380,7 +394,12 @@ impl Simulation {
     /// [`Error::Entry`] with the name of the body at fault: an element that is turned inside out or has no
     /// stress, a body that blew up. The simulation can then not be continued.
     pub fn step(&mut self) -> Result<(), Error> {
-        self.world.step().map_err(|source| self.named(source))
+        let stepped = if self.controls.is_empty() {
+            self.world.step()
+        } else {
+            self.controls.step(&mut self.world)
+        };
+        stepped.map_err(|source| self.named(source))
     }
 
     /// The same error with the name of the body at fault.

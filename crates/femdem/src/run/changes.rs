@@ -61,9 +61,9 @@ impl Change {
         keys.contains(&&*self.top)
     }
 
-    /// Whether it is the motion of a wall or of a rigid body.
+    /// Whether it is the motion of a wall or of a rigid body, or the control of a wall.
     fn is_drive(&self) -> bool {
-        matches!(&self.entry, Some((_, key)) if key == "motion")
+        matches!(&self.entry, Some((_, key)) if key == "motion" || key == "control")
     }
 
     /// Whether it changes the motion of the bodies.
@@ -206,11 +206,13 @@ impl Simulation {
         for (old, new) in old.wall.iter().zip(&new.wall) {
             let walls = first..first + new.count()?;
             first = walls.end;
-            for wall in walls.filter(|_| old.motion != new.motion) {
+            let changed = old.motion != new.motion || old.control != new.control;
+            for wall in walls.filter(|_| changed) {
                 let drive = new.motion.map(|motion| motion.drive()).unwrap_or_default();
                 self.world.drive_wall(wall, drive)?;
             }
         }
+        self.control(new)?;
         self.set_free(old, new)?;
         for (id, motion) in self.new_motions(old, new)? {
             if let Some(motion) = motion {

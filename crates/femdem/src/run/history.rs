@@ -46,7 +46,7 @@ pub const MEMBER_COLUMNS: [&str; 17] = [
 
 /// A text file that grows by rows. The rows since the last flush are kept in memory, so that a file can be
 /// taken back to the state of a checkpoint.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Table {
     /// Bytes in the file.
     written: u64,
@@ -54,6 +54,12 @@ pub(super) struct Table {
 }
 
 impl Table {
+    /// Without rows.
+    pub const EMPTY: Self = Self {
+        written: 0,
+        pending: String::new(),
+    };
+
     pub fn row(&mut self, fields: impl IntoIterator<Item = String>) {
         for (i, field) in fields.into_iter().enumerate() {
             if i > 0 {
@@ -175,12 +181,12 @@ pub(super) fn member_rows(simulation: &Simulation, forces: &ContactForces) -> Ve
     rows.collect()
 }
 
-fn vector(v: &Vector3) -> [String; 3] {
+pub(super) fn vector(v: &Vector3) -> [String; 3] {
     <[f64; 3]>::from(*v).map(number)
 }
 
 /// All digits; large and small numbers with powers of ten, and no -0.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let value = value + 0.0;
     let mut text = String::new();
     let size = value.abs();
@@ -201,7 +207,7 @@ mod tests {
     fn a_table_goes_on_where_its_record_was() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("t.csv");
-        let mut table = Table::default();
+        let mut table = Table::EMPTY;
         table.row(["a".to_owned(), "b".to_owned()]);
         table.flush(&path).unwrap();
         let mut saved = table.clone();

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::history::{self, Table};
 use super::relaxation::Relaxing;
 use super::watch::{Deepest, Watch};
-use super::{Ending, RelaxSummary, Scenario, Simulation};
+use super::{CELL_COLUMNS, Ending, RelaxSummary, Scenario, Simulation, WALL_COLUMNS};
 use crate::Error;
 
 /// The largest force on a wall or of a support among the rows of the history.
@@ -46,6 +46,8 @@ pub struct Run {
     next_row: u64,
     history: Table,
     members: Table,
+    walls: Table,
+    cells: Table,
     peaks: Vec<Peak>,
     reaction_peaks: Vec<Peak>,
     watch: Watch,
@@ -65,9 +67,11 @@ impl Run {
     /// As [`Scenario::build`].
     pub fn new(scenario: Scenario) -> Result<Self, Error> {
         let simulation = scenario.build()?;
-        let (mut history, mut members) = (Table::default(), Table::default());
+        let [mut history, mut members, mut walls, mut cells] = [const { Table::EMPTY }; 4];
         history.row(history::history_header(&simulation));
         members.row(history::MEMBER_COLUMNS.map(str::to_owned));
+        walls.row(WALL_COLUMNS.map(str::to_owned));
+        cells.row(CELL_COLUMNS.map(str::to_owned));
         Ok(Self {
             peaks: vec![Peak::default(); simulation.world.walls().count()],
             reaction_peaks: vec![Peak::default(); simulation.supports.len()],
@@ -79,6 +83,8 @@ impl Run {
             next_row: 0,
             history,
             members,
+            walls,
+            cells,
             quiet_since: None,
             verifying: false,
             relaxing: None,

@@ -83,7 +83,7 @@ pub(super) struct Loads {
     pub gravity: f64,
     /// Weight of all bodies \[N\].
     pub weight: f64,
-    /// That weight over the level area that the bodies have \[Pa\]; 0 without gravity.
+    /// The larger of that weight over the level area that the bodies have, and of the stresses of controlled walls \[Pa\].
     pub stress: f64,
     /// Fastest prescribed motion \[m/s\].
     pub driven: f64,
@@ -130,6 +130,11 @@ impl Loads {
         // Bodies outside of the walls leave no space.
         if across > 0.0 && along > 0.0 {
             loads.stress = loads.weight / (across * along);
+            let area = across * along;
+            let pressed = scenario
+                .controls()
+                .map(|control| control.largest_stress(area));
+            loads.stress = pressed.fold(loads.stress, f64::max);
         }
         for body in &mut loads.placed {
             let floor = floor_under(body, &bearing, &axes, space[0][0]);
@@ -315,6 +320,12 @@ impl Scenario {
     fn fastest_drive(&self, simulation: &Simulation) -> f64 {
         let reach = |axis: &[f64; 3], point: &[f64; 3]| simulation.reach(axis, point);
         let speeds = self.motions().map(|motion| motion.fastest(reach));
-        speeds.fold(0.0, f64::max)
+        let controlled = self.wall.iter().filter_map(|wall| {
+            let sides = wall.r#box.map_or([0.0; 3], |space| {
+                [0, 1, 2].map(|k| space.upper[k] - space.lower[k])
+            });
+            Some(wall.control.as_ref()?.fastest(sides))
+        });
+        speeds.chain(controlled).fold(0.0, f64::max)
     }
 }

@@ -40,6 +40,7 @@ mod boundary;
 mod build;
 mod changes;
 mod contacts;
+mod control;
 mod ending;
 mod focus;
 mod frame;
@@ -77,6 +78,9 @@ use serde::{Deserialize, Serialize};
 pub use body::{Behaviour, BodyEntry, Copies, FocusEntry, RotationEntry};
 pub use boundary::BoundaryEntry;
 pub use contacts::{ContactForces, ContactLine, Side};
+pub use control::{
+    AxisEntry, CELL_COLUMNS, Cell, CellState, ControlEntry, Controls, Sides, WALL_COLUMNS,
+};
 pub use ending::Ending;
 pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
 pub use job::Run;

@@ -1,9 +1,11 @@
 //! The picture of a run.
 
-use femdem_mesh::{Point3, Vector3};
+use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_view::picture::{Image, PictureOptions, Skin, draw_skins, sides};
 
-use super::{PlaneEntry, Run, Scenario, Simulation};
+use femdem_solve::World;
+
+use super::{Cell, PlaneEntry, Run, Scenario, Simulation};
 use crate::{BodyValues, Drawing, Error, Spacing};
 
 impl Run {
@@ -14,7 +16,8 @@ impl Run {
     ///
     /// [`Error::Solve`] if an element has no stress.
     pub fn picture(&self, options: &PictureOptions) -> Result<Image, Error> {
-        let place = |skins: &[Skin]| self.scenario().drawing(skins);
+        let world = &self.simulation().world;
+        let place = |skins: &[Skin]| self.scenario().drawing(skins, world);
         self.simulation()
             .picture_in(place, Spacing::Linear, options)
     }
@@ -144,39 +147,44 @@ impl Simulation {
 
 impl Scenario {
     /// The first plane that carries bodies, or the first box, around the drawn bodies.
-    fn drawing(&self, skins: &[Skin]) -> Option<Drawing> {
+    fn drawing(&self, skins: &[Skin], world: &World) -> Option<Drawing> {
         let points = || skins.iter().flat_map(|skin| &skin.points);
         let low = points().fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(&p.coords));
         let high = points().fold(Vector3::repeat(f64::NEG_INFINITY), |m, p| m.sup(&p.coords));
-        self.wall
-            .iter()
-            .find_map(|wall| match (&wall.plane, &wall.r#box) {
-                (Some(plane), None) => floor(plane, low, high),
+        let mut first = 0;
+        self.wall.iter().find_map(|wall| {
+            let walls = first..first + wall.count().ok()?;
+            first = walls.end;
+            match (&wall.plane, &wall.r#box) {
+                (Some(plane), None) => floor(plane, world.wall_pose(walls.start)?, low, high),
                 (None, Some(space)) => {
-                    let mut region_high = Vector3::from(space.upper);
+                    let [lower, upper] = Cell::new("", space, walls, 0.0, world).corners(world);
+                    let mut region_high = Vector3::from(upper);
                     if space.open {
-                        region_high.z = region_high.z.min(high.z.max(space.lower[2]));
+                        region_high.z = region_high.z.min(high.z.max(lower[2]));
                     }
                     let region = femdem_analysis::Region::Box {
-                        min: Point3::from(space.lower),
+                        min: Point3::from(lower),
                         max: region_high.into(),
                     };
                     Some(Drawing::of_region(&region, region_high.z))
                 }
                 _ => None,
-            })
+            }
+        })
     }
 }
 
 /// The part of a plane that lies under the box between two corners, with a margin.
-fn floor(plane: &PlaneEntry, low: Vector3, high: Vector3) -> Option<Drawing> {
-    let normal = Vector3::from(plane.normal).try_normalize(0.0)?;
+fn floor(plane: &PlaneEntry, pose: Pose, low: Vector3, high: Vector3) -> Option<Drawing> {
+    let normal = pose * Vector3::from(plane.normal).try_normalize(0.0)?;
+    let offset = plane.offset + normal.dot(&pose.translation.vector);
     if normal.z < 0.2 {
         return None;
     }
     let margin = 0.15 * (high - low).norm();
     let corner = |x: f64, y: f64| {
-        let z = (plane.offset - normal.x * x - normal.y * y) / normal.z;
+        let z = (offset - normal.x * x - normal.y * y) / normal.z;
         Point3::new(x, y, z)
     };
     let [left, right] = [low.x - margin, high.x + margin];

@@ -109,6 +109,11 @@ impl Scenario {
         if steps == 0 {
             return Err(wrong("relax.steps", "0", "at least 1"));
         }
+        if self.controls().next().is_some() {
+            let allowed =
+                "with controlled walls use [rest]: a relaxation would hold them where they are";
+            return Err(wrong("relax", "given", allowed));
+        }
         let conditions = self.body.iter().flat_map(|body| &body.boundary);
         let motions = self.motions().map(|motion| motion.end());
         let loads = conditions.map(BoundaryEntry::settled_from);

@@ -5,7 +5,7 @@ use femdem_pack::Settling;
 use serde::{Deserialize, Serialize};
 
 use super::contacts::ContactForces;
-use super::{BoundaryEntry, ContactLine, Run, Side, Simulation};
+use super::{BoundaryEntry, ContactLine, ControlEntry, Run, Side, Simulation};
 
 /// Largest residual of a body at rest, and its largest kinetic energy over its load times its diameter: as for a settled pack.
 const LIMITS: Settling = Settling::USUAL;
@@ -37,8 +37,8 @@ pub struct RestSummary {
     pub residual: f64,
     /// Name of the rigid body with the largest residual; `null` without rigid bodies.
     pub worst: Option<String>,
-    /// Largest kinetic energy of a body over its diameter times the larger of its weight and its mean contact force; `null`
-    /// if a body moves that has neither.
+    /// Largest kinetic energy of a body over its diameter times the larger of its weight and its mean contact force or, if it
+    /// has neither, the mean force of all contacts; `null` if a body moves where nothing bears a load.
     pub motion: Option<f64>,
     /// Size of the sum of the forces on walls, supports and driven bodies less the weights and loads of all others, over the
     /// larger of those weights and a hundredth of those forces.
@@ -73,7 +73,8 @@ impl Simulation {
         }
     }
 
-    /// Largest kinetic energy of a free body over its diameter times its load.
+    /// Largest kinetic energy of a free body over its diameter times its load; a body without any, as a rattler without
+    /// weight, has the mean force of all contacts.
     fn motion(&self, contacts: &[ContactLine]) -> f64 {
         let mut forces = vec![(0.0, 0.0); self.members.len()];
         for contact in contacts {
@@ -87,6 +88,8 @@ impl Simulation {
             }
         }
         let g = self.world.parameters().gravity.norm();
+        let normal: f64 = contacts.iter().map(|contact| contact.normal_force).sum();
+        let mean = normal / f64::max(contacts.len() as f64, 1.0);
         let each = forces.into_iter().enumerate();
         let each = each.filter_map(|(member, (sum, count))| {
             let id = self.members[member].id;
@@ -98,6 +101,7 @@ impl Simulation {
                 return Some(0.0);
             }
             let load = f64::max(mass * g, sum / f64::max(count, 1.0));
+            let load = if load > 0.0 { load } else { mean };
             Some(energy / (load * self.diameter(member)?))
         });
         each.fold(0.0, f64::max)
@@ -144,7 +148,9 @@ impl Run {
         let bodies = &self.scenario().body;
         let conditions = bodies.iter().flat_map(|body| &body.boundary);
         let mut loads = conditions.map(BoundaryEntry::settled_from);
+        let mut controls = self.scenario().controls().map(ControlEntry::settled_from);
         world.is_driven(self.scenario().duration - world.time())
             || loads.any(|settled| settled > world.time())
+            || controls.any(|settled| settled > world.time())
     }
 }

@@ -99,12 +99,27 @@ impl RunSummary {
             let text = peak(wall.peak_force, wall.peak_time);
             (format!("peak on {}", wall.name), text)
         });
+        let cells = self.cells.iter().map(|cell| {
+            let three =
+                |of: [f64; 3], digits: usize| of.map(|x| format!("{x:.digits$e}")).join(" ");
+            let text = format!(
+                "stress {} Pa, strain {}, solid fraction {:.4}",
+                three(cell.stress, 3),
+                three(cell.strain, 3),
+                cell.solid_fraction
+            );
+            row(&cell.name, text)
+        });
         let supports = self.reactions.iter().map(|support| {
             let name = format!("peak of {} {}", support.body, support.boundary);
             (name, peak(support.peak_force, support.peak_time))
         });
         let body = [stress, plastic, penalty, depth].into_iter().flatten();
-        body.chain(warnings).chain(walls).chain(supports).collect()
+        body.chain(warnings)
+            .chain(walls)
+            .chain(cells)
+            .chain(supports)
+            .collect()
     }
 
     fn row_of_cost(&self) -> Row {

@@ -5,6 +5,7 @@ use femdem_mesh::Pose;
 use femdem_solve::{SolveError, World};
 use serde::{Deserialize, Serialize};
 
+use super::Controls;
 use crate::scene::ShapeNote;
 
 /// A body of a simulation.
@@ -28,6 +29,8 @@ pub struct Simulation {
     pub members: Vec<Member>,
     /// The supports of deformable bodies, in the same order.
     pub supports: Vec<Support>,
+    /// Its controlled walls.
+    pub controls: Controls,
     /// The penalty of its contacts between rigid bodies.
     pub penalty: Penalty,
     /// How surface files were read and bodies meshed, each once. Not stored: it belongs to making the simulation.
@@ -41,6 +44,7 @@ struct Stored {
     world: World,
     members: Vec<Member>,
     supports: Vec<Support>,
+    controls: Controls,
     penalty: Penalty,
 }
 
@@ -52,6 +56,7 @@ impl TryFrom<Stored> for Simulation {
             mut world,
             members,
             supports,
+            controls,
             penalty,
         } = stored;
         world.restore()?;
@@ -59,6 +64,7 @@ impl TryFrom<Stored> for Simulation {
             world,
             members,
             supports,
+            controls,
             penalty,
             notes: Vec::new(),
         })

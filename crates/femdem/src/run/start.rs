@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::changes::changes;
 use super::saved::RUN_CHECKPOINT;
-use super::{Run, Scenario, Simulation};
+use super::{Controls, Run, Scenario, Simulation};
 use crate::Error;
 
 /// Most that the mass of a body may differ, relative, between two readings of the same shape.
@@ -41,6 +41,7 @@ impl Simulation {
                 "its file is another one than that run had: give that one, or leave `from` out",
             ));
         }
+        simulation.controls = Controls::default();
         // Before motions begin anew: what has come to rest stays so.
         simulation.set_free(&before, scene)?;
         simulation.world.restart_clock();

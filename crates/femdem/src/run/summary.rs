@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{Ending, Penalty, RelaxSummary, RestSummary, Run, Side};
+use super::{CellState, Ending, Penalty, RelaxSummary, RestSummary, Run, Side};
 use crate::{Error, Usage};
 
 /// Version of the keys of the summary of a run.
@@ -29,6 +29,8 @@ pub struct RunSummary {
     pub bodies: Vec<BodySummary>,
     /// The walls.
     pub walls: Vec<WallSummary>,
+    /// The boxes whose walls are controlled.
+    pub cells: Vec<CellState>,
     /// Forces of the supports of deformable bodies.
     pub reactions: Vec<ReactionSummary>,
     /// The penalty of contacts between rigid bodies, and why it has its value.
@@ -191,6 +193,8 @@ impl RunSummary {
         let world = &simulation.world;
         let contacts = simulation.contacts();
         let forces = simulation.forces(&contacts);
+        let cells = run.simulation().controls.cells().iter();
+        let cells = cells.map(|cell| cell.state(world));
         let walls = world.walls().zip(&forces.walls).zip(run.peaks());
         let walls = walls.map(|(((_, wall), force), peak)| WallSummary {
             name: wall.name().to_owned(),
@@ -230,6 +234,7 @@ impl RunSummary {
             rest: simulation.rest(),
             bodies,
             walls: walls.collect(),
+            cells: cells.collect(),
             reactions: reactions.collect(),
             penalty: simulation.penalty.clone(),
             warnings: run.warnings().to_vec(),

@@ -8,7 +8,7 @@ use femdem_mesh::tet::{self, MeshOptions};
 use femdem_solve::World;
 use serde::{Deserialize, Serialize};
 
-use super::MotionEntry;
+use super::{ControlEntry, MotionEntry};
 use crate::Error;
 use crate::error::wrong;
 use crate::scene::{ShapeNote, Unit, surface};
@@ -35,6 +35,8 @@ pub struct WallEntry {
     pub material: Option<String>,
     /// Prescribed motion.
     pub motion: Option<MotionEntry>,
+    /// A force, a stress or a rate of strain that the wall is moved to reach.
+    pub control: Option<ControlEntry>,
 }
 
 /// A half-space of bodies: n·x ≥ offset |n|.

@@ -7,8 +7,8 @@ use femdem_view::ViewError;
 use femdem_view::output::{write_file, write_pvd_parts};
 use femdem_view::picture::PictureOptions;
 
-use crate::run::history;
 use crate::run::{Run, RunSummary};
+use crate::run::{control, history};
 use crate::{Error, Usage};
 
 impl Run {
@@ -21,6 +21,12 @@ impl Run {
         self.history.flush(&folder.join("history.csv"))?;
         if self.scenario.track {
             self.members.flush(&folder.join("members.csv"))?;
+        }
+        if self.scenario.moves_walls() {
+            self.walls.flush(&folder.join("walls.csv"))?;
+        }
+        if !self.simulation.controls.cells().is_empty() {
+            self.cells.flush(&folder.join("cells.csv"))?;
         }
         Ok(())
     }
@@ -75,6 +81,14 @@ impl Run {
         }
         let row = history::history_row(&self.simulation, contacts.len(), &forces, &reactions);
         self.history.row(row);
+        if self.scenario.moves_walls() {
+            for row in control::wall_rows(&self.simulation, &forces) {
+                self.walls.row(row);
+            }
+        }
+        for row in control::cell_rows(&self.simulation) {
+            self.cells.row(row);
+        }
         if self.scenario.track {
             for row in history::member_rows(&self.simulation, &forces) {
                 self.members.row(row);

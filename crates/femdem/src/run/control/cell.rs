@@ -1,0 +1,146 @@
+//! A box whose walls are controlled: a test cell.
+
+use std::ops::Range;
+
+use femdem_contact::WallShape;
+use femdem_mesh::Vector3;
+use femdem_solve::World;
+use serde::{Deserialize, Serialize};
+
+use crate::run::wall::BoxEntry;
+
+/// A box around bodies with a wall on every side but, perhaps, the top.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Name of the wall in the scenario.
+    pub name: String,
+    /// Numbers of the lower and the upper wall across each axis; the last may have none.
+    pub(super) walls: [[Option<u32>; 2]; 3],
+    /// Lowest and highest corner where the scenario places it \[m\].
+    pub(super) corners: [[f64; 3]; 2],
+    /// Sides when the control began \[m\].
+    pub(super) start: [f64; 3],
+    /// Volume of the bodies when the control began \[m³\].
+    pub(super) solid: f64,
+}
+
+/// The state of a cell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CellState {
+    /// Name of the wall in the scenario.
+    pub name: String,
+    /// Sides \[m\].
+    pub sides: [f64; 3],
+    /// Mean of the normal stresses of the two walls across each axis, positive in compression \[Pa\].
+    pub stress: [f64; 3],
+    /// Logarithmic strains since the control began, positive in compression.
+    pub strain: [f64; 3],
+    /// Volume of the bodies over that of the cell.
+    pub solid_fraction: f64,
+}
+
+impl CellState {
+    /// Sum of the strains, positive in compression.
+    #[must_use]
+    pub fn volumetric_strain(&self) -> f64 {
+        self.strain.iter().sum()
+    }
+
+    /// Volume of the cell \[m³\].
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.sides.iter().product()
+    }
+}
+
+/// The direction into a box of its lower (0) or upper (1) wall across an axis.
+pub(super) fn inwards(axis: usize, side: usize) -> Vector3 {
+    let mut direction = Vector3::zeros();
+    direction[axis] = if side == 0 { 1.0 } else { -1.0 };
+    direction
+}
+
+/// Force with which a wall presses along a direction, without dashpots \[N\].
+pub(super) fn push(world: &World, wall: u32, direction: &Vector3) -> f64 {
+    let load = world.wall_load(wall).unwrap_or_default();
+    -load.static_part().force.dot(direction)
+}
+
+impl Cell {
+    /// The box of a scenario, whose `walls` stand where they are now in the world.
+    pub(in crate::run) fn new(
+        name: &str,
+        space: &BoxEntry,
+        walls: Range<u32>,
+        solid: f64,
+        world: &World,
+    ) -> Self {
+        let mut cell = Self {
+            name: name.to_owned(),
+            walls: [[None; 2]; 3],
+            corners: [space.lower, space.upper],
+            start: [0.0; 3],
+            solid,
+        };
+        for wall in walls {
+            let (axis, side) = side_of(world, wall);
+            cell.walls[axis][side] = Some(wall);
+        }
+        cell.start = cell.sides(world);
+        cell
+    }
+
+    /// Lowest and highest corner now \[m\]; without a lid the top is that of the scenario.
+    pub(in crate::run) fn corners(&self, world: &World) -> [[f64; 3]; 2] {
+        [0, 1].map(|side| {
+            [0, 1, 2].map(|axis| {
+                let wall = self.walls[axis][side];
+                let pose = wall.and_then(|wall| world.wall_pose(wall));
+                self.corners[side][axis] + pose.map_or(0.0, |pose| pose.translation.vector[axis])
+            })
+        })
+    }
+
+    /// Sides now \[m\]; without a lid the height is that of the scenario.
+    pub(super) fn sides(&self, world: &World) -> [f64; 3] {
+        let [lower, upper] = self.corners(world);
+        [0, 1, 2].map(|axis| upper[axis] - lower[axis])
+    }
+
+    /// Area of the walls across an axis \[m²\].
+    pub(super) fn area(sides: [f64; 3], axis: usize) -> f64 {
+        sides[(axis + 1) % 3] * sides[(axis + 2) % 3]
+    }
+
+    /// The state now.
+    #[must_use]
+    pub fn state(&self, world: &World) -> CellState {
+        let sides = self.sides(world);
+        let stress = [0, 1, 2].map(|axis| {
+            let each = (0..).zip(self.walls[axis]);
+            let pushes =
+                each.filter_map(|(side, wall)| Some(push(world, wall?, &inwards(axis, side))));
+            let (sum, count) =
+                pushes.fold((0.0, 0.0), |(sum, count), push| (sum + push, count + 1.0));
+            sum / count / Self::area(sides, axis)
+        });
+        CellState {
+            name: self.name.clone(),
+            sides,
+            stress,
+            strain: [0, 1, 2].map(|axis| (self.start[axis] / sides[axis]).ln()),
+            solid_fraction: self.solid / sides.iter().product::<f64>(),
+        }
+    }
+}
+
+/// The axis across which a wall of a box lies, and whether it is the lower (0) or the upper (1) one.
+fn side_of(world: &World, wall: u32) -> (usize, usize) {
+    let planes = world.wall(wall).and_then(|shape| match shape {
+        WallShape::Planes(planes) => planes.planes().first(),
+        WallShape::Mesh(_) => None,
+    });
+    let normal = planes.map_or(Vector3::zeros(), |plane| plane.normal);
+    let axis = normal.iamax();
+    (axis, usize::from(normal[axis] < 0.0))
+}

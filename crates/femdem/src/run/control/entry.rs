@@ -1,0 +1,227 @@
+//! Controlled walls in a scenario.
+
+use femdem_fem::Curve;
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::error::wrong;
+
+/// How a wall is controlled: a plane or a wall from a file by `force` or by `pressure` on an `area`; a box by what its axes
+/// `x`, `y` and `z` are to do.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct ControlEntry {
+    /// Force with which the wall presses along its direction \[N\].
+    pub force: Option<f64>,
+    /// The same as a pressure on `area` \[Pa\].
+    pub pressure: Option<f64>,
+    /// Area on which the pressure acts \[m²\].
+    pub area: Option<f64>,
+    /// Direction in which the wall moves and presses, of any length. `None`: the normal of a plane.
+    pub direction: Option<[f64; 3]>,
+    /// Largest speed \[m/s\].
+    pub speed: Option<f64>,
+    /// Factor of the force or pressure over time, as points \[s, factor\] with straight lines between.
+    pub table: Option<Vec<[f64; 2]>>,
+    /// The walls of a box across x.
+    pub x: Option<AxisEntry>,
+    /// The walls of a box across y.
+    pub y: Option<AxisEntry>,
+    /// The walls of a box across z.
+    pub z: Option<AxisEntry>,
+}
+
+/// What the two walls of a box across an axis do: exactly one of `stress` and `strain-rate`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct AxisEntry {
+    /// Mean stress of the two walls on their present area, positive in compression \[Pa\].
+    pub stress: Option<f64>,
+    /// Rate of the logarithmic strain, positive in compression \[1/s\].
+    pub strain_rate: Option<f64>,
+    /// Largest speed of each wall \[m/s\].
+    pub speed: Option<f64>,
+    /// Which of the two walls move.
+    pub sides: Sides,
+    /// Factor of the stress or rate over time, as points \[s, factor\] with straight lines between.
+    pub table: Option<Vec<[f64; 2]>>,
+}
+
+/// The walls of a box across an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sides {
+    /// Both, by the same way towards each other.
+    #[default]
+    Both,
+    /// The one of the lower coordinate.
+    Lower,
+    /// The one of the higher coordinate.
+    Upper,
+}
+
+impl ControlEntry {
+    /// The axes of a box, with their numbers.
+    pub(super) fn axes(&self) -> impl Iterator<Item = (usize, &AxisEntry)> {
+        let axes = [&self.x, &self.y, &self.z];
+        (0..)
+            .zip(axes)
+            .filter_map(|(k, axis)| Some((k, axis.as_ref()?)))
+    }
+
+    /// The force over time \[N\] and the limit of speed, for a wall that is no box.
+    pub(super) fn force(&self) -> Result<(Curve, f64), Error> {
+        if self.axes().next().is_some() {
+            return Err(wrong(
+                "control.x, y or z",
+                "given",
+                "for a wall with `box` only: give force, or pressure and area",
+            ));
+        }
+        let force = match (self.force, self.pressure, self.area) {
+            (Some(force), None, None) => compression("control.force", force)?,
+            (None, Some(pressure), Some(area)) => {
+                if !(area > 0.0 && area.is_finite()) {
+                    let allowed = "a positive, finite area, in m²";
+                    return Err(wrong("control.area", &area.to_string(), allowed));
+                }
+                compression("control.pressure", pressure)? * area
+            }
+            _ => {
+                return Err(wrong(
+                    "control",
+                    "no force, or more than one way to say it",
+                    "give force, or pressure together with area",
+                ));
+            }
+        };
+        Ok((curve(force, self.table.as_ref())?, speed(self.speed)?))
+    }
+
+    /// The direction of a wall that is no box; `normal` is that of a plane.
+    pub(super) fn direction(&self, normal: Option<[f64; 3]>) -> Result<Vector3, Error> {
+        let given = self.direction.or(normal).ok_or_else(|| {
+            let allowed = "give the direction in which the wall is to press: it has no normal";
+            wrong("control.direction", "none", allowed)
+        })?;
+        let direction = Vector3::from(given);
+        if !direction.norm().is_finite() {
+            let allowed = "three finite numbers";
+            return Err(wrong("control.direction", &format!("{given:?}"), allowed));
+        }
+        direction.try_normalize(0.0).ok_or_else(|| {
+            let allowed = "not all zero";
+            wrong("control.direction", &format!("{given:?}"), allowed)
+        })
+    }
+
+    /// Refuses what belongs to other walls than boxes.
+    pub(super) fn check_box(&self) -> Result<(), Error> {
+        let others = [self.force, self.pressure, self.area, self.speed];
+        if others.iter().any(Option::is_some) || self.direction.is_some() || self.table.is_some() {
+            return Err(wrong(
+                "control",
+                "a force, pressure, area, direction, speed or table beside `box`",
+                "give them to the axes, such as control.z = { stress = 1e5, speed = 0.1 }",
+            ));
+        }
+        if self.axes().next().is_none() {
+            let allowed = "give at least one of the axes x, y and z";
+            return Err(wrong("control", "empty", allowed));
+        }
+        Ok(())
+    }
+
+    /// The largest speed that it allows or prescribes, where a box has these sides \[m/s\].
+    pub(in crate::run) fn fastest(&self, sides: [f64; 3]) -> f64 {
+        let of_axis = |(k, axis): (usize, &AxisEntry)| {
+            let rate = axis.strain_rate.unwrap_or(0.0) * largest_factor(axis.table.as_ref());
+            axis.speed.unwrap_or(0.0).max(rate.abs() * sides[k])
+        };
+        let axes = self.axes().map(of_axis).fold(0.0, f64::max);
+        axes.max(self.speed.unwrap_or(0.0))
+    }
+
+    /// The largest stress, where `area` is on what a force presses \[Pa\].
+    pub(in crate::run) fn largest_stress(&self, area: f64) -> f64 {
+        let of_axis = |(_, axis): (usize, &AxisEntry)| {
+            axis.stress.unwrap_or(0.0) * largest_factor(axis.table.as_ref())
+        };
+        let axes = self.axes().map(of_axis).fold(0.0, f64::max);
+        let pressed = self.force.map(|force| force / area).or(self.pressure);
+        axes.max(pressed.unwrap_or(0.0) * largest_factor(self.table.as_ref()))
+    }
+
+    /// The time from which on its goals are constant \[s\].
+    pub(in crate::run) fn settled_from(&self) -> f64 {
+        let axes = self.axes().filter_map(|(_, axis)| axis.table.as_ref());
+        let points = axes.chain(&self.table).flatten();
+        points.map(|[time, _]| *time).fold(0.0, f64::max)
+    }
+}
+
+impl AxisEntry {
+    /// The stress over time \[Pa\] and the limit of speed, or the rate of strain over time \[1/s\].
+    pub(super) fn goal(&self) -> Result<(Curve, Option<f64>), Error> {
+        match (self.stress, self.strain_rate) {
+            (Some(stress), None) => {
+                let stress = compression("stress", stress)?;
+                Ok((
+                    curve(stress, self.table.as_ref())?,
+                    Some(speed(self.speed)?),
+                ))
+            }
+            (None, Some(rate)) => {
+                if self.speed.is_some() {
+                    let allowed = "for a stress only: a rate of strain has its speed";
+                    return Err(wrong("speed", "given", allowed));
+                }
+                Ok((curve(rate, self.table.as_ref())?, None))
+            }
+            _ => Err(wrong(
+                "an axis of control",
+                "none or both of its kinds",
+                "give either stress or strain-rate",
+            )),
+        }
+    }
+}
+
+fn compression(name: &'static str, value: f64) -> Result<f64, Error> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    let allowed = "0 or more and finite: walls press, they cannot pull";
+    Err(wrong(name, &value.to_string(), allowed))
+}
+
+fn speed(given: Option<f64>) -> Result<f64, Error> {
+    given.ok_or_else(|| {
+        let allowed = "give the largest speed of the wall, in m/s";
+        wrong("speed", "none", allowed)
+    })
+}
+
+/// `value` over time.
+fn curve(value: f64, table: Option<&Vec<[f64; 2]>>) -> Result<Curve, Error> {
+    let curve = match table {
+        None => Curve::Constant(value),
+        Some(table) => Curve::Table(
+            table
+                .iter()
+                .map(|[t, factor]| [*t, factor * value])
+                .collect(),
+        ),
+    };
+    curve.validate()?;
+    Ok(curve)
+}
+
+fn largest_factor(table: Option<&Vec<[f64; 2]>>) -> f64 {
+    let Some(table) = table else { return 1.0 };
+    table
+        .iter()
+        .map(|[_, factor]| factor.abs())
+        .fold(0.0, f64::max)
+}

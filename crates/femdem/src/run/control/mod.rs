@@ -1,0 +1,295 @@
+//! Walls that are moved so that a force, a stress or a rate of strain has a wanted value.
+//!
+//! A wall with a force, and the walls of a box with a stress, are moved by a [`Servo`]; two opposite walls of a box by
+//! the same way, under the mean of their forces, so that the box stays where it is.
+
+mod cell;
+mod entry;
+mod tables;
+
+use std::ops::Range;
+
+use femdem_contact::Partner;
+use femdem_fem::Curve;
+use femdem_mesh::Vector3;
+use femdem_solve::{Driven, Resistance, Servo, World};
+use serde::{Deserialize, Serialize};
+
+pub use cell::{Cell, CellState};
+pub use entry::{AxisEntry, ControlEntry, Sides};
+pub use tables::{CELL_COLUMNS, WALL_COLUMNS};
+pub(super) use tables::{cell_rows, wall_rows};
+
+use super::{Scenario, Simulation, WallEntry};
+use crate::Error;
+use crate::error::wrong;
+use crate::run::build::in_entry;
+use cell::{inwards, push};
+
+/// The controlled walls of a simulation.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Controls {
+    cells: Vec<Cell>,
+    groups: Vec<Group>,
+}
+
+/// Walls that move alike.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Group {
+    /// Number of the cell and its axis.
+    cell: Option<(usize, usize)>,
+    walls: Vec<Sliding>,
+    /// The force \[N\], the stress of the cell \[Pa\] or its rate of strain \[1/s\] over time.
+    goal: Curve,
+    /// `None`: a rate of strain.
+    servo: Option<Servo>,
+    /// Along the directions of the walls, from where they were when the control began \[m\].
+    moved: f64,
+    /// m/s.
+    velocity: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Sliding {
+    wall: u32,
+    direction: Vector3,
+}
+
+impl Group {
+    /// What the group is to reach at a time: a force \[N\] or a rate.
+    fn wanted(&self, sides: &[[f64; 3]], time: f64) -> f64 {
+        let area = match self.cell {
+            Some((cell, axis)) if self.servo.is_some() => Cell::area(sides[cell], axis),
+            _ => 1.0,
+        };
+        self.goal.at(time) * area
+    }
+
+    /// Mean force with which the walls press \[N\].
+    fn push(&self, world: &World) -> f64 {
+        let each = self.walls.iter();
+        let sum: f64 = each
+            .map(|sliding| push(world, sliding.wall, &sliding.direction))
+            .sum();
+        sum / self.walls.len() as f64
+    }
+
+    fn plan(&mut self, world: &World, sides: &[[f64; 3]], energy: f64) {
+        let wanted = self.wanted(sides, world.time());
+        let count = self.walls.len() as f64;
+        let force = self.push(world);
+        self.velocity = match (&mut self.servo, self.cell) {
+            (Some(servo), _) => {
+                let each = self.walls.iter();
+                let stiffness = each.map(|Sliding { wall, direction }| {
+                    world.wall_stiffness(*wall, direction).unwrap_or(0.0)
+                });
+                let met = Resistance {
+                    force,
+                    stiffness: stiffness.sum::<f64>() / count,
+                    energy,
+                };
+                servo.velocity(&met, wanted, world.time_step())
+            }
+            (None, Some((cell, axis))) => wanted * sides[cell][axis] / count,
+            (None, None) => 0.0,
+        };
+    }
+
+    /// Whether it moves the wall, and where that is `ahead` from now.
+    fn place(&self, wall: u32, ahead: f64) -> Option<Driven> {
+        let sliding = self.walls.iter().find(|sliding| sliding.wall == wall)?;
+        Some(Driven {
+            displacement: sliding.direction * (self.moved + self.velocity * ahead),
+            velocity: sliding.direction * self.velocity,
+            ..Driven::default()
+        })
+    }
+}
+
+impl Controls {
+    /// Whether no wall is controlled.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    /// The boxes with controlled walls.
+    #[must_use]
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// Begins to control the `walls` of the world that an entry is, which stand where they are; `name` is that of the
+    /// entry, `solid` the volume of the bodies \[m³\].
+    pub(super) fn add(
+        &mut self,
+        entry: &WallEntry,
+        name: &str,
+        walls: Range<u32>,
+        solid: f64,
+        world: &mut World,
+    ) -> Result<(), Error> {
+        let Some(control) = &entry.control else {
+            return Ok(());
+        };
+        if entry.motion.is_some() {
+            let allowed = "give a wall either a motion or a control";
+            return Err(wrong("control", "given beside motion", allowed));
+        }
+        let before = self.groups.len();
+        if let Some(space) = &entry.r#box {
+            control.check_box()?;
+            let cell = Cell::new(name, space, walls, solid, world);
+            let number = self.cells.len();
+            for (axis, wanted) in control.axes() {
+                let group = group_of(&cell, number, axis, wanted, space.open)?;
+                self.groups.push(group);
+            }
+            self.cells.push(cell);
+        } else {
+            let (goal, limit) = control.force()?;
+            let direction = control.direction(entry.plane.map(|plane| plane.normal))?;
+            self.groups.push(Group {
+                cell: None,
+                walls: walls.map(|wall| Sliding { wall, direction }).collect(),
+                goal,
+                servo: Some(Servo::new(limit)?),
+                moved: 0.0,
+                velocity: 0.0,
+            });
+        }
+        for group in &self.groups[before..] {
+            for sliding in &group.walls {
+                world.drive_wall_by_host(sliding.wall, Driven::default())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The velocities for the next step.
+    fn plan(&mut self, world: &World) {
+        let sides: Vec<[f64; 3]> = self.cells.iter().map(|cell| cell.sides(world)).collect();
+        let energy = world.stored_energy();
+        for group in &mut self.groups {
+            group.plan(world, &sides, energy);
+        }
+    }
+
+    /// Takes a step of the world, in which the controlled walls move.
+    pub(super) fn step(&mut self, world: &mut World) -> Result<(), femdem_solve::SolveError> {
+        self.plan(world);
+        let start = world.time();
+        world.step_with(|thing, end| {
+            let Partner::Wall(wall) = thing else {
+                return None;
+            };
+            let mut places = self.groups.iter();
+            places.find_map(|group| group.place(wall, end - start))
+        })?;
+        let taken = world.time() - start;
+        for group in &mut self.groups {
+            group.moved += group.velocity * taken;
+        }
+        Ok(())
+    }
+
+    /// By how much the mean stress of the controlled walls of a cell across an axis misses the wanted one, over that; `None`
+    /// if none is wanted.
+    fn stress_error(&self, cell: usize, axis: usize, world: &World) -> Option<f64> {
+        let mut groups = self.groups.iter();
+        let group =
+            groups.find(|group| group.cell == Some((cell, axis)) && group.servo.is_some())?;
+        let sides = self.cells[cell].sides(world);
+        let wanted = group.goal.at(world.time()) * Cell::area(sides, axis);
+        (wanted > 0.0).then(|| group.push(world) / wanted - 1.0)
+    }
+}
+
+impl Simulation {
+    /// Begins to control the walls of a scene, from where they are. Boxes that were controlled before keep the sides from
+    /// which their strains count.
+    pub(super) fn control(&mut self, scene: &Scenario) -> Result<(), Error> {
+        let mut controls = Controls::default();
+        let mut first = 0;
+        for (number, entry) in (1..).zip(&scene.wall) {
+            let walls = first..first + entry.count()?;
+            first = walls.end;
+            let name = match entry.name.as_str() {
+                "" => format!("wall {number}"),
+                name => name.to_owned(),
+            };
+            let solid = match &entry.r#box {
+                Some(space) => self.volume_within(space.lower, space.upper),
+                None => 0.0,
+            };
+            let added = controls.add(entry, &name, walls, solid, &mut self.world);
+            added.map_err(in_entry(format!("wall \"{name}\"")))?;
+        }
+        for cell in &mut controls.cells {
+            let before = self.controls.cells.iter();
+            if let Some(known) = before.into_iter().find(|known| known.name == cell.name) {
+                (cell.start, cell.solid) = (known.start, known.solid);
+            }
+        }
+        self.controls = controls;
+        Ok(())
+    }
+
+    /// Volume of the bodies whose centroids lie in a box \[m³\].
+    fn volume_within(&self, lower: [f64; 3], upper: [f64; 3]) -> f64 {
+        let volumes = self.members.iter().filter_map(|member| {
+            let x = self.world.position(member.id)?;
+            let inside = (0..3).all(|k| x[k] >= lower[k] && x[k] <= upper[k]);
+            let rigid = self.world.shape_of(member.id);
+            let rigid = rigid.and_then(|shape| Some(self.world.shape(shape)?.volume));
+            let volume = rigid.or_else(|| {
+                let body = self.world.deformable(member.id)?;
+                Some(body.model().volumes().iter().sum())
+            });
+            volume.filter(|_| inside)
+        });
+        volumes.sum()
+    }
+}
+
+fn group_of(
+    cell: &Cell,
+    number: usize,
+    axis: usize,
+    wanted: &AxisEntry,
+    open: bool,
+) -> Result<Group, Error> {
+    let (goal, limit) = wanted.goal()?;
+    if open && limit.is_some() && axis != 2 {
+        return Err(wrong(
+            "control",
+            "a stress on sides of a box without a lid",
+            "a box with a lid (open = false), whose height is known, or a strain-rate",
+        ));
+    }
+    let sides: &[usize] = match wanted.sides {
+        Sides::Both => &[0, 1],
+        Sides::Lower => &[0],
+        Sides::Upper => &[1],
+    };
+    let mut walls = Vec::new();
+    for &side in sides {
+        let wall = cell.walls[axis][side].ok_or_else(|| {
+            let allowed = "a side that the box has: it is without a lid (open = true)";
+            wrong("control.z.sides", "the lid", allowed)
+        })?;
+        walls.push(Sliding {
+            wall,
+            direction: inwards(axis, side),
+        });
+    }
+    Ok(Group {
+        cell: Some((number, axis)),
+        walls,
+        goal,
+        servo: limit.map(Servo::new).transpose()?,
+        moved: 0.0,
+        velocity: 0.0,
+    })
+}
