@@ -286,15 +286,22 @@ impl ContactBatch {
         let Some(part) = &self.deformable else {
             return;
         };
-        let sum = |into: &mut Vec<Load>, of: &[Load], and: &[Load]| {
-            into.clear();
-            into.extend_from_slice(of);
-            for (load, other) in into.iter_mut().zip(and) {
-                *load += other;
-            }
+        let sum = |load: &Load, other: &Load| {
+            let mut sum = *load;
+            sum += other;
+            sum
         };
         let [bodies, walls] = &mut self.all_loads;
-        sum(bodies, &self.sums.loads, part.rigid_loads());
-        sum(walls, &self.sums.walls, part.wall_loads());
+        bodies.resize(self.sums.loads.len(), Load::default());
+        let numbers = self.sums.loads.iter().zip(part.rigid_loads());
+        for ((i, all), (load, other)) in (0..).zip(bodies).zip(numbers) {
+            // Most numbers are those of deformable bodies.
+            if !part.contains(i) {
+                *all = sum(load, other);
+            }
+        }
+        walls.clear();
+        let loads = self.sums.walls.iter().zip(part.wall_loads());
+        walls.extend(loads.map(|(load, other)| sum(load, other)));
     }
 }

@@ -80,19 +80,17 @@ impl World {
         self.advance_deformables(dt)?;
         self.touch(dt)?;
         self.kick(0.5 * dt);
-        self.kick_deformables(0.5 * dt);
-        self.hold_deformables();
-        self.book_exchange();
+        let deformable = self.kick_deformables(0.5 * dt);
+        self.book_exchange(deformable);
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
         self.rest_deformables()
     }
 
-    /// Books the energy that the step exchanged. Frozen bodies have none in motion.
-    pub(super) fn book_exchange(&mut self) {
+    /// Books the energy that the step exchanged. Frozen bodies have none in motion; deformable ones have `deformable`, J.
+    pub(super) fn book_exchange(&mut self, deformable: f64) {
         let free = self.awake_bodies().filter(|body| body.driven.is_none());
         let rigid: f64 = free.map(Body::kinetic_energy).sum();
-        let deformable: f64 = self.deformables().map(|d| d.kinetic_energy()).sum();
         self.flows.exchange(rigid + deformable);
     }
 
@@ -303,7 +301,7 @@ impl World {
 
     /// All forces at the present positions. `dt` is the time since the last call.
     pub(super) fn evaluate(&mut self, dt: f64) -> Result<(), SolveError> {
-        self.strain_deformables()?;
+        self.strain_deformables(dt)?;
         self.touch(dt)
     }
 

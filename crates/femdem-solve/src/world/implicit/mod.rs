@@ -92,7 +92,7 @@ impl World {
         // The recorded contacts do not belong to the present positions.
         self.loaded = false;
         self.behind = dt;
-        self.book_exchange();
+        self.book_exchange(0.0);
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
         Ok(())
