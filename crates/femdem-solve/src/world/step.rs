@@ -13,6 +13,7 @@ use crate::rotation;
 use femdem_contact::{ContactError, Frame, Load, Partner, Wrench};
 use femdem_fem::Driven;
 use femdem_mesh::{Pose, Vector3};
+use std::time::Duration;
 
 /// Prescribed motions, as other bodies may meet them.
 pub(super) struct Driving {
@@ -316,7 +317,8 @@ impl World {
                 motion.angular_velocity = body.angular_velocity();
             }
         }
-        let watch = Stopwatch::start();
+        // Without rigid bodies there is nothing to measure, and asking for the time takes longer than the update.
+        let watch = (self.rigid_count() > 0).then(Stopwatch::start);
         let since = dt + std::mem::take(&mut self.behind);
         let result = self.batch.update(&self.motions, &self.wall_motions, since);
         self.count_contacts(watch, result)?;
@@ -328,10 +330,10 @@ impl World {
     /// Updates the work counters after an update of the contacts, and names the body if it has failed.
     pub(super) fn count_contacts(
         &mut self,
-        watch: Stopwatch,
+        watch: Option<Stopwatch>,
         result: Result<(), ContactError>,
     ) -> Result<(), SolveError> {
-        self.counters.contact_time += watch.elapsed();
+        self.counters.contact_time += watch.map_or(Duration::ZERO, |watch| watch.elapsed());
         let totals = self.batch.totals();
         self.counters.pair_evaluations += totals.candidates as u64;
         self.counters.touching_evaluations += totals.touching as u64;

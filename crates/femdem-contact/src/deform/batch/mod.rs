@@ -214,6 +214,7 @@ impl DeformablePart {
             body.restore(shape);
         }
         self.shapes = shapes;
+        self.pairs.note_own();
         self.gather_again(true);
         Ok(())
     }

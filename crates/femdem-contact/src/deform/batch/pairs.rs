@@ -19,6 +19,9 @@ const HALF_SKIN: f64 = 0.05;
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct PairList {
     list: Vec<SoftPair>,
+    /// By number, the place of the pair of a body with itself.
+    #[serde(skip)]
+    own: Vec<Option<u32>>,
     /// Travel of the deformable bodies, the rigid ones and the walls at which a new search is due, m; empty
     /// before the first one.
     expires: [Vec<f64>; 3],
@@ -42,6 +45,7 @@ impl PairList {
     /// Ends the pairs for which `ends` holds.
     pub fn end(&mut self, ends: impl Fn(&SoftPair) -> bool) {
         self.list.retain(|pair| !ends(pair));
+        self.note_own();
         self.forget_search();
     }
 
@@ -146,22 +150,29 @@ impl PairList {
             let kept = old.next_if(|p| p.key() == key);
             self.list.push(kept.unwrap_or_else(|| SoftPair::new(key)));
         }
+        self.note_own();
+    }
+
+    /// Notes where the pairs of bodies with themselves are: after a change of the list.
+    pub fn note_own(&mut self) {
+        self.own.clear();
+        for (place, pair) in (0..).zip(&self.list).filter(|(_, pair)| pair.is_own()) {
+            let b = pair.b as usize;
+            self.own.resize(self.own.len().max(b + 1), None);
+            self.own[b] = Some(place);
+        }
     }
 
     /// Measures how far the parts of bodies that may touch themselves have moved towards each other, where that matters.
     pub fn measure_bends(&self, bodies: &mut [SoftBody]) {
-        if bodies.iter().all(|body| body.bend.is_none()) {
+        if self.own.is_empty() {
             return;
         }
         on_each(bodies, GRAIN, |i, body| {
-            let b = i as BodyId;
-            let at = self
-                .list
-                .binary_search_by_key(&(Side::Deformable(b), b), SoftPair::key);
-            if let Ok(at) = at
+            if let Some(&Some(place)) = self.own.get(i)
                 && body.sleep != Sleep::Frozen
             {
-                body.measure_bend(self.list[at].candidates.clear());
+                body.measure_bend(self.list[place as usize].candidates.clear());
             }
         });
     }

@@ -129,7 +129,7 @@ impl World {
             dt,
         };
         let result = self.batch.update_springs(now, ahead);
-        self.count_contacts(watch, result)?;
+        self.count_contacts(Some(watch), result)?;
         Ok(before)
     }
 
