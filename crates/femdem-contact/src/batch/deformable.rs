@@ -1,6 +1,7 @@
 //! Deformable bodies of the batch: they have a number as all bodies do, and meet everything else.
 
 use super::ContactBatch;
+use super::gather::Sums;
 use crate::body_shape::Kind;
 use crate::contact::{BodyId, Load, Partner};
 use crate::deform::{
@@ -283,18 +284,39 @@ impl ContactBatch {
 
     /// Adds the loads by deformable bodies to those by rigid ones, if there ever were deformable ones.
     pub(super) fn sum_loads(&mut self) {
-        let Some(part) = &self.deformable else {
-            return;
-        };
-        let sum = |into: &mut Vec<Load>, of: &[Load], and: &[Load]| {
-            into.clear();
-            into.extend_from_slice(of);
-            for (load, other) in into.iter_mut().zip(and) {
-                *load += other;
-            }
-        };
-        let [bodies, walls] = &mut self.all_loads;
-        sum(bodies, &self.sums.loads, part.rigid_loads());
-        sum(walls, &self.sums.walls, part.wall_loads());
+        if let Some(part) = &self.deformable {
+            let numbers = 0..self.body_slots.total() as BodyId;
+            let rigid = numbers.filter(|body| !part.contains(*body));
+            add_up(&mut self.all_loads, &self.sums, part, rigid);
+        }
     }
+
+    /// The same, where only the loads of awake rigid bodies and of walls have changed.
+    pub(super) fn sum_loads_of_awake(&mut self) {
+        if let Some(part) = &self.deformable {
+            let awake = self.awake_list.iter().copied();
+            add_up(&mut self.all_loads, &self.sums, part, awake);
+        }
+    }
+}
+
+/// Sums the loads of `bodies`, and of the walls.
+fn add_up(
+    [of_bodies, of_walls]: &mut [Vec<Load>; 2],
+    sums: &Sums,
+    part: &DeformablePart,
+    bodies: impl Iterator<Item = BodyId>,
+) {
+    let sum = |load: &Load, other: &Load| {
+        let mut sum = *load;
+        sum += other;
+        sum
+    };
+    of_bodies.resize(sums.loads.len(), Load::default());
+    for i in bodies.map(|body| body as usize) {
+        of_bodies[i] = sum(&sums.loads[i], &part.rigid_loads()[i]);
+    }
+    of_walls.clear();
+    let loads = sums.walls.iter().zip(part.wall_loads());
+    of_walls.extend(loads.map(|(load, other)| sum(load, other)));
 }

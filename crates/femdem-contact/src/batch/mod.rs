@@ -487,7 +487,7 @@ impl ContactBatch {
         self.sums.begin(&self.awake_list);
         let seen = |pair: &Pair| self.sums.add(&self.awake, pair);
         evaluate::run(views, &mut self.pairs, seen);
-        self.sum_loads();
+        self.sum_loads_of_awake();
         self.check_results(bodies)
     }
 
@@ -558,6 +558,6 @@ impl ContactBatch {
         for pair in self.pairs.evaluated() {
             self.sums.add(&self.awake, pair);
         }
-        self.sum_loads();
+        self.sum_loads_of_awake();
     }
 }

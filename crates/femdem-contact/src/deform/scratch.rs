@@ -5,6 +5,7 @@ use super::sums::PairSums;
 use crate::tets::current::Current;
 use crate::tets::piece::Piece;
 use crate::tets::posed::{Posed, PosedList};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Buffers that the kernel reuses from call to call.
 #[derive(Debug, Default)]
@@ -23,5 +24,44 @@ impl DeformableScratch {
     /// lies in the other.
     pub fn counts(&self) -> [usize; 2] {
         [self.candidates, self.sums.pieces]
+    }
+}
+
+/// Buffers that are handed to threads and come back, so that they need not grow anew in every update.
+#[derive(Debug, Default)]
+pub(crate) struct Scratches(Mutex<Vec<DeformableScratch>>);
+
+/// They carry no values: those of a copy are new.
+impl Clone for Scratches {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl Scratches {
+    pub fn lend(&self) -> Lent<'_> {
+        let back = self.kept().pop();
+        Lent {
+            scratch: back.unwrap_or_default(),
+            owner: self,
+        }
+    }
+
+    fn kept(&self) -> MutexGuard<'_, Vec<DeformableScratch>> {
+        // Whatever a thread that panicked left behind is overwritten before it is read.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Buffers in use.
+pub(crate) struct Lent<'a> {
+    pub scratch: DeformableScratch,
+    owner: &'a Scratches,
+}
+
+impl Drop for Lent<'_> {
+    fn drop(&mut self) {
+        let scratch = std::mem::take(&mut self.scratch);
+        self.owner.kept().push(scratch);
     }
 }

@@ -14,6 +14,16 @@ pub(crate) enum Side {
     Wall(u32),
 }
 
+impl Side {
+    /// The number of a deformable body.
+    pub fn deformable(self) -> Option<BodyId> {
+        match self {
+            Self::Deformable(body) => Some(body),
+            Self::Rigid(_) | Self::Wall(_) => None,
+        }
+    }
+}
+
 impl From<Side> for Partner {
     fn from(side: Side) -> Self {
         match side {

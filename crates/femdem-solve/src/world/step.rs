@@ -13,6 +13,7 @@ use crate::rotation;
 use femdem_contact::{ContactError, Frame, Load, Partner, Wrench};
 use femdem_fem::Driven;
 use femdem_mesh::{Pose, Vector3};
+use std::time::Duration;
 
 /// Prescribed motions, as other bodies may meet them.
 pub(super) struct Driving {
@@ -80,19 +81,17 @@ impl World {
         self.advance_deformables(dt)?;
         self.touch(dt)?;
         self.kick(0.5 * dt);
-        self.kick_deformables(0.5 * dt);
-        self.hold_deformables();
-        self.book_exchange();
+        let deformable = self.kick_deformables(0.5 * dt);
+        self.book_exchange(deformable);
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
         self.rest_deformables()
     }
 
-    /// Books the energy that the step exchanged. Frozen bodies have none in motion.
-    pub(super) fn book_exchange(&mut self) {
+    /// Books the energy that the step exchanged. Frozen bodies have none in motion; deformable ones have `deformable`, J.
+    pub(super) fn book_exchange(&mut self, deformable: f64) {
         let free = self.awake_bodies().filter(|body| body.driven.is_none());
         let rigid: f64 = free.map(Body::kinetic_energy).sum();
-        let deformable: f64 = self.deformables().map(|d| d.kinetic_energy()).sum();
         self.flows.exchange(rigid + deformable);
     }
 
@@ -303,7 +302,7 @@ impl World {
 
     /// All forces at the present positions. `dt` is the time since the last call.
     pub(super) fn evaluate(&mut self, dt: f64) -> Result<(), SolveError> {
-        self.strain_deformables()?;
+        self.strain_deformables(dt)?;
         self.touch(dt)
     }
 
@@ -318,7 +317,8 @@ impl World {
                 motion.angular_velocity = body.angular_velocity();
             }
         }
-        let watch = Stopwatch::start();
+        // Without rigid bodies there is nothing to measure, and asking for the time takes longer than the update.
+        let watch = (self.rigid_count() > 0).then(Stopwatch::start);
         let since = dt + std::mem::take(&mut self.behind);
         let result = self.batch.update(&self.motions, &self.wall_motions, since);
         self.count_contacts(watch, result)?;
@@ -330,10 +330,10 @@ impl World {
     /// Updates the work counters after an update of the contacts, and names the body if it has failed.
     pub(super) fn count_contacts(
         &mut self,
-        watch: Stopwatch,
+        watch: Option<Stopwatch>,
         result: Result<(), ContactError>,
     ) -> Result<(), SolveError> {
-        self.counters.contact_time += watch.elapsed();
+        self.counters.contact_time += watch.map_or(Duration::ZERO, |watch| watch.elapsed());
         let totals = self.batch.totals();
         self.counters.pair_evaluations += totals.candidates as u64;
         self.counters.touching_evaluations += totals.touching as u64;

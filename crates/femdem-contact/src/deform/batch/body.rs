@@ -1,6 +1,7 @@
 //! The stored state of every deformable body of the batch.
 
 use super::bend::Bend;
+use super::each::on_each;
 use super::pair::SoftPair;
 use super::state::Sleep;
 use super::touching::{Part, Touching};
@@ -16,6 +17,9 @@ use serde::{Deserialize, Serialize};
 
 /// The reach of a body over the largest distance of its nodes from their mean: margin for stretching.
 const STRETCH: f64 = 1.5;
+
+/// Bodies that a thread works on in one go.
+pub(super) const GRAIN: usize = 4;
 
 /// A deformable body of the batch.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -300,30 +304,21 @@ pub(crate) fn advance(bodies: &mut [SoftBody], states: &[NodalState]) -> Result<
             _ => body.advance(i, state),
         }
     };
-    on_each(bodies, advance).into_iter().collect()
+    on_each(bodies, GRAIN, advance).into_iter().collect()
 }
 
-/// Sums the pairs' forces for every body whose forces may have changed; the others keep theirs.
-pub(crate) fn gather(bodies: &mut [SoftBody], pairs: &[SoftPair], touching: &Touching) {
-    on_each(bodies, |i, body| {
+/// Sums the pairs' forces for every body whose forces may have changed; the others keep theirs. These are the bodies that are
+/// not frozen, and those that are `stirred`.
+pub(crate) fn gather(
+    bodies: &mut [SoftBody],
+    pairs: &[SoftPair],
+    touching: &Touching,
+    stirred: &[bool],
+) {
+    on_each(bodies, GRAIN, |i, body| {
+        body.stirred = stirred[i] || body.sleep != Sleep::Frozen;
         if body.stirred {
             body.gather(pairs, touching.of(i));
         }
     });
-}
-
-/// Runs `work` on every body with its index, on the threads of the caller's pool; results in the order of the
-/// bodies.
-pub(super) fn on_each<R: Send>(
-    bodies: &mut [SoftBody],
-    work: impl Fn(usize, &mut SoftBody) -> R + Sync + Send,
-) -> Vec<R> {
-    #[cfg(feature = "parallel")]
-    if rayon::current_num_threads() > 1 {
-        use rayon::prelude::*;
-        let bodies = bodies.par_iter_mut().enumerate().with_min_len(4);
-        return bodies.map(|(i, body)| work(i, body)).collect();
-    }
-    let bodies = bodies.iter_mut().enumerate();
-    bodies.map(|(i, body)| work(i, body)).collect()
 }

@@ -2,35 +2,23 @@
 
 use super::body::SoftBody;
 use super::context::Context;
+use super::look::{Due, Look};
 use super::pair::SoftPair;
-use super::pairs::PairList;
-use super::sleep::rests;
 use crate::deform::add_up::{Way, run as run_kernel};
 use crate::deform::kernel::DeformableKernel;
 use crate::deform::near::{Sides, Tree};
 use crate::deform::operand::Operand;
 use crate::deform::pair::{Mover, Pair};
-use crate::deform::scratch::DeformableScratch;
+use crate::deform::scratch::{DeformableScratch, Lent, Scratches};
 use crate::deform::shape::Modulus;
 use crate::deform::side::Side;
 use crate::error::ContactError;
 
-impl Context<'_> {
-    /// Clears the last update of a pair, and returns whether it must be evaluated. A pair known to be clear
-    /// does not touch; one at rest stays as it is.
-    fn begin(&self, pair: &mut SoftPair, bodies: &[SoftBody]) -> bool {
-        if rests(pair, bodies, self.rigid_sleep) {
-            return false;
-        }
-        pair.failure = None;
-        pair.counts = [0; 2];
-        let is_clear = pair.candidates.is_clear(self.motion(pair, bodies));
-        if is_clear {
-            pair.outcome.clear();
-        }
-        !is_clear
-    }
+/// At most so many pairs are one piece of work: a pair that renews its candidates takes ten times as long as others.
+#[cfg(feature = "parallel")]
+const GRAIN: usize = 4;
 
+impl Context<'_> {
     /// Evaluates one pair in place.
     fn evaluate(&self, pair: &mut SoftPair, bodies: &[SoftBody], scratch: &mut DeformableScratch) {
         let motion = self.motion(pair, bodies);
@@ -150,15 +138,17 @@ fn tree(body: &SoftBody) -> Option<Tree<'_>> {
     Some(Tree { tree, boxes })
 }
 
-/// Evaluates all pairs. Each is written to its own slot, so the results are the same bits in any order and
+/// Evaluates the pairs that are due. Each is written to its own slot, so the results are the same bits in any order and
 /// with any number of threads.
 pub(crate) fn run(
     context: &Context,
     bodies: &[SoftBody],
-    pairs: &mut PairList,
+    pairs: &mut [SoftPair],
+    looks: &mut [Look],
+    scratches: &Scratches,
 ) -> Result<(), ContactError> {
-    evaluate_all(context, bodies, pairs.list_mut());
-    match pairs.list().iter().find_map(|p| p.failure) {
+    evaluate_all(context, bodies, pairs, looks, scratches);
+    match looks.iter().find_map(|look| look.failure) {
         Some((body, tet)) => Err(ContactError::InvertedTet {
             body: body as usize,
             tet: tet as usize,
@@ -167,22 +157,28 @@ pub(crate) fn run(
     }
 }
 
-fn evaluate_all(context: &Context, bodies: &[SoftBody], list: &mut [SoftPair]) {
-    let due = list.iter_mut().filter_map(|pair| {
-        let is_due = context.begin(pair, bodies);
-        is_due.then_some(pair)
-    });
+fn evaluate_all(
+    context: &Context,
+    bodies: &[SoftBody],
+    pairs: &mut [SoftPair],
+    looks: &mut [Look],
+    scratches: &Scratches,
+) {
+    let all = pairs.iter_mut().zip(looks);
+    let due = all.filter(|(_, look)| matches!(look.due, Due::Listed | Due::Unlisted));
+    let evaluate = |lent: &mut Lent, (pair, look): (&mut SoftPair, &mut Look)| {
+        context.evaluate(pair, bodies, &mut lent.scratch);
+        look.again(pair);
+    };
     #[cfg(feature = "parallel")]
     if rayon::current_num_threads() > 1 {
         use rayon::prelude::*;
-        // Scheduled one by one: a pair that renews its candidates takes a hundred times as long as others.
         let due: Vec<_> = due.collect();
         due.into_par_iter()
-            .for_each_init(DeformableScratch::default, |scratch, pair| {
-                context.evaluate(pair, bodies, scratch)
-            });
+            .with_max_len(GRAIN)
+            .for_each_init(|| scratches.lend(), evaluate);
         return;
     }
-    let mut scratch = DeformableScratch::default();
-    due.for_each(|pair| context.evaluate(pair, bodies, &mut scratch));
+    let mut lent = scratches.lend();
+    due.for_each(|pair| evaluate(&mut lent, pair));
 }

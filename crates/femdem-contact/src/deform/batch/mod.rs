@@ -3,7 +3,9 @@
 mod bend;
 mod body;
 mod context;
+mod each;
 mod evaluate;
+mod look;
 mod pair;
 mod pairs;
 mod prepare;
@@ -14,6 +16,7 @@ mod touching;
 
 use super::pair::FrictionStart;
 use super::record::{DeformableTotals, NodalLoads, NodalState};
+use super::scratch::Scratches;
 use super::shape::{DeformableShape, Modulus};
 use super::side::Side;
 use crate::body_shape::BodyShape;
@@ -28,12 +31,13 @@ use crate::walls::WallShape;
 use bend::Bend;
 use body::SoftBody;
 use context::Context;
+use look::Look;
+use pair::SoftPair;
 use pairs::PairList;
 use serde::{Deserialize, Serialize};
 use state::Sleep;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use touching::{Part, Touching};
 
 /// What the contacts of deformable bodies need of the batch around them. Lists are by number of the bodies, or of the walls.
 pub(crate) struct Around<'a> {
@@ -67,6 +71,8 @@ pub(crate) struct DeformablePart {
     rigid_resistances: Vec<Resistance>,
     wall_loads: Vec<Load>,
     totals: DeformableTotals,
+    #[serde(skip)]
+    scratches: Scratches,
 }
 
 impl DeformablePart {
@@ -208,7 +214,8 @@ impl DeformablePart {
             body.restore(shape);
         }
         self.shapes = shapes;
-        self.gather(true);
+        self.pairs.note_own();
+        self.gather_again(true);
         Ok(())
     }
 
@@ -246,17 +253,24 @@ impl DeformablePart {
             }
             self.starts.clear();
         }
-        self.pairs.measure_bends(&context, &mut self.bodies);
-        let wanted = self.pairs.wanted(&context, &self.bodies);
+        self.pairs.measure_bends(&mut self.bodies);
+        let mut looks = look::all(&context, &self.bodies, self.pairs.list_mut());
+        let wanted = look::wanted(&looks, self.bodies.len());
         prepare::prepare(&mut self.bodies, &wanted, &context);
-        let result = evaluate::run(&context, &self.bodies, &mut self.pairs);
+        let result = evaluate::run(
+            &context,
+            &self.bodies,
+            self.pairs.list_mut(),
+            &mut looks,
+            &self.scratches,
+        );
         if begins {
             for pair in self.pairs.list_mut() {
                 pair.begins = None;
             }
         }
         result?;
-        self.gather(found);
+        self.gather(&looks, found);
         self.settle();
         Ok(())
     }
@@ -270,44 +284,47 @@ impl DeformablePart {
         }
     }
 
+    /// Sums the forces of the pairs as they are.
+    fn gather_again(&mut self, all: bool) {
+        let back = |pair: &SoftPair| Look::back(pair, &self.bodies, &self.rigid_sleep);
+        let looks: Vec<Look> = self.pairs.list().iter().map(back).collect();
+        self.gather(&looks, all);
+    }
+
     /// Sums the forces in the order of the pairs; on bodies among sleepers only if `all`.
-    fn gather(&mut self, all: bool) {
-        let pairs = self.pairs.list();
-        sleep::stir(&mut self.bodies, &self.rigid_sleep, pairs, all);
-        self.rigid_loads.fill(Load::default());
-        self.rigid_resistances.fill(Resistance::default());
-        self.wall_loads.fill(Load::default());
-        self.totals = DeformableTotals::default();
-        let mut parts = Vec::with_capacity(2 * pairs.len());
-        for (place, pair) in (0..).zip(pairs) {
-            self.totals += &pair.totals();
-            if pair.outcome.contacts.is_empty() {
-                continue;
-            }
-            parts.push((pair.b, Part { place, side: 1 }));
-            let found = pair.outcome.load.as_deref();
-            match pair.a {
-                Side::Deformable(i) => parts.push((i, Part { place, side: 0 })),
-                Side::Rigid(i) => {
-                    let at = i as usize;
-                    if let (Some(total), Some((load, _))) = (self.rigid_loads.get_mut(at), found) {
-                        *total += load;
-                    }
-                    let total = self.rigid_resistances.get_mut(at);
-                    if let (Some(total), Some((_, resistance))) = (total, found) {
-                        *total += resistance;
-                    }
-                }
-                Side::Wall(w) => {
-                    let total = self.wall_loads.get_mut(w as usize);
-                    if let (Some(total), Some((load, _))) = (total, found) {
-                        *total += load;
-                    }
-                }
+    fn gather(&mut self, looks: &[Look], all: bool) {
+        let (pairs, count) = (self.pairs.list(), self.bodies.len());
+        for (load, resistance) in self.rigid_loads.iter_mut().zip(&mut self.rigid_resistances) {
+            // Most numbers are those of deformable bodies, or of bodies that touch none.
+            if load.contacts > 0 {
+                *load = Load::default();
+                *resistance = Resistance::default();
             }
         }
-        let touching = Touching::new(&parts, self.bodies.len());
-        body::gather(&mut self.bodies, pairs, &touching);
+        self.wall_loads.fill(Load::default());
+        self.totals = DeformableTotals::default();
+        for look in looks {
+            self.totals += &look.totals;
+        }
+        let (touching, beside) = look::touching(looks, count);
+        for pair in beside.into_iter().map(|place| &pairs[place as usize]) {
+            let Some((load, resistance)) = pair.outcome.load.as_deref() else {
+                continue;
+            };
+            match pair.a {
+                Side::Rigid(i) => {
+                    self.rigid_loads[i as usize] += load;
+                    self.rigid_resistances[i as usize] += resistance;
+                }
+                Side::Wall(w) => self.wall_loads[w as usize] += load,
+                Side::Deformable(_) => {}
+            }
+        }
+        let stirred = match all {
+            true => vec![true; count],
+            false => look::stirred(looks, count),
+        };
+        body::gather(&mut self.bodies, pairs, &touching, &stirred);
     }
 
     /// Whether anything touches a deformable body.

@@ -54,11 +54,7 @@ impl SoftPair {
 
     /// Its deformable bodies; one that meets itself twice.
     pub fn deformables(&self) -> impl Iterator<Item = u32> + use<> {
-        let of_a = match self.a {
-            Side::Deformable(i) => Some(i),
-            _ => None,
-        };
-        of_a.into_iter().chain([self.b])
+        self.a.deformable().into_iter().chain([self.b])
     }
 
     pub fn totals(&self) -> DeformableTotals {

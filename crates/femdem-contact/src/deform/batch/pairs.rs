@@ -1,12 +1,13 @@
 //! Candidate pairs of bodies, and the stored data of each.
 
-use super::body::{SoftBody, on_each};
+use super::body::{GRAIN, SoftBody};
 use super::context::Context;
+use super::each::on_each;
 use super::pair::SoftPair;
-use super::prepare::Wanted;
-use super::sleep::rests;
-use crate::deform::near::Candidates;
+use super::state::Sleep;
+use crate::contact::BodyId;
 use crate::deform::side::Side;
+use crate::motion::Motion;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,9 @@ const HALF_SKIN: f64 = 0.05;
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct PairList {
     list: Vec<SoftPair>,
+    /// By number, the place of the pair of a body with itself.
+    #[serde(skip)]
+    own: Vec<Option<u32>>,
     /// Travel of the deformable bodies, the rigid ones and the walls at which a new search is due, m; empty
     /// before the first one.
     expires: [Vec<f64>; 3],
@@ -41,6 +45,7 @@ impl PairList {
     /// Ends the pairs for which `ends` holds.
     pub fn end(&mut self, ends: impl Fn(&SoftPair) -> bool) {
         self.list.retain(|pair| !ends(pair));
+        self.note_own();
         self.forget_search();
     }
 
@@ -51,36 +56,36 @@ impl PairList {
 
     /// Searches for pairs if a body has moved too far since the last search, and returns whether it did.
     pub fn search(&mut self, context: &Context, bodies: &mut [SoftBody]) -> bool {
-        let travelled = [
-            bodies.iter().map(|b| b.travelled).collect::<Vec<_>>(),
-            context.around.rigid.iter().map(|m| m.travelled).collect(),
-            context.around.walls.iter().map(|m| m.travelled).collect(),
-        ];
-        let holds = |(now, until): (&Vec<f64>, &Vec<f64>)| {
-            now.len() == until.len() && now.iter().zip(until).all(|(now, until)| now < until)
-        };
-        if travelled.iter().zip(&self.expires).all(holds) {
+        let rigid = context.around.rigid;
+        let walls = context.around.walls;
+        let [of_soft, of_rigid, of_walls] = &self.expires;
+        let is_valid = stay(bodies.iter().map(|b| b.travelled), of_soft)
+            && stay(travels(rigid), of_rigid)
+            && stay(travels(walls), of_walls);
+        if is_valid {
             return false;
         }
-        let extents: Vec<(Aabb, f64)> = bodies.iter().map(SoftBody::extent).collect();
-        let mut boxes: Vec<Aabb> = Vec::with_capacity(2 * bodies.len());
-        let mut skins = [Vec::with_capacity(bodies.len()), Vec::new(), Vec::new()];
-        for (body, (bounds, radius)) in bodies.iter_mut().zip(&extents) {
+        let extents = on_each(bodies, GRAIN, |_, body| {
             if !body.is_there {
-                boxes.push(Aabb::EMPTY);
-                skins[0].push(f64::INFINITY);
-                continue;
+                return (Aabb::EMPTY, f64::INFINITY);
             }
-            let skin = HALF_SKIN * radius;
-            boxes.push(bounds.grown(skin));
-            skins[0].push(skin);
+            let (bounds, radius) = body.extent();
             // A node may move one way as far as the mean moves the other way.
-            body.stretch_to(*radius, 2.0 * skin);
+            body.stretch_to(radius, 2.0 * HALF_SKIN * radius);
+            (bounds, radius)
+        });
+        let mut things: Vec<(Side, Aabb)> = Vec::with_capacity(bodies.len());
+        let mut skins = [Vec::with_capacity(bodies.len()), Vec::new(), Vec::new()];
+        for (i, (body, (bounds, radius))) in (0..).zip(bodies.iter().zip(&extents)) {
+            let skin = HALF_SKIN * radius;
+            if body.is_there {
+                things.push((Side::Deformable(i), bounds.grown(skin)));
+            }
+            skins[0].push(skin);
         }
-        for (motion, &kind) in context.around.rigid.iter().zip(context.around.rigid_kinds) {
+        for (i, (motion, &kind)) in (0..).zip(rigid.iter().zip(context.around.rigid_kinds)) {
             let known = kind.and_then(|kind| context.around.rigid_shapes.get(kind as usize));
             let Some(shape) = known else {
-                boxes.push(Aabb::EMPTY);
                 skins[1].push(f64::INFINITY);
                 continue;
             };
@@ -91,7 +96,7 @@ impl PairList {
                 low: at(low),
                 high: at(high),
             };
-            boxes.push(bounds.grown(skin));
+            things.push((Side::Rigid(i), bounds.grown(skin)));
             skins[1].push(skin);
         }
         let finite = |skin: &f64| skin.is_finite();
@@ -102,8 +107,8 @@ impl PairList {
         } else {
             f64::INFINITY
         };
-        skins[2] = vec![until; context.around.walls.len()];
-        let mut keys = body_pairs(&boxes, bodies.len());
+        skins[2] = vec![until; walls.len()];
+        let mut keys = body_pairs(&things);
         let own = bodies
             .iter()
             .zip(0..)
@@ -112,13 +117,8 @@ impl PairList {
         let present = bodies.iter().zip(&extents).enumerate();
         for (b, (body, (_, radius))) in present.filter(|(_, (body, _))| body.is_there) {
             let reach = radius * (1.0 + HALF_SKIN) + wall_skin;
-            for (w, (motion, wall)) in context
-                .around
-                .walls
-                .iter()
-                .zip(context.around.wall_shapes)
-                .enumerate()
-            {
+            let shapes = context.around.wall_shapes;
+            for (w, (motion, wall)) in walls.iter().zip(shapes).enumerate() {
                 let Some(wall) = wall else {
                     continue;
                 };
@@ -130,10 +130,14 @@ impl PairList {
         }
         keys.sort_unstable();
         self.keep(keys);
-        for (k, skins) in skins.iter().enumerate() {
-            let until = travelled[k].iter().zip(skins).map(|(now, skin)| now + skin);
-            self.expires[k] = until.collect();
-        }
+        let [of_soft, of_rigid, of_walls] = skins;
+        let until = |(now, skin): (f64, f64)| now + skin;
+        let soft = bodies.iter().map(|b| b.travelled);
+        self.expires = [
+            soft.zip(of_soft).map(until).collect(),
+            travels(rigid).zip(of_rigid).map(until).collect(),
+            travels(walls).zip(of_walls).map(until).collect(),
+        ];
         true
     }
 
@@ -146,69 +150,70 @@ impl PairList {
             let kept = old.next_if(|p| p.key() == key);
             self.list.push(kept.unwrap_or_else(|| SoftPair::new(key)));
         }
+        self.note_own();
+    }
+
+    /// Notes where the pairs of bodies with themselves are: after a change of the list.
+    pub fn note_own(&mut self) {
+        self.own.clear();
+        for (place, pair) in (0..).zip(&self.list).filter(|(_, pair)| pair.is_own()) {
+            let b = pair.b as usize;
+            self.own.resize(self.own.len().max(b + 1), None);
+            self.own[b] = Some(place);
+        }
     }
 
     /// Measures how far the parts of bodies that may touch themselves have moved towards each other, where that matters.
-    pub fn measure_bends(&self, context: &Context, bodies: &mut [SoftBody]) {
-        let mut clear = vec![f64::INFINITY; bodies.len()];
-        let own = self.list.iter().filter(|pair| pair.is_own());
-        let mut any = false;
-        for pair in own.filter(|p| !rests(p, bodies, context.rigid_sleep)) {
-            if let Some(clear) = clear.get_mut(pair.b as usize) {
-                *clear = pair.candidates.clear();
-                any = true;
+    pub fn measure_bends(&self, bodies: &mut [SoftBody]) {
+        if self.own.is_empty() {
+            return;
+        }
+        on_each(bodies, GRAIN, |i, body| {
+            if let Some(&Some(place)) = self.own.get(i)
+                && body.sleep != Sleep::Frozen
+            {
+                body.measure_bend(self.list[place as usize].candidates.clear());
             }
-        }
-        if any {
-            on_each(bodies, |i, body| body.measure_bend(clear[i]));
-        }
+        });
     }
 
-    /// Data of the deformable bodies needed now: their rotation, if they may touch something, and their
-    /// trees, if a pair must renew its candidates.
-    pub fn wanted(&mut self, context: &Context, bodies: &[SoftBody]) -> Vec<Wanted> {
-        let mut wanted = vec![Wanted::default(); bodies.len()];
-        let rigid = context.rigid_sleep;
-        for pair in self.list.iter_mut().filter(|p| !rests(p, bodies, rigid)) {
-            if let (Side::Wall(w), Some(body)) = (pair.a, bodies.get(pair.b as usize)) {
-                let (solid, fresh) = context.wall(&mut pair.local, w, body);
-                let is_near = solid.is_some();
-                if fresh {
-                    pair.candidates = Candidates::default();
-                }
-                if !is_near {
-                    continue;
-                }
-            }
-            let motion = context.motion(pair, bodies);
-            if pair.candidates.is_clear(motion) {
-                continue;
-            }
-            let is_stale = pair.candidates.is_expired(motion);
-            for i in pair.deformables() {
-                if let Some(of_body) = wanted.get_mut(i as usize) {
-                    of_body.turning |= !pair.is_own();
-                    of_body.tree |= is_stale;
-                }
-            }
-        }
-        wanted
+    /// The pairs with rigid bodies, and these.
+    pub fn with_rigid(&self) -> impl Iterator<Item = (BodyId, &SoftPair)> {
+        // Pairs are sorted, and those with deformable bodies come first.
+        let start = self.list.partition_point(|pair| pair.a < Side::Rigid(0));
+        self.list[start..].iter().map_while(|pair| match pair.a {
+            Side::Rigid(i) => Some((i, pair)),
+            Side::Deformable(_) | Side::Wall(_) => None,
+        })
     }
 }
 
-/// Pairs with a deformable body, which come first in `boxes`.
-fn body_pairs(boxes: &[Aabb], soft: usize) -> Vec<(Side, u32)> {
-    let tree = Bvh::new(boxes);
+fn travels(motions: &[Motion]) -> impl ExactSizeIterator<Item = f64> {
+    motions.iter().map(|motion| motion.travelled)
+}
+
+/// Whether nothing has travelled as far as to where it must be looked for again.
+fn stay(travelled: impl ExactSizeIterator<Item = f64>, expires: &[f64]) -> bool {
+    travelled.len() == expires.len() && travelled.zip(expires).all(|(now, until)| now < *until)
+}
+
+/// Pairs with a deformable body of things that are in ascending order, deformable bodies first.
+fn body_pairs(things: &[(Side, Aabb)]) -> Vec<(Side, BodyId)> {
+    let boxes: Vec<Aabb> = things.iter().map(|(_, bounds)| *bounds).collect();
+    let tree = Bvh::new(&boxes);
     let mut keys = Vec::new();
-    for (b, own) in boxes[..soft].iter().enumerate() {
+    for (thing, own) in things {
+        let Side::Deformable(b) = *thing else {
+            break;
+        };
         tree.query(own, |i| {
-            let i = i as usize;
-            if boxes[i].overlaps(own) {
-                if i < b {
-                    keys.push((Side::Deformable(i as u32), b as u32));
-                } else if i >= soft {
-                    keys.push((Side::Rigid((i - soft) as u32), b as u32));
-                }
+            let (other, bounds) = &things[i as usize];
+            let is_partner = match *other {
+                Side::Deformable(a) => a < b,
+                Side::Rigid(_) | Side::Wall(_) => true,
+            };
+            if is_partner && bounds.overlaps(own) {
+                keys.push((*other, b));
             }
         });
     }

@@ -1,7 +1,8 @@
 //! Data of a body that the contacts of an update need.
 
-use super::body::{SoftBody, on_each};
+use super::body::{GRAIN, SoftBody};
 use super::context::Context;
+use super::each::on_each;
 use super::state::Sleep;
 use crate::deform::turning::Turning;
 
@@ -16,7 +17,7 @@ pub(crate) struct Wanted {
 
 /// Updates the data that is needed of the bodies.
 pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Context) {
-    on_each(bodies, |i, body| {
+    on_each(bodies, GRAIN, |i, body| {
         let wanted = wanted[i];
         if wanted.tree
             && let Some(operand) = context.soft(i as u32, body)

@@ -48,6 +48,6 @@ impl DeformablePart {
         if let Side::Deformable(body) = thing {
             self.bodies[body as usize].displaced();
         }
-        self.gather(false);
+        self.gather_again(false);
     }
 }

@@ -35,11 +35,9 @@ impl DeformablePart {
 
     /// Rigid bodies that touch an awake deformable body, in ascending order.
     pub fn rigid_beside_awake(&self) -> Vec<BodyId> {
-        let touching = self.pairs.list().iter().filter_map(|pair| match pair.a {
-            Side::Rigid(i) if !pair.outcome.contacts.is_empty() => {
-                self.is_awake(pair.b).then_some(i)
-            }
-            _ => None,
+        let touching = self.pairs.with_rigid().filter_map(|(i, pair)| {
+            let touches = !pair.outcome.contacts.is_empty();
+            (touches && self.is_awake(pair.b)).then_some(i)
         });
         // Pairs are sorted.
         let mut found: Vec<BodyId> = touching.collect();
@@ -62,24 +60,6 @@ impl DeformablePart {
     pub(super) fn sleeps(&mut self) -> impl Iterator<Item = &mut Sleep> {
         let bodies = self.bodies.iter_mut().map(|body| &mut body.sleep);
         bodies.chain(&mut self.rigid_sleep)
-    }
-}
-
-/// Marks the bodies whose forces may have changed: those that are not frozen, and those in pairs that do not
-/// rest; or `all`.
-pub(super) fn stir(bodies: &mut [SoftBody], rigid: &[Sleep], pairs: &[SoftPair], all: bool) {
-    for body in bodies.iter_mut() {
-        body.stirred = all || body.sleep != Sleep::Frozen;
-    }
-    for pair in pairs {
-        if rests(pair, bodies, rigid) {
-            continue;
-        }
-        for i in pair.deformables() {
-            if let Some(body) = bodies.get_mut(i as usize) {
-                body.stirred = true;
-            }
-        }
     }
 }
 

@@ -20,6 +20,28 @@ pub(super) struct Kick<'a> {
     h: f64,
 }
 
+/// What the second kick of a step does to a body.
+struct Kicked {
+    flows: Flows,
+    /// The largest next step, s.
+    step: f64,
+    /// Work of what holds its nodes, J.
+    held: f64,
+    /// Kinetic energy after it, J.
+    energy: f64,
+}
+
+impl Kicked {
+    fn none() -> Self {
+        Self {
+            flows: Flows::default(),
+            step: f64::INFINITY,
+            held: 0.0,
+            energy: 0.0,
+        }
+    }
+}
+
 impl<'a> Kick<'a> {
     pub fn new(batch: &'a ContactBatch, parameters: &'a WorldParameters, h: f64) -> Self {
         Self {
@@ -59,27 +81,40 @@ impl<'a> Kick<'a> {
 }
 
 impl World {
-    /// The second half of a step: adds the impulse of `h` (s) to all nodes, books the work, and computes the
-    /// largest next step while the forces are in the cache.
-    pub(in crate::world) fn kick_deformables(&mut self, h: f64) {
+    /// The second half of a step: adds the impulse of `h` (s) to all nodes, sets held and driven ones to their velocities at
+    /// the end of the step, and books the work. Computes the largest next step while the forces are in the cache. Returns
+    /// the kinetic energy, J.
+    pub(in crate::world) fn kick_deformables(&mut self, h: f64) -> f64 {
+        let time = self.time;
         let Some(deformables) = self.deformables.as_deref_mut() else {
-            return;
+            return 0.0;
         };
         let Deformables { models, bodies, .. } = deformables;
         let batch = &self.batch;
         let kick = Kick::new(batch, &self.parameters, h);
         let results = on_each(bodies, |i, body| {
-            if body.rest.asleep {
-                return (Flows::default(), f64::INFINITY);
+            if body.is_vacant() {
+                return Kicked::none();
             }
-            let flows = kick.apply(i, body, &models[body.model as usize].model);
-            (flows, body.largest_step(batch, i as u32))
+            let model = &models[body.model as usize].model;
+            let mut kicked = Kicked::none();
+            if !body.rest.asleep {
+                kicked.flows = kick.apply(i, body, model);
+                kicked.step = body.largest_step(batch, i as u32);
+            }
+            kicked.held = body.hold(time, model.masses());
+            kicked.energy = body.kinetic_energy(model.masses());
+            kicked
         });
-        let steps = results.iter().map(|(_, step)| *step);
+        let steps = results.iter().map(|kicked| kicked.step);
         deformables.bound = Some(steps.fold(f64::INFINITY, f64::min));
-        for (flows, _) in &results {
-            self.book_kick(flows);
+        for kicked in &results {
+            self.book_kick(&kicked.flows);
         }
+        for kicked in &results {
+            self.flows.work_in += kicked.held;
+        }
+        results.iter().map(|kicked| kicked.energy).sum()
     }
 
     pub(super) fn book_kick(&mut self, flows: &Flows) {

@@ -10,8 +10,8 @@ use crate::world::time_step::LARGEST_MOVE;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::NodalState;
 use femdem_contact::{BodyId, ContactBatch, stable_step};
-use femdem_fem::DeformableModel;
 use femdem_fem::element::ElementFailure;
+use femdem_fem::{DeformableModel, InternalState};
 use femdem_mesh::Vector3;
 
 impl World {
@@ -31,19 +31,6 @@ impl World {
         steps.fold(f64::INFINITY, f64::min)
     }
 
-    /// Sets held and driven nodes to their velocities at the end of the step, and books the work.
-    pub(in crate::world) fn hold_deformables(&mut self) {
-        let time = self.time;
-        let Some(deformables) = self.deformables.as_deref_mut() else {
-            return;
-        };
-        let Deformables { models, bodies, .. } = deformables;
-        for body in bodies {
-            let masses = models[body.model as usize].model.masses();
-            self.flows.work_in += body.hold(time, masses);
-        }
-    }
-
     /// The first half of a step, up to the present time: kick, drift, and the forces of the elements. Done
     /// body by body, so that each is read from memory once.
     pub(in crate::world) fn advance_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
@@ -56,7 +43,7 @@ impl World {
         let kick = Kick::new(batch, &self.parameters, 0.5 * dt);
         let results = on_each_with(bodies, Scratch::default, |scratch, i, body| {
             if body.rest.asleep {
-                return (Flows::default(), Ok(()));
+                return (Flows::default(), Ok(InternalState::default()));
             }
             let model = &models[body.model as usize].model;
             body.aim(dt, time);
@@ -64,20 +51,19 @@ impl World {
             body.drift(dt, time);
             let depth = batch.deformable_shapes()[body.model as usize].inradius();
             let strain = body.strain(model, scratch, time, renew);
-            (
-                flows,
-                strain.and_then(|()| body.check_speed(dt, time, depth)),
-            )
+            let checked = strain.and_then(|()| body.check_speed(dt, time, depth));
+            (flows, checked.map(|()| body.internal))
         });
         for (body, (flows, strain)) in results.into_iter().enumerate() {
             self.book_kick(&flows);
-            strain.map_err(|error| error.in_body(body, steps, time))?;
+            let internal = strain.map_err(|error| error.in_body(body, steps, time))?;
+            self.book_strain(&internal, dt);
         }
         Ok(())
     }
 
-    /// Forces of the elements at the present positions.
-    pub(in crate::world) fn strain_deformables(&mut self) -> Result<(), SolveError> {
+    /// Forces of the elements at the present positions. `dt` is the time since the last call.
+    pub(in crate::world) fn strain_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
         let (time, steps, renew) = (self.time, self.steps, self.renews_bounds());
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
@@ -85,15 +71,23 @@ impl World {
         let Deformables { models, bodies, .. } = deformables;
         let results = on_each_with(bodies, Scratch::default, |scratch, _, body| {
             if body.is_vacant() {
-                return Ok(());
+                return Ok(InternalState::default());
             }
             let model = &models[body.model as usize].model;
-            body.strain(model, scratch, time, renew)
+            let strain = body.strain(model, scratch, time, renew);
+            strain.map(|()| body.internal)
         });
-        for (body, result) in results.into_iter().enumerate() {
-            result.map_err(|error| error.in_body(body, steps, time))?;
+        for (body, strain) in results.into_iter().enumerate() {
+            let internal = strain.map_err(|error| error.in_body(body, steps, time))?;
+            self.book_strain(&internal, dt);
         }
         Ok(())
+    }
+
+    /// Books what the material of a body took in `dt` (s).
+    fn book_strain(&mut self, internal: &InternalState, dt: f64) {
+        self.flows.viscous_work -= internal.viscous_power * dt;
+        self.flows.plastic_work -= internal.plastic_work;
     }
 
     fn renews_bounds(&self) -> bool {
@@ -109,10 +103,6 @@ impl World {
         };
         if renew && dt > 0.0 {
             deformables.adapt(&self.batch, dt)?;
-        }
-        for body in &deformables.bodies {
-            self.flows.viscous_work -= body.internal.viscous_power * dt;
-            self.flows.plastic_work -= body.internal.plastic_work;
         }
         self.wake_touched();
         Ok(())
@@ -304,7 +294,7 @@ impl State {
 
     /// Velocities of prescribed nodes at time `time`; returns the kinetic energy that they gained
     /// since the last call, J.
-    fn hold(&mut self, time: f64, masses: &[f64]) -> f64 {
+    pub(super) fn hold(&mut self, time: f64, masses: &[f64]) -> f64 {
         let mut energy = 0.0;
         let velocities = &mut self.velocities;
         self.boundary.for_held(time, |a, i, _, velocity| {

@@ -92,7 +92,7 @@ impl World {
         // The recorded contacts do not belong to the present positions.
         self.loaded = false;
         self.behind = dt;
-        self.book_exchange();
+        self.book_exchange(0.0);
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
         Ok(())
@@ -129,7 +129,7 @@ impl World {
             dt,
         };
         let result = self.batch.update_springs(now, ahead);
-        self.count_contacts(watch, result)?;
+        self.count_contacts(Some(watch), result)?;
         Ok(before)
     }
 
