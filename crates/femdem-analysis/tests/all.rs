@@ -12,6 +12,7 @@ mod lattices;
 mod networks;
 mod non_convex;
 mod orientation;
+mod pores;
 mod profiles;
 mod radial;
 mod regions;
