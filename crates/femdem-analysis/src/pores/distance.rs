@@ -1,9 +1,9 @@
 //! The signed distance of every voxel from the solids.
 
-use super::image::{OUTSIDE, VoxelImage};
+use super::image::{OUTSIDE, VOID, VoxelImage};
 use super::solids::{Sides, Solids, side_distance};
 use crate::ordered::ordered_map;
-use femdem_mesh::Vector3;
+use femdem_mesh::{Point3, Vector3};
 
 /// Side of a block of voxels that share a list of near bodies.
 const BLOCK: usize = 4;
@@ -73,4 +73,22 @@ fn block(
             }
         }
     }
+}
+
+/// The centre of the void voxel that is farthest from solids, from the sides and from the ends of the region, the
+/// first of equal ones: a point to start a mesh of the void from. `None` without a void voxel.
+///
+/// `distances` are those of [`signed_distance`]; without one per voxel there is no such point, either.
+pub fn deepest_void(image: &VoxelImage, distances: &[f64]) -> Option<Point3> {
+    let (low, high) = image.region.corners();
+    let mut deepest: Option<(f64, Point3)> = None;
+    for ((index, label), distance) in image.labels.iter().enumerate().zip(distances) {
+        let point = image.grid.centre(image.grid.position(index));
+        let ends = (point.z - low.z).min(high.z - point.z);
+        let depth = distance.min(side_distance(&image.region, &point)).min(ends);
+        if *label == VOID && deepest.is_none_or(|(most, _)| depth > most) {
+            deepest = Some((depth, point));
+        }
+    }
+    deepest.map(|(_, point)| point)
 }

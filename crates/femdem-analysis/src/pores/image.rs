@@ -103,7 +103,7 @@ pub fn voxel_image(
     if matches!(region, Region::Sphere { .. }) {
         return Err(NOT_UPRIGHT);
     }
-    let pack = solids.pack;
+    let pack = solids.pack();
     if pack.is_empty() {
         return Err(AnalysisError::EmptyPack);
     }

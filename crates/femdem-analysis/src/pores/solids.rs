@@ -33,7 +33,7 @@ pub enum Sides {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Solids<'a> {
-    pub(super) pack: &'a Pack<'a>,
+    pack: &'a Pack<'a>,
     /// Radius of each body that is a ball (m).
     balls: Vec<Option<f64>>,
     bounds: Vec<Bounds>,
@@ -101,6 +101,11 @@ impl<'a> Solids<'a> {
         }
         self.tree = tree_of(&self.bounds);
         Ok(self)
+    }
+
+    /// The pack that the solids are of.
+    pub fn pack(&self) -> &'a Pack<'a> {
+        self.pack
     }
 
     /// Signed distance (m) of a point from the solids: to the nearest surface outside, minus the depth in the

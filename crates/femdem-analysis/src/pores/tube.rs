@@ -6,6 +6,7 @@ use femdem_mesh::Point3;
 
 use super::surface::{Surface, SurfacePatch};
 use crate::error::AnalysisError;
+use crate::pack::Pack;
 use crate::region::{NOT_UPRIGHT, Region};
 
 /// Facets around a cylinder.
@@ -54,4 +55,44 @@ pub fn tube_surface(region: &Region) -> Result<Surface, AnalysisError> {
         surface.push([at(&middle, high), d, c], SurfacePatch::High);
     }
     Ok(surface)
+}
+
+/// Depth, in mean diameters, by which bodies may reach below the floor of a container that they rest on.
+const SUNKEN: f64 = 0.1;
+
+/// The space that a flow through a pack is computed in: a box or a cylinder as wide as `container`, from `margin` (m)
+/// below the lowest body to `margin` above the highest. Where bodies reach clearly below the container, as into the
+/// cone of a silo, it begins at the floor and cuts them.
+///
+/// # Errors
+/// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`], [`AnalysisError::RegionKind`] for a ball,
+/// [`AnalysisError::Option`] for a margin that is negative or not finite.
+pub fn flow_region(pack: &Pack, container: &Region, margin: f64) -> Result<Region, AnalysisError> {
+    container.validate()?;
+    if !(margin >= 0.0 && margin.is_finite()) {
+        return Err(AnalysisError::Option {
+            name: "margin",
+            value: margin,
+            allowed: "zero or more and finite (m)",
+        });
+    }
+    let slack = SUNKEN * pack.mean_diameter()?;
+    let heights = (0..pack.len()).map(|i| [pack.bounds(i).min.z, pack.bounds(i).max.z]);
+    let [lowest, highest] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |all, own| {
+        [all[0].min(own[0]), all[1].max(own[1])]
+    });
+    let floor = container.corners().0.z;
+    let low = if lowest < floor - slack {
+        floor
+    } else {
+        lowest - margin
+    };
+    let mut region = *container;
+    match &mut region {
+        Region::Box { min, max } => (min.z, max.z) = (low, highest + margin),
+        Region::Cylinder { z_min, z_max, .. } => (*z_min, *z_max) = (low, highest + margin),
+        Region::Sphere { .. } => return Err(NOT_UPRIGHT),
+    }
+    region.validate()?;
+    Ok(region)
 }
