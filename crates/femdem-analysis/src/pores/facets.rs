@@ -41,7 +41,7 @@ pub struct FacetSurface {
     pub bodies: usize,
     /// Bodies that were changed.
     pub changed: usize,
-    /// Bodies that reach beyond the region.
+    /// Bodies that reach beyond the region as changed.
     pub beyond: usize,
     /// Pairs of bodies that still overlap: of shrunken bodies only.
     pub overlapping: usize,
@@ -49,6 +49,23 @@ pub struct FacetSurface {
     pub volume_before: f64,
     /// Volume of the bodies as changed (m³).
     pub volume: f64,
+}
+
+/// The largest factor of 0.99, 0.98, ... 0.9 with which [`Treatment::Shrink`] takes all bodies apart, and keeps them in
+/// the region where its sides are walls; 0.9 if none does.
+///
+/// # Errors
+/// [`AnalysisError::Region`], [`AnalysisError::EmptyPack`].
+pub fn shrink_factor(pack: &Pack, region: &Region, sides: Sides) -> Result<f64, AnalysisError> {
+    let mut factor = 1.0;
+    for step in 1..=10 {
+        factor = 1.0 - 0.01 * f64::from(step);
+        let found = facet_surface(pack, region, sides, Treatment::Shrink(factor))?;
+        if found.overlapping == 0 && (found.beyond == 0 || sides == Sides::Open) {
+            break;
+        }
+    }
+    Ok(factor)
 }
 
 /// The surfaces of the bodies that reach into a region, with their contacts treated. Where the sides are walls,
@@ -74,27 +91,29 @@ pub fn facet_surface(
         .collect();
     let bodies: Vec<Vec<Point3>> =
         ordered_map(members.len(), || (), |(), k| corners(pack, members[k]));
-    let beyond = bodies.iter().filter(|body| {
-        let leaves = |p: &Point3| !region.contains(p);
-        body.iter().any(leaves)
-    });
     let mut found = FacetSurface {
         surface: Surface::default(),
         bodies: members.len(),
         changed: 0,
-        beyond: beyond.count(),
+        beyond: 0,
         overlapping: 0,
         volume_before: volume_of(pack, &members),
         volume: 0.0,
     };
     match treatment {
         Treatment::Shrink(factor) => {
-            found.add_scaled(pack, &members, &bodies, &vec![factor; members.len()]);
+            found.add_scaled(
+                pack,
+                region,
+                &members,
+                &bodies,
+                &vec![factor; members.len()],
+            );
             found.overlapping = overlapping(pack, &members, factor)?;
         }
         Treatment::Gap(gap) => {
             let factors = Gaps::new(pack, &members, &bodies, gap)?.factors(region, sides)?;
-            found.add_scaled(pack, &members, &bodies, &factors);
+            found.add_scaled(pack, region, &members, &bodies, &factors);
         }
         Treatment::Cap(gap) => {
             let cuts = Gaps::new(pack, &members, &bodies, gap)?.cuts(region, sides);
@@ -104,7 +123,7 @@ pub fn facet_surface(
                 }
                 _ => None,
             };
-            found.add_cut(pack, &members, &cuts, wall);
+            found.add_cut(pack, region, &members, &cuts, wall);
         }
     }
     Ok(found)
@@ -179,6 +198,7 @@ impl FacetSurface {
     fn add_scaled(
         &mut self,
         pack: &Pack,
+        region: &Region,
         members: &[usize],
         bodies: &[Vec<Point3>],
         factors: &[f64],
@@ -188,6 +208,8 @@ impl FacetSurface {
             let first = self.surface.vertices.len() as u32;
             let scaled = corners.iter().map(|p| centroid + (p - centroid) * factor);
             self.surface.vertices.extend(scaled);
+            let own = &self.surface.vertices[first as usize..];
+            self.beyond += usize::from(own.iter().any(|p| !region.contains(p)));
             let triangles = pack.shape(i).triangles();
             let patches = triangles.iter().map(|_| SurfacePatch::Bodies);
             self.surface.patches.extend(patches);
@@ -202,6 +224,7 @@ impl FacetSurface {
     fn add_cut(
         &mut self,
         pack: &Pack,
+        region: &Region,
         members: &[usize],
         cuts: &[Vec<(Vector3, f64)>],
         wall: Option<([f64; 2], f64, f64)>,
@@ -228,7 +251,12 @@ impl FacetSurface {
             }
             self.changed += usize::from(changed);
             self.volume += clipper.volume();
-            clipper.each_triangle(|corners| self.surface.push(corners, SurfacePatch::Bodies));
+            let mut leaves = false;
+            clipper.each_triangle(|corners| {
+                leaves |= corners.iter().any(|p| !region.contains(p));
+                self.surface.push(corners, SurfacePatch::Bodies);
+            });
+            self.beyond += usize::from(leaves);
         }
     }
 }

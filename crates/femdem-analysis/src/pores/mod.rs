@@ -20,7 +20,7 @@ mod thickness;
 mod tube;
 
 pub use distance::{deepest_void, signed_distance};
-pub use facets::{FacetSurface, Treatment, facet_surface};
+pub use facets::{FacetSurface, Treatment, facet_surface, shrink_factor};
 pub use grid::VoxelGrid;
 pub use image::{OUTSIDE, VOID, VoxelCounts, VoxelImage, voxel_image};
 pub use isosurface::{Bridge, void_surface};

@@ -81,11 +81,11 @@ pub(crate) struct PoresArgs {
     #[arg(long, value_enum)]
     pub sides: Option<SidesKind>,
 
-    /// How contacts are treated in the surfaces [default: shrink]
+    /// How contacts are treated in the surfaces [default: cap, if all bodies are convex; else shrink]
     #[arg(long, value_enum)]
     pub contacts: Option<Contacts>,
 
-    /// Factor of --contacts shrink, 0.5 to 1 [default: 0.99]
+    /// Factor of --contacts shrink, 0.5 to 1 [default: 0.99, or as much less, to 0.9, as takes all bodies apart]
     #[arg(long, value_name = "X")]
     pub factor: Option<f64>,
 
@@ -123,15 +123,17 @@ pub(crate) struct PoresArgs {
 
 impl PoresArgs {
     /// The treatment of contacts; `None` without surfaces.
-    pub(super) fn treatment(&self) -> Option<Contacts> {
-        (!self.no_surface).then(|| self.contacts.unwrap_or(Contacts::Shrink))
+    pub(super) fn treatment(&self, all_convex: bool) -> Option<Contacts> {
+        let usual = if all_convex {
+            Contacts::Cap
+        } else {
+            Contacts::Shrink
+        };
+        (!self.no_surface).then(|| self.contacts.unwrap_or(usual))
     }
 
-    /// Refuses options that have no effect beside the others.
-    pub(super) fn refuse_idle(&self) -> Result<()> {
-        let Some(treatment) = self.treatment() else {
-            return Ok(());
-        };
+    /// Refuses options that have no effect beside the treatment of contacts.
+    pub(super) fn refuse_idle(&self, treatment: Contacts) -> Result<()> {
         let named = |kind: Contacts| match kind {
             Contacts::Shrink => "shrink",
             Contacts::Gap => "gap",

@@ -26,7 +26,6 @@ const FOLDER: &str = "pores";
 const JSON: &str = "pores.json";
 
 pub(crate) fn run(args: &PoresArgs) -> Result<Outcome> {
-    args.refuse_idle()?;
     in_pool(args.threads.map(usize::from), |_| {
         let read = space::read(args)?;
         let pack = Pack::new(&read.shapes, &read.bodies)?;
@@ -34,25 +33,31 @@ pub(crate) fn run(args: &PoresArgs) -> Result<Outcome> {
         let space = Space::new(args, &read, &pack)?;
         let out = args.out.clone();
         let out = out.unwrap_or_else(|| args.folder.join(FOLDER));
-        fs::create_dir_all(&out)
-            .with_context(|| format!("cannot make the folder {}", out.display()))?;
         let tell = |text: &dyn std::fmt::Display| {
             if !args.quiet {
                 say(&text.to_string());
             }
         };
         let (voxels, fields) = image::measure(&space, &solids)?;
-        image::write(&out, &fields)?;
         tell(&voxels);
+        // Options that cannot be met are refused before any file is written.
         let flow = match &space.treatment {
+            Some(treated) => Some(flow::make(
+                &space,
+                &solids,
+                treated,
+                &read.snapshot,
+                &fields,
+            )?),
             None => None,
-            Some(treatment) => {
-                let made = flow::make(&space, &solids, treatment, &read.snapshot, &fields)?;
-                let written = made.write(&out, &space)?;
-                tell(&written);
-                Some(written)
-            }
         };
+        fs::create_dir_all(&out)
+            .with_context(|| format!("cannot make the folder {}", out.display()))?;
+        image::write(&out, &fields)?;
+        let flow = flow.map(|made| made.write(&out, &space)).transpose()?;
+        if let Some(written) = &flow {
+            tell(written);
+        }
         let summary = summary::Summary::new(&space, pack.len(), voxels, flow);
         write_file(out.join(JSON), |w| {
             serde_json::to_writer_pretty(&mut *w, &summary)?;

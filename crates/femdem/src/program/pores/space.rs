@@ -1,7 +1,7 @@
 //! The pack and the part of space that are looked at.
 
 use anyhow::{Context, Result, bail};
-use femdem::analysis::pores::{Sides, Treatment, flow_region};
+use femdem::analysis::pores::{Sides, Treatment, flow_region, shrink_factor};
 use femdem::analysis::{Pack, PosedBody, Region, top_plane};
 use femdem::mesh::Polyhedron;
 use femdem::{Snapshot, results};
@@ -15,9 +15,6 @@ const VOXEL: f64 = 0.05;
 const GAP: f64 = 0.01;
 const BRIDGE: f64 = 0.1;
 const MARGIN: f64 = 1.0;
-
-/// Default factor of shrinking.
-const FACTOR: f64 = 0.99;
 
 /// Smallest radius of a bridge, in voxels.
 const THINNEST: f64 = 1.5;
@@ -125,12 +122,23 @@ impl Space {
             None => Sides::Open,
         };
         let voxel = metres(args.voxel, VOXEL);
-        let treatment = args.treatment().map(|contacts| match contacts {
-            Contacts::Shrink => Treated::Facets(Treatment::Shrink(args.factor.unwrap_or(FACTOR))),
-            Contacts::Gap => Treated::Facets(Treatment::Gap(metres(args.gap, GAP))),
-            Contacts::Cap => Treated::Facets(Treatment::Cap(metres(args.gap, GAP))),
-            Contacts::Bridge => Treated::Bridges(metres(args.bridge, BRIDGE)),
-        });
+        let all_convex = read.shapes.iter().all(Polyhedron::is_convex);
+        let treatment = match args.treatment(all_convex) {
+            None => None,
+            Some(contacts) => {
+                args.refuse_idle(contacts)?;
+                Some(match contacts {
+                    Contacts::Shrink => {
+                        let usual = || shrink_factor(pack, &tube, sides);
+                        let factor = args.factor.map_or_else(usual, Ok)?;
+                        Treated::Facets(Treatment::Shrink(factor))
+                    }
+                    Contacts::Gap => Treated::Facets(Treatment::Gap(metres(args.gap, GAP))),
+                    Contacts::Cap => Treated::Facets(Treatment::Cap(metres(args.gap, GAP))),
+                    Contacts::Bridge => Treated::Bridges(metres(args.bridge, BRIDGE)),
+                })
+            }
+        };
         if let Some(Treated::Bridges(radius)) = treatment {
             if radius < THINNEST * voxel {
                 bail!(
