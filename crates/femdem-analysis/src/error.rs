@@ -172,6 +172,49 @@ pub enum AnalysisError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// Radii of balls for another number of shapes than there are.
+    #[error("{given} radii of balls for {shapes} shapes; give a radius, or none, for each shape")]
+    BallCount {
+        /// Number of entries given.
+        given: usize,
+        /// Number of shapes.
+        shapes: usize,
+    },
+    /// A list that does not have one value per voxel.
+    #[error("{given} {name} for {voxels} voxels; give those of the same image")]
+    ListLength {
+        /// What the list holds.
+        name: &'static str,
+        /// Its length.
+        given: usize,
+        /// Number of voxels.
+        voxels: usize,
+    },
+    /// An image without void.
+    #[error("no voxel of the image is void; use smaller voxels or another region")]
+    NoVoid,
+    /// A body that is not convex where only convex ones can be treated.
+    #[error("body {body} is not convex, which {what} needs; {instead}")]
+    NotConvex {
+        /// Index of the first such body.
+        body: usize,
+        /// What needs it.
+        what: &'static str,
+        /// What to do instead.
+        instead: &'static str,
+    },
+    /// A body that would lose too much of its size to leave a gap.
+    #[error(
+        "body {body} would shrink to {factor:.3} of its size to leave a gap of {gap} m; give a smaller gap"
+    )]
+    GapTooWide {
+        /// Index of the body.
+        body: usize,
+        /// The factor.
+        factor: f64,
+        /// The gap (m).
+        gap: f64,
+    },
     /// An analysis that compares forces with weights was given a body without weight.
     #[error("body {body} has no weight; give the mass or the density of the bodies, and gravity")]
     NoWeight {

@@ -39,6 +39,7 @@
 //! - [`set_voronoi`]: the space and the density of every body.
 //! - [`body_directions`], [`stereonet`], [`orientation_order`]: orientations of the bodies.
 //! - [`radial_distribution`]: distances between bodies.
+//! - [`pores`]: the void space as voxels, distances, pore sizes, paths and closed surfaces, for flow codes.
 //! - [`pair_overlaps`]: volumes that bodies share. [`volume_inside`] and [`intersection_volume`] are the
 //!   kernels, for one body and for one pair.
 //! - [`Table`]: every result as CSV; JSON through serde. [`BlockBootstrap`]: errors of means.
@@ -102,10 +103,12 @@ mod orientation;
 mod overlap;
 mod pack;
 mod polygon;
+pub mod pores;
 mod prisms;
 mod profile;
 mod radial;
 mod region;
+mod rows;
 mod stress;
 mod structure;
 mod table;

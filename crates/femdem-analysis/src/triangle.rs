@@ -24,7 +24,8 @@ pub(crate) fn closest_point(triangle: &[Point3; 3], point: &Point3) -> Point3 {
     nearest
 }
 
-fn on_segment(start: &Point3, along: &Vector3, point: &Point3) -> Point3 {
+/// The point nearest to `point` of the segment from `start` to `start + along`.
+pub(crate) fn on_segment(start: &Point3, along: &Vector3, point: &Point3) -> Point3 {
     let square = along.norm_squared();
     if square <= 0.0 {
         return *start;

@@ -12,6 +12,8 @@ mod lattices;
 mod networks;
 mod non_convex;
 mod orientation;
+mod pore_surfaces;
+mod pores;
 mod profiles;
 mod radial;
 mod regions;

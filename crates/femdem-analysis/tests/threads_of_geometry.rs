@@ -69,3 +69,39 @@ fn same_bits_with_any_number_of_threads() {
         assert_eq!(with(threads), one, "{threads} threads");
     }
 }
+
+/// The void space, too: image, distances, pore sizes and both kinds of surfaces.
+#[test]
+fn same_bits_of_pores_with_any_number_of_threads() {
+    use femdem_analysis::pores::*;
+    let shapes = [solid("A10", 1.0)];
+    let bodies: Vec<PosedBody> = turned_lattice(&mut Random(2), 1, 4, 0.85);
+    let pack = Pack::new(&shapes, &bodies).unwrap();
+    let drum = Region::Cylinder {
+        centre: [1.4; 2],
+        radius: 1.8,
+        z_min: -0.3,
+        z_max: 3.0,
+    };
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| {
+            let solids = Solids::new(&pack);
+            let image = voxel_image(&solids, &drum, 0.07).unwrap();
+            let distances = signed_distance(&solids, &image, Sides::Wall);
+            let diameters = local_thickness(&image, &distances).unwrap();
+            let found = paths(&image);
+            let void = void_surface(&image, &distances, &[]).unwrap();
+            let caps = facet_surface(&pack, &drum, Sides::Open, Treatment::Cap(0.01)).unwrap();
+            (image, distances, diameters, found, void, caps)
+        })
+    };
+    let one = with(1);
+    assert!(one.0.counts().void > 1000 && one.5.changed > 10);
+    for threads in [2, 3] {
+        assert!(with(threads) == one, "{threads} threads");
+    }
+}

@@ -8,7 +8,7 @@ use clap::Parser;
 use program::cli::{Cli, Command};
 use program::job;
 use program::running::Outcome;
-use program::{analyse, complain, described, picture, report, resolve, run, shapes};
+use program::{analyse, complain, described, picture, pores, report, resolve, run, shapes};
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
@@ -18,6 +18,7 @@ fn main() -> ExitCode {
         Command::Analyse(args) => analyse::run(&args),
         Command::Picture(args) => picture::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Pores(args) => pores::run(&args),
         Command::Resolve(args) => resolve::run(&args),
         Command::Shapes(args) => shapes::run(&args).map(|()| Outcome::Finished),
     };

@@ -4,6 +4,7 @@ mod analyse;
 mod balance;
 mod common;
 mod contact_class;
+mod pores;
 mod program;
 mod refusals;
 mod report;

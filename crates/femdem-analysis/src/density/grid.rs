@@ -2,16 +2,15 @@
 
 use std::f64::consts::PI;
 
-use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::axis::Axis;
 use crate::bounds::Bounds;
 use crate::error::AnalysisError;
-use crate::lines::{convex_span, crossing};
 use crate::ordered::ordered_map;
 use crate::pack::Pack;
 use crate::region::{Region, Relation};
+use crate::rows::{RowScratch, cells_in_region, spans_of_body};
 
 /// Standard deviation of the counted volume of a body, over `spacing² √area`: 0.26 for round bodies
 /// (Kendall), up to 0.30 for polyhedra in random poses.
@@ -139,9 +138,7 @@ fn counting_error(
 struct Layer {
     /// Row by row along x: whether the centre lies in a body.
     solid: Vec<bool>,
-    planes: Vec<(Vector3, f64)>,
-    /// Where rows cross a surface of triangles: row and x.
-    crossings: Vec<(usize, f64)>,
+    scratch: RowScratch,
 }
 
 struct LayerCounter<'a> {
@@ -157,78 +154,20 @@ impl LayerCounter<'_> {
         let z = z_axis.centre(k);
         layer.solid.clear();
         layer.solid.resize(x_axis.count * y_axis.count, false);
+        let Layer { solid, scratch } = layer;
         for &body in bodies {
-            if self.pack.by_planes(body) {
-                self.fill_by_planes(layer, body, z);
-            } else {
-                self.fill_by_crossings(layer, body, z);
-            }
+            spans_of_body(scratch, self.pack, body, y_axis, z, |row, low, high| {
+                let cells = x_axis.within(low, high);
+                let start = row * x_axis.count;
+                solid[start + cells.start..start + cells.end].fill(true);
+            });
         }
-        let (mut cells, mut solid) = (0, 0);
-        for (j, row) in layer.solid.chunks_exact(x_axis.count).enumerate() {
-            let inside = &row[self.row_in_region(y_axis.centre(j), z)];
+        let (mut cells, mut solid_cells) = (0, 0);
+        for (j, row) in solid.chunks_exact(x_axis.count).enumerate() {
+            let inside = &row[cells_in_region(self.region, x_axis, y_axis.centre(j), z)];
             cells += inside.len() as u64;
-            solid += inside.iter().filter(|s| **s).count() as u64;
+            solid_cells += inside.iter().filter(|s| **s).count() as u64;
         }
-        (cells, solid)
-    }
-
-    /// Cells of a row that lie in the region.
-    fn row_in_region(&self, y: f64, z: f64) -> std::ops::Range<usize> {
-        match *self.region {
-            Region::Box { .. } => 0..self.axes[0].count,
-            Region::Cylinder { centre, radius, .. } => {
-                let half = (radius * radius - (y - centre[1]).powi(2)).max(0.0).sqrt();
-                self.axes[0].within(centre[0] - half, centre[0] + half)
-            }
-            Region::Sphere { centre, radius } => {
-                let off_axis = (y - centre.y).powi(2) + (z - centre.z).powi(2);
-                let square = radius * radius - off_axis;
-                if square < 0.0 {
-                    return 0..0;
-                }
-                self.axes[0].within(centre.x - square.sqrt(), centre.x + square.sqrt())
-            }
-        }
-    }
-
-    fn fill_row(&self, solid: &mut [bool], row: usize, low: f64, high: f64) {
-        let cells = self.axes[0].within(low, high);
-        let start = row * self.axes[0].count;
-        solid[start + cells.start..start + cells.end].fill(true);
-    }
-
-    fn fill_by_planes(&self, layer: &mut Layer, body: usize, z: f64) {
-        let bounds = self.pack.bounds(body);
-        layer.planes.clear();
-        layer.planes.extend(self.pack.world_planes(body));
-        for row in self.axes[1].within(bounds.min.y, bounds.max.y) {
-            let at = Point3::new(0.0, self.axes[1].centre(row), z);
-            if let Some((low, high)) = convex_span(&layer.planes, 0, &at) {
-                self.fill_row(&mut layer.solid, row, low, high);
-            }
-        }
-    }
-
-    fn fill_by_crossings(&self, layer: &mut Layer, body: usize, z: f64) {
-        layer.crossings.clear();
-        let slab = Bounds::slab(2, z, z);
-        self.pack.triangles_in(body, &slab, |triangle| {
-            let bounds = Bounds::around(triangle);
-            // A missing triangle would leave its row with an odd number of crossings.
-            for row in self.axes[1].near(bounds.min.y, bounds.max.y) {
-                let at = Point3::new(0.0, self.axes[1].centre(row), z);
-                let x = crossing(&triangle, 0, &at);
-                layer.crossings.extend(x.map(|x| (row, x)));
-            }
-        });
-        layer
-            .crossings
-            .sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        for row in layer.crossings.chunk_by(|a, b| a.0 == b.0) {
-            for pair in row.chunks_exact(2) {
-                self.fill_row(&mut layer.solid, pair[0].0, pair[0].1, pair[1].1);
-            }
-        }
+        (cells, solid_cells)
     }
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "only tests use this file")]
 
 pub mod forces;
+pub mod pores;
 
 use femdem_analysis::PosedBody;
 use femdem_mesh::catalogue::CatalogueShape;

@@ -6,6 +6,10 @@
 //! | `pack.vtu` | [`vtu`] | ParaView: the bodies as polyhedra |
 //! | `contacts.vtp` | [`vtp`] | ParaView: the contacts as points with forces |
 //! | `analysis/density-map.vti` | [`vti`] | ParaView: local packing density |
+//! | `labels.vti`, `fields.vti` | [`vti`] | ParaView: voxels of the void space |
+//! | `labels.mhd`, `phases.mhd` and `.raw` | [`raw`] | Fiji, ITK, lattice Boltzmann codes: the same voxels |
+//! | `bodies.stl`, `wall.stl`, ... | [`stl`] | meshers for flow: closed surfaces in named parts |
+//! | `snappyHexMeshDict`, ... | [`openfoam`] | OpenFOAM: a mesh of the void |
 //! | `pack.stl`, `shape-<name>.obj` | [`surface`] | CFD meshing; one body alone |
 //! | `*.pvd` | [`write_pvd`] | ParaView: files of a time series with their times |
 //! | any VTK file | [`vtk`] | ParaView: data of one's own |
@@ -17,7 +21,10 @@ mod base64;
 pub mod csv;
 mod file;
 mod number;
+pub mod openfoam;
 mod pvd;
+pub mod raw;
+pub mod stl;
 pub mod surface;
 pub mod vti;
 pub mod vtk;

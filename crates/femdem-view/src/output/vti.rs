@@ -1,10 +1,12 @@
-//! Local packing density for ParaView: a regular grid of cells as image data.
+//! Regular grids of cells for ParaView, as image data: local packing density, and voxels of the void space.
 //!
-//! Cell data: `density` (1), `volume` (of the cell's part in the region, m³).
+//! Cell data of a density map: `density` (1), `volume` (of the cell's part in the region, m³). Of voxels:
+//! `label` ([`write_labels`]), or fields by their names ([`write_fields`]).
 
 use std::io::{self, Write};
 
 use femdem_analysis::DensityMap;
+use femdem_analysis::pores::{VoxelGrid, VoxelImage};
 
 use super::vtk::Document;
 
@@ -14,22 +16,73 @@ use super::vtk::Document;
 ///
 /// If writing fails.
 pub fn write(map: &DensityMap, writer: impl Write) -> io::Result<()> {
-    let [nx, ny, nz] = map.counts;
-    let extent = format!("0 {nx} 0 {ny} 0 {nz}");
-    let words = |numbers: [f64; 3]| numbers.map(|x| x.to_string()).join(" ");
-    let attributes = format!(
-        " WholeExtent=\"{extent}\" Origin=\"{}\" Spacing=\"{}\"",
-        words(map.origin.into()),
-        words(map.spacing)
-    );
-    let mut out = Document::new("ImageData").with_attributes(attributes);
-    out.line(&format!(
-        "<Piece Extent=\"{extent}\">\n<CellData Scalars=\"density\">"
-    ));
+    let grid = VoxelGrid {
+        origin: map.origin,
+        spacing: map.spacing,
+        counts: map.counts,
+    };
+    let mut out = begun(&grid, "density");
     out.floats("density", 1, map.densities.iter().copied());
     out.floats("volume", 1, map.volumes.iter().copied());
     out.line("</CellData>\n</Piece>");
     out.finish(writer)
+}
+
+/// Writes the labels of a voxel image: 0 in the void, the number of the body plus 1, 4294967295 outside a round
+/// region.
+///
+/// # Errors
+///
+/// If writing fails.
+pub fn write_labels(image: &VoxelImage, writer: impl Write) -> io::Result<()> {
+    let mut out = begun(&image.grid, "label");
+    out.counts("label", image.labels.iter().copied());
+    out.line("</CellData>\n</Piece>");
+    out.finish(writer)
+}
+
+/// Writes fields over voxels, in single precision; infinite values as -1.
+///
+/// # Errors
+///
+/// If writing fails, or a field has another length than the grid (as [`io::ErrorKind::InvalidInput`]).
+pub fn write_fields(
+    grid: &VoxelGrid,
+    fields: &[(&str, &[f64])],
+    writer: impl Write,
+) -> io::Result<()> {
+    let mut out = begun(grid, fields.first().map_or("", |field| field.0));
+    for (name, values) in fields {
+        if values.len() != grid.len() {
+            let text = format!(
+                "{} values of {name} for {} voxels",
+                values.len(),
+                grid.len()
+            );
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
+        }
+        let single = |x: &f64| if x.is_finite() { *x as f32 } else { -1.0 };
+        out.singles(name, values.iter().map(single));
+    }
+    out.line("</CellData>\n</Piece>");
+    out.finish(writer)
+}
+
+/// A document up to its first array of cell data.
+fn begun<'a>(grid: &VoxelGrid, scalars: &str) -> Document<'a> {
+    let [nx, ny, nz] = grid.counts;
+    let extent = format!("0 {nx} 0 {ny} 0 {nz}");
+    let words = |numbers: [f64; 3]| numbers.map(|x| x.to_string()).join(" ");
+    let attributes = format!(
+        " WholeExtent=\"{extent}\" Origin=\"{}\" Spacing=\"{}\"",
+        words(grid.origin.into()),
+        words(grid.spacing)
+    );
+    let mut out = Document::new("ImageData").with_attributes(attributes);
+    out.line(&format!(
+        "<Piece Extent=\"{extent}\">\n<CellData Scalars=\"{scalars}\">"
+    ));
+    out
 }
 
 #[cfg(test)]
@@ -38,6 +91,7 @@ mod tests {
     use crate::Body;
     use crate::testing::two_cubes;
     use femdem_analysis::{DensityMapOptions, Pack, PosedBody, density_map};
+    use femdem_mesh::Point3;
 
     #[test]
     fn cells_and_extent_agree() {
@@ -64,5 +118,21 @@ mod tests {
         assert!(text.contains(&format!(
             "Name=\"volume\" NumberOfComponents=\"1\" format=\"appended\" offset=\"{coded}\""
         )));
+    }
+
+    #[test]
+    fn fields_are_as_long_as_the_grid() {
+        let grid = VoxelGrid {
+            origin: Point3::origin(),
+            spacing: [0.5; 3],
+            counts: [2, 1, 1],
+        };
+        let mut bytes = Vec::new();
+        write_fields(&grid, &[("depth", &[0.5, f64::INFINITY])], &mut bytes).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        assert!(text.contains("type=\"Float32\" Name=\"depth\""));
+        // 8 as 64 bits, 0.5 and -1.
+        assert!(text.contains("_CAAAAAAAAAAAAAA/AACAvw==\n"), "{text}");
+        assert!(write_fields(&grid, &[("depth", &[0.5])], std::io::sink()).is_err());
     }
 }

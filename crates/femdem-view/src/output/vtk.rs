@@ -85,6 +85,25 @@ impl<'a> Document<'a> {
         self.array("Int64", name, 1, values.into_iter().map(i64::to_le_bytes));
     }
 
+    /// An array of numbers in single precision.
+    pub fn singles(
+        &mut self,
+        name: &str,
+        values: impl IntoIterator<Item = f32, IntoIter: Clone + 'a>,
+    ) {
+        let bytes = values.into_iter().map(f32::to_le_bytes);
+        self.array("Float32", name, 1, bytes);
+    }
+
+    /// An array of unsigned 32-bit integers.
+    pub fn counts(
+        &mut self,
+        name: &str,
+        values: impl IntoIterator<Item = u32, IntoIter: Clone + 'a>,
+    ) {
+        self.array("UInt32", name, 1, values.into_iter().map(u32::to_le_bytes));
+    }
+
     /// An array of bytes.
     pub fn bytes(
         &mut self,

@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use super::analyse::AnalyseArgs;
 use super::args::{PackArgs, ResumeArgs};
 use super::picture::PictureArgs;
+use super::pores::PoresArgs;
 use super::report::ReportArgs;
 use super::resolve::ResolveArgs;
 use super::run::SceneArgs;
@@ -34,6 +35,7 @@ Examples:
   femdem analyse out/a10                           forces, chains, stress, profiles: all tables
   femdem report out/a10                            a page for the browser
   femdem picture out/a10 --view front --colour force --out a10.png
+  femdem pores out/a10                             the void between the bodies, for flow codes
   femdem shapes                                    what --shape knows
 
 d is the circumscribed diameter of a body. Units are SI.";
@@ -86,6 +88,9 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Draw a pack, or the end of a run, from any side, coloured by any quantity
     Picture(PictureArgs),
+    /// Make the void of a pack usable by flow codes: voxels, distances, pore sizes, paths, closed surfaces
+    #[command(after_help = super::pores::HELP)]
+    Pores(Box<PoresArgs>),
     /// Make the bodies of a pack deformable where they lie, and find the stresses inside them
     #[command(after_help = super::resolve::HELP, allow_negative_numbers = true)]
     Resolve(ResolveArgs),

@@ -9,6 +9,7 @@ pub(crate) mod job;
 mod meter;
 mod overlaps;
 pub(crate) mod picture;
+pub(crate) mod pores;
 mod progress;
 pub(crate) mod report;
 pub(crate) mod resolve;

@@ -41,7 +41,7 @@ impl ForeignArgs {
 
 /// The inside of a container, as given on the command line.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Inside(Region);
+pub(crate) struct Inside(pub(super) Region);
 
 impl FromStr for Inside {
     type Err = String;

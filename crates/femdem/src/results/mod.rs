@@ -68,6 +68,14 @@ pub(crate) fn surface_of(shape: &Shape) -> Polyhedron {
     larger.unwrap_or_else(|| own.clone())
 }
 
+/// Radius of each shape of a world that is an exact ball \[m\], for what measures bodies as they are:
+/// [`Solids::with_balls`](femdem_analysis::pores::Solids::with_balls). Their surfaces in a [`Snapshot`] are polyhedra
+/// of the same volume.
+#[must_use]
+pub fn ball_radii(world: &World) -> Vec<Option<f64>> {
+    world.shapes().iter().map(|shape| shape.sphere).collect()
+}
+
 /// A contact record as a row that starts from a body.
 fn row(world: &World, contact: &RigidContact) -> ContactRow {
     let (body, partner, sign) = match contact.a {

@@ -63,6 +63,7 @@ mod saved;
 mod select;
 mod settings;
 mod simulation;
+mod snapshot;
 mod start;
 mod summary;
 mod support;
