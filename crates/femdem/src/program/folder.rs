@@ -6,31 +6,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use femdem::Usage;
 use femdem::pack::Packing;
+use femdem::results;
 use femdem::run::Run;
-use femdem::solve::checkpoint;
-use serde::{Deserialize, Serialize};
 
+pub(crate) use femdem::results::{PACK_CHECKPOINT as CHECKPOINT, SavedPack as Saved};
 pub(crate) use femdem::run::RUN_CHECKPOINT;
-
-/// Name of the checkpoint.
-pub(crate) const CHECKPOINT: &str = "pack.ckpt";
-
-/// The kind of checkpoint that this program writes.
-const KIND: &str = "pack";
-
-/// A job and its cost so far, as read.
-#[derive(Deserialize)]
-pub(crate) struct Saved {
-    pub packing: Packing,
-    pub usage: Usage,
-}
-
-/// The same, for writing.
-#[derive(Serialize)]
-struct Saving<'a> {
-    packing: &'a Packing,
-    usage: &'a Usage,
-}
 
 /// Keeps other jobs out of a folder for as long as it lives.
 #[must_use]
@@ -106,7 +86,7 @@ fn checkpoint_path(folder: &Path) -> PathBuf {
 }
 
 pub(crate) fn save(folder: &Path, packing: &Packing, usage: &Usage) -> Result<()> {
-    checkpoint::write_file(&checkpoint_path(folder), KIND, &Saving { packing, usage })
+    results::save(folder, packing, usage)
         .context("the checkpoint was not written; an earlier one is kept")
 }
 
@@ -122,7 +102,7 @@ pub(crate) fn load(folder: &Path) -> Result<Saved> {
             path.display()
         );
     }
-    Ok(checkpoint::read_file(&path, KIND)?)
+    Ok(Saved::read(folder)?)
 }
 
 /// Whether a folder is that of a run of `femdem run`.

@@ -42,7 +42,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::results::surface_of;
-use crate::run::{Member, Penalty, Simulation};
+use crate::run::{Member, Origin, Penalty, Simulation};
 
 pub use files::ResolveSummary;
 
@@ -174,6 +174,7 @@ pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Erro
             world,
             members,
             supports: Vec::new(),
+            origin: Origin::default(),
             notes: Vec::new(),
         },
         relaxed,

@@ -4,6 +4,7 @@ mod container;
 mod display;
 mod facts;
 mod parts;
+mod saved;
 mod summary;
 
 use std::path::Path;
@@ -15,6 +16,7 @@ use femdem_solve::{Shape, World};
 
 pub use facts::run_facts;
 pub use parts::{ContainerSummary, ShapeSummary};
+pub use saved::{PACK_CHECKPOINT, SavedPack, save};
 pub use summary::{
     ContactLawSummary, CoordinationSummary, Core, DensitySummary, EnergySummary,
     PenetrationSummary, ResidualSummary, SCHEMA, Summary, Usage,

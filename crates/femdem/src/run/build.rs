@@ -5,15 +5,19 @@ use std::collections::BTreeSet;
 use femdem_contact::{BodyId, Field, MaterialId};
 use femdem_fem::{Boundary, DeformableModel, MaterialRegion};
 use femdem_mesh::{Pose, TetMesh, Vector3};
-use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, SolveError, World};
+use femdem_solve::{
+    BodySpec, ContactStiffness, DeformableSpec, SolveError, World, WorldParameters,
+};
 
 use super::geometry::Geometry;
 use super::loads::Loads;
 use super::names::{Names, check_names};
+use super::origin::OF_PACK;
+use super::start::is_pack;
 use super::words::KEYS;
 use super::{
-    Behaviour, BodyEntry, MaterialEntry, Member, MotionEntry, Penalty, Scenario, Simulation,
-    Support,
+    Behaviour, BodyEntry, MaterialEntry, Member, MotionEntry, Scenario, Simulation, Support,
+    WallEntry,
 };
 use crate::Error;
 use crate::error::wrong;
@@ -28,45 +32,79 @@ const MOST_OUTPUTS: f64 = 1e9;
 const PRESSED: f64 = 10.0;
 
 impl Scenario {
-    /// The world of the scenario, at time 0; with [`from`](Self::from), in the state of that run.
+    /// The world of the scenario, at time 0; with [`from`](Self::from), in the state of that run or pack.
     ///
     /// # Errors
     ///
     /// [`Error::Entry`] with the wall, body or material at fault, and [`Error::Option`] or [`Error::Solve`] for
     /// faults of the whole scene; [`Error::Fixed`] if the run of `from` has other bodies or walls.
     pub fn build(&self) -> Result<Simulation, Error> {
-        let placed = self.build_entries()?;
+        Ok(self.begin()?.1)
+    }
+
+    /// The scenario with gravity and the contact law written out, and its world.
+    pub(super) fn begin(&self) -> Result<(Self, Simulation), Error> {
+        self.check()?;
         match &self.from {
-            None => Ok(placed),
-            Some(folder) => placed.started_from(folder, self),
+            None => {
+                self.check_origin(false)?;
+                let scene = self.filled(&WorldParameters::default(), false);
+                let world = World::new(scene.parameters());
+                let world = world.map_err(|error| Error::from(error).by_keys(&KEYS))?;
+                let simulation = scene.build_on(Simulation::empty(world))?;
+                Ok((scene, simulation))
+            }
+            Some(folder) if is_pack(folder) => {
+                let (scene, base) =
+                    Simulation::of_pack(folder, self).map_err(|error| error.by_keys(&KEYS))?;
+                let mut simulation = scene.build_on(base)?;
+                simulation.world.restart_ledger();
+                let own = &self.contact;
+                if own.penalty.or(own.penetration).is_none() {
+                    OF_PACK.clone_into(&mut simulation.penalty.reason);
+                }
+                Ok((scene, simulation))
+            }
+            Some(folder) => self.start_from(folder),
         }
     }
 
-    /// The world as the entries of bodies and walls describe it.
-    fn build_entries(&self) -> Result<Simulation, Error> {
-        self.check()?;
-        let world = World::new(self.parameters());
-        let mut simulation = Simulation {
-            world: world.map_err(|error| Error::from(error).by_keys(&KEYS))?,
-            members: Vec::new(),
-            supports: Vec::new(),
-            penalty: Penalty::default(),
-            notes: Vec::new(),
-        };
+    /// A world with what the entries of bodies and walls describe.
+    pub(super) fn build_on(&self, mut simulation: Simulation) -> Result<Simulation, Error> {
         let mut names = Names::default();
+        let mut of_pack: BTreeSet<String> = BTreeSet::new();
+        for (_, wall) in simulation.world.walls() {
+            of_pack.insert(names.of("wall", wall.name(), "")?);
+        }
         for (number, wall) in (1..).zip(&self.wall) {
+            let named = simulation.named_wall(wall);
+            let place = |name: &str| in_entry(format!("wall \"{name}\""));
+            if let Some(id) = named.map_err(place(&wall.name))? {
+                if !of_pack.remove(&wall.name) {
+                    let allowed = "another wall has it: give each its own";
+                    return Err(wrong("name", &format!("\"{}\"", wall.name), allowed));
+                }
+                let set = self.set_wall(wall, id, &mut simulation.world);
+                set.map_err(place(&wall.name))?;
+                simulation.origin.walls.push(vec![id]);
+                continue;
+            }
             let name = names.of("wall", &wall.name, &format!("wall {number}"))?;
+            let before: BTreeSet<u32> = simulation.world.walls().map(|(id, _)| id).collect();
             let mut add = || {
-                let material = match &wall.material {
-                    Some(name) => self.material_id(name)?,
-                    None => MaterialId::default(),
-                };
+                let material = self.wall_material(wall)?;
                 wall.add_to(&name, material, &mut simulation.world)
             };
-            let note = add().map_err(in_entry(format!("wall \"{name}\"")))?;
+            let note = add().map_err(place(&name))?;
             simulation.note(note.as_ref());
+            let ids = simulation.world.walls().map(|(id, _)| id);
+            let added = ids.filter(|id| !before.contains(id)).collect();
+            simulation.origin.walls.push(added);
         }
         let mut names = Names::default();
+        for member in &simulation.members {
+            names.of("body", &member.name, "")?;
+        }
         // Successive entries often have the same geometry, and meshing can take long.
         let mut last: Option<(&BodyEntry, Geometry)> = None;
         for (number, body) in (1..).zip(&self.body) {
@@ -99,6 +137,23 @@ impl Scenario {
         self.set_pairs(&mut simulation)?;
         loads.bound_step(&mut simulation)?;
         Ok(simulation)
+    }
+
+    /// The material of a wall, by number.
+    fn wall_material(&self, wall: &WallEntry) -> Result<MaterialId, Error> {
+        match &wall.material {
+            Some(name) => self.material_id(name),
+            None => Ok(MaterialId::default()),
+        }
+    }
+
+    /// Gives a wall of a pack the material and the motion of an entry.
+    fn set_wall(&self, entry: &WallEntry, id: u32, world: &mut World) -> Result<(), Error> {
+        entry.refuse_strangers()?;
+        if let Some(motion) = entry.motion {
+            world.drive_wall(id, motion.drive())?;
+        }
+        Ok(world.set_wall_material(id, self.wall_material(entry)?)?)
     }
 
     /// The prescribed motions of walls, rigid bodies and nodes.

@@ -202,11 +202,9 @@ impl Simulation {
     }
 
     fn drive(&mut self, old: &Scenario, new: &Scenario) -> Result<(), Error> {
-        let mut first = 0;
-        for (old, new) in old.wall.iter().zip(&new.wall) {
-            let walls = first..first + new.count()?;
-            first = walls.end;
-            for wall in walls.filter(|_| old.motion != new.motion) {
+        let entries = old.wall.iter().zip(&new.wall);
+        for ((old, new), walls) in entries.zip(&self.origin.walls) {
+            for &wall in walls.iter().filter(|_| old.motion != new.motion) {
                 let drive = new.motion.map(|motion| motion.drive()).unwrap_or_default();
                 self.world.drive_wall(wall, drive)?;
             }
@@ -226,7 +224,8 @@ impl Simulation {
         old: &Scenario,
         new: &Scenario,
     ) -> Result<Vec<(BodyId, Option<MotionEntry>)>, Error> {
-        let (mut found, mut members) = (Vec::new(), self.members.iter());
+        let own = self.members.iter().skip(self.origin.bodies);
+        let (mut found, mut members) = (Vec::new(), own);
         for (old, new) in old.body.iter().zip(&new.body) {
             for member in members.by_ref().take(new.poses()?.len()) {
                 let is_rigid = self.world.deformable(member.id).is_none();

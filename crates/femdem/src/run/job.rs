@@ -64,7 +64,7 @@ impl Run {
     ///
     /// As [`Scenario::build`].
     pub fn new(scenario: Scenario) -> Result<Self, Error> {
-        let simulation = scenario.build()?;
+        let (scenario, simulation) = scenario.begin()?;
         let (mut history, mut members) = (Table::default(), Table::default());
         history.row(history::history_header(&simulation));
         members.row(history::MEMBER_COLUMNS.map(str::to_owned));

@@ -51,6 +51,7 @@ mod loads;
 mod material;
 mod motion;
 mod names;
+mod origin;
 mod overlap;
 mod pair;
 mod penalty;
@@ -82,6 +83,7 @@ pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
 pub use job::Run;
 pub use material::{Law, MaterialEntry};
 pub use motion::MotionEntry;
+pub use origin::Origin;
 pub use overlap::Overlap;
 pub use pair::PairEntry;
 pub use penalty::{ExpectedDepth, Forecast};
@@ -120,8 +122,8 @@ pub struct Scenario {
     /// Brings all bodies to rest after the duration, under the forces that act then. `None`: the run ends in
     /// motion.
     pub relax: Option<RelaxEntry>,
-    /// Acceleration of gravity \[m/s²\].
-    pub gravity: [f64; 3],
+    /// Acceleration of gravity \[m/s²\]. `None`: that of the pack from which it starts, or 9.81 along −z.
+    pub gravity: Option<[f64; 3]>,
     /// The contact law of all pairs of materials without one of their own.
     pub contact: ContactEntry,
     /// Contact laws of pairs of materials.
@@ -142,9 +144,11 @@ pub struct Scenario {
     pub wall: Vec<WallEntry>,
     /// Bodies.
     pub body: Vec<BodyEntry>,
-    /// Folder of another run of a scene, from whose checkpoint this one starts. `None`: bodies start where their entries
-    /// place them.
+    /// Folder of another run of a scene, or of a pack, from whose checkpoint this one starts. `None`: bodies start where
+    /// their entries place them.
     pub from: Option<PathBuf>,
+    /// Walls of the pack that are taken away, by name.
+    pub remove: Vec<String>,
     /// Folder for the results.
     pub out: PathBuf,
     /// Threads. `None`: one for each core.
@@ -164,7 +168,7 @@ impl Default for Scenario {
             pictures: false,
             rest: None,
             relax: None,
-            gravity: [0.0, 0.0, -9.81],
+            gravity: None,
             contact: ContactEntry::default(),
             pair: Vec::new(),
             time_step: StepEntry::default(),
@@ -176,6 +180,7 @@ impl Default for Scenario {
             wall: Vec::new(),
             body: Vec::new(),
             from: None,
+            remove: Vec::new(),
             out: PathBuf::from("out/run"),
             threads: None,
             checkpoint_every: 60.0,

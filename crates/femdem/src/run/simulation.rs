@@ -5,6 +5,7 @@ use femdem_mesh::Pose;
 use femdem_solve::{SolveError, World};
 use serde::{Deserialize, Serialize};
 
+use super::origin::Origin;
 use crate::scene::ShapeNote;
 
 /// A body of a simulation.
@@ -30,6 +31,8 @@ pub struct Simulation {
     pub supports: Vec<Support>,
     /// The penalty of its contacts between rigid bodies.
     pub penalty: Penalty,
+    /// What it has from a pack, and which walls its scene has added.
+    pub origin: Origin,
     /// How surface files were read and bodies meshed, each once. Not stored: it belongs to making the simulation.
     #[serde(skip)]
     pub notes: Vec<ShapeNote>,
@@ -42,6 +45,7 @@ struct Stored {
     members: Vec<Member>,
     supports: Vec<Support>,
     penalty: Penalty,
+    origin: Origin,
 }
 
 impl TryFrom<Stored> for Simulation {
@@ -53,6 +57,7 @@ impl TryFrom<Stored> for Simulation {
             members,
             supports,
             penalty,
+            origin,
         } = stored;
         world.restore()?;
         Ok(Self {
@@ -60,6 +65,7 @@ impl TryFrom<Stored> for Simulation {
             members,
             supports,
             penalty,
+            origin,
             notes: Vec::new(),
         })
     }

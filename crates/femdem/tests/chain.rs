@@ -1,0 +1,243 @@
+//! A pack as the beginning of a run, and the run as the end that is measured.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::common::{code, fails, femdem, run, stdout, summary};
+use femdem::run::Scenario;
+use serde_json::Value;
+use tempfile::{TempDir, tempdir};
+
+/// Twenty-four cubes on a soft floor, at rest.
+fn pack() -> (TempDir, PathBuf) {
+    let folder = tempdir().unwrap();
+    let out = folder.path().join("pack");
+    let options = "--shape P5 --count 24 --box 3x3 --penetration 0.01 --seed 3 --threads 2 --quiet";
+    let mut command = femdem("pack");
+    command.args(options.split(' ')).arg("--out").arg(&out);
+    assert_eq!(code(&run(&mut command)), 0);
+    (folder, out)
+}
+
+fn scene(pack: &Path, more: &str) -> String {
+    format!("from = \"{}\"\nduration = 0.02\n{more}", pack.display())
+}
+
+/// Runs a scene into a folder beside the pack.
+fn ran(pack: &Path, name: &str, more: &str) -> PathBuf {
+    let file = pack.with_file_name(format!("{name}.toml"));
+    fs::write(&file, scene(pack, more)).unwrap();
+    let out = pack.with_file_name(name);
+    let output = run(femdem("run").arg(&file).arg("--out").arg(&out));
+    assert_eq!(
+        code(&output),
+        0,
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    assert!(
+        output.stderr.is_empty(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    out
+}
+
+/// Fields of a table without its header.
+fn rows(path: &Path) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(path).unwrap();
+    let row = |line: &str| line.split(',').map(str::to_owned).collect();
+    text.lines().skip(1).map(row).collect()
+}
+
+/// Pairs of contacts, sorted.
+fn pairs(path: &Path) -> Vec<String> {
+    let mut pairs: Vec<String> = rows(path)
+        .iter()
+        .map(|row| format!("{} {}", row[0], row[1]))
+        .collect();
+    pairs.sort();
+    pairs
+}
+
+fn wall<'a>(summary: &'a Value, name: &str) -> Option<&'a Value> {
+    let walls = summary["walls"].as_array().unwrap();
+    walls.iter().find(|wall| wall["name"] == name)
+}
+
+#[test]
+fn a_pack_stays_at_rest_in_a_run() {
+    let (_kept, pack) = pack();
+    let out = ran(&pack, "still", "tables = true");
+    let end = summary(&out);
+    let rest = &end["rest"];
+    assert_eq!(rest["at_rest"], true, "{rest}");
+    assert!(rest["force_balance"].as_f64().unwrap() < 1e-3, "{rest}");
+    assert_eq!(end["bodies"].as_array().unwrap().len(), 24);
+    assert_eq!(end["bodies"][7]["name"], "pack 7");
+    assert_eq!(end["penalty"]["reason"], "that of the pack");
+    let own = summary(&pack);
+    let penalty = own["contact_law"]["penalty"].as_f64().unwrap();
+    assert_eq!(end["penalty"]["value"].as_f64().unwrap(), penalty);
+    // The floor bears the weight from the row of time 0 on.
+    let weight: f64 = rows(&pack.join("bodies.csv"))
+        .iter()
+        .map(|row| 9.81 * row[11].parse::<f64>().unwrap())
+        .sum();
+    let history = fs::read_to_string(out.join("history.csv")).unwrap();
+    let column = history.lines().next().unwrap().split(',');
+    let column = column
+        .into_iter()
+        .position(|name| name == "fz floor")
+        .unwrap();
+    for row in rows(&out.join("history.csv")) {
+        let borne = -row[column].parse::<f64>().unwrap();
+        assert!(
+            (0.8..1.001).contains(&(borne / weight)),
+            "{borne} of {weight}"
+        );
+    }
+    // The frame of the start and that of the end hold the contacts of the pack.
+    let frames = end["frames"].as_u64().unwrap();
+    for number in [0, frames - 1] {
+        let table = out.join(format!("frames/{number:05}/contacts.csv"));
+        assert_eq!(pairs(&table), pairs(&pack.join("contacts.csv")), "{number}");
+    }
+    // The scene in the folder tells what the pack gave.
+    let told = Scenario::read(out.join("scene.toml")).unwrap();
+    assert_eq!(told.contact.penalty, Some(penalty));
+    assert_eq!(told.gravity, Some([0.0, 0.0, -9.81]));
+}
+
+#[test]
+fn a_scene_moves_opens_and_adds_to_the_pack() {
+    let (_kept, pack) = pack();
+    let out = ran(
+        &pack,
+        "pressed",
+        r#"
+        remove = ["x+"]
+        contact.friction = 0.3
+        [material.steel]
+        density = 7800
+        [[wall]]
+        name = "y-"
+        motion = { linear = { velocity = [0, 0.05, 0] } }
+        [[wall]]
+        name = "lid"
+        plane = { normal = [0, 0, -1], offset = -1 }
+        [[body]]
+        name = "intruder"
+        shape = "sphere"
+        diameter = 0.03
+        material = "steel"
+        position = [0, 0, 0.4]
+        velocity = [0, 0, -1]
+        "#,
+    );
+    let end = summary(&out);
+    assert!(wall(&end, "x+").is_none() && wall(&end, "lid").is_some());
+    // A wall that moves in pushes harder than it did.
+    let peak = |of: &Value| wall(of, "y-").unwrap()["peak_force"].as_f64().unwrap();
+    let still = summary(&ran(&pack, "still", ""));
+    assert!(
+        peak(&end) > 2.0 * peak(&still),
+        "{} {}",
+        peak(&end),
+        peak(&still)
+    );
+    let intruder = end["bodies"].as_array().unwrap().last().unwrap();
+    assert_eq!(intruder["name"], "intruder");
+    let speed = intruder["velocity"][2].as_f64().unwrap();
+    assert!((speed + 1.0 + 9.81 * 0.02).abs() < 0.02, "{speed}");
+    let told = Scenario::read(out.join("scene.toml")).unwrap();
+    assert_eq!(told.contact.friction, Some(0.3));
+
+    // The run can go on, and be the start of another.
+    let output = run(femdem("resume").arg(&out).args(["--duration", "0.025"]));
+    assert_eq!(
+        code(&output),
+        0,
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    assert!(stdout(&output).contains("--duration"));
+    let text = fs::read_to_string(out.join("scene.toml")).unwrap();
+    let from = format!("from = \"{}\"", pack.display());
+    assert!(text.contains(&from), "{text}");
+    let text = text.replace(&from, &format!("from = \"{}\"", out.display()));
+    let file = pack.with_file_name("again.toml");
+    fs::write(&file, &text).unwrap();
+    let again = pack.with_file_name("again");
+    let output = run(femdem("run").arg(&file).arg("--out").arg(&again));
+    assert_eq!(
+        code(&output),
+        0,
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let further = summary(&again);
+    assert_eq!(further["bodies"].as_array().unwrap().len(), 25);
+    let height = |of: &Value| of["bodies"][24]["centroid"][2].as_f64().unwrap();
+    assert!(height(&further) < height(&end) - 0.01);
+    // Its walls are those of the state.
+    let closed = text.replace("remove = [\"x+\"]", "remove = []");
+    fs::write(&file, closed).unwrap();
+    fails(
+        femdem("run")
+            .arg(&file)
+            .arg("--out")
+            .arg(pack.with_file_name("no")),
+        &["remove", "pressed"],
+    );
+}
+
+#[test]
+fn what_a_scene_cannot_do_with_a_pack_is_named() {
+    let (_kept, pack) = pack();
+    let file = pack.with_file_name("refused.toml");
+    let out = pack.with_file_name("refused");
+    for (text, words) in [
+        (
+            scene(&pack, "remove = [\"north\"]"),
+            ["remove = \"north\"", "floor, x-, x+, y-, y+"],
+        ),
+        (
+            scene(&pack, "remove = [\"x+\", \"x+\"]"),
+            ["remove", "each once"],
+        ),
+        (
+            scene(&pack, "[[wall]]\nname = \"north\""),
+            ["wall \"north\"", "floor, x-, x+, y-, y+"],
+        ),
+        (
+            scene(&pack, "[[wall]]\nname = \"x-\"\n[[wall]]\nname = \"x-\""),
+            ["name = \"x-\"", "another wall has it"],
+        ),
+        (
+            scene(
+                &pack,
+                "[[wall]]\nname = \"x-\"\nplane = { normal = [1, 0, 0] }",
+            ),
+            ["name = \"x-\"", "another wall has it"],
+        ),
+        (
+            scene(&pack, "contact = { penalty = 1e6, penetration = 0.01 }"),
+            ["contact.penetration", "give one of the two"],
+        ),
+        (
+            scene(&pack.with_file_name("nowhere"), ""),
+            ["run.ckpt", "pack.ckpt"],
+        ),
+        (
+            "remove = [\"x+\"]\n".to_owned(),
+            ["remove", "give `from` with the folder of `femdem pack`"],
+        ),
+    ] {
+        fs::write(&file, text).unwrap();
+        fails(femdem("run").arg(&file).arg("--out").arg(&out), &words);
+        assert!(!out.exists());
+    }
+}
