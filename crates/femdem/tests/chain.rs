@@ -241,3 +241,109 @@ fn what_a_scene_cannot_do_with_a_pack_is_named() {
         assert!(!out.exists());
     }
 }
+
+fn analysis(folder: &Path) -> Value {
+    serde_json::from_slice(&fs::read(folder.join("analysis.json")).unwrap()).unwrap()
+}
+
+fn analysed(folder: &Path, options: &[&str]) -> String {
+    let output = run(femdem("analyse").arg(folder).args(options));
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(code(&output), 0, "{message}");
+    stdout(&output)
+}
+
+/// Two numbers of two analyses, relative to the first.
+fn apart(a: &Value, b: &Value, path: &str) -> f64 {
+    let number = |of: &Value| of.pointer(path).and_then(Value::as_f64);
+    let both = number(a).zip(number(b));
+    let (a, b) = both.unwrap_or_else(|| panic!("{path}: {a} {b}"));
+    (a / b - 1.0).abs()
+}
+
+/// Of a pack and of a run that starts from it the same is measured, from the checkpoint and from the tables.
+#[test]
+fn a_run_is_measured_as_the_pack_is() {
+    let (_kept, pack) = pack();
+    let out = ran(&pack, "still", "tables = true\nevery = 0.005");
+    analysed(&pack, &[]);
+    let own = analysis(&pack);
+    let said = analysed(&out, &[]);
+    assert!(said.contains("24 bodies P5"), "{said}");
+    let end = analysis(&out);
+    let inside = "/height_profile/region";
+    for k in 0..3 {
+        for corner in ["min", "max"] {
+            let path = format!("{inside}/{corner}/{k}");
+            let [a, b] = [&own, &end].map(|of| of.pointer(&path).unwrap().as_f64().unwrap());
+            assert!((a - b).abs() < 1e-5, "{path}: {a} {b}");
+        }
+    }
+    for path in ["/density/exact", "/coordination/mean", "/core/region/max/2"] {
+        assert!(apart(&own, &end, path) < 1e-4, "{path}");
+    }
+    assert!(apart(&own, &end, "/vertical_balance/cuts/0/carried") < 0.02);
+
+    // The last frame has the state of the end, to all digits of the tables.
+    let last = summary(&out)["frames"].as_u64().unwrap() - 1;
+    let said = analysed(&out, &["--frame", &last.to_string()]);
+    assert!(said.contains(&format!("frame {last}")), "{said}");
+    let tables = out.join(format!("frames/{last:05}"));
+    let frame = analysis(&tables);
+    for path in [
+        "/density/exact",
+        "/coordination/mean",
+        "/core_stress/pressure",
+    ] {
+        assert!(apart(&end, &frame, path) < 1e-9, "{path}");
+    }
+    assert_eq!(end["missing"], frame["missing"]);
+    // By time, and as a pack from elsewhere.
+    let said = analysed(&out, &["--time", "0.0101"]);
+    assert!(said.contains("frame 2 at 0.01"), "{said}");
+    analysed(&tables, &[]);
+    let elsewhere = analysis(&tables);
+    assert!(elsewhere["density"].is_null());
+    assert!(apart(&end, &elsewhere, "/coordination/mean") < 1e-9);
+
+    // The page and pictures.
+    for options in [&["--frame", "1"][..], &[]] {
+        let place = out.join("page");
+        let output = run(femdem("report")
+            .arg(&out)
+            .args(options)
+            .arg("--out")
+            .arg(&place));
+        assert_eq!(
+            code(&output),
+            0,
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        let page = fs::read_to_string(place.join("report.html")).unwrap();
+        let words = match options.is_empty() {
+            true => ["at rest", "that of the pack"],
+            false => ["frame 1 at 0.005", "Packing density"],
+        };
+        assert!(words.iter().all(|word| page.contains(word)), "{words:?}");
+    }
+    let drawn = out.join("frame.png");
+    let mut picture = femdem("picture");
+    picture
+        .arg(&out)
+        .args(["--time", "0", "--colour", "coordination", "--size", "64x48"]);
+    assert_eq!(code(&run(picture.arg("--out").arg(&drawn))), 0);
+    assert!(drawn.is_file());
+
+    for (options, words) in [
+        (["--frame", "99"], ["--frame = 99", "0 to"]),
+        (["--time", "nan"], ["--time = NaN", "time in s"]),
+        (["--density", "1000"], ["--density", "checkpoint"]),
+    ] {
+        fails(femdem("analyse").arg(&out).args(options), &words);
+    }
+    fails(
+        femdem("analyse").arg(&pack).args(["--frame", "1"]),
+        &["--frame", "run.ckpt"],
+    );
+}

@@ -191,6 +191,7 @@ fn scenario() -> Scenario {
         history_every: Some(1.0),
         track: true,
         pictures: true,
+        tables: true,
         rest: Some(rest()),
         relax: Some(RelaxEntry::default()),
         gravity: Some(V),

@@ -8,15 +8,17 @@
 //! The columns have the meaning that [`output::csv`](crate::output::csv) states, in SI units and in any order;
 //! others are ignored. The shape `NAME` is read from `shape-NAME.obj` (see
 //! [`shape_file_names`](crate::output::surface::shape_file_names)), `NAME.obj`, or `NAME` itself if it is the
-//! name of a surface file (OBJ, STL, OFF, PLY). Data that the files do not contain are marked in the
+//! name of a surface file (OBJ, STL, OFF, PLY), in the folder or else in the one that holds it. Data that the files do not contain are marked in the
 //! [`gaps`](Snapshot::gaps) of the snapshot.
 
 mod bodies;
 mod contacts;
 mod csv;
+mod walls;
 
 pub use bodies::BODIES;
 pub use contacts::CONTACTS;
+pub use walls::{WALLS, read_walls};
 
 use std::path::Path;
 

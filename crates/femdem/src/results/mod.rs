@@ -71,7 +71,7 @@ pub(crate) fn surface_of(shape: &Shape) -> Polyhedron {
 }
 
 /// A contact record as a row that starts from a body.
-fn row(world: &World, contact: &RigidContact) -> ContactRow {
+pub(crate) fn row(world: &World, contact: &RigidContact) -> ContactRow {
     let (body, partner, sign) = match contact.a {
         femdem_contact::Partner::Body(a) => (a, Partner::Body(contact.b), 1.0),
         femdem_contact::Partner::Wall(wall) => {

@@ -12,13 +12,14 @@ use super::{MotionEntry, Scenario, Simulation};
 use crate::{Error, toml_file};
 
 /// Keys that say how a run is written down and when it ends.
-const OF_OUTPUT: [&str; 11] = [
+const OF_OUTPUT: [&str; 12] = [
     "title",
     "duration",
     "every",
     "history-every",
     "track",
     "pictures",
+    "tables",
     "rest",
     "relax",
     "energy-error-limit",

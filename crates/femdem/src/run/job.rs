@@ -3,6 +3,7 @@
 mod advance;
 mod files;
 mod resume;
+mod tables;
 
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};

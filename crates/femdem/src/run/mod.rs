@@ -41,10 +41,12 @@ mod build;
 mod changes;
 mod contacts;
 mod ending;
+mod facts;
 mod focus;
 mod frame;
 mod geometry;
 mod history;
+mod inside;
 mod job;
 mod limits;
 mod loads;
@@ -64,6 +66,7 @@ mod select;
 mod settings;
 mod simulation;
 mod start;
+mod state;
 mod summary;
 mod support;
 mod wall;
@@ -117,6 +120,8 @@ pub struct Scenario {
     pub track: bool,
     /// Whether every frame is drawn too.
     pub pictures: bool,
+    /// Whether every frame has tables of its bodies, contacts and walls too.
+    pub tables: bool,
     /// Ends the run early once all bodies are at rest.
     pub rest: Option<RestEntry>,
     /// Brings all bodies to rest after the duration, under the forces that act then. `None`: the run ends in
@@ -166,6 +171,7 @@ impl Default for Scenario {
             history_every: None,
             track: false,
             pictures: false,
+            tables: false,
             rest: None,
             relax: None,
             gravity: None,

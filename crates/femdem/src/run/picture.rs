@@ -14,7 +14,9 @@ impl Run {
     ///
     /// [`Error::Solve`] if an element has no stress.
     pub fn picture(&self, options: &PictureOptions) -> Result<Image, Error> {
-        let place = |skins: &[Skin]| self.scenario().drawing(skins);
+        // A scene that starts from a pack need not describe its container.
+        let of_pack = || self.simulation().snapshot().ok()?.outline();
+        let place = |skins: &[Skin]| self.scenario().drawing(skins).or_else(of_pack);
         self.simulation()
             .picture_in(place, Spacing::Linear, options)
     }
