@@ -126,6 +126,8 @@ pub struct Gaps {
     pub friction: bool,
     /// The contacts have no classes; they are points.
     pub classes: bool,
+    /// The contacts are those of overlaps: their forces are nominal, above zero.
+    pub forces: bool,
 }
 
 /// Effect of the contacts on one body.

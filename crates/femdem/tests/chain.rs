@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::common::{code, fails, femdem, run, stdout, summary};
 use femdem::run::Scenario;
+use femdem::{Snapshot, results};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
@@ -79,7 +80,7 @@ fn a_pack_stays_at_rest_in_a_run() {
     assert_eq!(end["bodies"][7]["name"], "pack 7");
     assert_eq!(end["penalty"]["reason"], "that of the pack");
     let own = summary(&pack);
-    let penalty = own["contact_law"]["penalty"].as_f64().unwrap();
+    let penalty = own["contact"]["penalty"].as_f64().unwrap();
     assert_eq!(end["penalty"]["value"].as_f64().unwrap(), penalty);
     // The floor bears the weight from the row of time 0 on.
     let weight: f64 = rows(&pack.join("bodies.csv"))
@@ -143,7 +144,7 @@ fn a_scene_moves_opens_and_adds_to_the_pack() {
     let peak = |of: &Value| wall(of, "y-").unwrap()["peak_force"].as_f64().unwrap();
     let still = summary(&ran(&pack, "still", ""));
     assert!(
-        peak(&end) > 2.0 * peak(&still),
+        peak(&end) > 1.5 * peak(&still),
         "{} {}",
         peak(&end),
         peak(&still)
@@ -257,7 +258,7 @@ fn analysed(folder: &Path, options: &[&str]) -> String {
 fn apart(a: &Value, b: &Value, path: &str) -> f64 {
     let number = |of: &Value| of.pointer(path).and_then(Value::as_f64);
     let both = number(a).zip(number(b));
-    let (a, b) = both.unwrap_or_else(|| panic!("{path}: {a} {b}"));
+    let (a, b) = both.unwrap_or_else(|| panic!("{path} is missing"));
     (a / b - 1.0).abs()
 }
 
@@ -293,7 +294,7 @@ fn a_run_is_measured_as_the_pack_is() {
     for path in [
         "/density/exact",
         "/coordination/mean",
-        "/core_stress/pressure",
+        "/core_stress/stress/pressure",
     ] {
         assert!(apart(&end, &frame, path) < 1e-9, "{path}");
     }
@@ -346,4 +347,195 @@ fn a_run_is_measured_as_the_pack_is() {
         femdem("analyse").arg(&pack).args(["--frame", "1"]),
         &["--frame", "run.ckpt"],
     );
+}
+
+/// Points of all bodies in the world.
+fn points(snapshot: &Snapshot) -> Vec<[f64; 3]> {
+    let of = |body: &femdem::Body| {
+        let surface = &snapshot.shapes[body.shape as usize].polyhedron;
+        let points = surface.vertices().iter();
+        points.map(|p| (body.pose * p).into()).collect::<Vec<_>>()
+    };
+    snapshot.bodies.iter().flat_map(of).collect()
+}
+
+/// The tables of a pack place the same bodies in a scene.
+#[test]
+fn bodies_of_a_table_are_where_they_were() {
+    let (_kept, pack) = pack();
+    let own = results::snapshot(&results::SavedPack::read(&pack).unwrap().packing);
+    let text = |more: &str| {
+        format!(
+            "[material.m]\ndensity = 2560\n[[body]]\nmaterial = \"m\"\nposes = \"{}\"\n{more}",
+            pack.join("bodies.csv").display()
+        )
+    };
+    let file = pack.join("shape-P5.obj");
+    let scene = Scenario::from_toml(&text(&format!("shape = \"{}\"", file.display()))).unwrap();
+    let read = scene.build().unwrap().snapshot().unwrap();
+    let (a, b) = (points(&own), points(&read));
+    assert_eq!(a.len(), 24 * 8);
+    for (a, b) in a.iter().zip(&b) {
+        for k in 0..3 {
+            assert!((a[k] - b[k]).abs() < 1e-12, "{a:?} {b:?}");
+        }
+    }
+    for (a, b) in own.masses.iter().zip(&read.masses) {
+        assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    }
+    // Another shape at the same places.
+    let scene = Scenario::from_toml(&text("shape = \"sphere\"\ndiameter = 0.01")).unwrap();
+    let spheres = scene.build().unwrap().snapshot().unwrap();
+    for (a, b) in own.bodies.iter().zip(&spheres.bodies) {
+        assert!((a.pose.translation.vector - b.pose.translation.vector).norm() < 1e-12);
+    }
+}
+
+#[test]
+fn a_table_gives_sizes_and_velocities_too() {
+    let folder = tempdir().unwrap();
+    let table = folder.path().join("poses.csv");
+    let scene = |columns: &str, rows: &str, more: &str| {
+        fs::write(&table, format!("x,y,z,qw,qx,qy,qz{columns}\n{rows}")).unwrap();
+        let text = format!(
+            "[material.m]\ndensity = 1000\nlaw = \"neo-hookean\"\nyoung = 1e6\npoisson = 0.3\n[[body]]\nmaterial = \"m\"\nposes = \"{}\"\n{more}",
+            table.display()
+        );
+        let text = match text.contains("deformable") {
+            true => text,
+            false => text.replace("law = \"neo-hookean\"\nyoung = 1e6\npoisson = 0.3\n", ""),
+        };
+        Scenario::from_toml(&text).unwrap().build()
+    };
+    let rows = "0,0,0,1,0,0,0,0.1,0,0,0,0,2,0.02\n1,0,0,0,1,0,0,0,0.3,0,0,0,0,0.04\n2,0,0,1,0,0,0,0,0,0,0,0,0,0.02\n";
+    let made = scene(
+        ",vx,vy,vz,wx,wy,wz,D",
+        rows,
+        "shape = \"cube\"\nname = \"grain\"",
+    )
+    .unwrap();
+    let names: Vec<&str> = made.members.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["grain 1", "grain 2", "grain 3"]);
+    assert_eq!(made.world.shapes().len(), 2);
+    let mass = |k: usize| made.world.mass(made.members[k].id).unwrap();
+    // A cube of the diagonal d has the volume d³/(3 √3).
+    assert!((mass(0) / (1000.0 * 0.02_f64.powi(3) / 27_f64.sqrt()) - 1.0).abs() < 1e-9);
+    assert!((mass(1) / mass(0) - 8.0).abs() < 1e-9 && mass(2) == mass(0));
+    let moves = |k: usize| made.world.velocity(made.members[k].id).unwrap();
+    assert!((moves(0).x, moves(1).y) == (0.1, 0.3));
+    let spin = made.world.angular_velocity(made.members[0].id).unwrap();
+    assert!((spin.z - 2.0).abs() < 1e-12);
+
+    let one = "0,0,0,1,0,0,0,2\n";
+    for (columns, rows, more, words) in [
+        (
+            ",d",
+            one,
+            "shape = \"cube\"\ndiameter = 1",
+            "with a column d",
+        ),
+        (",scale", one, "shape = \"cube\"", "without a column d"),
+        (
+            ",scale",
+            one,
+            "shape = \"cube\"\nsize = 1\nbehaviour = \"deformable\"",
+            "with a column d or scale",
+        ),
+        (",d", "0,0,0,1,0,0,0,0\n", "shape = \"cube\"", "line 2"),
+        (",d", "0,0,0,2,0,0,0,1\n", "shape = \"cube\"", "length"),
+        (
+            ",n",
+            one,
+            "shape = \"cube\"\nsize = 1\nposition = [0, 0, 1]",
+            "position",
+        ),
+        (
+            ",n",
+            one,
+            "shape = \"cube\"\nsize = 1\ncopies = { count = [1, 1, 1], spacing = [1, 1, 1] }",
+            "copies",
+        ),
+        (",n", "", "shape = \"cube\"\nsize = 1", "at least one row"),
+        (
+            ",shape",
+            "0,0,0,1,0,0,0,a\n9,0,0,1,0,0,0,b\n",
+            "shape = \"cube\"\nsize = 1",
+            "several: a, b",
+        ),
+    ] {
+        let message = scene(columns, rows, more).unwrap_err().to_string();
+        assert!(message.contains(words), "{words}: {message}");
+    }
+    // Of several shapes the rows of one.
+    let rows = "0,0,0,1,0,0,0,P5\n9,0,0,1,0,0,0,b\n";
+    let made = scene(",shape", rows, "shape = \"cube\"\nsize = 1").unwrap();
+    assert_eq!(made.members.len(), 1);
+}
+
+/// Contacts that are found from the poses are those of the pack.
+#[test]
+fn contacts_are_found_as_the_pack_has_them() {
+    let (_kept, pack) = pack();
+    let own = results::snapshot(&results::SavedPack::read(&pack).unwrap().packing);
+    let mut found = Snapshot {
+        contacts: Vec::new(),
+        ..own.clone()
+    };
+    found.gaps.contacts = true;
+    results::find_contacts(&mut found).unwrap();
+    assert!(!found.gaps.contacts && found.gaps.forces);
+    let sorted = |snapshot: &Snapshot| {
+        let mut rows = snapshot.contacts.clone();
+        let key = |row: &femdem::ContactRow| (row.body, row.partner.to_string(), row.patch);
+        rows.sort_by_key(key);
+        rows
+    };
+    let (a, b) = (sorted(&own), sorted(&found));
+    assert_eq!(a.len(), b.len());
+    for (a, b) in a.iter().zip(&b) {
+        assert_eq!((a.body, &a.partner, a.class), (b.body, &b.partner, b.class));
+        assert!((a.point - b.point).norm() < 1e-9 && (a.normal - b.normal).norm() < 1e-9);
+        assert!((a.area / b.area - 1.0).abs() < 1e-6, "{a:?} {b:?}");
+    }
+
+    // The same in the program, which has files alone.
+    let elsewhere = pack.with_file_name("elsewhere");
+    fs::create_dir(&elsewhere).unwrap();
+    for name in ["bodies.csv", "shape-P5.obj"] {
+        fs::copy(pack.join(name), elsewhere.join(name)).unwrap();
+    }
+    analysed(&pack, &[]);
+    let complete = analysis(&pack);
+    let corner = |name: &str, k: usize| {
+        let path = format!("/height_profile/region/{name}/{k}");
+        complete.pointer(&path).unwrap().to_string()
+    };
+    let corners = ["min", "max"].map(|name| [0, 1, 2].map(|k| corner(name, k)).join(","));
+    let said = analysed(&elsewhere, &["--inside", &corners.join(",")]);
+    assert!(said.contains("found from their overlaps"), "{said}");
+    assert!(said.contains("do not tell the forces"), "{said}");
+    let told = analysis(&elsewhere);
+    for key in ["coordination", "rattlers"] {
+        assert_eq!(complete[key], told[key], "{key}");
+    }
+    for key in [
+        "force_distribution",
+        "fabric",
+        "classes",
+        "chains_by_weight",
+    ] {
+        assert!(told[key].is_null(), "{key}");
+    }
+    fails(
+        femdem("analyse").arg(&elsewhere).args(["--threshold", "1"]),
+        &["--threshold", "contacts.csv"],
+    );
+    fails(
+        femdem("picture")
+            .arg(&elsewhere)
+            .args(["--colour", "force"]),
+        &["force", "--colour"],
+    );
+    let output = run(femdem("report").arg(&elsewhere));
+    assert_eq!(code(&output), 0);
 }

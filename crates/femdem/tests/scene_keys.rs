@@ -49,6 +49,7 @@ fn body() -> BodyEntry {
         velocity: V,
         spin: V,
         copies: Some(copies()),
+        poses: Some(PathBuf::from("p.csv")),
         motion: Some(SHAKE),
         boundary: vec![boundary()],
     }
@@ -56,8 +57,10 @@ fn body() -> BodyEntry {
 
 fn rotation() -> RotationEntry {
     RotationEntry {
-        axis: V,
-        angle: 30.0,
+        axis: Some(V),
+        angle: Some(30.0),
+        quaternion: Some([1.0, 0.0, 0.0, 0.0]),
+        euler: Some(V),
     }
 }
 

@@ -14,10 +14,12 @@
 mod bodies;
 mod contacts;
 mod csv;
+mod poses;
 mod walls;
 
 pub use bodies::BODIES;
 pub use contacts::CONTACTS;
+pub use poses::{PoseRow, read_poses};
 pub use walls::{WALLS, read_walls};
 
 use std::path::Path;

@@ -1,11 +1,11 @@
-//! `walls.csv` and lists of poses.
+//! `walls.csv`.
 
 use std::path::Path;
 
 use femdem_mesh::Pose;
 
 use super::bodies::pose;
-use super::csv::Text;
+use super::csv::{Record, Text};
 use crate::ViewError;
 
 /// Name of the table of walls.
@@ -21,7 +21,7 @@ pub fn read_walls(path: &Path) -> Result<Vec<(String, Pose)>, ViewError> {
     let name = text.need("wall")?;
     let place = text.need_all(["x", "y", "z"])?;
     let turn = text.need_all(["qw", "qx", "qy", "qz"])?;
-    let wall = |record: super::csv::Record| {
+    let wall = |record: Record| {
         let pose = pose(&record, place, turn)?;
         Ok((record.text(name).to_owned(), pose))
     };

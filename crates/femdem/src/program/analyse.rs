@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use femdem::analysis::{BodyAxes, CoreOptions, FOLDER, JSON, TableOptions, Tables};
 use femdem::{Snapshot, results};
@@ -22,7 +22,8 @@ A run of `femdem pack` is measured from its checkpoint, and its files are writte
 is measured from
   bodies.csv                 shape,x,y,z,qw,qx,qy,qz and, if known, id and mass (kg)
   shape-NAME.obj             the surface of each shape, in m
-  contacts.csv               if known: i,j,x,y,z,nx,ny,nz,normal_force and tx,ty,tz (friction on j), class
+  contacts.csv               if known: i,j,x,y,z,nx,ny,nz,normal_force and tx,ty,tz (friction on j), class;
+                             without it contacts are found from the overlaps, and forces are not known
 
 All get
   analysis.json              all results but the long lists, and what could not be found, with the reason
@@ -118,6 +119,11 @@ pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
 }
 
 fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Tables> {
+    if snapshot.gaps.forces && args.threshold.is_some() {
+        bail!(
+            "--threshold is for forces, and there is no contacts.csv that tells them: leave it out"
+        );
+    }
     let mut core = CoreOptions::default();
     if let Some(inset) = args.core_inset {
         core.inset_over_d = inset;

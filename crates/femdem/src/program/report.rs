@@ -103,7 +103,13 @@ fn write_page(out: &Path, snapshot: &Snapshot, facts: RunFacts) -> Result<PathBu
     fs::create_dir_all(&plots)
         .with_context(|| format!("cannot make the folder {}", plots.display()))?;
     let tables = Tables::compute(snapshot, &TableOptions::default())?;
-    let report = Report::new(snapshot).with_tables(&tables).with_run(facts);
+    // Lines between the bodies would show forces that are not known.
+    let without = snapshot.gaps.forces.then(|| Snapshot {
+        contacts: Vec::new(),
+        ..snapshot.clone()
+    });
+    let shown = without.as_ref().unwrap_or(snapshot);
+    let report = Report::new(shown).with_tables(&tables).with_run(facts);
     let page = out.join(PAGE);
     let html = report.html()?;
     output::write_file(&page, |w| std::io::Write::write_all(w, html.as_bytes()))?;

@@ -11,6 +11,7 @@ use femdem::mesh::Point3;
 use femdem::run::Run;
 use femdem::{Snapshot, Usage, results};
 
+use super::complain;
 use super::folder::{self, Saved};
 
 /// Default gravity \[m/s²\].
@@ -141,6 +142,7 @@ impl Found {
         let kind = snapshot.shape_name();
         let from = match &self.origin {
             Origin::Pack(_) => return None,
+            Origin::Elsewhere if snapshot.gaps.forces => "found from their overlaps".to_owned(),
             Origin::Elsewhere => "from tables".to_owned(),
             Origin::Run(saved, frame) => {
                 let run = &saved.0;
@@ -185,8 +187,17 @@ pub(crate) fn read(folder: &Path, foreign: &ForeignArgs, frame: &FrameArgs) -> R
             gravity: foreign.gravity.unwrap_or(GRAVITY),
             container: foreign.inside.map(|inside| inside.0),
         };
+        let mut snapshot = input::read_folder(folder, &options)?;
+        if snapshot.gaps.contacts
+            && let Err(error) = results::find_contacts(&mut snapshot)
+        {
+            complain(&format!(
+                "warning: there is no {}, and contacts were not found from the bodies: {error}",
+                input::CONTACTS
+            ));
+        }
         return Ok(Found {
-            snapshot: input::read_folder(folder, &options)?,
+            snapshot,
             origin: Origin::Elsewhere,
             folder: own,
         });

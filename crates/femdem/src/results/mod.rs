@@ -5,6 +5,7 @@ mod display;
 mod facts;
 mod parts;
 mod saved;
+mod search;
 mod summary;
 
 use std::path::Path;
@@ -17,6 +18,7 @@ use femdem_solve::{Shape, World};
 pub use facts::run_facts;
 pub use parts::{ContainerSummary, ShapeSummary};
 pub use saved::{PACK_CHECKPOINT, SavedPack, save};
+pub use search::find_contacts;
 pub use summary::{
     ContactLawSummary, CoordinationSummary, Core, DensitySummary, EnergySummary,
     PenetrationSummary, ResidualSummary, SCHEMA, Summary, Usage,

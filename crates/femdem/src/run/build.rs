@@ -1,18 +1,19 @@
 //! From a scenario to a world.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use femdem_contact::{BodyId, Field, MaterialId};
 use femdem_fem::{Boundary, DeformableModel, MaterialRegion};
 use femdem_mesh::{Pose, TetMesh, Vector3};
 use femdem_solve::{
-    BodySpec, ContactStiffness, DeformableSpec, SolveError, World, WorldParameters,
+    BodySpec, ContactStiffness, DeformableSpec, ShapeId, SolveError, World, WorldParameters,
 };
 
 use super::geometry::Geometry;
 use super::loads::Loads;
 use super::names::{Names, check_names};
 use super::origin::OF_PACK;
+use super::places::Place;
 use super::start::is_pack;
 use super::words::KEYS;
 use super::{
@@ -316,14 +317,16 @@ impl Simulation {
         name: &str,
         geometry: &Geometry,
     ) -> Result<(), Error> {
+        let places = entry.places(geometry)?;
         let ids = match (entry.behaviour, &geometry.mesh) {
             (Behaviour::Deformable, Some(mesh)) => {
                 let factor = geometry.density_factor();
-                self.add_deformable(scenario, entry, name, (mesh, factor))?
+                self.add_deformable(scenario, entry, name, (mesh, factor), &places)?
             }
-            _ => self.add_rigid(scenario, entry, name, geometry)?,
+            _ => self.add_rigid(scenario, entry, name, geometry, &places)?,
         };
-        let copies = entry.copies.is_some();
+        self.origin.members.push(ids.len());
+        let copies = entry.copies.is_some() || entry.poses.is_some();
         let member = |(number, (id, placed))| Member {
             name: if copies {
                 format!("{name} {number}")
@@ -343,35 +346,47 @@ impl Simulation {
         entry: &BodyEntry,
         name: &str,
         geometry: &Geometry,
+        places: &[Place],
     ) -> Result<Vec<(BodyId, Pose)>, Error> {
-        let Geometry { surface, mesh, .. } = geometry;
         let density = scenario.material(&entry.material)?.density()?;
         let material = scenario.material_id(&entry.material)?;
-        let shape = match mesh {
-            Some(mesh) if !surface.is_convex() => {
-                self.world
-                    .add_mesh_shape(name, surface, mesh, Field::Body)?
-            }
-            _ if geometry.is_ball => self.world.add_sphere(name, surface.bounding_radius())?,
-            _ => self.world.add_shape(name, surface)?,
-        };
+        let mut shapes = BTreeMap::new();
         let mut ids = Vec::new();
-        for pose in entry.poses()? {
+        for place in places {
+            let size = place.scale.to_bits();
+            let shape = match shapes.get(&size) {
+                Some(shape) => *shape,
+                None if place.scale == 1.0 => self.add_shape(name, geometry)?,
+                None => self.add_shape(name, &geometry.scaled(place.scale)?)?,
+            };
+            shapes.insert(size, shape);
             let spec = BodySpec {
                 shape,
                 density,
-                pose,
-                velocity: Vector3::from(entry.velocity),
-                angular_velocity: Vector3::from(entry.spin),
+                pose: place.pose,
+                velocity: place.velocity,
+                angular_velocity: place.spin,
                 material,
             };
             let id = match entry.motion {
                 Some(motion) => self.world.add_driven_body(spec, motion.drive())?,
                 None => self.world.add_body(spec)?,
             };
-            ids.push((id, pose));
+            ids.push((id, place.pose));
         }
         Ok(ids)
+    }
+
+    fn add_shape(&mut self, name: &str, geometry: &Geometry) -> Result<ShapeId, Error> {
+        let Geometry { surface, mesh, .. } = geometry;
+        Ok(match mesh {
+            Some(mesh) if !surface.is_convex() => {
+                self.world
+                    .add_mesh_shape(name, surface, mesh, Field::Body)?
+            }
+            _ if geometry.is_ball => self.world.add_sphere(name, surface.bounding_radius())?,
+            _ => self.world.add_shape(name, surface)?,
+        })
     }
 
     fn add_deformable(
@@ -380,6 +395,7 @@ impl Simulation {
         entry: &BodyEntry,
         name: &str,
         (mesh, density_factor): (&TetMesh, f64),
+        places: &[Place],
     ) -> Result<Vec<(BodyId, Pose)>, Error> {
         let (mut regions, region_of) = scenario.regions(entry, mesh)?;
         let material = scenario.material_id(&entry.material)?;
@@ -406,7 +422,7 @@ impl Simulation {
         let stiffness = ContactStiffness::Ratio(ratio);
         let model = self.world.add_model(name, model, stiffness)?;
         let mut ids = Vec::new();
-        for (copy, pose) in entry.poses()?.into_iter().enumerate() {
+        for (copy, place) in places.iter().enumerate() {
             let of_copy = supports.iter().cloned();
             self.supports.extend(of_copy.map(|support| Support {
                 member: support.member + copy,
@@ -414,16 +430,16 @@ impl Simulation {
             }));
             let id = self.world.add_deformable(DeformableSpec {
                 model,
-                pose,
-                velocity: Vector3::from(entry.velocity),
-                angular_velocity: Vector3::from(entry.spin),
+                pose: place.pose,
+                velocity: place.velocity,
+                angular_velocity: place.spin,
                 boundary: boundary.clone(),
                 material,
             })?;
             if entry.self_contact == Some(false) {
                 self.world.set_self_contact(id, false)?;
             }
-            ids.push((id, pose));
+            ids.push((id, place.pose));
         }
         Ok(ids)
     }

@@ -227,8 +227,9 @@ impl Simulation {
     ) -> Result<Vec<(BodyId, Option<MotionEntry>)>, Error> {
         let own = self.members.iter().skip(self.origin.bodies);
         let (mut found, mut members) = (Vec::new(), own);
-        for (old, new) in old.body.iter().zip(&new.body) {
-            for member in members.by_ref().take(new.poses()?.len()) {
+        let entries = old.body.iter().zip(&new.body);
+        for ((old, new), &count) in entries.zip(&self.origin.members) {
+            for member in members.by_ref().take(count) {
                 let is_rigid = self.world.deformable(member.id).is_none();
                 if is_rigid && old.motion != new.motion {
                     found.push((member.id, new.motion));

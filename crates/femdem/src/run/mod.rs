@@ -58,8 +58,10 @@ mod overlap;
 mod pair;
 mod penalty;
 mod picture;
+mod places;
 mod relaxation;
 mod rest;
+mod rotation;
 mod rows;
 mod saved;
 mod select;
@@ -78,7 +80,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-pub use body::{Behaviour, BodyEntry, Copies, FocusEntry, RotationEntry};
+pub use body::{Behaviour, BodyEntry, Copies, FocusEntry};
 pub use boundary::BoundaryEntry;
 pub use contacts::{ContactForces, ContactLine, Side};
 pub use ending::Ending;
@@ -92,6 +94,7 @@ pub use pair::PairEntry;
 pub use penalty::{ExpectedDepth, Forecast};
 pub use relaxation::{RelaxEntry, RelaxSummary};
 pub use rest::RestSummary;
+pub use rotation::RotationEntry;
 pub use saved::RUN_CHECKPOINT;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};

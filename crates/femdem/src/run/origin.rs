@@ -20,6 +20,8 @@ pub struct Origin {
     pub container: Vec<u32>,
     /// Walls in the world of each `[[wall]]` of the scene: its own, or the wall of the pack of that name.
     pub walls: Vec<Vec<u32>>,
+    /// Number of bodies of each `[[body]]` of the scene.
+    pub members: Vec<usize>,
 }
 
 /// Why a penalty has its value.
@@ -138,7 +140,7 @@ impl Simulation {
             origin: Origin {
                 bodies: members.len(),
                 container: world.walls().map(|(wall, _)| wall).collect(),
-                walls: Vec::new(),
+                ..Origin::default()
             },
             members,
             ..Self::empty(world)
@@ -160,8 +162,9 @@ impl Simulation {
         Ok(Self {
             members: self.members[..self.origin.bodies].to_vec(),
             origin: Origin {
-                walls: Vec::new(),
-                ..self.origin.clone()
+                bodies: self.origin.bodies,
+                container: self.origin.container.clone(),
+                ..Origin::default()
             },
             ..Self::empty(world)
         })
