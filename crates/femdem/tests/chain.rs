@@ -539,3 +539,82 @@ fn contacts_are_found_as_the_pack_has_them() {
     let output = run(femdem("report").arg(&elsewhere));
     assert_eq!(code(&output), 0);
 }
+
+/// A deformable body is in the tables with its skin.
+#[test]
+fn deformable_bodies_are_measured_by_their_skins() {
+    let folder = tempdir().unwrap();
+    let file = folder.path().join("scene.toml");
+    let out = folder.path().join("run");
+    fs::write(
+        &file,
+        r#"
+        duration = 0.01
+        every = 0.005
+        tables = true
+        [material.rubber]
+        density = 1000
+        law = "neo-hookean"
+        young = 1e5
+        poisson = 0.3
+        [material.steel]
+        density = 7800
+        [[wall]]
+        name = "floor"
+        plane = { normal = [0, 0, 1] }
+        [[body]]
+        name = "pad"
+        block = [2, 2, 2]
+        sides = [0.1, 0.1, 0.1]
+        material = "rubber"
+        behaviour = "deformable"
+        position = [0, 0, 0.05]
+        [[body]]
+        name = "ball"
+        shape = "sphere"
+        diameter = 0.05
+        material = "steel"
+        position = [0, 0, 0.126]
+        velocity = [0, 0, -1]
+        "#,
+    )
+    .unwrap();
+    let output = run(femdem("run").arg(&file).arg("--out").arg(&out));
+    assert_eq!(
+        code(&output),
+        0,
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let said = analysed(&out, &["--frame", "2"]);
+    assert!(said.contains("2 bodies mixed"), "{said}");
+    let told = analysis(&out.join("frames/00002"));
+    // The classes of its contacts are not known.
+    let missing = told["missing"].as_array().unwrap();
+    assert!(
+        missing.iter().any(|m| m["table"] == "rattlers"),
+        "{missing:?}"
+    );
+    // Compressed, but no more than a ball at 1 m/s can.
+    let volume = |frame: &str| {
+        let path = out.join(format!("frames/{frame}/shape-pad.obj"));
+        let skin = femdem::mesh::io::read_file(path).unwrap();
+        skin.mass_properties().volume
+    };
+    assert!((volume("00000") / 1e-3 - 1.0).abs() < 1e-9);
+    assert!(
+        (0.9..1.0).contains(&(volume("00002") / 1e-3)),
+        "{}",
+        volume("00002")
+    );
+    let contacts = rows(&out.join("frames/00002/contacts.csv"));
+    let pairs: Vec<String> = contacts
+        .iter()
+        .map(|row| format!("{} {}", row[0], row[1]))
+        .collect();
+    assert_eq!(pairs.len(), 2, "{pairs:?}");
+    assert!(pairs.contains(&"0 floor".to_owned()), "{pairs:?}");
+    let walls = rows(&out.join("frames/00002/walls.csv"));
+    assert_eq!(walls[0][..5], ["floor", "0", "0", "0", "1"]);
+    assert!(walls[0][10].parse::<f64>().unwrap() < -1.0, "{walls:?}");
+}

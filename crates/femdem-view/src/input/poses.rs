@@ -69,3 +69,49 @@ fn size(record: &Record, column: Option<Column>) -> Result<Option<f64>, ViewErro
     }
     Ok(Some(size))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Vec<PoseRow>, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("poses.csv");
+        std::fs::write(&path, text).unwrap();
+        read_poses(&path).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn columns_that_are_there_are_read() {
+        let rows = read("qx,qw,qy,qz,z,y,x\n0,1,0,0,3,2,1\n").unwrap();
+        let row = &rows[0];
+        let place: [f64; 3] = row.pose.translation.vector.into();
+        assert_eq!(place, [1.0, 2.0, 3.0]);
+        assert_eq!(row.pose.rotation.w, 1.0);
+        let none = (&row.shape, row.velocity, row.spin, row.diameter, row.scale);
+        assert_eq!(none, (&None, None, None, None, None));
+        let rows = read("x,y,z,qw,qx,qy,qz,shape,d,vx,vy,vz\n0,0,0,0,1,0,0,a,0.5,1,2,3\n").unwrap();
+        assert_eq!(rows[0].shape.as_deref(), Some("a"));
+        assert_eq!(rows[0].diameter, Some(0.5));
+        assert_eq!(rows[0].velocity, Some(Vector3::new(1.0, 2.0, 3.0)));
+    }
+
+    #[test]
+    fn faults_are_named() {
+        for (text, words) in [
+            ("x,y,z\n0,0,0\n", "no column `qw`"),
+            (
+                "x,y,z,qw,qx,qy,qz,d\n0,0,0,1,0,0,0,-1\n",
+                "line 2: a size of -1",
+            ),
+            (
+                "x,y,z,qw,qx,qy,qz,d,scale\n0,0,0,1,0,0,0,1,1\n",
+                "both d and scale",
+            ),
+            ("x,y,z,qw,qx,qy,qz\n0,0,0,1,1,0,0\n", "length"),
+        ] {
+            let message = read(text).unwrap_err();
+            assert!(message.contains(words), "{message}");
+        }
+    }
+}

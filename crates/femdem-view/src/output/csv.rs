@@ -154,6 +154,14 @@ mod tests {
     }
 
     #[test]
+    fn classes_that_are_not_known_are_empty() {
+        let mut snapshot = two_cubes();
+        snapshot.gaps.classes = true;
+        let rows = text(|w| write_contacts(&snapshot, w));
+        assert_eq!([&rows[1][11], &rows[2][11]], ["", ""]);
+    }
+
+    #[test]
     fn names_with_commas_are_quoted() {
         assert_eq!(quoted("a,\"b\""), "\"a,\"\"b\"\"\"");
         assert_eq!(quoted("x-"), "x-");

@@ -64,7 +64,7 @@ pub(crate) fn forget_other_jobs(folder: &Path, own: &str) -> Result<()> {
     Ok(())
 }
 
-/// Names the results in a folder that show the pack as it was when it was interrupted.
+/// Names the results in a folder that show the bodies as they were before the job goes on.
 pub(crate) fn warn_of_old_results(folder: &Path, page_follows: bool) {
     let kept = |name: &str| {
         let is_made_anew = page_follows && name == "report.html";
@@ -74,7 +74,7 @@ pub(crate) fn warn_of_old_results(folder: &Path, page_follows: bool) {
     old.retain(|name| kept(name));
     if !old.is_empty() {
         super::complain(&format!(
-            "{} in {} stay as they are, of the unfinished pack: make them again after this",
+            "{} in {} stay as they are, of the state so far: make them again after this",
             old.join(", "),
             folder.display()
         ));
