@@ -108,7 +108,7 @@ fn a_run_leaves_every_file() {
     // As a pack: by other colours, and measured.
     let picture = run(femdem("picture")
         .arg(&out)
-        .args(["--colour", "force", "--size", "64x48", "--out"])
+        .args(["--colour", "orientation", "--size", "64x48", "--out"])
         .arg(&drawn));
     assert_eq!(code(&picture), 0, "{picture:?}");
     let measured = folder.path().join("measured");

@@ -12,7 +12,7 @@ use femdem_solve::{
 use super::geometry::Geometry;
 use super::loads::Loads;
 use super::names::{Names, check_names};
-use super::origin::OF_PACK;
+use super::of_pack::OF_PACK;
 use super::places::Place;
 use super::start::is_pack;
 use super::words::KEYS;

@@ -53,6 +53,7 @@ mod loads;
 mod material;
 mod motion;
 mod names;
+mod of_pack;
 mod origin;
 mod overlap;
 mod pair;
