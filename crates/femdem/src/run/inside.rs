@@ -47,9 +47,10 @@ pub(super) fn inside<'a>(
             } else {
                 high[k] = high[k].min(-offset);
             }
-        } else if let (Some((_, radius)), true) = (mantle, normal.z > EXACT) {
+        } else if let (Some(([x, y], radius)), true) = (mantle, normal.z > EXACT) {
             // A plane of a cone meets the mantle at this height.
-            floor = floor.max((offset + normal.xy().norm() * radius) / normal.z);
+            let on_axis = offset - normal.x * x - normal.y * y;
+            floor = floor.max((on_axis + normal.xy().norm() * radius) / normal.z);
         } else {
             return None;
         }
