@@ -87,7 +87,12 @@ impl Colouring {
         cells: Option<&SetVoronoi>,
     ) -> Result<Option<BodyValues>, ViewError> {
         snapshot.check()?;
-        if matches!(self, Self::Force | Self::Coordination) && snapshot.contacts.is_empty() {
+        let unknown = match self {
+            Self::Force => snapshot.contacts.is_empty() || snapshot.gaps.forces,
+            Self::Coordination => snapshot.contacts.is_empty(),
+            _ => false,
+        };
+        if unknown {
             return Ok(None);
         }
         Ok(match self {

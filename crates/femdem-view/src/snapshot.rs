@@ -117,7 +117,7 @@ pub struct Snapshot {
 }
 
 /// Data that the source of a snapshot did not contain: the fields hold placeholders that no result may depend
-/// on. All `false` for a snapshot of a simulation.
+/// on. All `false` for a snapshot of a simulation of rigid bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gaps {
     /// There is no list of contacts.
@@ -126,6 +126,8 @@ pub struct Gaps {
     pub friction: bool,
     /// The contacts have no classes; they are points.
     pub classes: bool,
+    /// The contacts are those of overlaps: their forces are nominal, above zero.
+    pub forces: bool,
 }
 
 /// Effect of the contacts on one body.

@@ -2,6 +2,7 @@
 
 mod analyse;
 mod balance;
+mod chain;
 mod common;
 mod contact_class;
 mod pores;

@@ -193,18 +193,19 @@ fn what_the_tables_do_not_tell_is_said() {
     }
     assert!(found["force_distribution"].is_object() && found["coordination"].is_object());
 
-    // No contacts: poses alone.
+    // No contacts: those that the overlaps show, without forces.
     fs::remove_file(folder.join("contacts.csv")).unwrap();
     let (text, found) = analyse(&["--inside", "cylinder:0,0,0.2,0,0.2"]);
     assert!(text.contains("give contacts.csv"));
-    assert!(found["coordination"].is_null() && found["height_profile"].is_object());
+    assert!(found["coordination"].is_object() && found["height_profile"].is_object());
+    assert!(found["force_distribution"].is_null());
     let rows = fs::read_to_string(folder.join("analysis/bodies.csv")).unwrap();
-    // Nothing but the local density is known of a body.
+    // No force is known of a body.
     let fields: Vec<&str> = rows.lines().nth(1).unwrap().split(',').collect();
     let known: Vec<usize> = (0..fields.len())
         .filter(|k| !fields[*k].is_empty())
         .collect();
-    assert_eq!((known, fields[0]), (vec![0, 4], "0"));
+    assert_eq!((known, fields[0]), (vec![0, 1, 2, 3, 4], "0"));
 }
 
 #[test]

@@ -105,9 +105,21 @@ fn a_run_leaves_every_file() {
         .arg(&drawn));
     assert_eq!(code(&picture), 0, "{picture:?}");
     assert!(fs::read(&drawn).unwrap().starts_with(b"\x89PNG"));
+    // As a pack: by other colours, and measured.
+    let picture = run(femdem("picture")
+        .arg(&out)
+        .args(["--colour", "orientation", "--size", "64x48", "--out"])
+        .arg(&drawn));
+    assert_eq!(code(&picture), 0, "{picture:?}");
+    let measured = folder.path().join("measured");
+    let analysed = run(femdem("analyse").arg(&out).arg("--out").arg(&measured));
+    assert_eq!(code(&analysed), 0, "{analysed:?}");
+    let told = fs::read_to_string(measured.join("analysis.json")).unwrap();
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    assert_eq!(told["bodies"], 3);
     fails(
-        femdem("picture").arg(&out).args(["--colour", "force"]),
-        &["--colour", "coloured by its stresses"],
+        femdem("analyse").arg(&out).args(["--frame", "2"]),
+        &["frame 2", "tables = true"],
     );
     let soft = fs::read_to_string(out.join("frames/deformable-00006.vtu")).unwrap();
     assert!(soft.contains("NumberOfPoints=\"27\" NumberOfCells=\"48\""));

@@ -50,6 +50,7 @@ fn body() -> BodyEntry {
         velocity: V,
         spin: V,
         copies: Some(copies()),
+        poses: Some(PathBuf::from("p.csv")),
         motion: Some(SHAKE),
         boundary: vec![boundary()],
     }
@@ -57,8 +58,10 @@ fn body() -> BodyEntry {
 
 fn rotation() -> RotationEntry {
     RotationEntry {
-        axis: V,
-        angle: 30.0,
+        axis: Some(V),
+        angle: Some(30.0),
+        quaternion: Some([1.0, 0.0, 0.0, 0.0]),
+        euler: Some(V),
     }
 }
 
@@ -217,9 +220,10 @@ fn scenario() -> Scenario {
         history_every: Some(1.0),
         track: true,
         pictures: true,
+        tables: true,
         rest: Some(rest()),
         relax: Some(RelaxEntry::default()),
-        gravity: V,
+        gravity: Some(V),
         contact: ContactEntry::default(),
         pair: vec![pair()],
         time_step: step(),
@@ -231,6 +235,7 @@ fn scenario() -> Scenario {
         wall: vec![wall()],
         body: vec![body()],
         from: Some(PathBuf::from("f")),
+        remove: vec!["x+".to_owned()],
         out: PathBuf::from("o"),
         threads: Some(1),
         checkpoint_every: 1.0,

@@ -127,7 +127,7 @@ fn pairs_change_in_a_run() {
     job.advance(folder.path(), 50).unwrap();
     let mut new = scene("friction = 0.1\n", "friction = 0.7\n");
     new.pair.truncate(2);
-    new.contact.damping = 0.4;
+    new.contact.damping = Some(0.4);
     let changed = job.apply(new).unwrap();
     let named = |word: &str| changed.iter().any(|name| name.contains(word));
     assert!(named("[[pair]]") && named("contact.damping"), "{changed:?}");

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use femdem_mesh::nalgebra::{Quaternion, Translation3};
 use femdem_mesh::{Pose, Rotation, io};
 
-use super::csv::{Record, Text};
+use super::csv::{Column, Record, Text};
 use crate::output::surface::{distinct_file_name, shape_file_name};
 use crate::{Body, NamedShape, Snapshot, ViewError};
 
@@ -50,16 +50,16 @@ pub(super) fn read(folder: &Path, density: Option<f64>) -> Result<Posed, ViewErr
                 shape
             }
         };
-        let [x, y, z] = record.numbers(place)?;
-        if let Some(other) = taken.insert((shape, [x, y, z].map(f64::to_bits)), index) {
+        let pose = pose(&record, place, turn)?;
+        let bits = <[f64; 3]>::from(pose.translation.vector).map(f64::to_bits);
+        if let Some(other) = taken.insert((shape, bits), index) {
             let what =
                 format!("the body has the shape and the place of row {other}, counted from 0");
             return Err(record.refuse(what));
         }
-        let rotation = rotation(&record, record.numbers(turn)?)?;
         snapshot.bodies.push(Body {
             shape,
-            pose: Pose::from_parts(Translation3::new(x, y, z), rotation),
+            pose,
             sequence: sequence.map_or(Ok(index), |column| record.whole(column))?,
             sleeping: sleeping.is_some_and(|column| record.text(column) == "1"),
         });
@@ -91,6 +91,17 @@ pub(super) fn read(folder: &Path, density: Option<f64>) -> Result<Posed, ViewErr
     Ok(Posed { snapshot, index_of })
 }
 
+/// The pose in a row.
+pub(super) fn pose(
+    record: &Record,
+    place: [Column; 3],
+    turn: [Column; 4],
+) -> Result<Pose, ViewError> {
+    let [x, y, z] = record.numbers(place)?;
+    let rotation = rotation(record, record.numbers(turn)?)?;
+    Ok(Pose::from_parts(Translation3::new(x, y, z), rotation))
+}
+
 fn rotation(record: &Record, [w, x, y, z]: [f64; 4]) -> Result<Rotation, ViewError> {
     let quaternion = Quaternion::new(w, x, y, z);
     let length = quaternion.norm();
@@ -113,9 +124,11 @@ fn read_shape(folder: &Path, name: &str, record: &Record) -> Result<NamedShape, 
         name.to_owned(),
     ];
     candidates.dedup();
-    let path = candidates
-        .iter()
-        .map(|file| folder.join(file))
+    let folders = [Some(folder), folder.parent()];
+    let path = folders
+        .into_iter()
+        .flatten()
+        .flat_map(|folder| candidates.iter().map(|file| folder.join(file)))
         .find(|path: &PathBuf| !name.is_empty() && path.is_file());
     let Some(path) = path else {
         return Err(record.refuse(format!(

@@ -39,7 +39,9 @@ pub(super) fn read(path: &Path, pack: &mut Posed) -> Result<(), ViewError> {
         patch: text.find("patch"),
     };
     let gaps = &mut pack.snapshot.gaps;
-    gaps.classes = optional.class.is_none();
+    let is_told = |column| text.records().all(|record| !record.text(column).is_empty());
+    let class = optional.class.filter(|column| is_told(*column));
+    gaps.classes = class.is_none();
     gaps.friction = optional.friction.is_none();
     // Zero friction needs no direction.
     if let (None, Some(size)) = (optional.friction, optional.friction_size) {
@@ -61,7 +63,7 @@ pub(super) fn read(path: &Path, pack: &mut Posed) -> Result<(), ViewError> {
             moment: vector(&record, optional.moment)?,
             area: or_zero(&record, optional.area)?,
             volume: or_zero(&record, optional.volume)?,
-            class: class(&record, optional.class)?,
+            class: class_of(&record, class)?,
             patch: optional
                 .patch
                 .map_or(Ok(0), |column| record.whole(column))?,
@@ -118,7 +120,8 @@ fn or_zero(record: &Record, column: Option<Column>) -> Result<f64, ViewError> {
     column.map_or(Ok(0.0), |column| record.number(column))
 }
 
-fn class(record: &Record, column: Option<Column>) -> Result<ContactClass, ViewError> {
+/// The class, where all rows have one.
+fn class_of(record: &Record, column: Option<Column>) -> Result<ContactClass, ViewError> {
     let Some(column) = column else {
         return Ok(ContactClass::Point);
     };

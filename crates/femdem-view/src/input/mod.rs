@@ -4,19 +4,25 @@
 //! |---|---|---|
 //! | `bodies.csv` | `shape`, `x`, `y`, `z`, `qw`, `qx`, `qy`, `qz` | `id`, `mass`, `sequence`, `sleeping` |
 //! | `contacts.csv` | `i`, `j`, `x`, `y`, `z`, `nx`, `ny`, `nz`, `normal_force` | `tx`, `ty`, `tz`, `mx`, `my`, `mz`, `tangential_force`, `area`, `volume`, `class`, `patch` |
+//! | `walls.csv` of a frame of a run ([`read_walls`]) | `wall`, `x`, `y`, `z`, `qw`, `qx`, `qy`, `qz` | |
+//! | any table of poses ([`read_poses`]) | `x`, `y`, `z`, `qw`, `qx`, `qy`, `qz` | `shape`, `vx`, `vy`, `vz`, `wx`, `wy`, `wz`, `d` or `scale` |
 //!
 //! The columns have the meaning that [`output::csv`](crate::output::csv) states, in SI units and in any order;
 //! others are ignored. The shape `NAME` is read from `shape-NAME.obj` (see
 //! [`shape_file_names`](crate::output::surface::shape_file_names)), `NAME.obj`, or `NAME` itself if it is the
-//! name of a surface file (OBJ, STL, OFF, PLY). Data that the files do not contain are marked in the
-//! [`gaps`](Snapshot::gaps) of the snapshot.
+//! name of a surface file (OBJ, STL, OFF, PLY), in the folder or else in the one that holds it. Data that the files do
+//! not contain are marked in the [`gaps`](Snapshot::gaps) of the snapshot.
 
 mod bodies;
 mod contacts;
 mod csv;
+mod poses;
+mod walls;
 
 pub use bodies::BODIES;
 pub use contacts::CONTACTS;
+pub use poses::{PoseRow, read_poses};
+pub use walls::{WALLS, read_walls};
 
 use std::path::Path;
 

@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use femdem_analysis::ContactClass;
+
 use crate::{Partner, Snapshot, ViewError};
 
 /// Header of `bodies.csv`.
@@ -53,7 +55,7 @@ pub fn write_bodies(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<(
 /// `i` is a body, `j` a body or the name of a wall. `x, y, z` \[m\] is the centre of pressure, `nx, ny, nz` the
 /// unit normal from `i` to `j`. The forces \[N\] are magnitudes, the normal one positive when it pushes the two
 /// apart; `area` is in m²; `class` is face-face, edge-face or point (see
-/// [`ContactClass`](femdem_analysis::ContactClass)); `patch` numbers the patches of a pair, from 0; `volume` is that of
+/// [`ContactClass`]), empty if unknown; `patch` numbers the patches of a pair, from 0; `volume` is that of
 /// the overlap in m³. `tx, ty, tz` \[N\] is the friction force on `j`, and `mx, my, mz` \[N m\] the moment on
 /// it about the centre of pressure.
 ///
@@ -63,6 +65,8 @@ pub fn write_bodies(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<(
 pub fn write_contacts(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<()> {
     snapshot.check().map_err(invalid)?;
     writeln!(writer, "{CONTACT_COLUMNS}")?;
+    let unknown = snapshot.gaps.classes;
+    let class = |class: ContactClass| if unknown { "" } else { class.name() };
     for row in &snapshot.contacts {
         let partner = match &row.partner {
             Partner::Body(body) => body.to_string(),
@@ -82,7 +86,7 @@ pub fn write_contacts(snapshot: &Snapshot, mut writer: impl Write) -> io::Result
             row.normal_force,
             row.friction.norm(),
             row.area,
-            row.class.name(),
+            class(row.class),
             row.patch,
             row.volume,
             row.friction.x,
@@ -147,6 +151,14 @@ mod tests {
         assert_eq!(rows[2][9].parse::<f64>().unwrap(), 5.0);
         assert_eq!(rows[1][11..14], ["face-face", "0", "0.001"]);
         assert_eq!(rows[2][14..], ["5", "0", "0", "0", "0", "0"]);
+    }
+
+    #[test]
+    fn classes_that_are_not_known_are_empty() {
+        let mut snapshot = two_cubes();
+        snapshot.gaps.classes = true;
+        let rows = text(|w| write_contacts(&snapshot, w));
+        assert_eq!([&rows[1][11], &rows[2][11]], ["", ""]);
     }
 
     #[test]

@@ -15,14 +15,11 @@ const CUTS: u32 = 20;
 
 const NO_CONTACTS: &str = "there is no list of contacts; give contacts.csv";
 
-/// Tables that need normal forces.
-const NORMAL_TABLES: [&str; 5] = [
-    "classes",
-    "rattlers",
-    "force_distribution",
-    "threshold_curve",
-    "fabric",
-];
+const NO_FORCES: &str = "the contacts were found from the overlaps of the bodies, which do not tell the forces; give contacts.csv";
+
+/// Tables that need contacts with classes, and tables that need normal forces.
+const RATTLERS: &str = "rattlers";
+const NORMAL_TABLES: [&str; 4] = ["classes", "force_distribution", "threshold_curve", "fabric"];
 
 /// Tables that need whole contact forces.
 const FORCE_TABLES: [&str; 4] = [
@@ -76,6 +73,7 @@ impl Tables {
         network: &ForceNetwork,
     ) -> Result<(), ViewError> {
         if snapshot.gaps.contacts {
+            self.miss(&[RATTLERS], NO_CONTACTS);
             self.miss(&NORMAL_TABLES, NO_CONTACTS);
             self.miss_forces(NO_CONTACTS);
             return Ok(());
@@ -85,6 +83,12 @@ impl Tables {
         if self.core_coordination.is_some() {
             let region = self.core.as_ref().map(|core| &core.region);
             self.core_mean_coordination = Some(mean_coordination(network, region, bootstrap)?);
+        }
+        if snapshot.gaps.forces {
+            self.rattlers = Some(rattlers(network, self.options.support)?);
+            self.miss(&NORMAL_TABLES, NO_FORCES);
+            self.miss_forces(NO_FORCES);
+            return Ok(());
         }
         self.add_normal_forces(snapshot, network)?;
         if snapshot.gaps.friction {

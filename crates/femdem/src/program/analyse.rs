@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use femdem::analysis::{BodyAxes, CoreOptions, FOLDER, JSON, TableOptions, Tables};
 use femdem::{Snapshot, results};
@@ -11,19 +11,21 @@ use femdem::{Snapshot, results};
 use super::job::report;
 use super::running::{Outcome, in_pool};
 use super::say;
-use super::source::{self, ForeignArgs};
+use super::source::{self, ForeignArgs, Found, FrameArgs, Origin};
 
 /// Smallest extent of the core that a given inset must leave, in d.
 const SMALLEST_CORE: f64 = 0.5;
 
 pub(crate) const HELP: &str = "\
-A run of `femdem pack` is measured from its checkpoint, and its files are written again. A pack from
-elsewhere is measured from
+A run of `femdem pack` is measured from its checkpoint, and its files are written again. Of a run of
+`femdem run` the end is measured, from its checkpoint, or a frame that has tables. A pack from elsewhere
+is measured from
   bodies.csv                 shape,x,y,z,qw,qx,qy,qz and, if known, id and mass (kg)
   shape-NAME.obj             the surface of each shape, in m
-  contacts.csv               if known: i,j,x,y,z,nx,ny,nz,normal_force and tx,ty,tz (friction on j), class
+  contacts.csv               if known: i,j,x,y,z,nx,ny,nz,normal_force and tx,ty,tz (friction on j), class;
+                             without it contacts are found from the overlaps, and forces are not known
 
-Both get
+All get
   analysis.json              all results but the long lists, and what could not be found, with the reason
   analysis/*.csv             the tables; docs/analysis.md has their columns
   analysis/density-map.vti   local packing density, for ParaView";
@@ -31,7 +33,7 @@ Both get
 /// Options of `femdem analyse`.
 #[derive(Debug, Args)]
 pub(crate) struct AnalyseArgs {
-    /// Folder of a run, which holds pack.ckpt, or of a pack from elsewhere, which holds bodies.csv
+    /// Folder of a run, which holds pack.ckpt or run.ckpt, or of a pack from elsewhere, which holds bodies.csv
     pub folder: PathBuf,
 
     /// Normal force in N above which two bodies count as touching [default: 0]
@@ -48,9 +50,12 @@ pub(crate) struct AnalyseArgs {
     #[arg(long, value_name = "X")]
     pub core_inset: Option<f64>,
 
-    /// Folder for analysis.json and the tables [default: the folder of the pack]
+    /// Folder for analysis.json and the tables [default: the folder of the pack, or of the tables of the frame]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub frame: FrameArgs,
 
     #[command(flatten)]
     pub foreign: ForeignArgs,
@@ -99,24 +104,26 @@ fn directions(text: &str) -> Option<Vec<[f64; 3]>> {
 
 pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
-        let (snapshot, saved) = source::read(&args.folder, &args.foreign)?;
+        let found = source::read(&args.folder, &args.foreign, &args.frame)?;
         // Options that cannot be met are refused before any file is written.
-        let tables = tables(args, &snapshot)?;
-        if let Some(saved) = saved {
+        let tables = tables(args, &found.snapshot)?;
+        if let Origin::Pack(saved) = &found.origin {
             let summary = results::write(&args.folder, &saved.packing, &saved.usage)?;
             report(&summary, &saved.packing, &args.folder, args.quiet)?;
-        } else if !args.quiet {
-            let (bodies, contacts) = (snapshot.bodies.len(), snapshot.contacts.len());
-            let kind = snapshot.shape_name();
-            say(&format!(
-                "{bodies} bodies {kind} with {contacts} contacts, from tables"
-            ));
         }
-        write(args, &tables, &snapshot)
+        if let Some(lead) = found.lead().filter(|_| !args.quiet) {
+            say(&lead);
+        }
+        write(args, &tables, &found)
     })
 }
 
 fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Tables> {
+    if snapshot.gaps.forces && args.threshold.is_some() {
+        bail!(
+            "--threshold is for forces, and there is no contacts.csv that tells them: leave it out"
+        );
+    }
     let mut core = CoreOptions::default();
     if let Some(inset) = args.core_inset {
         core.inset_over_d = inset;
@@ -131,9 +138,9 @@ fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Tables> {
     Ok(Tables::compute(snapshot, &options)?)
 }
 
-fn write(args: &AnalyseArgs, tables: &Tables, snapshot: &Snapshot) -> Result<Outcome> {
-    let out: &Path = args.out.as_ref().unwrap_or(&args.folder);
-    tables.write(snapshot, out)?;
+fn write(args: &AnalyseArgs, tables: &Tables, found: &Found) -> Result<Outcome> {
+    let out: &Path = args.out.as_ref().unwrap_or(&found.folder);
+    tables.write(&found.snapshot, out)?;
     if !args.quiet {
         let (all, lists) = (out.join(JSON), out.join(FOLDER));
         let places = format!("{} and {}", all.display(), lists.display());

@@ -6,31 +6,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use femdem::Usage;
 use femdem::pack::Packing;
+use femdem::results;
 use femdem::run::Run;
-use femdem::solve::checkpoint;
-use serde::{Deserialize, Serialize};
 
+pub(crate) use femdem::results::{PACK_CHECKPOINT as CHECKPOINT, SavedPack as Saved};
 pub(crate) use femdem::run::RUN_CHECKPOINT;
-
-/// Name of the checkpoint.
-pub(crate) const CHECKPOINT: &str = "pack.ckpt";
-
-/// The kind of checkpoint that this program writes.
-const KIND: &str = "pack";
-
-/// A job and its cost so far, as read.
-#[derive(Deserialize)]
-pub(crate) struct Saved {
-    pub packing: Packing,
-    pub usage: Usage,
-}
-
-/// The same, for writing.
-#[derive(Serialize)]
-struct Saving<'a> {
-    packing: &'a Packing,
-    usage: &'a Usage,
-}
 
 /// Keeps other jobs out of a folder for as long as it lives.
 #[must_use]
@@ -84,7 +64,7 @@ pub(crate) fn forget_other_jobs(folder: &Path, own: &str) -> Result<()> {
     Ok(())
 }
 
-/// Names the results in a folder that show the pack as it was when it was interrupted.
+/// Names the results in a folder that show the bodies as they were before the job goes on.
 pub(crate) fn warn_of_old_results(folder: &Path, page_follows: bool) {
     let kept = |name: &str| {
         let is_made_anew = page_follows && name == "report.html";
@@ -94,7 +74,7 @@ pub(crate) fn warn_of_old_results(folder: &Path, page_follows: bool) {
     old.retain(|name| kept(name));
     if !old.is_empty() {
         super::complain(&format!(
-            "{} in {} stay as they are, of the unfinished pack: make them again after this",
+            "{} in {} stay as they are, of the state so far: make them again after this",
             old.join(", "),
             folder.display()
         ));
@@ -106,7 +86,7 @@ fn checkpoint_path(folder: &Path) -> PathBuf {
 }
 
 pub(crate) fn save(folder: &Path, packing: &Packing, usage: &Usage) -> Result<()> {
-    checkpoint::write_file(&checkpoint_path(folder), KIND, &Saving { packing, usage })
+    results::save(folder, packing, usage)
         .context("the checkpoint was not written; an earlier one is kept")
 }
 
@@ -122,7 +102,7 @@ pub(crate) fn load(folder: &Path) -> Result<Saved> {
             path.display()
         );
     }
-    Ok(checkpoint::read_file(&path, KIND)?)
+    Ok(Saved::read(folder)?)
 }
 
 /// Whether a folder is that of a run of `femdem run`.

@@ -10,7 +10,7 @@ use femdem::picture::{Image, PictureOptions, draw_by};
 use femdem::{Colouring, output};
 
 use super::running::{Outcome, in_pool};
-use super::source::{self, ForeignArgs};
+use super::source::{self, ForeignArgs, FrameArgs};
 use super::{folder, say};
 
 /// Where the eye stands.
@@ -42,8 +42,8 @@ impl Standpoint {
 /// Options of `femdem picture`.
 #[derive(Debug, Args)]
 pub(crate) struct PictureArgs {
-    /// Folder of a run, which holds pack.ckpt or run.ckpt (drawn as it stands there, by its stresses), or
-    /// of a pack from elsewhere, which holds bodies.csv
+    /// Folder of a run, which holds pack.ckpt or run.ckpt (drawn as it stands there, by its stresses, unless
+    /// --colour, --frame or --time is given), or of a pack from elsewhere, which holds bodies.csv
     pub folder: PathBuf,
 
     /// Where the eye stands
@@ -58,7 +58,7 @@ pub(crate) struct PictureArgs {
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub elevation: Option<f64>,
 
-    /// What the bodies of a pack are coloured by [default: sequence]
+    /// What the bodies are coloured by [default: sequence; the end of a run: stress]
     #[arg(long, value_parser = colouring(), alias = "color")]
     pub colour: Option<Colouring>,
 
@@ -69,6 +69,9 @@ pub(crate) struct PictureArgs {
     /// The picture: a .png file, or an .svg file that holds the same pixels
     #[arg(long, value_name = "FILE", default_value = "picture.png")]
     pub out: PathBuf,
+
+    #[command(flatten)]
+    pub frame: FrameArgs,
 
     #[command(flatten)]
     pub foreign: ForeignArgs,
@@ -115,19 +118,13 @@ fn size(text: &str) -> Result<[usize; 2], String> {
 pub(crate) fn run(args: &PictureArgs) -> Result<Outcome> {
     let vector = is_svg(&args.out)?;
     in_pool(args.threads.map(usize::from), |_| {
-        if folder::holds_run(&args.folder) {
-            if args.colour.is_some() || args.foreign.is_given() {
-                bail!(
-                    "{} is a run of a scene, which is coloured by its stresses: leave out --colour, --density, \
-                     --gravity and --inside, which are for packs",
-                    args.folder.display()
-                );
-            }
+        let as_pack = args.colour.is_some() || args.foreign.is_given() || args.frame.is_given();
+        if folder::holds_run(&args.folder) && !as_pack {
             let (run, _) = femdem::run::Run::read(&args.folder)?;
             let image = run.picture(&args.options())?;
             return args.write(&image, vector);
         }
-        let (snapshot, _) = source::read(&args.folder, &args.foreign)?;
+        let snapshot = source::read(&args.folder, &args.foreign, &args.frame)?.snapshot;
         let colour = args.colour.unwrap_or_default();
         let cells = match colour {
             Colouring::Density => Tables::compute(&snapshot, &TableOptions::default())?.set_voronoi,

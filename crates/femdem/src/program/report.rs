@@ -7,13 +7,14 @@ use anyhow::{Context, Result};
 use clap::Args;
 use femdem::analysis::{TableOptions, Tables};
 use femdem::pack::Packing;
-use femdem::report::Report;
+use femdem::report::{Report, RunFacts};
 use femdem::results::run_facts;
+use femdem::run::RunSummary;
 use femdem::{Scene, Snapshot, Summary, Usage, output};
 
 use super::running::{Outcome, in_pool};
 use super::say;
-use super::source::{self, ForeignArgs};
+use super::source::{self, ForeignArgs, FrameArgs, Origin};
 
 /// Name of the page.
 const PAGE: &str = "report.html";
@@ -24,12 +25,15 @@ const PLOTS: &str = "plots";
 /// Options of `femdem report`.
 #[derive(Debug, Args)]
 pub(crate) struct ReportArgs {
-    /// Folder of a run, which holds pack.ckpt, or of a pack from elsewhere, which holds bodies.csv
+    /// Folder of a run, which holds pack.ckpt or run.ckpt, or of a pack from elsewhere, which holds bodies.csv
     pub folder: PathBuf,
 
-    /// Folder for report.html and the plots [default: the folder of the run]
+    /// Folder for report.html and the plots [default: the folder of the run, or of the tables of the frame]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub frame: FrameArgs,
 
     #[command(flatten)]
     pub foreign: ForeignArgs,
@@ -45,10 +49,31 @@ pub(crate) struct ReportArgs {
 
 pub(crate) fn run(args: &ReportArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
-        let (snapshot, saved) = source::read(&args.folder, &args.foreign)?;
-        let out = args.out.as_ref().unwrap_or(&args.folder);
-        let run = saved.as_ref().map(|saved| (&saved.packing, &saved.usage));
-        let page = write(&args.folder, out, &snapshot, run)?;
+        let found = source::read(&args.folder, &args.foreign, &args.frame)?;
+        let out = args.out.as_ref().unwrap_or(&found.folder);
+        let snapshot = &found.snapshot;
+        let page = match &found.origin {
+            Origin::Pack(saved) => {
+                let run = (&saved.packing, &saved.usage);
+                write(&args.folder, out, snapshot, Some(run))?
+            }
+            Origin::Elsewhere => write(&args.folder, out, snapshot, None)?,
+            Origin::Run(_, Some(_)) => {
+                let lead = found.lead();
+                write_page(
+                    out,
+                    snapshot,
+                    RunFacts {
+                        lead,
+                        ..RunFacts::default()
+                    },
+                )?
+            }
+            Origin::Run(saved, None) => {
+                let summary = RunSummary::of(&saved.0, &saved.1)?;
+                write_page(out, snapshot, summary.facts())?
+            }
+        };
         if !args.quiet {
             say(&format!("wrote {}: open it in a browser", page.display()));
         }
@@ -64,17 +89,27 @@ pub(crate) fn write(
     snapshot: &Snapshot,
     run: Option<(&Packing, &Usage)>,
 ) -> Result<PathBuf> {
-    let plots = out.join(PLOTS);
-    fs::create_dir_all(&plots)
-        .with_context(|| format!("cannot make the folder {}", plots.display()))?;
-    let tables = Tables::compute(snapshot, &TableOptions::default())?;
     let summary = run.map(|(packing, usage)| Summary::of(packing, snapshot, usage));
     let summary = summary.transpose()?;
     // Packs from elsewhere have no scene.
     let path = folder.join("scene.toml");
     let scene = path.is_file().then(|| Scene::read(&path)).transpose()?;
-    let facts = run_facts(summary.as_ref(), scene.as_ref());
-    let report = Report::new(snapshot).with_tables(&tables).with_run(facts);
+    write_page(out, snapshot, run_facts(summary.as_ref(), scene.as_ref()))
+}
+
+/// Writes the page and the plots with what is known of the run.
+fn write_page(out: &Path, snapshot: &Snapshot, facts: RunFacts) -> Result<PathBuf> {
+    let plots = out.join(PLOTS);
+    fs::create_dir_all(&plots)
+        .with_context(|| format!("cannot make the folder {}", plots.display()))?;
+    let tables = Tables::compute(snapshot, &TableOptions::default())?;
+    // Lines between the bodies would show forces that are not known.
+    let without = snapshot.gaps.forces.then(|| Snapshot {
+        contacts: Vec::new(),
+        ..snapshot.clone()
+    });
+    let shown = without.as_ref().unwrap_or(snapshot);
+    let report = Report::new(shown).with_tables(&tables).with_run(facts);
     let page = out.join(PAGE);
     let html = report.html()?;
     output::write_file(&page, |w| std::io::Write::write_all(w, html.as_bytes()))?;

@@ -86,6 +86,9 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
         if !args.run.quiet {
             changed.iter().for_each(|line| say(line));
         }
+        if run.ending().is_none() {
+            folder::warn_of_old_results(&args.folder, false);
+        }
         let part = Part {
             folder: args.folder.clone(),
             quiet: args.run.quiet,

@@ -1,6 +1,6 @@
 //! The pack in a folder: of a run, or from elsewhere.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::{Result, bail};
@@ -8,8 +8,10 @@ use clap::Args;
 use femdem::analysis::Region;
 use femdem::input::{self, InputOptions};
 use femdem::mesh::Point3;
-use femdem::{Snapshot, results};
+use femdem::run::Run;
+use femdem::{Snapshot, Usage, results};
 
+use super::complain;
 use super::folder::{self, Saved};
 
 /// Default gravity \[m/s²\].
@@ -26,7 +28,7 @@ pub(crate) struct ForeignArgs {
     #[arg(long, value_name = "M/S2")]
     gravity: Option<f64>,
 
-    /// Inside of the container in m, of a pack from elsewhere: a box as X0,Y0,Z0,X1,Y1,Z1, or
+    /// Inside of the container in m, of a pack from elsewhere or a run: a box as X0,Y0,Z0,X1,Y1,Z1, or
     /// cylinder:X,Y,RADIUS,Z0,Z1
     #[arg(long, value_name = "REGION", allow_hyphen_values = true)]
     inside: Option<Inside>,
@@ -73,15 +75,109 @@ impl FromStr for Inside {
     }
 }
 
-/// Reads the checkpoint of a folder or, if there is none, its tables; with a checkpoint it also returns the
-/// run.
-pub(crate) fn read(folder: &Path, foreign: &ForeignArgs) -> Result<(Snapshot, Option<Saved>)> {
+/// Which state of a run of `femdem run`.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct FrameArgs {
+    /// Number of a frame, from 0, of a run whose scene says tables = true [default: the end of the run]
+    #[arg(long, value_name = "N", conflicts_with = "time")]
+    frame: Option<usize>,
+
+    /// Simulated time in s: the frame nearest to it, instead of --frame
+    #[arg(long, value_name = "S")]
+    time: Option<f64>,
+}
+
+impl FrameArgs {
+    /// Whether any of them is given.
+    pub(super) fn is_given(&self) -> bool {
+        self.frame.is_some() || self.time.is_some()
+    }
+
+    /// The number of the frame that is asked for.
+    fn number(&self, run: &Run) -> Result<Option<usize>> {
+        let times = run.frames();
+        let Some(last) = times.len().checked_sub(1) else {
+            if self.is_given() {
+                bail!("the run has written no frame yet: leave out --frame and --time");
+            }
+            return Ok(None);
+        };
+        if let Some(number) = self.frame.filter(|number| *number > last) {
+            bail!("--frame = {number} is not allowed: the run has the frames 0 to {last}");
+        }
+        let Some(time) = self.time else {
+            return Ok(self.frame);
+        };
+        if !time.is_finite() {
+            bail!("--time = {time} is not allowed: give a simulated time in s");
+        }
+        let far = |number: &usize| (times[*number] - time).abs();
+        Ok((0..=last).min_by(|a, b| far(a).total_cmp(&far(b))))
+    }
+}
+
+/// A pack as it was read.
+pub(crate) struct Found {
+    pub snapshot: Snapshot,
+    pub origin: Origin,
+    /// Where results belong, unless the user says another place.
+    pub folder: PathBuf,
+}
+
+/// Where a pack was read from.
+pub(crate) enum Origin {
+    /// The checkpoint of `femdem pack`.
+    Pack(Box<Saved>),
+    /// The checkpoint of `femdem run`; with the number of the frame whose tables were read, if not its end.
+    Run(Box<(Run, Usage)>, Option<usize>),
+    /// Tables.
+    Elsewhere,
+}
+
+impl Found {
+    /// What was read, in a line; `None` for a pack, which has a summary.
+    pub(super) fn lead(&self) -> Option<String> {
+        let snapshot = &self.snapshot;
+        let (bodies, contacts) = (snapshot.bodies.len(), snapshot.contacts.len());
+        let kind = snapshot.shape_name();
+        let from = match &self.origin {
+            Origin::Pack(_) => return None,
+            Origin::Elsewhere if snapshot.gaps.forces => "found from their overlaps".to_owned(),
+            Origin::Elsewhere => "from tables".to_owned(),
+            Origin::Run(saved, frame) => {
+                let run = &saved.0;
+                let at = |time: f64| format!("at {time:.6} s");
+                match frame {
+                    None => format!("of the run {}", at(run.simulation().world.time())),
+                    Some(frame) => format!("of frame {frame} {}", at(run.frames()[*frame])),
+                }
+            }
+        };
+        Some(format!(
+            "{bodies} bodies {kind} with {contacts} contacts, {from}"
+        ))
+    }
+}
+
+/// Reads the checkpoint of a folder or, if there is none, its tables.
+pub(crate) fn read(folder: &Path, foreign: &ForeignArgs, frame: &FrameArgs) -> Result<Found> {
+    if folder::holds_run(folder) {
+        return of_run(folder, foreign, frame);
+    }
+    if frame.is_given() {
+        bail!(
+            "--frame and --time are for a run of a scene, with its run.ckpt, which {} does not have: leave them out",
+            folder.display()
+        );
+    }
+    let own = folder.to_path_buf();
     if !folder::has_checkpoint(folder) {
         if !folder.join(input::BODIES).is_file() {
             bail!(
-                "there is no {} and no {} in {}: give the folder of a run of `femdem pack`, or of a pack \
-                 from elsewhere",
+                "there is no {}, no {} and no {} in {}: give the folder of a run of `femdem pack` or `femdem run`, \
+                 or of a pack from elsewhere",
                 folder::CHECKPOINT,
+                folder::RUN_CHECKPOINT,
                 input::BODIES,
                 folder.display()
             );
@@ -91,7 +187,20 @@ pub(crate) fn read(folder: &Path, foreign: &ForeignArgs) -> Result<(Snapshot, Op
             gravity: foreign.gravity.unwrap_or(GRAVITY),
             container: foreign.inside.map(|inside| inside.0),
         };
-        return Ok((input::read_folder(folder, &options)?, None));
+        let mut snapshot = input::read_folder(folder, &options)?;
+        if snapshot.gaps.contacts
+            && let Err(error) = results::find_contacts(&mut snapshot)
+        {
+            complain(&format!(
+                "warning: there is no {}, and contacts were not found from the bodies: {error}",
+                input::CONTACTS
+            ));
+        }
+        return Ok(Found {
+            snapshot,
+            origin: Origin::Elsewhere,
+            folder: own,
+        });
     }
     if foreign.is_given() {
         bail!(
@@ -101,7 +210,45 @@ pub(crate) fn read(folder: &Path, foreign: &ForeignArgs) -> Result<(Snapshot, Op
         );
     }
     let saved = folder::load(folder)?;
-    Ok((results::snapshot(&saved.packing), Some(saved)))
+    Ok(Found {
+        snapshot: results::snapshot(&saved.packing),
+        origin: Origin::Pack(Box::new(saved)),
+        folder: own,
+    })
+}
+
+/// The end of a run, or the tables of one of its frames.
+fn of_run(folder: &Path, foreign: &ForeignArgs, frame: &FrameArgs) -> Result<Found> {
+    if foreign.density.or(foreign.gravity).is_some() {
+        bail!(
+            "--density and --gravity are for a pack from elsewhere; the checkpoint in {} knows them",
+            folder.display()
+        );
+    }
+    let (run, usage) = Run::read(folder)?;
+    let number = frame.number(&run)?;
+    let (mut snapshot, place) = match number {
+        None => (run.simulation().snapshot()?, folder.to_path_buf()),
+        Some(number) => {
+            let place = run.tables_of(folder, number);
+            if !place.join(input::BODIES).is_file() {
+                bail!(
+                    "frame {number} of the run in {} has no tables: only a scene with tables = true writes them; \
+                     without --frame and --time the end of the run is taken",
+                    folder.display()
+                );
+            }
+            (run.read_frame(folder, number)?, place)
+        }
+    };
+    if let Some(Inside(region)) = foreign.inside {
+        snapshot.container = Some(region);
+    }
+    Ok(Found {
+        snapshot,
+        origin: Origin::Run(Box::new((run, usage)), number),
+        folder: place,
+    })
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::results::surface_of;
-use crate::run::{Controls, Member, Penalty, Simulation};
+use crate::run::{Controls, Member, Origin, Penalty, Simulation};
 
 pub use files::ResolveSummary;
 
@@ -175,6 +175,7 @@ pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Erro
             members,
             supports: Vec::new(),
             controls: Controls::default(),
+            origin: Origin::default(),
             notes: Vec::new(),
         },
         relaxed,

@@ -4,6 +4,8 @@ mod container;
 mod display;
 mod facts;
 mod parts;
+mod saved;
+mod search;
 mod summary;
 
 use std::path::Path;
@@ -15,6 +17,8 @@ use femdem_solve::{Shape, World};
 
 pub use facts::run_facts;
 pub use parts::{ContainerSummary, ShapeSummary};
+pub use saved::{PACK_CHECKPOINT, SavedPack, save};
+pub use search::find_contacts;
 pub use summary::{
     ContactLawSummary, CoordinationSummary, Core, DensitySummary, EnergySummary,
     PenetrationSummary, ResidualSummary, SCHEMA, Summary, Usage,
@@ -77,7 +81,7 @@ pub fn ball_radii(world: &World) -> Vec<Option<f64>> {
 }
 
 /// A contact record as a row that starts from a body.
-fn row(world: &World, contact: &RigidContact) -> ContactRow {
+pub(crate) fn row(world: &World, contact: &RigidContact) -> ContactRow {
     let (body, partner, sign) = match contact.a {
         femdem_contact::Partner::Body(a) => (a, Partner::Body(contact.b), 1.0),
         femdem_contact::Partner::Wall(wall) => {

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use femdem_fem::element::Element;
-use femdem_mesh::nalgebra::{Translation3, Unit};
+use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::shapes::Shape;
 use femdem_mesh::{Pose, Rotation, Vector3};
 use femdem_pack::{body_stream, random_rotation};
 use serde::{Deserialize, Serialize};
 
-use super::{BoundaryEntry, MotionEntry, RegionEntry};
+use super::{BoundaryEntry, MotionEntry, RegionEntry, RotationEntry};
 use crate::Error;
 use crate::error::wrong;
 use crate::scene::Unit as LengthUnit;
@@ -33,16 +33,6 @@ enum ElementName {
     T4NodalPressure,
     T10,
     T10Fbar,
-}
-
-/// A turn about an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct RotationEntry {
-    /// Axis, of any length.
-    pub axis: [f64; 3],
-    /// Angle \[degrees\].
-    pub angle: f64,
 }
 
 /// Where the tetrahedra of a deformable sphere are finer.
@@ -146,6 +136,8 @@ pub struct BodyEntry {
     pub spin: [f64; 3],
     /// Copies on a lattice from `position` on.
     pub copies: Option<Copies>,
+    /// Path of a table of poses, with a row for each copy, instead of `position`, `rotation` and `copies`.
+    pub poses: Option<PathBuf>,
     /// Prescribed motion of a rigid body, whatever touches it.
     pub motion: Option<MotionEntry>,
     /// Boundary conditions of a deformable body.
@@ -157,6 +149,7 @@ impl BodyEntry {
     pub(super) fn refuse_strangers(&self) -> Result<(), Error> {
         self.refuse_by_behaviour()?;
         self.refuse_by_source()?;
+        self.refuse_beside_poses()?;
         let seeded = self.copies.as_ref().is_some_and(|c| c.seed.is_some());
         if seeded && self.rotation.is_some() {
             return Err(wrong(
@@ -211,6 +204,25 @@ impl BodyEntry {
         Ok(())
     }
 
+    fn refuse_beside_poses(&self) -> Result<(), Error> {
+        let others = [
+            ("position", self.position != [0.0; 3]),
+            ("rotation", self.rotation.is_some()),
+            ("copies", self.copies.is_some()),
+        ];
+        match others
+            .iter()
+            .find(|(_, given)| *given && self.poses.is_some())
+        {
+            Some((name, _)) => Err(wrong(
+                name,
+                "given",
+                "the table of `poses` says where the bodies are: take one of the two out",
+            )),
+            None => Ok(()),
+        }
+    }
+
     /// Refuses keys that belong to another way of describing the body.
     fn refuse_by_source(&self) -> Result<(), Error> {
         let of_shape = [
@@ -223,8 +235,7 @@ impl BodyEntry {
                 return Err(wrong(name, &value.to_string(), "give it with shape only"));
             }
         }
-        let parametric = |text: &String| text.parse::<Shape>().is_ok();
-        let reads_surface = self.shape.as_ref().is_some_and(|s| !parametric(s));
+        let reads_surface = self.shape.is_some() && !self.is_parametric();
         if self.repair && !reads_surface {
             return Err(wrong(
                 "repair",
@@ -245,29 +256,16 @@ impl BodyEntry {
         Ok(())
     }
 
-    /// Poses of the body and its copies.
-    pub(super) fn poses(&self) -> Result<Vec<Pose>, Error> {
-        let rotation = match &self.rotation {
-            None => Rotation::identity(),
-            Some(turn) => {
-                let axis = Unit::try_new(Vector3::from(turn.axis), 0.0);
-                let axis = axis.filter(|axis| axis.norm() > 0.5).ok_or_else(|| {
-                    wrong(
-                        "rotation.axis",
-                        &format!("{:?}", turn.axis),
-                        "a direction: three finite numbers, not all zero",
-                    )
-                })?;
-                if !turn.angle.is_finite() {
-                    return Err(wrong(
-                        "rotation.angle",
-                        &turn.angle.to_string(),
-                        "a finite angle, in degrees",
-                    ));
-                }
-                Rotation::from_axis_angle(&axis, turn.angle.to_radians())
-            }
-        };
+    /// Whether the shape is one by name.
+    pub(super) fn is_parametric(&self) -> bool {
+        let shape = self.shape.as_ref();
+        shape.is_some_and(|text| text.parse::<Shape>().is_ok())
+    }
+
+    /// Poses of the body and its copies on a lattice.
+    pub(super) fn lattice(&self) -> Result<Vec<Pose>, Error> {
+        let turn = self.rotation.as_ref().map(RotationEntry::rotation);
+        let rotation = turn.unwrap_or(Ok(Rotation::identity()))?;
         if !self.position.iter().all(|x| x.is_finite()) {
             return Err(wrong(
                 "position",
@@ -311,13 +309,13 @@ mod tests {
         let text =
             "position = [1, 2, 3]\ncopies = { count = [2, 1, 3], spacing = [0.5, 0, 2], seed = 4 }";
         let entry: BodyEntry = toml::from_str(text).unwrap();
-        let poses = entry.poses().unwrap();
+        let poses = entry.lattice().unwrap();
         let places: Vec<[f64; 3]> = poses.iter().map(|p| p.translation.vector.into()).collect();
         let wanted = [3.0, 5.0, 7.0].map(|z| [[1.0, 2.0, z], [1.5, 2.0, z]]);
         assert_eq!(places, wanted.concat());
         let turned = |a: usize, b: usize| poses[a].rotation.angle_to(&poses[b].rotation);
         assert!((1..6).all(|k| turned(0, k) > 1e-3));
-        assert_eq!(entry.poses().unwrap(), poses);
+        assert_eq!(entry.lattice().unwrap(), poses);
     }
 
     /// The product of the first is 982427 modulo 2^64.
@@ -331,7 +329,7 @@ mod tests {
         ] {
             let text = format!("copies = {{ count = [{count}], spacing = [1, 1, 1] }}");
             let entry: BodyEntry = toml::from_str(&text).unwrap();
-            let message = entry.poses().unwrap_err().to_string();
+            let message = entry.lattice().unwrap_err().to_string();
             assert!(
                 message.contains(&count.replace(", ", " x "))
                     && message.contains("1 to 1,000,000 copies"),

@@ -1,19 +1,24 @@
 //! From a scenario to a world.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use femdem_contact::{BodyId, Field, MaterialId};
 use femdem_fem::{Boundary, DeformableModel, MaterialRegion};
 use femdem_mesh::{Pose, TetMesh, Vector3};
-use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, SolveError, World};
+use femdem_solve::{
+    BodySpec, ContactStiffness, DeformableSpec, ShapeId, SolveError, World, WorldParameters,
+};
 
 use super::geometry::Geometry;
 use super::loads::Loads;
 use super::names::{Names, check_names};
+use super::of_pack::OF_PACK;
+use super::places::Place;
+use super::start::is_pack;
 use super::words::KEYS;
 use super::{
-    Behaviour, BodyEntry, ControlEntry, Controls, MaterialEntry, Member, MotionEntry, Penalty,
-    Scenario, Simulation, Support,
+    Behaviour, BodyEntry, ControlEntry, MaterialEntry, Member, MotionEntry, Scenario, Simulation,
+    Support, WallEntry,
 };
 use crate::Error;
 use crate::error::wrong;
@@ -28,46 +33,79 @@ const MOST_OUTPUTS: f64 = 1e9;
 const PRESSED: f64 = 10.0;
 
 impl Scenario {
-    /// The world of the scenario, at time 0; with [`from`](Self::from), in the state of that run.
+    /// The world of the scenario, at time 0; with [`from`](Self::from), in the state of that run or pack.
     ///
     /// # Errors
     ///
     /// [`Error::Entry`] with the wall, body or material at fault, and [`Error::Option`] or [`Error::Solve`] for
     /// faults of the whole scene; [`Error::Fixed`] if the run of `from` has other bodies or walls.
     pub fn build(&self) -> Result<Simulation, Error> {
-        let placed = self.build_entries()?;
+        Ok(self.begin()?.1)
+    }
+
+    /// The scenario with gravity and the contact law written out, and its world.
+    pub(super) fn begin(&self) -> Result<(Self, Simulation), Error> {
+        self.check()?;
         match &self.from {
-            None => Ok(placed),
-            Some(folder) => placed.started_from(folder, self),
+            None => {
+                self.check_origin(false)?;
+                let scene = self.filled(&WorldParameters::default(), false);
+                let world = World::new(scene.parameters());
+                let world = world.map_err(|error| Error::from(error).by_keys(&KEYS))?;
+                let simulation = scene.build_on(Simulation::empty(world))?;
+                Ok((scene, simulation))
+            }
+            Some(folder) if is_pack(folder) => {
+                let (scene, base) =
+                    Simulation::of_pack(folder, self).map_err(|error| error.by_keys(&KEYS))?;
+                let mut simulation = scene.build_on(base)?;
+                simulation.world.restart_ledger();
+                let own = &self.contact;
+                if own.penalty.or(own.penetration).is_none() {
+                    OF_PACK.clone_into(&mut simulation.penalty.reason);
+                }
+                Ok((scene, simulation))
+            }
+            Some(folder) => self.start_from(folder),
         }
     }
 
-    /// The world as the entries of bodies and walls describe it.
-    fn build_entries(&self) -> Result<Simulation, Error> {
-        self.check()?;
-        let world = World::new(self.parameters());
-        let mut simulation = Simulation {
-            world: world.map_err(|error| Error::from(error).by_keys(&KEYS))?,
-            members: Vec::new(),
-            supports: Vec::new(),
-            controls: Controls::default(),
-            penalty: Penalty::default(),
-            notes: Vec::new(),
-        };
+    /// A world with what the entries of bodies and walls describe.
+    pub(super) fn build_on(&self, mut simulation: Simulation) -> Result<Simulation, Error> {
         let mut names = Names::default();
+        let mut of_pack: BTreeSet<String> = BTreeSet::new();
+        for (_, wall) in simulation.world.walls() {
+            of_pack.insert(names.of("wall", wall.name(), "")?);
+        }
         for (number, wall) in (1..).zip(&self.wall) {
+            let named = simulation.named_wall(wall);
+            let place = |name: &str| in_entry(format!("wall \"{name}\""));
+            if let Some(id) = named.map_err(place(&wall.name))? {
+                if !of_pack.remove(&wall.name) {
+                    let allowed = "another wall has it: give each its own";
+                    return Err(wrong("name", &format!("\"{}\"", wall.name), allowed));
+                }
+                let set = self.set_wall(wall, id, &mut simulation.world);
+                set.map_err(place(&wall.name))?;
+                simulation.origin.walls.push(vec![id]);
+                continue;
+            }
             let name = names.of("wall", &wall.name, &format!("wall {number}"))?;
+            let before: BTreeSet<u32> = simulation.world.walls().map(|(id, _)| id).collect();
             let mut add = || {
-                let material = match &wall.material {
-                    Some(name) => self.material_id(name)?,
-                    None => MaterialId::default(),
-                };
+                let material = self.wall_material(wall)?;
                 wall.add_to(&name, material, &mut simulation.world)
             };
-            let note = add().map_err(in_entry(format!("wall \"{name}\"")))?;
+            let note = add().map_err(place(&name))?;
             simulation.note(note.as_ref());
+            let ids = simulation.world.walls().map(|(id, _)| id);
+            let added = ids.filter(|id| !before.contains(id)).collect();
+            simulation.origin.walls.push(added);
         }
         let mut names = Names::default();
+        for member in &simulation.members {
+            names.of("body", &member.name, "")?;
+        }
         // Successive entries often have the same geometry, and meshing can take long.
         let mut last: Option<(&BodyEntry, Geometry)> = None;
         for (number, body) in (1..).zip(&self.body) {
@@ -101,6 +139,23 @@ impl Scenario {
         loads.bound_step(&mut simulation)?;
         simulation.control(self)?;
         Ok(simulation)
+    }
+
+    /// The material of a wall, by number.
+    fn wall_material(&self, wall: &WallEntry) -> Result<MaterialId, Error> {
+        match &wall.material {
+            Some(name) => self.material_id(name),
+            None => Ok(MaterialId::default()),
+        }
+    }
+
+    /// Gives a wall of a pack the material and the motion of an entry.
+    fn set_wall(&self, entry: &WallEntry, id: u32, world: &mut World) -> Result<(), Error> {
+        entry.refuse_strangers()?;
+        if let Some(motion) = entry.motion {
+            world.drive_wall(id, motion.drive())?;
+        }
+        Ok(world.set_wall_material(id, self.wall_material(entry)?)?)
     }
 
     /// The prescribed motions of walls, rigid bodies and nodes.
@@ -275,14 +330,16 @@ impl Simulation {
         name: &str,
         geometry: &Geometry,
     ) -> Result<(), Error> {
+        let places = entry.places(geometry)?;
         let ids = match (entry.behaviour, &geometry.mesh) {
             (Behaviour::Deformable, Some(mesh)) => {
                 let factor = geometry.density_factor();
-                self.add_deformable(scenario, entry, name, (mesh, factor))?
+                self.add_deformable(scenario, entry, name, (mesh, factor), &places)?
             }
-            _ => self.add_rigid(scenario, entry, name, geometry)?,
+            _ => self.add_rigid(scenario, entry, name, geometry, &places)?,
         };
-        let copies = entry.copies.is_some();
+        self.origin.members.push(ids.len());
+        let copies = entry.copies.is_some() || entry.poses.is_some();
         let member = |(number, (id, placed))| Member {
             name: if copies {
                 format!("{name} {number}")
@@ -302,35 +359,47 @@ impl Simulation {
         entry: &BodyEntry,
         name: &str,
         geometry: &Geometry,
+        places: &[Place],
     ) -> Result<Vec<(BodyId, Pose)>, Error> {
-        let Geometry { surface, mesh, .. } = geometry;
         let density = scenario.material(&entry.material)?.density()?;
         let material = scenario.material_id(&entry.material)?;
-        let shape = match mesh {
-            Some(mesh) if !surface.is_convex() => {
-                self.world
-                    .add_mesh_shape(name, surface, mesh, Field::Body)?
-            }
-            _ if geometry.is_ball => self.world.add_sphere(name, surface.bounding_radius())?,
-            _ => self.world.add_shape(name, surface)?,
-        };
+        let mut shapes = BTreeMap::new();
         let mut ids = Vec::new();
-        for pose in entry.poses()? {
+        for place in places {
+            let size = place.scale.to_bits();
+            let shape = match shapes.get(&size) {
+                Some(shape) => *shape,
+                None if place.scale == 1.0 => self.add_shape(name, geometry)?,
+                None => self.add_shape(name, &geometry.scaled(place.scale)?)?,
+            };
+            shapes.insert(size, shape);
             let spec = BodySpec {
                 shape,
                 density,
-                pose,
-                velocity: Vector3::from(entry.velocity),
-                angular_velocity: Vector3::from(entry.spin),
+                pose: place.pose,
+                velocity: place.velocity,
+                angular_velocity: place.spin,
                 material,
             };
             let id = match entry.motion {
                 Some(motion) => self.world.add_driven_body(spec, motion.drive())?,
                 None => self.world.add_body(spec)?,
             };
-            ids.push((id, pose));
+            ids.push((id, place.pose));
         }
         Ok(ids)
+    }
+
+    fn add_shape(&mut self, name: &str, geometry: &Geometry) -> Result<ShapeId, Error> {
+        let Geometry { surface, mesh, .. } = geometry;
+        Ok(match mesh {
+            Some(mesh) if !surface.is_convex() => {
+                self.world
+                    .add_mesh_shape(name, surface, mesh, Field::Body)?
+            }
+            _ if geometry.is_ball => self.world.add_sphere(name, surface.bounding_radius())?,
+            _ => self.world.add_shape(name, surface)?,
+        })
     }
 
     fn add_deformable(
@@ -339,6 +408,7 @@ impl Simulation {
         entry: &BodyEntry,
         name: &str,
         (mesh, density_factor): (&TetMesh, f64),
+        places: &[Place],
     ) -> Result<Vec<(BodyId, Pose)>, Error> {
         let (mut regions, region_of) = scenario.regions(entry, mesh)?;
         let material = scenario.material_id(&entry.material)?;
@@ -365,7 +435,7 @@ impl Simulation {
         let stiffness = ContactStiffness::Ratio(ratio);
         let model = self.world.add_model(name, model, stiffness)?;
         let mut ids = Vec::new();
-        for (copy, pose) in entry.poses()?.into_iter().enumerate() {
+        for (copy, place) in places.iter().enumerate() {
             let of_copy = supports.iter().cloned();
             self.supports.extend(of_copy.map(|support| Support {
                 member: support.member + copy,
@@ -373,16 +443,16 @@ impl Simulation {
             }));
             let id = self.world.add_deformable(DeformableSpec {
                 model,
-                pose,
-                velocity: Vector3::from(entry.velocity),
-                angular_velocity: Vector3::from(entry.spin),
+                pose: place.pose,
+                velocity: place.velocity,
+                angular_velocity: place.spin,
                 boundary: boundary.clone(),
                 material,
             })?;
             if entry.self_contact == Some(false) {
                 self.world.set_self_contact(id, false)?;
             }
-            ids.push((id, pose));
+            ids.push((id, place.pose));
         }
         Ok(ids)
     }

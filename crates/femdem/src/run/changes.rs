@@ -12,13 +12,14 @@ use super::{MotionEntry, Scenario, Simulation};
 use crate::{Error, toml_file};
 
 /// Keys that say how a run is written down and when it ends.
-const OF_OUTPUT: [&str; 11] = [
+const OF_OUTPUT: [&str; 12] = [
     "title",
     "duration",
     "every",
     "history-every",
     "track",
     "pictures",
+    "tables",
     "rest",
     "relax",
     "energy-error-limit",
@@ -202,12 +203,10 @@ impl Simulation {
     }
 
     fn drive(&mut self, old: &Scenario, new: &Scenario) -> Result<(), Error> {
-        let mut first = 0;
-        for (old, new) in old.wall.iter().zip(&new.wall) {
-            let walls = first..first + new.count()?;
-            first = walls.end;
+        let entries = old.wall.iter().zip(&new.wall);
+        for ((old, new), walls) in entries.zip(&self.origin.walls) {
             let changed = old.motion != new.motion || old.control != new.control;
-            for wall in walls.filter(|_| changed) {
+            for &wall in walls.iter().filter(|_| changed) {
                 let drive = new.motion.map(|motion| motion.drive()).unwrap_or_default();
                 self.world.drive_wall(wall, drive)?;
             }
@@ -228,9 +227,11 @@ impl Simulation {
         old: &Scenario,
         new: &Scenario,
     ) -> Result<Vec<(BodyId, Option<MotionEntry>)>, Error> {
-        let (mut found, mut members) = (Vec::new(), self.members.iter());
-        for (old, new) in old.body.iter().zip(&new.body) {
-            for member in members.by_ref().take(new.poses()?.len()) {
+        let own = self.members.iter().skip(self.origin.bodies);
+        let (mut found, mut members) = (Vec::new(), own);
+        let entries = old.body.iter().zip(&new.body);
+        for ((old, new), &count) in entries.zip(&self.origin.members) {
+            for member in members.by_ref().take(count) {
                 let is_rigid = self.world.deformable(member.id).is_none();
                 if is_rigid && old.motion != new.motion {
                     found.push((member.id, new.motion));

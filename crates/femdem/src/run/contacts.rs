@@ -55,7 +55,7 @@ impl ContactLine {
 pub struct ContactForces {
     /// On each member.
     pub members: Vec<Vector3>,
-    /// On each wall.
+    /// On each wall, in the order of [`World::walls`](femdem_solve::World::walls).
     pub walls: Vec<Vector3>,
 }
 
@@ -92,6 +92,8 @@ impl Simulation {
             members: vec![Vector3::zeros(); self.members.len()],
             walls: vec![Vector3::zeros(); self.world.walls().count()],
         };
+        // The numbers of the walls have gaps where some were taken away.
+        let walls: Vec<usize> = self.world.walls().map(|(wall, _)| wall as usize).collect();
         for contact in contacts {
             let force = contact.force();
             if let Some(on_b) = forces.members.get_mut(contact.b) {
@@ -99,7 +101,10 @@ impl Simulation {
             }
             let on_a = match contact.a {
                 Side::Member(member) => forces.members.get_mut(member),
-                Side::Wall(wall) => forces.walls.get_mut(wall),
+                Side::Wall(wall) => {
+                    let place = walls.binary_search(&wall).ok();
+                    place.and_then(|place| forces.walls.get_mut(place))
+                }
             };
             if let Some(on_a) = on_a {
                 *on_a -= force;

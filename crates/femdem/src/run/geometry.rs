@@ -88,8 +88,9 @@ impl BodyEntry {
             let files = (entry.shape.clone(), entry.mesh.clone());
             let reading = (entry.unit, entry.repair);
             let sizes = (entry.block, entry.sides, entry.diameter, entry.size);
+            let sized = entry.poses.is_some();
             let meshing = (entry.mesh_size, entry.focus, entry.behaviour);
-            (files, reading, sizes, meshing)
+            (files, reading, sizes, sized, meshing)
         };
         key(self) == key(other)
     }
@@ -169,6 +170,8 @@ impl BodyEntry {
             (Some(diameter), None) => diameter / (2.0 * own.bounding_radius()),
             (None, Some(size)) if file.is_none() => size,
             (None, None) if file.is_some() => 1.0,
+            // The table of poses has the sizes.
+            (None, None) if self.poses.is_some() => 0.5 / own.bounding_radius(),
             _ => {
                 return Err(wrong(
                     "diameter and size",
@@ -193,6 +196,18 @@ impl BodyEntry {
 }
 
 impl Geometry {
+    /// The same in another size.
+    pub fn scaled(&self, by: f64) -> Result<Self, Error> {
+        let mesh = self.mesh.as_ref().map(|mesh| moved(mesh, |p| p * by));
+        Ok(Self {
+            name: self.name.clone(),
+            surface: self.surface.scaled(by)?,
+            mesh: mesh.transpose()?,
+            is_ball: self.is_ball,
+            note: None,
+        })
+    }
+
     fn of_mesh(name: String, mesh: TetMesh) -> Result<Self, Error> {
         Ok(Self {
             name,

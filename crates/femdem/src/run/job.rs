@@ -3,6 +3,7 @@
 mod advance;
 mod files;
 mod resume;
+mod tables;
 
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -66,7 +67,7 @@ impl Run {
     ///
     /// As [`Scenario::build`].
     pub fn new(scenario: Scenario) -> Result<Self, Error> {
-        let simulation = scenario.build()?;
+        let (scenario, simulation) = scenario.begin()?;
         let [mut history, mut members, mut walls, mut cells] = [const { Table::EMPTY }; 4];
         history.row(history::history_header(&simulation));
         members.row(history::MEMBER_COLUMNS.map(str::to_owned));

@@ -42,29 +42,35 @@ mod changes;
 mod contacts;
 mod control;
 mod ending;
+mod facts;
 mod focus;
 mod frame;
 mod geometry;
 mod history;
+mod inside;
 mod job;
 mod limits;
 mod loads;
 mod material;
 mod motion;
 mod names;
+mod of_pack;
+mod origin;
 mod overlap;
 mod pair;
 mod penalty;
 mod picture;
+mod places;
 mod relaxation;
 mod rest;
+mod rotation;
 mod rows;
 mod saved;
 mod select;
 mod settings;
 mod simulation;
-mod snapshot;
 mod start;
+mod state;
 mod summary;
 mod support;
 mod wall;
@@ -76,7 +82,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-pub use body::{Behaviour, BodyEntry, Copies, FocusEntry, RotationEntry};
+pub use body::{Behaviour, BodyEntry, Copies, FocusEntry};
 pub use boundary::BoundaryEntry;
 pub use contacts::{ContactForces, ContactLine, Side};
 pub use control::{
@@ -87,11 +93,13 @@ pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
 pub use job::Run;
 pub use material::{Law, MaterialEntry};
 pub use motion::MotionEntry;
+pub use origin::Origin;
 pub use overlap::Overlap;
 pub use pair::PairEntry;
 pub use penalty::{ExpectedDepth, Forecast};
 pub use relaxation::{RelaxEntry, RelaxSummary};
 pub use rest::RestSummary;
+pub use rotation::RotationEntry;
 pub use saved::RUN_CHECKPOINT;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
@@ -120,13 +128,15 @@ pub struct Scenario {
     pub track: bool,
     /// Whether every frame is drawn too.
     pub pictures: bool,
+    /// Whether every frame has tables of its bodies, contacts and walls too.
+    pub tables: bool,
     /// Ends the run early once all bodies are at rest.
     pub rest: Option<RestEntry>,
     /// Brings all bodies to rest after the duration, under the forces that act then. `None`: the run ends in
     /// motion.
     pub relax: Option<RelaxEntry>,
-    /// Acceleration of gravity \[m/s²\].
-    pub gravity: [f64; 3],
+    /// Acceleration of gravity \[m/s²\]. `None`: that of the pack from which it starts, or 9.81 along −z.
+    pub gravity: Option<[f64; 3]>,
     /// The contact law of all pairs of materials without one of their own.
     pub contact: ContactEntry,
     /// Contact laws of pairs of materials.
@@ -147,9 +157,11 @@ pub struct Scenario {
     pub wall: Vec<WallEntry>,
     /// Bodies.
     pub body: Vec<BodyEntry>,
-    /// Folder of another run of a scene, from whose checkpoint this one starts. `None`: bodies start where their entries
-    /// place them.
+    /// Folder of another run of a scene, or of a pack, from whose checkpoint this one starts. `None`: bodies start where
+    /// their entries place them.
     pub from: Option<PathBuf>,
+    /// Walls of the pack that are taken away, by name.
+    pub remove: Vec<String>,
     /// Folder for the results.
     pub out: PathBuf,
     /// Threads. `None`: one for each core.
@@ -167,9 +179,10 @@ impl Default for Scenario {
             history_every: None,
             track: false,
             pictures: false,
+            tables: false,
             rest: None,
             relax: None,
-            gravity: [0.0, 0.0, -9.81],
+            gravity: None,
             contact: ContactEntry::default(),
             pair: Vec::new(),
             time_step: StepEntry::default(),
@@ -181,6 +194,7 @@ impl Default for Scenario {
             wall: Vec::new(),
             body: Vec::new(),
             from: None,
+            remove: Vec::new(),
             out: PathBuf::from("out/run"),
             threads: None,
             checkpoint_every: 60.0,

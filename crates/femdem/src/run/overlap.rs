@@ -28,7 +28,8 @@ pub struct Overlap {
 impl Simulation {
     /// Overlaps of more than 2 % of the circumscribed diameter of the smaller body, the deepest (by that
     /// measure) first. Bodies placed so burst apart, and bodies wholly in a wall, which do not touch its
-    /// surface, fall through it. Contacts are known after the first step, also if that step has failed.
+    /// surface, fall through it. Contacts are known after the first step, also if that step has failed. Those within a pack
+    /// from which the simulation started do not count.
     #[must_use]
     pub fn deep_overlaps(&self) -> Vec<Overlap> {
         let (mut deep, mut touching) = (Vec::new(), BTreeSet::new());
@@ -42,6 +43,9 @@ impl Simulation {
             if let Side::Wall(wall) = contact.a {
                 touching.insert((wall, contact.b));
             }
+            if self.are_of_pack(contact.a, contact.b) {
+                continue;
+            }
             let size = self.smaller_diameter(contact.a, contact.b);
             let (depth, a) = (self.depth_of(&contact), contact.a);
             if depth >= DEEP * size {
@@ -51,7 +55,11 @@ impl Simulation {
         for (wall, shape) in self.world.walls() {
             let wall = wall as usize;
             for member in 0..self.members.len() {
-                if !touching.contains(&(wall, member)) && self.is_beyond(wall, shape, member) {
+                let of_pack = self.are_of_pack(Side::Wall(wall), member);
+                if !of_pack
+                    && !touching.contains(&(wall, member))
+                    && self.is_beyond(wall, shape, member)
+                {
                     let size = self.smaller_diameter(Side::Wall(wall), member);
                     deep.push(overlap(Side::Wall(wall), member, size, size));
                 }
@@ -62,6 +70,16 @@ impl Simulation {
         let mut seen = BTreeSet::new();
         deep.retain(|pair| seen.insert((pair.a.clone(), pair.b.clone())));
         deep
+    }
+
+    /// Whether both sides come from the pack from which the simulation started.
+    fn are_of_pack(&self, a: Side, b: usize) -> bool {
+        let origin = &self.origin;
+        let is_of_pack = match a {
+            Side::Member(member) => member < origin.bodies,
+            Side::Wall(wall) => origin.container.contains(&(wall as u32)),
+        };
+        is_of_pack && b < origin.bodies
     }
 
     /// Depth of a contact \[m\]: its [`ContactLine::penetration`], and at most the circumscribed diameter of

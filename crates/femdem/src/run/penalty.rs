@@ -165,9 +165,11 @@ impl Scenario {
             forecast
                 .at_rest
                 .see((of_pack(&loads, body) / penalty).cbrt(), name);
-            forecast
-                .at_impact
-                .see((of_impact(&loads, body) / penalty).sqrt(), name);
+            // Those of a pack lie on one another.
+            if body.member >= simulation.origin.bodies {
+                let impact = (of_impact(&loads, body) / penalty).sqrt();
+                forecast.at_impact.see(impact, name);
+            }
         }
         forecast
     }
@@ -198,7 +200,7 @@ impl ExpectedDepth {
 pub struct Forecast {
     /// Under the weights.
     pub at_rest: ExpectedDepth,
-    /// At the fastest impact that start, fall and prescribed motions allow.
+    /// At the fastest impact that start, fall and prescribed motions allow, of bodies that are not of a pack.
     pub at_impact: ExpectedDepth,
 }
 

@@ -3,8 +3,6 @@
 use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_view::picture::{Image, PictureOptions, Skin, draw_skins, sides};
 
-use femdem_solve::World;
-
 use super::{Cell, PlaneEntry, Run, Scenario, Simulation};
 use crate::{BodyValues, Drawing, Error, Spacing};
 
@@ -16,8 +14,12 @@ impl Run {
     ///
     /// [`Error::Solve`] if an element has no stress.
     pub fn picture(&self, options: &PictureOptions) -> Result<Image, Error> {
-        let world = &self.simulation().world;
-        let place = |skins: &[Skin]| self.scenario().drawing(skins, world);
+        // A scene that starts from a pack need not describe its container.
+        let of_pack = || self.simulation().snapshot().ok()?.outline();
+        let place = |skins: &[Skin]| {
+            let own = self.scenario().drawing(skins, self.simulation());
+            own.or_else(of_pack)
+        };
         self.simulation()
             .picture_in(place, Spacing::Linear, options)
     }
@@ -147,16 +149,16 @@ impl Simulation {
 
 impl Scenario {
     /// The first plane that carries bodies, or the first box, around the drawn bodies.
-    fn drawing(&self, skins: &[Skin], world: &World) -> Option<Drawing> {
+    fn drawing(&self, skins: &[Skin], simulation: &Simulation) -> Option<Drawing> {
+        let world = &simulation.world;
         let points = || skins.iter().flat_map(|skin| &skin.points);
         let low = points().fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(&p.coords));
         let high = points().fold(Vector3::repeat(f64::NEG_INFINITY), |m, p| m.sup(&p.coords));
-        let mut first = 0;
-        self.wall.iter().find_map(|wall| {
-            let walls = first..first + wall.count().ok()?;
-            first = walls.end;
-            match (&wall.plane, &wall.r#box) {
-                (Some(plane), None) => floor(plane, world.wall_pose(walls.start)?, low, high),
+        let entries = self.wall.iter().zip(&simulation.origin.walls);
+        entries
+            .into_iter()
+            .find_map(|(wall, walls)| match (&wall.plane, &wall.r#box) {
+                (Some(plane), None) => floor(plane, world.wall_pose(*walls.first()?)?, low, high),
                 (None, Some(space)) => {
                     let [lower, upper] = Cell::new("", space, walls, 0.0, world).corners(world);
                     let mut region_high = Vector3::from(upper);
@@ -170,8 +172,7 @@ impl Scenario {
                     Some(Drawing::of_region(&region, region_high.z))
                 }
                 _ => None,
-            }
-        })
+            })
     }
 }
 

@@ -7,47 +7,31 @@ use serde::{Deserialize, Serialize};
 
 use super::Scenario;
 
-/// The contact law of all pairs of materials without [one of their own](super::PairEntry).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// The contact law of all pairs of materials without [one of their own](super::PairEntry). What it does not give is that of
+/// the pack from which the scene starts, or the default of [`ContactParameters`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct ContactEntry {
-    /// Penalty p of contacts of rigid bodies \[Pa\]. `None`: chosen from loads, speeds and sizes.
+    /// Penalty p of contacts of rigid bodies \[Pa\]. `None`: that of the pack, or chosen from loads, speeds and sizes.
     pub penalty: Option<f64>,
     /// Mean depth of contacts at rest that the chosen penalty aims at, in circumscribed diameters; impacts go at most ten times
     /// as deep. `None`: 0.005, with a penalty of at least 1 MPa.
     pub penetration: Option<f64>,
     /// Coulomb friction coefficient.
-    pub friction: f64,
+    pub friction: Option<f64>,
     /// Coulomb friction coefficient between bodies and walls. `None`: `friction`.
     pub wall_friction: Option<f64>,
     /// Coefficient of rolling friction.
-    pub rolling_friction: f64,
+    pub rolling_friction: Option<f64>,
     /// Fraction of critical damping of the normal contact, below 0.7071.
-    pub damping: f64,
+    pub damping: Option<f64>,
     /// Tangential over normal foundation modulus.
-    pub tangential_ratio: f64,
+    pub tangential_ratio: Option<f64>,
     /// Fraction of critical damping of the tangential springs.
-    pub tangential_damping: f64,
+    pub tangential_damping: Option<f64>,
     /// How walls act on deformable bodies: `"mirror"`, as their mirror image, or `"rigid"`, half as stiffly, as
     /// they act on rigid bodies.
-    pub wall_response: WallResponse,
-}
-
-impl Default for ContactEntry {
-    fn default() -> Self {
-        let law = ContactParameters::default();
-        Self {
-            penalty: None,
-            penetration: None,
-            friction: law.friction,
-            wall_friction: law.wall_friction,
-            rolling_friction: law.rolling_friction,
-            damping: law.damping_ratio,
-            tangential_ratio: law.tangential_ratio,
-            tangential_damping: law.tangential_damping,
-            wall_response: law.wall_response,
-        }
-    }
+    pub wall_response: Option<WallResponse>,
 }
 
 /// The choice of the time step.
@@ -96,20 +80,18 @@ pub struct RestEntry {
 
 impl Scenario {
     pub(super) fn parameters(&self) -> WorldParameters {
-        let mut p = WorldParameters {
-            gravity: Vector3::from(self.gravity),
-            ..WorldParameters::default()
-        };
-        let usual = ContactParameters::default();
+        let mut p = WorldParameters::default();
+        p.gravity = self.gravity.map_or(p.gravity, Vector3::from);
+        let (own, usual) = (&self.contact, p.contact);
         p.contact = ContactParameters {
-            penalty: self.contact.penalty.unwrap_or(usual.penalty),
-            friction: self.contact.friction,
-            wall_friction: self.contact.wall_friction,
-            rolling_friction: self.contact.rolling_friction,
-            damping_ratio: self.contact.damping,
-            tangential_ratio: self.contact.tangential_ratio,
-            tangential_damping: self.contact.tangential_damping,
-            wall_response: self.contact.wall_response,
+            penalty: own.penalty.unwrap_or(usual.penalty),
+            friction: own.friction.unwrap_or(usual.friction),
+            wall_friction: own.wall_friction.or(usual.wall_friction),
+            rolling_friction: own.rolling_friction.unwrap_or(usual.rolling_friction),
+            damping_ratio: own.damping.unwrap_or(usual.damping_ratio),
+            tangential_ratio: own.tangential_ratio.unwrap_or(usual.tangential_ratio),
+            tangential_damping: own.tangential_damping.unwrap_or(usual.tangential_damping),
+            wall_response: own.wall_response.unwrap_or(usual.wall_response),
         };
         p.time_step.safety = self.time_step.safety;
         p.time_step.largest = self.time_step.largest;

@@ -6,6 +6,7 @@ use femdem_solve::{SolveError, World};
 use serde::{Deserialize, Serialize};
 
 use super::Controls;
+use super::origin::Origin;
 use crate::scene::ShapeNote;
 
 /// A body of a simulation.
@@ -33,6 +34,8 @@ pub struct Simulation {
     pub controls: Controls,
     /// The penalty of its contacts between rigid bodies.
     pub penalty: Penalty,
+    /// What it has from a pack, and which walls its scene has added.
+    pub origin: Origin,
     /// How surface files were read and bodies meshed, each once. Not stored: it belongs to making the simulation.
     #[serde(skip)]
     pub notes: Vec<ShapeNote>,
@@ -46,6 +49,7 @@ struct Stored {
     supports: Vec<Support>,
     controls: Controls,
     penalty: Penalty,
+    origin: Origin,
 }
 
 impl TryFrom<Stored> for Simulation {
@@ -58,6 +62,7 @@ impl TryFrom<Stored> for Simulation {
             supports,
             controls,
             penalty,
+            origin,
         } = stored;
         world.restore()?;
         Ok(Self {
@@ -66,6 +71,7 @@ impl TryFrom<Stored> for Simulation {
             supports,
             controls,
             penalty,
+            origin,
             notes: Vec::new(),
         })
     }

@@ -2,52 +2,87 @@
 
 use std::path::Path;
 
-use super::changes::changes;
+use femdem_solve::{World, WorldParameters};
+
+use super::changes::{Change, changes};
 use super::saved::RUN_CHECKPOINT;
+use super::words::KEYS;
 use super::{Controls, Run, Scenario, Simulation};
 use crate::Error;
+use crate::results::PACK_CHECKPOINT;
 
 /// Most that the mass of a body may differ, relative, between two readings of the same shape.
 const SAME: f64 = 1e-9;
 
-impl Simulation {
-    /// The state in the checkpoint of another run under the settings, motions and boundary conditions of `scene`, whose own
-    /// beginning `self` is. Time, steps and ledger are 0; what moves as prescribed counts from where it is.
-    pub(super) fn started_from(self, folder: &Path, scene: &Scenario) -> Result<Self, Error> {
+/// Whether a folder is that of a pack, and not of a run.
+pub(super) fn is_pack(folder: &Path) -> bool {
+    folder.join(PACK_CHECKPOINT).is_file() && !folder.join(RUN_CHECKPOINT).is_file()
+}
+
+impl Scenario {
+    /// The scene and the state in the checkpoint of another run under its settings, motions and boundary conditions.
+    pub(super) fn start_from(&self, folder: &Path) -> Result<(Self, Simulation), Error> {
         if !folder.join(RUN_CHECKPOINT).is_file() {
             return Err(Error::Option {
                 name: "from",
                 value: format!("\"{}\"", folder.display()),
-                allowed: "the folder of a run of a scene, with its run.ckpt",
+                allowed: "the folder of a run of a scene, with its run.ckpt, or of a pack, with its pack.ckpt",
             });
         }
-        let (before, mut simulation) = Run::read(folder)?.0.into_parts();
+        let (before, simulation) = Run::read(folder)?.0.into_parts();
+        let of_pack = simulation.is_of_pack();
+        self.check_origin(of_pack)?;
+        let (scene, base) = if of_pack {
+            let scene = self.filled(&before.parameters(), true);
+            (scene, simulation.without_entries()?)
+        } else {
+            let scene = self.filled(&WorldParameters::default(), false);
+            let world = World::new(scene.parameters());
+            let world = world.map_err(|error| Error::from(error).by_keys(&KEYS))?;
+            (scene, Simulation::empty(world))
+        };
+        let changes = changes(&before, &scene)?;
         let refused = |key: String, advice| Error::Fixed {
             scene: "the scene",
             key,
             state: format!("the checkpoint in {}", folder.display()),
             advice,
         };
-        let changes = changes(&before, scene)?;
-        if let Some(fixed) = changes.iter().find(|key| !key.can_be_started(scene)) {
+        let can_start = |change: &&Change| !change.can_be_started(&scene);
+        if let Some(fixed) = changes.iter().find(can_start) {
             return Err(refused(
                 fixed.name.clone(),
                 "a run that starts `from` another one has its materials, walls and bodies",
             ));
         }
-        if let Some(other) = simulation.first_other(&self) {
+        let placed = scene.build_on(base)?;
+        if let Some(other) = simulation.first_other(&placed) {
             return Err(refused(
                 format!("the shape of \"{other}\""),
                 "its file is another one than that run had: give that one, or leave `from` out",
             ));
         }
+        let simulation = placed.started_from(simulation, &before, &scene)?;
+        Ok((scene, simulation))
+    }
+}
+
+impl Simulation {
+    /// The state of another run under the settings, motions and boundary conditions of `scene`, whose own beginning `self` is.
+    /// Time, steps and ledger are 0; what moves as prescribed counts from where it is.
+    fn started_from(
+        self,
+        mut simulation: Self,
+        before: &Scenario,
+        scene: &Scenario,
+    ) -> Result<Self, Error> {
         simulation.controls = Controls::default();
         // Before motions begin anew: what has come to rest stays so.
-        simulation.set_free(&before, scene)?;
+        simulation.set_free(before, scene)?;
         simulation.world.restart_clock();
-        simulation.change(&before, scene)?;
-        for (_, member, body) in self.deformables() {
-            let id = member.id;
+        simulation.change(before, scene)?;
+        for (number, _, body) in self.deformables() {
+            let id = simulation.members[number].id;
             let Some(present) = simulation.world.deformable(id) else {
                 continue;
             };
@@ -66,20 +101,23 @@ impl Simulation {
 
     /// Name of the first body or wall that is not the same in another simulation of equal entries: files can change.
     fn first_other(&self, other: &Self) -> Option<&str> {
-        let walls = self.world.walls().zip(other.world.walls());
-        let walls = walls.map(|((_, a), (_, b))| (a, b));
-        let mut walls = walls.filter(|(a, b)| a.name() != b.name());
         let size = |of: &Self, id| {
             let body = of.world.deformable(id);
             let nodes = body.map_or(0, |body| body.model().nodes().len());
             of.world.mass(id).map(|mass| (mass, nodes))
         };
-        let same = |id| match (size(self, id), size(other, id)) {
+        let same = |a, b| match (size(self, a), size(other, b)) {
             (Some((a, n)), Some((b, m))) => n == m && (a - b).abs() <= SAME * a.abs(),
             _ => false,
         };
-        let mut members = self.members.iter().filter(|member| !same(member.id));
-        let member = members.next().map(|member| member.name.as_str());
-        member.or_else(|| walls.next().map(|(wall, _)| wall.name()))
+        let mut members = self.members.iter().zip(&other.members);
+        let member = members.find(|(a, b)| !same(a.id, b.id));
+        let name = |of: &Self, wall| of.world.wall(wall).map(|wall| wall.name().to_owned());
+        let walls = self.origin.walls.iter().zip(&other.origin.walls);
+        let mut walls = walls.flat_map(|(a, b)| a.iter().zip(b));
+        let wall = walls.find(|&(&a, &b)| name(self, a) != name(other, b));
+        let wall = wall.and_then(|(&a, _)| self.world.wall(a));
+        let member = member.map(|(member, _)| member.name.as_str());
+        member.or(wall.map(|wall| wall.name()))
     }
 }

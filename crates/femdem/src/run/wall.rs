@@ -96,14 +96,6 @@ impl WallEntry {
         Ok(note)
     }
 
-    /// Number of walls that it is in a world.
-    pub(super) fn count(&self) -> Result<u32, Error> {
-        match &self.r#box {
-            Some(space) => Ok(space.shapes("box")?.len() as u32),
-            None => Ok(1),
-        }
-    }
-
     fn shapes(&self, name: &str) -> Result<(Vec<WallShape>, Option<ShapeNote>), Error> {
         self.refuse_strangers()?;
         let shapes = match (&self.plane, &self.r#box, &self.cylinder, &self.file) {
@@ -134,7 +126,7 @@ impl WallEntry {
     }
 
     /// Refuses keys that have no effect without a file.
-    fn refuse_strangers(&self) -> Result<(), Error> {
+    pub(super) fn refuse_strangers(&self) -> Result<(), Error> {
         if self.file.is_some() {
             return Ok(());
         }

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use femdem::scene::Length;
 
-use crate::program::source::{ForeignArgs, Inside};
+use crate::program::source::{ForeignArgs, FrameArgs, Inside};
 
 pub(crate) const HELP: &str = "\
 The folder pores then holds
@@ -108,6 +108,9 @@ pub(crate) struct PoresArgs {
     /// Folder for the results [default: pores in the folder of the pack]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub frame: FrameArgs,
 
     #[command(flatten)]
     pub foreign: ForeignArgs,

@@ -7,8 +7,7 @@ use femdem::mesh::Polyhedron;
 use femdem::{Snapshot, results};
 
 use super::args::{Contacts, PoresArgs, SidesKind, Size};
-use crate::program::folder;
-use crate::program::source;
+use crate::program::source::{self, Found, Origin};
 
 /// Defaults over the mean diameter.
 const VOXEL: f64 = 0.05;
@@ -33,21 +32,13 @@ pub(super) struct Read {
 
 /// Reads the pack in a folder.
 pub(super) fn read(args: &PoresArgs) -> Result<Read> {
-    let (snapshot, balls) = if folder::holds_run(&args.folder) {
-        if args.foreign.is_given() {
-            bail!(
-                "{} is a run of a scene: leave out --density, --gravity and --inside, which are for packs from \
-                 elsewhere",
-                args.folder.display()
-            );
-        }
-        let (run, _) = femdem::run::Run::read(&args.folder)?;
-        let balls = results::ball_radii(&run.simulation().world);
-        (run.simulation().snapshot()?, balls)
-    } else {
-        let (snapshot, saved) = source::read(&args.folder, &args.foreign)?;
-        let balls = saved.map(|saved| results::ball_radii(saved.packing.world()));
-        (snapshot, balls.unwrap_or_default())
+    let Found {
+        snapshot, origin, ..
+    } = source::read(&args.folder, &args.foreign, &args.frame)?;
+    let balls = match &origin {
+        Origin::Pack(saved) => results::ball_radii(saved.packing.world()),
+        Origin::Run(saved, None) => results::ball_radii(&saved.0.simulation().world),
+        Origin::Run(_, Some(_)) | Origin::Elsewhere => Vec::new(),
     };
     snapshot.check()?;
     let shapes: Vec<Polyhedron> = snapshot

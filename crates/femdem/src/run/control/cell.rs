@@ -1,7 +1,5 @@
 //! A box whose walls are controlled: a test cell.
 
-use std::ops::Range;
-
 use femdem_contact::WallShape;
 use femdem_mesh::Vector3;
 use femdem_solve::World;
@@ -71,7 +69,7 @@ impl Cell {
     pub(in crate::run) fn new(
         name: &str,
         space: &BoxEntry,
-        walls: Range<u32>,
+        walls: &[u32],
         solid: f64,
         world: &World,
     ) -> Self {
@@ -82,7 +80,7 @@ impl Cell {
             start: [0.0; 3],
             solid,
         };
-        for wall in walls {
+        for &wall in walls {
             let (axis, side) = side_of(world, wall);
             cell.walls[axis][side] = Some(wall);
         }

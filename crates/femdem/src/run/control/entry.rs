@@ -100,11 +100,11 @@ impl ControlEntry {
     }
 
     /// The direction of a wall that is no box; `normal` is that of a plane.
-    pub(super) fn direction(&self, normal: Option<[f64; 3]>) -> Result<Vector3, Error> {
-        let given = self.direction.or(normal).ok_or_else(|| {
+    pub(super) fn direction(&self, normal: Option<Vector3>) -> Result<Vector3, Error> {
+        let Some(given) = self.direction else {
             let allowed = "give the direction in which the wall is to press: it has no normal";
-            wrong("control.direction", "none", allowed)
-        })?;
+            return normal.ok_or_else(|| wrong("control.direction", "none", allowed));
+        };
         let direction = Vector3::from(given);
         if !direction.norm().is_finite() {
             let allowed = "three finite numbers";

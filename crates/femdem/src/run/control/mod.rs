@@ -7,9 +7,7 @@ mod cell;
 mod entry;
 mod tables;
 
-use std::ops::Range;
-
-use femdem_contact::Partner;
+use femdem_contact::{Partner, WallShape};
 use femdem_fem::Curve;
 use femdem_mesh::Vector3;
 use femdem_solve::{Driven, Resistance, Servo, World};
@@ -126,7 +124,7 @@ impl Controls {
         &mut self,
         entry: &WallEntry,
         name: &str,
-        walls: Range<u32>,
+        walls: &[u32],
         solid: f64,
         world: &mut World,
     ) -> Result<(), Error> {
@@ -149,10 +147,12 @@ impl Controls {
             self.cells.push(cell);
         } else {
             let (goal, limit) = control.force()?;
-            let direction = control.direction(entry.plane.map(|plane| plane.normal))?;
+            let normal = walls.first().and_then(|&wall| normal(world, wall));
+            let direction = control.direction(normal)?;
+            let walls = walls.iter().map(|&wall| Sliding { wall, direction });
             self.groups.push(Group {
                 cell: None,
-                walls: walls.map(|wall| Sliding { wall, direction }).collect(),
+                walls: walls.collect(),
                 goal,
                 servo: Some(Servo::new(limit)?),
                 moved: 0.0,
@@ -211,10 +211,8 @@ impl Simulation {
     /// which their strains count.
     pub(super) fn control(&mut self, scene: &Scenario) -> Result<(), Error> {
         let mut controls = Controls::default();
-        let mut first = 0;
-        for (number, entry) in (1..).zip(&scene.wall) {
-            let walls = first..first + entry.count()?;
-            first = walls.end;
+        let origin = self.origin.walls.iter();
+        for ((number, entry), walls) in (1..).zip(&scene.wall).zip(origin) {
             let name = match entry.name.as_str() {
                 "" => format!("wall {number}"),
                 name => name.to_owned(),
@@ -250,6 +248,17 @@ impl Simulation {
             volume.filter(|_| inside)
         });
         volumes.sum()
+    }
+}
+
+/// The normal into the space for the bodies of a wall that is a plane.
+fn normal(world: &World, wall: u32) -> Option<Vector3> {
+    let pose = world.wall_pose(wall)?;
+    match world.wall(wall)? {
+        WallShape::Planes(planes) if planes.planes().len() == 1 => {
+            planes.planes().first().map(|plane| pose * plane.normal)
+        }
+        _ => None,
     }
 }
 

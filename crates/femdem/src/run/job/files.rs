@@ -7,6 +7,7 @@ use femdem_view::ViewError;
 use femdem_view::output::{write_file, write_pvd_parts};
 use femdem_view::picture::PictureOptions;
 
+use super::tables::FRAMES;
 use crate::run::{Run, RunSummary};
 use crate::run::{control, history};
 use crate::{Error, Usage};
@@ -97,7 +98,7 @@ impl Run {
     }
 
     fn write_frame(&mut self, folder: &Path) -> Result<(), Error> {
-        let frames = folder.join("frames");
+        let frames = folder.join(FRAMES);
         fs::create_dir_all(&frames).map_err(|source| ViewError::Write {
             path: frames.clone(),
             source,
@@ -114,6 +115,9 @@ impl Run {
         }
         let path = frames.join(file_name(CONTACTS, number));
         write_file(path, |w| simulation.write_contacts(w))?;
+        if self.scenario.tables {
+            self.write_tables(&frames, number)?;
+        }
         if self.scenario.pictures {
             let picture = self.picture(&PictureOptions::default())?;
             let path = frames.join(file_name(PICTURE, number));

@@ -6,7 +6,7 @@ use super::files::due;
 use super::{Relaxing, Run};
 use crate::Error;
 use crate::run::{RelaxSummary, Scenario, Simulation};
-use femdem_solve::World;
+use femdem_solve::{World, WorldParameters};
 
 impl Run {
     /// Refuses a duration that is not beyond the present time.
@@ -33,6 +33,12 @@ impl Run {
     /// [`Error::Fixed`] for a change of bodies, materials, walls or folders, or of the motion in a run that stays ended;
     /// [`Error::Over`] for a duration that is over; and as [`Scenario::build`]. The run is then unchanged.
     pub fn apply(&mut self, scenario: Scenario) -> Result<Vec<String>, Error> {
+        let of_pack = self.simulation.is_of_pack();
+        let usual = match of_pack {
+            true => self.scenario.parameters(),
+            false => WorldParameters::default(),
+        };
+        let scenario = scenario.filled(&usual, of_pack);
         let changes = changes(&self.scenario, &scenario)?;
         if changes.is_empty() {
             return Ok(Vec::new());
