@@ -5,7 +5,13 @@ use serde::{Deserialize, Serialize};
 
 /// Time τ in which the force of contacts whose bodies hold still comes to its wanted value, in steps of the world: the
 /// stiffness may grow many times within a step.
-const STEPS: f64 = 10.0;
+const STEPS: f64 = 5.0;
+
+/// Part of the velocity of the dashpot at which the integral begins, against it, and its time in τ for each body from wall to
+/// wall: the two for which the force comes to its value in e^(−t 14/15 R τ) alone. The energy that gravity stores makes R too
+/// large; what is then left for the slow integral is a fifteenth.
+const BACK: f64 = 1.0 / 15.0;
+const SLOW: f64 = 225.0 / 14.0;
 
 /// Least number of bodies from wall to wall for which the integral is slow enough.
 const FEWEST: f64 = 5.0;
@@ -30,14 +36,14 @@ pub struct Resistance {
 /// The wall is a piston without weight, pushed by the wanted force F\*, that meets the bodies with F. Its velocity is the
 /// sum of that of a dashpot and that of a mass,
 ///
-/// v = (F\* − F)/(K τ) + ∫ (F\* − F)/(4 R K τ²) dt,
+/// v = (F\* − F)/(K τ) + ∫ (F\* − F)/(16 R K τ²) dt,
 ///
-/// with the stiffness K of its contacts and τ = 10 steps. What it presses yields R times as much as these contacts: with the
+/// with the stiffness K of its contacts and τ = 5 steps. What it presses yields R times as much as these contacts: with the
 /// energy U that it stores its stiffness is F²/2U, so that R = 2 K U/F², and at least 5. Both elements are passive, so that
 /// the wall feeds no oscillation of the bodies, whatever their mass. When it begins to move, and after it was at its limit of
 /// speed, the
-/// integral begins at −(F\* − F)/(2 K τ): the force then comes to F\* without exceeding it. While a wall must travel at a constant speed, as the sides of a specimen that is sheared, no error
-/// stays. Free of contacts, it moves at the limit of speed. It stands still while the force is right to 10⁻³, so that bodies
+/// integral begins at −(F\* − F)/(15 K τ): the force then comes to F\* without exceeding it. While a wall must travel at a constant speed, as the sides of a specimen that is sheared, no error
+/// stays; where bodies that yielded stop to yield, the force exceeds F\* for a while. Free of contacts, it moves at the limit of speed. It stands still while the force is right to 10⁻³, so that bodies
 /// can come to rest.
 ///
 /// ```
@@ -109,8 +115,15 @@ impl Servo {
         let at_once = missing / relaxing;
         // Infinite without a force: the integral waits.
         let yielding = (2.0 * stiffness * energy / force.powi(2)).max(FEWEST);
-        let grown = at_once / (4.0 * STEPS * yielding);
-        let drift = drift.map_or(-0.5 * at_once, |drift| drift + grown);
+        let drift = drift.map_or(-BACK * at_once, |drift| {
+            // What carries the wall beyond the wanted force ends soon.
+            let bodies = if drift * missing < 0.0 {
+                FEWEST
+            } else {
+                yielding
+            };
+            drift + at_once / (SLOW * STEPS * bodies)
+        });
         let velocity = at_once + drift;
         if velocity.abs() > self.limit {
             return self.limit.copysign(velocity);

@@ -619,3 +619,58 @@ fn deformable_bodies_are_measured_by_their_skins() {
     assert_eq!(walls[0][..5], ["floor", "0", "0", "0", "1"]);
     assert!(walls[0][10].parse::<f64>().unwrap() < -1.0, "{walls:?}");
 }
+
+/// A side of the container is pressed with a force, by its name.
+#[test]
+fn a_wall_of_a_pack_is_controlled() {
+    let (_kept, pack) = pack();
+    let control = "[[wall]]\nname = \"x+\"\ncontrol = { force = 10, speed = 0.2 }";
+    let file = pack.with_file_name("press.toml");
+    let press = |more: &str| {
+        let from = pack.display();
+        fs::write(
+            &file,
+            format!("from = \"{from}\"\nduration = 0.6\n{more}\n{control}"),
+        )
+        .unwrap();
+        let out = pack.with_file_name("pressed");
+        let mut command = femdem("run");
+        command
+            .arg(&file)
+            .args(["--quiet", "--force", "--out"])
+            .arg(&out);
+        assert_eq!(code(&run(&mut command)), 0);
+        out
+    };
+    // With another side open the numbers of the walls have a gap.
+    for open in ["", "remove = [\"y-\"]"] {
+        let out = press(open);
+        let end = summary(&out);
+        let side = wall(&end, "x+").unwrap();
+        let force = side["force"][0].as_f64().unwrap();
+        assert!(
+            (force / 10.0 - 1.0).abs() < 0.05 || !open.is_empty(),
+            "{side}"
+        );
+        let walls = rows(&out.join("walls.csv"));
+        let last = walls.iter().rfind(|row| row[1] == "x+").unwrap();
+        assert!(last[2].parse::<f64>().unwrap() < 0.0, "{last:?}");
+        for wall in end["walls"].as_array().unwrap() {
+            let row = walls
+                .iter()
+                .rfind(|row| wall["name"] == row[1].as_str())
+                .unwrap();
+            let (told, found) = (
+                wall["force"][0].as_f64().unwrap(),
+                row[5].parse::<f64>().unwrap(),
+            );
+            assert!((told - found).abs() <= 1e-9 * told.abs(), "{wall} {row:?}");
+        }
+    }
+    let both = format!("{control}\nmotion = {{ linear = {{ velocity = [1, 0, 0] }} }}");
+    fs::write(&file, scene(&pack, &both)).unwrap();
+    fails(
+        femdem("run").arg(&file),
+        &["x+", "either a motion or a control"],
+    );
+}

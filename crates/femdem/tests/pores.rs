@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use crate::common::{TINY, code, fails, femdem, run, stdout};
+use crate::common::{TINY, code, fails, femdem, run, stdout, summary};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
@@ -79,6 +79,13 @@ fn one_cube_in_a_box_has_its_porosity_and_closed_surfaces() {
     }
     let dictionary = fs::read_to_string(flow.join("system/snappyHexMeshDict")).unwrap();
     let note = fs::read_to_string(flow.join("README.txt")).unwrap();
+    // The mesh begins at a point that is in no face of its cells, whole or halved.
+    let (_, point) = dictionary.split_once("locationInMesh (").unwrap();
+    let (point, _) = point.split_once(')').unwrap();
+    for x in point.split(' ') {
+        let halves = 20.0 * x.parse::<f64>().unwrap();
+        assert!((halves - halves.round()).abs() > 0.1, "{point}");
+    }
     for name in ["bodies", "wall", "inlet", "outlet"] {
         assert!(
             dictionary.contains(&format!("{name}.stl")) && note.contains(&format!("{name}.stl"))
@@ -151,13 +158,15 @@ fn a_pack_has_closed_surfaces_by_every_treatment_and_the_same_bits_by_any_thread
     }
 }
 
-/// A run of a scene, with a rigid ball and a deformable cube: the region has to be given, the ball is exact.
+/// A run of a scene, with a rigid ball and a deformable cube: the region has to be given, the ball is exact, at the end
+/// and in the tables of a frame.
 #[test]
 fn a_run_of_a_scene_has_pores_too() {
     let folder = tempdir().unwrap();
     let scene = folder.path().join("scene.toml");
     let text = r#"
 duration = 1e-5
+tables = true
 gravity = [0, 0, 0]
 [material.rubber]
 density = 1100
@@ -192,6 +201,7 @@ position = [0, 0, 1.5]
         .args(["--region", "-1,-1,0,1,1,2", "--voxel", "0.02m", "--quiet"]);
     assert_eq!(code(&run(&mut command)), 0);
     let found = results(&out.join("pores"));
+    assert!(found["time"].is_null() && found["frame"].is_null());
     // Sizes are circumscribed diameters.
     let solid = std::f64::consts::PI / 6.0 + (0.5 / 3_f64.sqrt()).powi(3);
     for key in ["image", "exact"] {
@@ -200,6 +210,23 @@ position = [0, 0, 1.5]
             (porosity - (1.0 - solid / 8.0)).abs() < 5e-4,
             "{key}: {porosity}"
         );
+    }
+    // The last frame is the end, and has a folder of its own.
+    let end = summary(&out);
+    let last = end["frames"].as_u64().unwrap() - 1;
+    let mut command = femdem("pores");
+    command
+        .arg(&out)
+        .args(["--time", "1", "--region", "-1,-1,0,1,1,2"]);
+    let output = run(command.args(["--voxel", "0.02m", "--no-surface"]));
+    assert_eq!(code(&output), 0, "{output:?}");
+    assert!(stdout(&output).contains(&format!("of frame {last} at ")));
+    let frame = results(&out.join(format!("frames/{last:05}/pores")));
+    assert_eq!(frame["frame"], last);
+    assert!((number(&frame["time"]) / number(&end["simulated_time"]) - 1.0).abs() < 1e-9);
+    for path in ["/porosity/image", "/pore_diameter/mean", "/tortuosity/mean"] {
+        let [a, b] = [&found, &frame].map(|of| number(of.pointer(path).unwrap()));
+        assert!((a / b - 1.0).abs() < 1e-7, "{path}: {a} {b}");
     }
 }
 
@@ -230,7 +257,6 @@ fn bad_options_of_pores_say_what_to_do() {
             &["--contacts", "gap", "--gap", "0"],
             &["gap = 0", "above zero"],
         ),
-        (&["--contacts", "bridge"], &["contacts.csv"]),
         (
             &["--contacts", "bridge", "--bridge", "1mm"],
             &["bridge = 0.001", "1.5 voxels"],

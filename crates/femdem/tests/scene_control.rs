@@ -268,6 +268,10 @@ fn controls_that_mean_nothing_are_refused_by_name() {
         ),
         ("x = { strain-rate = 1, speed = 1 }", "for a stress only"),
         (
+            "x = { stress = 1, speed = 1, table = [[0, 1], [1, -1]] }",
+            "they cannot pull",
+        ),
+        (
             "x = { strain-rate = 1, table = [[1, 1], [0, 1]] }",
             "time between points",
         ),

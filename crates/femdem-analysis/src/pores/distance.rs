@@ -8,6 +8,12 @@ use femdem_mesh::{Point3, Vector3};
 /// Side of a block of voxels that share a list of near bodies.
 const BLOCK: usize = 4;
 
+/// Parts of a voxel along x, y, z by which a point is moved off the planes that voxels and their halves share.
+const OFF_PLANES: [f64; 3] = [0.123, 0.217, 0.319];
+
+/// Largest part of the distance from all surfaces that a point is moved by.
+const MOST_MOVED: f64 = 0.5;
+
 /// Signed distance (m) of the centre of every voxel from the nearest solid, negative inside: see
 /// [`Solids::signed_distance`]. Bodies beyond the region count, too. Walls at the sides of the region count as
 /// solids, its ends do not. Voxels outside a round region have minus their distance from its side.
@@ -75,8 +81,11 @@ fn block(
     }
 }
 
-/// The centre of the void voxel that is farthest from solids, from the sides and from the ends of the region, the
-/// first of equal ones: a point to start a mesh of the void from. `None` without a void voxel.
+/// A point in the void to start a mesh from. `None` without a void voxel.
+///
+/// It lies near the centre of the void voxel that is farthest from solids, from the sides and from the ends of the
+/// region, the first of equal ones: less than half a voxel off it along each axis, so that it is not in the faces of
+/// cells that are as wide as voxels, and at most half of that distance away.
 ///
 /// `distances` are those of [`signed_distance`]; without one per voxel there is no such point, either.
 pub fn deepest_void(image: &VoxelImage, distances: &[f64]) -> Option<Point3> {
@@ -90,5 +99,46 @@ pub fn deepest_void(image: &VoxelImage, distances: &[f64]) -> Option<Point3> {
             deepest = Some((depth, point));
         }
     }
-    deepest.map(|(_, point)| point)
+    let (depth, centre) = deepest?;
+    let off = Vector3::from([0, 1, 2].map(|k| OFF_PLANES[k] * image.grid.spacing[k]));
+    let part = (MOST_MOVED * depth.max(0.0) / off.norm()).min(1.0);
+    Some(centre + off * part)
+}
+
+#[cfg(test)]
+mod tests {
+    use femdem_mesh::Pose;
+    use femdem_mesh::catalogue::CatalogueShape;
+
+    use super::*;
+    use crate::pack::{Pack, PosedBody};
+    use crate::pores::voxel_image;
+    use crate::region::Region;
+
+    /// Over a cube of 1 m, in a wide void and in one of less than two voxels.
+    #[test]
+    fn a_mesh_starts_in_the_void_and_off_the_planes() {
+        let cube: CatalogueShape = "P5".parse().unwrap();
+        let shapes = [cube.polyhedron(3_f64.sqrt()).unwrap()];
+        let body = [PosedBody {
+            shape: 0,
+            pose: Pose::translation(0.5, 0.5, 0.5),
+        }];
+        let pack = Pack::new(&shapes, &body).unwrap();
+        let solids = Solids::new(&pack);
+        for height in [1.2, 1.02] {
+            let region = Region::Box {
+                min: Point3::origin(),
+                max: Point3::new(0.12, 0.12, height),
+            };
+            let image = voxel_image(&solids, &region, 0.012).unwrap();
+            let distances = signed_distance(&solids, &image, Sides::Open);
+            let point = deepest_void(&image, &distances).unwrap();
+            assert!(solids.signed_distance(&point) > 0.005 && region.contains(&point));
+            for k in 0..3 {
+                let halves = 2.0 * (point[k] - image.grid.origin[k]) / image.grid.spacing[k];
+                assert!((halves - halves.round()).abs() > 0.1, "{point}");
+            }
+        }
+    }
 }

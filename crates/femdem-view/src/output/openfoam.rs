@@ -24,7 +24,7 @@ pub struct FlowCase {
     pub region: Region,
     /// The surfaces.
     pub patches: Vec<CasePatch>,
-    /// A point in the void, away from all surfaces (m).
+    /// A point in the void, away from all surfaces and not in a face of the cells (m).
     pub inside: Point3,
     /// Width of the cells far from the surfaces (m).
     pub cell: f64,

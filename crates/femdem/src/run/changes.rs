@@ -8,7 +8,7 @@ use toml::{Table, Value};
 
 use super::loads::Loads;
 use super::words::KEYS;
-use super::{MotionEntry, Scenario, Simulation};
+use super::{ControlEntry, MotionEntry, Scenario, Simulation};
 use crate::{Error, toml_file};
 
 /// Keys that say how a run is written down and when it ends.
@@ -211,7 +211,14 @@ impl Simulation {
                 self.world.drive_wall(wall, drive)?;
             }
         }
-        self.control(new)?;
+        let controls = |scene: &Scenario| -> Vec<Option<ControlEntry>> {
+            scene.wall.iter().map(|wall| wall.control.clone()).collect()
+        };
+        // A run that starts from another one has none yet.
+        let lacks = self.controls.is_empty() && new.controls().next().is_some();
+        if lacks || controls(old) != controls(new) {
+            self.control(new)?;
+        }
         self.set_free(old, new)?;
         for (id, motion) in self.new_motions(old, new)? {
             if let Some(motion) = motion {

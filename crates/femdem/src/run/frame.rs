@@ -109,7 +109,8 @@ impl Simulation {
     ///
     /// If writing fails.
     pub fn write_contacts(&self, writer: impl Write) -> io::Result<()> {
-        write_points(&self.contacts(), writer)
+        let walls: Vec<usize> = self.world.walls().map(|(wall, _)| wall as usize).collect();
+        write_points(&self.contacts(), &walls, writer)
     }
 }
 
@@ -195,7 +196,8 @@ fn components(stress: &ElementStress) -> [f64; 6] {
     [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)].map(|place| stress.cauchy[place])
 }
 
-fn write_points(contacts: &[ContactLine], writer: impl Write) -> io::Result<()> {
+/// `walls` has the numbers of the walls, which have gaps where some were taken away; a wall is named by its place among them.
+fn write_points(contacts: &[ContactLine], walls: &[usize], writer: impl Write) -> io::Result<()> {
     let count = contacts.len();
     let mut out = Document::new("PolyData");
     out.line(&format!(
@@ -224,9 +226,10 @@ fn write_points(contacts: &[ContactLine], writer: impl Write) -> io::Result<()> 
         1,
         contacts.iter().map(ContactLine::penetration),
     );
+    let place = |wall: usize| walls.partition_point(|other| *other < wall) as i64;
     let a = |c: &ContactLine| match c.a {
         Side::Member(member) => member as i64,
-        Side::Wall(wall) => -1 - wall as i64,
+        Side::Wall(wall) => -1 - place(wall),
     };
     out.integers("a", contacts.iter().map(a));
     out.integers("b", contacts.iter().map(|c| c.b as i64));

@@ -33,7 +33,7 @@ impl Scenario {
         let of_pack = simulation.is_of_pack();
         self.check_origin(of_pack)?;
         let (scene, base) = if of_pack {
-            let scene = self.filled(&before.parameters(), true);
+            let scene = self.filled(simulation.world.parameters(), true);
             (scene, simulation.without_entries()?)
         } else {
             let scene = self.filled(&WorldParameters::default(), false);
@@ -100,7 +100,7 @@ impl Simulation {
     }
 
     /// Name of the first body or wall that is not the same in another simulation of equal entries: files can change.
-    fn first_other(&self, other: &Self) -> Option<&str> {
+    fn first_other<'a>(&'a self, other: &'a Self) -> Option<&'a str> {
         let size = |of: &Self, id| {
             let body = of.world.deformable(id);
             let nodes = body.map_or(0, |body| body.model().nodes().len());
@@ -118,6 +118,12 @@ impl Simulation {
         let wall = walls.find(|&(&a, &b)| name(self, a) != name(other, b));
         let wall = wall.and_then(|(&a, _)| self.world.wall(a));
         let member = member.map(|(member, _)| member.name.as_str());
-        member.or(wall.map(|wall| wall.name()))
+        // A table of poses may have other rows than before.
+        let (more, fewer) = match self.members.len() < other.members.len() {
+            true => (&other.members, self.members.len()),
+            false => (&self.members, other.members.len()),
+        };
+        let added = more.get(fewer).map(|member| member.name.as_str());
+        member.or(added).or(wall.map(|wall| wall.name()))
     }
 }

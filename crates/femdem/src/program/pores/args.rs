@@ -105,7 +105,7 @@ pub(crate) struct PoresArgs {
     #[arg(long, conflicts_with_all = ["contacts", "factor", "gap", "bridge", "margin"])]
     pub no_surface: bool,
 
-    /// Folder for the results [default: pores in the folder of the pack]
+    /// Folder for the results [default: pores in the folder of the pack, or of the tables of the frame]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 

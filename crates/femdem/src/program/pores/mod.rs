@@ -32,12 +32,15 @@ pub(crate) fn run(args: &PoresArgs) -> Result<Outcome> {
         let solids = Solids::new(&pack).with_balls(&read.balls)?;
         let space = Space::new(args, &read, &pack)?;
         let out = args.out.clone();
-        let out = out.unwrap_or_else(|| args.folder.join(FOLDER));
+        let out = out.unwrap_or_else(|| read.folder.join(FOLDER));
         let tell = |text: &dyn std::fmt::Display| {
             if !args.quiet {
                 say(&text.to_string());
             }
         };
+        if let Some(lead) = &read.lead {
+            tell(lead);
+        }
         let (voxels, fields) = image::measure(&space, &solids)?;
         tell(&voxels);
         // Options that cannot be met are refused before any file is written.
@@ -58,7 +61,7 @@ pub(crate) fn run(args: &PoresArgs) -> Result<Outcome> {
         if let Some(written) = &flow {
             tell(written);
         }
-        let summary = summary::Summary::new(&space, pack.len(), voxels, flow);
+        let summary = summary::Summary::new(&space, &read, voxels, flow);
         write_file(out.join(JSON), |w| {
             serde_json::to_writer_pretty(&mut *w, &summary)?;
             std::io::Write::write_all(w, b"\n")

@@ -1,10 +1,13 @@
 //! The pack and the part of space that are looked at.
 
+use std::path::PathBuf;
+
 use anyhow::{Context, Result, bail};
 use femdem::analysis::pores::{Sides, Treatment, flow_region, shrink_factor};
 use femdem::analysis::{Pack, PosedBody, Region, top_plane};
 use femdem::mesh::Polyhedron;
-use femdem::{Snapshot, results};
+use femdem::solve::Shape;
+use femdem::{NamedShape, Snapshot, results};
 
 use super::args::{Contacts, PoresArgs, SidesKind, Size};
 use crate::program::source::{self, Found, Origin};
@@ -21,6 +24,9 @@ const THINNEST: f64 = 1.5;
 /// Spacing of the lines that find the mean top, in mean diameters, as that of the core.
 const LINES: f64 = 0.25;
 
+/// Relative difference of volumes that are equal to round-off.
+const EQUAL: f64 = 1e-9;
+
 /// A pack as read.
 pub(super) struct Read {
     pub snapshot: Snapshot,
@@ -28,17 +34,36 @@ pub(super) struct Read {
     pub bodies: Vec<PosedBody>,
     /// Radius of each shape that is an exact ball \[m\].
     pub balls: Vec<Option<f64>>,
+    /// What was read, in a line, where there is no summary of it.
+    pub lead: Option<String>,
+    /// Folder that results belong in.
+    pub folder: PathBuf,
+    /// Number and time \[s\] of the frame that was asked for.
+    pub frame: Option<(usize, f64)>,
 }
 
 /// Reads the pack in a folder.
 pub(super) fn read(args: &PoresArgs) -> Result<Read> {
+    let found = source::read(&args.folder, &args.foreign, &args.frame)?;
+    let lead = found.lead();
     let Found {
-        snapshot, origin, ..
-    } = source::read(&args.folder, &args.foreign, &args.frame)?;
-    let balls = match &origin {
+        snapshot,
+        origin,
+        folder,
+    } = found;
+    let mut balls = match &origin {
         Origin::Pack(saved) => results::ball_radii(saved.packing.world()),
         Origin::Run(saved, None) => results::ball_radii(&saved.0.simulation().world),
-        Origin::Run(_, Some(_)) | Origin::Elsewhere => Vec::new(),
+        Origin::Run(saved, Some(_)) => {
+            let own = saved.0.simulation().world.shapes();
+            let shapes = snapshot.shapes.iter();
+            shapes.map(|shape| radius_among(own, shape)).collect()
+        }
+        Origin::Elsewhere => Vec::new(),
+    };
+    let frame = match &origin {
+        Origin::Run(saved, Some(number)) => Some((*number, saved.0.frames()[*number])),
+        _ => None,
     };
     snapshot.check()?;
     let shapes: Vec<Polyhedron> = snapshot
@@ -52,14 +77,28 @@ pub(super) fn read(args: &PoresArgs) -> Result<Read> {
     });
     let bodies = posed.collect();
     // Shapes of deformable bodies, and of packs from elsewhere, are no balls.
-    let mut balls = balls;
     balls.resize(shapes.len(), None);
     Ok(Read {
         snapshot,
         shapes,
         bodies,
         balls,
+        lead,
+        folder,
+        frame,
     })
+}
+
+/// The radius of the ball among the shapes of a run that a shape from the tables of a frame is \[m\]; `None` if it
+/// is none. Tables have a number behind a name that several shapes have: those are told apart by their volume.
+fn radius_among(shapes: &[Shape], shape: &NamedShape) -> Option<f64> {
+    let volume = shape.polyhedron.mass_properties().volume;
+    let is_it = |own: &&Shape| {
+        let rest = shape.name.strip_prefix(&own.name);
+        let has_name = rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(" ("));
+        has_name && own.sphere.is_some() && (own.volume / volume - 1.0).abs() < EQUAL
+    };
+    shapes.iter().find(is_it).and_then(|own| own.sphere)
 }
 
 /// How contacts are treated, in m.
@@ -139,8 +178,8 @@ impl Space {
             }
             if read.snapshot.gaps.contacts {
                 bail!(
-                    "--contacts bridge needs the contacts of the pack: add contacts.csv, or give another way with \
-                     --contacts"
+                    "--contacts bridge needs the contacts of the pack, which could not be found from its bodies: \
+                     add contacts.csv, or give another way with --contacts"
                 );
             }
         }
@@ -185,7 +224,36 @@ fn is_as_wide(region: &Region, container: &Region) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use femdem::solve::{World, WorldParameters};
+
     use super::*;
+
+    /// Of two balls of one name, and not of a body that has the name but not the volume.
+    #[test]
+    fn balls_are_found_by_name_and_volume() {
+        let mut world = World::new(WorldParameters::default()).unwrap();
+        world.add_sphere("grain", 0.5).unwrap();
+        world.add_sphere("grain", 0.25).unwrap();
+        let own = world.shapes();
+        let of = |name: &str, number: usize| {
+            // Tables have a polyhedron of the volume of the ball.
+            let facets = &own[number].polyhedron;
+            let ratio = own[number].volume / facets.mass_properties().volume;
+            let shape = NamedShape {
+                name: name.to_owned(),
+                polyhedron: facets.scaled(ratio.cbrt()).unwrap(),
+            };
+            radius_among(own, &shape)
+        };
+        assert_eq!(of("grain", 0), Some(0.5));
+        assert_eq!(of("grain (2)", 1), Some(0.25));
+        assert_eq!((of("stone", 1), of("grains", 0)), (None, None));
+        let cut = NamedShape {
+            name: "grain".to_owned(),
+            polyhedron: own[0].polyhedron.clone(),
+        };
+        assert_eq!(radius_among(own, &cut), None);
+    }
 
     #[test]
     fn sides_are_walls_where_they_are_those_of_the_container() {

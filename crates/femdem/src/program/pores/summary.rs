@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::flow::FlowSummary;
 use super::image::VoxelSummary;
-use super::space::Space;
+use super::space::{Read, Space};
 
 /// Version of the keys.
 const SCHEMA: u32 = 1;
@@ -15,6 +15,10 @@ const SCHEMA: u32 = 1;
 #[derive(Debug, Serialize)]
 pub(super) struct Summary {
     schema: u32,
+    /// Number of the frame that was asked for.
+    frame: Option<usize>,
+    /// Its time \[s\].
+    time: Option<f64>,
     bodies: usize,
     /// Mean circumscribed diameter \[m\].
     diameter: f64,
@@ -29,13 +33,15 @@ pub(super) struct Summary {
 impl Summary {
     pub(super) fn new(
         space: &Space,
-        bodies: usize,
+        read: &Read,
         voxels: VoxelSummary,
         surface: Option<FlowSummary>,
     ) -> Self {
         Self {
             schema: SCHEMA,
-            bodies,
+            frame: read.frame.map(|(number, _)| number),
+            time: read.frame.map(|(_, time)| time),
+            bodies: read.bodies.len(),
             diameter: space.diameter,
             region: space.region,
             sides: match space.sides {

@@ -96,7 +96,8 @@ impl ControlEntry {
                 ));
             }
         };
-        Ok((curve(force, self.table.as_ref())?, speed(self.speed)?))
+        let table = pressing(self.table.as_ref())?;
+        Ok((curve(force, table)?, speed(self.speed)?))
     }
 
     /// The direction of a wall that is no box; `normal` is that of a plane.
@@ -168,7 +169,7 @@ impl AxisEntry {
             (Some(stress), None) => {
                 let stress = compression("stress", stress)?;
                 Ok((
-                    curve(stress, self.table.as_ref())?,
+                    curve(stress, pressing(self.table.as_ref())?)?,
                     Some(speed(self.speed)?),
                 ))
             }
@@ -194,6 +195,14 @@ fn compression(name: &'static str, value: f64) -> Result<f64, Error> {
     }
     let allowed = "0 or more and finite: walls press, they cannot pull";
     Err(wrong(name, &value.to_string(), allowed))
+}
+
+/// A table of factors of a force, which are not negative.
+fn pressing(table: Option<&Vec<[f64; 2]>>) -> Result<Option<&Vec<[f64; 2]>>, Error> {
+    for [_, factor] in table.into_iter().flatten() {
+        compression("a factor of the table", *factor)?;
+    }
+    Ok(table)
 }
 
 fn speed(given: Option<f64>) -> Result<f64, Error> {

@@ -138,6 +138,16 @@ impl Controls {
         let before = self.groups.len();
         if let Some(space) = &entry.r#box {
             control.check_box()?;
+            let turned = |wall: &u32| {
+                world
+                    .wall_pose(*wall)
+                    .is_some_and(|p| p.rotation.angle() > 0.0)
+            };
+            if walls.iter().any(turned) {
+                let allowed =
+                    "a box whose walls have not been turned: its axes are those of the world";
+                return Err(wrong("control", "given to a box that was turned", allowed));
+            }
             let cell = Cell::new(name, space, walls, solid, world);
             let number = self.cells.len();
             for (axis, wanted) in control.axes() {
@@ -218,7 +228,10 @@ impl Simulation {
                 name => name.to_owned(),
             };
             let solid = match &entry.r#box {
-                Some(space) => self.volume_within(space.lower, space.upper),
+                Some(space) => {
+                    let now = Cell::new("", space, walls, 0.0, &self.world);
+                    self.volume_within(now.corners(&self.world))
+                }
                 None => 0.0,
             };
             let added = controls.add(entry, &name, walls, solid, &mut self.world);
@@ -235,7 +248,7 @@ impl Simulation {
     }
 
     /// Volume of the bodies whose centroids lie in a box \[m³\].
-    fn volume_within(&self, lower: [f64; 3], upper: [f64; 3]) -> f64 {
+    fn volume_within(&self, [lower, upper]: [[f64; 3]; 2]) -> f64 {
         let volumes = self.members.iter().filter_map(|member| {
             let x = self.world.position(member.id)?;
             let inside = (0..3).all(|k| x[k] >= lower[k] && x[k] <= upper[k]);

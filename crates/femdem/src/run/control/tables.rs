@@ -35,9 +35,9 @@ pub(in crate::run) fn wall_rows(
     forces: &ContactForces,
 ) -> Vec<Vec<String>> {
     let world = &simulation.world;
-    let rows = world.walls().filter_map(|(wall, shape)| {
+    let walls = world.walls().zip(&forces.walls);
+    let rows = walls.filter_map(|((wall, shape), force)| {
         let pose = world.wall_pose(wall)?;
-        let force = forces.walls.get(wall as usize)?;
         let mut row = vec![number(world.time()), quoted(shape.name())];
         row.extend(vector(&pose.translation.vector));
         row.extend(vector(force));

@@ -35,7 +35,7 @@ impl Run {
     pub fn apply(&mut self, scenario: Scenario) -> Result<Vec<String>, Error> {
         let of_pack = self.simulation.is_of_pack();
         let usual = match of_pack {
-            true => self.scenario.parameters(),
+            true => *self.simulation.world.parameters(),
             false => WorldParameters::default(),
         };
         let scenario = scenario.filled(&usual, of_pack);
