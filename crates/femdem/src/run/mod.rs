@@ -38,6 +38,7 @@ mod body;
 mod books;
 mod boundary;
 mod build;
+mod cells;
 mod changes;
 mod contacts;
 mod control;
@@ -84,10 +85,9 @@ use serde::{Deserialize, Serialize};
 
 pub use body::{Behaviour, BodyEntry, Copies, FocusEntry};
 pub use boundary::BoundaryEntry;
+pub use cells::{CELL_COLUMNS, WALL_COLUMNS};
 pub use contacts::{ContactForces, ContactLine, Side};
-pub use control::{
-    AxisEntry, CELL_COLUMNS, Cell, CellState, ControlEntry, Controls, Sides, WALL_COLUMNS,
-};
+pub use control::{AxisEntry, Cell, CellState, ControlEntry, Controls, Sides};
 pub use ending::Ending;
 pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
 pub use job::Run;

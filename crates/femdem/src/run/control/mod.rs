@@ -3,9 +3,9 @@
 //! A wall with a force, and the walls of a box with a stress, are moved by a [`Servo`]; two opposite walls of a box by
 //! the same way, under the mean of their forces, so that the box stays where it is.
 
+mod begin;
 mod cell;
 mod entry;
-mod tables;
 
 use femdem_contact::{Partner, WallShape};
 use femdem_fem::Curve;
@@ -15,13 +15,10 @@ use serde::{Deserialize, Serialize};
 
 pub use cell::{Cell, CellState};
 pub use entry::{AxisEntry, ControlEntry, Sides};
-pub use tables::{CELL_COLUMNS, WALL_COLUMNS};
-pub(super) use tables::{cell_rows, wall_rows};
 
-use super::{Scenario, Simulation, WallEntry};
+use super::WallEntry;
 use crate::Error;
 use crate::error::wrong;
-use crate::run::build::in_entry;
 use cell::{inwards, push};
 
 /// The controlled walls of a simulation.
@@ -206,61 +203,13 @@ impl Controls {
 
     /// By how much the mean stress of the controlled walls of a cell across an axis misses the wanted one, over that; `None`
     /// if none is wanted.
-    fn stress_error(&self, cell: usize, axis: usize, world: &World) -> Option<f64> {
+    pub(super) fn stress_error(&self, cell: usize, axis: usize, world: &World) -> Option<f64> {
         let mut groups = self.groups.iter();
         let group =
             groups.find(|group| group.cell == Some((cell, axis)) && group.servo.is_some())?;
         let sides = self.cells[cell].sides(world);
         let wanted = group.goal.at(world.time()) * Cell::area(sides, axis);
         (wanted > 0.0).then(|| group.push(world) / wanted - 1.0)
-    }
-}
-
-impl Simulation {
-    /// Begins to control the walls of a scene, from where they are. Boxes that were controlled before keep the sides from
-    /// which their strains count.
-    pub(super) fn control(&mut self, scene: &Scenario) -> Result<(), Error> {
-        let mut controls = Controls::default();
-        let origin = self.origin.walls.iter();
-        for ((number, entry), walls) in (1..).zip(&scene.wall).zip(origin) {
-            let name = match entry.name.as_str() {
-                "" => format!("wall {number}"),
-                name => name.to_owned(),
-            };
-            let solid = match &entry.r#box {
-                Some(space) => {
-                    let now = Cell::new("", space, walls, 0.0, &self.world);
-                    self.volume_within(now.corners(&self.world))
-                }
-                None => 0.0,
-            };
-            let added = controls.add(entry, &name, walls, solid, &mut self.world);
-            added.map_err(in_entry(format!("wall \"{name}\"")))?;
-        }
-        for cell in &mut controls.cells {
-            let before = self.controls.cells.iter();
-            if let Some(known) = before.into_iter().find(|known| known.name == cell.name) {
-                (cell.start, cell.solid) = (known.start, known.solid);
-            }
-        }
-        self.controls = controls;
-        Ok(())
-    }
-
-    /// Volume of the bodies whose centroids lie in a box \[m³\].
-    fn volume_within(&self, [lower, upper]: [[f64; 3]; 2]) -> f64 {
-        let volumes = self.members.iter().filter_map(|member| {
-            let x = self.world.position(member.id)?;
-            let inside = (0..3).all(|k| x[k] >= lower[k] && x[k] <= upper[k]);
-            let rigid = self.world.shape_of(member.id);
-            let rigid = rigid.and_then(|shape| Some(self.world.shape(shape)?.volume));
-            let volume = rigid.or_else(|| {
-                let body = self.world.deformable(member.id)?;
-                Some(body.model().volumes().iter().sum())
-            });
-            volume.filter(|_| inside)
-        });
-        volumes.sum()
     }
 }
 

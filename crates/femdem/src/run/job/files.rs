@@ -8,8 +8,7 @@ use femdem_view::output::{write_file, write_pvd_parts};
 use femdem_view::picture::PictureOptions;
 
 use super::tables::FRAMES;
-use crate::run::{Run, RunSummary};
-use crate::run::{control, history};
+use crate::run::{Run, RunSummary, cells, history};
 use crate::{Error, Usage};
 
 impl Run {
@@ -83,11 +82,11 @@ impl Run {
         let row = history::history_row(&self.simulation, contacts.len(), &forces, &reactions);
         self.history.row(row);
         if self.scenario.moves_walls() {
-            for row in control::wall_rows(&self.simulation, &forces) {
+            for row in cells::wall_rows(&self.simulation, &forces) {
                 self.walls.row(row);
             }
         }
-        for row in control::cell_rows(&self.simulation) {
+        for row in cells::cell_rows(&self.simulation) {
             self.cells.row(row);
         }
         if self.scenario.track {

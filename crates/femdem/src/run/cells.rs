@@ -2,8 +2,8 @@
 
 use femdem_view::output::csv::quoted;
 
-use crate::run::history::{number, vector};
-use crate::run::{ContactForces, Simulation};
+use super::history::{number, vector};
+use super::{ContactForces, Simulation};
 
 /// Columns of `walls.csv`.
 pub const WALL_COLUMNS: [&str; 8] = ["time", "wall", "x", "y", "z", "fx", "fy", "fz"];
@@ -30,10 +30,7 @@ pub const CELL_COLUMNS: [&str; 17] = [
 ];
 
 /// Rows of `walls.csv`: how far each wall is from where the scenario places it, and the force of the bodies on it.
-pub(in crate::run) fn wall_rows(
-    simulation: &Simulation,
-    forces: &ContactForces,
-) -> Vec<Vec<String>> {
+pub(super) fn wall_rows(simulation: &Simulation, forces: &ContactForces) -> Vec<Vec<String>> {
     let world = &simulation.world;
     let walls = world.walls().zip(&forces.walls);
     let rows = walls.filter_map(|((wall, shape), force)| {
@@ -47,7 +44,7 @@ pub(in crate::run) fn wall_rows(
 }
 
 /// Rows of `cells.csv`.
-pub(in crate::run) fn cell_rows(simulation: &Simulation) -> Vec<Vec<String>> {
+pub(super) fn cell_rows(simulation: &Simulation) -> Vec<Vec<String>> {
     let world = &simulation.world;
     let controls = &simulation.controls;
     let rows = controls.cells().iter().enumerate().map(|(k, cell)| {
