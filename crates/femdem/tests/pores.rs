@@ -238,7 +238,7 @@ fn bad_options_of_pores_say_what_to_do() {
         &["container is not known", "--region"],
     );
     for (options, words) in [
-        (&["--voxel", "1cm"][..], &["--voxel", "0.5mm"][..]),
+        (&["--voxel", "1km"][..], &["--voxel", "44mm"][..]),
         (&["--voxel", "0"], &["voxel = 0", "above zero"]),
         (&["--voxel", "1e-6"], &["voxel", "1000000000 voxels"]),
         (

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use femdem::Scene;
-use femdem::scene::{ContainerKind, Footprint, Length, ProtocolKind, StepKind, Unit};
+use femdem::scene::{ContainerKind, Footprint, Length, ProtocolKind, StepKind, Unit, metres};
 
 /// Options of `femdem pack`. Those left out are taken from the scene file, or have their defaults.
 #[derive(Debug, Args)]
@@ -30,12 +30,12 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "N")]
     count: Option<u32>,
 
-    /// Circumscribed diameter d of a body in m [default: 0.05; for a file, its own size]
-    #[arg(long, value_name = "M", conflicts_with_all = ["size", "mass"])]
+    /// Circumscribed diameter d of a body in m, or with a unit, such as 20mm [default: 0.05; for a file, its own size]
+    #[arg(long, value_name = "M", conflicts_with_all = ["size", "mass"], value_parser = metres)]
     diameter: Option<f64>,
 
     /// Size of a body in m by the measure that `femdem shapes` names, instead of --diameter
-    #[arg(long, value_name = "M", conflicts_with = "mass")]
+    #[arg(long, value_name = "M", conflicts_with = "mass", value_parser = metres)]
     size: Option<f64>,
 
     /// Mass of a body in kg, instead of --diameter
@@ -133,7 +133,7 @@ pub(crate) struct PackArgs {
     container: Option<ContainerKind>,
 
     /// Inner width and depth of the box in d, each at least 1, such as 6x6, or in m, such as
-    /// 0.3x0.4m; a third number is the height of its rim [default: as wide as the pack will be high]
+    /// 0.3x0.4m (cm, mm, um, in, ft too); a third number is the height of its rim [default: as wide as the pack will be high]
     #[arg(long, value_name = "WxD[xH][m]")]
     r#box: Option<Footprint>,
 

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::{BoundaryEntry, MotionEntry, RegionEntry, RotationEntry};
 use crate::Error;
 use crate::error::wrong;
-use crate::scene::Unit as LengthUnit;
+use crate::scene::{Unit as LengthUnit, perhaps_in_metres};
 
 /// How a body responds to forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -97,8 +97,10 @@ pub struct BodyEntry {
     /// Sides of the block \[m\].
     pub sides: Option<[f64; 3]>,
     /// Circumscribed diameter of `shape` \[m\]; without it the body of a file has the file's size.
+    #[serde(deserialize_with = "perhaps_in_metres")]
     pub diameter: Option<f64>,
     /// Size of a parametric shape by its own measure \[m\], instead of `diameter`.
+    #[serde(deserialize_with = "perhaps_in_metres")]
     pub size: Option<f64>,
     /// Unit of the coordinates in files.
     pub unit: LengthUnit,

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::{ControlEntry, MotionEntry};
 use crate::Error;
 use crate::error::wrong;
-use crate::scene::{ShapeNote, Unit, surface};
+use crate::scene::{ShapeNote, Unit, in_metres, surface};
 
 /// A wall, described by exactly one of `plane`, `box`, `cylinder` and `file`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -68,6 +68,7 @@ pub struct BoxEntry {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct CylinderEntry {
     /// Inner diameter \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub diameter: f64,
     /// Number of plane facets.
     #[serde(default = "facets")]

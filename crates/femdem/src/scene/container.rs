@@ -32,6 +32,7 @@ pub(super) fn container(
         let width = scene.cylinder.unwrap_or(Length::Diameters(width));
         width.metres(diameter)
     };
+    refuse_less_than_a_body(scene)?;
     Ok(match scene.container_kind()? {
         ContainerKind::Walls => {
             let path = scene.walls.as_ref().ok_or(Error::Option {
@@ -71,6 +72,25 @@ pub(super) fn container(
             }
         }
     })
+}
+
+/// A size of less than a body diameter is most likely meant in metres.
+fn refuse_less_than_a_body(scene: &Scene) -> Result<(), Error> {
+    let small = |length: Length| matches!(length, Length::Diameters(x) if x > 0.0 && x < 1.0);
+    let refuse = |name, value: String| {
+        Err(Error::Option {
+            name,
+            value,
+            allowed: "at least 1, in body diameters; if metres are meant, give the unit, such as 0.3m or 0.3x0.3m",
+        })
+    };
+    match (scene.r#box, scene.cylinder) {
+        (Some(size), _) if small(size.width) || small(size.depth) => {
+            refuse("box", size.to_string())
+        }
+        (_, Some(size)) if small(size) => refuse("cylinder", size.to_string()),
+        _ => Ok(()),
+    }
 }
 
 /// Height of the container's rim \[m\], if it has one.

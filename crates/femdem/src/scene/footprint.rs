@@ -1,15 +1,15 @@
-//! Width, depth and height of a box, written 6x6, 0.3x0.4m or 5.26x5.3x3.87m.
+//! Width, depth and height of a box, written 6x6, 0.3x0.4m or 526x530x387cm.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::Length;
+use super::{Length, Unit};
 use crate::Error;
 
-/// Inner width and depth of a box and the height of its rim, in body diameters ("6x7.5") or in metres
-/// ("0.3x0.4m", "5.26x5.3x3.87m").
+/// Inner width and depth of a box and the height of its rim, in body diameters ("6x7.5") or with a unit
+/// ("0.3x0.4m", "526x530x387cm").
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Footprint {
@@ -41,16 +41,20 @@ impl FromStr for Footprint {
             name: "box",
             value: text.chars().take(40).collect(),
             allowed: "give width x depth, and height of the rim if you like, in body diameters, such \
-                      as 6x6, or in metres, such as 5.26x5.3x3.87m",
+                      as 6x6, or with a unit, such as 5.26x5.3x3.87m or 300x400mm",
         };
-        let trimmed = text.trim();
-        let (numbers, unit) = match trimmed.strip_suffix('m') {
-            Some(numbers) => (numbers, "m"),
-            None => (trimmed, ""),
-        };
-        let sizes: Option<Vec<Length>> = numbers
-            .split(['x', 'X'])
-            .map(|number| format!("{}{unit}", number.trim()).parse().ok())
+        let parts: Vec<(&str, Option<Unit>)> = text.split(['x', 'X']).map(Unit::split).collect();
+        // The unit at the end is that of all numbers without one.
+        let shared = parts.last().and_then(|(_, unit)| *unit);
+        let sizes: Option<Vec<Length>> = parts
+            .iter()
+            .map(|(number, unit)| {
+                let length = match unit.or(shared) {
+                    Some(unit) => Length::Metres(unit.length(number)?),
+                    None => Length::Diameters(Unit::M.length(number)?),
+                };
+                (length.metres(1.0) >= 0.0).then_some(length)
+            })
             .collect();
         let zero = |length: &Length| length.metres(1.0) == 0.0;
         match sizes.ok_or_else(refused)?.as_slice() {
@@ -111,11 +115,17 @@ mod tests {
         let bin: Footprint = "5.26x5.3x3.87m".parse().unwrap();
         assert_eq!(bin.width, Length::Metres(5.26));
         assert_eq!(bin.height, Some(Length::Metres(3.87)));
+        let mixed: Footprint = "30cm x 400mm".parse().unwrap();
+        assert_eq!(
+            [mixed.width, mixed.depth],
+            [Length::Metres(0.3), Length::Metres(0.4)]
+        );
+        assert_eq!("300x400mm".parse::<Footprint>().unwrap(), mixed);
         for read in [footprint, bin, "0.3x0.4m".parse().unwrap()] {
             assert_eq!(read.to_string().parse::<Footprint>().unwrap(), read);
         }
         for bad in [
-            "", "6", "6x", "x6", "6x-1", "NaNx6", "6x6x6x6", "infx2", "0x3", "6x6mm",
+            "", "6", "6x", "x6", "6x-1", "NaNx6", "6x6x6x6", "infx2", "0x3", "6x6km",
         ] {
             let message = bad.parse::<Footprint>().unwrap_err().to_string();
             assert!(message.contains("such as 6x6"), "{bad}: {message}");

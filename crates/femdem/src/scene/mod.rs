@@ -33,7 +33,8 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use bodies::is_ball;
 pub use footprint::Footprint;
-pub use length::Length;
+pub use length::{Length, metres};
+pub(crate) use length::{in_metres, perhaps_in_metres};
 pub use note::ShapeNote;
 pub use step_kind::StepKind;
 pub use unit::Unit;
@@ -92,8 +93,10 @@ pub struct Scene {
     pub variety: u32,
     /// Circumscribed diameter d of each shape \[m\]. If neither `diameter` nor `size` nor `mass` is
     /// given: [`DEFAULT_DIAMETER`] for a parametric shape, the size in the file for a file.
+    #[serde(deserialize_with = "perhaps_in_metres")]
     pub diameter: Option<f64>,
     /// Size of parametric shapes by their own measure \[m\].
+    #[serde(deserialize_with = "perhaps_in_metres")]
     pub size: Option<f64>,
     /// Mass of a body of each shape \[kg\].
     pub mass: Option<f64>,
@@ -532,7 +535,7 @@ mod tests {
         assert!(says(|s| s.shape = vec!["none.obj".to_owned()]).contains("none.obj"));
         assert!(says(|s| s.count = 0).contains("count = 0"));
         assert!(says(|s| s.diameter = Some(f64::NAN)).contains("NaN"));
-        assert!(says(|s| s.r#box = "0.5x4".parse().ok()).contains("width"));
+        assert!(says(|s| s.r#box = "0.5x4".parse().ok()).contains("if metres are meant"));
         assert!(says(|s| s.density = -1.0).contains("density = -1"));
         assert!(says(|s| s.shape.clear()).contains("no shape"));
         assert!(says(|s| s.share = vec![1.0, 2.0]).contains("one number for each"));

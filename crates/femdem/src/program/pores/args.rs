@@ -1,7 +1,6 @@
 //! Options of `femdem pores`.
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -41,26 +40,6 @@ pub(crate) enum SidesKind {
     Open,
 }
 
-/// A length with its unit, or in body diameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Size(pub(super) Length);
-
-impl FromStr for Size {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let form = "give a number of body diameters, such as 0.05, or a length with its unit, such as 0.5mm or 2e-4m";
-        let read = match text.trim().strip_suffix("mm") {
-            Some(number) => match number.trim_end().parse::<f64>() {
-                Ok(x) if x.is_finite() && x >= 0.0 => Some(Length::Metres(1e-3 * x)),
-                _ => None,
-            },
-            None => text.parse().ok(),
-        };
-        read.map(Self).ok_or_else(|| form.to_owned())
-    }
-}
-
 /// Options of `femdem pores`.
 #[derive(Debug, Args)]
 pub(crate) struct PoresArgs {
@@ -75,7 +54,7 @@ pub(crate) struct PoresArgs {
 
     /// Side of a voxel; changed a little, so that a whole number fits [default: 0.05]
     #[arg(long, value_name = "LENGTH")]
-    pub voxel: Option<Size>,
+    pub voxel: Option<Length>,
 
     /// What the upright sides of the region are [default: wall, if it is as wide as the container; else open]
     #[arg(long, value_enum)]
@@ -91,15 +70,15 @@ pub(crate) struct PoresArgs {
 
     /// Gap of --contacts gap and cap [default: 0.01]
     #[arg(long, value_name = "LENGTH")]
-    pub gap: Option<Size>,
+    pub gap: Option<Length>,
 
     /// Radius of the cylinders of --contacts bridge, at least 1.5 voxels [default: 0.1]
     #[arg(long, value_name = "LENGTH")]
-    pub bridge: Option<Size>,
+    pub bridge: Option<Length>,
 
     /// Length of the empty tube before and after the bodies in the surfaces [default: 1]
     #[arg(long, value_name = "LENGTH", conflicts_with = "region")]
-    pub margin: Option<Size>,
+    pub margin: Option<Length>,
 
     /// Image, distances, pores and paths only
     #[arg(long, conflicts_with_all = ["contacts", "factor", "gap", "bridge", "margin"])]
@@ -158,27 +137,5 @@ impl PoresArgs {
             }
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_have_units() {
-        for (text, length) in [
-            ("0.5mm", Length::Metres(5e-4)),
-            ("2e-4m", Length::Metres(2e-4)),
-            ("0.05", Length::Diameters(0.05)),
-        ] {
-            assert_eq!(text.parse::<Size>(), Ok(Size(length)));
-        }
-        for bad in ["", "mm", "-1mm", "wide", "infmm", "1cm"] {
-            assert!(
-                bad.parse::<Size>().is_err_and(|e| e.contains("0.5mm")),
-                "{bad}"
-            );
-        }
     }
 }

@@ -6,10 +6,11 @@ use anyhow::{Context, Result, bail};
 use femdem::analysis::pores::{Sides, Treatment, flow_region, shrink_factor};
 use femdem::analysis::{Pack, PosedBody, Region, top_plane};
 use femdem::mesh::Polyhedron;
+use femdem::scene::Length;
 use femdem::solve::Shape;
 use femdem::{NamedShape, Snapshot, results};
 
-use super::args::{Contacts, PoresArgs, SidesKind, Size};
+use super::args::{Contacts, PoresArgs, SidesKind};
 use crate::program::source::{self, Found, Origin};
 
 /// Defaults over the mean diameter.
@@ -124,8 +125,8 @@ pub(super) struct Space {
 impl Space {
     pub(super) fn new(args: &PoresArgs, read: &Read, pack: &Pack) -> Result<Self> {
         let diameter = pack.mean_diameter()?;
-        let metres = |given: Option<Size>, default: f64| {
-            given.map_or(default * diameter, |size| size.0.metres(diameter))
+        let metres = |given: Option<Length>, default: f64| {
+            given.map_or(default * diameter, |size| size.metres(diameter))
         };
         let container = read.snapshot.container.as_ref();
         let (region, tube) = match (&args.region, container) {
