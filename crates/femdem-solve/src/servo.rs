@@ -39,12 +39,14 @@ pub struct Resistance {
 /// v = (F\* − F)/(K τ) + ∫ (F\* − F)/(16 R K τ²) dt,
 ///
 /// with the stiffness K of its contacts and τ = 5 steps. What it presses yields R times as much as these contacts: with the
-/// energy U that it stores its stiffness is F²/2U, so that R = 2 K U/F², and at least 5. Both elements are passive, so that
-/// the wall feeds no oscillation of the bodies, whatever their mass. When it begins to move, and after it was at its limit of
-/// speed, the
-/// integral begins at −(F\* − F)/(15 K τ): the force then comes to F\* without exceeding it. While a wall must travel at a constant speed, as the sides of a specimen that is sheared, no error
-/// stays; where bodies that yielded stop to yield, the force exceeds F\* for a while. Free of contacts, it moves at the limit of speed. It stands still while the force is right to 10⁻³, so that bodies
-/// can come to rest.
+/// energy U that it stores its stiffness is F²/2U, so that R = 2 K U/F², and at least 5. Dashpot and mass are passive: the wall
+/// feeds no oscillation of the bodies, whatever their mass. The integral begins at −(F\* − F)/(15 K τ) when the wall begins
+/// to move, and after it was at its limit of speed; with it the force of bodies that are elastic comes to F\* without exceeding
+/// it. It is taken back with R = 5 once the force is beyond F\*.
+///
+/// While the wall must travel at a constant speed, as the sides of a specimen that is sheared, no error stays. Where bodies
+/// that gave way suddenly hold, the force exceeds F\* for a while. Free of contacts, the wall moves at the limit of speed. It
+/// stands still while the force is right to 10⁻³, so that bodies can come to rest.
 ///
 /// ```
 /// use femdem_solve::{Resistance, Servo};
@@ -88,13 +90,17 @@ impl Servo {
         })
     }
 
-    /// The velocity for the next step of the size `step` (s) under a `wanted` force (N), positive into the bodies, m/s.
+    /// The velocity for the next step, positive into the bodies, m/s, under a `wanted` force (N). `step` is the size of the last
+    /// step (s); where none has been taken, 0, the force is not known yet, and the wall waits.
     pub fn velocity(&mut self, resistance: &Resistance, wanted: f64, step: f64) -> f64 {
         let Resistance {
             force,
             stiffness,
             energy,
         } = *resistance;
+        if step == 0.0 {
+            return 0.0;
+        }
         let missing = wanted - force;
         let allowed = TOLERANCE * wanted.abs();
         let relaxing = STEPS * step * stiffness;
@@ -105,7 +111,7 @@ impl Servo {
         if self.stands {
             return 0.0;
         }
-        if relaxing == 0.0 {
+        if stiffness == 0.0 {
             return if missing == 0.0 {
                 0.0
             } else {
@@ -188,6 +194,7 @@ mod tests {
         let velocity = servo.velocity(&met(1.0, 1.0, 1.0), 1e3, STEP);
         assert_eq!(velocity, 0.01);
         assert_eq!(servo.velocity(&met(0.0, 1.0, 1.0), 1e3, STEP), 0.01);
+        assert_eq!(servo.velocity(&met(1.0, 1.0, 1.0), 1e3, 0.0), 0.0);
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(Servo::new(bad).is_err(), "{bad}");
         }

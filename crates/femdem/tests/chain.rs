@@ -652,7 +652,7 @@ fn a_wall_of_a_pack_is_controlled() {
             (force / 10.0 - 1.0).abs() < 0.05 || !open.is_empty(),
             "{side}"
         );
-        let walls = rows(&out.join("walls.csv"));
+        let walls = rows(&out.join("wall_history.csv"));
         let last = walls.iter().rfind(|row| row[1] == "x+").unwrap();
         assert!(last[2].parse::<f64>().unwrap() < 0.0, "{last:?}");
         for wall in end["walls"].as_array().unwrap() {

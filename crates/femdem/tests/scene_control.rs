@@ -97,7 +97,7 @@ fn an_oedometer_balances_its_forces() {
     let rows: Vec<&str> = table.lines().skip(1).collect();
     let peak = rows.iter().map(|row| column(row, 9)).fold(0.0, f64::max);
     assert!(peak > 0.99e4, "{peak}");
-    let walls = fs::read_to_string(folder.path().join("walls.csv")).unwrap();
+    let walls = fs::read_to_string(folder.path().join("wall_history.csv")).unwrap();
     assert_eq!(walls.lines().count(), 1 + 6 * rows.len());
 }
 

@@ -11,7 +11,7 @@ use femdem::run::{
     MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty,
     PenetrationSummary, PlaneEntry, ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary,
     RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry, Sides,
-    StepEntry, StrainSummary, WALL_COLUMNS, WallEntry, WallSummary, Zone,
+    StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -460,7 +460,10 @@ fn every_column_and_key_of_the_results_is_documented() {
     let owned = |names: &[&str]| sorted(names.iter().map(|&s| s.to_owned()).collect());
     assert_eq!(sorted(columns("## history.csv")), owned(&HISTORY_COLUMNS));
     assert_eq!(sorted(columns("## members.csv")), owned(&MEMBER_COLUMNS));
-    assert_eq!(sorted(columns("## walls.csv")), owned(&WALL_COLUMNS));
+    assert_eq!(
+        sorted(columns("## wall_history.csv")),
+        owned(&WALL_HISTORY_COLUMNS)
+    );
     assert_eq!(sorted(columns("## cells.csv")), owned(&CELL_COLUMNS));
 
     let summary = summary();

@@ -38,6 +38,17 @@ impl From<f64> for Curve {
 }
 
 impl Curve {
+    /// A value times factors over time: points (time, factor), s, with straight lines between.
+    #[must_use]
+    pub fn factors(value: f64, points: &[[f64; 2]]) -> Self {
+        Self::Table(
+            points
+                .iter()
+                .map(|[t, factor]| [*t, factor * value])
+                .collect(),
+        )
+    }
+
     /// Checks that its numbers are finite and its times ascend.
     ///
     /// # Errors

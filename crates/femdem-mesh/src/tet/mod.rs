@@ -252,13 +252,21 @@ impl TetMesh {
     /// If the skin is not one valid surface: it touches itself in a point or an edge, or has
     /// several parts ([`MeshError::Hollow`] if one lies inside another).
     pub fn surface(&self) -> Result<Polyhedron, MeshError> {
+        self.moved_surface(|i| self.points[i])
+    }
+
+    /// The same with its points elsewhere, as those of a body that has deformed: `place` says where a point is, by its
+    /// index.
+    ///
+    /// # Errors
+    ///
+    /// As [`surface`](Self::surface).
+    pub fn moved_surface(&self, place: impl Fn(usize) -> Point3) -> Result<Polyhedron, MeshError> {
         let mut new_index = vec![0; self.points.len()];
         let mut vertices = Vec::new();
-        for (i, point) in self.points.iter().enumerate() {
-            if self.on_skin[i] {
-                new_index[i] = vertices.len() as u32;
-                vertices.push(*point);
-            }
+        for i in (0..self.points.len()).filter(|&i| self.on_skin[i]) {
+            new_index[i] = vertices.len() as u32;
+            vertices.push(place(i));
         }
         let renumbered = |t: &[u32; 3]| t.map(|i| new_index[i as usize]).to_vec();
         Polyhedron::new(vertices, self.skin.iter().map(renumbered).collect())

@@ -10,7 +10,7 @@ mod summary;
 
 use std::path::Path;
 
-use femdem_contact::RigidContact;
+use femdem_contact::{BodyId, RigidContact};
 use femdem_mesh::{Point3, Polyhedron, Vector3};
 use femdem_pack::Packing;
 use femdem_solve::{Shape, World};
@@ -80,15 +80,25 @@ pub fn ball_radii(world: &World) -> Vec<Option<f64>> {
     world.shapes().iter().map(|shape| shape.sphere).collect()
 }
 
-/// A contact record as a row that starts from a body.
-pub(crate) fn row(world: &World, contact: &RigidContact) -> ContactRow {
-    let (body, partner, sign) = match contact.a {
-        femdem_contact::Partner::Body(a) => (a, Partner::Body(contact.b), 1.0),
+/// The sides of a contact of `a` and `b` as those of a row, which starts from a body: this, its partner, and the sign of
+/// what acts on `b` as it acts on the partner.
+pub(crate) fn from_a_body(
+    world: &World,
+    a: femdem_contact::Partner,
+    b: BodyId,
+) -> (BodyId, Partner, f64) {
+    match a {
+        femdem_contact::Partner::Body(a) => (a, Partner::Body(b), 1.0),
         femdem_contact::Partner::Wall(wall) => {
             let name = world.wall(wall).map_or("wall", |w| w.name());
-            (contact.b, Partner::Wall(name.to_owned()), -1.0)
+            (b, Partner::Wall(name.to_owned()), -1.0)
         }
-    };
+    }
+}
+
+/// A contact record as a row that starts from a body.
+pub(crate) fn row(world: &World, contact: &RigidContact) -> ContactRow {
+    let (body, partner, sign) = from_a_body(world, contact.a, contact.b);
     ContactRow {
         body,
         partner,

@@ -123,12 +123,7 @@ impl BoundaryEntry {
         match (self.rise, &self.table) {
             (None, None) => Ok(Curve::Constant(value)),
             (Some(rise), None) => Ok(Curve::Ramp { value, rise }),
-            (None, Some(table)) => Ok(Curve::Table(
-                table
-                    .iter()
-                    .map(|[t, factor]| [*t, factor * value])
-                    .collect(),
-            )),
+            (None, Some(table)) => Ok(Curve::factors(value, table)),
             (Some(_), Some(_)) => Err(wrong(
                 "rise and table",
                 "both given",

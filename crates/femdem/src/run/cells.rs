@@ -1,12 +1,12 @@
-//! Tables over time of walls that move: `walls.csv`, and `cells.csv` of controlled boxes.
+//! Tables over time of walls that move: `wall_history.csv`, and `cells.csv` of controlled boxes.
 
 use femdem_view::output::csv::quoted;
 
 use super::history::{number, vector};
 use super::{ContactForces, Simulation};
 
-/// Columns of `walls.csv`.
-pub const WALL_COLUMNS: [&str; 8] = ["time", "wall", "x", "y", "z", "fx", "fy", "fz"];
+/// Columns of `wall_history.csv`.
+pub const WALL_HISTORY_COLUMNS: [&str; 8] = ["time", "wall", "x", "y", "z", "fx", "fy", "fz"];
 
 /// Columns of `cells.csv`.
 pub const CELL_COLUMNS: [&str; 17] = [
@@ -29,7 +29,7 @@ pub const CELL_COLUMNS: [&str; 17] = [
     "error_z",
 ];
 
-/// Rows of `walls.csv`: how far each wall is from where the scenario places it, and the force of the bodies on it.
+/// Rows of `wall_history.csv`: how far each wall is from where the scenario places it, and the force of the bodies on it.
 pub(super) fn wall_rows(simulation: &Simulation, forces: &ContactForces) -> Vec<Vec<String>> {
     let world = &simulation.world;
     let walls = world.walls().zip(&forces.walls);

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::history::{self, Table};
 use super::relaxation::Relaxing;
 use super::watch::{Deepest, Watch};
-use super::{CELL_COLUMNS, Ending, RelaxSummary, Scenario, Simulation, WALL_COLUMNS};
+use super::{CELL_COLUMNS, Ending, RelaxSummary, Scenario, Simulation, WALL_HISTORY_COLUMNS};
 use crate::Error;
 
 /// The largest force on a wall or of a support among the rows of the history.
@@ -71,7 +71,7 @@ impl Run {
         let [mut history, mut members, mut walls, mut cells] = [const { Table::EMPTY }; 4];
         history.row(history::history_header(&simulation));
         members.row(history::MEMBER_COLUMNS.map(str::to_owned));
-        walls.row(WALL_COLUMNS.map(str::to_owned));
+        walls.row(WALL_HISTORY_COLUMNS.map(str::to_owned));
         cells.row(CELL_COLUMNS.map(str::to_owned));
         Ok(Self {
             peaks: vec![Peak::default(); simulation.world.walls().count()],

@@ -85,7 +85,7 @@ use serde::{Deserialize, Serialize};
 
 pub use body::{Behaviour, BodyEntry, Copies, FocusEntry};
 pub use boundary::BoundaryEntry;
-pub use cells::{CELL_COLUMNS, WALL_COLUMNS};
+pub use cells::{CELL_COLUMNS, WALL_HISTORY_COLUMNS};
 pub use contacts::{ContactForces, ContactLine, Side};
 pub use control::{AxisEntry, Cell, CellState, ControlEntry, Controls, Sides};
 pub use ending::Ending;

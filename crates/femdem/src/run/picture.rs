@@ -3,7 +3,8 @@
 use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_view::picture::{Image, PictureOptions, Skin, draw_skins, sides};
 
-use super::{Cell, PlaneEntry, Run, Scenario, Simulation};
+use super::control::BoxWalls;
+use super::{PlaneEntry, Run, Scenario, Simulation};
 use crate::{BodyValues, Drawing, Error, Spacing};
 
 impl Run {
@@ -160,7 +161,7 @@ impl Scenario {
             .find_map(|(wall, walls)| match (&wall.plane, &wall.r#box) {
                 (Some(plane), None) => floor(plane, world.wall_pose(*walls.first()?)?, low, high),
                 (None, Some(space)) => {
-                    let [lower, upper] = Cell::new("", space, walls, 0.0, world).corners(world);
+                    let [lower, upper] = BoxWalls::new(space, walls, world).corners(world);
                     let mut region_high = Vector3::from(upper);
                     if space.open {
                         region_high.z = region_high.z.min(high.z.max(lower[2]));

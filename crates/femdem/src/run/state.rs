@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use femdem_contact::{BodyId, Contact, Partner as Side, WallShape};
+use femdem_contact::{BodyId, Contact, Partner as Side};
 use femdem_mesh::{Point3, Polyhedron, Pose, Rotation, Vector3};
 use femdem_solve::Deformable;
 use femdem_view::output::csv::quoted;
@@ -12,7 +12,7 @@ use super::build::in_entry;
 use super::inside::inside;
 use super::names::Names;
 use super::{Member, Simulation};
-use crate::results::{row, surface_of};
+use crate::results::{from_a_body, row, surface_of};
 use crate::{Body, ContactClass, ContactRow, Error, NamedShape, Partner, Snapshot};
 
 /// Header of `walls.csv`.
@@ -117,13 +117,7 @@ impl Simulation {
     }
 
     fn soft_row(&self, contact: &Contact) -> ContactRow {
-        let (body, partner, sign) = match contact.a {
-            Side::Body(a) => (a, Partner::Body(contact.b), 1.0),
-            Side::Wall(wall) => {
-                let name = self.world.wall(wall).map_or("wall", WallShape::name);
-                (contact.b, Partner::Wall(name.to_owned()), -1.0)
-            }
-        };
+        let (body, partner, sign) = from_a_body(&self.world, contact.a, contact.b);
         ContactRow {
             body,
             partner,
@@ -174,21 +168,7 @@ impl Simulation {
 
 /// The present surface of a deformable body, about its centroid.
 fn skin(body: &Deformable) -> Result<Polyhedron, Error> {
-    let mesh = body.model().mesh();
-    let centroid = body.centroid();
-    let mut numbers = BTreeMap::new();
-    let (mut points, mut faces) = (Vec::new(), Vec::new());
-    for (tet, neighbours) in mesh.tets().iter().zip(mesh.neighbours()) {
-        let own = femdem_mesh::tet::FACES.iter().zip(neighbours);
-        for (face, _) in own.filter(|(_, neighbour)| neighbour.is_none()) {
-            let mut corner = |i: usize| {
-                *numbers.entry(tet[i]).or_insert_with(|| {
-                    points.push(Point3::from(body.positions()[tet[i] as usize] - centroid));
-                    points.len() as u32 - 1
-                })
-            };
-            faces.push(face.iter().map(|&i| corner(i)).collect());
-        }
-    }
-    Ok(Polyhedron::new(points, faces)?)
+    let (positions, centroid) = (body.positions(), body.centroid());
+    let place = |i: usize| Point3::from(positions[i] - centroid);
+    Ok(body.model().mesh().moved_surface(place)?)
 }

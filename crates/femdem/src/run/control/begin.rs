@@ -1,6 +1,6 @@
 //! The beginning of control.
 
-use super::{Cell, Controls};
+use super::{BoxWalls, Controls};
 use crate::Error;
 use crate::run::build::in_entry;
 use crate::run::{Scenario, Simulation};
@@ -18,7 +18,7 @@ impl Simulation {
             };
             let solid = match &entry.r#box {
                 Some(space) => {
-                    let now = Cell::new("", space, walls, 0.0, &self.world);
+                    let now = BoxWalls::new(space, walls, &self.world);
                     self.volume_within(now.corners(&self.world))
                 }
                 None => 0.0,

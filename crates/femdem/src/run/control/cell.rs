@@ -12,14 +12,20 @@ use crate::run::wall::BoxEntry;
 pub struct Cell {
     /// Name of the wall in the scenario.
     pub name: String,
-    /// Numbers of the lower and the upper wall across each axis; the last may have none.
-    pub(super) walls: [[Option<u32>; 2]; 3],
-    /// Lowest and highest corner where the scenario places it \[m\].
-    pub(super) corners: [[f64; 3]; 2],
+    pub(super) walls: BoxWalls,
     /// Sides when the control began \[m\].
     pub(super) start: [f64; 3],
     /// Volume of the bodies when the control began \[m³\].
     pub(super) solid: f64,
+}
+
+/// The walls of a box, by which it is known where it is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(in crate::run) struct BoxWalls {
+    /// Numbers of the lower and the upper wall across each axis; the last may have none.
+    pub(super) numbers: [[Option<u32>; 2]; 3],
+    /// Lowest and highest corner where the scenario places it \[m\].
+    corners: [[f64; 3]; 2],
 }
 
 /// The state of a cell.
@@ -29,7 +35,7 @@ pub struct CellState {
     pub name: String,
     /// Sides \[m\].
     pub sides: [f64; 3],
-    /// Mean of the normal stresses of the two walls across each axis, positive in compression \[Pa\].
+    /// Mean of the normal stresses of the two walls across each axis, without dashpots, positive in compression \[Pa\].
     pub stress: [f64; 3],
     /// Logarithmic strains since the control began, positive in compression.
     pub strain: [f64; 3],
@@ -64,35 +70,25 @@ pub(super) fn push(world: &World, wall: u32, direction: &Vector3) -> f64 {
     -load.static_part().force.dot(direction)
 }
 
-impl Cell {
-    /// The box of a scenario, whose `walls` stand where they are now in the world.
-    pub(in crate::run) fn new(
-        name: &str,
-        space: &BoxEntry,
-        walls: &[u32],
-        solid: f64,
-        world: &World,
-    ) -> Self {
-        let mut cell = Self {
-            name: name.to_owned(),
-            walls: [[None; 2]; 3],
-            corners: [space.lower, space.upper],
-            start: [0.0; 3],
-            solid,
-        };
+impl BoxWalls {
+    /// Those of the box of a scenario, which are these walls of the world.
+    pub(in crate::run) fn new(space: &BoxEntry, walls: &[u32], world: &World) -> Self {
+        let mut numbers = [[None; 2]; 3];
         for &wall in walls {
             let (axis, side) = side_of(world, wall);
-            cell.walls[axis][side] = Some(wall);
+            numbers[axis][side] = Some(wall);
         }
-        cell.start = cell.sides(world);
-        cell
+        Self {
+            numbers,
+            corners: [space.lower, space.upper],
+        }
     }
 
     /// Lowest and highest corner now \[m\]; without a lid the top is that of the scenario.
     pub(in crate::run) fn corners(&self, world: &World) -> [[f64; 3]; 2] {
         [0, 1].map(|side| {
             [0, 1, 2].map(|axis| {
-                let wall = self.walls[axis][side];
+                let wall = self.numbers[axis][side];
                 let pose = wall.and_then(|wall| world.wall_pose(wall));
                 self.corners[side][axis] + pose.map_or(0.0, |pose| pose.translation.vector[axis])
             })
@@ -104,7 +100,9 @@ impl Cell {
         let [lower, upper] = self.corners(world);
         [0, 1, 2].map(|axis| upper[axis] - lower[axis])
     }
+}
 
+impl Cell {
     /// Area of the walls across an axis \[m²\].
     pub(super) fn area(sides: [f64; 3], axis: usize) -> f64 {
         sides[(axis + 1) % 3] * sides[(axis + 2) % 3]
@@ -113,9 +111,9 @@ impl Cell {
     /// The state now.
     #[must_use]
     pub fn state(&self, world: &World) -> CellState {
-        let sides = self.sides(world);
+        let sides = self.walls.sides(world);
         let stress = [0, 1, 2].map(|axis| {
-            let each = (0..).zip(self.walls[axis]);
+            let each = (0..).zip(self.walls.numbers[axis]);
             let pushes =
                 each.filter_map(|(side, wall)| Some(push(world, wall?, &inwards(axis, side))));
             let (sum, count) =

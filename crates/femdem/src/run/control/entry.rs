@@ -214,15 +214,7 @@ fn speed(given: Option<f64>) -> Result<f64, Error> {
 
 /// `value` over time.
 fn curve(value: f64, table: Option<&Vec<[f64; 2]>>) -> Result<Curve, Error> {
-    let curve = match table {
-        None => Curve::Constant(value),
-        Some(table) => Curve::Table(
-            table
-                .iter()
-                .map(|[t, factor]| [*t, factor * value])
-                .collect(),
-        ),
-    };
+    let curve = table.map_or(Curve::Constant(value), |table| Curve::factors(value, table));
     curve.validate()?;
     Ok(curve)
 }

@@ -19,6 +19,7 @@ pub use entry::{AxisEntry, ControlEntry, Sides};
 use super::WallEntry;
 use crate::Error;
 use crate::error::wrong;
+pub(super) use cell::BoxWalls;
 use cell::{inwards, push};
 
 /// The controlled walls of a simulation.
@@ -145,7 +146,13 @@ impl Controls {
                     "a box whose walls have not been turned: its axes are those of the world";
                 return Err(wrong("control", "given to a box that was turned", allowed));
             }
-            let cell = Cell::new(name, space, walls, solid, world);
+            let walls = BoxWalls::new(space, walls, world);
+            let cell = Cell {
+                name: name.to_owned(),
+                start: walls.sides(world),
+                walls,
+                solid,
+            };
             let number = self.cells.len();
             for (axis, wanted) in control.axes() {
                 let group = group_of(&cell, number, axis, wanted, space.open)?;
@@ -176,7 +183,11 @@ impl Controls {
 
     /// The velocities for the next step.
     fn plan(&mut self, world: &World) {
-        let sides: Vec<[f64; 3]> = self.cells.iter().map(|cell| cell.sides(world)).collect();
+        let sides: Vec<[f64; 3]> = self
+            .cells
+            .iter()
+            .map(|cell| cell.walls.sides(world))
+            .collect();
         let energy = world.stored_energy();
         for group in &mut self.groups {
             group.plan(world, &sides, energy);
@@ -207,7 +218,7 @@ impl Controls {
         let mut groups = self.groups.iter();
         let group =
             groups.find(|group| group.cell == Some((cell, axis)) && group.servo.is_some())?;
-        let sides = self.cells[cell].sides(world);
+        let sides = self.cells[cell].walls.sides(world);
         let wanted = group.goal.at(world.time()) * Cell::area(sides, axis);
         (wanted > 0.0).then(|| group.push(world) / wanted - 1.0)
     }
@@ -246,7 +257,7 @@ fn group_of(
     };
     let mut walls = Vec::new();
     for &side in sides {
-        let wall = cell.walls[axis][side].ok_or_else(|| {
+        let wall = cell.walls.numbers[axis][side].ok_or_else(|| {
             let allowed = "a side that the box has: it is without a lid (open = true)";
             wrong("control.z.sides", "the lid", allowed)
         })?;

@@ -23,7 +23,7 @@ impl Run {
             self.members.flush(&folder.join("members.csv"))?;
         }
         if self.scenario.moves_walls() {
-            self.walls.flush(&folder.join("walls.csv"))?;
+            self.walls.flush(&folder.join("wall_history.csv"))?;
         }
         if !self.simulation.controls.cells().is_empty() {
             self.cells.flush(&folder.join("cells.csv"))?;
