@@ -345,9 +345,11 @@ impl Polyhedron {
             .iter()
             .map(|v| Point3::new(-v.x, v.y, v.z))
             .collect();
+        // Each loop runs the other way round from the same first corner, so that faces planar only
+        // within the tolerance are cut into the same triangles and enclose the same volume.
         let corners = self
             .faces()
-            .flat_map(|face| face.iter().rev().copied())
+            .flat_map(|face| face[..1].iter().chain(face[1..].iter().rev()).copied())
             .collect();
         Self::from_valid(vertices, corners, self.starts.clone())
     }

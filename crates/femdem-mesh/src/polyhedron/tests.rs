@@ -433,6 +433,19 @@ fn factors_that_are_not_positive_are_refused() {
     assert!(matches!(cube.scaled(1e-31), Err(MeshError::Size { .. })));
 }
 
+/// A lid whose four corners lie in a plane only within the tolerance is cut along one diagonal,
+/// and along the same one in the mirror: the other encloses another volume.
+#[test]
+fn a_bent_lid_keeps_its_diagonal_in_the_mirror() {
+    let (mut vertices, faces) = unit_cube();
+    let last = vertices.len() - 1;
+    vertices[last].z += 1e-10;
+    let body = Polyhedron::new(vertices, faces).unwrap();
+    let mirrored = body.mirrored();
+    let (one, other) = (body.mass_properties(), mirrored.mass_properties());
+    assert!((other.volume / one.volume - 1.0).abs() < 1e-14);
+}
+
 proptest! {
     #[test]
     fn mirrored_twice_is_the_same_and_once_keeps_all_measures(body in convex_polyhedra()) {
