@@ -6,9 +6,13 @@
 //!
 //! Bodies whose sizes differ by less than four to one share a grid, whose cell size is set by the largest of
 //! them. So a drum around ten thousand pellets does not put them all into one cell.
+//!
+//! In periodic space an entry is the image in the cell at the origin. The path of the edges that lead to it, and the strain of
+//! space over the way to the images beside it, count as travel of the body.
 
 use crate::body_shape::BodyShape;
 use crate::motion::Motion;
+use crate::periodic::Space;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -33,8 +37,25 @@ struct Entry {
     reach: f64,
     level: Level,
     cell: Cell,
-    /// `Motion::travelled` at which the entry expires, m.
+    /// In periodic space: by how many edges this is away from the place of the body.
+    image: [i32; 3],
+    /// Largest distance between images that may meet, m.
+    lever: f64,
+    /// [Travel](Self::travel) at which the entry expires, m.
     expires: f64,
+}
+
+/// Images that may meet are at most this many diagonals of the cell apart, until the entry expires.
+const DIAGONALS: f64 = 2.0;
+
+impl Entry {
+    /// How far a body has travelled, against the images that may meet it, m.
+    fn travel(&self, travelled: f64, space: Option<&Space>) -> f64 {
+        let carried = space.map_or(0.0, |space| {
+            space.path(self.image) + self.lever * space.strain
+        });
+        travelled + carried
+    }
 }
 
 /// The bodies of a level, by cell.
@@ -54,9 +75,9 @@ pub(crate) struct Broadphase {
 
 impl Broadphase {
     /// Whether the body must be entered (again) at the travel `travelled`, m.
-    pub(crate) fn is_expired(&self, body: usize, travelled: f64) -> bool {
+    pub(crate) fn is_expired(&self, body: usize, travelled: f64, space: Option<&Space>) -> bool {
         match self.entries.get(body) {
-            Some(Some(entry)) => travelled >= entry.expires,
+            Some(Some(entry)) => entry.travel(travelled, space) >= entry.expires,
             _ => true,
         }
     }
@@ -93,7 +114,13 @@ impl Broadphase {
     }
 
     /// Enters a body at its current place.
-    pub(crate) fn enter(&mut self, body: usize, shape: &BodyShape, motion: &Motion) {
+    pub(crate) fn enter(
+        &mut self,
+        body: usize,
+        shape: &BodyShape,
+        motion: &Motion,
+        space: Option<&Space>,
+    ) {
         let half_skin = Self::half_skin(shape);
         let reach = shape.radius() + half_skin;
         let level = level_of(2.0 * reach);
@@ -104,7 +131,10 @@ impl Broadphase {
         if self.entries.len() <= body {
             self.entries.resize(body + 1, None);
         }
-        let centre = motion.frame.position;
+        let position = motion.frame.position;
+        let (image, centre) = space.map_or(([0; 3], position), |space| {
+            space.cell.reduce(position, f64::floor)
+        });
         let (low, high) = shape.bounds(&motion.frame.rotation);
         let cell = cell_of(&centre, grid.size);
         // A body keeps its shape, and so its level, until it is forgotten.
@@ -117,41 +147,61 @@ impl Broadphase {
         if !members.contains(&(body as u32)) {
             members.push(body as u32);
         }
-        self.entries[body] = Some(Entry {
+        let mut entry = Entry {
             low: (low + centre).add_scalar(-half_skin),
             high: (high + centre).add_scalar(half_skin),
             centre,
             reach,
             level,
             cell,
-            expires: motion.travelled + half_skin,
-        });
+            image,
+            lever: space.map_or(0.0, |space| DIAGONALS * space.cell.diagonal()),
+            expires: 0.0,
+        };
+        entry.expires = entry.travel(motion.travelled, space) + half_skin;
+        self.entries[body] = Some(entry);
     }
 
-    /// Bodies whose inflated boxes and spheres meet those of `body`, sorted.
-    pub(crate) fn neighbours(&self, body: usize, out: &mut Vec<u32>) {
+    /// Bodies whose inflated boxes and spheres, or those of their images, meet those of `body`, sorted.
+    pub(crate) fn neighbours(&self, body: usize, space: Option<&Space>, out: &mut Vec<u32>) {
         out.clear();
         let Some(Some(entry)) = self.entries.get(body) else {
             return;
         };
-        for grid in self.grids.values() {
-            // No body of the grid reaches farther than half a cell.
-            grid.visit(&entry.centre, entry.reach + 0.5 * grid.size, |members| {
-                out.extend(members.iter().filter(|&&j| self.meet(entry, body, j)));
-            });
+        match space {
+            Some(space) => {
+                let grids = self.grids.values();
+                let largest = grids.map(|grid| 0.5 * grid.size).fold(0.0, f64::max);
+                space.beside(&entry.centre, entry.reach + largest, |away| {
+                    self.around(entry, body, away, out);
+                });
+            }
+            None => self.around(entry, body, &Vector3::zeros(), out),
         }
         out.sort_unstable();
         out.dedup();
     }
 
-    fn meet(&self, entry: &Entry, body: usize, other: u32) -> bool {
+    /// Adds the bodies near an image of an entry.
+    fn around(&self, entry: &Entry, body: usize, away: &Vector3, out: &mut Vec<u32>) {
+        let centre = entry.centre + away;
+        for grid in self.grids.values() {
+            // No body of the grid reaches farther than half a cell.
+            grid.visit(&centre, entry.reach + 0.5 * grid.size, |members| {
+                out.extend(members.iter().filter(|&&j| self.meet(entry, away, body, j)));
+            });
+        }
+    }
+
+    fn meet(&self, entry: &Entry, away: &Vector3, body: usize, other: u32) -> bool {
         let Some(Some(e)) = self.entries.get(other as usize) else {
             return false;
         };
         let reach = entry.reach + e.reach;
         other as usize != body
-            && (0..3).all(|k| entry.low[k] <= e.high[k] && e.low[k] <= entry.high[k])
-            && (entry.centre - e.centre).norm_squared() <= reach * reach
+            && (0..3)
+                .all(|k| entry.low[k] + away[k] <= e.high[k] && e.low[k] <= entry.high[k] + away[k])
+            && (entry.centre + away - e.centre).norm_squared() <= reach * reach
     }
 }
 

@@ -129,6 +129,7 @@ mod limit_surface;
 mod mark;
 mod materials;
 mod motion;
+mod periodic;
 mod record;
 mod rocking;
 mod rolling;
@@ -143,7 +144,7 @@ mod walls;
 
 pub use femdem_mesh as mesh;
 
-pub use batch::{BatchTotals, ContactBatch, Snapshot};
+pub use batch::{BatchTotals, ContactBatch, EdgeLoad, Snapshot};
 pub use body_shape::BodyShape;
 pub use contact::{BodyId, ContactForce, Dashpots, Load, Partner, RigidContact, Springs, Wrench};
 pub use error::ContactError;
@@ -155,6 +156,7 @@ pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};
 pub use laws::{ContactLaws, MaterialId};
 pub use limit_surface::LimitSurface;
 pub use motion::Motion;
+pub use periodic::PeriodicCell;
 pub use record::Contact;
 pub use shape::{ConvexShape, Frame};
 pub use sphere::{Sphere, SphereKernel};

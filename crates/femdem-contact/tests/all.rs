@@ -22,6 +22,7 @@ mod gradient;
 mod materials;
 mod pair_properties;
 mod patches;
+mod periodic;
 mod reach;
 mod refusals;
 mod sphere_batch;

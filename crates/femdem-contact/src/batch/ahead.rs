@@ -41,7 +41,11 @@ impl ContactBatch {
                 Partner::Wall(w) => walls.get(w as usize),
             };
             let motions = a.zip(bodies.get(pair.b as usize));
-            !pair.touches() && motions.is_some_and(|(a, b)| self.may_meet(pair, a, b, dt))
+            let meet = |(a, b): (&Motion, &Motion)| match (pair.a, &self.space) {
+                (Partner::Body(_), Some(space)) => self.may_meet(pair, &space.image(a, b).0, b, dt),
+                _ => self.may_meet(pair, a, b, dt),
+            };
+            !pair.touches() && motions.is_some_and(meet)
         })
     }
 

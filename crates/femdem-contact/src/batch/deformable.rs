@@ -24,9 +24,10 @@ impl ContactBatch {
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if the shape was never added, [`ContactError::Parameter`] if the modulus is out of its
-    /// range.
+    /// range or if space is periodic.
     pub fn add_deformable(&mut self, shape: u32, modulus: Modulus) -> Result<BodyId, ContactError> {
         modulus.check()?;
+        self.check_deformables(self.deformable_count() + 1)?;
         let count = self.deformable_shapes().len();
         if shape as usize >= count {
             return Err(ContactError::NoSuch {

@@ -10,11 +10,13 @@ use crate::general::{FieldMesh, GeneralKernel, GeneralScratch, Patch};
 use crate::kernel::{CavityKernel, Overlap, PairKernel, Scratch};
 use crate::materials::Materials;
 use crate::motion::Motion;
+use crate::periodic::Space;
 use crate::rocking::{Rocker, Turn};
 use crate::rolling::{Roller, Rolling};
 use crate::sphere::{Meeting, SphereKernel};
 use crate::walls::{Wall, WallShape};
 use femdem_mesh::Vector3;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 #[cfg(feature = "parallel")]
@@ -49,6 +51,7 @@ pub(crate) struct Context<'a> {
     pub wall_shapes: &'a [Option<WallShape>],
     pub bodies: &'a [Motion],
     pub walls: &'a [Motion],
+    pub space: Option<&'a Space>,
     pub pace: Pace,
 }
 
@@ -79,17 +82,27 @@ impl Context<'_> {
         self.wall_shapes[wall as usize].as_ref()?.planes()
     }
 
-    fn motion_a(&self, a: Partner) -> &Motion {
-        match a {
-            Partner::Body(i) => &self.bodies[i as usize],
-            Partner::Wall(w) => &self.walls[w as usize],
+    /// The motion of A as B sees it, and in periodic space which image that is.
+    fn seen(&self, a: Partner, b: BodyId) -> (Cow<'_, Motion>, [i32; 3]) {
+        match (a, self.space) {
+            (Partner::Body(i), None) => (Cow::Borrowed(&self.bodies[i as usize]), [0; 3]),
+            (Partner::Body(i), Some(space)) => {
+                let (seen, image) = space.image(&self.bodies[i as usize], &self.bodies[b as usize]);
+                (Cow::Owned(seen), image)
+            }
+            (Partner::Wall(w), _) => (Cow::Borrowed(&self.walls[w as usize]), [0; 3]),
         }
+    }
+
+    /// The motions of A, as B sees it, and of B.
+    fn motions(&self, a: Partner, b: BodyId) -> (Cow<'_, Motion>, &Motion) {
+        (self.seen(a, b).0, &self.bodies[b as usize])
     }
 
     /// Whether the caches alone show that the pair is apart.
     fn is_clear(&self, pair: &Pair) -> bool {
-        let travelled = self.motion_a(pair.a).travelled + self.bodies[pair.b as usize].travelled;
-        pair.is_clear(travelled)
+        let (a, b) = self.motions(pair.a, pair.b);
+        pair.is_clear(a.travelled + b.travelled)
             && match &pair.cache {
                 Cache::Mesh(mesh) => self.sees_wall(pair, mesh),
                 Cache::Body(_) | Cache::Wall(_) | Cache::Sphere { .. } => true,
@@ -116,7 +129,9 @@ impl Context<'_> {
 
     /// Evaluates one pair in place.
     fn evaluate(&self, pair: &mut Pair, work: &mut Workspace) {
-        let (a, b) = (self.motion_a(pair.a), &self.bodies[pair.b as usize]);
+        let (a, image) = self.seen(pair.a, pair.b);
+        let b = &self.bodies[pair.b as usize];
+        pair.image = image;
         let overlap = match &mut pair.cache {
             Cache::Mesh(mesh) => {
                 self.evaluate_mesh(pair.a, pair.b, mesh, &mut work.general);
@@ -132,7 +147,7 @@ impl Context<'_> {
         if let Some(Touch { history, contact }) = pair.touch.as_deref_mut() {
             *contact = self.touch(key, &overlap, None, history);
         } else {
-            let mut history = History::new(&overlap, a, b);
+            let mut history = History::new(&overlap, &a, b);
             let contact = self.touch(key, &overlap, None, &mut history);
             pair.touch = Some(Box::new(Touch { history, contact }));
         }
@@ -141,7 +156,7 @@ impl Context<'_> {
     /// Replaces a contact by the one at the predicted pose if its force is much larger there than its
     /// stiffness says, as when a body tips over an edge and a face comes down.
     fn foresee_if_harder(&self, pair: &mut Pair, scratch: &mut Scratch) {
-        let (a, b) = (self.motion_a(pair.a), &self.bodies[pair.b as usize]);
+        let (a, b) = self.motions(pair.a, pair.b);
         let Some(Touch { history, contact }) = pair.touch.as_deref_mut() else {
             return;
         };
@@ -175,7 +190,7 @@ impl Context<'_> {
         cache: &mut Cache,
         scratch: &mut Scratch,
     ) -> Option<Overlap> {
-        let (of_a, of_b) = (self.motion_a(a), &self.bodies[b as usize]);
+        let (of_a, of_b) = self.motions(a, b);
         let (frame_a, frame_b) = (&of_a.frame, &of_b.frame);
         let travelled = of_a.travelled + of_b.travelled;
         let penalty = self.materials.law(a, b).penalty;
@@ -226,7 +241,8 @@ impl Context<'_> {
             pair.patches.clear();
             return;
         }
-        let motions = [self.motion_a(a), &self.bodies[b as usize]];
+        let (of_a, of_b) = self.motions(a, b);
+        let motions = [&*of_a, of_b];
         let found: Vec<([u32; 2], &Overlap)> =
             patches.iter().map(|p| (p.key, &p.overlap)).collect();
         let ratio = self.materials.law(a, b).tangential_ratio;
@@ -248,7 +264,7 @@ impl Context<'_> {
         pair: &mut MeshPair,
         scratch: &'s mut GeneralScratch,
     ) -> Option<&'s [Patch]> {
-        let (of_a, of_b) = (self.motion_a(a), &self.bodies[b as usize]);
+        let (of_a, of_b) = self.motions(a, b);
         let (frame_a, frame_b) = (&of_a.frame, &of_b.frame);
         let travelled = of_a.travelled + of_b.travelled;
         let body = self.mesh(b)?;
@@ -288,7 +304,8 @@ impl Context<'_> {
         whole: Option<&Whole>,
         history: &mut History,
     ) -> RigidContact {
-        let (a, b) = (self.motion_a(ids.0), &self.bodies[ids.1 as usize]);
+        let (a, b) = self.motions(ids.0, ids.1);
+        let a = &*a;
         // A host that asks for springs alone applies the dashpots itself, without these corrections.
         let moment = if self.pace.dashpots {
             Moment {

@@ -2,17 +2,31 @@
 
 use super::BatchTotals;
 use super::pairs::Pair;
-use crate::contact::{BodyId, Load, Partner};
+use crate::contact::{BodyId, Load, Partner, RigidContact};
 use crate::error::ContactError;
 use crate::motion::Motion;
 use crate::walls::WallShape;
+use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
+
+/// Forces of the contacts that reach over an edge of the periodic cell on what lies beyond, once for each edge between, N.
+/// The edges are driven: as they move, these forces do their work.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct EdgeLoad {
+    /// All of it.
+    pub total: Vector3,
+    /// The part due to normal damping.
+    pub damping: Vector3,
+    /// The part due to friction.
+    pub friction: Vector3,
+}
 
 /// Loads of bodies and of walls, and totals. Pairs are added in their order.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Sums {
     pub loads: Vec<Load>,
     pub walls: Vec<Load>,
+    pub edges: [EdgeLoad; 3],
     pub totals: BatchTotals,
 }
 
@@ -23,6 +37,7 @@ impl Sums {
             self.loads[i as usize] = Load::default();
         }
         self.walls.fill(Load::default());
+        self.edges = Default::default();
         self.totals = BatchTotals::default();
     }
 
@@ -43,6 +58,21 @@ impl Sums {
             if awake[contact.b as usize] {
                 self.loads[contact.b as usize].add(contact, 1);
             }
+            if pair.image != [0; 3] {
+                self.add_to_edges(contact, pair.image);
+            }
+        }
+    }
+
+    /// Adds a contact with an image to the edges between.
+    fn add_to_edges(&mut self, contact: &RigidContact, image: [i32; 3]) {
+        let mut on_a = Load::default();
+        on_a.add(contact, 0);
+        for (edge, number) in self.edges.iter_mut().zip(image) {
+            let number = f64::from(number);
+            edge.total += on_a.total.force * number;
+            edge.damping += on_a.damping.force * number;
+            edge.friction += on_a.friction.force * number;
         }
     }
 

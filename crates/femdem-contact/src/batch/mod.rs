@@ -10,6 +10,7 @@ mod implicit;
 mod layout;
 mod materials;
 mod pairs;
+mod periodic;
 mod query;
 mod remove;
 mod search;
@@ -26,9 +27,11 @@ use crate::general::FieldMesh;
 use crate::laws::{ContactLaws, MaterialId};
 use crate::materials::Materials;
 use crate::motion::Motion;
+use crate::periodic::Space;
 use crate::slots::Slots;
 use crate::walls::WallShape;
 use evaluate::{Context, Views};
+pub use gather::EdgeLoad;
 use gather::{Sums, load_not_finite};
 pub use implicit::Snapshot;
 use pairs::{Pair, PairTable};
@@ -115,6 +118,8 @@ pub struct ContactBatch {
     awake_changed: bool,
     broadphase: Broadphase,
     pairs: PairTable,
+    /// Where space repeats itself.
+    space: Option<Space>,
     sums: Sums,
     /// The deformable bodies, if there ever were any.
     deformable: Option<Box<DeformablePart>>,
@@ -141,6 +146,7 @@ impl ContactBatch {
             awake_changed: false,
             broadphase: Broadphase::default(),
             pairs: PairTable::default(),
+            space: None,
             sums: Sums::default(),
             deformable: None,
             all_loads: Default::default(),
@@ -472,6 +478,7 @@ impl ContactBatch {
             wall_shapes: &self.walls,
             bodies: view.bodies,
             walls: view.walls,
+            space: self.space.as_ref(),
             pace: Pace {
                 dt: view.dt,
                 dashpots: ahead.is_none(),
@@ -531,6 +538,7 @@ impl ContactBatch {
                 why: "its motion is not finite".to_owned(),
             });
         }
+        self.check_space(view)?;
         if !self.restored && !self.is_empty() {
             return Err(ContactError::NoSuch {
                 what: "shape",

@@ -21,6 +21,8 @@ pub(crate) struct Pair {
     pub b: BodyId,
     pub cache: Cache,
     pub touch: Option<Box<Touch>>,
+    /// In periodic space: which image of A it is that B meets.
+    pub image: [i32; 3],
     /// Contact energy before the last update, J.
     #[serde(skip)]
     pub was: f64,
@@ -303,6 +305,7 @@ impl PairTable {
             b,
             cache: self.cache_for(code, body),
             touch: None,
+            image: [0; 3],
             was: 0.0,
         };
         let slot = if let Some(slot) = self.free.pop() {

@@ -30,8 +30,9 @@ impl ContactBatch {
     /// Enters a body and finds its neighbours.
     fn enter(&mut self, i: usize, motion: &Motion, walls: &[Motion], neighbours: &mut Vec<u32>) {
         let shape = &self.shapes[self.body_shapes[i] as usize];
-        self.broadphase.enter(i, shape, motion);
-        self.broadphase.neighbours(i, neighbours);
+        let space = self.space.as_ref();
+        self.broadphase.enter(i, shape, motion, space);
+        self.broadphase.neighbours(i, space, neighbours);
         self.pairs.set_neighbours(i as u32, neighbours);
         self.search_walls(i, motion, walls);
     }
@@ -57,7 +58,10 @@ impl ContactBatch {
             }
             let radius = self.shapes[self.body_shapes[i] as usize].radius();
             let speed = motion.velocity.norm() + motion.angular_velocity.norm() * radius;
-            if self.broadphase.is_expired(i, motion.travelled + speed * dt) {
+            if self
+                .broadphase
+                .is_expired(i, motion.travelled + speed * dt, self.space.as_ref())
+            {
                 self.enter(i, motion, walls, &mut neighbours);
             }
         }

@@ -1,0 +1,126 @@
+//! A batch in periodic space.
+
+use super::{ContactBatch, EdgeLoad, Snapshot};
+use crate::contact::{Partner, RigidContact};
+use crate::error::{ContactError, check};
+use crate::periodic::{LEAST_DIAMETERS, PeriodicCell, Space};
+use femdem_mesh::{Matrix3, Vector3};
+
+/// Sine of the largest angle between a wall and an edge.
+const ALONG: f64 = 1e-9;
+
+impl ContactBatch {
+    /// Makes space periodic, or changes the edges and their velocities, at any time between updates. Bodies keep their
+    /// places: to deform what lies in the cell, a host moves them, too.
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] if there are bodies and space does not repeat itself along the same axes already.
+    pub fn set_cell(&mut self, cell: PeriodicCell) -> Result<(), ContactError> {
+        match &mut self.space {
+            Some(space) if (0..3).all(|k| space.cell.repeats(k) == cell.repeats(k)) => {
+                space.change(cell);
+            }
+            _ => {
+                let bodies = self.len() as f64;
+                check(
+                    "number of bodies for which space begins to repeat itself",
+                    bodies,
+                    bodies == 0.0,
+                    "0: give the periodic axes before the bodies",
+                )?;
+                self.space = Some(Space::new(cell));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses deformable bodies in periodic space.
+    pub(super) fn check_deformables(&self, count: usize) -> Result<(), ContactError> {
+        check(
+            "number of deformable bodies in periodic space",
+            count as f64,
+            count == 0 || self.space.is_none(),
+            "0: periodic cells are for rigid bodies",
+        )
+    }
+
+    /// The periodic cell, if there is one.
+    pub fn cell(&self) -> Option<&PeriodicCell> {
+        self.space.as_ref().map(|space| &space.cell)
+    }
+
+    /// Forces over the edges of the periodic cell, from the contacts of the last update.
+    pub fn edge_loads(&self) -> &[EdgeLoad; 3] {
+        &self.sums.edges
+    }
+
+    /// Σ f lᵀ over the contacts of two rigid bodies, J, with the force f on B without dashpots and the vector l from the centroid of A
+    /// to that of B. Over the volume of a periodic cell this is the mean stress, positive in compression (Love 1927, Weber 1966).
+    pub fn virial(&self) -> Matrix3 {
+        let mut sum = Matrix3::zeros();
+        for contact in self.between_bodies() {
+            let force = contact.normal * contact.elastic_force + contact.friction - contact.drag;
+            sum += force * branch(contact).transpose();
+        }
+        sum
+    }
+
+    /// Stiffness of all contacts of two rigid bodies against a strain along an axis, J: Σ (k_n n² + k_t (1 - n²)) l² with the
+    /// components n of the normal and l of the vector between the centroids along the axis.
+    pub fn stiffness_along(&self, axis: usize) -> f64 {
+        let each = self.between_bodies().map(|contact| {
+            let along = contact.normal[axis].powi(2);
+            let stiffness =
+                contact.foundation.stiffness * along + contact.tangential_stiffness * (1.0 - along);
+            stiffness * branch(contact)[axis].powi(2)
+        });
+        each.sum()
+    }
+
+    fn between_bodies(&self) -> impl Iterator<Item = &RigidContact> {
+        let contacts = self.rigid_contacts().into_iter();
+        contacts.filter(|contact| matches!(contact.a, Partner::Body(_)))
+    }
+
+    /// Refuses a cell too small for its bodies, and walls that do not repeat themselves.
+    pub(super) fn check_space(&self, view: &Snapshot) -> Result<(), ContactError> {
+        let Some(Space { cell, .. }) = &self.space else {
+            return Ok(());
+        };
+        let radii = self.shapes.iter().map(|shape| shape.radius());
+        let largest = 2.0 * radii.fold(0.0, f64::max);
+        let edges = cell.edges();
+        let axes = (0..3).filter(|&axis| cell.repeats(axis) && !self.is_empty());
+        for axis in axes {
+            check(
+                "side of a periodic cell over the diameter of the largest body",
+                edges[(axis, axis)] / largest,
+                edges[(axis, axis)] >= LEAST_DIAMETERS * largest,
+                "at least 2.25, so that no body meets another one on two sides",
+            )?;
+        }
+        for (w, wall) in self.walls() {
+            let repeats = |planes: &crate::walls::Wall| {
+                planes.planes().iter().all(|plane| {
+                    let normal = view.walls[w as usize].frame.rotation * plane.normal;
+                    let along = |edge: Vector3| normal.dot(&edge).abs() <= ALONG * edge.norm();
+                    edges.column_iter().all(|edge| along(edge.into_owned()))
+                })
+            };
+            if !wall.planes().is_some_and(repeats) {
+                return Err(ContactError::Wall {
+                    name: wall.name().to_owned(),
+                    why: "it does not repeat itself along the edges of the periodic cell: give planes along them, or \
+                          another axis that is not periodic"
+                        .to_owned(),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// From the centroid of A to that of B, m.
+fn branch(contact: &RigidContact) -> Vector3 {
+    contact.arm_a - contact.arm_b
+}
