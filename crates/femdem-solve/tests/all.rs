@@ -16,6 +16,7 @@ mod materials;
 #[expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 mod meshes;
 mod motion;
+mod periodic;
 mod physics;
 mod prescribed;
 mod refusals;

@@ -16,7 +16,7 @@ use super::World;
 use crate::body::Means;
 use crate::error::SolveError;
 use crate::parameters::{SleepMeasure, SleepParameters, WorldParameters};
-use femdem_contact::{Load, Partner};
+use femdem_contact::{Load, Partner, PeriodicCell};
 use femdem_mesh::Vector3;
 use std::collections::BTreeSet;
 
@@ -81,7 +81,7 @@ impl World {
         self.wake(&left);
     }
 
-    /// Whether anything moves as prescribed, now or within `ahead` (s): a wall, a rigid body or nodes.
+    /// Whether anything moves as prescribed, now or within `ahead` (s): a wall, a rigid body, nodes or the periodic cell.
     pub fn is_driven(&self, ahead: f64) -> bool {
         let time = self.time;
         let bodies = self.awake.iter().map(|&i| &self.bodies[i as usize]);
@@ -89,7 +89,8 @@ impl World {
         let mut guides = drives.chain(&self.wall_drives).map(|(guide, _)| guide);
         let deformables = self.deformables.as_deref();
         let mut boundaries = deformables.into_iter().flat_map(|d| d.boundaries());
-        guides.any(|guide| guide.is_active(time, ahead))
+        self.cell().is_some_and(PeriodicCell::moves)
+            || guides.any(|guide| guide.is_active(time, ahead))
             || boundaries.any(|boundary| boundary.is_driven(time, ahead))
     }
 

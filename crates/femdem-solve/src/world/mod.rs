@@ -10,6 +10,7 @@ mod implicit;
 mod materials;
 mod medium;
 mod newcomers;
+mod periodic;
 mod query;
 mod relax;
 mod restart;

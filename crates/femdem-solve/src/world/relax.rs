@@ -9,6 +9,7 @@ mod residual;
 
 use super::World;
 use super::deformables::{Deformables, State, centroid, foundation};
+use super::periodic::check_rests;
 use crate::error::{SolveError, check};
 use femdem_contact::{ContactBatch, stable_step};
 use femdem_mesh::{Matrix3, Rotation, Vector3};
@@ -118,6 +119,8 @@ impl World {
             options.tolerance > 0.0,
             "positive and finite",
         )?;
+        self.cell()
+            .map_or(Ok(()), |cell| check_rests(cell, false))?;
         let kept = self.parameters;
         let mut elastic = kept;
         elastic.time_step.implicit = None;

@@ -2,6 +2,7 @@
 
 use super::World;
 use super::medium::{relaxation, resist};
+use super::periodic::Carrying;
 use super::time_step::{LARGEST_MOVE, USUAL_MOVE};
 use crate::body::Body;
 use crate::clock::Stopwatch;
@@ -192,15 +193,18 @@ impl World {
 
     /// Adds the impulse of half a step to all awake rigid bodies and books the work.
     fn kick(&mut self, h: f64) {
-        let loads = self.batch.loads();
         let mut flows = Flows::default();
+        self.book_edges(h, &mut flows);
+        let carrying = self.carrying();
+        let loads = self.batch.loads();
         for &i in &self.awake {
             let (body, load) = (&mut self.bodies[i as usize], &loads[i as usize]);
             if body.driven.is_some() {
                 let (v, w) = (body.velocity, body.angular_velocity());
                 book_driven(load, &v, &w, h, &mut flows);
             } else {
-                kick_body(body, load, &self.parameters, h, &mut flows);
+                let carried = Carrying::velocity(carrying.as_ref(), &body.position);
+                kick_body(body, load, &self.parameters, &carried, h, &mut flows);
             }
         }
         let wall_loads = self.batch.wall_loads();
@@ -254,7 +258,7 @@ impl World {
             }
         }
         self.drift_walls(dt);
-        Ok(())
+        self.drift_cell(dt)
     }
 
     /// Moves the driven walls from the present time by `dt`.
@@ -394,12 +398,13 @@ fn book_driven(load: &Load, velocity: &Vector3, turn: &Vector3, h: f64, flows: &
     flows.friction_work += power(&load.friction);
 }
 
-/// Half a kick of one body. Works are the wrenches times the mean of the velocities before
+/// Half a kick of one body in a medium that moves with the velocity `carried`. Works are the wrenches times the mean of the velocities before
 /// and after, which is exactly the change of kinetic energy.
 fn kick_body(
     body: &mut Body,
     load: &Load,
     parameters: &WorldParameters,
+    carried: &Vector3,
     h: f64,
     flows: &mut Flows,
 ) {
@@ -415,10 +420,11 @@ fn kick_body(
         body.velocity += force * (h / body.mass);
         body.momentum += turn * h;
     } else {
-        let resisted = resist(&force, &v0, medium.local_damping);
+        let through = v0 - carried;
+        let resisted = resist(&force, &through, medium.local_damping);
         let turn = in_body(&resist(&torque, &w0, medium.local_damping));
         let (decay, reach) = relaxation(medium.drag, h);
-        body.velocity = v0 * decay + resisted * (reach / body.mass);
+        body.velocity = carried + through * decay + resisted * (reach / body.mass);
         body.momentum = body.momentum * decay + turn * reach;
     }
     let v = (v0 + body.velocity) * 0.5;

@@ -15,6 +15,7 @@ mod twist;
 
 use super::World;
 use super::medium::relaxation;
+use super::periodic::check_rests;
 use super::time_step::LARGEST_MOVE;
 use crate::body::Body;
 use crate::clock::Stopwatch;
@@ -66,6 +67,8 @@ impl World {
             deformable == 0,
             "0: implicit steps are for rigid bodies",
         )?;
+        self.cell()
+            .map_or(Ok(()), |cell| check_rests(cell, false))?;
         self.meet_newcomers()?;
         let since = std::mem::take(&mut self.behind);
         let mut dt = self.choose_implicit_step(rule);

@@ -1,0 +1,151 @@
+//! A world in periodic space: the cell, its deformation and its stress.
+
+use super::World;
+use crate::body::Body;
+use crate::error::{SolveError, check};
+use crate::ledger::Flows;
+use femdem_contact::PeriodicCell;
+use femdem_mesh::{Matrix3, Vector3};
+
+/// The motion of deforming space: at x the velocity is `gradient` (x - `centre`).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Carrying {
+    gradient: Matrix3,
+    centre: Vector3,
+}
+
+impl Carrying {
+    /// Velocity of space at a place, m/s.
+    pub fn velocity(carrying: Option<&Self>, x: &Vector3) -> Vector3 {
+        carrying.map_or(Vector3::zeros(), |c| c.gradient * (x - c.centre))
+    }
+}
+
+/// Refuses a cell that moves, unless it `may`.
+pub(super) fn check_rests(cell: &PeriodicCell, may: bool) -> Result<(), SolveError> {
+    check(
+        "velocity of the edges of the periodic cell",
+        cell.rates().norm(),
+        may || !cell.moves(),
+        "0 for implicit steps and for a relaxation: deform_cell with explicit steps",
+    )
+}
+
+impl World {
+    /// Makes space periodic, or changes the cell by hand. Bodies keep their places and velocities, whatever the cell does:
+    /// to deform what lies in it use [`deform_cell`](Self::deform_cell).
+    ///
+    /// # Errors
+    /// [`SolveError::Contact`] if there are bodies and space does not repeat itself along the same axes already; later steps
+    /// refuse a cell that measures less than 2.25 diameters of its largest body along one of its axes, and walls that do not
+    /// repeat themselves.
+    pub fn set_cell(&mut self, cell: PeriodicCell) -> Result<(), SolveError> {
+        self.restored()?;
+        self.wake_all();
+        self.batch.set_cell(cell)?;
+        self.loaded = false;
+        Ok(())
+    }
+
+    /// The periodic cell, if there is one.
+    pub fn cell(&self) -> Option<&PeriodicCell> {
+        self.batch.cell()
+    }
+
+    /// Lets the edges of the periodic cell move with these velocities (the columns of a matrix, m/s) from now on, and all free bodies
+    /// with the space in which they are: their velocities change by the change of the velocity gradient times the way from their
+    /// centre of mass. After that they follow Newton's law alone, as in the method of Lees and Edwards (1972). What this gives
+    /// to the bodies, and the work over the edges, is in [`Ledger::work_in`](crate::Ledger::work_in).
+    ///
+    /// Nothing sleeps while the cell moves. The resistance of a medium is that against the motion in the moving space.
+    ///
+    /// # Errors
+    /// [`SolveError::NoSuch`] without a periodic cell, [`SolveError::Parameter`] where steps are implicit, [`SolveError::Contact`] for velocities that are not
+    /// finite or not of an upper triangular matrix.
+    pub fn deform_cell(&mut self, rates: Matrix3) -> Result<(), SolveError> {
+        let Some(cell) = self.cell().copied() else {
+            return Err(SolveError::NoSuch {
+                what: "periodic cell",
+                index: 0,
+                count: 0,
+            });
+        };
+        if rates == *cell.rates() {
+            return Ok(());
+        }
+        let moving = cell.with_rates(rates)?;
+        let implicit = self.parameters.time_step.implicit.is_some();
+        check_rests(&moving, !implicit)?;
+        self.wake_all();
+        self.batch.set_cell(moving)?;
+        let change = Carrying {
+            gradient: moving.velocity_gradient() - cell.velocity_gradient(),
+            centre: self.centre_of_mass(),
+        };
+        for &i in &self.awake {
+            let body = &mut self.bodies[i as usize];
+            if body.driven.is_none() {
+                let before = body.kinetic_energy();
+                body.velocity += Carrying::velocity(Some(&change), &body.position);
+                self.flows.work_in += body.kinetic_energy() - before;
+            }
+        }
+        Ok(())
+    }
+
+    /// Mean stress in the periodic cell from the contacts on record, without dashpots, positive in compression, Pa: Σ f lᵀ/V with the force f of
+    /// a contact on its side B and the vector l from the centroid of A to that of B (Love 1927, Weber 1966). `None` unless
+    /// space repeats itself along all axes.
+    pub fn cell_stress(&self) -> Option<Matrix3> {
+        let volume = self.cell()?.volume()?;
+        Some(self.batch.virial() / volume)
+    }
+
+    /// Stiffness of the periodic cell against a change of its length along an axis, if all bodies move with it, N/m; `None` if
+    /// space does not repeat itself along it.
+    pub fn cell_stiffness(&self, axis: usize) -> Option<f64> {
+        let cell = self.cell().filter(|cell| axis < 3 && cell.repeats(axis))?;
+        Some(self.batch.stiffness_along(axis) / cell.edges()[(axis, axis)].powi(2))
+    }
+
+    /// The motion of space now, if it is deformed.
+    pub(super) fn carrying(&self) -> Option<Carrying> {
+        let cell = self.cell().filter(|cell| cell.moves())?;
+        Some(Carrying {
+            gradient: cell.velocity_gradient(),
+            centre: self.centre_of_mass(),
+        })
+    }
+
+    /// Of the free rigid bodies that are awake, m.
+    fn centre_of_mass(&self) -> Vector3 {
+        let free = self.awake.iter().map(|&i| &self.bodies[i as usize]);
+        let free = free.filter(|body| body.driven.is_none());
+        let sum = |(mass, moment): (f64, Vector3), body: &Body| {
+            (mass + body.mass, moment + body.position * body.mass)
+        };
+        let (mass, moment) = free.fold((0.0, Vector3::zeros()), sum);
+        if mass > 0.0 { moment / mass } else { moment }
+    }
+
+    /// Moves the edges of the cell by a step, s.
+    pub(super) fn drift_cell(&mut self, dt: f64) -> Result<(), SolveError> {
+        if let Some(cell) = self.cell().filter(|cell| cell.moves()) {
+            let next = cell.with_edges(cell.edges() + cell.rates() * dt)?;
+            self.batch.set_cell(next)?;
+        }
+        Ok(())
+    }
+
+    /// Books the work of the moving edges in half a step, s.
+    pub(super) fn book_edges(&self, h: f64, flows: &mut Flows) {
+        let Some(cell) = self.cell().filter(|cell| cell.moves()) else {
+            return;
+        };
+        for (rate, load) in cell.rates().column_iter().zip(self.batch.edge_loads()) {
+            flows.work_in -= rate.dot(&load.total) * h;
+            flows.damping_work += rate.dot(&load.damping) * h;
+            flows.friction_work += rate.dot(&load.friction) * h;
+        }
+    }
+}
