@@ -13,6 +13,7 @@ mod resolve;
 mod resume;
 mod run;
 mod scene_cases;
+mod scene_cell;
 mod scene_control;
 mod scene_keys;
 mod scene_pairs;

@@ -6,12 +6,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use femdem::run::{
-    AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, CELL_COLUMNS, CellState,
-    ContactEntry, ControlEntry, Copies, CylinderEntry, Ending, FocusEntry, HISTORY_COLUMNS, Law,
-    MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty,
-    PenetrationSummary, PlaneEntry, ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary,
-    RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry, Sides,
-    StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary, Zone,
+    AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, CELL_COLUMNS, CellEntry,
+    CellState, ContactEntry, ControlEntry, Copies, CylinderEntry, Ending, FocusEntry,
+    HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry, PairEntry,
+    Penalty, PenetrationSummary, PlaneEntry, ReactionSummary, RegionEntry, RelaxEntry,
+    RelaxSummary, RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario,
+    SelectEntry, ShearEntry, Sides, StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry,
+    WallSummary, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -171,6 +172,23 @@ fn control() -> ControlEntry {
         x: Some(axis()),
         y: Some(axis()),
         z: Some(axis()),
+        shear: Some(shear()),
+    }
+}
+
+fn shear() -> ShearEntry {
+    ShearEntry {
+        rate: 1.0,
+        table: Some(vec![[0.0, 1.0]]),
+    }
+}
+
+fn cell() -> CellEntry {
+    CellEntry {
+        lower: V,
+        upper: V,
+        axes: "xy".to_owned(),
+        control: Some(control()),
     }
 }
 
@@ -231,6 +249,7 @@ fn scenario() -> Scenario {
         energy_error_limit: 0.5,
         sleeping: true,
         sleeping_deformables: true,
+        cell: Some(cell()),
         material: BTreeMap::from([("m".to_owned(), material())]),
         wall: vec![wall()],
         body: vec![body()],
@@ -309,6 +328,8 @@ fn every_key_of_every_table_is_documented_and_no_other() {
         ("## `[[wall]]`", keys(&wall())),
         ("### `control`", keys(&control())),
         ("### `control.z`", keys(&axis())),
+        ("## `[cell]`", keys(&cell())),
+        ("### `shear`", keys(&shear())),
         ("### `plane`", keys(&plane())),
         ("### `box`", keys(&space())),
         ("### `cylinder`", keys(&cylinder())),
@@ -534,7 +555,10 @@ fn summary() -> RunSummary {
             sides: V,
             stress: V,
             strain: V,
+            shear_stress: Some(1.0),
+            shear_strain: Some(1.0),
             solid_fraction: 1.0,
+            errors: [Some(0.0); 3],
         }],
         reactions: vec![ReactionSummary {
             body: String::new(),

@@ -175,6 +175,7 @@ pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Erro
             members,
             supports: Vec::new(),
             controls: Controls::default(),
+            centre: Vector3::zeros(),
             origin: Origin::default(),
             notes: Vec::new(),
         },

@@ -72,6 +72,7 @@ impl Scenario {
 
     /// A world with what the entries of bodies and walls describe.
     pub(super) fn build_on(&self, mut simulation: Simulation) -> Result<Simulation, Error> {
+        self.make_periodic(&mut simulation)?;
         let mut names = Names::default();
         let mut of_pack: BTreeSet<String> = BTreeSet::new();
         for (_, wall) in simulation.world.walls() {
@@ -167,9 +168,11 @@ impl Scenario {
         walls.chain(bodies).chain(nodes)
     }
 
-    /// The controls of walls.
+    /// The controls of walls and of the periodic cell.
     pub(super) fn controls(&self) -> impl Iterator<Item = &ControlEntry> {
-        self.wall.iter().filter_map(|wall| wall.control.as_ref())
+        let walls = self.wall.iter().map(|wall| &wall.control);
+        let cell = self.cell.iter().map(|cell| &cell.control);
+        walls.chain(cell).filter_map(Option::as_ref)
     }
 
     /// Whether a wall moves as prescribed, or is controlled.

@@ -1,4 +1,4 @@
-//! Tables over time of walls that move: `wall_history.csv`, and `cells.csv` of controlled boxes.
+//! Tables over time of walls that move: `wall_history.csv`, and `cells.csv` of controlled boxes and of the periodic cell.
 
 use femdem_view::output::csv::quoted;
 
@@ -9,7 +9,7 @@ use super::{ContactForces, Simulation};
 pub const WALL_HISTORY_COLUMNS: [&str; 8] = ["time", "wall", "x", "y", "z", "fx", "fy", "fz"];
 
 /// Columns of `cells.csv`.
-pub const CELL_COLUMNS: [&str; 17] = [
+pub const CELL_COLUMNS: [&str; 19] = [
     "time",
     "cell",
     "size_x",
@@ -24,6 +24,8 @@ pub const CELL_COLUMNS: [&str; 17] = [
     "strain_y",
     "strain_z",
     "volumetric_strain",
+    "shear_stress",
+    "shear_strain",
     "error_x",
     "error_y",
     "error_z",
@@ -47,16 +49,16 @@ pub(super) fn wall_rows(simulation: &Simulation, forces: &ContactForces) -> Vec<
 pub(super) fn cell_rows(simulation: &Simulation) -> Vec<Vec<String>> {
     let world = &simulation.world;
     let controls = &simulation.controls;
-    let rows = controls.cells().iter().enumerate().map(|(k, cell)| {
-        let state = cell.state(world);
-        let mut row = vec![number(world.time()), quoted(&cell.name)];
+    let rows = controls.cells(world).into_iter().map(|state| {
+        let mut row = vec![number(world.time()), quoted(&state.name)];
         row.extend(state.sides.map(number));
         row.extend([state.volume(), state.solid_fraction].map(number));
         row.extend(state.stress.map(number));
         row.extend(state.strain.map(number));
         row.push(number(state.volumetric_strain()));
-        let errors = [0, 1, 2].map(|axis| controls.stress_error(k, axis, world));
-        row.extend(errors.map(|error| error.map_or(String::new(), number)));
+        let if_there = |value: Option<f64>| value.map_or(String::new(), number);
+        row.extend([state.shear_stress, state.shear_strain].map(if_there));
+        row.extend(state.errors.map(if_there));
         row
     });
     rows.collect()

@@ -62,9 +62,10 @@ impl Change {
         keys.contains(&&*self.top)
     }
 
-    /// Whether it is the motion of a wall or of a rigid body, or the control of a wall.
+    /// Whether it is the motion of a wall or of a rigid body, or the control of a wall or of the periodic cell.
     fn is_drive(&self) -> bool {
-        matches!(&self.entry, Some((_, key)) if key == "motion" || key == "control")
+        let of_entry = matches!(&self.entry, Some((_, key)) if key == "motion" || key == "control");
+        of_entry || self.name == "cell.control"
     }
 
     /// Whether it changes the motion of the bodies.
@@ -212,10 +213,13 @@ impl Simulation {
             }
         }
         let controls = |scene: &Scenario| -> Vec<Option<ControlEntry>> {
-            scene.wall.iter().map(|wall| wall.control.clone()).collect()
+            let of_cell = scene.cell.iter().map(|cell| cell.control.clone());
+            let of_walls = scene.wall.iter().map(|wall| wall.control.clone());
+            of_walls.chain(of_cell).collect()
         };
         // A run that starts from another one has none yet.
-        let lacks = self.controls.is_empty() && new.controls().next().is_some();
+        let wanted = new.controls().next().is_some() || new.cell.is_some();
+        let lacks = self.controls.is_empty() && wanted;
         if lacks || controls(old) != controls(new) {
             self.control(new)?;
         }

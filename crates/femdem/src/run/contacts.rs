@@ -75,7 +75,7 @@ impl Simulation {
         let line = |c: Contact| ContactLine {
             a: side(c.a),
             b: members[&c.b],
-            point: c.point,
+            point: self.wrapped(&c.point),
             normal: c.normal,
             normal_force: c.normal_force,
             friction: c.friction,

@@ -65,7 +65,7 @@ impl Simulation {
                 let id = member.id;
                 Some(Body {
                     shape: world.shape_of(id)?,
-                    pose: world.pose(id)?,
+                    pose: self.shown(id)?,
                     sequence,
                     sleeping: world.is_asleep(id),
                 })

@@ -326,6 +326,8 @@ impl Scenario {
             });
             Some(wall.control.as_ref()?.fastest(sides))
         });
-        speeds.chain(controlled).fold(0.0, f64::max)
+        let cell = self.cell.iter();
+        let deformed = cell.filter_map(|cell| Some(cell.control.as_ref()?.fastest(cell.sides())));
+        speeds.chain(controlled).chain(deformed).fold(0.0, f64::max)
     }
 }

@@ -60,6 +60,7 @@ mod origin;
 mod overlap;
 mod pair;
 mod penalty;
+mod periodic;
 mod picture;
 mod places;
 mod relaxation;
@@ -87,7 +88,7 @@ pub use body::{Behaviour, BodyEntry, Copies, FocusEntry};
 pub use boundary::BoundaryEntry;
 pub use cells::{CELL_COLUMNS, WALL_HISTORY_COLUMNS};
 pub use contacts::{ContactForces, ContactLine, Side};
-pub use control::{AxisEntry, Cell, CellState, ControlEntry, Controls, Sides};
+pub use control::{AxisEntry, Cell, CellState, ControlEntry, Controls, ShearEntry, Sides};
 pub use ending::Ending;
 pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
 pub use job::Run;
@@ -97,6 +98,7 @@ pub use origin::Origin;
 pub use overlap::Overlap;
 pub use pair::PairEntry;
 pub use penalty::{ExpectedDepth, Forecast};
+pub use periodic::CellEntry;
 pub use relaxation::{RelaxEntry, RelaxSummary};
 pub use rest::RestSummary;
 pub use rotation::RotationEntry;
@@ -151,6 +153,8 @@ pub struct Scenario {
     pub sleeping: bool,
     /// Whether deformable bodies at rest are frozen too.
     pub sleeping_deformables: bool,
+    /// The periodic cell.
+    pub cell: Option<CellEntry>,
     /// Materials by name.
     pub material: BTreeMap<String, MaterialEntry>,
     /// Walls.
@@ -190,6 +194,7 @@ impl Default for Scenario {
             medium: MediumEntry::default(),
             sleeping: true,
             sleeping_deformables: false,
+            cell: None,
             material: BTreeMap::new(),
             wall: Vec::new(),
             body: Vec::new(),

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use femdem_mesh::Vector3;
 use femdem_solve::{World, WorldParameters};
 
 use super::{ContactEntry, Controls, Member, Origin, Penalty, Scenario, Simulation, WallEntry};
@@ -163,6 +164,7 @@ impl Simulation {
             members: Vec::new(),
             supports: Vec::new(),
             controls: Controls::default(),
+            centre: Vector3::zeros(),
             penalty: Penalty::default(),
             origin: Origin::default(),
             notes: Vec::new(),

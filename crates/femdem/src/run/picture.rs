@@ -1,6 +1,6 @@
 //! The picture of a run.
 
-use femdem_mesh::{Point3, Pose, Vector3};
+use femdem_mesh::{Matrix3, Point3, Pose, Vector3};
 use femdem_view::picture::{Image, PictureOptions, Skin, draw_skins, sides};
 
 use super::control::BoxWalls;
@@ -149,9 +149,12 @@ impl Simulation {
 }
 
 impl Scenario {
-    /// The first plane that carries bodies, or the first box, around the drawn bodies.
+    /// The periodic cell, or the first plane that carries bodies, or the first box, around the drawn bodies.
     fn drawing(&self, skins: &[Skin], simulation: &Simulation) -> Option<Drawing> {
         let world = &simulation.world;
+        if let Some((corner, edges)) = simulation.cell_corner() {
+            return Some(parallelepiped(corner, &edges));
+        }
         let points = || skins.iter().flat_map(|skin| &skin.points);
         let low = points().fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(&p.coords));
         let high = points().fold(Vector3::repeat(f64::NEG_INFINITY), |m, p| m.sup(&p.coords));
@@ -174,6 +177,25 @@ impl Scenario {
                 }
                 _ => None,
             })
+    }
+}
+
+/// A box, which may lean, from its lowest corner along its edges.
+fn parallelepiped(corner: Vector3, edges: &Matrix3) -> Drawing {
+    let at = |x: f64, y: f64, z: f64| Point3::from(corner + edges * Vector3::new(x, y, z));
+    let level = |z: f64| {
+        vec![
+            at(0.0, 0.0, z),
+            at(1.0, 0.0, z),
+            at(1.0, 1.0, z),
+            at(0.0, 1.0, z),
+        ]
+    };
+    let [floor, lid] = [level(0.0), level(1.0)];
+    let upright = floor.iter().zip(&lid).map(|(low, high)| [*low, *high]);
+    Drawing {
+        lines: sides(&floor).chain(sides(&lid)).chain(upright).collect(),
+        floor,
     }
 }
 

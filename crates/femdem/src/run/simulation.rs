@@ -1,7 +1,7 @@
 //! A world made from a scenario, and what its entries are in it.
 
 use femdem_contact::BodyId;
-use femdem_mesh::Pose;
+use femdem_mesh::{Pose, Vector3};
 use femdem_solve::{SolveError, World};
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +32,8 @@ pub struct Simulation {
     pub supports: Vec<Support>,
     /// Its controlled walls.
     pub controls: Controls,
+    /// The middle of its periodic cell, which stays where it is \[m\].
+    pub centre: Vector3,
     /// The penalty of its contacts between rigid bodies.
     pub penalty: Penalty,
     /// What it has from a pack, and which walls its scene has added.
@@ -48,6 +50,7 @@ struct Stored {
     members: Vec<Member>,
     supports: Vec<Support>,
     controls: Controls,
+    centre: Vector3,
     penalty: Penalty,
     origin: Origin,
 }
@@ -61,6 +64,7 @@ impl TryFrom<Stored> for Simulation {
             members,
             supports,
             controls,
+            centre,
             penalty,
             origin,
         } = stored;
@@ -70,6 +74,7 @@ impl TryFrom<Stored> for Simulation {
             members,
             supports,
             controls,
+            centre,
             penalty,
             origin,
             notes: Vec::new(),

@@ -193,8 +193,6 @@ impl RunSummary {
         let world = &simulation.world;
         let contacts = simulation.contacts();
         let forces = simulation.forces(&contacts);
-        let cells = run.simulation().controls.cells().iter();
-        let cells = cells.map(|cell| cell.state(world));
         let walls = world.walls().zip(&forces.walls).zip(run.peaks());
         let walls = walls.map(|(((_, wall), force), peak)| WallSummary {
             name: wall.name().to_owned(),
@@ -234,7 +232,7 @@ impl RunSummary {
             rest: simulation.rest(),
             bodies,
             walls: walls.collect(),
-            cells: cells.collect(),
+            cells: simulation.controls.cells(world),
             reactions: reactions.collect(),
             penalty: simulation.penalty.clone(),
             warnings: run.warnings().to_vec(),

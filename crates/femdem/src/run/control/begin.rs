@@ -1,13 +1,14 @@
 //! The beginning of control.
 
+use super::periodic::ControlledCell;
 use super::{BoxWalls, Controls};
 use crate::Error;
 use crate::run::build::in_entry;
 use crate::run::{Scenario, Simulation};
 
 impl Simulation {
-    /// Begins to control the walls of a scene, from where they are. Boxes that were controlled before keep the sides from
-    /// which their strains count.
+    /// Begins to control the walls and the periodic cell of a scene, from where they are. Cells that were controlled before keep
+    /// the sides from which their strains count.
     pub(in crate::run) fn control(&mut self, scene: &Scenario) -> Result<(), Error> {
         let mut controls = Controls::default();
         let origin = self.origin.walls.iter();
@@ -25,6 +26,12 @@ impl Simulation {
             };
             let added = controls.add(entry, &name, walls, solid, &mut self.world);
             added.map_err(in_entry(format!("wall \"{name}\"")))?;
+        }
+        let entry = scene.cell.as_ref().and_then(|cell| cell.control.as_ref());
+        let solid = self.volume_within([[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]]);
+        controls.periodic = ControlledCell::new(entry, &self.world, solid)?;
+        if let (Some(cell), Some(known)) = (&mut controls.periodic, &self.controls.periodic) {
+            (cell.start, cell.solid) = (known.start, known.solid);
         }
         for cell in &mut controls.cells {
             let before = self.controls.cells.iter();

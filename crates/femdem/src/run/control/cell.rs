@@ -31,16 +31,23 @@ pub(in crate::run) struct BoxWalls {
 /// The state of a cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellState {
-    /// Name of the wall in the scenario.
+    /// Name of the wall in the scenario, or "cell" for the periodic cell.
     pub name: String,
     /// Sides \[m\].
     pub sides: [f64; 3],
-    /// Mean of the normal stresses of the two walls across each axis, without dashpots, positive in compression \[Pa\].
+    /// Mean of the normal stresses of the two walls across each axis, or in the periodic cell, without dashpots, positive in
+    /// compression \[Pa\].
     pub stress: [f64; 3],
     /// Logarithmic strains since the control began, positive in compression.
     pub strain: [f64; 3],
+    /// Shear stress on a plane across z along x, in a periodic cell; positive where it resists a growing shear strain \[Pa\].
+    pub shear_stress: Option<f64>,
+    /// Way along x over height along z since the control began, in a periodic cell.
+    pub shear_strain: Option<f64>,
     /// Volume of the bodies over that of the cell.
     pub solid_fraction: f64,
+    /// By how much a stress that is controlled misses the wanted one, over that.
+    pub errors: [Option<f64>; 3],
 }
 
 impl CellState {
@@ -108,9 +115,8 @@ impl Cell {
         sides[(axis + 1) % 3] * sides[(axis + 2) % 3]
     }
 
-    /// The state now.
-    #[must_use]
-    pub fn state(&self, world: &World) -> CellState {
+    /// The state now; `errors` are those of the controlled stresses.
+    pub(super) fn state(&self, world: &World, errors: [Option<f64>; 3]) -> CellState {
         let sides = self.walls.sides(world);
         let stress = [0, 1, 2].map(|axis| {
             let each = (0..).zip(self.walls.numbers[axis]);
@@ -125,7 +131,10 @@ impl Cell {
             sides,
             stress,
             strain: [0, 1, 2].map(|axis| (self.start[axis] / sides[axis]).ln()),
+            shear_stress: None,
+            shear_strain: None,
             solid_fraction: self.solid / sides.iter().product::<f64>(),
+            errors,
         }
     }
 }

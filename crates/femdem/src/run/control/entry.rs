@@ -8,7 +8,7 @@ use crate::Error;
 use crate::error::wrong;
 
 /// How a wall is controlled: a plane or a wall from a file by `force` or by `pressure` on an `area`; a box by what its axes
-/// `x`, `y` and `z` are to do.
+/// `x`, `y` and `z` are to do. A periodic cell has axes, too, and `shear`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct ControlEntry {
@@ -30,6 +30,30 @@ pub struct ControlEntry {
     pub y: Option<AxisEntry>,
     /// The walls of a box across z.
     pub z: Option<AxisEntry>,
+    /// Shear of a periodic cell.
+    pub shear: Option<ShearEntry>,
+}
+
+/// How a periodic cell is sheared: what lies higher along z moves along x.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct ShearEntry {
+    /// Velocity along x over height along z \[1/s\].
+    pub rate: f64,
+    /// Factor of the rate over time, as points \[s, factor\] with straight lines between.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table: Option<Vec<[f64; 2]>>,
+}
+
+impl ShearEntry {
+    /// The rate over time \[1/s\].
+    pub(super) fn rate(&self) -> Result<Curve, Error> {
+        curve(self.rate, self.table.as_ref())
+    }
+
+    fn largest(&self) -> f64 {
+        self.rate.abs() * largest_factor(self.table.as_ref())
+    }
 }
 
 /// What the two walls of a box across an axis do: exactly one of `stress` and `strain-rate`.
@@ -79,6 +103,7 @@ impl ControlEntry {
                 "for a wall with `box` only: give force, or pressure and area",
             ));
         }
+        self.refuse_shear()?;
         let force = match (self.force, self.pressure, self.area) {
             (Some(force), None, None) => compression("control.force", force)?,
             (None, Some(pressure), Some(area)) => {
@@ -117,18 +142,43 @@ impl ControlEntry {
         })
     }
 
+    fn refuse_shear(&self) -> Result<(), Error> {
+        match self.shear {
+            Some(_) => {
+                let allowed = "for a periodic cell only: walls are moved by `motion`";
+                Err(wrong("control.shear", "given", allowed))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Refuses what belongs to other walls than boxes.
     pub(super) fn check_box(&self) -> Result<(), Error> {
+        self.refuse_shear()?;
+        self.check_axes(self.axes().next().is_some())
+    }
+
+    /// Refuses what belongs to walls.
+    pub(super) fn check_cell(&self) -> Result<(), Error> {
+        if self.axes().any(|(_, axis)| axis.sides != Sides::Both) {
+            let allowed = "for walls only: a periodic cell has no sides";
+            return Err(wrong("control.sides", "given", allowed));
+        }
+        self.check_axes(self.shear.is_some() || self.axes().next().is_some())
+    }
+
+    /// Refuses what belongs to single walls, and a control of nothing.
+    fn check_axes(&self, any: bool) -> Result<(), Error> {
         let others = [self.force, self.pressure, self.area, self.speed];
         if others.iter().any(Option::is_some) || self.direction.is_some() || self.table.is_some() {
             return Err(wrong(
                 "control",
-                "a force, pressure, area, direction, speed or table beside `box`",
+                "a force, pressure, area, direction, speed or table of a box or a cell",
                 "give them to the axes, such as control.z = { stress = 1e5, speed = 0.1 }",
             ));
         }
-        if self.axes().next().is_none() {
-            let allowed = "give at least one of the axes x, y and z";
+        if !any {
+            let allowed = "give at least one of the axes x, y and z, or, to a periodic cell, shear";
             return Err(wrong("control", "empty", allowed));
         }
         Ok(())
@@ -140,7 +190,8 @@ impl ControlEntry {
             let rate = axis.strain_rate.unwrap_or(0.0) * largest_factor(axis.table.as_ref());
             axis.speed.unwrap_or(0.0).max(rate.abs() * sides[k])
         };
-        let axes = self.axes().map(of_axis).fold(0.0, f64::max);
+        let shear = self.shear.as_ref().map(|shear| shear.largest() * sides[2]);
+        let axes = self.axes().map(of_axis).chain(shear).fold(0.0, f64::max);
         axes.max(self.speed.unwrap_or(0.0))
     }
 
@@ -157,7 +208,8 @@ impl ControlEntry {
     /// The time from which on its goals are constant \[s\].
     pub(in crate::run) fn settled_from(&self) -> f64 {
         let axes = self.axes().filter_map(|(_, axis)| axis.table.as_ref());
-        let points = axes.chain(&self.table).flatten();
+        let shear = self.shear.as_ref().and_then(|shear| shear.table.as_ref());
+        let points = axes.chain(&self.table).chain(shear).flatten();
         points.map(|[time, _]| *time).fold(0.0, f64::max)
     }
 }

@@ -1,4 +1,4 @@
-//! Walls that are moved so that a force, a stress or a rate of strain has a wanted value.
+//! Walls that are moved, and a periodic cell that is deformed, so that a force, a stress or a rate of strain has a wanted value.
 //!
 //! A wall with a force, and the walls of a box with a stress, are moved by a [`Servo`]; two opposite walls of a box by
 //! the same way, under the mean of their forces, so that the box stays where it is.
@@ -6,6 +6,7 @@
 mod begin;
 mod cell;
 mod entry;
+mod periodic;
 
 use femdem_contact::{Partner, WallShape};
 use femdem_fem::Curve;
@@ -14,19 +15,21 @@ use femdem_solve::{Driven, Resistance, Servo, World};
 use serde::{Deserialize, Serialize};
 
 pub use cell::{Cell, CellState};
-pub use entry::{AxisEntry, ControlEntry, Sides};
+pub use entry::{AxisEntry, ControlEntry, ShearEntry, Sides};
 
 use super::WallEntry;
 use crate::Error;
 use crate::error::wrong;
 pub(super) use cell::BoxWalls;
 use cell::{inwards, push};
+use periodic::ControlledCell;
 
 /// The controlled walls of a simulation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Controls {
     cells: Vec<Cell>,
     groups: Vec<Group>,
+    periodic: Option<ControlledCell>,
 }
 
 /// Walls that move alike.
@@ -104,16 +107,29 @@ impl Group {
 }
 
 impl Controls {
-    /// Whether no wall is controlled.
+    /// Whether no wall is controlled, and no periodic cell is there.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.groups.is_empty()
+        self.groups.is_empty() && self.periodic.is_none()
     }
 
-    /// The boxes with controlled walls.
+    /// Whether there are boxes with controlled walls, or a cell that is periodic along all axes.
     #[must_use]
-    pub fn cells(&self) -> &[Cell] {
-        &self.cells
+    pub fn has_cells(&self) -> bool {
+        !self.cells.is_empty() || self.periodic.is_some()
+    }
+
+    /// The states of these cells, the periodic one last.
+    #[must_use]
+    pub fn cells(&self, world: &World) -> Vec<CellState> {
+        let boxes = (0..).zip(&self.cells).map(|(k, cell)| {
+            let errors = [0, 1, 2].map(|axis| self.stress_error(k, axis, world));
+            cell.state(world, errors)
+        });
+        let periodic = self.periodic.as_ref();
+        boxes
+            .chain(periodic.and_then(|cell| cell.state(world)))
+            .collect()
     }
 
     /// Begins to control the `walls` of the world that an entry is, which stand where they are; `name` is that of the
@@ -196,7 +212,12 @@ impl Controls {
 
     /// Takes a step of the world, in which the controlled walls move.
     pub(super) fn step(&mut self, world: &mut World) -> Result<(), femdem_solve::SolveError> {
-        self.plan(world);
+        if !self.groups.is_empty() {
+            self.plan(world);
+        }
+        if let Some(cell) = &mut self.periodic {
+            cell.plan(world)?;
+        }
         let start = world.time();
         world.step_with(|thing, end| {
             let Partner::Wall(wall) = thing else {
@@ -214,7 +235,7 @@ impl Controls {
 
     /// By how much the mean stress of the controlled walls of a cell across an axis misses the wanted one, over that; `None`
     /// if none is wanted.
-    pub(super) fn stress_error(&self, cell: usize, axis: usize, world: &World) -> Option<f64> {
+    fn stress_error(&self, cell: usize, axis: usize, world: &World) -> Option<f64> {
         let mut groups = self.groups.iter();
         let group =
             groups.find(|group| group.cell == Some((cell, axis)) && group.servo.is_some())?;

@@ -25,7 +25,7 @@ impl Run {
         if self.scenario.moves_walls() {
             self.walls.flush(&folder.join("wall_history.csv"))?;
         }
-        if !self.simulation.controls.cells().is_empty() {
+        if self.simulation.controls.has_cells() {
             self.cells.flush(&folder.join("cells.csv"))?;
         }
         Ok(())

@@ -1,0 +1,193 @@
+//! Periodic cells in scenes.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+use std::fs;
+use std::path::Path;
+
+use femdem::Usage;
+use femdem::run::{Ending, Run, RunSummary, Scenario};
+use tempfile::tempdir;
+
+/// Runs a scene to its end in a folder, with a checkpoint at the end.
+fn ran(text: &str, folder: &Path) -> Run {
+    let mut job = Run::new(Scenario::from_toml(text).unwrap()).unwrap();
+    job.advance(folder, u64::MAX).unwrap();
+    job.flush(folder).unwrap();
+    job
+}
+
+fn summary(job: &Run) -> RunSummary {
+    RunSummary::of(job, &Usage::default()).unwrap()
+}
+
+/// 64 grains of 20 mm.
+fn grains(cell: &str, more: &str) -> String {
+    format!(
+        "{more}
+        [contact]
+        friction = 0.3
+        [material.stone]
+        density = 2500
+        [cell]
+        {cell}
+        [[body]]
+        name = \"grain\"
+        shape = \"A13\"
+        diameter = 0.02
+        material = \"stone\"
+        copies = {{ count = [4, 4, 4], spacing = [0.021, 0.021, 0.021], seed = 2 }}
+        position = [0.0105, 0.0105, 0.0105]"
+    )
+}
+
+const CUBE: &str = "upper = [0.084, 0.084, 0.084]";
+
+const ISOTROPIC: &str = "x = { stress = 1e4, speed = 0.4 }, y = { stress = 1e4, speed = 0.4 }, \
+                         z = { stress = 1e4, speed = 0.4 }";
+
+const AT_REST: &str =
+    "duration = 2\ngravity = [0, 0, 0]\nmedium.drag = 20\nrest = { energy = 1e-8, time = 0.005 }";
+
+/// Compressed to rest under equal stresses, and sheared from there under a constant stress: the material resists, and dilates or not
+/// as the cell says, whose strains are those of its rates.
+#[test]
+fn a_cell_is_compressed_and_sheared() {
+    let folder = tempdir().unwrap();
+    let first = folder.path().join("first");
+    fs::create_dir_all(&first).unwrap();
+    let text = grains(&format!("{CUBE}\ncontrol = {{ {ISOTROPIC} }}"), AT_REST);
+    let job = ran(&text, &first);
+    let pressed = summary(&job);
+    assert_eq!(pressed.ending, Some(Ending::Rest), "{pressed}");
+    assert!(pressed.rest.at_rest && pressed.walls.is_empty());
+    let cell = &pressed.cells[0];
+    for axis in 0..3 {
+        assert!((cell.stress[axis] / 1e4 - 1.0).abs() < 2.5e-3, "{cell:?}");
+        assert!(cell.errors[axis].unwrap().abs() < 2.5e-3, "{cell:?}");
+    }
+    let volume: f64 = cell.sides.iter().product();
+    let mass: f64 = pressed.bodies.iter().map(|body| body.mass).sum();
+    assert!((cell.solid_fraction * volume * 2500.0 / mass - 1.0).abs() < 1e-9);
+    assert!(cell.solid_fraction > 0.5, "{cell:?}");
+    assert!(
+        pressed.energy.ledger_error_relative.abs() < 5e-3,
+        "{pressed}"
+    );
+    // Every frame shows all bodies in the cell.
+    let (lower, upper) = (0.042 - 0.5 * cell.sides[0], 0.042 + 0.5 * cell.sides[0]);
+    for body in &job.simulation().rigid_snapshot().bodies {
+        let x = body.pose.translation.vector.x;
+        assert!(x > lower - 1e-3 && x < upper + 1e-3, "{x}");
+    }
+    job.save(&first, &Usage::default()).unwrap();
+
+    let second = folder.path().join("second");
+    fs::create_dir_all(&second).unwrap();
+    let sheared = format!("{CUBE}\ncontrol = {{ {ISOTROPIC}, shear = {{ rate = 5 }} }}");
+    let more = format!("duration = 0.04\ngravity = [0, 0, 0]\nfrom = {first:?}");
+    let job = ran(&grains(&sheared, &more), &second);
+    let end = summary(&job);
+    let cell = &end.cells[0];
+    let strain = cell.shear_strain.unwrap() / (5.0 * end.simulated_time);
+    assert!((strain - 1.0).abs() < 1e-3, "{cell:?}");
+    assert!(cell.shear_stress.unwrap() > 500.0, "{cell:?}");
+    for error in cell.errors {
+        assert!(error.unwrap().abs() < 0.1, "{cell:?}");
+    }
+    assert!(
+        end.energy.work_in > 0.0 && end.energy.ledger_error_relative.abs() < 0.01,
+        "{end}"
+    );
+    assert!(!end.rest.at_rest && end.rest.driven);
+    let rows = fs::read_to_string(second.join("cells.csv")).unwrap();
+    assert!(rows.lines().count() > 50);
+
+    // The same bits where it was interrupted.
+    let third = folder.path().join("third");
+    fs::create_dir_all(&third).unwrap();
+    let mut job = Run::new(Scenario::from_toml(&grains(&sheared, &more)).unwrap()).unwrap();
+    job.advance(&third, 200).unwrap();
+    job.save(&third, &Usage::default()).unwrap();
+    let (mut job, _) = Run::read(&third).unwrap();
+    job.advance(&third, u64::MAX).unwrap();
+    assert_eq!(summary(&job).state_hash, end.state_hash);
+}
+
+/// A bed without side walls bears its weight on the floor alone.
+#[test]
+fn a_bed_that_is_periodic_across_rests_on_its_floor() {
+    let folder = tempdir().unwrap();
+    let more = "duration = 3\nrest = { energy = 1e-6, time = 0.02 }\n[[wall]]\nname = \"floor\"\nplane = { normal = [0, 0, 1] }";
+    let text = grains("upper = [0.084, 0.084, 1]\naxes = \"xy\"", more);
+    let job = ran(&text, folder.path());
+    let end = summary(&job);
+    assert_eq!(end.ending, Some(Ending::Rest), "{end}");
+    let weight: f64 = end.bodies.iter().map(|body| body.mass * 9.81).sum();
+    let force = end.walls[0].force;
+    assert!((force[2] / weight + 1.0).abs() < 1e-3, "{force:?} {weight}");
+    assert!(end.cells.is_empty());
+    let highest = end
+        .bodies
+        .iter()
+        .map(|body| body.centroid[2])
+        .fold(0.0, f64::max);
+    assert!(highest < 0.084, "nothing flowed away: {highest}");
+}
+
+#[test]
+fn cells_that_cannot_be_are_refused_by_key() {
+    let message = |cell: &str, more: &str| {
+        let scene = Scenario::from_toml(&grains(cell, more)).unwrap();
+        let simulation = scene.build();
+        let refused = simulation.and_then(|mut simulation| simulation.step());
+        refused.unwrap_err().to_string()
+    };
+    for (cell, more, wanted) in [
+        ("upper = [1, 1, 1]\naxes = \"xx\"", "", "cell.axes"),
+        ("upper = [1, 1, 1]\naxes = \"xw\"", "", "cell.axes"),
+        ("upper = [1, 1, 1]\naxes = \"\"", "", "cell.axes"),
+        ("upper = [1, -1, 1]", "", "cell.upper"),
+        ("upper = [1, inf, 1]", "", "cell.upper"),
+        ("upper = [0.03, 1, 1]", "", "2.25"),
+        (
+            "upper = [1, 1, 1]\naxes = \"xy\"\ncontrol = { shear = { rate = 1 } }",
+            "",
+            "cell.control",
+        ),
+        ("upper = [1, 1, 1]\ncontrol = { force = 1 }", "", "control"),
+        ("upper = [1, 1, 1]\ncontrol = {}", "", "control"),
+        (
+            "upper = [1, 1, 1]\ncontrol = { z = { strain-rate = 1, sides = \"upper\" } }",
+            "",
+            "control.sides",
+        ),
+        (
+            "upper = [1, 1, 1]",
+            "[[wall]]\nname = \"side\"\nplane = { normal = [1, 0, 0] }",
+            "side",
+        ),
+        (
+            "upper = [1, 1, 1]\naxes = \"xy\"",
+            "[[wall]]\nplane = { normal = [0, 0, 1] }\ncontrol = { force = 1, speed = 1, shear = { rate = 1 } }",
+            "control.shear",
+        ),
+    ] {
+        let found = message(cell, more);
+        assert!(found.contains(wanted), "{cell} {more}: {found}");
+    }
+    let soft = grains(CUBE, "").replace(
+        "density = 2500",
+        "density = 2500\nlaw = \"neo-hookean\"\nyoung = 1e6\npoisson = 0.3",
+    );
+    let soft = soft.replace(
+        "shape = \"A13\"",
+        "shape = \"A13\"\nbehaviour = \"deformable\"",
+    );
+    let refused = Scenario::from_toml(&soft)
+        .unwrap()
+        .build()
+        .unwrap_err()
+        .to_string();
+    assert!(refused.contains("rigid bodies"), "{refused}");
+}
