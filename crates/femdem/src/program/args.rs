@@ -42,6 +42,17 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "KG")]
     mass: Option<f64>,
 
+    /// Sizes (d, in m or with a unit) with their shares of the mass, or a distribution; one for all, or one for each --shape:
+    /// 20mm:0.3,30mm:0.7, lognormal-mass:MEDIAN:SIGMA, lognormal-number:MEDIAN:SIGMA, weibull-mass:SIZE:EXPONENT, each if you
+    /// like with limits, as in lognormal-mass:20mm:0.3:10mm..40mm, or sieve:CURVE
+    #[arg(long, value_name = "SIZES", conflicts_with_all = ["diameter", "size", "mass", "sieve"])]
+    sizes: Vec<String>,
+
+    /// Sieve curve by mass, such as 10mm:0,20mm:0.4,30mm:1: 40 % of the mass is finer than 20 mm; one for all, or one for each
+    /// --shape. Between the points it is straight over the logarithm of the size
+    #[arg(long, value_name = "CURVE", conflicts_with_all = ["diameter", "size", "mass"])]
+    sieve: Vec<String>,
+
     /// Unit of the coordinates in surface files [default: m]
     #[arg(long, value_enum)]
     unit: Option<Unit>,
@@ -55,9 +66,9 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "X")]
     mesh_size: Option<f64>,
 
-    /// Density of the bodies in kg/m3 [default: 2560]
+    /// Density of the bodies in kg/m3; one for all, or one for each --shape [default: 2560]
     #[arg(long, value_name = "KG/M3")]
-    density: Option<f64>,
+    density: Vec<f64>,
 
     /// Coulomb friction coefficient, 0 or more, between bodies and with walls [default: 0.6]
     #[arg(long, value_name = "MU")]
@@ -207,7 +218,6 @@ impl PackArgs {
         };
         self.set_shapes(&mut scene);
         set(&mut scene.count, &self.count);
-        set(&mut scene.density, &self.density);
         set(&mut scene.friction, &self.friction);
         set(&mut scene.rolling_friction, &self.rolling_friction);
         set(&mut scene.tangential_stiffness, &self.tangential_stiffness);
@@ -259,8 +269,14 @@ impl PackArgs {
             scene.share.clone_from(&self.share);
         }
         set(&mut scene.variety, &self.variety);
-        if self.diameter.or(self.size).or(self.mass).is_some() {
+        if !self.density.is_empty() {
+            scene.density.clone_from(&self.density);
+        }
+        let measured = self.diameter.or(self.size).or(self.mass).is_some();
+        if measured || !self.sizes.is_empty() || !self.sieve.is_empty() {
             (scene.diameter, scene.size, scene.mass) = (self.diameter, self.size, self.mass);
+            scene.sizes.clone_from(&self.sizes);
+            scene.sieve.clone_from(&self.sieve);
         }
         set(&mut scene.unit, &self.unit);
         scene.repair |= self.repair;

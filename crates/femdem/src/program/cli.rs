@@ -27,6 +27,7 @@ Examples:
   femdem pack --shape cube --container cylinder --protocol pour --out out/cubes
   femdem pack --shape stone.stl --unit mm --box 8x8 --out out/stones
   femdem pack --shape boulder --variety 50 --mass 40 --box 5.26x5.3x3.87m --out out/boulders
+  femdem pack --sieve 10mm:0,20mm:0.4,30mm:1 --count 500 --out out/gravel
   femdem pack --shape cube --shape dolos:waist=0.36 --share 3 --share 1 --out out/mixed
   femdem pack --count 2000 --print-scene > big.toml && femdem pack big.toml
   femdem run scenes/bouncing-cube.toml             bodies that deform, collide, or are driven
@@ -43,6 +44,7 @@ d is the circumscribed diameter of a body. Units are SI.";
 const PACK_HELP: &str = "\
 The folder then holds
   summary.json               the result in numbers
+  sieve.csv                  the sizes, as a sieve curve by mass
   bodies.csv, contacts.csv   poses; contact points, forces and areas
   pack.vtu, contacts.vtp     for ParaView
   pack.stl, shape-NAME.obj   surfaces
@@ -185,6 +187,8 @@ mod tests {
         for options in [
             "",
             "--shape cube --shape dolos:waist=0.36 --share 3 --share 1 --mass 2 --unit mm --repair",
+            "--shape cube --shape A10 --sizes 20mm:0.3,30mm:0.7 --sizes weibull-mass:30mm:2:10mm..50mm --density 1e3 --density 2e3",
+            "--sieve 10mm:0,20mm:0.4,30mm:1",
             "--cylinder 5 --cone 40 --outlet 0.1m --protocol pour --rate 50 --height 3.87m",
             "--box 4x5x6m --seed 9 --threads 2 --penalty 1e6 --drag 0.6 --local-damping 0.3 --variety 3 --out a/b",
             "--friction 0.5 --wall-friction 0 --tangential-stiffness 1.6",
@@ -216,7 +220,7 @@ mod tests {
         for text in [
             format!("Number of bodies [default: {}]", d.count),
             format!("[default: {}; for a file", femdem::scene::DEFAULT_DIAMETER),
-            format!("kg/m3 [default: {}]", d.density),
+            format!("each --shape [default: {}]", d.density[0]),
             format!("with walls [default: {}]", d.friction),
             format!("at most 2 [default: {}]", d.tangential_stiffness),
             format!("0.25 [default: {}]", d.damping),

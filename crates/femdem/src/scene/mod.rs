@@ -20,6 +20,7 @@ mod footprint;
 mod length;
 mod list;
 mod note;
+mod sizes;
 mod step_kind;
 pub(crate) mod surface;
 mod unit;
@@ -100,6 +101,13 @@ pub struct Scene {
     pub size: Option<f64>,
     /// Mass of a body of each shape \[kg\].
     pub mass: Option<f64>,
+    /// Sizes of the bodies: one text for all shapes, or one for each, instead of `diameter`, `size` and `mass`. Such as
+    /// "20mm:0.3,30mm:0.7" with shares of the mass, see docs/shapes.md.
+    #[serde(with = "list", skip_serializing_if = "Vec::is_empty")]
+    pub sizes: Vec<String>,
+    /// Sieve curve of the bodies by mass, such as "10mm:0,20mm:0.4,30mm:1", in the same way.
+    #[serde(with = "list", skip_serializing_if = "Vec::is_empty")]
+    pub sieve: Vec<String>,
     /// Unit of the coordinates in surface files.
     pub unit: Unit,
     /// Whether small faults of surface files are mended.
@@ -109,8 +117,9 @@ pub struct Scene {
     pub mesh_size: Option<f64>,
     /// Number of bodies.
     pub count: u32,
-    /// Density of the bodies \[kg/m³\].
-    pub density: f64,
+    /// Density of the bodies \[kg/m³\]: one number for all shapes, or one for each.
+    #[serde(with = "list")]
+    pub density: Vec<f64>,
     /// Friction coefficient.
     pub friction: f64,
     /// Friction coefficient between bodies and walls. `None`: `friction`.
@@ -181,10 +190,12 @@ impl Default for Scene {
             diameter: None,
             size: None,
             mass: None,
+            sizes: Vec::new(),
+            sieve: Vec::new(),
             unit: Unit::M,
             repair: false,
             mesh_size: None,
-            density: spec.density,
+            density: vec![spec.density],
             friction: spec.friction,
             wall_friction: None,
             rolling_friction: spec.rolling_friction,
@@ -267,9 +278,12 @@ impl Scene {
         let (shapes, mut notes) = bodies::bodies(self)?;
         let mut spec = PackSpec {
             shapes,
-            mixing: Mixing::Dealt,
+            mixing: match self.is_graded() {
+                true => Mixing::Shuffled,
+                false => Mixing::Dealt,
+            },
             count: self.count,
-            density: self.density,
+            density: self.densities()?[0],
             friction: self.friction,
             wall_friction: self.wall_friction,
             rolling_friction: self.rolling_friction,
@@ -314,6 +328,23 @@ impl Scene {
         let (spec, notes) = self.prepare()?;
         let packing = Packing::new(spec).map_err(words::in_words_of_scenes)?;
         Ok((packing, notes))
+    }
+
+    /// Whether the bodies have sizes by shares, curves or distributions.
+    fn is_graded(&self) -> bool {
+        !self.sizes.is_empty() || !self.sieve.is_empty()
+    }
+
+    /// The densities of the shapes \[kg/m³\]: one for all, or one for each.
+    fn densities(&self) -> Result<&[f64], Error> {
+        if self.density.len() == 1 || self.density.len() == self.shape.len().max(1) {
+            return Ok(&self.density);
+        }
+        Err(Error::Option {
+            name: "density",
+            value: format!("{} numbers", self.density.len()),
+            allowed: "one number for all shapes, or one for each shape",
+        })
     }
 
     /// Refuses values that would be converted silently, or would have no effect.

@@ -5,7 +5,7 @@ use femdem_pack::PackError;
 use crate::Error;
 
 /// Names in the libraries, and keys of scenes, which are also the options of `femdem pack`.
-const KEYS: [(&str, &str); 12] = [
+const KEYS: [(&str, &str); 13] = [
     ("wall_friction", "wall-friction"),
     ("rolling_friction", "rolling-friction"),
     (
@@ -24,6 +24,7 @@ const KEYS: [(&str, &str); 12] = [
     ("silo half_angle", "cone"),
     ("protocol rate", "rate"),
     ("protocol batch", "batch"),
+    ("density of a shape", "density"),
 ];
 
 /// The error with the key of the scene.
