@@ -567,7 +567,7 @@ mod tests {
         assert!(says(|s| s.count = 0).contains("count = 0"));
         assert!(says(|s| s.diameter = Some(f64::NAN)).contains("NaN"));
         assert!(says(|s| s.r#box = "0.5x4".parse().ok()).contains("if metres are meant"));
-        assert!(says(|s| s.density = -1.0).contains("density = -1"));
+        assert!(says(|s| s.density = vec![-1.0]).contains("density = -1"));
         assert!(says(|s| s.shape.clear()).contains("no shape"));
         assert!(says(|s| s.share = vec![1.0, 2.0]).contains("one number for each"));
         assert!(says(|s| s.variety = 3).contains("variety = 3"));
