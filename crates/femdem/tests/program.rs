@@ -292,6 +292,14 @@ fn a_body_from_a_file_is_packed_in_a_cylinder() {
 fn shapes_are_18_solids_with_known_values_and_families_with_parameters() {
     let table = stdout(&run(&mut femdem("shapes")));
     assert!(table.contains("truncated icosidodecahedron"));
+    let words: Vec<&str> = table.split_whitespace().collect();
+    for alias in [
+        ["raschig", "hollow_cylinder"],
+        ["rock", "boulder"],
+        ["brick", "box"],
+    ] {
+        assert!(words.windows(2).any(|w| w == alias), "{alias:?}");
+    }
     let json = stdout(&run(femdem("shapes").arg("--json")));
     let rows: Vec<serde_json::Value> = serde_json::from_str(&json).unwrap();
     assert!(rows.len() > 18);

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use femdem::Scene;
-use femdem::scene::{ContainerKind, Footprint, Length, ProtocolKind, StepKind, Unit, metres};
+use femdem::scene::{ContainerKind, Drag, Footprint, Length, ProtocolKind, StepKind, Unit, metres};
+
+use super::complain;
 
 /// Options of `femdem pack`. Those left out are taken from the scene file, or have their defaults.
 #[derive(Debug, Args)]
@@ -85,8 +87,12 @@ pub(crate) struct PackArgs {
 
     /// Stiffness of the friction springs over that of normal contact, k_t/k_n, above 0 and at most 2
     /// [default: 0.8]
-    #[arg(long, value_name = "RATIO")]
-    tangential_stiffness: Option<f64>,
+    #[arg(long, value_name = "RATIO", alias = "tangential-stiffness")]
+    tangential_ratio: Option<f64>,
+
+    /// Fraction of critical damping of the friction springs while they stick [default: 0.6]
+    #[arg(long, value_name = "ZETA")]
+    tangential_damping: Option<f64>,
 
     /// Fraction of critical damping of normal contact, 0 to below 0.707; 0.6 gives a coefficient of
     /// restitution of 0.25 [default: 0.6]
@@ -103,9 +109,10 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "X", conflicts_with = "penalty")]
     penetration: Option<f64>,
 
-    /// Drag of the medium while the pack is made, in sqrt(g/d); 0 is none [default: 0]
-    #[arg(long, value_name = "X")]
-    drag: Option<f64>,
+    /// Drag of the medium while the pack is made: a rate with its unit, such as 8.4/s, or 0.6/fall in sqrt(g/d); 0 is none
+    /// [default: 0]
+    #[arg(long, value_name = "RATE")]
+    drag: Option<Drag>,
 
     /// Cundall's local damping while the pack is made: the part of each component of a body's net force
     /// and moment that is taken off against the motion, 0 to below 1 [default: 0]
@@ -201,6 +208,10 @@ pub(crate) struct PackArgs {
     #[arg(long)]
     pub report: bool,
 
+    /// List the shapes, estimate the cost from the first bodies, and stop; no files are written
+    #[arg(long)]
+    pub check: bool,
+
     /// Write the scene of these options to the terminal, and stop
     #[arg(long)]
     pub print_scene: bool,
@@ -213,14 +224,19 @@ impl PackArgs {
     /// The scene file, or the defaults, with the options of the command line in their places.
     pub(crate) fn scene(&self) -> Result<Scene, femdem::Error> {
         let mut scene = match &self.scene {
-            Some(path) => Scene::read(path)?,
+            Some(path) => {
+                let (scene, old_words) = Scene::read_saying(path)?;
+                old_words.iter().for_each(|line| complain(line));
+                scene
+            }
             None => Scene::default(),
         };
         self.set_shapes(&mut scene);
         set(&mut scene.count, &self.count);
         set(&mut scene.friction, &self.friction);
         set(&mut scene.rolling_friction, &self.rolling_friction);
-        set(&mut scene.tangential_stiffness, &self.tangential_stiffness);
+        set(&mut scene.tangential_ratio, &self.tangential_ratio);
+        set(&mut scene.tangential_damping, &self.tangential_damping);
         set(&mut scene.damping, &self.damping);
         set(&mut scene.drag, &self.drag);
         set(&mut scene.local_damping, &self.local_damping);

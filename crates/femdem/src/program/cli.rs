@@ -190,8 +190,8 @@ mod tests {
             "--shape cube --shape A10 --sizes 20mm:0.3,30mm:0.7 --sizes weibull-mass:30mm:2:10mm..50mm --density 1e3 --density 2e3",
             "--sieve 10mm:0,20mm:0.4,30mm:1",
             "--cylinder 5 --cone 40 --outlet 0.1m --protocol pour --rate 50 --height 3.87m",
-            "--box 4x5x6m --seed 9 --threads 2 --penalty 1e6 --drag 0.6 --local-damping 0.3 --variety 3 --out a/b",
-            "--friction 0.5 --wall-friction 0 --tangential-stiffness 1.6",
+            "--box 4x5x6m --seed 9 --threads 2 --penalty 1e6 --drag 0.6/fall --local-damping 0.3 --variety 3 --out a/b",
+            "--friction 0.5 --wall-friction 0 --tangential-ratio 1.6 --tangential-damping 0.2 --drag 8.4/s",
         ] {
             let made = scene(options);
             let command = made.command();
@@ -222,7 +222,7 @@ mod tests {
             format!("[default: {}; for a file", femdem::scene::DEFAULT_DIAMETER),
             format!("each --shape [default: {}]", d.density[0]),
             format!("with walls [default: {}]", d.friction),
-            format!("at most 2 [default: {}]", d.tangential_stiffness),
+            format!("at most 2 [default: {}]", d.tangential_ratio),
             format!("0.25 [default: {}]", d.damping),
             format!(
                 "aims at [default: {}; {} with --protocol release",

@@ -23,8 +23,8 @@ pub fn run_facts(summary: Option<&Summary>, scene: Option<&Scene>) -> RunFacts {
 
 fn lead(summary: &Summary) -> String {
     format!(
-        "d = {:.4} m, density {} kg/m³, friction {}, seed {}",
-        summary.diameter,
+        "d = {} m, density {} kg/m³, friction {}, seed {}",
+        short_number(summary.diameter),
         short_number(summary.density),
         summary.friction,
         summary.seed
@@ -99,7 +99,7 @@ fn by_grid(density: Option<f64>) -> String {
 }
 
 /// Labels of options of a scene, with their units; others are labelled with their keys.
-const LABELS: [(&str, &str); 23] = [
+const LABELS: [(&str, &str); 24] = [
     ("batch", "bodies in a batch"),
     ("cone", "half angle of the cone / degrees"),
     ("count", "number of bodies"),
@@ -107,7 +107,7 @@ const LABELS: [(&str, &str); 23] = [
     ("damping", "fraction of critical damping"),
     ("density", "density of the bodies / kg/m\u{b3}"),
     ("diameter", "circumscribed diameter d / m"),
-    ("drag", "drag of the medium / sqrt(g/d)"),
+    ("drag", "drag of the medium"),
     ("friction", "friction coefficient"),
     ("gravity", "gravity / m/s\u{b2}"),
     ("local-damping", "local damping of the medium"),
@@ -121,7 +121,11 @@ const LABELS: [(&str, &str); 23] = [
     ("sieve", "sieve curve of the bodies, by mass"),
     ("size", "size of the bodies / m"),
     ("sizes", "sizes of the bodies"),
-    ("tangential-stiffness", "tangential over normal stiffness"),
+    (
+        "tangential-damping",
+        "fraction of critical damping of friction springs",
+    ),
+    ("tangential-ratio", "tangential over normal stiffness"),
     ("wall-friction", "friction coefficient of the walls"),
 ];
 

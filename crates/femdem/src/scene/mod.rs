@@ -16,13 +16,16 @@
 mod bodies;
 mod command;
 mod container;
+mod drag;
 mod footprint;
+mod gravity;
 mod length;
 mod list;
 mod note;
 mod sizes;
 mod step_kind;
 pub(crate) mod surface;
+mod tables;
 mod unit;
 mod words;
 
@@ -33,7 +36,10 @@ use femdem_solve::Medium;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use bodies::is_ball;
+pub use drag::Drag;
+pub(crate) use drag::per_second;
 pub use footprint::Footprint;
+pub(crate) use gravity::vector as gravity_vector;
 pub use length::{Length, metres};
 pub(crate) use length::{in_metres, perhaps_in_metres};
 pub use note::ShapeNote;
@@ -127,7 +133,9 @@ pub struct Scene {
     /// Coefficient of rolling friction.
     pub rolling_friction: f64,
     /// Stiffness of the friction springs over that of normal contact, above 0 and at most 2.
-    pub tangential_stiffness: f64,
+    pub tangential_ratio: f64,
+    /// Fraction of critical damping of the friction springs.
+    pub tangential_damping: f64,
     /// Fraction of critical damping of normal contact, 0 to 0.707.
     pub damping: f64,
     /// Penalty \[Pa\]. `None`: chosen for a mean penetration of `penetration`.
@@ -135,8 +143,8 @@ pub struct Scene {
     /// Target of the mean penetration over d for the automatic penalty. `None`: the usual value of the protocol
     /// ([`Protocol::usual_penetration`]).
     pub penetration: Option<f64>,
-    /// Drag of the medium while the pack is made, in sqrt(g/d).
-    pub drag: f64,
+    /// Drag of the medium while the pack is made.
+    pub drag: Drag,
     /// Cundall's local damping while the pack is made: the part of each component of a body's net force
     /// and moment that is taken off against the motion, 0 to below 1.
     pub local_damping: f64,
@@ -145,7 +153,8 @@ pub struct Scene {
     /// Whether bodies at rest sleep while the pack is made. Without sleep a job takes several times as long,
     /// and packs in sequence come out lower by 1.5 ± 0.3 %.
     pub sleeping: bool,
-    /// Gravity \[m/s²\].
+    /// Gravity, along -z \[m/s²\].
+    #[serde(deserialize_with = "gravity::down")]
     pub gravity: f64,
     /// Kind of container. `None`: by the sizes that are given, see
     /// [`container_kind`](Self::container_kind).
@@ -199,11 +208,12 @@ impl Default for Scene {
             friction: spec.friction,
             wall_friction: None,
             rolling_friction: spec.rolling_friction,
-            tangential_stiffness: spec.tangential_ratio,
+            tangential_ratio: spec.tangential_ratio,
+            tangential_damping: spec.tangential_damping,
             damping: spec.damping_ratio,
             penalty: None,
             penetration: None,
-            drag: 0.0,
+            drag: Drag::NONE,
             local_damping: 0.0,
             implicit: None,
             sleeping: spec.sleeping.enabled,
@@ -233,16 +243,27 @@ impl Scene {
     ///
     /// [`Error::Read`], or [`Error::Scene`] with the place where the text is not a scene.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
-        toml_file::read(path.as_ref())
+        Self::read_saying(path).map(|(scene, _)| scene)
     }
 
-    /// Reads a scene from text.
+    /// As [`read`](Self::read), with a line for each word of an earlier version that was understood.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read).
+    pub fn read_saying(path: impl AsRef<Path>) -> Result<(Self, Vec<String>), Error> {
+        let path = path.as_ref();
+        tables::parse(&toml_file::text(path)?, path)
+    }
+
+    /// Reads a scene from text. The keys of the tables `contact` and `medium` of a scene of `femdem run` are
+    /// understood with and without them.
     ///
     /// # Errors
     ///
     /// [`Error::Scene`], with the line and what is allowed there.
     pub fn from_toml(text: &str) -> Result<Self, Error> {
-        toml_file::parse(text, Path::new("scene"))
+        tables::parse(text, Path::new("scene")).map(|(scene, _)| scene)
     }
 
     /// The scene as the text of a scene file.
@@ -287,7 +308,8 @@ impl Scene {
             friction: self.friction,
             wall_friction: self.wall_friction,
             rolling_friction: self.rolling_friction,
-            tangential_ratio: self.tangential_stiffness,
+            tangential_ratio: self.tangential_ratio,
+            tangential_damping: self.tangential_damping,
             damping_ratio: self.damping,
             gravity: self.gravity,
             seed: self.seed,
@@ -307,7 +329,7 @@ impl Scene {
             },
         };
         spec.medium = Medium {
-            drag: self.drag * (self.gravity.abs() / diameter).sqrt(),
+            drag: self.drag.per_second(diameter, self.gravity),
             local_damping: self.local_damping,
         };
         spec.sleeping.enabled = self.sleeping;
@@ -356,10 +378,6 @@ impl Scene {
                 allowed,
             })
         };
-        if !(self.drag.is_finite() && self.drag >= 0.0) {
-            let allowed = "0 or more and finite, in sqrt(g/d)";
-            return refuse("drag", self.drag.to_string(), allowed);
-        }
         for (name, value) in [
             ("friction", Some(self.friction)),
             ("wall-friction", self.wall_friction),
@@ -439,11 +457,13 @@ mod tests {
         let job = |text: &str| Scene::from_toml(text).unwrap().spec().unwrap();
         let usual = job("friction = 0.4");
         assert_eq!((usual.wall_friction, usual.tangential_ratio), (None, 0.8));
-        let text = "friction = 0.4\nwall-friction = 0.1\ntangential-stiffness = 1.6\n";
+        let text = "friction = 0.4\nwall-friction = 0.1\ntangential-ratio = 1.6\n";
         let own = job(text);
         assert_eq!((own.wall_friction, own.tangential_ratio), (Some(0.1), 1.6));
         let again = Scene::from_toml(text).unwrap().to_toml().unwrap();
-        assert!(again.contains("wall-friction = 0.1\n") && again.contains("stiffness = 1.6\n"));
+        assert!(
+            again.contains("wall-friction = 0.1\n") && again.contains("tangential-ratio = 1.6\n")
+        );
     }
 
     #[test]

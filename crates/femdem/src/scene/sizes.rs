@@ -1,6 +1,7 @@
 //! Sizes of bodies as text: shares, sieve curves and distributions.
 
 use femdem_pack::{Grading, Measure, SizeClass, Sizes};
+use femdem_view::output::short_number;
 
 use super::{Scene, metres, words};
 use crate::Error;
@@ -112,11 +113,11 @@ impl Scene {
 
 /// What came of the sizes of a shape, in a sentence.
 pub(super) fn note(grading: &Grading, bodies: &[SizeClass]) -> String {
-    let [least, largest] = grading.range().map(|size| 1e3 * size);
+    let [least, largest] = grading.range().map(|size| short_number(1e3 * size));
     let count: u32 = bodies.iter().map(|class| class.count).sum();
     let error = grading.deviation(bodies);
     let mut text = format!(
-        "{count} bodies of {least:.4} to {largest:.4} mm in {} sizes, sieve curve met to {} of the mass",
+        "{count} bodies of {least} to {largest} mm in {} sizes, sieve curve met to {} of the mass",
         bodies.len(),
         percent(error),
     );
