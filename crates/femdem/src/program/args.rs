@@ -9,7 +9,7 @@ use femdem::scene::{ContainerKind, Drag, Footprint, Length, ProtocolKind, StepKi
 use super::complain;
 
 /// Options of `femdem pack`. Those left out are taken from the scene file, or have their defaults.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(crate) struct PackArgs {
     /// Scene file (TOML); options given beside it win
     pub scene: Option<PathBuf>,
@@ -307,7 +307,7 @@ fn set<T: Clone>(to: &mut T, from: &Option<T>) {
 }
 
 /// How to run.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub(crate) struct RunArgs {
     /// Threads, 1 or more [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]

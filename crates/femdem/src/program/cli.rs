@@ -11,6 +11,7 @@ use super::pores::PoresArgs;
 use super::report::ReportArgs;
 use super::resolve::ResolveArgs;
 use super::run::SceneArgs;
+use super::sweep::SweepArgs;
 
 /// Pack bodies of any shape, rigid or deformable, or let them collide, and measure what comes of it
 #[derive(Debug, Parser)]
@@ -37,6 +38,7 @@ Examples:
   femdem report out/a10                            a page for the browser
   femdem picture out/a10 --view front --colour force --out a10.png
   femdem pores out/a10                             the void between the bodies, for flow codes
+  femdem sweep pack.toml --vary friction=0.2,0.4,0.6 --seeds 5
   femdem shapes                                    what --shape knows
 
 d is the circumscribed diameter of a body. Units are SI.";
@@ -96,6 +98,9 @@ pub(crate) enum Command {
     /// Make the bodies of a pack deformable where they lie, and find the stresses inside them
     #[command(after_help = super::resolve::HELP, allow_negative_numbers = true)]
     Resolve(ResolveArgs),
+    /// Make the packs or runs of all combinations of values, one after another, with a table of their results
+    #[command(after_help = super::sweep::HELP)]
+    Sweep(SweepArgs),
     /// List the shapes that --shape knows, with their parameters, or draw them
     Shapes(ShapesArgs),
 }
