@@ -111,7 +111,7 @@ pub(crate) struct PackArgs {
 
     /// Drag of the medium while the pack is made: a rate with its unit, such as 8.4/s, or 0.6/fall in sqrt(g/d); 0 is none
     /// [default: 0]
-    #[arg(long, value_name = "RATE")]
+    #[arg(long, value_name = "RATE", allow_hyphen_values = true)]
     drag: Option<Drag>,
 
     /// Cundall's local damping while the pack is made: the part of each component of a body's net force
