@@ -109,6 +109,7 @@ mod profile;
 mod radial;
 mod region;
 mod rows;
+mod sieve;
 mod stress;
 mod structure;
 mod table;
@@ -154,6 +155,7 @@ pub use profile::{
 };
 pub use radial::{RadialBin, RadialDistribution, RadialOptions, radial_distribution};
 pub use region::Region;
+pub use sieve::{SieveCurve, SievePoint};
 pub use stress::{
     BalanceCut, BodyStress, BodyStresses, RegionStress, Stress, StressProfile, StressSlab,
     VerticalBalance, body_stresses, region_stress, stress_profile, vertical_balance,

@@ -30,8 +30,10 @@ pub enum PackError {
     },
     /// A body fits into the container only in some orientations, or not at all.
     #[error(
-        "the container's {side} is {size} m, but a body of circumscribed diameter {diameter} m \
-         must fit in any orientation: give at least {diameter} m, or make the bodies smaller"
+        "the container's {side} is {} m, but a body of circumscribed diameter {1} m \
+         must fit in any orientation: give at least {1} m, or make the bodies smaller",
+        short(*size),
+        short(*diameter)
     )]
     ContainerTooNarrow {
         /// Which inner dimension: width, depth or diameter.
@@ -43,8 +45,9 @@ pub enum PackError {
     },
     /// A layer of the release lattice is wider than the container.
     #[error(
-        "{given} bodies at a spacing of {spacing} m do not fit along the container's {axis} axis: \
-         at most {most} do; lower per_layer, the spacing or the size of the bodies"
+        "{given} bodies at a spacing of {} m do not fit along the container's {axis} axis: \
+         at most {most} do; lower per_layer, the spacing or the size of the bodies",
+        short(*spacing)
     )]
     LayerTooWide {
         /// The axis, x or y.
@@ -58,9 +61,9 @@ pub enum PackError {
     },
     /// No site of the specified rows lies inside a round container.
     #[error(
-        "of {} by {} bodies in a layer at a spacing of {spacing} m none lies inside the container, {diameter} m wide: \
+        "of {} by {} bodies in a layer at a spacing of {} m none lies inside the container, {} m wide: \
          rows of an even number have no site in the middle; change per_layer, or leave it out",
-        per_layer[0], per_layer[1]
+        per_layer[0], per_layer[1], short(*spacing), short(*diameter)
     )]
     LayerOutside {
         /// Bodies specified along x and y.
@@ -83,7 +86,7 @@ pub enum PackError {
     },
     /// A body has left the container.
     #[error(
-        "body {body} has left the container through {through} (centroid at {position:?} m): \
+        "body {body} has left the container through {through} (centroid at {position:.4?} m): \
          the penalty of {penalty:.3e} Pa is probably too low for the speed of impact or the load; \
          raise the penalty or lower the drop height"
     )]
@@ -99,8 +102,8 @@ pub enum PackError {
     },
     /// A body flies far above the highest start.
     #[error(
-        "body {body} was thrown to a height of {height} m, though nothing was released above \
-         {released} m: the time step is probably too long for the contacts; lower \
+        "body {body} was thrown to a height of {height:.4} m, though nothing was released above \
+         {released:.4} m: the time step is probably too long for the contacts; lower \
          time_step.safety"
     )]
     Thrown {
@@ -126,6 +129,11 @@ pub enum PackError {
     /// The simulation failed.
     #[error(transparent)]
     Solve(#[from] SolveError),
+}
+
+/// A number to five digits, without trailing zeros.
+fn short(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
 }
 
 /// Returns an error unless `value` is finite and `ok`.

@@ -29,6 +29,8 @@
 //! # What is where
 //! - [`PackSpec`]: the whole job as data, with a default for everything; [`PackShape`],
 //!   [`Container`], [`Protocol`], [`Settling`] are its parts.
+//! - [`Sizes`]: sizes of the bodies of a shape, by mass: shares, a sieve curve, a distribution;
+//!   [`PackShape::in_sizes`] makes the shapes of a job of them.
 //! - [`Packing`]: the job. It advances by steps, reports its [`Progress`], can be saved and read back at any
 //!   step, and ends with a [`PackReport`].
 //! - [`Penalty`], [`automatic_penalty`], [`penalty_under_stress`]: the stiffness of the contacts, from the allowed penetration.
@@ -62,6 +64,7 @@ mod placement;
 mod protocol;
 mod random;
 mod report;
+mod sizes;
 mod spec;
 
 pub use femdem_contact as contact;
@@ -75,4 +78,5 @@ pub use penalty::{PackLoad, Penalty, automatic_penalty, penalty_under_stress};
 pub use protocol::{Landing, Pour, Protocol, Release, Sequential};
 pub use random::{body_stream, random_rotation};
 pub use report::{PackReport, Relaxation, Verification};
+pub use sizes::{Grading, Measure, SizeClass, Sizes};
 pub use spec::{Mixing, PackShape, PackSpec, Settling};

@@ -21,6 +21,36 @@ pub(crate) fn uniform(rng: &mut impl Rng) -> f64 {
     (rng.next_u64() >> 11) as f64 * SCALE
 }
 
+/// The place of a body in a random order of `count` bodies that depends on the seed alone: a Feistel network on the
+/// smallest even number of bits that holds the bodies, repeated until it comes out among them (Black and Rogaway,
+/// "Ciphers with arbitrary finite domains", 2002). No list of the order has to be kept.
+pub(crate) fn shuffled(body: BodyId, count: u32, seed: u64) -> u32 {
+    const ROUNDS: u64 = 8;
+    let bits = u32::BITS - count.saturating_sub(1).leading_zeros();
+    let half = bits.div_ceil(2).max(1);
+    let mask = (1_u64 << half) - 1;
+    let mut place = u64::from(body);
+    loop {
+        for round in 0..ROUNDS {
+            let (left, right) = (place >> half, place & mask);
+            let key = mixed(seed ^ mixed(round + 1));
+            place = right << half | (left ^ (mixed(right ^ key) & mask));
+        }
+        // Below 2^32, as the bodies are.
+        if place < u64::from(count) {
+            return place as u32;
+        }
+    }
+}
+
+/// Bits that depend on all bits given: the finalizer of SplitMix64 (Steele, Lea and Flood 2014).
+fn mixed(bits: u64) -> u64 {
+    let bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    bits ^ (bits >> 31)
+}
+
 /// A rotation distributed uniformly over all rotations, by the subgroup algorithm of Shoemake,
 /// "Uniform random rotations", Graphics Gems III (1992). Draws three numbers.
 pub fn random_rotation(rng: &mut impl Rng) -> Rotation {
@@ -81,6 +111,21 @@ mod tests {
         assert_eq!(first(1, 5), first(1, 5));
         assert_ne!(first(1, 5), first(1, 6));
         assert_ne!(first(1, 5), first(2, 5));
+    }
+
+    #[test]
+    fn a_shuffle_gives_every_place_once() {
+        for count in [1, 2, 3, 64, 65, 1000] {
+            let mut places: Vec<u32> = (0..count).map(|body| shuffled(body, count, 5)).collect();
+            if count == 1000 {
+                // Neighbours end up far apart: a third of the bodies on average.
+                let apart = places.windows(2).map(|w| f64::from(w[0].abs_diff(w[1])));
+                let mean = apart.sum::<f64>() / 999.0;
+                assert!((290.0..=375.0).contains(&mean), "{mean}");
+            }
+            places.sort_unstable();
+            assert!(places.into_iter().eq(0..count), "{count}");
+        }
     }
 
     #[test]

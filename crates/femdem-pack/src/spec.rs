@@ -4,6 +4,7 @@ use crate::container::Container;
 use crate::error::{PackError, check, check_positive};
 use crate::penalty::{CALIBRATED_DEPTH, EXPECTED_DENSITY, PackLoad, Penalty, automatic_penalty};
 use crate::protocol::Protocol;
+use crate::sizes::SizeClass;
 use femdem_contact::{ContactParameters, Field};
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::tet::{self, MeshOptions, MeshReport};
@@ -52,6 +53,9 @@ pub struct PackShape {
     /// Relative number of bodies of this shape in a mixture (see [`Mixing`]), from 1e-100 to 1e100.
     #[serde(default = "equal_share")]
     pub share: f64,
+    /// Density of its bodies, kg/m^3; `None`: that of the job.
+    #[serde(default)]
+    pub density: Option<f64>,
 }
 
 fn equal_share() -> f64 {
@@ -67,6 +71,7 @@ impl PackShape {
             mesh: None,
             sphere: false,
             share: equal_share(),
+            density: None,
         }
     }
 
@@ -99,6 +104,30 @@ impl PackShape {
         let (mesh, report) = tet::mesh(&shape.polyhedron, options)?;
         let mesh = Some(mesh);
         Ok((Self { mesh, ..shape }, Some(report)))
+    }
+
+    /// The shape in several sizes, with the number of bodies of each as its share: for [`Mixing::Dealt`] or
+    /// [`Mixing::Shuffled`], and a job of as many bodies as all its shapes have together. The size is in the names.
+    ///
+    /// # Errors
+    /// [`PackError::Mesh`] for a size that makes the body too small or too large to be computed with.
+    pub fn in_sizes(&self, sizes: &[SizeClass]) -> Result<Vec<Self>, PackError> {
+        let own = self.diameter();
+        let sized = |class: &SizeClass| {
+            let factor = class.diameter / own;
+            let mesh = self.mesh.as_ref().map(|mesh| {
+                let points = mesh.points().iter().map(|p| p * factor).collect();
+                TetMesh::new(points, mesh.tets().to_vec())
+            });
+            Ok(Self {
+                name: format!("{} {}", self.name, millimetres(class.diameter)),
+                polyhedron: self.polyhedron.scaled(factor)?,
+                mesh: mesh.transpose()?,
+                share: f64::from(class.count),
+                ..self.clone()
+            })
+        };
+        sizes.iter().map(sized).collect()
     }
 
     /// Volume of the body, m^3.
@@ -157,6 +186,18 @@ impl PackShape {
     }
 }
 
+/// A length as it is in names: in millimetres, to four digits.
+fn millimetres(length: f64) -> String {
+    let shown = 1e3 * length;
+    let digits = (3.0 - shown.log10().floor()).clamp(0.0, 9.0) as usize;
+    let text = format!("{shown:.digits$}");
+    let text = match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => &text,
+    };
+    format!("{text}mm")
+}
+
 /// How the bodies of a mixture get their shapes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -166,6 +207,8 @@ pub enum Mixing {
     Drawn,
     /// Each shape has its share of the bodies, to within one body, spread evenly over their order.
     Dealt,
+    /// Each shape has its share of the bodies, to within one body, in an order that depends on the seed.
+    Shuffled,
 }
 
 /// When a pack counts as settled: every body's residual (net force over the larger of its weight and its mean contact
@@ -210,7 +253,7 @@ pub struct PackSpec {
     pub mixing: Mixing,
     /// Number of bodies.
     pub count: u32,
-    /// Density of the bodies, kg/m^3.
+    /// Density of the bodies of shapes without one of their own, kg/m^3.
     pub density: f64,
     /// Coulomb friction coefficient between bodies, and between bodies and walls where
     /// `wall_friction` is `None`.
@@ -306,6 +349,9 @@ impl PackSpec {
                 SHARES.contains(&shape.share),
                 "between 1e-100 and 1e100",
             )?;
+            if let Some(density) = shape.density {
+                check_positive("density of a shape", density)?;
+            }
             if shape.sphere {
                 shape.check_ball()?;
             }
@@ -366,6 +412,19 @@ impl PackSpec {
         self.mean(PackShape::volume)
     }
 
+    /// Density of a shape's bodies, kg/m^3.
+    pub(crate) fn density_of(&self, shape: &PackShape) -> f64 {
+        shape.density.unwrap_or(self.density)
+    }
+
+    /// Mass of all bodies over their volume, kg/m^3.
+    pub fn mean_density(&self) -> f64 {
+        if self.shapes.iter().all(|shape| shape.density.is_none()) {
+            return self.density;
+        }
+        self.mean(|shape| shape.volume() * self.density_of(shape)) / self.mean_volume()
+    }
+
     /// Expected height of the pack, m, at a packing density of 0.57.
     pub fn expected_height(&self) -> f64 {
         self.container
@@ -389,7 +448,7 @@ impl PackSpec {
 
     fn load(&self) -> PackLoad {
         PackLoad {
-            unit_weight: EXPECTED_DENSITY * self.density * self.gravity,
+            unit_weight: EXPECTED_DENSITY * self.mean_density() * self.gravity,
             height: self.expected_height(),
             floor_area: self.container.floor_area(),
             perimeter: self.container.perimeter(),
@@ -523,6 +582,49 @@ mod tests {
         for (fall, expected) in [(None, 0.01), (Some(0.005), 0.01), (Some(0.015), 0.015)] {
             let got = longest(fall);
             assert!((got - expected).abs() < 1e-12, "{fall:?}: {got}");
+        }
+    }
+
+    #[test]
+    fn densities_of_shapes_count_by_volume() {
+        let mut spec = PackSpec::default();
+        assert_eq!(spec.mean_density(), spec.density);
+        let mut heavy = spec.shapes[0].clone();
+        heavy.polyhedron = heavy.polyhedron.scaled(2.0).unwrap();
+        heavy.density = Some(7800.0);
+        spec.shapes.push(heavy);
+        // Eight parts of the volume are heavy, one is not.
+        let wanted = (8.0 * 7800.0 + spec.density) / 9.0;
+        assert!((spec.mean_density() / wanted - 1.0).abs() < 1e-12);
+        spec.shapes[1].density = Some(0.0);
+        let error = spec.validate().unwrap_err().to_string();
+        assert!(error.contains("density of a shape = 0"), "{error}");
+    }
+
+    /// Sizes scale the surface and the tetrahedra together, and are in the names.
+    #[test]
+    fn a_shape_has_the_sizes_asked_for() {
+        let dolos: shapes::Shape = "dolos".parse().unwrap();
+        let surface = dolos.polyhedron(0.1).unwrap();
+        let (shape, _) = PackShape::of_surface("dolos", surface, &MeshOptions::default()).unwrap();
+        let sizes = [(0.02, 30), (0.1234567, 4)];
+        let sizes = sizes.map(|(diameter, count)| SizeClass { diameter, count });
+        let made = shape.in_sizes(&sizes).unwrap();
+        assert_eq!(made[0].name, "dolos 20mm");
+        assert_eq!(made[1].name, "dolos 123.5mm");
+        for (shape, size) in made.iter().zip(sizes) {
+            assert!((shape.diameter() / size.diameter - 1.0).abs() < 1e-12);
+            assert_eq!(shape.share, f64::from(size.count));
+            let mesh = shape.mesh.as_ref().unwrap();
+            let farthest = mesh
+                .points()
+                .iter()
+                .map(|p| (p - shape.polyhedron.mass_properties().centroid).norm());
+            let reach = farthest.fold(0.0, f64::max);
+            assert!(
+                reach > 0.9 * size.diameter / 2.0 && reach < 1.1 * size.diameter / 2.0,
+                "{reach}"
+            );
         }
     }
 

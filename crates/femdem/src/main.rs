@@ -8,7 +8,7 @@ use clap::Parser;
 use program::cli::{Cli, Command};
 use program::job;
 use program::running::Outcome;
-use program::{analyse, complain, described, picture, pores, report, resolve, run, shapes};
+use program::{analyse, complain, described, picture, pores, report, resolve, run, shapes, sweep};
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
@@ -20,6 +20,7 @@ fn main() -> ExitCode {
         Command::Report(args) => report::run(&args),
         Command::Pores(args) => pores::run(&args),
         Command::Resolve(args) => resolve::run(&args),
+        Command::Sweep(args) => sweep::run(&args),
         Command::Shapes(args) => shapes::run(&args).map(|()| Outcome::Finished),
     };
     match outcome {

@@ -21,4 +21,5 @@ mod scene_physics;
 mod scene_rest;
 mod scene_statics;
 mod shapes;
+mod sizes;
 mod surfaces;

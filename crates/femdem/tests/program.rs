@@ -54,13 +54,14 @@ fn a_pack_leaves_every_file_and_every_key() {
         "pack.vtu",
         "scene.toml",
         "shape-P5.obj",
+        "sieve.csv",
         "summary.json",
     ];
     assert_eq!(names, expected);
 
     let summary = summary(&out);
     let mut found = keys(&summary);
-    let mut wanted: Vec<&str> = "schema shape count diameter shapes container.kind container.width \
+    let mut wanted: Vec<&str> = "schema shape count diameter shapes sieve.points container.kind container.width \
         container.depth container.diameter container.outlet container.half_angle container.rim \
         container.top container.mean_top container.above_rim density friction wall_friction rolling_friction damping_ratio \
         contact.law contact.penalty contact.tangential_ratio seed threads settled simulated_time steps time_step implicit_multiple sleeping \
@@ -291,6 +292,14 @@ fn a_body_from_a_file_is_packed_in_a_cylinder() {
 fn shapes_are_18_solids_with_known_values_and_families_with_parameters() {
     let table = stdout(&run(&mut femdem("shapes")));
     assert!(table.contains("truncated icosidodecahedron"));
+    let words: Vec<&str> = table.split_whitespace().collect();
+    for alias in [
+        ["raschig", "hollow_cylinder"],
+        ["rock", "boulder"],
+        ["brick", "box"],
+    ] {
+        assert!(words.windows(2).any(|w| w == alias), "{alias:?}");
+    }
     let json = stdout(&run(femdem("shapes").arg("--json")));
     let rows: Vec<serde_json::Value> = serde_json::from_str(&json).unwrap();
     assert!(rows.len() > 18);

@@ -37,12 +37,8 @@ fn bad_options_say_what_is_allowed_and_leave_no_folder() {
             &["wall-friction = -0.1", "at least 0"],
         ),
         (
-            &["--tangential-stiffness", "0"],
-            &[
-                "tangential-stiffness = 0",
-                "above 0 and at most 2",
-                "stiffness",
-            ],
+            &["--tangential-ratio", "0"],
+            &["tangential-ratio = 0", "above 0 and at most 2"],
         ),
         (
             &["--damping", "0.9"],
@@ -51,7 +47,8 @@ fn bad_options_say_what_is_allowed_and_leave_no_folder() {
         (&["--penalty", "0"], &["penalty = 0"]),
         (&["--penetration", "2"], &["penetration = 2"]),
         (&["--gravity", "0"], &["gravity = 0"]),
-        (&["--drag", "-1"], &["drag = -1", "sqrt(g/d)"]),
+        (&["--drag", "-1/s"], &["drag = -1/s", "sqrt(g/d)"]),
+        (&["--drag", "0.6"], &["drag = 0.6", "0.6/fall", "8.4/s"]),
         (&["--friction", "inf"], &["friction = inf", "finite"]),
         (
             &["--wall-friction", "inf"],

@@ -219,8 +219,10 @@ mod tests {
             Case::new(String::new(), ("A1", Size::small(0.4)), 0.6, 2, options)
                 .aims_deeper_than(0.005)
         };
-        assert!(aims("--penetration 0.01") && aims("--drag 0.6 --penetration 0.006 --explicit"));
-        assert!(!aims("") && !aims("--penetration 0.005") && !aims("--drag 0.6"));
+        assert!(
+            aims("--penetration 0.01") && aims("--drag 0.6/fall --penetration 0.006 --explicit")
+        );
+        assert!(!aims("") && !aims("--penetration 0.005") && !aims("--drag 0.6/fall"));
     }
 
     #[test]
@@ -249,9 +251,9 @@ mod tests {
     #[test]
     fn seeds_make_the_jobs_of_a_case() {
         let size = Size::small(0.4);
-        let case = Case::new("A10".to_owned(), ("A10", size), 0.6, 3, "--drag 0.6");
+        let case = Case::new("A10".to_owned(), ("A10", size), 0.6, 3, "--drag 0.6/fall");
         assert_eq!(case.jobs.len(), 3);
-        assert!(case.jobs[2].options.ends_with("--seed 3 --drag 0.6"));
+        assert!(case.jobs[2].options.ends_with("--seed 3 --drag 0.6/fall"));
         assert_eq!(case.inset, 2.0);
     }
 }

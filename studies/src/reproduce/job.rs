@@ -150,7 +150,11 @@ mod tests {
             "{one}"
         );
         assert_eq!(one, key(0.6, 1, ""));
-        for other in [key(0.4, 1, ""), key(0.6, 2, ""), key(0.6, 1, "--drag 0.6")] {
+        for other in [
+            key(0.4, 1, ""),
+            key(0.6, 2, ""),
+            key(0.6, 1, "--drag 0.6/fall"),
+        ] {
             assert_ne!(one, other);
         }
         // Options that are alike but for a sign that is dropped.

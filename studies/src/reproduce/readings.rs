@@ -20,7 +20,7 @@ pub(super) const READINGS: [Reading; 4] = [
     Reading {
         key: "drag",
         meaning: "the same, and a drag on all motion at the rate 0.6 sqrt(g/d)",
-        options: "--drag 0.6",
+        options: "--drag 0.6/fall",
     },
     Reading {
         key: "local",

@@ -57,10 +57,10 @@ const VARIANTS: [Variant; 28] = [
     variant("contact damping 0.1 of critical", "--damping 0.1"),
     variant("contact damping 0.3", "--damping 0.3"),
     variant("contact damping 0.7", "--damping 0.7"),
-    variant("drag 0.2 sqrt(g/d)", "--drag 0.2"),
-    also_quick("drag 0.6", "--drag 0.6"),
-    variant("drag 1.5", "--drag 1.5"),
-    variant("drag 10, overdamped", "--drag 10"),
+    variant("drag 0.2 sqrt(g/d)", "--drag 0.2/fall"),
+    also_quick("drag 0.6", "--drag 0.6/fall"),
+    variant("drag 1.5", "--drag 1.5/fall"),
+    variant("drag 10, overdamped", "--drag 10/fall"),
     variant(
         "local damping 0.3, no dashpot",
         "--damping 0 --local-damping 0.3",
@@ -76,8 +76,8 @@ const VARIANTS: [Variant; 28] = [
     variant("local damping 0.6, with the dashpot", "--local-damping 0.6"),
     variant("walls without friction", "--wall-friction 0"),
     variant("wall friction 0.3", "--wall-friction 0.3"),
-    variant("friction springs 0.4 of k_n", "--tangential-stiffness 0.4"),
-    variant("friction springs 1.6 of k_n", "--tangential-stiffness 1.6"),
+    variant("friction springs 0.4 of k_n", "--tangential-ratio 0.4"),
+    variant("friction springs 1.6 of k_n", "--tangential-ratio 1.6"),
     variant("penetration 0.1 % d aimed at", "--penetration 0.001"),
     also_quick("penetration 1 % d", "--penetration 0.01"),
     variant("diameter 5 mm", "--diameter 0.005"),
@@ -85,7 +85,7 @@ const VARIANTS: [Variant; 28] = [
     variant("gravity of the moon, 1.62 m/s²", "--gravity 1.62"),
     variant(
         "all released at once, drag 0.6",
-        "--protocol release --penetration 0.0035 --explicit --drag 0.6",
+        "--protocol release --penetration 0.0035 --explicit --drag 0.6/fall",
     ),
 ];
 

@@ -1,6 +1,6 @@
 //! Shapes as text.
 
-use super::{Lobed, Shape};
+use super::Shape;
 use crate::MeshError;
 use crate::catalogue::CatalogueShape;
 use std::fmt;
@@ -47,20 +47,29 @@ impl FromStr for Shape {
     }
 }
 
+/// Other names of shapes, and what they stand for.
+const ALIASES: [(&str, &str); 6] = [
+    ("brick", "box"),
+    ("quadrilobe", "lobed:lobes=4"),
+    ("raschig", "hollow_cylinder"),
+    ("rock", "boulder"),
+    ("stone", "boulder"),
+    ("trilobe", "lobed:lobes=3"),
+];
+
+impl Shape {
+    /// Other names that are understood, each with the name and the settings that it stands for.
+    pub fn aliases() -> &'static [(&'static str, &'static str)] {
+        &ALIASES
+    }
+}
+
 /// The shape of a name with default parameters.
 fn named(name: &str) -> Result<Shape, MeshError> {
     let plain = |s: &str| s.trim().to_ascii_lowercase().replace([' ', '-'], "_");
     let wanted = plain(name);
-    let lobed = |lobes| {
-        Shape::from(Lobed {
-            lobes,
-            ..Lobed::default()
-        })
-    };
-    match wanted.as_str() {
-        "trilobe" => return Ok(lobed(3)),
-        "quadrilobe" => return Ok(lobed(4)),
-        _ => {}
+    if let Some((_, text)) = ALIASES.iter().find(|(alias, _)| *alias == wanted) {
+        return text.parse();
     }
     if let Some(shape) = Shape::all()
         .into_iter()

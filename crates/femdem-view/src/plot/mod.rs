@@ -23,6 +23,7 @@ use crate::tables::Tables;
 #[must_use]
 pub fn plots(tables: &Tables) -> Vec<Plot> {
     let mut plots = Vec::new();
+    plots.extend(structure::sieve(tables));
     plots.extend(profiles::height(tables));
     plots.extend(profiles::wall(tables));
     plots.extend(profiles::radial(tables));
@@ -86,6 +87,25 @@ mod tests {
                 + svg.matches(&format!("<{name}>")).count();
             assert_eq!(opened, svg.matches(&format!("</{name}>")).count(), "{name}");
         }
+    }
+
+    /// Two cubes, one twice as large: a step at each size, up to a ninth and to all of the volume.
+    #[test]
+    fn sizes_are_drawn_as_a_sieve_curve_if_they_differ() {
+        assert!(two().iter().all(|plot| plot.name != "sieve"));
+        let mut snapshot = two_cubes();
+        let mut large = snapshot.shapes[0].clone();
+        large.polyhedron = large.polyhedron.scaled(2.0).unwrap();
+        snapshot.shapes.push(large);
+        snapshot.bodies[1].shape = 1;
+        snapshot.masses.clear();
+        let tables = Tables::compute(&snapshot, &TableOptions::default()).unwrap();
+        let curve = tables.sieve.as_ref().unwrap();
+        assert!((curve.points[0].passing - 1.0 / 9.0).abs() < 1e-12);
+        let plots = plots(&tables);
+        let plot = plots.iter().find(|plot| plot.name == "sieve").unwrap();
+        let line = plot.content.lines().find(|l| l.contains("\"line first\""));
+        assert_eq!(line.unwrap().matches('L').count(), 3, "{}", plot.content);
     }
 
     #[test]

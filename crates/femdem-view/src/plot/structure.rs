@@ -46,6 +46,27 @@ pub(super) fn coordination(tables: &Tables) -> Option<Plot> {
     ))
 }
 
+/// The sieve curve.
+pub(super) fn sieve(tables: &Tables) -> Option<Plot> {
+    let points = &tables.sieve.as_ref()?.points;
+    let x = Axis::log("size / m", points.iter().map(|point| point.size));
+    let y = Axis::linear("part of the mass that is not larger", 0.0, 1.04);
+    let mut chart = Chart::new(x, y);
+    let mut line = Vec::with_capacity(2 * points.len());
+    let mut passing = 0.0;
+    for point in points {
+        line.extend([[point.size, passing], [point.size, point.passing]]);
+        passing = point.passing;
+    }
+    chart.line(Hue::First, &line);
+    let caption = format!(
+        "Part of the mass in bodies up to a size, for {} sizes. The size is the circumscribed diameter d, not the mesh of \
+         a sieve that a body falls through, which for bodies that are no balls is smaller.",
+        points.len()
+    );
+    Some(Plot::of("sieve", "Sieve curve", caption, chart))
+}
+
 /// The histogram of the local density.
 pub(super) fn local_density(tables: &Tables) -> Option<Plot> {
     const BINS: usize = 30;

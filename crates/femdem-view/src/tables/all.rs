@@ -3,7 +3,7 @@
 use femdem_analysis::{
     BodyStresses, ChainNetwork, ContactClasses, ContactFabric, Coordination, CoreRegion,
     DensityMap, DensityProfile, Estimate, ForceDistribution, ForceMaxima, ForceNetwork, Pack,
-    PackingDensity, PosedBody, RadialDistribution, Rattlers, RegionStress, SetVoronoi,
+    PackingDensity, PosedBody, RadialDistribution, Rattlers, RegionStress, SetVoronoi, SieveCurve,
     StressProfile, ThresholdCurve, VerticalBalance, WallForces,
 };
 use femdem_mesh::Polyhedron;
@@ -45,6 +45,9 @@ pub struct Tables {
     pub contacts: usize,
     /// Mean circumscribed diameter d \[m\].
     pub diameter: f64,
+    /// Sizes of the bodies as a sieve curve by mass, or by volume without masses; `None` if all have one size. In CSV only.
+    #[serde(skip)]
+    pub sieve: Option<SieveCurve>,
     /// Names of the walls, by the numbers that tables use.
     pub walls: Vec<String>,
     /// The core region.
@@ -145,6 +148,7 @@ impl Tables {
             bodies: snapshot.bodies.len(),
             contacts: snapshot.contacts.len(),
             diameter: network.mean_diameter(),
+            sieve: sieve(snapshot),
             walls,
             core: None,
             density: None,
@@ -181,6 +185,18 @@ impl Tables {
             reason: reason.to_owned(),
         }));
     }
+}
+
+/// The sieve curve of bodies that differ in size.
+fn sieve(snapshot: &Snapshot) -> Option<SieveCurve> {
+    let bodies = snapshot.bodies.iter().enumerate().map(|(row, body)| {
+        let surface = &snapshot.shape_of(body).polyhedron;
+        let mass = snapshot.masses.get(row).copied();
+        let mass = mass.unwrap_or_else(|| surface.mass_properties().volume);
+        (2.0 * surface.bounding_radius(), mass)
+    });
+    let curve = SieveCurve::new(bodies);
+    (curve.points.len() > 1).then_some(curve)
 }
 
 fn without_cells<S: Serializer>(found: &Option<SetVoronoi>, to: S) -> Result<S::Ok, S::Error> {

@@ -39,8 +39,9 @@ impl Tables {
             .orientation
             .as_ref()
             .and_then(|found| found.net.as_ref());
-        let all: [(&str, Option<&dyn Table>); 24] = [
+        let all: [(&str, Option<&dyn Table>); 25] = [
             ("bodies.csv", Some(&bodies)),
+            ("sieve.csv", table(&self.sieve)),
             ("height-profile.csv", table(&self.height_profile)),
             ("wall-profile.csv", table(&self.wall_profile)),
             ("density-map.csv", table(&self.density_map)),

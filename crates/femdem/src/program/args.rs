@@ -4,10 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use femdem::Scene;
-use femdem::scene::{ContainerKind, Footprint, Length, ProtocolKind, StepKind, Unit, metres};
+use femdem::scene::{ContainerKind, Drag, Footprint, Length, ProtocolKind, StepKind, Unit, metres};
+
+use super::complain;
 
 /// Options of `femdem pack`. Those left out are taken from the scene file, or have their defaults.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(crate) struct PackArgs {
     /// Scene file (TOML); options given beside it win
     pub scene: Option<PathBuf>,
@@ -42,6 +44,17 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "KG")]
     mass: Option<f64>,
 
+    /// Sizes (d, in m or with a unit) with their shares of the mass, or a distribution; one for all, or one for each --shape:
+    /// 20mm:0.3,30mm:0.7, lognormal-mass:MEDIAN:SIGMA, lognormal-number:MEDIAN:SIGMA, weibull-mass:SIZE:EXPONENT, each if you
+    /// like with limits, as in lognormal-mass:20mm:0.3:10mm..40mm, or sieve:CURVE
+    #[arg(long, value_name = "SIZES", conflicts_with_all = ["diameter", "size", "mass", "sieve"])]
+    sizes: Vec<String>,
+
+    /// Sieve curve by mass, such as 10mm:0,20mm:0.4,30mm:1: 40 % of the mass is finer than 20 mm; one for all, or one for each
+    /// --shape. Between the points it is straight over the logarithm of the size
+    #[arg(long, value_name = "CURVE", conflicts_with_all = ["diameter", "size", "mass"])]
+    sieve: Vec<String>,
+
     /// Unit of the coordinates in surface files [default: m]
     #[arg(long, value_enum)]
     unit: Option<Unit>,
@@ -55,9 +68,9 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "X")]
     mesh_size: Option<f64>,
 
-    /// Density of the bodies in kg/m3 [default: 2560]
+    /// Density of the bodies in kg/m3; one for all, or one for each --shape [default: 2560]
     #[arg(long, value_name = "KG/M3")]
-    density: Option<f64>,
+    density: Vec<f64>,
 
     /// Coulomb friction coefficient, 0 or more, between bodies and with walls [default: 0.6]
     #[arg(long, value_name = "MU")]
@@ -74,8 +87,12 @@ pub(crate) struct PackArgs {
 
     /// Stiffness of the friction springs over that of normal contact, k_t/k_n, above 0 and at most 2
     /// [default: 0.8]
-    #[arg(long, value_name = "RATIO")]
-    tangential_stiffness: Option<f64>,
+    #[arg(long, value_name = "RATIO", alias = "tangential-stiffness")]
+    tangential_ratio: Option<f64>,
+
+    /// Fraction of critical damping of the friction springs while they stick [default: 0.6]
+    #[arg(long, value_name = "ZETA")]
+    tangential_damping: Option<f64>,
 
     /// Fraction of critical damping of normal contact, 0 to below 0.707; 0.6 gives a coefficient of
     /// restitution of 0.25 [default: 0.6]
@@ -92,9 +109,10 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "X", conflicts_with = "penalty")]
     penetration: Option<f64>,
 
-    /// Drag of the medium while the pack is made, in sqrt(g/d); 0 is none [default: 0]
-    #[arg(long, value_name = "X")]
-    drag: Option<f64>,
+    /// Drag of the medium while the pack is made: a rate with its unit, such as 8.4/s, or 0.6/fall in sqrt(g/d); 0 is none
+    /// [default: 0]
+    #[arg(long, value_name = "RATE", allow_hyphen_values = true)]
+    drag: Option<Drag>,
 
     /// Cundall's local damping while the pack is made: the part of each component of a body's net force
     /// and moment that is taken off against the motion, 0 to below 1 [default: 0]
@@ -190,6 +208,10 @@ pub(crate) struct PackArgs {
     #[arg(long)]
     pub report: bool,
 
+    /// List the shapes, estimate the cost from the first bodies, and stop; no files are written
+    #[arg(long)]
+    pub check: bool,
+
     /// Write the scene of these options to the terminal, and stop
     #[arg(long)]
     pub print_scene: bool,
@@ -202,15 +224,19 @@ impl PackArgs {
     /// The scene file, or the defaults, with the options of the command line in their places.
     pub(crate) fn scene(&self) -> Result<Scene, femdem::Error> {
         let mut scene = match &self.scene {
-            Some(path) => Scene::read(path)?,
+            Some(path) => {
+                let (scene, old_words) = Scene::read_saying(path)?;
+                old_words.iter().for_each(|line| complain(line));
+                scene
+            }
             None => Scene::default(),
         };
         self.set_shapes(&mut scene);
         set(&mut scene.count, &self.count);
-        set(&mut scene.density, &self.density);
         set(&mut scene.friction, &self.friction);
         set(&mut scene.rolling_friction, &self.rolling_friction);
-        set(&mut scene.tangential_stiffness, &self.tangential_stiffness);
+        set(&mut scene.tangential_ratio, &self.tangential_ratio);
+        set(&mut scene.tangential_damping, &self.tangential_damping);
         set(&mut scene.damping, &self.damping);
         set(&mut scene.drag, &self.drag);
         set(&mut scene.local_damping, &self.local_damping);
@@ -259,8 +285,14 @@ impl PackArgs {
             scene.share.clone_from(&self.share);
         }
         set(&mut scene.variety, &self.variety);
-        if self.diameter.or(self.size).or(self.mass).is_some() {
+        if !self.density.is_empty() {
+            scene.density.clone_from(&self.density);
+        }
+        let measured = self.diameter.or(self.size).or(self.mass).is_some();
+        if measured || !self.sizes.is_empty() || !self.sieve.is_empty() {
             (scene.diameter, scene.size, scene.mass) = (self.diameter, self.size, self.mass);
+            scene.sizes.clone_from(&self.sizes);
+            scene.sieve.clone_from(&self.sieve);
         }
         set(&mut scene.unit, &self.unit);
         scene.repair |= self.repair;
@@ -275,7 +307,7 @@ fn set<T: Clone>(to: &mut T, from: &Option<T>) {
 }
 
 /// How to run.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub(crate) struct RunArgs {
     /// Threads, 1 or more [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]

@@ -1,8 +1,10 @@
-//! `femdem run --check`: the contents and the estimated cost of a scene.
+//! `femdem run --check` and `femdem pack --check`: the contents and the estimated cost of a scene.
 
 use std::time::{Duration, Instant};
 
-use anyhow::Result;
+use anyhow::{Result, bail};
+use femdem::output::short_number;
+use femdem::pack::{PackSpec, Packing, Protocol};
 use femdem::run::{BodySummary, ExpectedDepth, Run, Scenario, Simulation};
 
 use super::progress::span;
@@ -12,6 +14,22 @@ use super::{complain, overlaps, say, say_notes};
 /// are taken.
 const TRIAL_STEPS: u32 = 50;
 const TRIAL_TIME: Duration = Duration::from_secs(1);
+
+/// Steps of a pack between looks at the clock.
+const TRIAL_CHUNK: u64 = 20;
+
+/// Steps above which a run has to be wanted expressly: months on any machine.
+const MOST_STEPS: f64 = 1e9;
+
+/// Time on the clock for the first bodies of a pack.
+const PACK_TIME: Duration = Duration::from_secs(5);
+
+/// Part of the work that placing the bodies is: the rest is coming to rest and the verification.
+const PLACING: f64 = 0.9;
+
+/// Time for which bodies that were all released at once fall and come to rest, verification included, beyond the free fall from the
+/// lattice, in sqrt(d/g).
+const SETTLING: f64 = 30.0;
 
 /// Expected depth over the size of a body from which a forecast warns.
 const TOO_DEEP: f64 = 0.1;
@@ -83,6 +101,101 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     Ok(())
 }
 
+/// Refuses a run that would take longer than anyone waits for.
+pub(crate) fn refuse_too_many_steps(run: &Run) -> Result<()> {
+    let (duration, mut trial) = (run.scenario().duration, run.simulation().clone());
+    if trial.step().is_err() {
+        // The run itself says what is wrong, with its bodies.
+        return Ok(());
+    }
+    let step = trial.world.time_step();
+    let steps = (duration - trial.world.time()) / step;
+    if steps > MOST_STEPS {
+        bail!(
+            "the run would take {steps:.1e} steps of {step:.1e} s for {duration} s, above {MOST_STEPS:.0e}: shorten the \
+             duration, soften the contacts (contact.penetration), or add --yes"
+        );
+    }
+    Ok(())
+}
+
+/// Prints the shapes of a pack, then its steps and its time, extrapolated from the first bodies.
+pub(crate) fn pack(mut packing: Packing, threads: usize) -> Result<()> {
+    list_shapes(packing.spec());
+    say(&format!("penalty: {:.2e} Pa", packing.penalty()));
+    let began = Instant::now();
+    let mut progress = packing.progress();
+    let highest = progress.top;
+    while !packing.is_done() && began.elapsed() < PACK_TIME {
+        progress = packing.advance(TRIAL_CHUNK)?;
+    }
+    let spent = began.elapsed().as_secs_f64();
+    let step = packing.world().time_step();
+    if packing.is_done() {
+        say(&format!(
+            "cost: {spent:.1} s on {threads} threads, {} steps: the trial came to the end of the job",
+            progress.steps
+        ));
+        return Ok(());
+    }
+    let spec = packing.spec();
+    let part = match spec.protocol {
+        Protocol::Release(_) => {
+            let unit = (spec.diameter() / spec.gravity).sqrt();
+            let fall = (2.0 * highest / spec.gravity).sqrt();
+            progress.time / (fall + SETTLING * unit)
+        }
+        _ => PLACING * f64::from(progress.placed) / f64::from(progress.count),
+    };
+    let time = Duration::try_from_secs_f64(spent / part).unwrap_or(Duration::MAX);
+    say(&format!(
+        "time step: {step:.3e} s, about {:.1e} steps",
+        progress.steps as f64 / part
+    ));
+    say(&format!(
+        "cost: about {} on {threads} threads, files not counted, if the job goes on as in {} steps with {} of {} bodies; a half \
+         to twice as much is usual{}",
+        span(time),
+        progress.steps,
+        progress.placed,
+        progress.count,
+        if packing.world().rigid_contacts().is_empty() {
+            ", and more here, where nothing touches yet"
+        } else {
+            ""
+        }
+    ));
+    Ok(())
+}
+
+/// Lists the shapes with the numbers, sizes and masses of their bodies.
+fn list_shapes(spec: &PackSpec) {
+    say(&format!(
+        "{:<28} {:>10} {:>11} {:>11}",
+        "shape", "share", "d/m", "mass/kg"
+    ));
+    for shape in spec.shapes.iter().take(LISTED) {
+        say(&format!(
+            "{:<28} {:>10} {:>11} {:>11}",
+            shape.name,
+            short_number(shape.share),
+            short_number(shape.diameter()),
+            short_number(shape.volume() * shape.density.unwrap_or(spec.density))
+        ));
+    }
+    if spec.shapes.len() > LISTED {
+        say(&format!("and {} more", spec.shapes.len() - LISTED));
+    }
+    let mass = f64::from(spec.count) * spec.mean_volume() * spec.mean_density();
+    say(&format!(
+        "{} bodies, d = {} m, {} kg; height about {} m",
+        spec.count,
+        short_number(spec.diameter()),
+        short_number(mass),
+        short_number(spec.expected_height())
+    ));
+}
+
 fn is_over(simulation: &Simulation, scenario: &Scenario) -> bool {
     simulation.world.time() >= scenario.duration
 }
@@ -121,8 +234,12 @@ fn list(bodies: &[BodySummary]) {
     ));
     for body in bodies.iter().take(LISTED) {
         say(&format!(
-            "{:<24} {:<11} {:>12.5e} {:>9} {:>11}",
-            body.name, body.behaviour, body.mass, body.nodes, body.tetrahedra
+            "{:<24} {:<11} {:>12} {:>9} {:>11}",
+            body.name,
+            body.behaviour,
+            short_number(body.mass),
+            body.nodes,
+            body.tetrahedra
         ));
     }
     if bodies.len() > LISTED {
@@ -131,9 +248,16 @@ fn list(bodies: &[BodySummary]) {
     let mass: f64 = bodies.iter().map(|body| body.mass).sum();
     let added: f64 = bodies.iter().map(|body| body.added_mass).sum();
     let scaled = if added > 0.0 {
-        format!(", of which mass scaling has added {added:.5e} kg")
+        format!(
+            ", of which mass scaling has added {} kg",
+            short_number(added)
+        )
     } else {
         String::new()
     };
-    say(&format!("{} bodies, {mass:.5e} kg{scaled}", bodies.len()));
+    say(&format!(
+        "{} bodies, {} kg{scaled}",
+        bodies.len(),
+        short_number(mass)
+    ));
 }

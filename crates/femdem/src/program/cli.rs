@@ -11,6 +11,7 @@ use super::pores::PoresArgs;
 use super::report::ReportArgs;
 use super::resolve::ResolveArgs;
 use super::run::SceneArgs;
+use super::sweep::SweepArgs;
 
 /// Pack bodies of any shape, rigid or deformable, or let them collide, and measure what comes of it
 #[derive(Debug, Parser)]
@@ -27,6 +28,7 @@ Examples:
   femdem pack --shape cube --container cylinder --protocol pour --out out/cubes
   femdem pack --shape stone.stl --unit mm --box 8x8 --out out/stones
   femdem pack --shape boulder --variety 50 --mass 40 --box 5.26x5.3x3.87m --out out/boulders
+  femdem pack --sieve 10mm:0,20mm:0.4,30mm:1 --count 500 --out out/gravel
   femdem pack --shape cube --shape dolos:waist=0.36 --share 3 --share 1 --out out/mixed
   femdem pack --count 2000 --print-scene > big.toml && femdem pack big.toml
   femdem run scenes/bouncing-cube.toml             bodies that deform, collide, or are driven
@@ -36,6 +38,7 @@ Examples:
   femdem report out/a10                            a page for the browser
   femdem picture out/a10 --view front --colour force --out a10.png
   femdem pores out/a10                             the void between the bodies, for flow codes
+  femdem sweep pack.toml --vary friction=0.2,0.4,0.6 --seeds 5
   femdem shapes                                    what --shape knows
 
 d is the circumscribed diameter of a body. Units are SI.";
@@ -43,6 +46,7 @@ d is the circumscribed diameter of a body. Units are SI.";
 const PACK_HELP: &str = "\
 The folder then holds
   summary.json               the result in numbers
+  sieve.csv                  the sizes, as a sieve curve by mass
   bodies.csv, contacts.csv   poses; contact points, forces and areas
   pack.vtu, contacts.vtp     for ParaView
   pack.stl, shape-NAME.obj   surfaces
@@ -94,6 +98,9 @@ pub(crate) enum Command {
     /// Make the bodies of a pack deformable where they lie, and find the stresses inside them
     #[command(after_help = super::resolve::HELP, allow_negative_numbers = true)]
     Resolve(ResolveArgs),
+    /// Make the packs or runs of all combinations of values, one after another, with a table of their results
+    #[command(after_help = super::sweep::HELP)]
+    Sweep(SweepArgs),
     /// List the shapes that --shape knows, with their parameters, or draw them
     Shapes(ShapesArgs),
 }
@@ -185,9 +192,11 @@ mod tests {
         for options in [
             "",
             "--shape cube --shape dolos:waist=0.36 --share 3 --share 1 --mass 2 --unit mm --repair",
+            "--shape cube --shape A10 --sizes 20mm:0.3,30mm:0.7 --sizes weibull-mass:30mm:2:10mm..50mm --density 1e3 --density 2e3",
+            "--sieve 10mm:0,20mm:0.4,30mm:1",
             "--cylinder 5 --cone 40 --outlet 0.1m --protocol pour --rate 50 --height 3.87m",
-            "--box 4x5x6m --seed 9 --threads 2 --penalty 1e6 --drag 0.6 --local-damping 0.3 --variety 3 --out a/b",
-            "--friction 0.5 --wall-friction 0 --tangential-stiffness 1.6",
+            "--box 4x5x6m --seed 9 --threads 2 --penalty 1e6 --drag 0.6/fall --local-damping 0.3 --variety 3 --out a/b",
+            "--friction 0.5 --wall-friction 0 --tangential-ratio 1.6 --tangential-damping 0.2 --drag 8.4/s",
         ] {
             let made = scene(options);
             let command = made.command();
@@ -216,9 +225,9 @@ mod tests {
         for text in [
             format!("Number of bodies [default: {}]", d.count),
             format!("[default: {}; for a file", femdem::scene::DEFAULT_DIAMETER),
-            format!("kg/m3 [default: {}]", d.density),
+            format!("each --shape [default: {}]", d.density[0]),
             format!("with walls [default: {}]", d.friction),
-            format!("at most 2 [default: {}]", d.tangential_stiffness),
+            format!("at most 2 [default: {}]", d.tangential_ratio),
             format!("0.25 [default: {}]", d.damping),
             format!(
                 "aims at [default: {}; {} with --protocol release",

@@ -49,7 +49,7 @@ pub(crate) fn prepare(folder: &Path, force: bool) -> Result<Claim> {
 }
 
 /// Name of the results in numbers.
-const SUMMARY: &str = "summary.json";
+pub(super) const SUMMARY: &str = "summary.json";
 
 /// Removes files of an earlier job in the folder that could be taken for those of the present, unfinished one:
 /// the results in numbers, and the checkpoint of the other kind.

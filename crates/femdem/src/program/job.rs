@@ -12,7 +12,7 @@ use super::args::{PackArgs, ResumeArgs, RunArgs};
 use super::meter::Meter;
 use super::progress::Bar;
 use super::running::{BREATH, Outcome, checkpoint_interval, in_pool, watch_for_interrupt};
-use super::{complain, described, folder, say, say_notes};
+use super::{check, complain, described, folder, say, say_notes};
 
 pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
     let scene = args.scene()?;
@@ -24,6 +24,10 @@ pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
     in_pool(scene.threads, |threads| {
         // All refusals come before the folder is touched.
         let (packing, notes) = scene.packing()?;
+        if args.check {
+            say_notes(&notes);
+            return check::pack(packing, threads).map(|()| Outcome::Finished);
+        }
         if !args.run.quiet {
             say_notes(&notes);
         }

@@ -17,6 +17,7 @@ pub(crate) mod run;
 pub(crate) mod running;
 pub(crate) mod shapes;
 mod source;
+pub(crate) mod sweep;
 
 use std::io::Write;
 

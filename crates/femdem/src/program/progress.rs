@@ -1,15 +1,52 @@
-//! The progress bar.
+//! The progress bar, and the lines of a log in its place.
 
+use std::cell::Cell;
+use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use femdem::output::short_number;
 use femdem::pack::{Progress, Stage};
 use femdem::run::{Run, Simulation};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Shows the progress of a job, on a terminal only.
+/// Time between the lines of a log.
+const LOG_EVERY: Duration = Duration::from_secs(30);
+
+/// Writes the progress as lines where standard error is no terminal, so that a file or a job queue shows it.
+struct Log {
+    /// `None`: no lines.
+    every: Option<Duration>,
+    last: Cell<Instant>,
+}
+
+impl Log {
+    fn new(quiet: bool) -> Self {
+        let on = !quiet && !std::io::stderr().is_terminal();
+        Self::every(on.then_some(LOG_EVERY))
+    }
+
+    fn every(every: Option<Duration>) -> Self {
+        let last = Cell::new(Instant::now());
+        Self { every, last }
+    }
+
+    /// Whether a line is due; the next one is then due after another interval.
+    fn is_due(&self) -> bool {
+        let due = self
+            .every
+            .is_some_and(|every| self.last.get().elapsed() >= every);
+        if due {
+            self.last.set(Instant::now());
+        }
+        due
+    }
+}
+
+/// Shows the progress of a job: on a terminal as a bar, elsewhere as lines.
 pub(crate) struct Bar {
     bar: ProgressBar,
+    log: Log,
     started: Instant,
     /// Share of the work that was done when this part of the run began.
     share_at_start: f64,
@@ -27,6 +64,7 @@ impl Bar {
         );
         Ok(Self {
             bar,
+            log: Log::new(quiet),
             started: Instant::now(),
             share_at_start: share(at),
         })
@@ -36,11 +74,15 @@ impl Bar {
         let left = self
             .time_left(at)
             .map_or(String::new(), |left| format!(", {} left", span(left)));
-        self.bar.set_position(u64::from(at.placed));
-        self.bar.set_message(format!(
+        let text = format!(
             "{}, height {:.3} m, {:.2} s simulated, {} awake{left}",
             at.stage, at.top, at.time, at.awake
-        ));
+        );
+        if self.log.is_due() {
+            super::complain(&format!("{} of {} bodies {text}", at.placed, at.count));
+        }
+        self.bar.set_position(u64::from(at.placed));
+        self.bar.set_message(text);
     }
 
     fn time_left(&self, at: &Progress) -> Option<Duration> {
@@ -64,9 +106,10 @@ fn time_left(share: f64, share_at_start: f64, started: Instant) -> Option<Durati
     judged.then(|| elapsed.mul_f64((1.0 - share).max(0.0) / done))
 }
 
-/// Shows the simulated time, on a terminal only.
+/// Shows the simulated time in the same way.
 pub(crate) struct Clock {
     bar: ProgressBar,
+    log: Log,
     started: Instant,
     /// s.
     duration: f64,
@@ -85,6 +128,7 @@ impl Clock {
         bar.set_style(ProgressStyle::with_template("[{bar:30}] {msg}")?.progress_chars("=> "));
         Ok(Self {
             bar,
+            log: Log::new(quiet),
             started: Instant::now(),
             duration,
             share_at_start: at.world.time() / duration,
@@ -94,24 +138,31 @@ impl Clock {
     pub(crate) fn show(&self, run: &Run) {
         let (world, frames) = (&run.simulation().world, run.frames().len());
         if let Some(so_far) = run.relaxation() {
-            self.bar.set_position(TICKS as u64);
-            self.bar.set_message(format!(
+            let text = format!(
                 "relaxing: {} steps, residual {:.1e}",
                 so_far.steps, so_far.residual
-            ));
-            return;
+            );
+            return self.tell(1.0, text);
         }
         let share = (world.time() / self.duration).min(1.0);
         let left = time_left(share, self.share_at_start, self.started);
         let left = left.map_or(String::new(), |left| format!(", {} left", span(left)));
-        self.bar.set_position((share * TICKS) as u64);
-        self.bar.set_message(format!(
-            "{:.6} of {} s, step {} of {:.1e} s, {frames} frames{left}",
-            world.time(),
+        let text = format!(
+            "{} of {} s, step {} of {:.1e} s, {frames} frames{left}",
+            short_number(world.time()),
             self.duration,
             world.steps(),
             world.time_step()
-        ));
+        );
+        self.tell(share, text);
+    }
+
+    fn tell(&self, share: f64, text: String) {
+        if self.log.is_due() {
+            super::complain(&text);
+        }
+        self.bar.set_position((share * TICKS) as u64);
+        self.bar.set_message(text);
     }
 
     /// Writes a line above the bar.
@@ -147,6 +198,14 @@ pub(super) fn span(time: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_line_is_due_after_every_interval_and_never_without_one() {
+        assert!(!Log::every(None).is_due());
+        assert!(!Log::every(Some(Duration::from_secs(3600))).is_due());
+        let log = Log::every(Some(Duration::ZERO));
+        assert!(log.is_due() && log.is_due());
+    }
 
     #[test]
     fn spans_are_short() {

@@ -34,6 +34,10 @@ pub(crate) struct SceneArgs {
     #[arg(long)]
     pub check: bool,
 
+    /// Run also if the forecast has more than a billion steps
+    #[arg(long)]
+    pub yes: bool,
+
     #[command(flatten)]
     pub run: RunArgs,
 }
@@ -55,6 +59,9 @@ pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
         if args.check {
             check::report(&run, threads)?;
             return Ok(Outcome::Finished);
+        }
+        if !args.yes {
+            check::refuse_too_many_steps(&run)?;
         }
         if !args.run.quiet {
             say_notes(&run.simulation().notes);
@@ -132,7 +139,8 @@ fn apply(run: &mut Run, mut scene: Scenario, args: &ResumeArgs) -> Result<Vec<St
     }
     if relaxed && run.relaxation().is_none() {
         lines.push(format!(
-            "the motion goes on from the state of the relaxation, at {time} s"
+            "the motion goes on from the state of the relaxation, at {} s",
+            output::short_number(time)
         ));
     }
     Ok(lines)
@@ -184,7 +192,7 @@ impl Part {
             let place = if time > duration {
                 format!("in the relaxation after {duration} s")
             } else {
-                format!("at {time:.6} of {duration} s")
+                format!("at {} of {duration} s", output::short_number(time))
             };
             complain(&format!(
                 "stopped {place}; continue with: femdem resume {}",

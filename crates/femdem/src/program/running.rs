@@ -1,7 +1,7 @@
 //! What commands that take long share: threads, interruption, how they end.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
@@ -47,8 +47,12 @@ pub(super) fn checkpoint_interval(seconds: Option<f64>) -> Result<Duration> {
     })
 }
 
-/// A flag that Ctrl-C sets. A second Ctrl-C ends the program at once.
+/// A flag that Ctrl-C sets, the same for all jobs of the program. A second Ctrl-C ends the program at once.
 pub(super) fn watch_for_interrupt() -> Result<Arc<AtomicBool>> {
+    static WATCHED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+    if let Some(flag) = WATCHED.get() {
+        return Ok(Arc::clone(flag));
+    }
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);
     ctrlc::set_handler(move || {
@@ -57,5 +61,5 @@ pub(super) fn watch_for_interrupt() -> Result<Arc<AtomicBool>> {
         }
     })
     .context("cannot watch for Ctrl-C")?;
-    Ok(flag)
+    Ok(Arc::clone(WATCHED.get_or_init(|| flag)))
 }

@@ -32,6 +32,8 @@ struct Row {
     convex: bool,
     size: &'static str,
     size_over_d: f64,
+    /// Other names, each with the settings that it stands for.
+    aliases: Vec<String>,
     parameters: Vec<ParameterRow>,
 }
 
@@ -67,6 +69,7 @@ impl Row {
             convex: body.is_convex(),
             size: shape.size_meaning(),
             size_over_d: size,
+            aliases: aliases(&shape.name()),
             parameters: shape.parameters().into_iter().map(parameter).collect(),
         })
     }
@@ -74,6 +77,18 @@ impl Row {
     fn is_solid(&self) -> bool {
         self.parameters.is_empty()
     }
+}
+
+/// Other names of a shape, such as "raschig", and "trilobe = lobed:lobes=3".
+fn aliases(name: &str) -> Vec<String> {
+    let own = Shape::aliases()
+        .iter()
+        .filter(|(_, text)| text.split(':').next() == Some(name));
+    let told = own.map(|(alias, text)| match text.contains(':') {
+        true => format!("{alias} = {text}"),
+        false => (*alias).to_owned(),
+    });
+    told.collect()
 }
 
 /// The 18 solids, then the parametric shapes with their defaults.
@@ -127,6 +142,10 @@ fn list(rows: &[Row]) {
             let setting = format!("{}={}", p.name, p.default);
             say(&format!("  {setting:<22} {} ({})", p.meaning, p.range));
         }
+    }
+    say("\nOther names:");
+    for (alias, text) in Shape::aliases() {
+        say(&format!("  {alias:<12} {text}"));
     }
     say("\nd: circumscribed diameter. Numbers of a shape are those of its default parameters.");
 }

@@ -7,6 +7,11 @@ use femdem_view::output::short_number;
 use super::Summary;
 use super::parts::SOLID;
 
+/// A part of a whole, to two digits of a percent.
+pub(crate) fn percent(part: f64) -> String {
+    format!("{} %", short_number((1e4 * part).round() / 1e2))
+}
+
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let state = if self.settled {
@@ -22,6 +27,9 @@ impl fmt::Display for Summary {
             short_number(self.diameter)
         )?;
         let mut line = |name: &str, text: String| writeln!(f, "  {name:<20} {text}");
+        if let Some(sizes) = self.sizes_text() {
+            line("sizes", sizes)?;
+        }
         line("packing density", self.density_text())?;
         let z = &self.coordination;
         let patches = z.patches_per_pair.filter(|patches| *patches > 1.0);
@@ -80,6 +88,24 @@ impl Summary {
             format!(", implicit (x{multiple}) up to the verification")
         });
         format!("{:.3} s in {} steps{kind}", self.simulated_time, self.steps)
+    }
+
+    /// The sieve curve, if there are several sizes.
+    fn sizes_text(&self) -> Option<String> {
+        let points = &self.sieve.points;
+        let size = |size: f64| short_number(1e3 * size);
+        let passing = |part: f64| Some(size(self.sieve.size_passing(part)?));
+        let [first, .., last] = points.as_slice() else {
+            return None;
+        };
+        Some(format!(
+            "{} to {} mm; by mass d10 {}, d50 {}, d90 {} mm",
+            size(first.size),
+            size(last.size),
+            passing(0.1)?,
+            passing(0.5)?,
+            passing(0.9)?
+        ))
     }
 
     fn density_text(&self) -> String {

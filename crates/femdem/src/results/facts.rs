@@ -23,8 +23,11 @@ pub fn run_facts(summary: Option<&Summary>, scene: Option<&Scene>) -> RunFacts {
 
 fn lead(summary: &Summary) -> String {
     format!(
-        "d = {:.4} m, density {} kg/m³, friction {}, seed {}",
-        summary.diameter, summary.density, summary.friction, summary.seed
+        "d = {} m, density {} kg/m³, friction {}, seed {}",
+        short_number(summary.diameter),
+        short_number(summary.density),
+        summary.friction,
+        summary.seed
     )
 }
 
@@ -96,7 +99,7 @@ fn by_grid(density: Option<f64>) -> String {
 }
 
 /// Labels of options of a scene, with their units; others are labelled with their keys.
-const LABELS: [(&str, &str); 21] = [
+const LABELS: [(&str, &str); 24] = [
     ("batch", "bodies in a batch"),
     ("cone", "half angle of the cone / degrees"),
     ("count", "number of bodies"),
@@ -104,7 +107,7 @@ const LABELS: [(&str, &str); 21] = [
     ("damping", "fraction of critical damping"),
     ("density", "density of the bodies / kg/m\u{b3}"),
     ("diameter", "circumscribed diameter d / m"),
-    ("drag", "drag of the medium / sqrt(g/d)"),
+    ("drag", "drag of the medium"),
     ("friction", "friction coefficient"),
     ("gravity", "gravity / m/s\u{b2}"),
     ("local-damping", "local damping of the medium"),
@@ -115,8 +118,14 @@ const LABELS: [(&str, &str); 21] = [
     ("penetration", "mean penetration aimed at / d"),
     ("rate", "bodies per second / 1/s"),
     ("share", "shares of the shapes"),
+    ("sieve", "sieve curve of the bodies, by mass"),
     ("size", "size of the bodies / m"),
-    ("tangential-stiffness", "tangential over normal stiffness"),
+    ("sizes", "sizes of the bodies"),
+    (
+        "tangential-damping",
+        "fraction of critical damping of friction springs",
+    ),
+    ("tangential-ratio", "tangential over normal stiffness"),
     ("wall-friction", "friction coefficient of the walls"),
 ];
 
@@ -164,12 +173,18 @@ fn plain(value: &toml::Value) -> String {
     }
 }
 
+/// Shapes are listed one by one up to this number.
+const LISTED: usize = 12;
+
 /// Course and cost of the run.
 fn run(summary: &Summary) -> FactTable {
     let mut rows: Vec<(String, String)> = Vec::new();
     let mut row = |name: &str, value: String| rows.push((name.to_owned(), value));
     row("bodies", summary.count.to_string());
-    for shape in &summary.shapes {
+    if summary.shapes.len() > LISTED {
+        row("shapes and sizes", summary.shapes.len().to_string());
+    }
+    for shape in summary.shapes.iter().take(LISTED) {
         let kind = if shape.convex { "convex" } else { "not convex" };
         row(
             &format!("shape {}", shape.name),

@@ -10,11 +10,13 @@ mod summary;
 
 use std::path::Path;
 
+use femdem_analysis::Table;
 use femdem_contact::{BodyId, RigidContact};
 use femdem_mesh::{Point3, Polyhedron, Vector3};
 use femdem_pack::Packing;
 use femdem_solve::{Shape, World};
 
+pub(crate) use display::percent;
 pub use facts::run_facts;
 pub use parts::{ContainerSummary, ShapeSummary};
 pub use saved::{PACK_CHECKPOINT, SavedPack, save};
@@ -161,6 +163,7 @@ pub fn write(folder: &Path, packing: &Packing, usage: &Usage) -> Result<Summary,
     write_file(folder.join("contacts.csv"), |w| {
         csv::write_contacts(&snapshot, w)
     })?;
+    write_file(folder.join("sieve.csv"), |w| summary.sieve.write_csv(w))?;
     write_file(folder.join("pack.vtu"), |w| vtu::write(&snapshot, w))?;
     write_file(folder.join("contacts.vtp"), |w| vtp::write(&snapshot, w))?;
     write_file(folder.join("pack.stl"), |w| {

@@ -1,9 +1,10 @@
 //! Parts of `summary.json`: the shapes and the container.
 
+use femdem_analysis::SieveCurve;
 use femdem_pack::{Container, PackReport, Packing};
 use serde::{Deserialize, Serialize};
 
-use crate::Snapshot;
+use crate::{Body, Snapshot};
 
 /// Kind of a container from a surface file.
 pub(super) const SOLID: &str = "solid";
@@ -19,6 +20,8 @@ pub struct ShapeSummary {
     pub diameter: f64,
     /// Volume \[m³\].
     pub volume: f64,
+    /// Density \[kg/m³\].
+    pub density: f64,
     /// Number of faces.
     pub faces: usize,
     /// Whether it is convex.
@@ -66,12 +69,21 @@ impl ShapeSummary {
             count,
             diameter: shape.diameter(),
             volume: shape.volume(),
+            density: shape.density.unwrap_or(packing.spec().density),
             faces: shape.polyhedron.face_count(),
             convex: shape.polyhedron.is_convex(),
             tetrahedra: shape.mesh.as_ref().map(|mesh| mesh.tets().len()),
         });
         summary.collect()
     }
+}
+
+/// The sizes of the bodies in the container.
+pub(super) fn sieve(packing: &Packing, snapshot: &Snapshot) -> SieveCurve {
+    // Of the specification: the surface that stands for a ball is larger than the ball.
+    let size = |body: &Body| packing.spec().shapes[body.shape as usize].diameter();
+    let bodies = snapshot.bodies.iter().zip(&snapshot.masses);
+    SieveCurve::new(bodies.map(|(body, mass)| (size(body), *mass)))
 }
 
 impl ContainerSummary {

@@ -6,14 +6,14 @@
 use std::io::{self, Write};
 
 use femdem_analysis::{
-    CoordinationOptions, CoreOptions, DensityOptions, Pack, PosedBody, choose_core, coordination,
-    packing_density,
+    CoordinationOptions, CoreOptions, DensityOptions, Pack, PosedBody, SieveCurve, choose_core,
+    coordination, packing_density,
 };
 use femdem_mesh::Polyhedron;
 use femdem_pack::Packing;
 use serde::{Deserialize, Serialize};
 
-use super::parts::{ContainerSummary, ShapeSummary};
+use super::parts::{ContainerSummary, ShapeSummary, sieve};
 use crate::{Body, Error, Snapshot};
 
 /// Version of the keys of `summary.json`.
@@ -49,9 +49,11 @@ pub struct Summary {
     pub diameter: f64,
     /// The shapes, by index.
     pub shapes: Vec<ShapeSummary>,
+    /// The sizes of the bodies as a sieve curve by mass, as in `sieve.csv`.
+    pub sieve: SieveCurve,
     /// The container.
     pub container: ContainerSummary,
-    /// Density of the bodies \[kg/m³\].
+    /// Density of the bodies \[kg/m³\]; of several, their mass over their volume.
     pub density: f64,
     /// Friction coefficient between bodies.
     pub friction: f64,
@@ -205,9 +207,10 @@ impl Summary {
             shape: snapshot.shape_name().to_owned(),
             count: world.body_count(),
             shapes: ShapeSummary::all(packing, snapshot),
+            sieve: sieve(packing, snapshot),
             container: ContainerSummary::of(packing, &report),
             diameter: spec.diameter(),
-            density: spec.density,
+            density: spec.mean_density(),
             friction: spec.friction,
             wall_friction: spec.wall_friction.unwrap_or(spec.friction),
             rolling_friction: spec.rolling_friction,

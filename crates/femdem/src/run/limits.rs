@@ -20,7 +20,7 @@ impl Scenario {
         }
         Err(wrong(
             "time step",
-            &format!("{step:e} s"),
+            &format!("{step:.3e} s"),
             "at least 1e-12 of the duration: check time-step.safety, time-step.largest, densities, stiffnesses, \
              viscosities and speeds, or shorten the duration",
         ))

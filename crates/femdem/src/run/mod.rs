@@ -112,6 +112,7 @@ pub use summary::{
 };
 pub use wall::{BoxEntry, CylinderEntry, PlaneEntry, WallEntry};
 
+use crate::scene::gravity_vector;
 use crate::{Error, toml_file};
 
 /// A simulation to run.
@@ -138,6 +139,7 @@ pub struct Scenario {
     /// motion.
     pub relax: Option<RelaxEntry>,
     /// Acceleration of gravity \[m/s²\]. `None`: that of the pack from which it starts, or 9.81 along −z.
+    #[serde(deserialize_with = "gravity_vector")]
     pub gravity: Option<[f64; 3]>,
     /// The contact law of all pairs of materials without one of their own.
     pub contact: ContactEntry,

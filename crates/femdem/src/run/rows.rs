@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use femdem_view::output::short_number;
+
 use super::books::NOTED;
 use super::{Ending, Penalty, RelaxSummary, RestSummary, RunSummary};
 
@@ -37,8 +39,8 @@ impl RunSummary {
         let tets = self.tetrahedra;
         let bodies = format!("{deformable} deformable ({tets} tetrahedra), {rigid} rigid");
         let simulated = format!(
-            "{:.6} s in {} steps, the last of {:.3e} s{}",
-            self.simulated_time,
+            "{} s in {} steps, the last of {:.3e} s{}",
+            short_number(self.simulated_time),
             self.steps,
             self.time_step,
             self.beyond()
@@ -51,8 +53,9 @@ impl RunSummary {
             ""
         };
         let energy = format!(
-            "{:.6e} J in motion, {:.6e} J of strain; the books miss {missing:.1e} of what was turned over{warning}",
-            e.kinetic, e.strain
+            "{} J in motion, {} J of strain; the books miss {missing:.1e} of what was turned over{warning}",
+            short_number(e.kinetic),
+            short_number(e.strain)
         );
         let mut rows = vec![row("bodies", bodies), row("simulated", simulated)];
         let of = match self.contacts {
@@ -90,10 +93,15 @@ impl RunSummary {
         let depth = self.penetration.as_ref().map(|deep| {
             let [a, b] = &deep.peak_between;
             let (peak, time) = (deep.peak, deep.peak_time);
-            let text = format!("at most {peak:.3e} m, of {a} and {b} at {time:.6} s");
+            let text = format!(
+                "at most {peak:.3e} m, of {a} and {b} at {} s",
+                short_number(time)
+            );
             row("penetration", text)
         });
-        let peak = |force: f64, time: f64| format!("{force:.5e} N at {time:.6} s");
+        let peak = |force: f64, time: f64| {
+            format!("{} N at {} s", short_number(force), short_number(time))
+        };
         let walls = self.walls.iter().filter(|wall| wall.peak_force > 0.0);
         let walls = walls.map(|wall| {
             let text = peak(wall.peak_force, wall.peak_time);

@@ -6,6 +6,7 @@ use femdem_solve::WorldParameters;
 use serde::{Deserialize, Serialize};
 
 use super::Scenario;
+use crate::scene::per_second;
 
 /// The contact law of all pairs of materials without [one of their own](super::PairEntry). What it does not give is that of
 /// the pack from which the scene starts, or the default of [`ContactParameters`].
@@ -59,6 +60,7 @@ impl Default for StepEntry {
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct MediumEntry {
     /// Drag rate a \[1/s\]: force −a m v.
+    #[serde(deserialize_with = "per_second")]
     pub drag: f64,
     /// Cundall's local damping, 0 to 1.
     pub local_damping: f64,

@@ -1,5 +1,6 @@
 //! From the shapes named in a scene to bodies that can be packed.
 
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
@@ -9,7 +10,7 @@ use femdem_mesh::tet::{MeshOptions, MeshReport};
 use femdem_mesh::{MeshError, Polyhedron};
 use femdem_pack::{PackError, PackShape};
 
-use super::{DEFAULT_DIAMETER, Scene, ShapeNote, Unit, surface};
+use super::{DEFAULT_DIAMETER, Scene, ShapeNote, Unit, sizes, surface};
 use crate::Error;
 
 /// Whether a text names the exact ball: the sphere without its level, which would make it a polyhedron.
@@ -24,6 +25,8 @@ struct Source {
     /// Whether it is the exact ball.
     ball: bool,
     share: f64,
+    /// Number of the shape in the scene.
+    entry: usize,
 }
 
 enum Form {
@@ -43,19 +46,37 @@ pub(super) fn bodies(scene: &Scene) -> Result<(Vec<PackShape>, Vec<ShapeNote>), 
     let mut notes = Vec::new();
     let sources = sources(scene)?;
     refuse_files_missing(scene, &sources)?;
-    for source in sources {
-        let polyhedron = source.sized(scene)?;
+    let gradings = scene.gradings()?;
+    let counts = counts(&sources, scene.count);
+    for (source, count) in sources.into_iter().zip(counts) {
+        let grading = gradings.get(source.entry);
+        let polyhedron = match grading {
+            Some(grading) => source.scaled_to(grading.range()[1])?,
+            None => source.sized(scene)?,
+        };
         let options = mesh_options(scene, &polyhedron)?;
         let (shape, mesh) = PackShape::of_surface(&source.name, polyhedron, &options)
             .map_err(|error| source.named(error))?;
         let shape = PackShape {
             share: source.share,
             sphere: source.ball,
+            density: source.own_density(scene)?,
             ..shape
         };
-        notes.push(source.note(scene.unit, &shape, mesh));
-        shapes.push(shape);
+        let note = source.note(scene.unit, &shape, mesh);
+        let Some(grading) = grading else {
+            notes.push(note);
+            shapes.push(shape);
+            continue;
+        };
+        let sizes = grading.bodies(count);
+        notes.push(ShapeNote {
+            sizes: (count > 0).then(|| sizes::note(grading, &sizes)),
+            ..note
+        });
+        shapes.extend(shape.in_sizes(&sizes)?);
     }
+    name_apart(shapes.iter_mut().map(|shape| &mut shape.name));
     if let (Some(size), true) = (scene.mesh_size, notes.iter().all(|note| note.is_convex)) {
         return Err(Error::Option {
             name: "mesh-size",
@@ -64,6 +85,34 @@ pub(super) fn bodies(scene: &Scene) -> Result<(Vec<PackShape>, Vec<ShapeNote>), 
         });
     }
     Ok((shapes, notes))
+}
+
+/// So many bodies by the shares of shapes, each to within one body.
+fn counts(sources: &[Source], count: u32) -> Vec<u32> {
+    let total: f64 = sources.iter().map(|source| source.share).sum();
+    let (mut sum, mut placed) = (0.0, 0);
+    let next = |source: &Source| {
+        sum += source.share;
+        let end = (sum / total * f64::from(count)).round() as u32;
+        let own = end.clamp(placed, count) - placed;
+        placed += own;
+        own
+    };
+    sources.iter().map(next).collect()
+}
+
+/// Appends numbers to names that come again.
+fn name_apart<'a>(names: impl Iterator<Item = &'a mut String>) {
+    let mut taken = BTreeSet::new();
+    for name in names {
+        if taken.contains(name) {
+            let mut numbered = (2..).map(|n| format!("{name}-{n}"));
+            if let Some(free) = numbered.find(|name| !taken.contains(name)) {
+                *name = free;
+            }
+        }
+        taken.insert(name.clone());
+    }
 }
 
 /// Refuses options for surface files if there is none.
@@ -93,7 +142,7 @@ fn refuse_files_missing(scene: &Scene, sources: &[Source]) -> Result<(), Error> 
 fn sources(scene: &Scene) -> Result<Vec<Source>, Error> {
     let shares = shares(scene)?;
     let mut sources: Vec<Source> = Vec::new();
-    for (text, share) in scene.shape.iter().zip(shares) {
+    for (entry, (text, share)) in scene.shape.iter().zip(shares).enumerate() {
         let form = form(text, scene)?;
         let ball = is_ball(text);
         let name = match &form {
@@ -110,6 +159,7 @@ fn sources(scene: &Scene) -> Result<Vec<Source>, Error> {
                 form,
                 ball,
                 share,
+                entry,
             });
         }
         sources.extend(variants.into_iter().map(|shape| Source {
@@ -117,6 +167,7 @@ fn sources(scene: &Scene) -> Result<Vec<Source>, Error> {
             form: Form::Shape(shape),
             ball: false,
             share,
+            entry,
         }));
     }
     if scene.variety > 1 && sources.len() == scene.shape.len() {
@@ -126,16 +177,7 @@ fn sources(scene: &Scene) -> Result<Vec<Source>, Error> {
             allowed: "1, unless a shape has a seed, as boulder has",
         });
     }
-    for k in 1..sources.len() {
-        let (before, this) = sources.split_at_mut(k);
-        let taken = |name: &str| before.iter().any(|other| other.name == name);
-        if taken(&this[0].name) {
-            let mut names = (2..).map(|n| format!("{}-{n}", this[0].name));
-            if let Some(free) = names.find(|name| !taken(name)) {
-                this[0].name = free;
-            }
-        }
-    }
+    name_apart(sources.iter_mut().map(|source| &mut source.name));
     Ok(sources)
 }
 
@@ -196,19 +238,44 @@ fn variants(form: &Form, variety: u32) -> Result<Vec<Shape>, Error> {
 }
 
 impl Source {
-    /// The surface in the size of the scene \[m\].
-    fn sized(&self, scene: &Scene) -> Result<Polyhedron, Error> {
-        let own = match &self.form {
+    /// The surface with a circumscribed diameter \[m\].
+    fn scaled_to(&self, diameter: f64) -> Result<Polyhedron, Error> {
+        let own = self.own()?;
+        let by = diameter / (2.0 * own.bounding_radius());
+        Ok(own.scaled(by)?)
+    }
+
+    /// The surface before it has a size.
+    fn own(&self) -> Result<Polyhedron, Error> {
+        Ok(match &self.form {
             Form::Shape(shape) => shape.polyhedron(1.0)?,
             Form::File { polyhedron, .. } => polyhedron.as_ref().clone(),
-        };
+        })
+    }
+
+    /// The density of its own, if the shapes have several \[kg/m³\].
+    fn own_density(&self, scene: &Scene) -> Result<Option<f64>, Error> {
+        let densities = scene.densities()?;
+        if densities.len() == 1 {
+            return Ok(None);
+        }
+        Ok(Some(positive("density", densities[self.entry])?))
+    }
+
+    /// The surface in the size of the scene \[m\].
+    fn sized(&self, scene: &Scene) -> Result<Polyhedron, Error> {
+        let own = self.own()?;
         let by = match (&self.form, scene.diameter, scene.size, scene.mass) {
             (_, Some(diameter), None, None) => {
                 positive("diameter", diameter)? / (2.0 * own.bounding_radius())
             }
             (Form::Shape(_), None, Some(size), None) => positive("size", size)?,
             (_, None, None, Some(mass)) => {
-                let volume = positive("mass", mass)? / positive("density", scene.density)?;
+                let density = match self.own_density(scene)? {
+                    Some(density) => density,
+                    None => positive("density", scene.densities()?[0])?,
+                };
+                let volume = positive("mass", mass)? / density;
                 let of_own = if self.ball {
                     4.0 / 3.0 * PI * own.bounding_radius().powi(3)
                 } else {
@@ -333,7 +400,7 @@ mod tests {
         let scene = Scene {
             shape,
             mass: Some(2.0),
-            density: 1000.0,
+            density: vec![1000.0],
             ..Scene::default()
         };
         let shapes = packed(&scene);
@@ -348,13 +415,42 @@ mod tests {
         assert!(shapes[1].diameter() > 1.002 * shapes[0].diameter());
     }
 
+    /// Numbers of bodies come by the shares, sizes by the curve of the shape, and every shape has its density.
+    #[test]
+    fn shapes_of_a_mixture_have_sizes_and_densities_of_their_own() {
+        let text = "shape = [\"P5\", \"sphere\"]\nshare = [1, 3]\ncount = 400\ndensity = [7800, 2000]\n\
+                    sizes = [\"20mm:1,40mm:1\", \"sieve:10mm:0,20mm:1\"]";
+        let shapes = packed(&Scene::from_toml(text).unwrap());
+        let of = |density| shapes.iter().filter(move |s| s.density == Some(density));
+        let count = |density| of(density).map(|s| s.share).sum::<f64>();
+        assert_eq!((count(7800.0), count(2000.0)), (100.0, 300.0));
+        let names: Vec<&str> = of(7800.0).map(|s| s.name.as_str()).collect();
+        assert_eq!(names, ["P5 20mm", "P5 40mm"]);
+        assert!(of(2000.0).all(|s| s.sphere && (0.01..=0.02).contains(&s.diameter())));
+        for (text, part) in [
+            ("sizes = [\"20mm\", \"30mm\"]", "one for each shape"),
+            ("sizes = \"20mm\"\ndiameter = 0.02", "only one of the five"),
+            (
+                "sizes = \"20mm\"\nsieve = \"10mm:0,20mm:1\"",
+                "only one of the five",
+            ),
+            ("density = [1000, 2000]", "one for each shape"),
+            ("sieve = \"10mm:0,20mm:0.9\"", "last sieve = 0.9"),
+        ] {
+            let message = bodies(&Scene::from_toml(text).unwrap())
+                .unwrap_err()
+                .to_string();
+            assert!(message.contains(part), "{text}: {message}");
+        }
+    }
+
     /// Diameter is that of the sphere around the body, size a length of the shape, mass by density.
     #[test]
     fn bodies_have_the_size_asked_for() {
         let cylinder = |change: fn(&mut Scene)| {
             let mut scene = Scene {
                 shape: vec!["cylinder:aspect=2".to_owned()],
-                density: 2000.0,
+                density: vec![2000.0],
                 ..Scene::default()
             };
             change(&mut scene);

@@ -15,6 +15,9 @@ use crate::Error;
 /// Packing density assumed for the automatic size of a container.
 const EXPECTED_DENSITY: f64 = 0.6;
 
+/// Least automatic width, in d.
+const LEAST_WIDTH: f64 = 3.0;
+
 /// The container for the bodies of `spec`; walls from a file add how they were read.
 ///
 /// # Errors
@@ -27,6 +30,13 @@ pub(super) fn container(
 ) -> Result<Container, Error> {
     let diameter = spec.diameter();
     let pack = f64::from(spec.count) * spec.mean_volume() / diameter.powi(3) / EXPECTED_DENSITY;
+    // Three of the largest bodies fit beside each other.
+    let least = if scene.is_graded() {
+        LEAST_WIDTH * spec.largest_diameter() / diameter
+    } else {
+        LEAST_WIDTH
+    };
+    let level_width = |volume| level_width(volume).max(least);
     let round = || {
         let width = level_width(pack / FRAC_PI_4);
         let width = scene.cylinder.unwrap_or(Length::Diameters(width));
@@ -221,7 +231,7 @@ fn stray(size: &Size, key: &str, value: &str) -> Error {
 
 /// Side of the cube of a volume, to the nearest half, and 3 at least.
 fn level_width(volume: f64) -> f64 {
-    ((2.0 * volume.cbrt()).round() / 2.0).max(3.0)
+    ((2.0 * volume.cbrt()).round() / 2.0).max(LEAST_WIDTH)
 }
 
 #[cfg(test)]

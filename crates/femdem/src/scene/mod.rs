@@ -16,12 +16,16 @@
 mod bodies;
 mod command;
 mod container;
+mod drag;
 mod footprint;
+mod gravity;
 mod length;
 mod list;
 mod note;
+mod sizes;
 mod step_kind;
 pub(crate) mod surface;
+mod tables;
 mod unit;
 mod words;
 
@@ -32,7 +36,10 @@ use femdem_solve::Medium;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use bodies::is_ball;
+pub use drag::Drag;
+pub(crate) use drag::per_second;
 pub use footprint::Footprint;
+pub(crate) use gravity::vector as gravity_vector;
 pub use length::{Length, metres};
 pub(crate) use length::{in_metres, perhaps_in_metres};
 pub use note::ShapeNote;
@@ -100,6 +107,13 @@ pub struct Scene {
     pub size: Option<f64>,
     /// Mass of a body of each shape \[kg\].
     pub mass: Option<f64>,
+    /// Sizes of the bodies: one text for all shapes, or one for each, instead of `diameter`, `size` and `mass`. Such as
+    /// "20mm:0.3,30mm:0.7" with shares of the mass, see docs/shapes.md.
+    #[serde(with = "list", skip_serializing_if = "Vec::is_empty")]
+    pub sizes: Vec<String>,
+    /// Sieve curve of the bodies by mass, such as "10mm:0,20mm:0.4,30mm:1", in the same way.
+    #[serde(with = "list", skip_serializing_if = "Vec::is_empty")]
+    pub sieve: Vec<String>,
     /// Unit of the coordinates in surface files.
     pub unit: Unit,
     /// Whether small faults of surface files are mended.
@@ -109,8 +123,9 @@ pub struct Scene {
     pub mesh_size: Option<f64>,
     /// Number of bodies.
     pub count: u32,
-    /// Density of the bodies \[kg/m³\].
-    pub density: f64,
+    /// Density of the bodies \[kg/m³\]: one number for all shapes, or one for each.
+    #[serde(with = "list")]
+    pub density: Vec<f64>,
     /// Friction coefficient.
     pub friction: f64,
     /// Friction coefficient between bodies and walls. `None`: `friction`.
@@ -118,7 +133,9 @@ pub struct Scene {
     /// Coefficient of rolling friction.
     pub rolling_friction: f64,
     /// Stiffness of the friction springs over that of normal contact, above 0 and at most 2.
-    pub tangential_stiffness: f64,
+    pub tangential_ratio: f64,
+    /// Fraction of critical damping of the friction springs.
+    pub tangential_damping: f64,
     /// Fraction of critical damping of normal contact, 0 to 0.707.
     pub damping: f64,
     /// Penalty \[Pa\]. `None`: chosen for a mean penetration of `penetration`.
@@ -126,8 +143,8 @@ pub struct Scene {
     /// Target of the mean penetration over d for the automatic penalty. `None`: the usual value of the protocol
     /// ([`Protocol::usual_penetration`]).
     pub penetration: Option<f64>,
-    /// Drag of the medium while the pack is made, in sqrt(g/d).
-    pub drag: f64,
+    /// Drag of the medium while the pack is made.
+    pub drag: Drag,
     /// Cundall's local damping while the pack is made: the part of each component of a body's net force
     /// and moment that is taken off against the motion, 0 to below 1.
     pub local_damping: f64,
@@ -136,7 +153,8 @@ pub struct Scene {
     /// Whether bodies at rest sleep while the pack is made. Without sleep a job takes several times as long,
     /// and packs in sequence come out lower by 1.5 ± 0.3 %.
     pub sleeping: bool,
-    /// Gravity \[m/s²\].
+    /// Gravity, along -z \[m/s²\].
+    #[serde(deserialize_with = "gravity::down")]
     pub gravity: f64,
     /// Kind of container. `None`: by the sizes that are given, see
     /// [`container_kind`](Self::container_kind).
@@ -181,18 +199,21 @@ impl Default for Scene {
             diameter: None,
             size: None,
             mass: None,
+            sizes: Vec::new(),
+            sieve: Vec::new(),
             unit: Unit::M,
             repair: false,
             mesh_size: None,
-            density: spec.density,
+            density: vec![spec.density],
             friction: spec.friction,
             wall_friction: None,
             rolling_friction: spec.rolling_friction,
-            tangential_stiffness: spec.tangential_ratio,
+            tangential_ratio: spec.tangential_ratio,
+            tangential_damping: spec.tangential_damping,
             damping: spec.damping_ratio,
             penalty: None,
             penetration: None,
-            drag: 0.0,
+            drag: Drag::NONE,
             local_damping: 0.0,
             implicit: None,
             sleeping: spec.sleeping.enabled,
@@ -222,16 +243,27 @@ impl Scene {
     ///
     /// [`Error::Read`], or [`Error::Scene`] with the place where the text is not a scene.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
-        toml_file::read(path.as_ref())
+        Self::read_saying(path).map(|(scene, _)| scene)
     }
 
-    /// Reads a scene from text.
+    /// As [`read`](Self::read), with a line for each word of an earlier version that was understood.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read).
+    pub fn read_saying(path: impl AsRef<Path>) -> Result<(Self, Vec<String>), Error> {
+        let path = path.as_ref();
+        tables::parse(&toml_file::text(path)?, path)
+    }
+
+    /// Reads a scene from text. The keys of the tables `contact` and `medium` of a scene of `femdem run` are
+    /// understood with and without them.
     ///
     /// # Errors
     ///
     /// [`Error::Scene`], with the line and what is allowed there.
     pub fn from_toml(text: &str) -> Result<Self, Error> {
-        toml_file::parse(text, Path::new("scene"))
+        tables::parse(text, Path::new("scene")).map(|(scene, _)| scene)
     }
 
     /// The scene as the text of a scene file.
@@ -267,13 +299,17 @@ impl Scene {
         let (shapes, mut notes) = bodies::bodies(self)?;
         let mut spec = PackSpec {
             shapes,
-            mixing: Mixing::Dealt,
+            mixing: match self.is_graded() {
+                true => Mixing::Shuffled,
+                false => Mixing::Dealt,
+            },
             count: self.count,
-            density: self.density,
+            density: self.densities()?[0],
             friction: self.friction,
             wall_friction: self.wall_friction,
             rolling_friction: self.rolling_friction,
-            tangential_ratio: self.tangential_stiffness,
+            tangential_ratio: self.tangential_ratio,
+            tangential_damping: self.tangential_damping,
             damping_ratio: self.damping,
             gravity: self.gravity,
             seed: self.seed,
@@ -293,7 +329,7 @@ impl Scene {
             },
         };
         spec.medium = Medium {
-            drag: self.drag * (self.gravity.abs() / diameter).sqrt(),
+            drag: self.drag.per_second(diameter, self.gravity),
             local_damping: self.local_damping,
         };
         spec.sleeping.enabled = self.sleeping;
@@ -316,6 +352,23 @@ impl Scene {
         Ok((packing, notes))
     }
 
+    /// Whether the bodies have sizes by shares, curves or distributions.
+    fn is_graded(&self) -> bool {
+        !self.sizes.is_empty() || !self.sieve.is_empty()
+    }
+
+    /// The densities of the shapes \[kg/m³\]: one for all, or one for each.
+    fn densities(&self) -> Result<&[f64], Error> {
+        if self.density.len() == 1 || self.density.len() == self.shape.len().max(1) {
+            return Ok(&self.density);
+        }
+        Err(Error::Option {
+            name: "density",
+            value: format!("{} numbers", self.density.len()),
+            allowed: "one number for all shapes, or one for each shape",
+        })
+    }
+
     /// Refuses values that would be converted silently, or would have no effect.
     fn check(&self) -> Result<(), Error> {
         let refuse = |name: &'static str, value: String, allowed: &'static str| {
@@ -325,10 +378,6 @@ impl Scene {
                 allowed,
             })
         };
-        if !(self.drag.is_finite() && self.drag >= 0.0) {
-            let allowed = "0 or more and finite, in sqrt(g/d)";
-            return refuse("drag", self.drag.to_string(), allowed);
-        }
         for (name, value) in [
             ("friction", Some(self.friction)),
             ("wall-friction", self.wall_friction),
@@ -408,11 +457,13 @@ mod tests {
         let job = |text: &str| Scene::from_toml(text).unwrap().spec().unwrap();
         let usual = job("friction = 0.4");
         assert_eq!((usual.wall_friction, usual.tangential_ratio), (None, 0.8));
-        let text = "friction = 0.4\nwall-friction = 0.1\ntangential-stiffness = 1.6\n";
+        let text = "friction = 0.4\nwall-friction = 0.1\ntangential-ratio = 1.6\n";
         let own = job(text);
         assert_eq!((own.wall_friction, own.tangential_ratio), (Some(0.1), 1.6));
         let again = Scene::from_toml(text).unwrap().to_toml().unwrap();
-        assert!(again.contains("wall-friction = 0.1\n") && again.contains("stiffness = 1.6\n"));
+        assert!(
+            again.contains("wall-friction = 0.1\n") && again.contains("tangential-ratio = 1.6\n")
+        );
     }
 
     #[test]
@@ -536,7 +587,7 @@ mod tests {
         assert!(says(|s| s.count = 0).contains("count = 0"));
         assert!(says(|s| s.diameter = Some(f64::NAN)).contains("NaN"));
         assert!(says(|s| s.r#box = "0.5x4".parse().ok()).contains("if metres are meant"));
-        assert!(says(|s| s.density = -1.0).contains("density = -1"));
+        assert!(says(|s| s.density = vec![-1.0]).contains("density = -1"));
         assert!(says(|s| s.shape.clear()).contains("no shape"));
         assert!(says(|s| s.share = vec![1.0, 2.0]).contains("one number for each"));
         assert!(says(|s| s.variety = 3).contains("variety = 3"));

@@ -26,6 +26,8 @@ pub struct ShapeNote {
     pub volume: f64,
     /// The mesh of a body that is not convex, or deforms.
     pub mesh: Option<MeshReport>,
+    /// What came of the sizes of the bodies, if there are several; diameter, volume and mesh are then those of the largest.
+    pub sizes: Option<String>,
 }
 
 impl ShapeNote {
@@ -44,13 +46,14 @@ impl ShapeNote {
             diameter: 2.0 * surface.bounding_radius(),
             volume: surface.mass_properties().volume,
             mesh,
+            sizes: None,
         }
     }
 
     /// Whether there is anything to report beyond the command itself.
     #[must_use]
     pub fn is_news(&self) -> bool {
-        self.file.is_some() || self.mesh.is_some()
+        self.file.is_some() || self.mesh.is_some() || self.sizes.is_some()
     }
 }
 
@@ -76,8 +79,11 @@ impl fmt::Display for ShapeNote {
                 "not convex"
             }
         )?;
-        match &self.mesh {
-            Some(mesh) => write!(f, "\n  {}", mesh_text(mesh)),
+        if let Some(mesh) = &self.mesh {
+            write!(f, "\n  {}", mesh_text(mesh))?;
+        }
+        match &self.sizes {
+            Some(sizes) => write!(f, "\n  {sizes}"),
             None => Ok(()),
         }
     }

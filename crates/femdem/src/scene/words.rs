@@ -5,7 +5,7 @@ use femdem_pack::PackError;
 use crate::Error;
 
 /// Names in the libraries, and keys of scenes, which are also the options of `femdem pack`.
-const KEYS: [(&str, &str); 12] = [
+const KEYS: [(&str, &str); 14] = [
     ("wall_friction", "wall-friction"),
     ("rolling_friction", "rolling-friction"),
     (
@@ -13,7 +13,8 @@ const KEYS: [(&str, &str); 12] = [
         "rolling-friction with implicit steps",
     ),
     ("damping_ratio", "damping"),
-    ("tangential_ratio", "tangential-stiffness"),
+    ("tangential_ratio", "tangential-ratio"),
+    ("tangential_damping", "tangential-damping"),
     ("medium.local_damping", "local-damping"),
     (
         "medium.local_damping with time_step.implicit",
@@ -24,6 +25,7 @@ const KEYS: [(&str, &str); 12] = [
     ("silo half_angle", "cone"),
     ("protocol rate", "rate"),
     ("protocol batch", "batch"),
+    ("density of a shape", "density"),
 ];
 
 /// The error with the key of the scene.

@@ -1,0 +1,427 @@
+//! `femdem sweep`: the packs or runs of all combinations of values, one after another, and a table of their results.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use femdem::run::Scenario;
+use femdem::{Scene, output};
+use serde_json::Value as Json;
+use toml::{Table, Value};
+
+use super::args::{PackArgs, ResumeArgs, RunArgs};
+use super::run::SceneArgs;
+use super::running::Outcome;
+use super::{complain, described, folder, job, run, say};
+
+/// Options of `femdem sweep`.
+#[derive(Debug, Args)]
+pub(crate) struct SweepArgs {
+    /// Scene of `femdem pack` or of `femdem run` (TOML)
+    pub scene: PathBuf,
+
+    /// A key of the scene and its values, such as friction=0.2,0.4,0.6 or contact.damping=0.3,0.6; repeat it for all
+    /// combinations. Values with a comma are separated by semicolons
+    #[arg(long, value_name = "KEY=VALUES")]
+    pub vary: Vec<Vary>,
+
+    /// Packs of each combination: with the seed of the scene and the ones after it
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..))]
+    pub seeds: u32,
+
+    /// Folder for the folders of the jobs and the table; what is finished in it is not made again
+    #[arg(long, value_name = "DIR", default_value = "out/sweep")]
+    pub out: PathBuf,
+
+    /// Threads of each job, 1 or more [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+}
+
+pub(crate) const HELP: &str = "\
+The folder then holds
+  sweep.csv                  a row for each job, and the mean and its standard error for each combination
+  KEY=VALUE,seed=N           a folder for each job, as of `femdem pack` or `femdem run`
+  KEY=VALUE,seed=N.toml      its scene
+
+Jobs run one after another, each on all threads. After Ctrl-C, the same command goes on where it was stopped.";
+
+/// A key and its values.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Vary {
+    key: String,
+    values: Vec<String>,
+}
+
+impl FromStr for Vary {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let vary = text.split_once('=').map(|(key, values)| {
+            let between = if values.contains(';') { ';' } else { ',' };
+            let values = values.split(between).map(|value| value.trim().to_owned());
+            Self {
+                key: key.trim().to_owned(),
+                values: values.collect(),
+            }
+        });
+        vary.filter(|vary| {
+            !vary.key.is_empty() && vary.values.iter().all(|value| !value.is_empty())
+        })
+        .ok_or_else(|| "give a key and its values, such as friction=0.2,0.4,0.6".to_owned())
+    }
+}
+
+/// Numbers of the summary of a pack that the table has, by their keys.
+const OF_PACK: [&str; 10] = [
+    "settled",
+    "packing_density.exact",
+    "coordination.mean",
+    "penetration.mean_over_d",
+    "penetration.max_over_d",
+    "residual.max_over_weight",
+    "container.mean_top",
+    "simulated_time",
+    "steps",
+    "wall_seconds",
+];
+
+/// The same of a run.
+const OF_RUN: [&str; 11] = [
+    "rest.at_rest",
+    "rest.residual",
+    "contacts",
+    "penetration.peak",
+    "energy.kinetic",
+    "energy.work_in",
+    "energy.dissipated_friction",
+    "energy.ledger_error_relative",
+    "simulated_time",
+    "steps",
+    "wall_seconds",
+];
+
+/// Name of the table.
+const TABLE: &str = "sweep.csv";
+
+/// A job of the sweep.
+struct Job {
+    name: String,
+    /// The values of the varied keys.
+    values: Vec<String>,
+    seed: Option<i64>,
+    /// Its scene, as a file.
+    text: String,
+    folder: PathBuf,
+}
+
+pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
+    let text = fs::read_to_string(&args.scene)
+        .with_context(|| format!("cannot read {}", args.scene.display()))?;
+    let base: Table = text
+        .parse()
+        .with_context(|| args.scene.display().to_string())?;
+    // A pack has none of these keys.
+    let is_run = ["duration", "body", "from"]
+        .iter()
+        .any(|key| base.contains_key(*key));
+    if is_run && args.seeds > 1 {
+        bail!("--seeds is for packs, and a run has no seed of its own: leave it out");
+    }
+    let jobs = jobs(args, &base, is_run)?;
+    // All scenes are understood before the first job begins.
+    for job in &jobs {
+        let read = match is_run {
+            true => Scenario::from_toml(&job.text).map(drop),
+            false => Scene::from_toml(&job.text).map(drop),
+        };
+        read.with_context(|| job.name.clone())?;
+    }
+    fs::create_dir_all(&args.out)
+        .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
+    let mut failed = Vec::new();
+    for (k, job) in jobs.iter().enumerate() {
+        say(&format!("{} of {}: {}", k + 1, jobs.len(), job.name));
+        match job.finish(args, is_run) {
+            Ok(Outcome::Finished) => {}
+            Ok(Outcome::Interrupted) => return Ok(Outcome::Interrupted),
+            Err(error) => {
+                complain(&format!("error: {}: {}", job.name, described(&error)));
+                failed.push(job.name.as_str());
+            }
+        }
+        write_table(args, &jobs, is_run)?;
+    }
+    if !failed.is_empty() {
+        bail!(
+            "{} of {} jobs failed: {}",
+            failed.len(),
+            jobs.len(),
+            failed.join(" ")
+        );
+    }
+    say(&format!("table in {}", args.out.join(TABLE).display()));
+    Ok(Outcome::Finished)
+}
+
+/// The jobs: the last key varies faster than those before it, and the seed fastest of all.
+fn jobs(args: &SweepArgs, base: &Table, is_run: bool) -> Result<Vec<Job>> {
+    let mut combinations: Vec<Vec<String>> = vec![Vec::new()];
+    for vary in &args.vary {
+        let with_each = |before: Vec<String>| {
+            let values = vary.values.iter();
+            values.map(move |value| [before.as_slice(), std::slice::from_ref(value)].concat())
+        };
+        combinations = combinations.into_iter().flat_map(with_each).collect();
+    }
+    let first = base.get("seed").map_or(Some(1), Value::as_integer);
+    let first = first.context("seed must be a whole number")?;
+    let mut names = BTreeSet::new();
+    let mut jobs = Vec::new();
+    for values in combinations {
+        for k in 0..i64::from(args.seeds) {
+            let mut scene = base.clone();
+            let mut parts = Vec::new();
+            for (vary, value) in args.vary.iter().zip(&values) {
+                set(&mut scene, &vary.key, value)?;
+                parts.push(format!("{}={value}", vary.key));
+            }
+            let seed = (!is_run).then_some(first + k);
+            if let Some(seed) = seed {
+                scene.insert("seed".to_owned(), Value::Integer(seed));
+                parts.push(format!("seed={seed}"));
+            }
+            let plain = |c: char| c.is_ascii_alphanumeric() || "=,.-+".contains(c);
+            let name: String = match parts.is_empty() {
+                true => "job".to_owned(),
+                false => parts
+                    .join(",")
+                    .chars()
+                    .map(|c| if plain(c) { c } else { '_' })
+                    .collect(),
+            };
+            if !names.insert(name.clone()) {
+                bail!("two jobs would have the folder {name}: give each value once");
+            }
+            let folder = args.out.join(&name);
+            scene.insert(
+                "out".to_owned(),
+                Value::String(folder.display().to_string()),
+            );
+            jobs.push(Job {
+                name,
+                values: values.clone(),
+                seed,
+                text: toml::to_string(&scene)?,
+                folder,
+            });
+        }
+    }
+    Ok(jobs)
+}
+
+/// Sets a key, whose tables come before it with points between them.
+fn set(scene: &mut Table, key: &str, value: &str) -> Result<()> {
+    // A number, a switch, a list or a quoted text as in a scene file; all else is a text.
+    let parsed = format!("x = {value}").parse::<Table>().ok();
+    let value = parsed
+        .and_then(|mut table| table.remove("x"))
+        .unwrap_or_else(|| Value::String(value.to_owned()));
+    let mut at = scene;
+    let (tables, last) = key.rsplit_once('.').unwrap_or(("", key));
+    for part in tables.split('.').filter(|part| !part.is_empty()) {
+        let inner = at.entry(part).or_insert_with(|| Value::Table(Table::new()));
+        let inner = inner.as_table_mut();
+        at = inner.with_context(|| format!("{part} in --vary {key} is no table of the scene"))?;
+    }
+    at.insert(last.to_owned(), value);
+    Ok(())
+}
+
+impl Job {
+    /// Makes it, goes on with it, or leaves it as it is if it is finished.
+    fn finish(&self, args: &SweepArgs, is_run: bool) -> Result<Outcome> {
+        let scene = args.out.join(format!("{}.toml", self.name));
+        if fs::read_to_string(&scene).is_ok_and(|text| text != self.text) {
+            bail!(
+                "{} is of another scene: give another folder with --out, or remove it",
+                scene.display()
+            );
+        }
+        if self.summary().is_some() {
+            return Ok(Outcome::Finished);
+        }
+        output::write_file(&scene, |w| {
+            std::io::Write::write_all(w, self.text.as_bytes())
+        })?;
+        let how = RunArgs {
+            threads: args.threads,
+            ..RunArgs::default()
+        };
+        if folder::has_checkpoint(&self.folder) || folder::holds_run(&self.folder) {
+            return job::resume(&ResumeArgs {
+                folder: self.folder.clone(),
+                duration: None,
+                report: false,
+                run: how,
+            });
+        }
+        if is_run {
+            return run::run(&SceneArgs {
+                scene,
+                out: None,
+                force: true,
+                check: false,
+                yes: false,
+                run: how,
+            });
+        }
+        let mut pack = PackArgs::default();
+        (pack.scene, pack.force, pack.run) = (Some(scene), true, how);
+        job::pack(&pack)
+    }
+
+    /// The results, if it is finished.
+    fn summary(&self) -> Option<Json> {
+        let text = fs::read_to_string(self.folder.join(folder::SUMMARY)).ok()?;
+        serde_json::from_str(&text).ok()
+    }
+
+    /// The numbers of the table, if it is finished.
+    fn numbers(&self, keys: &[&str]) -> Option<Vec<Option<f64>>> {
+        let summary = self.summary()?;
+        let number = |key: &&str| {
+            let found = summary.pointer(&format!("/{}", key.replace('.', "/")))?;
+            found
+                .as_f64()
+                .or(found.as_bool().map(|yes| f64::from(u8::from(yes))))
+        };
+        Some(keys.iter().map(number).collect())
+    }
+}
+
+/// Writes the table of the jobs that are finished.
+fn write_table(args: &SweepArgs, jobs: &[Job], is_run: bool) -> Result<()> {
+    let keys: &[&str] = if is_run { &OF_RUN } else { &OF_PACK };
+    let varied: Vec<&str> = args.vary.iter().map(|vary| vary.key.as_str()).collect();
+    let head = ["row"].iter().chain(&varied).chain(&["seed"]).chain(keys);
+    let mut lines = vec![head.copied().collect::<Vec<_>>().join(",")];
+    let mut line = |row: &str, job: &Job, seed: String, numbers: &[Option<f64>]| {
+        let values = job.values.iter().map(|value| match value.contains(',') {
+            true => format!("\"{value}\""),
+            false => value.clone(),
+        });
+        let numbers = numbers
+            .iter()
+            .map(|x| x.map_or(String::new(), |x| x.to_string()));
+        let fields = [row.to_owned()]
+            .into_iter()
+            .chain(values)
+            .chain([seed])
+            .chain(numbers);
+        lines.push(fields.collect::<Vec<_>>().join(","));
+    };
+    for combination in jobs.chunk_by(|a, b| a.values == b.values) {
+        let mut found = Vec::new();
+        for job in combination {
+            let Some(numbers) = job.numbers(keys) else {
+                continue;
+            };
+            let seed = job.seed.map_or(String::new(), |seed| seed.to_string());
+            line("job", job, seed, &numbers);
+            found.push(numbers);
+        }
+        if found.is_empty() {
+            continue;
+        }
+        let columns = (0..keys.len()).map(|k| found.iter().filter_map(|row| row[k]).collect());
+        let columns: Vec<Vec<f64>> = columns.collect();
+        let [means, errors] =
+            [mean, standard_error].map(|of| columns.iter().map(|c| of(c)).collect::<Vec<_>>());
+        line("mean", &combination[0], String::new(), &means);
+        line("standard error", &combination[0], String::new(), &errors);
+    }
+    lines.push(String::new());
+    let path: &Path = &args.out.join(TABLE);
+    Ok(output::write_file(path, |w| {
+        std::io::Write::write_all(w, lines.join("\n").as_bytes())
+    })?)
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Standard error of the mean, from the scatter of two values at least.
+fn standard_error(values: &[f64]) -> Option<f64> {
+    let mean = mean(values)?;
+    let count = values.len() as f64;
+    let scatter: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+    (values.len() > 1).then(|| (scatter / (count - 1.0) / count).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vary(text: &str) -> Vary {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn keys_have_lists_of_values() {
+        assert_eq!(vary("friction = 0.2, 0.4").values, ["0.2", "0.4"]);
+        let sizes = vary("sizes=20mm:1,30mm:1;40mm");
+        assert_eq!((sizes.key.as_str(), sizes.values.len()), ("sizes", 2));
+        for bad in ["friction", "=1", "friction=0.2,,0.4"] {
+            assert!(bad.parse::<Vary>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn jobs_are_all_combinations_with_all_seeds() {
+        let args = SweepArgs {
+            scene: PathBuf::new(),
+            vary: vec![
+                vary("friction=0.2,0.4"),
+                vary("contact.damping=0.3,0.6"),
+                vary("shape=P5"),
+            ],
+            seeds: 3,
+            out: PathBuf::from("o"),
+            threads: None,
+        };
+        let base: Table = "seed = 7\ncount = 5".parse().unwrap();
+        let made = jobs(&args, &base, false).unwrap();
+        assert_eq!(made.len(), 12);
+        assert_eq!(
+            made[4].name,
+            "friction=0.2,contact.damping=0.6,shape=P5,seed=8"
+        );
+        let scene = Scene::from_toml(&made[4].text).unwrap();
+        assert_eq!(
+            (scene.friction, scene.damping, scene.seed, scene.count),
+            (0.2, 0.6, 8, 5)
+        );
+        assert_eq!(scene.shape, ["P5"]);
+        assert_eq!(scene.out, made[4].folder);
+        let twice = SweepArgs {
+            vary: vec![vary("friction=0.2,0.2")],
+            ..args
+        };
+        assert!(jobs(&twice, &base, false).is_err());
+    }
+
+    #[test]
+    fn a_standard_error_needs_two_values() {
+        assert_eq!((mean(&[]), standard_error(&[3.0])), (None, None));
+        // Deviations of 1 each: sqrt(2/1/2).
+        assert_eq!(
+            (mean(&[2.0, 4.0]), standard_error(&[2.0, 4.0])),
+            (Some(3.0), Some(1.0))
+        );
+    }
+}
