@@ -33,6 +33,7 @@
 //! # What is where
 //! - [`Pack`], [`PosedBody`]: the input. [`Region`]: where to measure. [`mesh`]: femdem-mesh, for shapes and poses.
 //! - [`choose_core`], [`top_plane`], [`Region::inset`]: the core region away from walls, floor and top.
+//! - [`measure_bed`]: void fraction of the whole bed, also over a cone and in the hollow of a solid ([`Vessel`]).
 //! - [`packing_density`]; its parts [`exact_density`] and [`grid_density`].
 //! - [`height_profile`], [`wall_profile`]: packing density and layers against height and wall distance.
 //! - [`density_map`]: local packing density on a grid.
@@ -82,6 +83,7 @@
 
 mod axis;
 mod ball;
+mod bed;
 mod blocks;
 mod bootstrap;
 mod bounds;
@@ -119,6 +121,7 @@ mod voronoi;
 
 pub use femdem_mesh as mesh;
 
+pub use bed::{Bed, Vessel, measure_bed};
 pub use blocks::Estimate;
 pub use bootstrap::BlockBootstrap;
 pub use chains::{

@@ -1,5 +1,6 @@
 //! All tests of the public interface in one program: each by itself takes longer to link than to run.
 
+mod bed;
 mod common;
 mod coordination;
 mod core_region;
