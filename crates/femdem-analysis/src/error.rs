@@ -210,6 +210,16 @@ pub enum AnalysisError {
         /// Number of voxels.
         voxels: usize,
     },
+    /// A list that has neither one value per body nor none.
+    #[error("{given} {name} for {bodies} bodies; give one for each body")]
+    BodyList {
+        /// What the list holds.
+        name: &'static str,
+        /// Its length.
+        given: usize,
+        /// Number of bodies.
+        bodies: usize,
+    },
     /// An image without void.
     #[error("no voxel of the image is void; use smaller voxels or another region")]
     NoVoid,

@@ -8,8 +8,10 @@ mod cost;
 mod cost_forces;
 mod density;
 mod density_map;
+mod fields;
 mod inputs;
 mod lattices;
+mod mixing;
 mod networks;
 mod non_convex;
 mod orientation;
@@ -22,5 +24,6 @@ mod stress;
 mod tails;
 #[cfg(feature = "parallel")]
 mod threads_of_geometry;
+mod tilt;
 mod volumes;
 mod voronoi;

@@ -21,11 +21,17 @@ fn funnel() -> Polyhedron {
     let mut faces = Vec::new();
     for k in 0..4 {
         let n = (k + 1) % 4;
-        let [inner, outer, high_inner, high_outer] = [0, 4, 8, 12].map(|first| [first + k, first + n]);
+        let [inner, outer, high_inner, high_outer] =
+            [0, 4, 8, 12].map(|first| [first + k, first + n]);
         faces.push(vec![outer[0], outer[1], high_outer[1], high_outer[0]]);
         faces.push(vec![inner[1], inner[0], high_inner[0], high_inner[1]]);
         faces.push(vec![inner[0], inner[1], outer[1], outer[0]]);
-        faces.push(vec![high_inner[1], high_inner[0], high_outer[0], high_outer[1]]);
+        faces.push(vec![
+            high_inner[1],
+            high_inner[0],
+            high_outer[0],
+            high_outer[1],
+        ]);
     }
     Polyhedron::new(points, faces).unwrap()
 }
@@ -84,7 +90,12 @@ fn a_cone_is_a_part_of_the_bed() {
     };
     let bodies = at([Vector3::new(5.0, 7.0, 0.0)]);
     let refused = measure_bed(&Pack::new(&shapes, &bodies).unwrap(), &wrong, SPACING);
-    assert!(refused.unwrap_err().to_string().contains("outlet_radius = 2.5"));
+    assert!(
+        refused
+            .unwrap_err()
+            .to_string()
+            .contains("outlet_radius = 2.5")
+    );
 }
 
 #[test]
@@ -104,14 +115,26 @@ fn the_hollow_of_a_solid_is_measured_exactly() {
     assert!((bed.void_fraction - (1.0 - 0.125 * 3.0 / 7.0)).abs() < 1e-12);
     // The same at an angle to the axes.
     let turned = Pose::rotation(Vector3::z() * 0.3);
-    let bed = measure(&funnel().transformed(&turned).unwrap(), Vector3::new(0.1, -0.2, 0.75));
+    let bed = measure(
+        &funnel().transformed(&turned).unwrap(),
+        Vector3::new(0.1, -0.2, 0.75),
+    );
     assert!((bed.unwrap().volume - 7.0 / 3.0).abs() < 1e-12);
     // Above the rim, outside, and in a solid that is open at a side nothing is known.
     let heaped = measure(&funnel(), Vector3::new(0.0, 0.0, 2.0));
-    assert!(matches!(heaped, Err(AnalysisError::AboveRim { rim: 2.0, .. })), "{heaped:?}");
+    assert!(
+        matches!(heaped, Err(AnalysisError::AboveRim { rim: 2.0, .. })),
+        "{heaped:?}"
+    );
     let outside = measure(&funnel(), Vector3::new(2.5, 0.0, 1.0));
-    assert!(matches!(outside, Err(AnalysisError::NotEnclosed { body: 0 })), "{outside:?}");
+    assert!(
+        matches!(outside, Err(AnalysisError::NotEnclosed { body: 0 })),
+        "{outside:?}"
+    );
     let (open, _) = comb();
     let between = measure(&open, Vector3::new(1.5, 1.5, 0.5));
-    assert!(matches!(between, Err(AnalysisError::NotEnclosed { body: 0 })), "{between:?}");
+    assert!(
+        matches!(between, Err(AnalysisError::NotEnclosed { body: 0 })),
+        "{between:?}"
+    );
 }

@@ -218,7 +218,8 @@ impl Vessel {
             } => {
                 let height = top.min(waist) - floor;
                 let wide = outlet_radius + (radius - outlet_radius) * height / (waist - floor);
-                let cone = (outlet_radius * outlet_radius + outlet_radius * wide + wide * wide) / 3.0;
+                let cone =
+                    (outlet_radius * outlet_radius + outlet_radius * wide + wide * wide) / 3.0;
                 let above = radius * radius * (top - waist).max(0.0);
                 (floor, PI * (cone * height + above))
             }

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use femdem::analysis::{BodyAxes, CoreOptions, FOLDER, JSON, TableOptions, Tables};
+use femdem::analysis::{BodyAxes, CoreOptions, FOLDER, FieldOptions, JSON, TableOptions, Tables};
 use femdem::{Snapshot, results};
 
 use super::job::report;
@@ -28,7 +28,8 @@ is measured from
 All get
   analysis.json              all results but the long lists, and what could not be found, with the reason
   analysis/*.csv             the tables; docs/analysis.md has their columns
-  analysis/density-map.vti   local packing density, for ParaView";
+  analysis/density-map.vti   local packing density, for ParaView
+  analysis/fields.vti        with --fields: density, velocity, stress and fabric as fields on a grid";
 
 /// Options of `femdem analyse`.
 #[derive(Debug, Args)]
@@ -49,6 +50,18 @@ pub(crate) struct AnalyseArgs {
     /// small [default: 5, less where a core of 3 d would not remain]
     #[arg(long, value_name = "X")]
     pub core_inset: Option<f64>,
+
+    /// Coarse-grained fields for ParaView: density, momentum, stress and fabric in analysis/fields.vti
+    #[arg(long)]
+    pub fields: bool,
+
+    /// Radius of the coarse-graining function of --fields in d [default: 1.5]
+    #[arg(long, value_name = "X", requires = "fields")]
+    pub fields_width: Option<f64>,
+
+    /// Distance of the points of --fields in d, at most the width [default: 0.5]
+    #[arg(long, value_name = "X", requires = "fields")]
+    pub fields_spacing: Option<f64>,
 
     /// Folder for analysis.json and the tables [default: the folder of the pack, or of the tables of the frame]
     #[arg(long, value_name = "DIR")]
@@ -133,6 +146,13 @@ fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Tables> {
         core,
         force_threshold: args.threshold.unwrap_or_default(),
         axes: args.axes.as_ref().map(|axes| axes.0.clone()),
+        fields: args.fields.then(|| {
+            let usual = FieldOptions::default();
+            FieldOptions {
+                width_over_d: args.fields_width.unwrap_or(usual.width_over_d),
+                spacing_over_d: args.fields_spacing.unwrap_or(usual.spacing_over_d),
+            }
+        }),
         ..TableOptions::default()
     };
     Ok(Tables::compute(snapshot, &options)?)
