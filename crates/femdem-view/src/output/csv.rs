@@ -145,7 +145,13 @@ mod tests {
             rows[2][4].parse::<f64>().unwrap(),
             two_cubes().bodies[1].pose.translation.z
         );
-        assert_eq!(rows[2][9..], ["1", "1", ""]);
+        assert_eq!(rows[2][9..], ["1", "1", "", "", "", ""]);
+        let mut moving = two_cubes();
+        moving.velocities = vec![femdem_mesh::Vector3::new(0.5, -1.0, 0.0); 2];
+        let rows = text(|w| write_bodies(&moving, w));
+        assert_eq!(rows[2][12..], ["0.5", "-1", "0"]);
+        moving.velocities.pop();
+        assert!(write_bodies(&moving, io::sink()).is_err());
     }
 
     #[test]

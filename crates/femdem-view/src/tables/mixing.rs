@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use femdem_analysis::{Mixing, Pack, mixing};
+use femdem_analysis::{Cell, Mixing, Pack, PosedBody, Table, mixing};
+use femdem_mesh::Polyhedron;
 
 use super::{TableOptions, Tables};
 use crate::{Snapshot, ViewError};
@@ -65,6 +66,79 @@ pub(super) fn by_size(pack: &Pack, options: &TableOptions) -> Result<Option<Mixi
     Ok(Some(mixing(pack, &class_of, &names, &options.mixing)?))
 }
 
+/// Mixing over the frames of a run. As a [`Table`] one row per frame and class.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MixingSeries {
+    /// Number and time (s) of a frame, how its bodies are classed ("shape" or "size"), and how they are mixed.
+    pub frames: Vec<(usize, f64, &'static str, Mixing)>,
+}
+
+impl MixingSeries {
+    /// Adds a frame: its number, its time \[s\], and its bodies.
+    ///
+    /// # Errors
+    ///
+    /// As [`Tables::compute`].
+    pub fn add(
+        &mut self,
+        number: usize,
+        time: f64,
+        snapshot: &Snapshot,
+        options: &TableOptions,
+    ) -> Result<(), ViewError> {
+        snapshot.check()?;
+        let shapes = snapshot.shapes.iter();
+        let shapes: Vec<Polyhedron> = shapes.map(|shape| shape.polyhedron.clone()).collect();
+        let posed = |body: &crate::Body| PosedBody {
+            shape: body.shape,
+            pose: body.pose,
+        };
+        let bodies: Vec<PosedBody> = snapshot.bodies.iter().map(posed).collect();
+        let pack = Pack::new(&shapes, &bodies)?;
+        let shape = by_shape(snapshot, &pack, options)?.map(|found| ("shape", found));
+        let size = by_size(&pack, options)?.map(|found| ("size", found));
+        let both = shape.into_iter().chain(size);
+        self.frames
+            .extend(both.map(|(by, found)| (number, time, by, found)));
+        Ok(())
+    }
+}
+
+impl Table for MixingSeries {
+    fn columns(&self) -> &'static [&'static str] {
+        &[
+            "frame",
+            "time_s",
+            "classes",
+            "class",
+            "bodies",
+            "lacey_index",
+            "mean_height_m",
+            "height_difference_m",
+            "height_difference_over_d",
+        ]
+    }
+
+    fn rows(&self) -> Box<dyn Iterator<Item = Vec<Cell>> + '_> {
+        Box::new(self.frames.iter().flat_map(|(number, time, by, found)| {
+            found.classes.iter().map(|class| {
+                let difference = class.height_difference;
+                vec![
+                    (*number).into(),
+                    (*time).into(),
+                    (*by).into(),
+                    class.class.clone().into(),
+                    class.bodies.into(),
+                    class.lacey_index.into(),
+                    class.mean_height.into(),
+                    difference.into(),
+                    difference.map(|h| h / found.diameter).into(),
+                ]
+            })
+        }))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -86,7 +160,7 @@ mod tests {
             pose: Pose::translation(
                 2.0 * f64::from(k % 8),
                 2.0 * f64::from(k / 8 % 8),
-                9.0 * f64::from(k / 64),
+                20.0 * f64::from(k / 64),
             ),
             sequence: k,
             sleeping: false,
@@ -101,8 +175,21 @@ mod tests {
             assert_eq!(found.lacey_index, Some(0.0));
             let classes = found.classes.iter().map(|class| class.class.as_str());
             assert!(classes.eq(names));
-            assert_eq!(found.classes[1].height_difference, Some(9.0));
+            assert_eq!(found.classes[1].height_difference, Some(20.0));
         }
+        // A second frame with the layers exchanged.
+        let mut series = MixingSeries::default();
+        let options = TableOptions::default();
+        series.add(0, 0.0, &snapshot, &options).unwrap();
+        for body in &mut snapshot.bodies {
+            body.pose.translation.z *= -1.0;
+        }
+        series.add(4, 0.5, &snapshot, &options).unwrap();
+        let text = series.to_csv();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 9);
+        assert!(lines[2].starts_with("0,0.0,shape,large,64,0.0,20.0,20.0,"));
+        assert!(lines[8].starts_with("4,0.5,size,larger,64,0.0,-20.0,-20.0,"));
         let one = Tables::compute(&two_cubes(), &TableOptions::default()).unwrap();
         assert!(one.mixing_by_shape.is_none() && one.mixing_by_size.is_none());
     }

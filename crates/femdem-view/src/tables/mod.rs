@@ -39,5 +39,6 @@ mod radial;
 pub use all::{Missing, SCHEMA, Tables};
 pub use bodies::BodyTable;
 pub use files::{FOLDER, JSON};
+pub use mixing::MixingSeries;
 pub use options::TableOptions;
 pub use orientation::{Orientation, telling_axes};
