@@ -32,7 +32,8 @@ pub struct ClassMixing {
     pub bodies: u32,
     /// Their share of all bodies.
     pub share: f64,
-    /// Lacey's index of this class against all others; `None` for a single class or less than two bodies per cell.
+    /// Lacey's index of this class against all others; `None` for a single class, a single cell, or less than two
+    /// bodies per cell.
     pub lacey_index: Option<f64>,
     /// Mean height of the centroids (m).
     pub mean_height: f64,
@@ -150,7 +151,7 @@ pub fn mixing(
         .map(|class| variances(&cells, class, count))
         .collect();
     let lacey = |[apart, found]: [f64; 2]| {
-        let known = apart > 0.0 && random <= 0.5;
+        let known = apart > 0.0 && cells.len() > 1 && random <= 0.5;
         known.then(|| (1.0 - found / apart) / (1.0 - random))
     };
     let classes = names.iter().enumerate().map(|(class, name)| {

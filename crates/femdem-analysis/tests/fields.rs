@@ -1,7 +1,5 @@
 //! Coarse-grained fields: what their integrals must be, and the balance of momentum.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
-
 use crate::common::Random;
 use crate::common::forces::{body, on_wall, random_network};
 use femdem_analysis::*;

@@ -78,6 +78,14 @@ fn a_single_class_has_no_index_and_lists_must_fit() {
     // Classes without a body are left out.
     assert_eq!((found.lacey_index, found.classes.len()), (None, 1));
     assert!(found.classes[0].height_difference.is_none());
+    // In one cell nothing can be apart.
+    let halves: Vec<u32> = (0..512).map(|i| u32::from(i >= 256)).collect();
+    let wide = MixingOptions { cell_over_d: 9.0 };
+    let found = mixing(&pack, &halves, &names(2), &wide).unwrap();
+    assert_eq!(
+        (found.cells, found.lacey_index, found.classes[1].lacey_index),
+        (1, None, None)
+    );
     let says = |class_of: &[u32], cell_over_d| {
         let refused = mixing(&pack, class_of, &names(2), &MixingOptions { cell_over_d });
         refused.unwrap_err().to_string()

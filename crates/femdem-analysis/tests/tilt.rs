@@ -1,5 +1,7 @@
 //! Tilt of bodies and its histogram.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 use crate::common::{Random, body, solid};
 use femdem_analysis::*;
 use femdem_mesh::shapes::Shape;

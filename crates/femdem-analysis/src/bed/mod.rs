@@ -39,7 +39,7 @@ pub enum Vessel {
     /// The hollow of a solid that is open at the top, above a level floor.
     Solid {
         /// Surface of the solid, in the world.
-        surface: Polyhedron,
+        surface: Box<Polyhedron>,
         /// Height of the floor that closes what is open below (m).
         floor: f64,
     },

@@ -227,7 +227,7 @@ fn check_lists(bodies: usize, masses: &[f64], velocities: &[Vector3]) -> Result<
             allowed: "0 to 1e100 (kg)",
         });
     }
-    let fast = |v: &Vector3| v.iter().copied().find(|x| !(x.abs() <= 1e100));
+    let fast = |v: &Vector3| v.iter().copied().find(|x| x.is_nan() || x.abs() > 1e100);
     if let Some((index, value)) = velocities
         .iter()
         .enumerate()

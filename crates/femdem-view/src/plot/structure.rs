@@ -9,7 +9,9 @@ use crate::tables::Tables;
 
 /// The histogram of the coordination number: of the core, or of all bodies without one.
 pub(super) fn coordination(tables: &Tables) -> Option<Plot> {
-    let (which, shown) = match (&tables.core_coordination, &tables.coordination) {
+    let core = tables.core_coordination.as_ref();
+    let core = core.filter(|_| !tables.has_thin_core());
+    let (which, shown) = match (core, &tables.coordination) {
         (Some(core), _) => ("the core", core),
         (None, Some(all)) => ("the whole pack", all),
         (None, None) => return None,

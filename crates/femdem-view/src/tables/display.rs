@@ -129,7 +129,9 @@ impl Tables {
             let error = found.and_then(|found| found.standard_error);
             error.map_or(String::new(), |e| format!(" +- {e:.2}"))
         };
-        let core = self.core_coordination.as_ref().map_or(String::new(), |c| {
+        let core = self.core_coordination.as_ref();
+        let core = core.filter(|_| !self.has_thin_core());
+        let core = core.map_or(String::new(), |c| {
             format!(
                 "; {:.2}{} in the core",
                 c.mean,
@@ -193,7 +195,8 @@ impl Tables {
     }
 
     fn stress_text(&self) -> Option<String> {
-        let stress = &self.core_stress.as_ref()?.stress;
+        let core = self.core_stress.as_ref();
+        let stress = &core.filter(|_| !self.has_thin_core())?.stress;
         Some(format!(
             "pressure {:.3e} Pa, deviator {:.3e} Pa",
             stress.pressure, stress.deviator

@@ -56,7 +56,7 @@ pub(super) fn vessel(packing: &Packing) -> Option<Vessel> {
             waist: container.base(),
         }),
         Container::Mesh(ref mesh) => Some(Vessel::Solid {
-            surface: mesh.surface().clone(),
+            surface: Box::new(mesh.surface().clone()),
             floor: 0.0,
         }),
     }
