@@ -120,6 +120,26 @@ pub enum AnalysisError {
         /// Height of the floor (m).
         floor: f64,
     },
+    /// A bed whose top lies above the solid that holds it.
+    #[error(
+        "the mean top of the pack, z = {top} m, is above the rim of its container, z = {rim} m, where no walls bound \
+         it; take a higher container or fewer bodies"
+    )]
+    AboveRim {
+        /// Mean height of the pack's top (m).
+        top: f64,
+        /// Highest point of the container (m).
+        rim: f64,
+    },
+    /// A body that a solid container does not surround.
+    #[error(
+        "the container has no wall on some side of body {body}, at the height of its centroid: the body lies outside, \
+         or the container is open there, so that its volume is not known"
+    )]
+    NotEnclosed {
+        /// Index of the first such body.
+        body: usize,
+    },
     /// A touch or a selection names a body that is not there.
     #[error("{what} {index} names body {body}, but there are {bodies} bodies (indices from 0)")]
     BodyIndex {
@@ -189,6 +209,16 @@ pub enum AnalysisError {
         given: usize,
         /// Number of voxels.
         voxels: usize,
+    },
+    /// A list that has neither one value per body nor none.
+    #[error("{given} {name} for {bodies} bodies; give one for each body")]
+    BodyList {
+        /// What the list holds.
+        name: &'static str,
+        /// Its length.
+        given: usize,
+        /// Number of bodies.
+        bodies: usize,
     },
     /// An image without void.
     #[error("no voxel of the image is void; use smaller voxels or another region")]

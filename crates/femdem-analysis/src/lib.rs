@@ -33,12 +33,14 @@
 //! # What is where
 //! - [`Pack`], [`PosedBody`]: the input. [`Region`]: where to measure. [`mesh`]: femdem-mesh, for shapes and poses.
 //! - [`choose_core`], [`top_plane`], [`Region::inset`]: the core region away from walls, floor and top.
+//! - [`measure_bed`]: void fraction of the whole bed, also over a cone and in the hollow of a solid ([`Vessel`]).
 //! - [`packing_density`]; its parts [`exact_density`] and [`grid_density`].
 //! - [`height_profile`], [`wall_profile`]: packing density and layers against height and wall distance.
 //! - [`density_map`]: local packing density on a grid.
 //! - [`set_voronoi`]: the space and the density of every body.
 //! - [`body_directions`], [`stereonet`], [`orientation_order`]: orientations of the bodies.
-//! - [`radial_distribution`]: distances between bodies.
+//! - [`tilts`] of bodies and their histogram near walls and in the core ([`tilt_histogram`]).
+//! - [`radial_distribution`]: distances between bodies. [`mixing`]: Lacey's index of classes of bodies.
 //! - [`pores`]: the void space as voxels, distances, pore sizes, paths and closed surfaces, for flow codes.
 //! - [`pair_overlaps`]: volumes that bodies share. [`volume_inside`] and [`intersection_volume`] are the
 //!   kernels, for one body and for one pair.
@@ -52,6 +54,7 @@
 //!   loops; [`threshold_curve`]: components and cycles.
 //! - [`body_stresses`], [`region_stress`], [`stress_profile`]: Love-Weber stress, compression positive;
 //!   [`vertical_balance`]: whether the forces carry the weight. [`contact_fabric`]: anisotropy.
+//! - [`coarse_grained_fields`]: density, velocity, stress and fabric as fields on a grid.
 //!
 //! # Units
 //! SI: metres, cubic metres, newtons. Lengths `_over_d` are in mean circumscribed diameters.
@@ -82,6 +85,7 @@
 
 mod axis;
 mod ball;
+mod bed;
 mod blocks;
 mod bootstrap;
 mod bounds;
@@ -93,9 +97,11 @@ mod core_region;
 mod density;
 mod error;
 mod fabric;
+mod fields;
 mod forces;
 mod lines;
 mod map;
+mod mixing;
 mod neighbours;
 mod network;
 mod ordered;
@@ -120,6 +126,7 @@ mod voronoi;
 
 pub use femdem_mesh as mesh;
 
+pub use bed::{Bed, Vessel, measure_bed};
 pub use blocks::Estimate;
 pub use bootstrap::BlockBootstrap;
 pub use chains::{
@@ -138,15 +145,18 @@ pub use density::{
 };
 pub use error::AnalysisError;
 pub use fabric::{ContactFabric, Fabric, contact_fabric};
+pub use fields::{FieldOptions, Fields, Tensor, coarse_grained_fields};
 pub use forces::{
     ForceBin, ForceDistribution, ForceDistributionOptions, ForceMaxima, TailFit, TailLaw,
     TailOptions, WallForce, WallForces, fit_tail, force_distribution, force_maxima, wall_forces,
 };
 pub use map::{DensityMap, DensityMapOptions, density_map};
+pub use mixing::{ClassMixing, Mixing, MixingOptions, mixing};
 pub use network::{ForceBody, ForceContact, ForceNetwork, PairForce};
 pub use orientation::{
     BodyAxes, BodyDirection, NetNode, OrderParameter, OrientationOptions, OrientationOrder,
-    Stereonet, StereonetOptions, body_directions, orientation_order, schmidt, stereonet,
+    Stereonet, StereonetOptions, TiltGroup, TiltHistogram, TiltOptions, body_directions,
+    distinct_axis, orientation_order, schmidt, stereonet, tilt_histogram, tilts,
 };
 pub use overlap::{PairOverlap, PairOverlaps, intersection_volume, pair_overlaps};
 pub use pack::{Pack, PosedBody};

@@ -1,5 +1,6 @@
 //! All tests of the public interface in one program: each by itself takes longer to link than to run.
 
+mod bed;
 mod common;
 mod coordination;
 mod core_region;
@@ -7,8 +8,10 @@ mod cost;
 mod cost_forces;
 mod density;
 mod density_map;
+mod fields;
 mod inputs;
 mod lattices;
+mod mixing;
 mod networks;
 mod non_convex;
 mod orientation;
@@ -21,5 +24,6 @@ mod stress;
 mod tails;
 #[cfg(feature = "parallel")]
 mod threads_of_geometry;
+mod tilt;
 mod volumes;
 mod voronoi;

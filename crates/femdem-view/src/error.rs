@@ -54,10 +54,18 @@ pub enum ViewError {
         /// Number of bodies.
         bodies: usize,
     },
+    /// Some bodies have velocities, but not all.
+    #[error("{velocities} velocities for {bodies} bodies; give one for each, or none")]
+    Velocities {
+        /// Number of velocities.
+        velocities: usize,
+        /// Number of bodies.
+        bodies: usize,
+    },
     /// A pose, a mass or a force is NaN or infinite.
     #[error("{what} {index} holds a number that is not finite")]
     NotFinite {
-        /// "body", "the mass of body" or "contact".
+        /// "body", "the mass of body", "the velocity of body" or "contact".
         what: &'static str,
         /// Its index.
         index: usize,

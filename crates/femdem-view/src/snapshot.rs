@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use femdem_analysis::{ContactClass, Region, Touch, contact_counts};
+use femdem_analysis::{ContactClass, Region, Touch, Vessel, contact_counts};
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
 
 use crate::{Drawing, ViewError};
@@ -106,10 +106,14 @@ pub struct Snapshot {
     pub contacts: Vec<ContactRow>,
     /// Inside of the container: where the pack is measured, and how pictures show the container.
     pub container: Option<Region>,
+    /// What the bed lies in, if that is more than the container's region tells: a silo with its cone, or a solid.
+    pub vessel: Option<Vessel>,
     /// How pictures show the container instead, if a region does not describe it completely.
     pub drawing: Option<Drawing>,
     /// Masses of the bodies \[kg\], one each; empty if unknown.
     pub masses: Vec<f64>,
+    /// Velocities of the centres of mass \[m/s\], one for each body; empty if unknown.
+    pub velocities: Vec<Vector3>,
     /// Gravity along −z \[m/s²\]; 0 if there is none or it is unknown.
     pub gravity: f64,
     /// Data that the source of the snapshot did not contain.
@@ -144,8 +148,8 @@ impl Snapshot {
     ///
     /// # Errors
     ///
-    /// [`ViewError::ShapeIndex`], [`ViewError::BodyIndex`], [`ViewError::Masses`] or [`ViewError::NotFinite`], naming the
-    /// first fault.
+    /// [`ViewError::ShapeIndex`], [`ViewError::BodyIndex`], [`ViewError::Masses`], [`ViewError::Velocities`] or
+    /// [`ViewError::NotFinite`], naming the first fault.
     pub fn check(&self) -> Result<(), ViewError> {
         for (body, row) in self.bodies.iter().enumerate() {
             if row.shape as usize >= self.shapes.len() {
@@ -176,6 +180,17 @@ impl Snapshot {
         if let Some(index) = self.masses.iter().position(|mass| !mass.is_finite()) {
             return Err(ViewError::NotFinite {
                 what: "the mass of body",
+                index,
+            });
+        }
+        if !self.velocities.is_empty() && self.velocities.len() != self.bodies.len() {
+            let (velocities, bodies) = (self.velocities.len(), self.bodies.len());
+            return Err(ViewError::Velocities { velocities, bodies });
+        }
+        let rests_or_moves = |velocity: &Vector3| velocity.iter().all(|x| x.is_finite());
+        if let Some(index) = self.velocities.iter().position(|v| !rests_or_moves(v)) {
+            return Err(ViewError::NotFinite {
+                what: "the velocity of body",
                 index,
             });
         }

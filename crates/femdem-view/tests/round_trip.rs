@@ -56,6 +56,7 @@ fn pack() -> Snapshot {
             max: Point3::new(0.1, 0.1, 0.3),
         }),
         masses: vec![0.2, 0.3],
+        velocities: vec![Vector3::new(0.1, -1.0 / 3.0, 0.0), Vector3::zeros()],
         gravity: 9.81,
         ..Snapshot::default()
     }
@@ -98,6 +99,7 @@ fn a_pack_comes_back_from_its_tables() {
         );
         assert_eq!(read.sleeping, written.sleeping);
     }
+    assert_eq!(read.velocities, written.velocities);
     assert_eq!(
         (read.masses, read.gravity, read.container, read.gaps),
         (
@@ -122,6 +124,13 @@ fn a_fault_of_a_table_has_its_file_and_line() {
         "{error:?}"
     );
     assert!(error.to_string().contains("z = `much`"), "{error}");
+    // A body without the velocity that the other has.
+    std::fs::write(&path, text.replace(",0,0,0\n", ",,,\n")).unwrap();
+    let error = read_folder(folder.path(), &InputOptions::default()).unwrap_err();
+    assert!(
+        error.to_string().contains("1 velocities for 2 bodies"),
+        "{error}"
+    );
     let none = read_folder(folder.path().join("none"), &InputOptions::default()).unwrap_err();
     assert!(matches!(none, ViewError::Read { .. }), "{none:?}");
 }

@@ -6,5 +6,6 @@
 pub use femdem_analysis::*;
 
 pub use femdem_view::tables::{
-    BodyTable, FOLDER, JSON, Missing, Orientation, SCHEMA, TableOptions, Tables, telling_axes,
+    BodyTable, FOLDER, JSON, Missing, MixingSeries, Orientation, SCHEMA, TableOptions, Tables,
+    telling_axes,
 };

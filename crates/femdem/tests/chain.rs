@@ -281,9 +281,17 @@ fn a_run_is_measured_as_the_pack_is() {
             assert!((a - b).abs() < 1e-5, "{path}: {a} {b}");
         }
     }
-    for path in ["/density/exact", "/coordination/mean", "/core/region/max/2"] {
+    for path in [
+        "/density/exact",
+        "/bed/void_fraction",
+        "/bed/area_per_volume",
+        "/coordination/mean",
+        "/core/region/max/2",
+    ] {
         assert!(apart(&own, &end, path) < 1e-4, "{path}");
     }
+    let bed = summary(&pack)["bed"].clone();
+    assert_eq!(bed["void_fraction"], own["bed"]["void_fraction"]);
     assert!(apart(&own, &end, "/vertical_balance/cuts/0/carried") < 0.02);
 
     // The last frame has the state of the end, to all digits of the tables.
@@ -300,6 +308,47 @@ fn a_run_is_measured_as_the_pack_is() {
         assert!(apart(&end, &frame, path) < 1e-9, "{path}");
     }
     assert_eq!(end["missing"], frame["missing"]);
+    // The fields of both have all parts, and as many cells.
+    let fields = |folder: &Path, place: &Path, more: &[&str]| {
+        analysed(folder, &[&["--fields"], more].concat());
+        let text = fs::read_to_string(place.join("analysis/fields.vti")).unwrap();
+        let arrays = text.lines().filter(|line| line.starts_with("<DataArray"));
+        arrays.collect::<Vec<_>>().join("\n")
+    };
+    let head = fields(&out, &out, &[]);
+    for name in [
+        "solid_fraction",
+        "density",
+        "momentum",
+        "velocity",
+        "kinetic_stress",
+        "contact_stress",
+        "fabric",
+    ] {
+        assert!(head.contains(&format!("Name=\"{name}\"")), "{name}");
+    }
+    assert_eq!(head, fields(&out, &tables, &["--frame", &last.to_string()]));
+    let finer = fields(
+        &pack,
+        &pack,
+        &["--fields-width", "1", "--fields-spacing", "0.25"],
+    );
+    assert!(finer != head && finer.contains("Name=\"kinetic_stress\""));
+    // Without --fields the file of before is gone.
+    analysed(&pack, &[]);
+    assert!(!pack.join("analysis/fields.vti").exists());
+    for (folder, options, words) in [
+        (&pack, &["--fields-width", "1"][..], "--fields"),
+        (
+            &pack,
+            &["--fields", "--fields-spacing", "9"],
+            "spacing_over_d = 9",
+        ),
+        (&pack, &["--over-time"], "run.ckpt"),
+        (&out, &["--over-time"], "several shapes or sizes"),
+    ] {
+        fails(femdem("analyse").arg(folder).args(options), &[words]);
+    }
     // By time, and as a pack from elsewhere.
     let said = analysed(&out, &["--time", "0.0101"]);
     assert!(said.contains("frame 2 at 0.01"), "{said}");

@@ -64,6 +64,8 @@ fn a_pack_leaves_every_file_and_every_key() {
     let mut wanted: Vec<&str> = "schema shape count diameter shapes sieve.points container.kind container.width \
         container.depth container.diameter container.outlet container.half_angle container.rim \
         container.top container.mean_top container.above_rim density friction wall_friction rolling_friction damping_ratio \
+        bed.void_fraction bed.density bed.floor bed.top bed.surface.mean bed.surface.deviation bed.surface.columns \
+        bed.surface.empty_columns bed.volume bed.solid bed.bodies bed.bodies_per_volume bed.area_per_volume bed_missing \
         contact.law contact.penalty contact.tangential_ratio seed threads settled simulated_time steps time_step implicit_multiple sleeping \
         wall_seconds cpu_seconds contact_nanoseconds_per_pair packing_density.exact \
         packing_density.grid packing_density.standard_error packing_density.core.min \
@@ -84,7 +86,7 @@ fn a_pack_leaves_every_file_and_every_key() {
     let bodies = lines(&out.join("bodies.csv"));
     assert_eq!(
         bodies[0],
-        "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping,mass"
+        "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping,mass,velocity_x,velocity_y,velocity_z"
     );
     assert_eq!(bodies.len(), 9);
     let contacts = lines(&out.join("contacts.csv"));

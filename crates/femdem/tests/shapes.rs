@@ -329,7 +329,17 @@ fn a_container_comes_from_a_file() {
     assert!(summary["packing_density"].is_null());
     let said = stdout(&result);
     assert!(
-        said.contains("none: what a container from a file encloses is not known"),
+        said.contains("none: a container from a file has no core"),
+        "{said}"
+    );
+    // Inside it is a frustum 0.1 m wide below, widening by the height.
+    let number = |key: &str| summary["bed"][key].as_f64().unwrap();
+    let wide = 0.1 + number("top");
+    let frustum = (wide.powi(3) - 0.1_f64.powi(3)) / 3.0;
+    assert!((number("volume") / frustum - 1.0).abs() < 1e-9, "{summary}");
+    let void = number("void_fraction");
+    assert!(
+        (0.3..0.9).contains(&void) && said.contains("void fraction 0."),
         "{said}"
     );
     let rows = table(&out.join("contacts.csv"));

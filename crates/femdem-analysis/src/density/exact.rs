@@ -134,12 +134,17 @@ impl Measured {
     }
 }
 
+/// Volume of every body inside `region` (m³).
+pub(crate) fn volumes_of_bodies(pack: &Pack, region: &Region) -> Vec<f64> {
+    ordered_map(pack.len(), Clipper::default, |clipper, body| {
+        body_volume(clipper, pack, body, region)
+    })
+}
+
 /// Solid volume of every body inside `region` (m³), minus half of the volume that it shares with each other
 /// body there.
 pub(crate) fn solid_of_bodies(pack: &Pack, region: &Region) -> Vec<f64> {
-    let mut solids = ordered_map(pack.len(), Clipper::default, |clipper, body| {
-        body_volume(clipper, pack, body, region)
-    });
+    let mut solids = volumes_of_bodies(pack, region);
     let members: Vec<usize> = (0..pack.len()).filter(|&i| solids[i] > 0.0).collect();
     for ((i, j), volume) in measure_pairs(pack, &neighbour_pairs(pack, &members), Some(region)) {
         solids[i] -= 0.5 * volume;

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub use exact::{ExactDensity, exact_density, volume_inside};
 pub use grid::{GridDensity, grid_density};
 
-pub(crate) use exact::solid_of_bodies;
+pub(crate) use exact::{solid_of_bodies, volumes_of_bodies};
 
 use crate::bootstrap::BlockBootstrap;
 use crate::error::AnalysisError;

@@ -3,6 +3,7 @@
 mod order;
 mod quartic;
 mod stereonet;
+mod tilt;
 
 use std::collections::BTreeSet;
 
@@ -11,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 pub use order::{OrderParameter, OrientationOptions, OrientationOrder, orientation_order};
 pub use stereonet::{NetNode, Stereonet, StereonetOptions, schmidt, stereonet};
+pub use tilt::{TiltGroup, TiltHistogram, TiltOptions, distinct_axis, tilt_histogram, tilts};
 
 use crate::error::AnalysisError;
 use crate::pack::Pack;

@@ -68,6 +68,20 @@ pub struct ProfileBin {
     pub centroids: u32,
 }
 
+impl ProfileBin {
+    /// Middle of the bin (m).
+    #[must_use]
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.low + self.high)
+    }
+
+    /// Bodies with their centroid in the bin, over its volume (1/m³).
+    #[must_use]
+    pub fn bodies_per_volume(&self) -> f64 {
+        f64::from(self.centroids) / self.volume
+    }
+}
+
 /// Packing density against height or wall distance. As a [`Table`] one row per bin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DensityProfile {
@@ -75,6 +89,8 @@ pub struct DensityProfile {
     pub coordinate: ProfileCoordinate,
     /// The region measured.
     pub region: Region,
+    /// Mean circumscribed diameter d of the bodies (m).
+    pub diameter: f64,
     /// The bins, in order and without gaps.
     pub bins: Vec<ProfileBin>,
     /// Number of blocks that the bootstrap drew from.
@@ -199,6 +215,7 @@ fn profile(
             Direction::Inwards => ProfileCoordinate::WallDistance,
         },
         region: *region,
+        diameter,
         bins: (0..nest.count).map(bin).collect(),
         blocks: blocks.len(),
     })
@@ -214,6 +231,9 @@ impl Table for DensityProfile {
             "density",
             "standard_error",
             "centroids",
+            "middle_mm",
+            "middle_over_d",
+            "bodies_per_m3",
         ]
     }
 
@@ -227,6 +247,9 @@ impl Table for DensityProfile {
                 bin.density.into(),
                 bin.standard_error.into(),
                 bin.centroids.into(),
+                (1e3 * bin.middle()).into(),
+                (bin.middle() / self.diameter).into(),
+                bin.bodies_per_volume().into(),
             ]
         }))
     }

@@ -29,6 +29,7 @@ pub(super) fn read(folder: &Path, density: Option<f64>) -> Result<Posed, ViewErr
     let turn = text.need_all(["qw", "qx", "qy", "qz"])?;
     let id_column = text.find("id");
     let mass = text.find("mass");
+    let velocity = ["velocity_x", "velocity_y", "velocity_z"].map(|name| text.find(name));
     let sequence = text.find("sequence");
     let sleeping = text.find("sleeping");
     let mut shape_of: BTreeMap<String, u32> = BTreeMap::new();
@@ -75,6 +76,20 @@ pub(super) fn read(folder: &Path, density: Option<f64>) -> Result<Posed, ViewErr
             }
             snapshot.masses.push(mass);
         }
+        if let [Some(x), Some(y), Some(z)] = velocity
+            && !record.text(x).is_empty()
+        {
+            if snapshot.velocities.len() != snapshot.bodies.len() - 1 {
+                let what =
+                    "some rows have a velocity and others have none: give it to all or to none";
+                return Err(record.refuse(what.to_owned()));
+            }
+            snapshot.velocities.push(record.numbers([x, y, z])?.into());
+        }
+    }
+    if !snapshot.velocities.is_empty() && snapshot.velocities.len() != snapshot.bodies.len() {
+        let (velocities, bodies) = (snapshot.velocities.len(), snapshot.bodies.len());
+        return Err(ViewError::Velocities { velocities, bodies });
     }
     if let (false, Some(density)) = (snapshot.masses.is_empty(), density) {
         return Err(ViewError::Option {

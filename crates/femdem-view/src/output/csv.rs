@@ -7,7 +7,8 @@ use femdem_analysis::ContactClass;
 use crate::{Partner, Snapshot, ViewError};
 
 /// Header of `bodies.csv`.
-pub const BODY_COLUMNS: &str = "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping,mass";
+pub const BODY_COLUMNS: &str =
+    "id,shape,x,y,z,qw,qx,qy,qz,sequence,sleeping,mass,velocity_x,velocity_y,velocity_z";
 
 /// Header of `contacts.csv`.
 pub const CONTACT_COLUMNS: &str =
@@ -16,7 +17,8 @@ pub const CONTACT_COLUMNS: &str =
 /// Writes the bodies, one per line.
 ///
 /// `x, y, z` \[m\] and the unit quaternion `qw, qx, qy, qz` are the pose, which transforms a point of
-/// `shape-<name>.obj` to the world. `sleeping` is 0 or 1; `mass` is in kg, empty if unknown.
+/// `shape-<name>.obj` to the world. `sleeping` is 0 or 1; `mass` is in kg, and `velocity_x` ... in m/s is
+/// the velocity of the centre of mass; both are empty if unknown.
 ///
 /// # Errors
 ///
@@ -25,12 +27,16 @@ pub const CONTACT_COLUMNS: &str =
 pub fn write_bodies(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<()> {
     snapshot.check().map_err(invalid)?;
     writeln!(writer, "{BODY_COLUMNS}")?;
+    let velocity = |id: usize| {
+        let known = snapshot.velocities.get(id);
+        known.map_or(",,".to_owned(), |v| format!("{},{},{}", v.x, v.y, v.z))
+    };
     for (id, body) in snapshot.bodies.iter().enumerate() {
         let shape = quoted(&snapshot.shape_of(body).name);
         let (t, q) = (&body.pose.translation, &body.pose.rotation);
         writeln!(
             writer,
-            "{id},{shape},{},{},{},{},{},{},{},{},{},{}",
+            "{id},{shape},{},{},{},{},{},{},{},{},{},{},{}",
             t.x,
             t.y,
             t.z,
@@ -44,6 +50,7 @@ pub fn write_bodies(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<(
                 .masses
                 .get(id)
                 .map_or(String::new(), f64::to_string),
+            velocity(id),
         )?;
     }
     Ok(())
@@ -138,7 +145,13 @@ mod tests {
             rows[2][4].parse::<f64>().unwrap(),
             two_cubes().bodies[1].pose.translation.z
         );
-        assert_eq!(rows[2][9..], ["1", "1", ""]);
+        assert_eq!(rows[2][9..], ["1", "1", "", "", "", ""]);
+        let mut moving = two_cubes();
+        moving.velocities = vec![femdem_mesh::Vector3::new(0.5, -1.0, 0.0); 2];
+        let rows = text(|w| write_bodies(&moving, w));
+        assert_eq!(rows[2][12..], ["0.5", "-1", "0"]);
+        moving.velocities.pop();
+        assert!(write_bodies(&moving, io::sink()).is_err());
     }
 
     #[test]

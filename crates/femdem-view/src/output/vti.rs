@@ -1,12 +1,13 @@
 //! Regular grids of cells for ParaView, as image data: local packing density, and voxels of the void space.
 //!
-//! Cell data of a density map: `density` (1), `volume` (of the cell's part in the region, m³). Of voxels:
+//! Cell data of a density map: `density` (1), `volume` (of the cell's part in the region, m³). Of coarse-grained
+//! fields: those of [`Fields`] by their names, tensors with nine components by rows ([`write_continuum`]). Of voxels:
 //! `label` ([`write_labels`]), or fields by their names ([`write_fields`]).
 
 use std::io::{self, Write};
 
-use femdem_analysis::DensityMap;
 use femdem_analysis::pores::{VoxelGrid, VoxelImage};
+use femdem_analysis::{DensityMap, Fields, Tensor};
 
 use super::vtk::Document;
 
@@ -24,6 +25,46 @@ pub fn write(map: &DensityMap, writer: impl Write) -> io::Result<()> {
     let mut out = begun(&grid, "density");
     out.floats("density", 1, map.densities.iter().copied());
     out.floats("volume", 1, map.volumes.iter().copied());
+    out.line("</CellData>\n</Piece>");
+    out.finish(writer)
+}
+
+/// Writes coarse-grained fields; those that are not known or empty are left out.
+///
+/// # Errors
+///
+/// If writing fails.
+pub fn write_continuum(fields: &Fields, writer: impl Write) -> io::Result<()> {
+    let grid = VoxelGrid {
+        origin: fields.origin,
+        spacing: [fields.spacing; 3],
+        counts: fields.counts,
+    };
+    let mut out = begun(&grid, "solid_fraction");
+    out.floats("solid_fraction", 1, fields.solid_fraction.iter().copied());
+    if let Some(density) = &fields.density {
+        out.floats("density", 1, density.iter().copied());
+    }
+    let vectors = [
+        ("momentum", &fields.momentum),
+        ("velocity", &fields.velocity),
+    ];
+    for (name, vectors) in vectors {
+        if let Some(vectors) = vectors {
+            out.floats(name, 3, vectors.iter().flatten().copied());
+        }
+    }
+    let tensors: [(&str, &[Tensor]); 3] = [
+        (
+            "kinetic_stress",
+            fields.kinetic_stress.as_deref().unwrap_or(&[]),
+        ),
+        ("contact_stress", &fields.contact_stress),
+        ("fabric", &fields.fabric),
+    ];
+    for (name, tensors) in tensors.into_iter().filter(|(_, list)| !list.is_empty()) {
+        out.floats(name, 9, tensors.iter().flatten().copied());
+    }
     out.line("</CellData>\n</Piece>");
     out.finish(writer)
 }

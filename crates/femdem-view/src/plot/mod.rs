@@ -29,6 +29,7 @@ pub fn plots(tables: &Tables) -> Vec<Plot> {
     plots.extend(profiles::radial(tables));
     plots.extend(structure::local_density(tables));
     plots.extend(net::stereonet(tables));
+    plots.extend(structure::tilt(tables));
     plots.extend(structure::coordination(tables));
     plots.extend(structure::classes(tables));
     plots.extend(forces::distribution(tables));

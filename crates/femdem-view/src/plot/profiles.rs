@@ -5,6 +5,7 @@ use femdem_analysis::{DensityProfile, ProfileBin, RadialBin};
 use super::axis::Axis;
 use super::chart::{Chart, Hue};
 use super::svg::Plot;
+use crate::output::short_number;
 use crate::tables::Tables;
 
 /// Density over height, with the heights upward.
@@ -68,7 +69,8 @@ pub(super) fn wall(tables: &Tables) -> Option<Plot> {
     let caption = format!(
         "Solid volume over volume of shells at equal distance from the nearest side wall, over the heights of the \
          {space}; the band is the standard error by block bootstrap. Walls order the bodies beside them: waves of \
-         about one diameter, dying out inward. Dashed: the {space}."
+         about one diameter, dying out inward. Dashed: the {space}. d is {} mm.",
+        short_number(1e3 * d)
     );
     Some(Plot::of(
         "wall",

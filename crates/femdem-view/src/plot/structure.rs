@@ -1,6 +1,6 @@
 //! Plots of the contacts between bodies.
 
-use femdem_analysis::Coordination;
+use femdem_analysis::{Coordination, TiltGroup};
 
 use super::axis::Axis;
 use super::chart::{Chart, Hue};
@@ -9,7 +9,9 @@ use crate::tables::Tables;
 
 /// The histogram of the coordination number: of the core, or of all bodies without one.
 pub(super) fn coordination(tables: &Tables) -> Option<Plot> {
-    let (which, shown) = match (&tables.core_coordination, &tables.coordination) {
+    let core = tables.core_coordination.as_ref();
+    let core = core.filter(|_| !tables.has_thin_core());
+    let (which, shown) = match (core, &tables.coordination) {
         (Some(core), _) => ("the core", core),
         (None, Some(all)) => ("the whole pack", all),
         (None, None) => return None,
@@ -65,6 +67,49 @@ pub(super) fn sieve(tables: &Tables) -> Option<Plot> {
         points.len()
     );
     Some(Plot::of("sieve", "Sieve curve", caption, chart))
+}
+
+/// Tilts in the core, or of all bodies, and near the side walls, over those of random directions.
+pub(super) fn tilt(tables: &Tables) -> Option<Plot> {
+    let found = tables.tilt.as_ref()?;
+    let inner = match found.core.as_ref().filter(|core| core.bodies > 0) {
+        Some(core) => ("core", core),
+        None => ("all bodies", &found.all),
+    };
+    let walls = found.side_walls.as_ref().filter(|walls| walls.bodies > 0);
+    let mut groups = vec![(Hue::First, inner.0, inner.1)];
+    groups.extend(walls.map(|walls| (Hue::Second, "near side walls", walls)));
+    let points = |group: &TiltGroup| -> Vec<[f64; 2]> {
+        let ratio = |k: usize| {
+            let share = f64::from(group.counts[k]) / f64::from(group.bodies);
+            let middle = 0.5 * (found.edges[k] + found.edges[k + 1]);
+            [middle, share / found.random[k]]
+        };
+        (0..found.random.len()).map(ratio).collect()
+    };
+    let lines: Vec<Vec<[f64; 2]>> = groups.iter().map(|group| points(group.2)).collect();
+    let x = Axis::linear("tilt / degrees", 0.0, 90.0);
+    let heights = lines.iter().flatten().map(|p| p[1]);
+    let mut chart = Chart::new(
+        x,
+        Axis::from_zero("bodies over random", heights.chain([1.5])),
+    );
+    for ((hue, name, _), line) in groups.iter().zip(&lines) {
+        chart.line(*hue, line);
+        chart.name(*hue, name);
+    }
+    chart.level(1.0);
+    let caption = format!(
+        "Angle between the vertical and the body's axis, the principal axis whose moment of inertia differs most \
+         from the other two: number of bodies over that for axes of random direction (dashed: 1), whose density is \
+         the sine of the angle. {}.",
+        groups
+            .iter()
+            .map(|(_, name, group)| format!("{} bodies: {name}", group.bodies))
+            .collect::<Vec<_>>()
+            .join(", ")
+    );
+    Some(Plot::of("tilt", "Tilt of the bodies", caption, chart))
 }
 
 /// The histogram of the local density.

@@ -55,6 +55,16 @@ pub(super) fn measured(tables: &Tables) -> Vec<KeyFigure> {
             note: format!("{error}of the {}{grid}", tables.density_space()),
         });
     }
+    if let Some(bed) = &tables.bed {
+        figures.push(KeyFigure {
+            label: "Void fraction of the bed".to_owned(),
+            value: format!("{:.4}", bed.void_fraction),
+            note: format!(
+                "from the floor to the mean top, {:.1} d high, over the whole width",
+                (bed.top - bed.floor) / tables.diameter
+            ),
+        });
+    }
     if let Some(z) = &tables.coordination {
         figures.push(KeyFigure {
             label: "Coordination number".to_owned(),

@@ -1,10 +1,11 @@
 //! All tables of a pack.
 
 use femdem_analysis::{
-    BodyStresses, ChainNetwork, ContactClasses, ContactFabric, Coordination, CoreRegion,
-    DensityMap, DensityProfile, Estimate, ForceDistribution, ForceMaxima, ForceNetwork, Pack,
-    PackingDensity, PosedBody, RadialDistribution, Rattlers, RegionStress, SetVoronoi, SieveCurve,
-    StressProfile, ThresholdCurve, VerticalBalance, WallForces,
+    Bed, BodyStresses, ChainNetwork, ContactClasses, ContactFabric, Coordination, CoreRegion,
+    DensityMap, DensityProfile, Estimate, Fields, ForceDistribution, ForceMaxima, ForceNetwork,
+    Mixing, Pack, PackingDensity, PosedBody, RadialDistribution, Rattlers, RegionStress,
+    SetVoronoi, SieveCurve, StressProfile, ThresholdCurve, TiltHistogram, VerticalBalance,
+    WallForces,
 };
 use femdem_mesh::Polyhedron;
 use serde::{Deserialize, Serialize, Serializer};
@@ -52,6 +53,8 @@ pub struct Tables {
     pub walls: Vec<String>,
     /// The core region.
     pub core: Option<CoreRegion>,
+    /// Void fraction of the whole bed, from the floor to the mean top.
+    pub bed: Option<Bed>,
     /// Packing density of the core.
     pub density: Option<PackingDensity>,
     /// Packing density over the height of the container.
@@ -66,6 +69,15 @@ pub struct Tables {
     pub set_voronoi: Option<SetVoronoi>,
     /// Orientations of the bodies.
     pub orientation: Option<Orientation>,
+    /// Tilt of each body in degrees; in CSV only.
+    #[serde(skip)]
+    pub tilts: Vec<Option<f64>>,
+    /// Histogram of the tilts.
+    pub tilt: Option<TiltHistogram>,
+    /// Mixing of the shapes of a mixture.
+    pub mixing_by_shape: Option<Mixing>,
+    /// Mixing of smaller and larger bodies.
+    pub mixing_by_size: Option<Mixing>,
     /// Radial distribution function of the centres in the core.
     pub radial_distribution: Option<RadialDistribution>,
     /// Coordination number over all bodies.
@@ -103,6 +115,9 @@ pub struct Tables {
     pub wall_forces: Option<WallForces>,
     /// Fabric of the contacts between bodies.
     pub fabric: Option<ContactFabric>,
+    /// Coarse-grained fields, if the options ask for them; in VTI only.
+    #[serde(skip)]
+    pub fields: Option<Fields>,
 }
 
 impl Tables {
@@ -129,9 +144,12 @@ impl Tables {
         let network = ForceNetwork::new(&data.bodies, &data.contacts, options.force_threshold)?;
         let mut tables = Self::empty(snapshot, options, &network, data.walls.clone());
         tables.add_geometry(snapshot, &pack)?;
+        tables.add_tilt(snapshot, &pack)?;
+        tables.add_mixing(snapshot, &pack)?;
         tables.add_radial_distribution(&pack)?;
         tables.add_contacts(snapshot, &pack)?;
         tables.add_forces(snapshot, &network)?;
+        tables.add_fields(snapshot, &network)?;
         Ok(tables)
     }
 
@@ -151,12 +169,17 @@ impl Tables {
             sieve: sieve(snapshot),
             walls,
             core: None,
+            bed: None,
             density: None,
             height_profile: None,
             wall_profile: None,
             density_map: None,
             set_voronoi: None,
             orientation: None,
+            tilts: Vec::new(),
+            tilt: None,
+            mixing_by_shape: None,
+            mixing_by_size: None,
             radial_distribution: None,
             coordination: None,
             mean_coordination: None,
@@ -175,6 +198,7 @@ impl Tables {
             vertical_balance: None,
             wall_forces: None,
             fabric: None,
+            fields: None,
         }
     }
 

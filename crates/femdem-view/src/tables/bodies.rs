@@ -98,6 +98,7 @@ impl<'a> BodyTable<'a> {
                 cells.push(stress.map(|s| s.directions[direction][k]).into());
             }
         }
+        cells.push(tables.tilts.get(body).copied().flatten().into());
         cells
     }
 }
@@ -124,6 +125,7 @@ impl Table for BodyTable<'_> {
             "direction_3_x",
             "direction_3_y",
             "direction_3_z",
+            "tilt_deg",
         ]
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use femdem_analysis::Estimate;
+use femdem_analysis::{Estimate, Mixing, TiltGroup};
 
 use super::Tables;
 
@@ -16,7 +16,10 @@ impl fmt::Display for Tables {
             None => Ok(()),
         };
         line("density", self.density_text())?;
+        line("bed", self.bed_text())?;
         line("orientation", self.orientation_text())?;
+        line("tilt", self.tilt_text())?;
+        line("mixing", self.mixing_text())?;
         line("coordination", self.coordination_text())?;
         line("contact classes", self.classes_text())?;
         line("rattlers", self.rattlers_text())?;
@@ -64,6 +67,46 @@ impl Tables {
         ))
     }
 
+    fn bed_text(&self) -> Option<String> {
+        let bed = self.bed.as_ref()?;
+        Some(format!(
+            "void fraction {:.4}, density {:.4}, from the floor to the mean top, {:.1} d high",
+            bed.void_fraction,
+            bed.density,
+            (bed.top - bed.floor) / self.diameter
+        ))
+    }
+
+    fn tilt_text(&self) -> Option<String> {
+        let tilt = self.tilt.as_ref()?;
+        let mean = |group: &TiltGroup, name: &str| {
+            group.mean.map(|mean| format!("{mean:.1} degrees {name}"))
+        };
+        let parts = [
+            mean(&tilt.all, "on average, 57.3 by chance"),
+            tilt.side_walls
+                .as_ref()
+                .and_then(|g| mean(g, "near the side walls")),
+            tilt.core.as_ref().and_then(|g| mean(g, "in the core")),
+        ];
+        Some(parts.into_iter().flatten().collect::<Vec<_>>().join("; "))
+    }
+
+    fn mixing_text(&self) -> Option<String> {
+        let text = |name: &str, found: &Mixing| {
+            let index = found.lacey_index?;
+            Some(format!("Lacey's index by {name} {index:.3}"))
+        };
+        let parts = [
+            ("shape", &self.mixing_by_shape),
+            ("size", &self.mixing_by_size),
+        ];
+        let texts = parts
+            .iter()
+            .filter_map(|(name, found)| text(name, found.as_ref()?));
+        Some(texts.collect::<Vec<_>>().join(", ")).filter(|text| !text.is_empty())
+    }
+
     fn orientation_text(&self) -> Option<String> {
         let order = &self.orientation.as_ref()?.order;
         // Three axes at right angles never have nematic order: it is not worth mentioning.
@@ -86,7 +129,9 @@ impl Tables {
             let error = found.and_then(|found| found.standard_error);
             error.map_or(String::new(), |e| format!(" +- {e:.2}"))
         };
-        let core = self.core_coordination.as_ref().map_or(String::new(), |c| {
+        let core = self.core_coordination.as_ref();
+        let core = core.filter(|_| !self.has_thin_core());
+        let core = core.map_or(String::new(), |c| {
             format!(
                 "; {:.2}{} in the core",
                 c.mean,
@@ -150,7 +195,8 @@ impl Tables {
     }
 
     fn stress_text(&self) -> Option<String> {
-        let stress = &self.core_stress.as_ref()?.stress;
+        let core = self.core_stress.as_ref();
+        let stress = &core.filter(|_| !self.has_thin_core())?.stress;
         Some(format!(
             "pressure {:.3e} Pa, deviator {:.3e} Pa",
             stress.pressure, stress.deviator

@@ -17,7 +17,7 @@ pub const FOLDER: &str = "analysis";
 pub const JSON: &str = "analysis.json";
 
 impl Tables {
-    /// Writes `analysis/*.csv` and `analysis/density-map.vti` for the tables that exist, and `analysis.json`
+    /// Writes `analysis/*.csv`, `analysis/density-map.vti` and `analysis/fields.vti` for the tables that exist, and `analysis.json`
     /// last. Files of an earlier analysis that are not written again are removed, so that the files there
     /// belong together.
     ///
@@ -39,7 +39,7 @@ impl Tables {
             .orientation
             .as_ref()
             .and_then(|found| found.net.as_ref());
-        let all: [(&str, Option<&dyn Table>); 25] = [
+        let all: [(&str, Option<&dyn Table>); 29] = [
             ("bodies.csv", Some(&bodies)),
             ("sieve.csv", table(&self.sieve)),
             ("height-profile.csv", table(&self.height_profile)),
@@ -47,6 +47,9 @@ impl Tables {
             ("density-map.csv", table(&self.density_map)),
             ("set-voronoi.csv", table(&self.set_voronoi)),
             ("stereonet.csv", net.map(|net| net as _)),
+            ("tilt.csv", table(&self.tilt)),
+            ("mixing-by-shape.csv", table(&self.mixing_by_shape)),
+            ("mixing-by-size.csv", table(&self.mixing_by_size)),
             ("radial-distribution.csv", table(&self.radial_distribution)),
             ("coordination.csv", table(&self.coordination)),
             ("core-coordination.csv", table(&self.core_coordination)),
@@ -77,6 +80,7 @@ impl Tables {
             ("wall-forces.csv", table(&self.wall_forces)),
             ("fabric.csv", table(&self.fabric)),
             ("density-map.vti", None),
+            ("fields.vti", None),
         ];
         for (name, table) in all {
             let path = tables.join(name);
@@ -87,6 +91,11 @@ impl Tables {
         }
         if let Some(map) = &self.density_map {
             write_file(tables.join("density-map.vti"), |w| vti::write(map, w))?;
+        }
+        if let Some(fields) = &self.fields {
+            write_file(tables.join("fields.vti"), |w| {
+                vti::write_continuum(fields, w)
+            })?;
         }
         write_file(folder.join(JSON), |w| {
             serde_json::to_writer_pretty(&mut *w, self)?;

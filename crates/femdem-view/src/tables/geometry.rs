@@ -1,9 +1,11 @@
 //! Tables that need only poses.
 
-use femdem_analysis::AnalysisError::{NoPackInContainer, Region as BadRegion};
+use femdem_analysis::AnalysisError::{
+    AboveRim, NoPackInContainer, NotEnclosed, Region as BadRegion, RegionKind,
+};
 use femdem_analysis::{
-    CoreRegion, Pack, Region, SetVoronoiOptions, choose_core, density_map, height_profile,
-    packing_density, set_voronoi, wall_profile,
+    CoreRegion, Pack, Region, SetVoronoiOptions, Vessel, choose_core, density_map, height_profile,
+    measure_bed, packing_density, set_voronoi, tilt_histogram, tilts, wall_profile,
 };
 
 use super::Tables;
@@ -11,6 +13,8 @@ use crate::{Snapshot, ViewError};
 
 /// Tables of the container.
 const CONTAINER_TABLES: [&str; 2] = ["height_profile", "density_map"];
+
+const NO_CONTAINER: &str = "the container is not known; give its inside";
 
 /// Tables of the core.
 const CORE_TABLES: [&str; 6] = [
@@ -35,10 +39,10 @@ impl Tables {
                 "there are too many directions; choose fewer axes",
             );
         }
+        self.add_bed(snapshot, pack)?;
         let Some(container) = &snapshot.container else {
-            let reason = "the container is not known; give its inside";
-            self.miss(&CONTAINER_TABLES, reason);
-            self.miss(&CORE_TABLES, reason);
+            self.miss(&CONTAINER_TABLES, NO_CONTAINER);
+            self.miss(&CORE_TABLES, NO_CONTAINER);
             return Ok(());
         };
         self.density_map = Some(density_map(pack, container, &self.options.map)?);
@@ -62,6 +66,44 @@ impl Tables {
             }
             Err(other) => Err(other.into()),
         }
+    }
+
+    /// The whole bed, in the vessel or else in the container.
+    fn add_bed(&mut self, snapshot: &Snapshot, pack: &Pack) -> Result<(), ViewError> {
+        let vessel = snapshot.vessel.clone();
+        let Some(vessel) = vessel.or_else(|| snapshot.container.map(Vessel::Upright)) else {
+            self.miss(&["bed"], NO_CONTAINER);
+            return Ok(());
+        };
+        match measure_bed(pack, &vessel, self.options.core.column_spacing_over_d) {
+            Ok(bed) => self.bed = Some(bed),
+            Err(
+                error @ (AboveRim { .. }
+                | NotEnclosed { .. }
+                | NoPackInContainer { .. }
+                | RegionKind { .. }),
+            ) => self.miss(&["bed"], &error.to_string()),
+            Err(other) => return Err(other.into()),
+        }
+        Ok(())
+    }
+
+    /// The tilts, and their histogram near the walls of the container and in the core.
+    pub(super) fn add_tilt(&mut self, snapshot: &Snapshot, pack: &Pack) -> Result<(), ViewError> {
+        self.tilts = tilts(pack);
+        if self.tilts.iter().all(Option::is_none) {
+            let reason = "the bodies have equal moments of inertia, and thus no axis of their own";
+            self.miss(&["tilt"], reason);
+            return Ok(());
+        }
+        let core = self.core.as_ref().filter(|core| !core.is_thin());
+        self.tilt = Some(tilt_histogram(
+            pack,
+            snapshot.container.as_ref(),
+            core.map(|core| &core.region),
+            &self.options.tilt,
+        )?);
+        Ok(())
     }
 
     fn add_core(

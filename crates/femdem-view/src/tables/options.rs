@@ -2,8 +2,9 @@
 
 use femdem_analysis::{
     BlockBootstrap, BodyAxes, ChainOptions, CoreOptions, DensityMapOptions, DensityOptions,
-    ForceDistributionOptions, OrientationOptions, ProfileOptions, RadialOptions, SetVoronoiOptions,
-    StereonetOptions, StressRule, SupportRule, ThresholdOptions, WeightRule,
+    FieldOptions, ForceDistributionOptions, MixingOptions, OrientationOptions, ProfileOptions,
+    RadialOptions, SetVoronoiOptions, StereonetOptions, StressRule, SupportRule, ThresholdOptions,
+    TiltOptions, WeightRule,
 };
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +32,12 @@ pub struct TableOptions {
     pub net: StereonetOptions,
     /// Order of the directions, and its random baseline.
     pub order: OrientationOptions,
+    /// The histogram of tilts.
+    pub tilt: TiltOptions,
+    /// Mixing of shapes and of sizes.
+    pub mixing: MixingOptions,
+    /// Coarse-grained fields; `None`: they are not computed.
+    pub fields: Option<FieldOptions>,
     /// The radial distribution function.
     pub radial: RadialOptions,
     /// P(f) and its tail.

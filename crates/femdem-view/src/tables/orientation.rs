@@ -1,16 +1,14 @@
 //! Orientations of the bodies of a snapshot, by axes that suit their shapes.
 
 use femdem_analysis::{
-    BodyAxes, OrientationOrder, Pack, Stereonet, body_directions, orientation_order, stereonet,
+    BodyAxes, OrientationOrder, Pack, Stereonet, body_directions, distinct_axis, orientation_order,
+    stereonet,
 };
 use femdem_mesh::Polyhedron;
 use serde::{Deserialize, Serialize};
 
 use super::TableOptions;
 use crate::ViewError;
-
-/// Principal moments of inertia that differ by less than this share count as equal.
-const ISOTROPIC: f64 = 0.02;
 
 /// Largest number of axes for which the order is computed; its baseline needs many random packs.
 const MOST_AXES: usize = 400_000;
@@ -33,17 +31,9 @@ pub struct Orientation {
 /// the normals of the faces with most sides if the moments are equal.
 #[must_use]
 pub fn telling_axes(shape: &Polyhedron) -> BodyAxes {
-    let mut moments: [f64; 3] = shape.mass_properties().principal().moments.into();
-    moments.sort_by(f64::total_cmp);
-    let [low, middle, high] = moments;
-    if high - low <= ISOTROPIC * high {
-        let sides = shape.faces().map(|face| face.len() as u32).max();
-        BodyAxes::FaceNormals { sides }
-    } else if middle - low > high - middle {
-        BodyAxes::Long
-    } else {
-        BodyAxes::Short
-    }
+    distinct_axis(shape).unwrap_or_else(|| BodyAxes::FaceNormals {
+        sides: shape.faces().map(|face| face.len() as u32).max(),
+    })
 }
 
 /// For the axes of the options; without them by the shapes, or by all face normals if the shapes need different

@@ -39,13 +39,14 @@ impl Tables {
         Ok(())
     }
 
+    /// Whether there is a core that is thinner than one body, so that nothing is headed by it.
+    pub(crate) fn has_thin_core(&self) -> bool {
+        self.core.as_ref().is_some_and(CoreRegion::is_thin)
+    }
+
     /// What densities and the radial distribution function are measured in, in words.
     pub(crate) fn density_space(&self) -> &'static str {
-        if self.core.as_ref().is_some_and(CoreRegion::is_thin) {
-            "bed"
-        } else {
-            "core"
-        }
+        if self.has_thin_core() { "bed" } else { "core" }
     }
 }
 

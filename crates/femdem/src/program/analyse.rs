@@ -5,8 +5,11 @@ use std::str::FromStr;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use femdem::analysis::{BodyAxes, CoreOptions, FOLDER, JSON, TableOptions, Tables};
-use femdem::{Snapshot, results};
+use femdem::analysis::{
+    BodyAxes, CoreOptions, FOLDER, FieldOptions, JSON, MixingSeries, Table, TableOptions, Tables,
+};
+use femdem::input::BODIES;
+use femdem::{Snapshot, output, results};
 
 use super::job::report;
 use super::running::{Outcome, in_pool};
@@ -28,7 +31,9 @@ is measured from
 All get
   analysis.json              all results but the long lists, and what could not be found, with the reason
   analysis/*.csv             the tables; docs/analysis.md has their columns
-  analysis/density-map.vti   local packing density, for ParaView";
+  analysis/density-map.vti   local packing density, for ParaView
+  analysis/mixing-over-time.csv  with --over-time: mixing in all frames of a run
+  analysis/fields.vti        with --fields: density, velocity, stress and fabric as fields on a grid";
 
 /// Options of `femdem analyse`.
 #[derive(Debug, Args)]
@@ -49,6 +54,22 @@ pub(crate) struct AnalyseArgs {
     /// small [default: 5, less where a core of 3 d would not remain]
     #[arg(long, value_name = "X")]
     pub core_inset: Option<f64>,
+
+    /// Coarse-grained fields for ParaView: density, momentum, stress and fabric in analysis/fields.vti
+    #[arg(long)]
+    pub fields: bool,
+
+    /// Radius of the coarse-graining function of --fields in d [default: 1.5]
+    #[arg(long, value_name = "X", requires = "fields")]
+    pub fields_width: Option<f64>,
+
+    /// Distance of the points of --fields in d, at most the width [default: 0.5]
+    #[arg(long, value_name = "X", requires = "fields")]
+    pub fields_spacing: Option<f64>,
+
+    /// Mixing of shapes and sizes over all frames of a run with tables, in analysis/mixing-over-time.csv
+    #[arg(long, conflicts_with_all = ["frame", "time"])]
+    pub over_time: bool,
 
     /// Folder for analysis.json and the tables [default: the folder of the pack, or of the tables of the frame]
     #[arg(long, value_name = "DIR")]
@@ -107,6 +128,8 @@ pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
         let found = source::read(&args.folder, &args.foreign, &args.frame)?;
         // Options that cannot be met are refused before any file is written.
         let tables = tables(args, &found.snapshot)?;
+        let series = args.over_time.then(|| over_time(args, &tables, &found));
+        let series = series.transpose()?;
         if let Origin::Pack(saved) = &found.origin {
             let summary = results::write(&args.folder, &saved.packing, &saved.usage)?;
             report(&summary, &saved.packing, &args.folder, args.quiet)?;
@@ -114,8 +137,37 @@ pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
         if let Some(lead) = found.lead().filter(|_| !args.quiet) {
             say(&lead);
         }
-        write(args, &tables, &found)
+        write(args, &tables, series.as_ref(), &found)
     })
+}
+
+/// Mixing in all frames of a run.
+fn over_time(args: &AnalyseArgs, tables: &Tables, found: &Found) -> Result<MixingSeries> {
+    let Origin::Run(saved, _) = &found.origin else {
+        bail!(
+            "--over-time is for a run of a scene, with its run.ckpt, which {} does not have: leave it out",
+            args.folder.display()
+        );
+    };
+    let run = &saved.0;
+    let mut series = MixingSeries::default();
+    for (number, time) in run.frames().iter().enumerate() {
+        if !run.tables_of(&args.folder, number).join(BODIES).is_file() {
+            bail!(
+                "frame {number} of the run in {} has no tables, which --over-time needs: only a scene with \
+                 tables = true writes them",
+                args.folder.display()
+            );
+        }
+        let snapshot = run.read_frame(&args.folder, number)?;
+        series.add(number, *time, &snapshot, &tables.options)?;
+    }
+    if series.frames.is_empty() {
+        bail!(
+            "--over-time is for bodies of several shapes or sizes, and all are of one: leave it out"
+        );
+    }
+    Ok(series)
 }
 
 fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Tables> {
@@ -133,14 +185,30 @@ fn tables(args: &AnalyseArgs, snapshot: &Snapshot) -> Result<Tables> {
         core,
         force_threshold: args.threshold.unwrap_or_default(),
         axes: args.axes.as_ref().map(|axes| axes.0.clone()),
+        fields: args.fields.then(|| {
+            let usual = FieldOptions::default();
+            FieldOptions {
+                width_over_d: args.fields_width.unwrap_or(usual.width_over_d),
+                spacing_over_d: args.fields_spacing.unwrap_or(usual.spacing_over_d),
+            }
+        }),
         ..TableOptions::default()
     };
     Ok(Tables::compute(snapshot, &options)?)
 }
 
-fn write(args: &AnalyseArgs, tables: &Tables, found: &Found) -> Result<Outcome> {
+fn write(
+    args: &AnalyseArgs,
+    tables: &Tables,
+    series: Option<&MixingSeries>,
+    found: &Found,
+) -> Result<Outcome> {
     let out: &Path = args.out.as_ref().unwrap_or(&found.folder);
     tables.write(&found.snapshot, out)?;
+    if let Some(series) = series {
+        let path = out.join(FOLDER).join("mixing-over-time.csv");
+        output::write_file(path, |w| series.write_csv(w))?;
+    }
     if !args.quiet {
         let (all, lists) = (out.join(JSON), out.join(FOLDER));
         let places = format!("{} and {}", all.display(), lists.display());

@@ -1,6 +1,6 @@
 //! A job's container in the form that analysis and pictures take.
 
-use femdem_analysis::Region;
+use femdem_analysis::{Region, Vessel};
 use femdem_mesh::{Point3, Polyhedron, Vector3};
 use femdem_pack::{Container, Packing};
 use femdem_view::picture::{circle, sides};
@@ -39,6 +39,27 @@ pub(super) fn inside(packing: &Packing) -> Option<Region> {
             z_max: filled,
         },
     })
+}
+
+/// What the bed lies in, if that is more than the part between upright walls.
+pub(super) fn vessel(packing: &Packing) -> Option<Vessel> {
+    let container = &packing.spec().container;
+    match *container {
+        Container::Box { .. } | Container::Cylinder { .. } => None,
+        Container::Silo {
+            diameter, outlet, ..
+        } => Some(Vessel::Silo {
+            centre: [0.0; 2],
+            radius: diameter / 2.0,
+            outlet_radius: outlet / 2.0,
+            floor: 0.0,
+            waist: container.base(),
+        }),
+        Container::Mesh(ref mesh) => Some(Vessel::Solid {
+            surface: Box::new(mesh.surface().clone()),
+            floor: 0.0,
+        }),
+    }
 }
 
 /// What a picture shows of a container that is more than upright walls or has a rim.

@@ -31,6 +31,7 @@ impl fmt::Display for Summary {
             line("sizes", sizes)?;
         }
         line("packing density", self.density_text())?;
+        line("bed", self.bed_text())?;
         let z = &self.coordination;
         let patches = z.patches_per_pair.filter(|patches| *patches > 1.0);
         let patches = patches.map_or(String::new(), |n| format!("; {n:.2} patches for each pair"));
@@ -111,7 +112,7 @@ impl Summary {
     fn density_text(&self) -> String {
         let Some(density) = &self.packing_density else {
             let reason = match self.container.kind.as_str() {
-                SOLID => "what a container from a file encloses is not known",
+                SOLID => "a container from a file has no core",
                 _ => "the pack is too low to have a core",
             };
             return format!("none: {reason}");
@@ -136,6 +137,18 @@ impl Summary {
             extent(1),
             extent(2)
         )
+    }
+
+    fn bed_text(&self) -> String {
+        match (&self.bed, &self.bed_missing) {
+            (Some(bed), _) => format!(
+                "void fraction {:.4}, density {:.4}, from the floor to the mean top, {:.1} d high",
+                bed.void_fraction,
+                bed.density,
+                (bed.top - bed.floor) / self.diameter
+            ),
+            (None, reason) => format!("unknown: {}", reason.as_deref().unwrap_or("not measured")),
+        }
     }
 
     fn cost_text(&self) -> String {

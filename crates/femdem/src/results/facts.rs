@@ -64,6 +64,15 @@ fn figures(summary: &Summary) -> Vec<KeyFigure> {
             note.trim().to_owned(),
         ));
     }
+    if let Some(bed) = &summary.bed {
+        let note = format!(
+            "density {:.4}, from the floor to the mean top, {:.1} d high",
+            bed.density,
+            (bed.top - bed.floor) / summary.diameter
+        );
+        let value = format!("{:.4}", bed.void_fraction);
+        figures.push(figure("Void fraction of the bed", value, note));
+    }
     let z = &summary.coordination;
     let note = format!("sd {:.2}, walls count", z.sd);
     figures.push(figure(

@@ -57,7 +57,12 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
             .collect(),
         drawing: container::drawing(packing),
         container: container::inside(packing),
+        vessel: container::vessel(packing),
         masses: world.body_ids().filter_map(|id| world.mass(id)).collect(),
+        velocities: world
+            .body_ids()
+            .filter_map(|id| world.velocity(id))
+            .collect(),
         gravity: packing.spec().gravity,
         gaps: Gaps::default(),
     }

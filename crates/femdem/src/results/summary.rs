@@ -6,8 +6,8 @@
 use std::io::{self, Write};
 
 use femdem_analysis::{
-    CoordinationOptions, CoreOptions, DensityOptions, Pack, PosedBody, SieveCurve, choose_core,
-    coordination, packing_density,
+    AnalysisError, Bed, CoordinationOptions, CoreOptions, DensityOptions, Pack, PosedBody,
+    SieveCurve, Vessel, choose_core, coordination, measure_bed, packing_density,
 };
 use femdem_mesh::Polyhedron;
 use femdem_pack::Packing;
@@ -92,6 +92,11 @@ pub struct Summary {
     /// Packing density of the core, or of the whole bed if the core is too thin; `null` if the pack is too low to
     /// have a core, and in a container from a file.
     pub packing_density: Option<DensitySummary>,
+    /// Void fraction and density of the whole bed, from the floor to the mean top, also over a cone and in a
+    /// container from a file; `null` if it is not known.
+    pub bed: Option<Bed>,
+    /// Why there is no `bed`; `null` if there is one.
+    pub bed_missing: Option<String>,
     /// Coordination number: bodies and walls that push on a body, each counted once; over all bodies.
     pub coordination: CoordinationSummary,
     /// Overlaps of the bodies with each other and with the walls.
@@ -202,6 +207,18 @@ impl Summary {
     pub fn of(packing: &Packing, snapshot: &Snapshot, usage: &Usage) -> Result<Self, Error> {
         let (spec, world, report) = (packing.spec(), packing.world(), packing.report());
         let ledger = world.ledger();
+        let shapes: Vec<Polyhedron> = snapshot
+            .shapes
+            .iter()
+            .map(|shape| shape.polyhedron.clone())
+            .collect();
+        let posed = |b: &Body| PosedBody {
+            shape: b.shape,
+            pose: b.pose,
+        };
+        let bodies: Vec<PosedBody> = snapshot.bodies.iter().map(posed).collect();
+        let pack = Pack::new(&shapes, &bodies)?;
+        let (bed, bed_missing) = bed(snapshot, &pack)?;
         Ok(Self {
             schema: SCHEMA,
             shape: snapshot.shape_name().to_owned(),
@@ -231,7 +248,9 @@ impl Summary {
             wall_seconds: usage.wall_seconds,
             cpu_seconds: usage.cpu_seconds,
             contact_nanoseconds_per_pair: usage.contact_nanoseconds_per_pair(),
-            packing_density: density(snapshot)?,
+            packing_density: density(snapshot, &pack)?,
+            bed,
+            bed_missing,
             coordination: coordination_of(snapshot)?,
             penetration: PenetrationSummary {
                 mean_over_d: report.penetration_mean_over_d,
@@ -274,32 +293,18 @@ impl Usage {
 }
 
 /// Density of the core, or of the bed if the core is thin, or none where the pack is too low to have one, or the container is from a file.
-fn density(snapshot: &Snapshot) -> Result<Option<DensitySummary>, Error> {
-    use femdem_analysis::AnalysisError::{NoPackInContainer, Region};
-    let shapes: Vec<Polyhedron> = snapshot
-        .shapes
-        .iter()
-        .map(|shape| shape.polyhedron.clone())
-        .collect();
-    let bodies: Vec<PosedBody> = snapshot
-        .bodies
-        .iter()
-        .map(|b| PosedBody {
-            shape: b.shape,
-            pose: b.pose,
-        })
-        .collect();
-    let pack = Pack::new(&shapes, &bodies)?;
+fn density(snapshot: &Snapshot, pack: &Pack) -> Result<Option<DensitySummary>, Error> {
+    use AnalysisError::{NoPackInContainer, Region};
     let Some(container) = &snapshot.container else {
         return Ok(None);
     };
-    let core = match choose_core(&pack, container, &CoreOptions::default()) {
+    let core = match choose_core(pack, container, &CoreOptions::default()) {
         Ok(core) => core,
         Err(NoPackInContainer { .. } | Region { .. }) => return Ok(None),
         Err(other) => return Err(other.into()),
     };
     let space = core.density_region();
-    let density = packing_density(&pack, space, &DensityOptions::default())?;
+    let density = packing_density(pack, space, &DensityOptions::default())?;
     let (min, max) = space.corners();
     Ok(Some(DensitySummary {
         exact: density.exact,
@@ -316,6 +321,23 @@ fn density(snapshot: &Snapshot) -> Result<Option<DensitySummary>, Error> {
             )
         }),
     }))
+}
+
+/// The whole bed, or why it is not known.
+fn bed(snapshot: &Snapshot, pack: &Pack) -> Result<(Option<Bed>, Option<String>), Error> {
+    use AnalysisError::{AboveRim, NoPackInContainer, NotEnclosed};
+    let vessel = snapshot.vessel.clone();
+    let Some(vessel) = vessel.or_else(|| snapshot.container.map(Vessel::Upright)) else {
+        return Ok((None, Some("the container is not known".to_owned())));
+    };
+    let spacing = CoreOptions::default().column_spacing_over_d;
+    match measure_bed(pack, &vessel, spacing) {
+        Ok(bed) => Ok((Some(bed), None)),
+        Err(error @ (AboveRim { .. } | NotEnclosed { .. } | NoPackInContainer { .. })) => {
+            Ok((None, Some(error.to_string())))
+        }
+        Err(other) => Err(other.into()),
+    }
 }
 
 fn coordination_of(snapshot: &Snapshot) -> Result<CoordinationSummary, Error> {

@@ -65,6 +65,7 @@ impl Simulation {
                 sleeping: world.is_asleep(member.id),
             });
             snapshot.masses.extend(world.mass(member.id));
+            snapshot.velocities.extend(world.velocity(member.id));
         }
         snapshot.contacts = self.rows(&numbers);
         snapshot.gaps.classes = world.deformable_contacts().next().is_some();
