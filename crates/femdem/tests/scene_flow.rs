@@ -225,7 +225,8 @@ fn a_filled_container_is_emptied_by_the_next_run() {
     assert_eq!(emptied.bodies.len(), 0);
     assert!(emptied.energy.ledger_error_relative.abs() < 0.02);
     let flow = rows(other.path(), "flow.csv");
-    assert_eq!(flow.last().unwrap()[1..3], ["below", "12"]);
+    let below = flow.iter().rfind(|row| row[1] == "below");
+    assert_eq!(below.unwrap()[2], "12");
     // A third one goes on from the empty container, whose plug stays away.
     run = begun(&next);
     run.advance(other.path(), u64::MAX).unwrap();

@@ -220,3 +220,16 @@ fn pictures_show_walls_of_revolution() {
     let silo = "[[wall]]\nsilo = { diameter = 0.1, height = 0.1, outlet = 0.02, half-angle = 30 }";
     assert_ne!(draw(silo), draw(""));
 }
+
+/// The scenes that ship begin as their headers say.
+#[test]
+fn shipped_scenes_of_flow_begin() {
+    for (name, bodies) in [("silo-discharge", 0), ("drum", 60)] {
+        let path = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let folder = tempdir().unwrap();
+        let mut run = Run::new(Scenario::read(path).unwrap()).unwrap();
+        assert_eq!(run.simulation().members.len(), bodies, "{name}");
+        run.advance(folder.path(), 30).unwrap();
+        assert!(run.simulation().deep_overlaps().is_empty(), "{name}");
+    }
+}

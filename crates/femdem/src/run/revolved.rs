@@ -69,7 +69,7 @@ pub struct ConeEntry {
     /// Thickness of the plates \[m\]; `None`: a tenth of the larger diameter.
     pub thickness: Option<f64>,
     /// Number of plane facets around the axis.
-    #[serde(default = "facets")]
+    #[serde(default = "plates")]
     pub facets: u32,
 }
 
@@ -94,7 +94,7 @@ pub struct SiloEntry {
     /// Thickness of the plates \[m\]; `None`: a tenth of the diameter.
     pub thickness: Option<f64>,
     /// Number of plane facets around the axis.
-    #[serde(default = "facets")]
+    #[serde(default = "plates")]
     pub facets: u32,
 }
 
@@ -113,12 +113,16 @@ pub struct PlateEntry {
     /// Thickness behind the face \[m\]; `None`: a tenth of the diameter.
     pub thickness: Option<f64>,
     /// Number of sides.
-    #[serde(default = "facets")]
+    #[serde(default = "plates")]
     pub facets: u32,
 }
 
 fn facets() -> u32 {
     64
+}
+
+fn plates() -> u32 {
+    32
 }
 
 fn up() -> [f64; 3] {
