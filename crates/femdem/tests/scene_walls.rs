@@ -233,3 +233,21 @@ fn shipped_scenes_of_flow_begin() {
         assert!(run.simulation().deep_overlaps().is_empty(), "{name}");
     }
 }
+
+/// A plane that moves along itself carries what lies on it, and stays where it is.
+#[test]
+fn a_plane_that_moves_along_itself_is_a_belt() {
+    let belt = "[[wall]]
+        plane = { normal = [0, 0, 1] }
+        motion = { linear = { velocity = [0.2, 0, 0] } }";
+    let cube =
+        scene("position = [0, 0, 0.00577]", belt).replace("shape = \"sphere\"", "shape = \"cube\"");
+    let run = run(&cube);
+    let world = &run.simulation().world;
+    let (x, v) = (world.position(0).unwrap(), world.velocity(0).unwrap());
+    assert!((v.x - 0.2).abs() < 2e-3 && v.y.abs() < 1e-3, "{v}");
+    assert!((x.z - 0.00577).abs() < 1e-4, "{x}");
+    // It slides until friction of 0.3 has given it the velocity, at 0.2/(0.3 g) = 0.068 s.
+    let way = 0.2 * (0.3 - 0.5 * 0.068);
+    assert!((x.x - way).abs() < 2e-3, "{} {way}", x.x);
+}

@@ -2,7 +2,9 @@
 
 use femdem_contact::{Wall, WallShape};
 use femdem_mesh::{Point3, Pose, Vector3};
+use femdem_solve::World;
 
+use super::flow::Supply;
 use super::{Scenario, Simulation};
 
 /// Directions over half a turn in which the width of a body is measured.
@@ -259,6 +261,30 @@ fn floor_under(body: &Placed, bearing: &[(&Wall, Pose)], axes: &[Vector3; 3], lo
     if highest.is_finite() { highest } else { lowest }
 }
 
+/// A body of a source: at the highest place at which it may come, above the middle of the box. `None`
+/// if all have come.
+fn of_source(supply: &Supply, member: usize, axes: &[Vector3; 3], world: &World) -> Option<Placed> {
+    if supply.is_done() {
+        return None;
+    }
+    let [low, high] = [supply.lower, supply.upper].map(Vector3::from);
+    let middle = |axis: &Vector3| 0.5 * axis.dot(&(low + high));
+    let half = 0.5 * (high - low).abs().dot(&axes[0].abs());
+    let shape = world.shape(supply.shape)?;
+    let centre = [middle(&axes[0]) + half, middle(&axes[1]), middle(&axes[2])];
+    Some(Placed {
+        member,
+        mass: supply.mass,
+        volume: shape.volume,
+        diameter: 2.0 * supply.radius,
+        field_depth: world.field_depth(supply.shape)?,
+        speed: Vector3::from(supply.velocity).norm(),
+        extents: centre.map(|at| [at - supply.radius, at + supply.radius]),
+        width: 2.0 * supply.radius,
+        drop: 0.0,
+    })
+}
+
 impl Simulation {
     /// Mass of all bodies that contacts move \[kg\].
     pub(super) fn free_mass(&self) -> f64 {
@@ -307,7 +333,8 @@ impl Simulation {
             })
         });
         let sources = (self.members.len()..).zip(&self.flow.supplies);
-        let come = sources.filter_map(|(member, supply)| supply.placed(member, axes, &self.world));
+        let come =
+            sources.filter_map(|(member, supply)| of_source(supply, member, axes, &self.world));
         each.chain(come).collect()
     }
 

@@ -157,7 +157,7 @@ impl CylinderEntry {
     }
 
     /// The wall between two points, if it is one.
-    fn revolved(&self) -> Result<Option<Revolved>, Error> {
+    pub(super) fn revolved(&self) -> Result<Option<Revolved>, Error> {
         let (from, to) = match (self.from, self.to) {
             (None, None) => return Ok(None),
             (Some(from), Some(to)) => (from, to),
@@ -191,7 +191,7 @@ impl ConeEntry {
     }
 
     /// `end` is the name of the key of the second point.
-    fn revolved(&self, end: &'static str) -> Result<Revolved, Error> {
+    pub(super) fn revolved(&self, end: &'static str) -> Result<Revolved, Error> {
         let [from, to] = [self.from, self.to].map(Vector3::from);
         let along = to - from;
         let height = along.norm();
@@ -233,7 +233,7 @@ impl SiloEntry {
         self.revolved()?.shape(name)
     }
 
-    fn revolved(&self) -> Result<Revolved, Error> {
+    pub(super) fn revolved(&self) -> Result<Revolved, Error> {
         length("silo.diameter", self.diameter)?;
         let outlet = self.outlet;
         if !(outlet >= 0.0 && outlet < self.diameter) {
@@ -273,7 +273,7 @@ impl PlateEntry {
         self.revolved()?.shape(name)
     }
 
-    fn revolved(&self) -> Result<Revolved, Error> {
+    pub(super) fn revolved(&self) -> Result<Revolved, Error> {
         length("plate.diameter", self.diameter)?;
         let normal = Vector3::from(self.normal);
         if !(normal.norm() > 0.0 && normal.norm().is_finite()) {
@@ -290,21 +290,6 @@ impl PlateEntry {
             facets: self.facets,
             pose: along_axis(&normal, &position("plate.centre", self.centre)?),
         })
-    }
-}
-
-impl super::WallEntry {
-    /// The edges of a wall of revolution in a picture, where its wall is moved by `moved`.
-    pub(super) fn outline(&self, moved: &Pose) -> Vec<[Point3; 2]> {
-        let of_cylinder = || self.cylinder.and_then(|entry| entry.revolved().ok()?);
-        let of_cone = || self.cone.and_then(|entry| entry.revolved("").ok());
-        let of_silo = || self.silo.and_then(|entry| entry.revolved().ok());
-        let of_plate = || self.plate.and_then(|entry| entry.revolved().ok());
-        let revolved = of_cylinder()
-            .or_else(of_cone)
-            .or_else(of_silo)
-            .or_else(of_plate);
-        revolved.map_or_else(Vec::new, |revolved| revolved.lines(moved))
     }
 }
 
@@ -349,7 +334,7 @@ impl Revolved {
     }
 
     /// Rings at the corners of the profile, and lines along it.
-    fn lines(&self, moved: &Pose) -> Vec<[Point3; 2]> {
+    pub(super) fn lines(&self, moved: &Pose) -> Vec<[Point3; 2]> {
         let pose = moved * self.pose;
         let at = |[r, z]: [f64; 2], k: usize, of: usize| {
             let angle = std::f64::consts::TAU * k as f64 / of as f64;

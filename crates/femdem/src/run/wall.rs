@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use femdem_contact::{MaterialId, MeshWall, Wall, WallShape};
-use femdem_mesh::Vector3;
 use femdem_mesh::tet::{self, MeshOptions};
+use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_solve::World;
 use serde::{Deserialize, Serialize};
 
@@ -129,6 +129,18 @@ impl WallEntry {
             self.file.is_some(),
         ];
         given.into_iter().filter(|is_given| *is_given).count()
+    }
+
+    /// The edges of a wall of revolution in a picture, where the wall is moved by `moved`.
+    pub(super) fn outline(&self, moved: &Pose) -> Vec<[Point3; 2]> {
+        let revolved = [
+            self.cylinder.and_then(|entry| entry.revolved().ok()?),
+            self.cone.and_then(|entry| entry.revolved("cone.to").ok()),
+            self.silo.and_then(|entry| entry.revolved().ok()),
+            self.plate.and_then(|entry| entry.revolved().ok()),
+        ];
+        let each = revolved.iter().flatten();
+        each.flat_map(|revolved| revolved.lines(moved)).collect()
     }
 
     /// Refuses keys that have no effect without a file.
