@@ -160,4 +160,4 @@ pub use periodic::PeriodicCell;
 pub use record::Contact;
 pub use shape::{ConvexShape, Frame};
 pub use sphere::{Sphere, SphereKernel};
-pub use walls::{Drum, Hopper, MeshWall, Silo, Wall, WallPlane, WallShape};
+pub use walls::{MeshWall, Wall, WallPlane, WallShape};

@@ -7,11 +7,12 @@ use crate::common::meshes::{block, boxes, dolos};
 use crate::common::pack::{advance, placed, shape, stir};
 use crate::common::{Stream, turned};
 use femdem_contact::{
-    BodyShape, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Drum, Field, FieldMesh,
-    Frame, MeshWall, Motion, Partner, RigidContact, Wall, WallShape,
+    BodyShape, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Field, FieldMesh, Frame,
+    MeshWall, Motion, Partner, RigidContact, Wall, WallShape,
 };
 use femdem_mesh::TetMesh;
 use femdem_mesh::nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
+use femdem_mesh::tet::RevolvedShell;
 use std::sync::Arc;
 
 fn batch(parameters: ContactParameters) -> ContactBatch {
@@ -470,15 +471,17 @@ impl Press {
 /// touches nothing.
 #[test]
 fn a_drum_holds_what_is_inside() {
-    let drum = Drum {
-        radius: 2.0,
-        length: 3.0,
+    let upright = RevolvedShell {
+        profile: vec![[0.0, -1.5], [2.0, -1.5], [2.0, 1.5], [0.0, 1.5]],
         thickness: 0.5,
         facets: 24,
     };
+    let upright = upright.mesh().unwrap();
+    let lying = upright.points().iter().map(|p| Point3::new(p.y, p.z, p.x));
+    let drum = TetMesh::new(lying.collect(), upright.tets().to_vec()).unwrap();
     let ball = shape("A10", 1.0);
     let mut batch = batch(ContactParameters::default());
-    batch.add_wall(MeshWall::drum("drum", &drum).unwrap());
+    batch.add_wall(MeshWall::solid("drum", &drum));
     let id = batch.add_shape(ball.clone());
     batch.add_body(id).unwrap();
     let still = Motion::fixed(Frame::identity());

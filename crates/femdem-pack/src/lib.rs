@@ -34,7 +34,7 @@
 //! - [`Packing`]: the job. It advances by steps, reports its [`Progress`], can be saved and read back at any
 //!   step, and ends with a [`PackReport`].
 //! - [`Penalty`], [`automatic_penalty`], [`penalty_under_stress`]: the stiffness of the contacts, from the allowed penetration.
-//! - [`body_stream`], [`random_rotation`]: the random numbers.
+//! - [`body_stream`], [`uniform`], [`random_rotation`]: the random numbers.
 //! - [`solve`], [`contact`] and [`mesh`]: the crates whose types appear in this interface, such as the
 //!   [`solve::World`] of a job ([`Packing::world`]).
 //!
@@ -76,7 +76,7 @@ pub use error::PackError;
 pub use packing::{Packing, Progress, Stage};
 pub use penalty::{PackLoad, Penalty, automatic_penalty, penalty_under_stress};
 pub use protocol::{Landing, Pour, Protocol, Release, Sequential};
-pub use random::{body_stream, random_rotation};
+pub use random::{body_stream, random_rotation, uniform};
 pub use report::{PackReport, Relaxation, Verification};
 pub use sizes::{Grading, Measure, SizeClass, Sizes};
 pub use spec::{Mixing, PackShape, PackSpec, Settling};

@@ -16,7 +16,7 @@ pub fn body_stream(seed: u64, body: BodyId) -> ChaCha8Rng {
 }
 
 /// A uniform number in [0, 1) with 53 random bits.
-pub(crate) fn uniform(rng: &mut impl Rng) -> f64 {
+pub fn uniform(rng: &mut impl Rng) -> f64 {
     const SCALE: f64 = 1.0 / (1_u64 << 53) as f64;
     (rng.next_u64() >> 11) as f64 * SCALE
 }

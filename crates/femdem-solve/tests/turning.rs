@@ -6,11 +6,12 @@ use crate::common::{
     D, DENSITY, G, add_floor, add_mesh, at, parameters, pose, run_until, turned, weightless,
 };
 use crate::meshes;
-use femdem_contact::{Drum, MeshWall};
+use femdem_contact::MeshWall;
 use femdem_mesh::catalogue::CatalogueShape;
-use femdem_mesh::nalgebra::Vector3;
+use femdem_mesh::nalgebra::{Point3, Vector3};
 use femdem_mesh::shapes::{Shape, Sphere};
-use femdem_mesh::{Pose, Rotation};
+use femdem_mesh::tet::RevolvedShell;
+use femdem_mesh::{Pose, Rotation, TetMesh};
 use femdem_solve::{BodySpec, Drive, World};
 
 /// What the moving plate is in the world.
@@ -202,12 +203,14 @@ fn a_drum_turns_its_filling_over() {
     let mut p = parameters(1e6, 0.6, 0.5);
     p.time_step.safety = 0.3;
     let mut world = World::new(p).unwrap();
-    let drum = Drum {
-        radius: 0.2,
-        length: 0.25,
+    let upright = RevolvedShell {
+        profile: vec![[0.0, -0.125], [0.2, -0.125], [0.2, 0.125], [0.0, 0.125]],
         thickness: 0.05,
         facets: 16,
     };
+    let upright = upright.mesh().unwrap();
+    let lying = upright.points().iter().map(|p| Point3::new(p.y, p.z, p.x));
+    let drum = TetMesh::new(lying.collect(), upright.tets().to_vec()).unwrap();
     let turn = Drive::Turn {
         axis: Vector3::y(),
         point: Vector3::zeros(),
@@ -216,7 +219,7 @@ fn a_drum_turns_its_filling_over() {
         end: 10.0,
     };
     world
-        .add_wall(MeshWall::drum("drum", &drum).unwrap(), turn)
+        .add_wall(MeshWall::solid("drum", &drum), turn)
         .unwrap();
     let shapes = [
         add_mesh(&mut world, "dolos", &meshes::dolos(0.025)),

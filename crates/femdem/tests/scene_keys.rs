@@ -7,12 +7,12 @@ use std::path::PathBuf;
 
 use femdem::run::{
     AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, CELL_COLUMNS, CellEntry,
-    CellState, ContactEntry, ControlEntry, Copies, CylinderEntry, Ending, FocusEntry,
-    HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry, PairEntry,
-    Penalty, PenetrationSummary, PlaneEntry, ReactionSummary, RegionEntry, RelaxEntry,
-    RelaxSummary, RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario,
-    SelectEntry, ShearEntry, Sides, StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry,
-    WallSummary, Zone,
+    CellState, ConeEntry, ContactEntry, ControlEntry, Copies, CylinderEntry, Ending, Ends,
+    FLOW_COLUMNS, FocusEntry, GateEntry, HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry,
+    MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry, PlateEntry,
+    ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary, RotationEntry,
+    RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides, SiloEntry, SourceEntry,
+    StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -142,6 +142,43 @@ fn space() -> BoxEntry {
 fn cylinder() -> CylinderEntry {
     CylinderEntry {
         diameter: 1.0,
+        from: Some(V),
+        to: Some(V),
+        ends: Ends::To,
+        thickness: Some(1.0),
+        facets: 8,
+    }
+}
+
+fn cone() -> ConeEntry {
+    ConeEntry {
+        diameters: [1.0, 2.0],
+        from: V,
+        to: V,
+        ends: Ends::Both,
+        thickness: Some(1.0),
+        facets: 8,
+    }
+}
+
+fn silo() -> SiloEntry {
+    SiloEntry {
+        diameter: 1.0,
+        height: 1.0,
+        outlet: 0.5,
+        half_angle: 45.0,
+        position: V,
+        thickness: Some(1.0),
+        facets: 8,
+    }
+}
+
+fn plate() -> PlateEntry {
+    PlateEntry {
+        diameter: 1.0,
+        centre: V,
+        normal: V,
+        thickness: Some(1.0),
         facets: 8,
     }
 }
@@ -152,12 +189,47 @@ fn wall() -> WallEntry {
         plane: Some(plane()),
         r#box: Some(space()),
         cylinder: Some(cylinder()),
+        cone: Some(cone()),
+        silo: Some(silo()),
+        plate: Some(plate()),
         file: Some(PathBuf::from("w.stl")),
         unit: Unit::M,
         repair: true,
         material: Some("m".to_owned()),
         motion: Some(SHAKE),
         control: Some(control()),
+        opens: Some(1.0),
+    }
+}
+
+fn gate() -> GateEntry {
+    GateEntry {
+        name: "g".to_owned(),
+        plane: Some(plane()),
+        r#box: Some(space()),
+    }
+}
+
+fn source() -> SourceEntry {
+    SourceEntry {
+        name: "s".to_owned(),
+        shape: "cube".to_owned(),
+        diameter: Some(1.0),
+        size: Some(1.0),
+        unit: Unit::M,
+        repair: true,
+        mesh_size: Some(0.1),
+        material: "m".to_owned(),
+        lower: V,
+        upper: V,
+        rate: Some(1.0),
+        mass_rate: Some(1.0),
+        number: Some(1),
+        mass: Some(1.0),
+        start: 1.0,
+        end: Some(2.0),
+        velocity: V,
+        seed: 1,
     }
 }
 
@@ -253,6 +325,9 @@ fn scenario() -> Scenario {
         material: BTreeMap::from([("m".to_owned(), material())]),
         wall: vec![wall()],
         body: vec![body()],
+        source: vec![source()],
+        sink: vec![gate()],
+        gauge: vec![gate()],
         from: Some(PathBuf::from("f")),
         remove: vec!["x+".to_owned()],
         out: PathBuf::from("o"),
@@ -333,7 +408,13 @@ fn every_key_of_every_table_is_documented_and_no_other() {
         ("### `plane`", keys(&plane())),
         ("### `box`", keys(&space())),
         ("### `cylinder`", keys(&cylinder())),
+        ("### `cone`", keys(&cone())),
+        ("### `silo`", keys(&silo())),
+        ("### `plate`", keys(&plate())),
         ("## `[[body]]`", keys(&body())),
+        ("## `[[source]]`", keys(&source())),
+        ("## `[[sink]]`", keys(&gate())),
+        ("## `[[gauge]]`", keys(&gate())),
         ("### `rotation`", keys(&rotation())),
         ("### `copies`", keys(&copies())),
         ("### `focus`", keys(&focus())),
@@ -486,6 +567,7 @@ fn every_column_and_key_of_the_results_is_documented() {
         owned(&WALL_HISTORY_COLUMNS)
     );
     assert_eq!(sorted(columns("## cells.csv")), owned(&CELL_COLUMNS));
+    assert_eq!(sorted(columns("## flow.csv")), owned(&FLOW_COLUMNS));
 
     let summary = summary();
     let mut wanted = BTreeSet::new();
@@ -535,6 +617,7 @@ fn summary() -> RunSummary {
         },
         bodies: vec![BodySummary {
             name: String::new(),
+            number: 0,
             behaviour: String::new(),
             mass: 1.0,
             added_mass: 1.0,
@@ -587,6 +670,7 @@ fn summary() -> RunSummary {
         energy: RunEnergy {
             initial: 1.0,
             work_in: 1.0,
+            by_hand: 1.0,
             kinetic: 1.0,
             potential: 1.0,
             strain: 1.0,

@@ -1,6 +1,5 @@
 //! Walls of any shape.
 
-use super::{Drum, Hopper, Silo};
 use crate::error::ContactError;
 use crate::general::SolidWall;
 use femdem_mesh::{Point3, TetMesh, Vector3};
@@ -13,7 +12,7 @@ use std::sync::Arc;
 /// the wall must be thicker than the deepest overlap; a body that passes through it ends up outside.
 ///
 /// ```
-/// use femdem_contact::{Hopper, MeshWall};
+/// use femdem_contact::MeshWall;
 /// use femdem_mesh::{TetMesh, Vector3};
 ///
 /// // A step of stairs as a wall; bodies stay outside.
@@ -21,7 +20,6 @@ use std::sync::Arc;
 /// let (low, high) = step.bounds();
 /// assert_eq!((low, high), (Vector3::zeros(), Vector3::new(0.3, 1.0, 0.2)));
 /// assert_eq!(step.name(), "step");
-/// # let _ = |hopper: &Hopper| MeshWall::hopper("hopper", hopper);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -114,30 +112,6 @@ impl MeshWall {
                 thickness,
             },
         })
-    }
-
-    /// A funnel.
-    ///
-    /// # Errors
-    /// As [`Hopper::mesh`].
-    pub fn hopper(name: &str, hopper: &Hopper) -> Result<Self, ContactError> {
-        Ok(Self::solid(name, &hopper.mesh()?))
-    }
-
-    /// A silo with a cone.
-    ///
-    /// # Errors
-    /// As [`Silo::mesh`].
-    pub fn silo(name: &str, silo: &Silo) -> Result<Self, ContactError> {
-        Ok(Self::solid(name, &silo.mesh()?))
-    }
-
-    /// A closed drum.
-    ///
-    /// # Errors
-    /// As [`Drum::mesh`].
-    pub fn drum(name: &str, drum: &Drum) -> Result<Self, ContactError> {
-        Ok(Self::solid(name, &drum.mesh()?))
     }
 
     /// The wall's name, as it appears in results.

@@ -3,12 +3,10 @@
 mod cavity;
 mod local;
 mod mesh;
-mod revolved;
 
 pub use cavity::{Wall, WallPlane};
 pub(crate) use local::LocalSolid;
 pub use mesh::MeshWall;
-pub use revolved::{Drum, Hopper, Silo};
 
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};

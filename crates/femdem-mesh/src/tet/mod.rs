@@ -44,6 +44,7 @@ mod mesher;
 mod quadratic;
 mod quality;
 mod refine;
+mod revolved;
 mod snap;
 mod structured;
 mod stuffing;
@@ -56,6 +57,7 @@ pub(crate) use distance::Triangles;
 pub use mesher::{MeshOptions, MeshReport, Method, mesh};
 pub use quadratic::{MID_EDGES, QuadraticMesh};
 pub use quality::Quality;
+pub use revolved::RevolvedShell;
 use serde::{Deserialize, Serialize};
 pub(crate) use winding::Winding;
 

@@ -186,14 +186,12 @@ fn distance(a: Point2<f64>, b: Point2<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use femdem_contact::Hopper;
+    use femdem_mesh::tet::RevolvedShell;
 
     /// A funnel 0.5 m wide above and 0.1 m below, moved and turned away from its place.
     fn funnel() -> Polyhedron {
-        let hopper = Hopper {
-            top_radius: 0.25,
-            outlet_radius: 0.05,
-            height: 0.3,
+        let hopper = RevolvedShell {
+            profile: vec![[0.05, 0.0], [0.25, 0.3]],
             thickness: 0.02,
             facets: 24,
         };

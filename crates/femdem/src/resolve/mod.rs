@@ -42,7 +42,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::results::surface_of;
-use crate::run::{Controls, Member, Origin, Penalty, Simulation};
+use crate::run::{Member, Penalty, Simulation};
 
 pub use files::ResolveSummary;
 
@@ -165,19 +165,15 @@ pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Erro
         ways.iter().sum::<f64>() / ways.len().max(1) as f64,
         ways.iter().copied().fold(0.0, f64::max),
     ];
+    let penalty = Penalty {
+        value: world.parameters().contact.penalty,
+        reason: "that of the pack".to_owned(),
+    };
     Ok(Resolved {
         simulation: Simulation {
-            penalty: Penalty {
-                value: world.parameters().contact.penalty,
-                reason: "that of the pack".to_owned(),
-            },
-            world,
+            penalty,
             members,
-            supports: Vec::new(),
-            controls: Controls::default(),
-            centre: Vector3::zeros(),
-            origin: Origin::default(),
-            notes: Vec::new(),
+            ..Simulation::empty(world)
         },
         relaxed,
         bodies,

@@ -17,8 +17,8 @@ use super::places::Place;
 use super::start::is_pack;
 use super::words::KEYS;
 use super::{
-    Behaviour, BodyEntry, ControlEntry, MaterialEntry, Member, MotionEntry, Scenario, Simulation,
-    Support, WallEntry,
+    Behaviour, BodyEntry, ControlEntry, MaterialEntry, Member, MotionEntry, NamedWall, Scenario,
+    Simulation, Support, WallEntry,
 };
 use crate::Error;
 use crate::error::wrong;
@@ -127,11 +127,19 @@ impl Scenario {
             };
             add().map_err(in_entry(place))?;
         }
-        if simulation.members.is_empty() {
-            return Err(wrong("body", "none", "give at least one [[body]]"));
+        let comes = !self.source.is_empty() || self.from.is_some();
+        if simulation.members.is_empty() && !comes {
+            let allowed = "give at least one [[body]] or [[source]]";
+            return Err(wrong("body", "none", allowed));
         }
         check_names(&simulation)?;
         self.check_materials()?;
+        let walls = simulation.world.walls().map(|(id, wall)| NamedWall {
+            name: wall.name().to_owned(),
+            id,
+        });
+        simulation.walls = walls.collect();
+        simulation.set_flow(self)?;
         self.check_sleep(&simulation)?;
         self.check_relaxation()?;
         let loads = Loads::of(self, &simulation);
@@ -190,6 +198,7 @@ impl Scenario {
             .iter()
             .map(|body| &body.material)
             .chain(parts.map(|part| &part.material))
+            .chain(self.source.iter().map(|source| &source.material))
             .collect();
         let of_walls: BTreeSet<&String> = self
             .wall
@@ -199,11 +208,14 @@ impl Scenario {
         for (name, material) in &self.material {
             let checked = if used.contains(name) {
                 material.check()
+            } else if !of_walls.contains(name) && self.from.is_some() {
+                // Of bodies that have come from a source of the other run.
+                Ok(())
             } else if !of_walls.contains(name) {
                 Err(wrong(
                     "material",
                     "unused",
-                    "no body or wall is made of it: name it in one, or take it out",
+                    "no body, source or wall is made of it: name it in one, or take it out",
                 ))
             } else if *material != MaterialEntry::default() {
                 Err(wrong(
@@ -263,7 +275,7 @@ impl Scenario {
                 ));
             }
         }
-        Ok(())
+        self.check_openings()
     }
 
     /// The law and density of a material.
@@ -320,7 +332,7 @@ impl Scenario {
 
 impl Simulation {
     /// Keeps how a shape was made, if that is news.
-    fn note(&mut self, note: Option<&ShapeNote>) {
+    pub(super) fn note(&mut self, note: Option<&ShapeNote>) {
         if let Some(note) = note.filter(|note| note.is_news() && !self.notes.contains(note)) {
             self.notes.push(note.clone());
         }
@@ -393,7 +405,7 @@ impl Simulation {
         Ok(ids)
     }
 
-    fn add_shape(&mut self, name: &str, geometry: &Geometry) -> Result<ShapeId, Error> {
+    pub(super) fn add_shape(&mut self, name: &str, geometry: &Geometry) -> Result<ShapeId, Error> {
         let Geometry { surface, mesh, .. } = geometry;
         Ok(match mesh {
             Some(mesh) if !surface.is_convex() => {
@@ -460,19 +472,22 @@ impl Simulation {
         Ok(ids)
     }
 
-    /// Advances by one step, whose size the world chooses.
+    /// Advances by one step, whose size the world chooses. Walls open and bodies come before it, and bodies leave after it.
     ///
     /// # Errors
     ///
     /// [`Error::Entry`] with the name of the body at fault: an element that is turned inside out or has no
     /// stress, a body that blew up. The simulation can then not be continued.
     pub fn step(&mut self) -> Result<(), Error> {
+        self.open_walls()?;
+        self.bring_bodies()?;
         let stepped = if self.controls.is_empty() {
             self.world.step()
         } else {
             self.controls.step(&mut self.world)
         };
-        stepped.map_err(|source| self.named(source))
+        stepped.map_err(|source| self.named(source))?;
+        self.pass_gates()
     }
 
     /// The same error with the name of the body at fault.

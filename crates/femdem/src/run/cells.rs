@@ -32,12 +32,13 @@ pub const CELL_COLUMNS: [&str; 19] = [
 ];
 
 /// Rows of `wall_history.csv`: how far each wall is from where the scenario places it, and the force of the bodies on it.
+/// Walls that have been taken away have none.
 pub(super) fn wall_rows(simulation: &Simulation, forces: &ContactForces) -> Vec<Vec<String>> {
     let world = &simulation.world;
-    let walls = world.walls().zip(&forces.walls);
-    let rows = walls.filter_map(|((wall, shape), force)| {
-        let pose = world.wall_pose(wall)?;
-        let mut row = vec![number(world.time()), quoted(shape.name())];
+    let walls = simulation.walls.iter().zip(&forces.walls);
+    let rows = walls.filter_map(|(wall, force)| {
+        let pose = world.wall_pose(wall.id)?;
+        let mut row = vec![number(world.time()), quoted(&wall.name)];
         row.extend(vector(&pose.translation.vector));
         row.extend(vector(force));
         Some(row)

@@ -38,6 +38,9 @@ const OF_MOTION: [&str; 7] = [
     "sleeping-deformables",
 ];
 
+/// Keys of what comes and goes: a run goes on with those that it has, and one that starts has its own.
+const OF_FLOW: [&str; 3] = ["source", "sink", "gauge"];
+
 /// A key that differs between two scenes.
 #[derive(Debug, PartialEq)]
 pub(super) struct Change {
@@ -62,9 +65,10 @@ impl Change {
         keys.contains(&&*self.top)
     }
 
-    /// Whether it is the motion of a wall or of a rigid body, or the control of a wall or of the periodic cell.
+    /// Whether it is the motion of a wall or of a rigid body, the control or opening of a wall, or the control of the periodic cell.
     fn is_drive(&self) -> bool {
-        let of_entry = matches!(&self.entry, Some((_, key)) if key == "motion" || key == "control");
+        let keys = ["motion", "control", "opens"];
+        let of_entry = matches!(&self.entry, Some((_, key)) if keys.contains(&&**key));
         of_entry || self.name == "cell.control"
     }
 
@@ -80,7 +84,7 @@ impl Change {
 
     /// Whether a new run with it can start from a state; `scene` is that of the new run.
     pub fn can_be_started(&self, scene: &Scenario) -> bool {
-        let of_run = self.is_among(&["out", "from"]);
+        let of_run = self.is_among(&["out", "from"]) || self.is_among(&OF_FLOW);
         let body = |i: usize| scene.body.get(i);
         let of_state = match &self.entry {
             Some((_, key)) if key == "boundary" => true,
@@ -207,7 +211,9 @@ impl Simulation {
         let entries = old.wall.iter().zip(&new.wall);
         for ((old, new), walls) in entries.zip(&self.origin.walls) {
             let changed = old.motion != new.motion || old.control != new.control;
-            for &wall in walls.iter().filter(|_| changed) {
+            let there = |wall: &&u32| changed && self.world.wall(**wall).is_some();
+            let walls: Vec<u32> = walls.iter().filter(there).copied().collect();
+            for wall in walls {
                 let drive = new.motion.map(|motion| motion.drive()).unwrap_or_default();
                 self.world.drive_wall(wall, drive)?;
             }
@@ -223,6 +229,7 @@ impl Simulation {
         if lacks || controls(old) != controls(new) {
             self.control(new)?;
         }
+        self.set_openings(new);
         self.set_free(old, new)?;
         for (id, motion) in self.new_motions(old, new)? {
             if let Some(motion) = motion {

@@ -4,7 +4,7 @@ use femdem_contact::{Contact, Partner, mean_penetration};
 use femdem_mesh::Vector3;
 use std::collections::BTreeMap;
 
-use super::Simulation;
+use super::{NamedWall, Simulation};
 
 /// A side of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +55,7 @@ impl ContactLine {
 pub struct ContactForces {
     /// On each member.
     pub members: Vec<Vector3>,
-    /// On each wall, in the order of [`World::walls`](femdem_solve::World::walls).
+    /// On each wall, in the order of [`Simulation::walls`].
     pub walls: Vec<Vector3>,
 }
 
@@ -90,10 +90,8 @@ impl Simulation {
     pub fn forces(&self, contacts: &[ContactLine]) -> ContactForces {
         let mut forces = ContactForces {
             members: vec![Vector3::zeros(); self.members.len()],
-            walls: vec![Vector3::zeros(); self.world.walls().count()],
+            walls: vec![Vector3::zeros(); self.walls.len()],
         };
-        // The numbers of the walls have gaps where some were taken away.
-        let walls: Vec<usize> = self.world.walls().map(|(wall, _)| wall as usize).collect();
         for contact in contacts {
             let force = contact.force();
             if let Some(on_b) = forces.members.get_mut(contact.b) {
@@ -102,7 +100,8 @@ impl Simulation {
             let on_a = match contact.a {
                 Side::Member(member) => forces.members.get_mut(member),
                 Side::Wall(wall) => {
-                    let place = walls.binary_search(&wall).ok();
+                    let known = |other: &NamedWall| other.id as usize;
+                    let place = self.walls.binary_search_by_key(&wall, known).ok();
                     place.and_then(|place| forces.walls.get_mut(place))
                 }
             };

@@ -109,7 +109,7 @@ impl Simulation {
     ///
     /// If writing fails.
     pub fn write_contacts(&self, writer: impl Write) -> io::Result<()> {
-        let walls: Vec<usize> = self.world.walls().map(|(wall, _)| wall as usize).collect();
+        let walls: Vec<usize> = self.walls.iter().map(|wall| wall.id as usize).collect();
         write_points(&self.contacts(), &walls, writer)
     }
 }

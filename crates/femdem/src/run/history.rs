@@ -10,12 +10,12 @@ use femdem_view::ViewError;
 use femdem_view::output::csv::quoted;
 use serde::{Deserialize, Serialize};
 
-use super::Simulation;
 use super::contacts::ContactForces;
+use super::{NamedWall, Simulation};
 use crate::Error;
 
 /// Columns of `history.csv` before those of the walls and supports.
-pub const HISTORY_COLUMNS: [&str; 20] = [
+pub const HISTORY_COLUMNS: [&str; 21] = [
     "time",
     "step",
     "time_step",
@@ -31,6 +31,7 @@ pub const HISTORY_COLUMNS: [&str; 20] = [
     "dissipated_plastic",
     "frozen",
     "work_in",
+    "by_hand",
     "energy_error",
     "px",
     "py",
@@ -103,11 +104,9 @@ fn open(path: &Path, length: u64) -> std::io::Result<File> {
 
 /// Header of `history.csv`.
 pub(super) fn history_header(simulation: &Simulation) -> Vec<String> {
-    let of_wall = |wall: &femdem_contact::WallShape| {
-        ["fx", "fy", "fz"].map(|f| quoted(&format!("{f} {}", wall.name())))
-    };
-    let walls = simulation.world.walls();
-    let walls = walls.flat_map(|(_, wall)| of_wall(wall));
+    let of_wall =
+        |wall: &NamedWall| ["fx", "fy", "fz"].map(|f| quoted(&format!("{f} {}", wall.name)));
+    let walls = simulation.walls.iter().flat_map(of_wall);
     let of_support = |support| {
         let name = simulation.support_name(support);
         ["rx", "ry", "rz"].map(|r| quoted(&format!("{r} {name}")))
@@ -146,6 +145,7 @@ pub(super) fn history_row(
         ledger.dissipated_plastic,
         ledger.frozen,
         ledger.work_in,
+        ledger.by_hand,
         ledger.error(),
         p.x,
         p.y,

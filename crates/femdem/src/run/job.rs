@@ -11,7 +11,9 @@ use serde::{Deserialize, Serialize};
 use super::history::{self, Table};
 use super::relaxation::Relaxing;
 use super::watch::{Deepest, Watch};
-use super::{CELL_COLUMNS, Ending, RelaxSummary, Scenario, Simulation, WALL_HISTORY_COLUMNS};
+use super::{
+    CELL_COLUMNS, Ending, FLOW_COLUMNS, RelaxSummary, Scenario, Simulation, WALL_HISTORY_COLUMNS,
+};
 use crate::Error;
 
 /// The largest force on a wall or of a support among the rows of the history.
@@ -49,6 +51,7 @@ pub struct Run {
     members: Table,
     walls: Table,
     cells: Table,
+    flow: Table,
     peaks: Vec<Peak>,
     reaction_peaks: Vec<Peak>,
     watch: Watch,
@@ -68,13 +71,15 @@ impl Run {
     /// As [`Scenario::build`].
     pub fn new(scenario: Scenario) -> Result<Self, Error> {
         let (scenario, simulation) = scenario.begin()?;
-        let [mut history, mut members, mut walls, mut cells] = [const { Table::EMPTY }; 4];
+        let [mut history, mut members, mut walls, mut cells, mut flow] =
+            [const { Table::EMPTY }; 5];
         history.row(history::history_header(&simulation));
         members.row(history::MEMBER_COLUMNS.map(str::to_owned));
         walls.row(WALL_HISTORY_COLUMNS.map(str::to_owned));
         cells.row(CELL_COLUMNS.map(str::to_owned));
+        flow.row(FLOW_COLUMNS.map(str::to_owned));
         Ok(Self {
-            peaks: vec![Peak::default(); simulation.world.walls().count()],
+            peaks: vec![Peak::default(); simulation.walls.len()],
             reaction_peaks: vec![Peak::default(); simulation.supports.len()],
             watch: Watch::default(),
             scenario,
@@ -86,6 +91,7 @@ impl Run {
             members,
             walls,
             cells,
+            flow,
             quiet_since: None,
             verifying: false,
             relaxing: None,

@@ -2,7 +2,9 @@
 
 use femdem_contact::{Wall, WallShape};
 use femdem_mesh::{Point3, Pose, Vector3};
+use femdem_solve::World;
 
+use super::flow::Supply;
 use super::{Scenario, Simulation};
 
 /// Directions over half a turn in which the width of a body is measured.
@@ -18,7 +20,7 @@ const BEARS: f64 = 0.1;
 /// A rigid body that contacts move, as it is placed.
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
-    /// Number among the members.
+    /// Number among the members, or of the source after the last member.
     pub member: usize,
     /// kg.
     pub mass: f64,
@@ -64,7 +66,7 @@ impl Placed {
 /// A body or several bodies that stand on one another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tower {
-    /// A body in it, by its number among the members.
+    /// A body in it, numbered in the same way.
     pub member: usize,
     pub bodies: usize,
     /// m.
@@ -98,7 +100,7 @@ impl Loads {
         let mut loads = Self {
             placed: simulation.placed(&axes),
             gravity: gravity.norm(),
-            weight: gravity.norm() * simulation.free_mass(),
+            weight: gravity.norm() * (simulation.free_mass() + simulation.flow.mass_to_come()),
             stress: 0.0,
             driven: scenario.fastest_drive(simulation),
             thinnest_wall: f64::INFINITY,
@@ -108,6 +110,13 @@ impl Loads {
             each.fold([low, high], |[a, b], [c, d]| [a.min(c), b.max(d)])
         };
         let mut space = [0, 1, 2].map(|k| over(f64::INFINITY, f64::NEG_INFINITY, k));
+        for [low, high] in simulation.flow.boxes() {
+            for (k, axis) in axes.iter().enumerate().skip(1) {
+                for at in [axis.dot(&low), axis.dot(&high)] {
+                    space[k] = [space[k][0].min(at), space[k][1].max(at)];
+                }
+            }
+        }
         let mut bearing = Vec::new();
         for (wall, shape) in simulation.world.walls() {
             let pose = simulation.world.wall_pose(wall).unwrap_or_default();
@@ -252,6 +261,30 @@ fn floor_under(body: &Placed, bearing: &[(&Wall, Pose)], axes: &[Vector3; 3], lo
     if highest.is_finite() { highest } else { lowest }
 }
 
+/// A body of a source: at the highest place at which it may come, above the middle of the box. `None`
+/// if all have come.
+fn of_source(supply: &Supply, member: usize, axes: &[Vector3; 3], world: &World) -> Option<Placed> {
+    if supply.is_done() {
+        return None;
+    }
+    let [low, high] = [supply.lower, supply.upper].map(Vector3::from);
+    let middle = |axis: &Vector3| 0.5 * axis.dot(&(low + high));
+    let half = 0.5 * (high - low).abs().dot(&axes[0].abs());
+    let shape = world.shape(supply.shape)?;
+    let centre = [middle(&axes[0]) + half, middle(&axes[1]), middle(&axes[2])];
+    Some(Placed {
+        member,
+        mass: supply.mass,
+        volume: shape.volume,
+        diameter: 2.0 * supply.radius,
+        field_depth: world.field_depth(supply.shape)?,
+        speed: Vector3::from(supply.velocity).norm(),
+        extents: centre.map(|at| [at - supply.radius, at + supply.radius]),
+        width: 2.0 * supply.radius,
+        drop: 0.0,
+    })
+}
+
 impl Simulation {
     /// Mass of all bodies that contacts move \[kg\].
     pub(super) fn free_mass(&self) -> f64 {
@@ -299,7 +332,21 @@ impl Simulation {
                 drop: 0.0,
             })
         });
-        each.collect()
+        let sources = (self.members.len()..).zip(&self.flow.supplies);
+        let come =
+            sources.filter_map(|(member, supply)| of_source(supply, member, axes, &self.world));
+        each.chain(come).collect()
+    }
+
+    /// Name of a body, or of a source, by its number in the loads.
+    pub(super) fn name_of_placed(&self, member: usize) -> &str {
+        let of_source = || {
+            let supply = self.flow.supplies.get(member - self.members.len());
+            supply.map(|supply| supply.name.as_str())
+        };
+        let known = self.members.get(member);
+        let known = known.map(|member| member.name.as_str());
+        known.or_else(of_source).unwrap_or_default()
     }
 
     /// Largest distance of a corner of a body from an axis \[m\].

@@ -44,6 +44,7 @@ mod contacts;
 mod control;
 mod ending;
 mod facts;
+mod flow;
 mod focus;
 mod frame;
 mod geometry;
@@ -65,6 +66,7 @@ mod picture;
 mod places;
 mod relaxation;
 mod rest;
+mod revolved;
 mod rotation;
 mod rows;
 mod saved;
@@ -90,6 +92,7 @@ pub use cells::{CELL_COLUMNS, WALL_HISTORY_COLUMNS};
 pub use contacts::{ContactForces, ContactLine, Side};
 pub use control::{AxisEntry, Cell, CellState, ControlEntry, Controls, ShearEntry, Sides};
 pub use ending::Ending;
+pub use flow::{FLOW_COLUMNS, Flow, GateEntry, SourceEntry};
 pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
 pub use job::Run;
 pub use material::{Law, MaterialEntry};
@@ -101,16 +104,17 @@ pub use penalty::{ExpectedDepth, Forecast};
 pub use periodic::CellEntry;
 pub use relaxation::{RelaxEntry, RelaxSummary};
 pub use rest::RestSummary;
+pub use revolved::{ConeEntry, CylinderEntry, Ends, PlateEntry, SiloEntry};
 pub use rotation::RotationEntry;
 pub use saved::RUN_CHECKPOINT;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
-pub use simulation::{Member, Penalty, Simulation, Support};
+pub use simulation::{Member, NamedWall, Penalty, Simulation, Support};
 pub use summary::{
     BodySummary, PenetrationSummary, RUN_SCHEMA, ReactionSummary, RunEnergy, RunSummary,
     StrainSummary, WallSummary,
 };
-pub use wall::{BoxEntry, CylinderEntry, PlaneEntry, WallEntry};
+pub use wall::{BoxEntry, PlaneEntry, WallEntry};
 
 use crate::scene::gravity_vector;
 use crate::{Error, toml_file};
@@ -163,6 +167,12 @@ pub struct Scenario {
     pub wall: Vec<WallEntry>,
     /// Bodies.
     pub body: Vec<BodyEntry>,
+    /// Sources of bodies.
+    pub source: Vec<SourceEntry>,
+    /// Where bodies leave.
+    pub sink: Vec<GateEntry>,
+    /// Where bodies that pass are counted.
+    pub gauge: Vec<GateEntry>,
     /// Folder of another run of a scene, or of a pack, from whose checkpoint this one starts. `None`: bodies start where
     /// their entries place them.
     pub from: Option<PathBuf>,
@@ -200,6 +210,9 @@ impl Default for Scenario {
             material: BTreeMap::new(),
             wall: Vec::new(),
             body: Vec::new(),
+            source: Vec::new(),
+            sink: Vec::new(),
+            gauge: Vec::new(),
             from: None,
             remove: Vec::new(),
             out: PathBuf::from("out/run"),

@@ -6,7 +6,10 @@ use std::path::Path;
 use femdem_mesh::Vector3;
 use femdem_solve::{World, WorldParameters};
 
-use super::{ContactEntry, Controls, Member, Origin, Penalty, Scenario, Simulation, WallEntry};
+use super::{
+    ContactEntry, Controls, Flow, Member, NamedWall, Origin, Penalty, Scenario, Simulation,
+    WallEntry,
+};
 use crate::Error;
 use crate::error::wrong;
 use crate::results::SavedPack;
@@ -138,13 +141,16 @@ impl Simulation {
     /// What a simulation has from its pack, without what its scene has added.
     pub(super) fn without_entries(&self) -> Result<Self, Error> {
         let mut world = self.world.clone();
-        for member in &self.members[self.origin.bodies..] {
+        let added = self.members[self.origin.bodies..].iter();
+        for member in added.filter(|member| member.id != Member::GONE) {
             world.remove_body(member.id)?;
         }
         let container = &self.origin.container;
         let walls = self.origin.walls.iter().flatten();
         for &wall in walls.filter(|wall| !container.contains(wall)) {
-            world.remove_wall(wall)?;
+            if world.wall(wall).is_some() {
+                world.remove_wall(wall)?;
+            }
         }
         Ok(Self {
             members: self.members[..self.origin.bodies].to_vec(),
@@ -158,16 +164,22 @@ impl Simulation {
     }
 
     /// A world without entries of a scene.
-    pub(super) fn empty(world: World) -> Self {
+    pub(crate) fn empty(world: World) -> Self {
+        let walls = world.walls().map(|(id, wall)| NamedWall {
+            name: wall.name().to_owned(),
+            id,
+        });
         Self {
-            world,
             members: Vec::new(),
+            walls: walls.collect(),
             supports: Vec::new(),
             controls: Controls::default(),
             centre: Vector3::zeros(),
+            flow: Flow::default(),
             penalty: Penalty::default(),
             origin: Origin::default(),
             notes: Vec::new(),
+            world,
         }
     }
 
@@ -179,7 +191,7 @@ impl Simulation {
 
     /// The wall of the pack that an entry without a form of its own names.
     pub(super) fn named_wall(&self, entry: &WallEntry) -> Result<Option<u32>, Error> {
-        if entry.has_form() || !self.is_of_pack() {
+        if entry.kinds() > 0 || !self.is_of_pack() {
             return Ok(None);
         }
         let mut walls = self.world.walls();
@@ -191,17 +203,9 @@ impl Simulation {
             name: "name",
             value: entry.name.clone(),
             known: format!(
-                "the walls of the pack, {}, or give the wall a plane, box, cylinder or file",
+                "the walls of the pack, {}, or give the wall a form of its own, such as plane or box",
                 names.join(", ")
             ),
         })
-    }
-}
-
-impl WallEntry {
-    /// Whether it describes a wall of its own.
-    fn has_form(&self) -> bool {
-        let kinds = [self.plane.is_some(), self.r#box.is_some()];
-        kinds.contains(&true) || self.cylinder.is_some() || self.file.is_some()
     }
 }

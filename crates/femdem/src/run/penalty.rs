@@ -92,7 +92,7 @@ impl Scenario {
             });
         }
         let depth = asked.unwrap_or(PENETRATION);
-        let name = |member: usize| simulation.members[member].name.clone();
+        let name = |member: usize| simulation.name_of_placed(member).to_owned();
         let mut best = match asked {
             Some(_) => (0.0, String::new()),
             None => (LEAST, "the least that is taken".to_owned()),
@@ -159,7 +159,7 @@ impl Scenario {
         let penalty = simulation.penalty.value;
         let mut forecast = Forecast::default();
         for body in &loads.placed {
-            let name = &simulation.members[body.member].name;
+            let name = simulation.name_of_placed(body.member);
             let face = of_weight(&loads, body) / penalty;
             forecast.at_rest.see(face, name);
             forecast

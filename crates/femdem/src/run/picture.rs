@@ -149,7 +149,8 @@ impl Simulation {
 }
 
 impl Scenario {
-    /// The periodic cell, or the first plane that carries bodies, or the first box, around the drawn bodies.
+    /// The periodic cell, or the first plane that carries bodies, or the first box, around the drawn bodies, and all walls of
+    /// revolution.
     fn drawing(&self, skins: &[Skin], simulation: &Simulation) -> Option<Drawing> {
         let world = &simulation.world;
         if let Some((corner, edges)) = simulation.cell_corner() {
@@ -158,8 +159,10 @@ impl Scenario {
         let points = || skins.iter().flat_map(|skin| &skin.points);
         let low = points().fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(&p.coords));
         let high = points().fold(Vector3::repeat(f64::NEG_INFINITY), |m, p| m.sup(&p.coords));
-        let entries = self.wall.iter().zip(&simulation.origin.walls);
-        entries
+        let entries = || self.wall.iter().zip(&simulation.origin.walls);
+        let is_there = |walls: &[u32]| walls.iter().any(|&wall| world.wall(wall).is_some());
+        let there = entries().filter(|(_, walls)| is_there(walls));
+        let first = there
             .into_iter()
             .find_map(|(wall, walls)| match (&wall.plane, &wall.r#box) {
                 (Some(plane), None) => floor(plane, world.wall_pose(*walls.first()?)?, low, high),
@@ -176,7 +179,18 @@ impl Scenario {
                     Some(Drawing::of_region(&region, region_high.z))
                 }
                 _ => None,
-            })
+            });
+        let outlines = entries().flat_map(|(wall, walls)| {
+            let there = walls.iter().filter_map(|&wall| world.wall_pose(wall));
+            there.flat_map(|pose| wall.outline(&pose))
+        });
+        let outlines: Vec<_> = outlines.collect();
+        if first.is_none() && outlines.is_empty() {
+            return None;
+        }
+        let mut drawing = first.unwrap_or_default();
+        drawing.lines.extend(outlines);
+        Some(drawing)
     }
 }
 

@@ -152,5 +152,6 @@ impl Run {
         world.is_driven(self.scenario().duration - world.time())
             || loads.any(|settled| settled > world.time())
             || controls.any(|settled| settled > world.time())
+            || self.simulation().flow.is_to_come(world.time())
     }
 }

@@ -5,19 +5,33 @@ use femdem_mesh::{Pose, Vector3};
 use femdem_solve::{SolveError, World};
 use serde::{Deserialize, Serialize};
 
-use super::Controls;
 use super::origin::Origin;
+use super::{Controls, Flow};
 use crate::scene::ShapeNote;
 
-/// A body of a simulation.
+/// A body of a simulation. It stays among the members, with its number, when it has left at a sink.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Member {
-    /// Its name; copies of a body carry a number from 1.
+    /// Its name; copies of a body carry a number from 1, bodies of a source their number among the members.
     pub name: String,
-    /// Its index in the world.
+    /// Its index in the world; [`GONE`](Self::GONE) once it has left.
     pub id: BodyId,
     /// Its initial pose: coordinates of its shape -> world.
     pub placed: Pose,
+}
+
+impl Member {
+    /// What no body has for its index in the world.
+    pub const GONE: BodyId = BodyId::MAX;
+}
+
+/// A wall of a simulation. It stays among the walls when it has been taken away.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NamedWall {
+    /// Its name.
+    pub name: String,
+    /// Its index in the world, while it is there.
+    pub id: u32,
 }
 
 /// A world made from a scenario.
@@ -28,12 +42,16 @@ pub struct Simulation {
     pub world: World,
     /// Its bodies, in the order of the scenario.
     pub members: Vec<Member>,
+    /// The walls with which it began, ascending by index.
+    pub walls: Vec<NamedWall>,
     /// The supports of deformable bodies, in the same order.
     pub supports: Vec<Support>,
     /// Its controlled walls.
     pub controls: Controls,
     /// The middle of its periodic cell, which stays where it is \[m\].
     pub centre: Vector3,
+    /// What comes, goes and is counted.
+    pub flow: Flow,
     /// The penalty of its contacts between rigid bodies.
     pub penalty: Penalty,
     /// What it has from a pack, and which walls its scene has added.
@@ -48,9 +66,11 @@ pub struct Simulation {
 struct Stored {
     world: World,
     members: Vec<Member>,
+    walls: Vec<NamedWall>,
     supports: Vec<Support>,
     controls: Controls,
     centre: Vector3,
+    flow: Flow,
     penalty: Penalty,
     origin: Origin,
 }
@@ -62,9 +82,11 @@ impl TryFrom<Stored> for Simulation {
         let Stored {
             mut world,
             members,
+            walls,
             supports,
             controls,
             centre,
+            flow,
             penalty,
             origin,
         } = stored;
@@ -72,9 +94,11 @@ impl TryFrom<Stored> for Simulation {
         Ok(Self {
             world,
             members,
+            walls,
             supports,
             controls,
             centre,
+            flow,
             penalty,
             origin,
             notes: Vec::new(),

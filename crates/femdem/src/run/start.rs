@@ -7,7 +7,7 @@ use femdem_solve::{World, WorldParameters};
 use super::changes::{Change, changes};
 use super::saved::RUN_CHECKPOINT;
 use super::words::KEYS;
-use super::{Controls, Run, Scenario, Simulation};
+use super::{Controls, Member, Run, Scenario, Simulation};
 use crate::Error;
 use crate::results::PACK_CHECKPOINT;
 
@@ -81,6 +81,7 @@ impl Simulation {
         simulation.set_free(before, scene)?;
         simulation.world.restart_clock();
         simulation.change(before, scene)?;
+        simulation.set_flow(scene)?;
         for (number, _, body) in self.deformables() {
             let id = simulation.members[number].id;
             let Some(present) = simulation.world.deformable(id) else {
@@ -107,23 +108,31 @@ impl Simulation {
             of.world.mass(id).map(|mass| (mass, nodes))
         };
         let same = |a, b| match (size(self, a), size(other, b)) {
+            // It has left.
+            _ if b == Member::GONE => true,
             (Some((a, n)), Some((b, m))) => n == m && (a - b).abs() <= SAME * a.abs(),
             _ => false,
         };
         let mut members = self.members.iter().zip(&other.members);
         let member = members.find(|(a, b)| !same(a.id, b.id));
-        let name = |of: &Self, wall| of.world.wall(wall).map(|wall| wall.name().to_owned());
+        // A wall may have been taken away, but keeps its name.
+        fn name(of: &Simulation, wall: u32) -> Option<&str> {
+            let mut walls = of.walls.iter();
+            let known = walls.find(|known| known.id == wall);
+            known.map(|known| known.name.as_str())
+        }
         let walls = self.origin.walls.iter().zip(&other.origin.walls);
         let mut walls = walls.flat_map(|(a, b)| a.iter().zip(b));
         let wall = walls.find(|&(&a, &b)| name(self, a) != name(other, b));
-        let wall = wall.and_then(|(&a, _)| self.world.wall(a));
+        let wall = wall.and_then(|(&a, _)| name(self, a));
         let member = member.map(|(member, _)| member.name.as_str());
         // A table of poses may have other rows than before.
-        let (more, fewer) = match self.members.len() < other.members.len() {
-            true => (&other.members, self.members.len()),
-            false => (&self.members, other.members.len()),
+        let placed = |of: &Self| of.origin.bodies + of.origin.members.iter().sum::<usize>();
+        let (more, fewer) = match placed(self) < placed(other) {
+            true => (&other.members[..placed(other)], placed(self)),
+            false => (&self.members[..placed(self)], placed(other)),
         };
         let added = more.get(fewer).map(|member| member.name.as_str());
-        member.or(added).or(wall.map(|wall| wall.name()))
+        member.or(added).or(wall)
     }
 }

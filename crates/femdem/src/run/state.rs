@@ -24,7 +24,7 @@ const UPRIGHT: f64 = 1e-9;
 impl Simulation {
     /// The bodies, contacts and walls as they are, in the form that tables, measurements and pictures take.
     ///
-    /// Bodies are numbered as the members. A deformable body has a shape of its own: its present skin, about its centroid.
+    /// Bodies are in the order of the members, whose numbers are `sequence`, without those that have left. A deformable body has a shape of its own: its present skin, about its centroid.
     /// Contacts of deformable bodies have no class, which the [`gaps`](Snapshot::gaps) then say, and those of a body with
     /// itself are left out. The inside of the container is known where planes bound a box, or a cylinder with a floor.
     ///
@@ -42,8 +42,9 @@ impl Simulation {
             });
         }
         let mut numbers = BTreeMap::new();
-        for (member, number) in self.members.iter().zip(0_u32..) {
-            numbers.insert(member.id, number);
+        let there = |(member, _): &(&Member, u32)| member.id != Member::GONE;
+        for (member, number) in self.members.iter().zip(0_u32..).filter(there) {
+            numbers.insert(member.id, snapshot.bodies.len() as u32);
             let (shape, pose) = match world.deformable(member.id) {
                 Some(body) => {
                     let skin = skin(&body);
@@ -144,14 +145,16 @@ impl Simulation {
     pub fn write_walls(&self, mut writer: impl Write) -> io::Result<()> {
         writeln!(writer, "{WALL_COLUMNS}")?;
         let forces = self.forces(&self.contacts());
-        for ((wall, shape), force) in self.world.walls().zip(&forces.walls) {
-            let pose = self.world.wall_pose(wall).unwrap_or_default();
+        for (wall, force) in self.walls.iter().zip(&forces.walls) {
+            let Some(pose) = self.world.wall_pose(wall.id) else {
+                continue;
+            };
             let (x, q) = (pose.translation.vector, pose.rotation);
             let force = force + Vector3::zeros();
             writeln!(
                 writer,
                 "{},{},{},{},{},{},{},{},{},{},{}",
-                quoted(shape.name()),
+                quoted(&wall.name),
                 x.x,
                 x.y,
                 x.z,

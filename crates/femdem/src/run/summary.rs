@@ -79,6 +79,8 @@ pub struct RunSummary {
 pub struct BodySummary {
     /// Its name.
     pub name: String,
+    /// Its number: bodies that have left are not listed.
+    pub number: usize,
     /// "rigid" or "deformable".
     pub behaviour: String,
     /// Mass \[kg\], including mass scaling.
@@ -145,6 +147,8 @@ pub struct RunEnergy {
     pub initial: f64,
     /// Work of prescribed motions and loads.
     pub work_in: f64,
+    /// What walls that opened and bodies that left took with them, negative.
+    pub by_hand: f64,
     /// Kinetic energy.
     pub kinetic: f64,
     /// Potential energy in gravity.
@@ -193,9 +197,9 @@ impl RunSummary {
         let world = &simulation.world;
         let contacts = simulation.contacts();
         let forces = simulation.forces(&contacts);
-        let walls = world.walls().zip(&forces.walls).zip(run.peaks());
-        let walls = walls.map(|(((_, wall), force), peak)| WallSummary {
-            name: wall.name().to_owned(),
+        let walls = simulation.walls.iter().zip(&forces.walls).zip(run.peaks());
+        let walls = walls.map(|((wall, force), peak)| WallSummary {
+            name: wall.name.clone(),
             force: (force + Vector3::zeros()).into(),
             peak_force: peak.force,
             peak_time: peak.time,
@@ -273,26 +277,31 @@ impl super::Simulation {
     #[must_use]
     pub fn bodies(&self) -> Vec<BodySummary> {
         let world = &self.world;
-        let summary = self.members.iter().filter_map(|member| {
-            let body = world.deformable(member.id);
-            let behaviour = if body.is_some() {
-                "deformable"
-            } else {
-                "rigid"
-            };
-            let count = |of: fn(&DeformableModel) -> usize| body.map_or(0, |b| of(b.model()));
-            Some(BodySummary {
-                name: member.name.clone(),
-                behaviour: behaviour.to_owned(),
-                mass: world.mass(member.id)?,
-                added_mass: body.map_or(0.0, |body| body.model().added_mass()),
-                nodes: count(|model| model.nodes().len()),
-                tetrahedra: count(|model| model.volumes().len()),
-                centroid: world.position(member.id)?.into(),
-                velocity: world.velocity(member.id)?.into(),
-                max_plastic_strain: body.as_ref().and_then(max_plastic_strain),
-            })
-        });
+        let summary = self
+            .members
+            .iter()
+            .enumerate()
+            .filter_map(|(number, member)| {
+                let body = world.deformable(member.id);
+                let behaviour = if body.is_some() {
+                    "deformable"
+                } else {
+                    "rigid"
+                };
+                let count = |of: fn(&DeformableModel) -> usize| body.map_or(0, |b| of(b.model()));
+                Some(BodySummary {
+                    name: member.name.clone(),
+                    number,
+                    behaviour: behaviour.to_owned(),
+                    mass: world.mass(member.id)?,
+                    added_mass: body.map_or(0.0, |body| body.model().added_mass()),
+                    nodes: count(|model| model.nodes().len()),
+                    tetrahedra: count(|model| model.volumes().len()),
+                    centroid: world.position(member.id)?.into(),
+                    velocity: world.velocity(member.id)?.into(),
+                    max_plastic_strain: body.as_ref().and_then(max_plastic_strain),
+                })
+            });
         summary.collect()
     }
 }
@@ -309,6 +318,7 @@ fn energy(ledger: &femdem_solve::Ledger) -> RunEnergy {
     RunEnergy {
         initial: plain(ledger.initial),
         work_in: plain(ledger.work_in),
+        by_hand: plain(ledger.by_hand),
         kinetic: plain(ledger.kinetic),
         potential: plain(ledger.potential),
         strain: plain(ledger.strain),

@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use femdem_contact::{MaterialId, MeshWall, Wall, WallShape};
-use femdem_mesh::Vector3;
 use femdem_mesh::tet::{self, MeshOptions};
+use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_solve::World;
 use serde::{Deserialize, Serialize};
 
-use super::{ControlEntry, MotionEntry};
+use super::{ConeEntry, ControlEntry, CylinderEntry, MotionEntry, PlateEntry, SiloEntry};
 use crate::Error;
 use crate::error::wrong;
-use crate::scene::{ShapeNote, Unit, in_metres, surface};
+use crate::scene::{ShapeNote, Unit, surface};
 
-/// A wall, described by exactly one of `plane`, `box`, `cylinder` and `file`.
+/// A wall, described by exactly one of `plane`, `box`, `cylinder`, `cone`, `silo`, `plate` and `file`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct WallEntry {
@@ -23,8 +23,14 @@ pub struct WallEntry {
     pub plane: Option<PlaneEntry>,
     /// A box around the space for the bodies; its walls are called by the name and x-, x+, and so on.
     pub r#box: Option<BoxEntry>,
-    /// An upright cylinder about the z axis.
+    /// An upright cylinder about the z axis, or one between two points.
     pub cylinder: Option<CylinderEntry>,
+    /// A cone between two points.
+    pub cone: Option<ConeEntry>,
+    /// An upright silo or hopper.
+    pub silo: Option<SiloEntry>,
+    /// A round plate.
+    pub plate: Option<PlateEntry>,
     /// Surface file of a solid.
     pub file: Option<PathBuf>,
     /// Unit of the coordinates in the file.
@@ -37,6 +43,8 @@ pub struct WallEntry {
     pub motion: Option<MotionEntry>,
     /// A force, a stress or a rate of strain that the wall is moved to reach.
     pub control: Option<ControlEntry>,
+    /// When the wall is taken away \[s\]. `None`: never.
+    pub opens: Option<f64>,
 }
 
 /// A half-space of bodies: n·x ≥ offset |n|.
@@ -63,22 +71,6 @@ pub struct BoxEntry {
     pub open: bool,
 }
 
-/// An upright cylinder about the z axis, without ends.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct CylinderEntry {
-    /// Inner diameter \[m\].
-    #[serde(deserialize_with = "in_metres")]
-    pub diameter: f64,
-    /// Number of plane facets.
-    #[serde(default = "facets")]
-    pub facets: usize,
-}
-
-fn facets() -> usize {
-    64
-}
-
 impl WallEntry {
     /// Adds the wall, or the walls of a box, to a world, and returns how its file was read, if it has one; `name` is
     /// that of the entry.
@@ -99,31 +91,56 @@ impl WallEntry {
 
     fn shapes(&self, name: &str) -> Result<(Vec<WallShape>, Option<ShapeNote>), Error> {
         self.refuse_strangers()?;
-        let shapes = match (&self.plane, &self.r#box, &self.cylinder, &self.file) {
-            (Some(plane), None, None, None) => vec![plane.shape(name)?],
-            (None, Some(space), None, None) => space.shapes(name)?,
-            (None, None, Some(cylinder), None) => {
-                let diameter = cylinder.diameter;
-                if !(diameter > 0.0 && diameter.is_finite()) {
-                    let allowed = "a positive, finite length, in m";
-                    return Err(wrong("cylinder.diameter", &diameter.to_string(), allowed));
-                }
-                let wall = Wall::cylinder(name, 0.5 * cylinder.diameter, cylinder.facets)?;
-                vec![wall.into()]
-            }
-            (None, None, None, Some(path)) => {
-                let (shape, note) = self.of_file(name, path)?;
-                return Ok((vec![shape], Some(note)));
-            }
-            _ => {
-                return Err(wrong(
-                    "wall",
-                    "none or several of its kinds",
-                    "give exactly one of plane, box, cylinder and file",
-                ));
-            }
-        };
-        Ok((shapes, None))
+        if self.kinds() != 1 {
+            return Err(wrong(
+                "wall",
+                "none or several of its kinds",
+                "give exactly one of plane, box, cylinder, cone, silo, plate and file",
+            ));
+        }
+        if let Some(path) = &self.file {
+            let (shape, note) = self.of_file(name, path)?;
+            return Ok((vec![shape], Some(note)));
+        }
+        if let Some(space) = &self.r#box {
+            let walls = space.walls(name)?;
+            return Ok((walls.into_iter().map(WallShape::from).collect(), None));
+        }
+        let shapes = [
+            self.plane.map(|plane| Ok(plane.wall(name)?.into())),
+            self.cylinder.map(|cylinder| cylinder.shape(name)),
+            self.cone.map(|cone| cone.shape(name)),
+            self.silo.map(|silo| silo.shape(name)),
+            self.plate.map(|plate| plate.shape(name)),
+        ];
+        let shapes: Result<Vec<WallShape>, Error> = shapes.into_iter().flatten().collect();
+        Ok((shapes?, None))
+    }
+
+    /// How many kinds of walls it describes.
+    pub(super) fn kinds(&self) -> usize {
+        let given = [
+            self.plane.is_some(),
+            self.r#box.is_some(),
+            self.cylinder.is_some(),
+            self.cone.is_some(),
+            self.silo.is_some(),
+            self.plate.is_some(),
+            self.file.is_some(),
+        ];
+        given.into_iter().filter(|is_given| *is_given).count()
+    }
+
+    /// The edges of a wall of revolution in a picture, where the wall is moved by `moved`.
+    pub(super) fn outline(&self, moved: &Pose) -> Vec<[Point3; 2]> {
+        let revolved = [
+            self.cylinder.and_then(|entry| entry.revolved().ok()?),
+            self.cone.and_then(|entry| entry.revolved("cone.to").ok()),
+            self.silo.and_then(|entry| entry.revolved().ok()),
+            self.plate.and_then(|entry| entry.revolved().ok()),
+        ];
+        let each = revolved.iter().flatten();
+        each.flat_map(|revolved| revolved.lines(moved)).collect()
     }
 
     /// Refuses keys that have no effect without a file.
@@ -159,7 +176,8 @@ impl WallEntry {
 }
 
 impl PlaneEntry {
-    fn shape(&self, name: &str) -> Result<WallShape, Error> {
+    /// The half-space as a wall.
+    pub(super) fn wall(&self, name: &str) -> Result<Wall, Error> {
         let normal = Vector3::from(self.normal);
         let length = normal.norm();
         if !(length > 0.0 && length.is_finite()) {
@@ -177,18 +195,19 @@ impl PlaneEntry {
             ));
         }
         // A wall has n·x ≥ offset with n as given.
-        Ok(Wall::half_space(name, normal, self.offset * length)?.into())
+        Ok(Wall::half_space(name, normal, self.offset * length)?)
     }
 }
 
 impl BoxEntry {
-    fn shapes(&self, name: &str) -> Result<Vec<WallShape>, Error> {
+    /// Its walls.
+    pub(super) fn walls(&self, name: &str) -> Result<Vec<Wall>, Error> {
         let walls = Wall::closed_box(Vector3::from(self.lower), Vector3::from(self.upper))?;
         let lid = |wall: &&Wall| wall.planes().iter().any(|p| p.normal.z < -0.5);
         let kept = walls.iter().filter(|wall| !(self.open && lid(wall)));
         let named = |wall: &Wall| {
             let own = Wall::new(&format!("{name} {}", wall.name()), wall.planes().to_vec());
-            Ok(own?.into())
+            Ok(own?)
         };
         kept.map(named).collect()
     }

@@ -28,6 +28,9 @@ impl Run {
         if self.simulation.controls.has_cells() {
             self.cells.flush(&folder.join("cells.csv"))?;
         }
+        if self.simulation.flow.is_counted() {
+            self.flow.flush(&folder.join("flow.csv"))?;
+        }
         Ok(())
     }
 
@@ -42,8 +45,11 @@ impl Run {
             self.write_frame(folder)?;
         }
         self.flush(folder)?;
-        let picture = self.picture(&PictureOptions::default())?;
-        write_file(folder.join("run.png"), |w| picture.write_png(w))?;
+        // All bodies may have left.
+        if self.simulation.world.body_count() > 0 {
+            let picture = self.picture(&PictureOptions::default())?;
+            write_file(folder.join("run.png"), |w| picture.write_png(w))?;
+        }
         let summary = RunSummary::of(self, usage)?;
         write_file(folder.join("summary.json"), |w| summary.write_json(w))?;
         Ok(summary)
@@ -89,6 +95,9 @@ impl Run {
         for row in cells::cell_rows(&self.simulation) {
             self.cells.row(row);
         }
+        for row in self.simulation.flow.rows(time) {
+            self.flow.row(row);
+        }
         if self.scenario.track {
             for row in history::member_rows(&self.simulation, &forces) {
                 self.members.row(row);
@@ -108,7 +117,7 @@ impl Run {
             let path = frames.join(file_name(DEFORMABLE, number));
             write_file(path, |w| simulation.write_deformables(w))?;
         }
-        if simulation.world.rigid_count() > 0 {
+        if simulation.has_rigid() {
             let path = frames.join(file_name(RIGID, number));
             write_file(path, |w| simulation.write_rigid(w))?;
         }
@@ -117,7 +126,7 @@ impl Run {
         if self.scenario.tables {
             self.write_tables(&frames, number)?;
         }
-        if self.scenario.pictures {
+        if self.scenario.pictures && simulation.world.body_count() > 0 {
             let picture = self.picture(&PictureOptions::default())?;
             let path = frames.join(file_name(PICTURE, number));
             write_file(path, |w| picture.write_png(w))?;
@@ -131,7 +140,7 @@ impl Run {
         let world = &self.simulation.world;
         let kinds = [
             (world.deformable_count() > 0, DEFORMABLE),
-            (world.rigid_count() > 0, RIGID),
+            (self.simulation.has_rigid(), RIGID),
         ];
         let given = || kinds.iter().filter(|(given, _)| *given);
         let (mut bodies, mut contacts) = (Vec::new(), Vec::new());

@@ -1,0 +1,126 @@
+//! The beginning of flow: openings, gates and sources of a scenario.
+
+use std::collections::BTreeSet;
+
+use super::SourceEntry;
+use super::state::{Count, Flow, Gate, Opening, Supply};
+use crate::Error;
+use crate::error::wrong;
+use crate::run::build::in_entry;
+use crate::run::{Member, Scenario, Simulation};
+
+impl Scenario {
+    /// Refuses times of openings that cannot be or have no effect.
+    pub(in crate::run) fn check_openings(&self) -> Result<(), Error> {
+        for wall in &self.wall {
+            let Some(time) = wall.opens else { continue };
+            if !(time > 0.0 && time < self.duration) {
+                let allowed = "a time above 0 and below the duration, in s";
+                return Err(wrong("wall.opens", &time.to_string(), allowed));
+            }
+            if wall.control.is_some() {
+                let allowed = "none for a wall with a control, which moves it to the end";
+                return Err(wrong("wall.opens", &time.to_string(), allowed));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Simulation {
+    /// Sets which walls open, as a scene has it.
+    pub(in crate::run) fn set_openings(&mut self, scene: &Scenario) {
+        let entries = scene.wall.iter().zip(&self.origin.walls);
+        let openings = entries.flat_map(|(entry, walls)| {
+            let time = entry.opens;
+            let opening = move |&wall: &u32| Some(Opening { wall, time: time? });
+            walls.iter().filter_map(opening)
+        });
+        self.flow.openings = openings.collect();
+    }
+
+    /// Begins the gates and sources of a scene, at the present time.
+    pub(in crate::run) fn set_flow(&mut self, scene: &Scenario) -> Result<(), Error> {
+        let mut names = BTreeSet::new();
+        let mut named = |given: &str, kind: &str, number: usize| {
+            let name = match given {
+                "" => format!("{kind} {number}"),
+                given => given.to_owned(),
+            };
+            match names.insert(name.clone()) {
+                true => Ok(name),
+                false => {
+                    let allowed = "another sink, gauge or source has it: give each its own";
+                    Err(wrong("name", &format!("\"{name}\""), allowed))
+                }
+            }
+        };
+        let mut flow = Flow::default();
+        for (kind, takes, entries) in [("sink", true, &scene.sink), ("gauge", false, &scene.gauge)]
+        {
+            for (number, entry) in (1..).zip(entries) {
+                let name = named(&entry.name, kind, number)?;
+                let planes = entry.planes();
+                let planes = planes.map_err(in_entry(format!("{kind} \"{name}\"")))?;
+                let mut gate = Gate {
+                    name,
+                    takes,
+                    planes,
+                    passed: Count::default(),
+                    beyond: Vec::new(),
+                };
+                let is_beyond = |member: &Member| {
+                    let x = self.world.position(member.id);
+                    x.is_some_and(|x| gate.is_beyond(&x))
+                };
+                gate.beyond = self.members.iter().map(is_beyond).collect();
+                flow.gates.push(gate);
+            }
+        }
+        for (number, entry) in (1..).zip(&scene.source) {
+            let name = named(&entry.name, "source", number)?;
+            let supply = self.supply(scene, entry, &name);
+            let supply = supply.map_err(in_entry(format!("source \"{name}\"")))?;
+            flow.supplies.push(supply);
+        }
+        self.flow = flow;
+        self.set_openings(scene);
+        Ok(())
+    }
+
+    /// The source that an entry describes, with its shape in the world.
+    fn supply(
+        &mut self,
+        scene: &Scenario,
+        entry: &SourceEntry,
+        name: &str,
+    ) -> Result<Supply, Error> {
+        entry.check()?;
+        let density = scene.material(&entry.material)?.density()?;
+        let material = scene.material_id(&entry.material)?;
+        let geometry = entry.geometry()?;
+        self.note(geometry.note.as_ref());
+        let shape = self.add_shape(name, &geometry)?;
+        let volume = self.world.shapes()[shape as usize].volume;
+        let mass = density * volume;
+        let rate = entry.bodies_per_second(mass)?;
+        Ok(Supply {
+            name: name.to_owned(),
+            shape,
+            density,
+            material,
+            mass,
+            radius: self.reach_of(shape),
+            lower: entry.lower,
+            upper: entry.upper,
+            velocity: entry.velocity,
+            rate,
+            most: entry.most(mass, rate, scene.duration)?,
+            start: entry.start,
+            end: entry.end.unwrap_or(f64::MAX),
+            seed: entry.seed,
+            tried: 0,
+            come: Count::default(),
+        })
+    }
+}

@@ -1,0 +1,15 @@
+//! Flow: walls that open, sources, and gates at which bodies are counted or leave.
+//!
+//! Before a step walls open and bodies come; after it those that have passed a gate are counted, and those beyond a sink leave. A
+//! body keeps its number when others leave, and numbers are not given again.
+
+mod begin;
+mod entry;
+mod rows;
+mod state;
+mod step;
+
+pub use entry::{GateEntry, SourceEntry};
+pub use rows::FLOW_COLUMNS;
+pub use state::Flow;
+pub(super) use state::Supply;

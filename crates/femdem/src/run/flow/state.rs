@@ -1,0 +1,144 @@
+//! What comes, goes and is counted, as plain data.
+
+use femdem_contact::MaterialId;
+use femdem_mesh::nalgebra::Translation3;
+use femdem_mesh::{Pose, Vector3};
+use femdem_pack::{body_stream, random_rotation, uniform};
+use femdem_solve::ShapeId;
+use serde::{Deserialize, Serialize};
+
+/// What comes, goes and is counted in a simulation, and which walls open.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Flow {
+    pub(super) openings: Vec<Opening>,
+    pub(super) gates: Vec<Gate>,
+    pub(in crate::run) supplies: Vec<Supply>,
+}
+
+/// A wall that is taken away at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Opening {
+    /// Number in the world.
+    pub(super) wall: u32,
+    /// s.
+    pub(super) time: f64,
+}
+
+/// A place that bodies pass, in one direction or in the other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Gate {
+    pub(super) name: String,
+    /// Whether bodies leave there.
+    pub(super) takes: bool,
+    /// Unit normals and offsets \[m\]; what is below any of these is beyond.
+    pub(super) planes: Vec<([f64; 3], f64)>,
+    pub(super) passed: Count,
+    /// Of each member, whether it is beyond.
+    pub(super) beyond: Vec<bool>,
+}
+
+/// What has passed so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Count {
+    pub(super) bodies: i64,
+    /// kg.
+    pub(super) mass: f64,
+    /// Mass \[kg\] and time \[s\] of the last row.
+    pub(super) last: [f64; 2],
+}
+
+impl Count {
+    pub(super) fn add(&mut self, bodies: i64, mass: f64) {
+        self.bodies += bodies;
+        self.mass += bodies as f64 * mass;
+    }
+}
+
+impl Gate {
+    pub(super) fn is_beyond(&self, x: &Vector3) -> bool {
+        let below = |(normal, offset): &([f64; 3], f64)| Vector3::from(*normal).dot(x) < *offset;
+        self.planes.iter().any(below)
+    }
+}
+
+impl Flow {
+    /// Whether there is anything to be counted.
+    pub(in crate::run) fn is_counted(&self) -> bool {
+        !(self.gates.is_empty() && self.supplies.is_empty())
+    }
+
+    /// Mass of the bodies that are still to come \[kg\].
+    pub(in crate::run) fn mass_to_come(&self) -> f64 {
+        self.supplies.iter().map(Supply::mass_to_come).sum()
+    }
+
+    /// Corners of the boxes in which bodies are still to come \[m\].
+    pub(in crate::run) fn boxes(&self) -> impl Iterator<Item = [Vector3; 2]> {
+        let open = self.supplies.iter().filter(|s| s.mass_to_come() > 0.0);
+        open.map(|supply| [supply.lower.into(), supply.upper.into()])
+    }
+
+    /// Whether a wall is still to open after a time \[s\], or a body to come.
+    pub(in crate::run) fn is_to_come(&self, time: f64) -> bool {
+        let closed = self.openings.iter().any(|opening| opening.time > time);
+        closed || !self.supplies.iter().all(Supply::is_done)
+    }
+}
+
+/// A source in progress.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Supply {
+    pub name: String,
+    /// Its bodies, at rest.
+    pub shape: ShapeId,
+    pub density: f64,
+    pub(super) material: MaterialId,
+    /// Mass of one \[kg\].
+    pub mass: f64,
+    /// Distance of the farthest point from the centroid \[m\].
+    pub radius: f64,
+    /// Corners of the box for the centroids \[m\].
+    pub lower: [f64; 3],
+    pub upper: [f64; 3],
+    /// m/s.
+    pub velocity: [f64; 3],
+    /// 1/s.
+    pub(super) rate: f64,
+    /// Bodies in all.
+    pub most: u64,
+    pub(super) start: f64,
+    pub(super) end: f64,
+    pub(super) seed: u64,
+    /// Places tried so far.
+    pub(super) tried: u32,
+    pub(super) come: Count,
+}
+
+impl Supply {
+    /// Number of bodies that should have come by a time \[s\].
+    pub(super) fn due(&self, time: f64) -> u64 {
+        let due = self.rate * (time.min(self.end) - self.start);
+        // A negative number becomes 0.
+        (due as u64).min(self.most)
+    }
+
+    /// Whether all its bodies have come.
+    pub fn is_done(&self) -> bool {
+        self.come.bodies as u64 >= self.most
+    }
+
+    /// Mass of the bodies that are still to come \[kg\].
+    pub fn mass_to_come(&self) -> f64 {
+        let left = self.most.saturating_sub(self.come.bodies as u64);
+        left as f64 * self.mass
+    }
+
+    /// The next place to be tried: a centroid and an orientation.
+    pub(super) fn next_place(&mut self) -> Pose {
+        let mut stream = body_stream(self.seed, self.tried);
+        self.tried = self.tried.wrapping_add(1);
+        let share = [0, 1, 2].map(|_| uniform(&mut stream));
+        let at = [0, 1, 2].map(|k| self.lower[k] + share[k] * (self.upper[k] - self.lower[k]));
+        Pose::from_parts(Translation3::from(at), random_rotation(&mut stream))
+    }
+}

@@ -1,0 +1,160 @@
+//! Flow in a step: walls open, bodies come, are counted and leave.
+
+use femdem_mesh::{Point3, Pose, Vector3};
+use femdem_solve::{BodySpec, ShapeId};
+
+use super::Supply;
+use crate::Error;
+use crate::run::{Member, Simulation};
+
+/// Places that are tried in a step at most.
+const TRIES: u32 = 16;
+
+impl Simulation {
+    /// Whether there are, were or will be rigid bodies.
+    pub(in crate::run) fn has_rigid(&self) -> bool {
+        // Deformable bodies stay.
+        self.members.len() > self.world.deformable_count() || !self.flow.supplies.is_empty()
+    }
+
+    /// Takes away the walls whose time has come.
+    pub(in crate::run) fn open_walls(&mut self) -> Result<(), Error> {
+        let time = self.world.time();
+        let due = self.flow.openings.iter();
+        let due: Vec<u32> = due
+            .filter(|opening| opening.time <= time)
+            .map(|opening| opening.wall)
+            .collect();
+        for wall in due {
+            if self.world.wall(wall).is_some() {
+                self.world.remove_wall(wall)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts the bodies that have passed gates, and takes away those that are beyond a sink.
+    pub(in crate::run) fn pass_gates(&mut self) -> Result<(), Error> {
+        for k in 0..self.flow.gates.len() {
+            for number in 0..self.members.len() {
+                let id = self.members[number].id;
+                // Bodies that have left, and those that move as prescribed, pass nothing; deformable ones stay.
+                let (Some(x), Some(mass)) = (self.world.position(id), self.world.mass(id)) else {
+                    continue;
+                };
+                if self.world.follows_drive(id) == Some(true) {
+                    continue;
+                }
+                let gate = &mut self.flow.gates[k];
+                let is_beyond = gate.is_beyond(&x);
+                if gate.takes {
+                    if is_beyond && self.world.follows_drive(id).is_some() {
+                        gate.passed.add(1, mass);
+                        self.world.remove_body(id)?;
+                        self.members[number].id = Member::GONE;
+                    }
+                } else if is_beyond != gate.beyond[number] {
+                    gate.passed.add(if is_beyond { 1 } else { -1 }, mass);
+                    gate.beyond[number] = is_beyond;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Distance of the farthest point of a shape from its centroid \[m\].
+    pub(super) fn reach_of(&self, shape: ShapeId) -> f64 {
+        let shape = &self.world.shapes()[shape as usize];
+        shape.sphere.unwrap_or_else(|| {
+            let centroid = shape.polyhedron.mass_properties().centroid;
+            let corners = shape.polyhedron.vertices().iter();
+            corners.map(|x| (x - centroid).norm()).fold(0.0, f64::max)
+        })
+    }
+
+    /// Adds the bodies of sources that are due and for which there is room.
+    pub(in crate::run) fn bring_bodies(&mut self) -> Result<(), Error> {
+        let time = self.world.time();
+        for k in 0..self.flow.supplies.len() {
+            let due = self.flow.supplies[k].due(time);
+            let lacks = |supply: &Supply| (supply.come.bodies as u64) < due;
+            if !lacks(&self.flow.supplies[k]) {
+                continue;
+            }
+            // What is there, found once a step.
+            let mut others = self.balls();
+            for _ in 0..TRIES {
+                if !lacks(&self.flow.supplies[k]) {
+                    break;
+                }
+                let place = self.flow.supplies[k].next_place();
+                let radius = self.flow.supplies[k].radius;
+                let x = place.translation.vector;
+                let free = |(at, reach): &(Vector3, f64)| (at - x).norm() >= radius + reach;
+                if others.iter().all(free) && self.is_off_walls(&x, radius) {
+                    self.bring(k, &place)?;
+                    others.push((x, radius));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Balls around all bodies: centroids and radii \[m\].
+    fn balls(&self) -> Vec<(Vector3, f64)> {
+        let shapes = 0..self.world.shapes().len();
+        let reach: Vec<f64> = shapes
+            .map(|shape| self.reach_of(shape as ShapeId))
+            .collect();
+        let ball = |member: &Member| {
+            let x = self.world.position(member.id)?;
+            let radius = match self.world.deformable(member.id) {
+                Some(body) => {
+                    let far = body.positions().iter().map(|p| (p - x).norm());
+                    far.fold(0.0, f64::max)
+                }
+                None => reach[self.world.shape_of(member.id)? as usize],
+            };
+            Some((x, radius))
+        };
+        self.members.iter().filter_map(ball).collect()
+    }
+
+    /// Whether a ball overlaps no wall.
+    fn is_off_walls(&self, x: &Vector3, radius: f64) -> bool {
+        self.world.walls().all(|(wall, shape)| {
+            let pose = self.world.wall_pose(wall).unwrap_or_default();
+            let x = pose.inverse_transform_point(&Point3::from(*x));
+            shape.clearance(&x.coords) >= radius
+        })
+    }
+
+    /// Adds the next body of a source, with its centroid and orientation at `place`.
+    fn bring(&mut self, k: usize, place: &Pose) -> Result<(), Error> {
+        let supply = &self.flow.supplies[k];
+        let polyhedron = &self.world.shapes()[supply.shape as usize].polyhedron;
+        let centroid = polyhedron.mass_properties().centroid;
+        let pose = place * Pose::from_parts((-centroid.coords).into(), Default::default());
+        let id = self.world.add_body(BodySpec {
+            shape: supply.shape,
+            density: supply.density,
+            pose,
+            velocity: Vector3::from(supply.velocity),
+            angular_velocity: Vector3::zeros(),
+            material: supply.material,
+        })?;
+        let x = place.translation.vector;
+        for gate in &mut self.flow.gates {
+            let is_beyond = gate.is_beyond(&x);
+            gate.beyond.push(is_beyond);
+        }
+        self.members.push(Member {
+            name: format!("{} {}", supply.name, self.members.len()),
+            id,
+            placed: pose,
+        });
+        let mass = supply.mass;
+        self.flow.supplies[k].come.add(1, mass);
+        Ok(())
+    }
+}

@@ -1,0 +1,280 @@
+//! Walls that open, sources, sinks and gauges.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+use std::fs;
+use std::path::Path;
+
+use femdem::Usage;
+use femdem::run::{Member, Run, RunSummary, Scenario};
+use tempfile::tempdir;
+
+/// Cubes with a diagonal of 10 mm that fall from a source on a plate, which opens, and leave below it.
+const FLOW: &str = "duration = 0.5
+    every = 0.05
+    history-every = 0.01
+    tables = true
+    contact.friction = 0.4
+    [material.m]
+    density = 2000
+    [[wall]]
+    name = \"tube\"
+    cylinder = { diameter = 0.05, from = [0, 0, -0.02], to = [0, 0, 0.2] }
+    [[wall]]
+    name = \"plug\"
+    plate = { diameter = 0.06, centre = [0, 0, 0] }
+    opens = 0.25
+    [[source]]
+    name = \"feed\"
+    shape = \"cube\"
+    diameter = 0.01
+    material = \"m\"
+    lower = [-0.012, -0.012, 0.06]
+    upper = [0.012, 0.012, 0.12]
+    rate = 200
+    number = 12
+    [[gauge]]
+    name = \"mouth\"
+    plane = { normal = [0, 0, 1], offset = -0.01 }
+    [[sink]]
+    name = \"below\"
+    plane = { normal = [0, 0, 2], offset = -0.1 }
+    ";
+
+fn begun(text: &str) -> Run {
+    Run::new(Scenario::from_toml(text).unwrap()).unwrap()
+}
+
+fn ended(text: &str, folder: &Path) -> (Run, RunSummary) {
+    let mut run = begun(text);
+    run.advance(folder, u64::MAX).unwrap();
+    let summary = run.finish(folder, &Usage::default()).unwrap();
+    (run, summary)
+}
+
+/// Rows of a table, without its header.
+fn rows(folder: &Path, name: &str) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(folder.join(name)).unwrap();
+    let cells = |line: &str| line.split(',').map(str::to_owned).collect();
+    text.lines().skip(1).map(cells).collect()
+}
+
+fn refused(text: &str) -> String {
+    let built = Scenario::from_toml(text).and_then(|scene| scene.build());
+    built.unwrap_err().to_string()
+}
+
+/// All that has come from the source has passed the gauge and left at the sink; every file tells the same, and the ledger closes.
+#[test]
+fn what_comes_goes_and_is_counted() {
+    let folder = tempdir().unwrap();
+    let (run, summary) = ended(FLOW, folder.path());
+    let members = &run.simulation().members;
+    assert_eq!(members.len(), 12);
+    assert!(members.iter().all(|member| member.id == Member::GONE));
+    assert_eq!(members[3].name, "feed 3");
+    assert_eq!((summary.bodies.len(), summary.contacts), (0, 0));
+    assert_eq!(run.simulation().world.body_count(), 0);
+    let mass = 12.0 * 2000.0 * (0.01 / 3_f64.sqrt()).powi(3);
+    let flow = rows(folder.path(), "flow.csv");
+    let last = |name: &str| flow.iter().rfind(|row| row[1] == name).unwrap().clone();
+    for name in ["mouth", "below", "feed"] {
+        let row = last(name);
+        assert_eq!(row[2], "12", "{row:?}");
+        let found: f64 = row[3].parse().unwrap();
+        assert!((found / mass - 1.0).abs() < 1e-3, "{found} {mass}");
+    }
+    // The mass is the sum of the rate over the time, and nothing passes before the plug opens.
+    let mut sum = 0.0;
+    let mut before = 0.0;
+    for row in flow.iter().filter(|row| row[1] == "mouth") {
+        let [time, bodies, rate] = [0, 2, 4].map(|k| row[k].parse::<f64>().unwrap());
+        sum += rate * (time - before);
+        before = time;
+        assert!(bodies == 0.0 || time > 0.25, "{row:?}");
+    }
+    assert!((sum / mass - 1.0).abs() < 1e-3, "{sum}");
+    let energy = &summary.energy;
+    assert!(energy.ledger_error_relative.abs() < 0.01, "{energy:?}");
+    assert!(energy.by_hand < 0.0 && energy.initial > 0.0, "{energy:?}");
+    // The plug bore the bodies until it opened.
+    let plug = summary
+        .walls
+        .iter()
+        .find(|wall| wall.name == "plug")
+        .unwrap();
+    assert!(plug.peak_force > 0.5 * 9.81 * mass && plug.peak_time < 0.26);
+    assert_eq!(plug.force, [0.0; 3]);
+    // Tables of frames: before, with the plug and some bodies; in the end without.
+    let frames = folder.path().join("frames");
+    let walls = |frame: &str| rows(&frames.join(frame), "walls.csv").len();
+    assert_eq!((walls("00004"), walls("00008")), (2, 1));
+    assert_eq!(rows(&frames.join("00010"), "bodies.csv").len(), 0);
+    let header = fs::read_to_string(folder.path().join("history.csv")).unwrap();
+    let counts: Vec<usize> = header.lines().map(|line| line.split(',').count()).collect();
+    assert!(counts.iter().all(|count| *count == counts[0]), "{counts:?}");
+}
+
+/// A run that is stopped and read back at any time goes on to the same bits and files.
+#[test]
+fn a_run_with_flow_resumes_with_the_same_bits() {
+    let whole = tempdir().unwrap();
+    let (run, summary) = ended(FLOW, whole.path());
+    let parts = tempdir().unwrap();
+    let mut run_in_parts = begun(FLOW);
+    let mut stops = 0;
+    while run_in_parts.ending().is_none() {
+        run_in_parts.advance(parts.path(), 700).unwrap();
+        run_in_parts.flush(parts.path()).unwrap();
+        run_in_parts.save(parts.path(), &Usage::default()).unwrap();
+        run_in_parts = Run::read(parts.path()).unwrap().0;
+        stops += 1;
+    }
+    assert!(stops > 5, "{stops}");
+    let again = run_in_parts
+        .finish(parts.path(), &Usage::default())
+        .unwrap();
+    assert_eq!(again.state_hash, summary.state_hash);
+    assert_eq!(run.simulation().members, run_in_parts.simulation().members);
+    for name in ["flow.csv", "history.csv"] {
+        assert_eq!(rows(parts.path(), name), rows(whole.path(), name), "{name}");
+    }
+}
+
+/// Bodies of a source come where there is room: their contacts begin at the surface. Another seed puts them elsewhere.
+#[test]
+fn sources_place_bodies_where_there_is_room() {
+    let crowded = FLOW
+        .replace("opens = 0.25", "")
+        .replace("rate = 200", "rate = 20000");
+    let folder = tempdir().unwrap();
+    let (run, summary) = ended(&crowded, folder.path());
+    assert_eq!(run.simulation().world.body_count(), 12);
+    let deepest = summary.penetration.unwrap().peak;
+    assert!(deepest < 5e-4, "{deepest}");
+    let places = |run: &Run| -> Vec<[f64; 3]> {
+        let members = run.simulation().members.iter();
+        members
+            .map(|member| member.placed.translation.vector.into())
+            .collect()
+    };
+    let other = ended(
+        &crowded.replace("number = 12", "number = 12\nseed = 7"),
+        folder.path(),
+    )
+    .0;
+    assert_ne!(places(&run), places(&other));
+    // A mass is not exceeded: three of 0.385 g each.
+    let by_mass = crowded.replace("number = 12", "mass = 0.0013");
+    assert_eq!(
+        ended(&by_mass, folder.path()).0.simulation().members.len(),
+        3
+    );
+}
+
+/// What sleeps on a plug wakes when it opens, and what its contacts stored is booked.
+#[test]
+fn an_opening_wakes_what_rests_on_it() {
+    let text = "duration = 0.6
+        contact.penalty = 1e5
+        [material.m]
+        density = 1000
+        [[wall]]
+        name = \"floor\"
+        plane = { normal = [0, 0, 1] }
+        opens = 0.5
+        [[wall]]
+        name = \"cellar\"
+        plane = { normal = [0, 0, 1], offset = -0.02 }
+        [[body]]
+        shape = \"cube\"
+        size = 0.05
+        material = \"m\"
+        position = [0, 0, 0.0144]";
+    let folder = tempdir().unwrap();
+    let mut run = begun(text);
+    while run.simulation().world.time() < 0.49 {
+        run.advance(folder.path(), 1).unwrap();
+    }
+    let id = run.simulation().members[0].id;
+    assert!(run.simulation().world.is_asleep(id));
+    run.advance(folder.path(), u64::MAX).unwrap();
+    let z = run.simulation().world.position(id).unwrap().z;
+    assert!((z + 0.02 - 0.0144).abs() < 1e-3, "{z}");
+    let ledger = run.simulation().world.ledger();
+    assert!(
+        ledger.by_hand < 0.0 && ledger.error_relative().abs() < 0.02,
+        "{ledger:?}"
+    );
+}
+
+/// One run fills a container by a source, and the next one, which starts from it, empties it.
+#[test]
+fn a_filled_container_is_emptied_by_the_next_run() {
+    let folder = tempdir().unwrap();
+    let (text, flow) = FLOW.split_at(FLOW.find("[[source]]").unwrap());
+    let source = &flow[..flow.find("[[gauge]]").unwrap()];
+    let fill = text.replace("opens = 0.25", "");
+    let (mut run, filled) = ended(&format!("{fill}{source}"), folder.path());
+    run.save(folder.path(), &Usage::default()).unwrap();
+    assert_eq!(filled.bodies.len(), 12);
+    let empties = &flow[source.len()..];
+    let next = format!("from = {:?}\n{text}{empties}", folder.path());
+    let other = tempdir().unwrap();
+    let (_, emptied) = ended(&next, other.path());
+    assert_eq!(emptied.bodies.len(), 0);
+    assert!(emptied.energy.ledger_error_relative.abs() < 0.02);
+    let flow = rows(other.path(), "flow.csv");
+    let below = flow.iter().rfind(|row| row[1] == "below");
+    assert_eq!(below.unwrap()[2], "12");
+    // A third one goes on from the empty container, whose plug stays away.
+    run = begun(&next);
+    run.advance(other.path(), u64::MAX).unwrap();
+    run.save(other.path(), &Usage::default()).unwrap();
+    let third = format!("from = {:?}\n{fill}{source}", other.path());
+    let third = begun(&third);
+    assert_eq!(third.simulation().world.walls().count(), 1);
+}
+
+#[test]
+fn flow_that_cannot_be_is_refused_with_its_key() {
+    for (from, to, words) in [
+        ("opens = 0.25", "opens = 0.5", "wall.opens = 0.5"),
+        ("opens = 0.25", "opens = -1", "wall.opens = -1"),
+        ("rate = 200", "", "rate and mass-rate = none or both"),
+        ("rate = 200", "rate = 0", "rate = 0"),
+        ("rate = 200", "mass-rate = inf", "mass-rate = inf"),
+        (
+            "number = 12",
+            "number = 12\nmass = 1",
+            "number and mass = both",
+        ),
+        ("number = 12", "number = 0", "a source = 0 bodies"),
+        ("number = 12", "mass = 1e-9", "mass = 0.000000001"),
+        ("number = 12", "start = 2", "a source = "),
+        ("number = 12", "start = 0.2\nend = 0.1", "start and end"),
+        ("shape = \"cube\"", "", "shape = none"),
+        ("diameter = 0.01", "", "diameter and size"),
+        ("lower = [-0.012", "lower = [1", "lower and upper"),
+        (
+            "material = \"m\"",
+            "material = \"n\"",
+            "no body, source or wall",
+        ),
+        ("offset = -0.1 }", "offset = nan }", "plane.offset"),
+        (
+            "plane = { normal = [0, 0, 2], offset = -0.1 }",
+            "",
+            "plane and box = none or both",
+        ),
+        (
+            "name = \"below\"",
+            "name = \"mouth\"",
+            "another sink, gauge or source",
+        ),
+    ] {
+        assert!(FLOW.contains(from), "{from}");
+        let error = refused(&FLOW.replace(from, to));
+        assert!(error.contains(words), "{to}: {error}");
+    }
+}
