@@ -93,6 +93,13 @@ impl Simulation {
         })
     }
 
+    /// From a place to the nearest image of another one, axis by axis \[m\].
+    pub(super) fn between(&self, from: &Vector3, to: &Vector3) -> Vector3 {
+        let way = to - from;
+        let cell = self.world.cell();
+        cell.map_or(way, |cell| way - cell.offset(cell.nearest(&way)))
+    }
+
     /// The pose of a rigid body, or of the image of it that lies in the periodic cell.
     pub(super) fn shown(&self, id: BodyId) -> Option<Pose> {
         let (mut pose, centroid) = (self.world.pose(id)?, self.world.position(id)?);

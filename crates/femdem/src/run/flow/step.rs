@@ -90,7 +90,8 @@ impl Simulation {
                 let place = self.flow.supplies[k].next_place();
                 let radius = self.flow.supplies[k].radius;
                 let x = place.translation.vector;
-                let free = |(at, reach): &(Vector3, f64)| (at - x).norm() >= radius + reach;
+                let free =
+                    |(at, reach): &(Vector3, f64)| self.between(at, &x).norm() >= radius + reach;
                 if others.iter().all(free) && self.is_off_walls(&x, radius) {
                     self.bring(k, &place)?;
                     others.push((x, radius));
