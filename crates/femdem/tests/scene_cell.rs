@@ -91,17 +91,25 @@ fn a_cell_is_compressed_and_sheared() {
     let cell = &end.cells[0];
     let strain = cell.shear_strain.unwrap() / (5.0 * end.simulated_time);
     assert!((strain - 1.0).abs() < 1e-3, "{cell:?}");
-    assert!(cell.shear_stress.unwrap() > 500.0, "{cell:?}");
     for error in cell.errors {
-        assert!(error.unwrap().abs() < 0.1, "{cell:?}");
+        assert!(error.unwrap().abs() < 0.05, "{cell:?}");
     }
     assert!(
         end.energy.work_in > 0.0 && end.energy.ledger_error_relative.abs() < 0.01,
         "{end}"
     );
     assert!(!end.rest.at_rest && end.rest.driven);
+    // What is spent on the shear is dissipated: it resists in the mean.
     let rows = fs::read_to_string(second.join("cells.csv")).unwrap();
-    assert!(rows.lines().count() > 50);
+    let mut rows = rows.lines().map(|row| row.split(',').collect::<Vec<_>>());
+    let head = rows.next().unwrap();
+    let column = head
+        .iter()
+        .position(|name| *name == "shear_stress")
+        .unwrap();
+    let stresses: Vec<f64> = rows.map(|row| row[column].parse().unwrap()).collect();
+    let mean = stresses.iter().sum::<f64>() / stresses.len() as f64;
+    assert!(stresses.len() > 50 && mean > 200.0, "{mean}");
 
     // The same bits where it was interrupted.
     let third = folder.path().join("third");
