@@ -238,7 +238,7 @@ impl Space {
 
     /// Calls `f` with the way to each image of a point of the cell, its own place included, whose surroundings of the
     /// half-width `span` (m) meet the cell.
-    pub fn beside(&self, point: &Vector3, span: f64, mut f: impl FnMut(&Vector3)) {
+    pub fn beside(&self, point: &Vector3, span: f64, f: impl FnMut(&Vector3)) {
         let mut ways = vec![Vector3::zeros()];
         for k in [2, 1, 0] {
             if !self.cell.repeats(k) {
@@ -260,7 +260,7 @@ impl Space {
             }
             ways = further;
         }
-        ways.iter().for_each(|way| f(way));
+        ways.iter().for_each(f);
     }
 
     /// The image of A that B meets, as it moves.

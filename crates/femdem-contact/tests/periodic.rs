@@ -55,8 +55,8 @@ fn bodies(cell: &PeriodicCell, stream: &mut Stream) -> Vec<Motion> {
         let within = cell.edges() * (stream.vector() + Vector3::repeat(0.5));
         let away = cell.offset([
             (i % 3) as i32 - 1,
-            i32::from(i % 5 == 0),
-            -i32::from(i % 4 == 0),
+            i32::from(i.is_multiple_of(5)),
+            -i32::from(i.is_multiple_of(4)),
         ]);
         placed(&shapes[i % 4].1, within + away, stream.rotation())
     };
