@@ -56,7 +56,7 @@ fn pack() -> Snapshot {
             max: Point3::new(0.1, 0.1, 0.3),
         }),
         masses: vec![0.2, 0.3],
-        velocities: vec![Vector3::new(0.1, -1.0 / 3.0, 0.0), Vector3::zeros()],
+        velocities: vec![Vector3::new(0.25, -1.0 / 3.0, 0.0), Vector3::zeros()],
         gravity: 9.81,
         ..Snapshot::default()
     }
