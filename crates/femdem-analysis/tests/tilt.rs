@@ -68,7 +68,7 @@ fn groups_are_compared_with_random_directions() {
     let pack = Pack::new(&shapes, &bodies).unwrap();
     let found = tilt_histogram(
         &pack,
-        Some(&container),
+        Some(&Vessel::Upright(container)),
         Some(&core),
         &TiltOptions::default(),
     )
@@ -100,7 +100,20 @@ fn groups_are_compared_with_random_directions() {
     );
     let text = found.to_csv();
     assert_eq!(text.lines().count(), 10);
-    // Without a container only all bodies are known.
+    // In the cone of a silo no wall is upright, and it is no floor.
+    let silo = Vessel::Silo {
+        centre: [0.0; 2],
+        radius: 4.0,
+        outlet_radius: 0.5,
+        floor: 0.0,
+        waist: 3.0,
+    };
+    let found = tilt_histogram(&pack, Some(&silo), None, &TiltOptions::default()).unwrap();
+    let is_near = |p: &&Point3| p.z >= 3.0 && p.coords.xy().norm() >= 4.0 - d;
+    let near = pack.centroids().iter().filter(is_near).count();
+    assert_eq!(found.side_walls.unwrap().bodies as usize, near);
+    assert!(found.floor.is_none() && near > 0);
+    // Without a vessel only all bodies are known.
     let all = tilt_histogram(&pack, None, None, &TiltOptions::default()).unwrap();
     assert!(
         all.side_walls.is_none()

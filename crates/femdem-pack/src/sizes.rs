@@ -124,9 +124,10 @@ impl Sizes {
             Self::Shares(list) => steps(list),
             Self::Sieve(list) => {
                 check_sieve(list)?;
+                let nodes = curve(list);
                 Ok(Grading {
-                    form: Form::Curve(curve(list)),
-                    points: list.clone(),
+                    points: list.iter().copied().chain(twentieths(&nodes)).collect(),
+                    form: Form::Curve(nodes),
                     cut: [0.0; 2],
                 })
             }
@@ -207,8 +208,8 @@ impl Grading {
         }
     }
 
-    /// Largest error of the passing of bodies at the points of the curve: those of a sieve curve, each size with a share, or
-    /// every twentieth of the mass of a formula. Bodies come by rising size.
+    /// Largest error of the passing of bodies at the points of the curve: each size with a share, those of a sieve curve, and
+    /// every twentieth of the mass of a sieve curve or of a formula. Bodies come by rising size.
     pub fn deviation(&self, bodies: &[SizeClass]) -> f64 {
         let of = |class: &SizeClass| f64::from(class.count) * class.diameter.powi(3);
         let total: f64 = bodies.iter().map(of).sum();
@@ -369,17 +370,21 @@ fn truncated(
     list[0] = [low, 0.0];
     list[PIECES as usize] = [high, 1.0];
     let nodes = curve(&list);
-    let points = (1..20).map(|k| {
+    Ok(Grading {
+        points: twentieths(&nodes).collect(),
+        cut: [below, 1.0 - below - within],
+        form: Form::Curve(nodes),
+    })
+}
+
+/// Sizes, m, that every twentieth of the mass passes, and these parts.
+fn twentieths(nodes: &[Node]) -> impl Iterator<Item = [f64; 2]> {
+    (1..20).map(|k| {
         let wanted = f64::from(k) / 20.0;
         let end = nodes.partition_point(|node| node.passing < wanted);
         let [a, b] = [nodes[end - 1], nodes[end]];
         let part = (wanted - a.passing) / (b.passing - a.passing);
         [a.size * (b.size / a.size).powf(part), wanted]
-    });
-    Ok(Grading {
-        points: points.collect(),
-        cut: [below, 1.0 - below - within],
-        form: Form::Curve(nodes),
     })
 }
 
@@ -585,13 +590,16 @@ mod tests {
         assert!(grading.deviation(&made) < 0.005);
     }
 
-    /// Few bodies cannot follow a wide curve, and the deviation says so.
+    /// Few bodies cannot follow a wide curve, and the deviation says so, also of a curve without points on the way.
     #[test]
     fn too_few_bodies_are_told_by_the_deviation() {
-        let wide = Sizes::Sieve(vec![[0.001, 0.0], [0.03, 0.5], [0.1, 1.0]])
-            .grading()
-            .unwrap();
-        assert!(wide.deviation(&wide.bodies(100)) > 0.2);
+        for points in [
+            vec![[0.001, 0.0], [0.03, 0.5], [0.1, 1.0]],
+            vec![[0.001, 0.0], [0.1, 1.0]],
+        ] {
+            let wide = Sizes::Sieve(points).grading().unwrap();
+            assert!(wide.deviation(&wide.bodies(100)) > 0.2);
+        }
     }
 
     #[test]

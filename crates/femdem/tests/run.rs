@@ -173,12 +173,14 @@ fn wall_forces_and_momentum_agree() {
     job.advance(folder.path(), u64::MAX).unwrap();
     job.flush(folder.path()).unwrap();
     let history = fs::read_to_string(folder.path().join("history.csv")).unwrap();
+    let head: Vec<&str> = history.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| head.iter().position(|known| *known == name).unwrap();
     let rows: Vec<Vec<f64>> = history
         .lines()
         .skip(1)
         .map(|row| row.split(',').map(|x| x.parse().unwrap()).collect())
         .collect();
-    let (time, momentum, force) = (0, 18, 22);
+    let (time, momentum, force) = (column("time"), column("pz"), column("fz floor"));
     let masses = job.simulation().bodies().into_iter().map(|body| body.mass);
     let weight = 9.81 * masses.sum::<f64>();
     let mut impulse = 0.0;

@@ -141,6 +141,27 @@ fn a_run_with_flow_resumes_with_the_same_bits() {
     }
 }
 
+/// A run that goes on to a longer duration has its source go on, too.
+#[test]
+fn sources_go_on_to_a_longer_duration() {
+    let longer = FLOW.replace("number = 12\n", "");
+    let duration = "duration = 0.5";
+    assert!(longer != FLOW && longer.contains(duration));
+    let short = longer.replace(duration, "duration = 0.3");
+    let (whole, parts) = (tempdir().unwrap(), tempdir().unwrap());
+    let (run, _) = ended(&longer, whole.path());
+    let (mut in_parts, _) = ended(&short, parts.path());
+    assert!(in_parts.simulation().members.len() < run.simulation().members.len());
+    in_parts
+        .apply(Scenario::from_toml(&longer).unwrap())
+        .unwrap();
+    in_parts.advance(parts.path(), u64::MAX).unwrap();
+    assert_eq!(
+        run.simulation().members.len(),
+        in_parts.simulation().members.len()
+    );
+}
+
 /// Bodies of a source come where there is room: their contacts begin at the surface. Another seed puts them elsewhere.
 #[test]
 fn sources_place_bodies_where_there_is_room() {

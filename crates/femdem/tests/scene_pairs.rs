@@ -190,7 +190,7 @@ fn faults_of_pairs_are_named() {
         (
             "material = \"stone\"\n",
             "",
-            ["material.stone", "no body or wall is made of it"],
+            ["material.stone", "no body, source or wall is made of it"],
         ),
         ("density = 900", "", ["density = none", "kg/m³"]),
     ] {

@@ -169,6 +169,8 @@ fn a_sweep_makes_all_combinations_once() {
 
     fs::write(&scene, printed.replace("count = 8", "count = 7")).unwrap();
     fails(&mut sweep(), &["of another scene", "4 of 4 jobs failed"]);
+    let rows = columns(&out.join("sweep.csv"), "row", "coordination.mean");
+    assert!(rows.is_empty(), "{rows:?}");
     fails(
         femdem("sweep").arg(&scene).args(["--vary", "frction=1"]),
         &["frction"],

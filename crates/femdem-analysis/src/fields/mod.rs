@@ -16,6 +16,9 @@ use layer::{Layer, Sources};
 /// Largest number of cells.
 const MOST_CELLS: f64 = 1e7;
 
+/// Largest coordinate over the spacing: round-off is then below a thousandth of the spacing.
+const FARTHEST: f64 = 1e12;
+
 /// How [`coarse_grained_fields`] smooths.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -97,8 +100,8 @@ pub struct Fields {
 /// ```
 ///
 /// # Errors
-/// [`AnalysisError::Option`], also for more than ten million cells, [`AnalysisError::BodyList`] for a list of another
-/// length, [`AnalysisError::Body`] for a mass or a velocity out of its range.
+/// [`AnalysisError::Option`], also for more than ten million cells and for coordinates above 1e12 spacings,
+/// [`AnalysisError::BodyList`] for a list of another length, [`AnalysisError::Body`] for a mass or a velocity out of its range.
 pub fn coarse_grained_fields(
     network: &ForceNetwork,
     masses: &[f64],
@@ -118,6 +121,15 @@ pub fn coarse_grained_fields(
             name: "spacing_over_d",
             value: options.spacing_over_d,
             allowed: "wide enough for at most 10000000 cells",
+        });
+    }
+    let farthest = bounds.min.coords.amax().max(bounds.max.coords.amax());
+    if farthest > FARTHEST * spacing {
+        return Err(AnalysisError::Option {
+            name: "spacing_over_d",
+            value: options.spacing_over_d,
+            allowed: "such that no coordinate is above 1e12 spacings, or it is lost to round-off; move the bodies to \
+                      the origin",
         });
     }
     let counts = needed.map(|n| n as usize);

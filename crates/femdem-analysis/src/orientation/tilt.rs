@@ -4,6 +4,7 @@ use femdem_mesh::{Point3, Polyhedron};
 use serde::{Deserialize, Serialize};
 
 use super::{BodyAxes, axes_of};
+use crate::bed::Vessel;
 use crate::error::AnalysisError;
 use crate::pack::Pack;
 use crate::region::Region;
@@ -102,15 +103,16 @@ pub struct TiltHistogram {
     pub random: Vec<f64>,
     /// All bodies.
     pub all: TiltGroup,
-    /// Bodies whose centroid is near a side wall; `None` without a container of upright walls.
+    /// Bodies whose centroid is near a side wall, and not below it; `None` without a vessel of upright walls. Those of
+    /// a silo begin above its cone.
     pub side_walls: Option<TiltGroup>,
-    /// Bodies whose centroid is near the floor.
+    /// Bodies whose centroid is near the floor; `None` also for a silo, whose cone lies around it.
     pub floor: Option<TiltGroup>,
     /// Bodies whose centroid lies in the core; `None` without one.
     pub core: Option<TiltGroup>,
 }
 
-/// Counts the tilts of the bodies of a pack in `container`, whose faces are its walls, and in its `core`.
+/// Counts the tilts of the bodies of a pack in a `vessel`, near its walls, and in its `core`.
 ///
 /// ```
 /// use femdem_analysis::*;
@@ -129,15 +131,18 @@ pub struct TiltHistogram {
 /// [`AnalysisError::EmptyPack`], [`AnalysisError::Option`], [`AnalysisError::Region`].
 pub fn tilt_histogram(
     pack: &Pack,
-    container: Option<&Region>,
+    vessel: Option<&Vessel>,
     core: Option<&Region>,
     options: &TiltOptions,
 ) -> Result<TiltHistogram, AnalysisError> {
     options.validate()?;
-    for region in container.into_iter().chain(core) {
+    let diameter = pack.mean_diameter()?;
+    let upright = vessel.and_then(|vessel| between_upright_walls(vessel, diameter));
+    for region in upright.iter().chain(core) {
         region.validate()?;
     }
-    let near = options.near_over_d * pack.mean_diameter()?;
+    let has_floor = matches!(vessel, Some(Vessel::Upright(_)));
+    let near = options.near_over_d * diameter;
     let (tilts, centroids) = (tilts(pack), pack.centroids());
     let bins = options.bins as usize;
     let group = |is_in: &dyn Fn(&Point3) -> bool| {
@@ -145,7 +150,6 @@ pub fn tilt_histogram(
         let inside = bodies.filter(|(_, centroid)| is_in(centroid));
         TiltGroup::of(inside.filter_map(|(tilt, _)| *tilt), bins)
     };
-    let upright = container.filter(|region| !matches!(region, Region::Sphere { .. }));
     let edge = |k: usize| 90.0 * (k as f64 / bins as f64);
     Ok(TiltHistogram {
         edges: (0..=bins).map(edge).collect(),
@@ -153,10 +157,34 @@ pub fn tilt_histogram(
             .map(|k| edge(k).to_radians().cos() - edge(k + 1).to_radians().cos())
             .collect(),
         all: group(&|_| true),
-        side_walls: upright.map(|region| group(&|p| from_side_walls(region, p) <= near)),
-        floor: upright.map(|region| group(&|p| p.z - region.corners().0.z <= near)),
+        side_walls: upright.map(|region| {
+            let low = region.corners().0.z;
+            group(&|p| p.z >= low && from_side_walls(&region, p) <= near)
+        }),
+        floor: upright
+            .filter(|_| has_floor)
+            .map(|region| group(&|p| p.z - region.corners().0.z <= near)),
         core: core.map(|region| group(&|p| region.contains(p))),
     })
+}
+
+/// The part of a vessel between upright side walls, if it has such; of a silo, one diameter (m) of it.
+fn between_upright_walls(vessel: &Vessel, diameter: f64) -> Option<Region> {
+    match *vessel {
+        Vessel::Upright(Region::Sphere { .. }) | Vessel::Solid { .. } => None,
+        Vessel::Upright(region) => Some(region),
+        Vessel::Silo {
+            centre,
+            radius,
+            waist,
+            ..
+        } => Some(Region::Cylinder {
+            centre,
+            radius,
+            z_min: waist,
+            z_max: waist + diameter,
+        }),
+    }
 }
 
 /// Distance of a point from the nearest side wall (m), negative outside.

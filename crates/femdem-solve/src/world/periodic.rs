@@ -33,17 +33,24 @@ pub(super) fn check_rests(cell: &PeriodicCell, may: bool) -> Result<(), SolveErr
 
 impl World {
     /// Makes space periodic, or changes the cell by hand. Bodies keep their places and velocities, whatever the cell does:
-    /// to deform what lies in it use [`deform_cell`](Self::deform_cell).
+    /// to deform what lies in it use [`deform_cell`](Self::deform_cell). The energy that contacts gain is in
+    /// [`Ledger::by_hand`](crate::Ledger::by_hand).
     ///
     /// # Errors
-    /// [`SolveError::Contact`] if there are bodies and space does not repeat itself along the same axes already; later steps
-    /// refuse a cell that measures less than 2.25 diameters of its largest body along one of its axes, and walls that do not
-    /// repeat themselves.
+    /// [`SolveError::Contact`] if there are bodies and space does not repeat itself along the same axes already, or if the cell
+    /// measures less than 2.25 diameters of the largest body along one of its axes, or walls do not repeat themselves. Later steps
+    /// refuse that, too.
     pub fn set_cell(&mut self, cell: PeriodicCell) -> Result<(), SolveError> {
         self.restored()?;
+        if self.body_count() == 0 {
+            return Ok(self.batch.set_cell(cell)?);
+        }
+        self.evaluate_if_due()?;
         self.wake_all();
+        let before = self.stored_energy();
         self.batch.set_cell(cell)?;
-        self.loaded = false;
+        self.evaluate(0.0)?;
+        self.flows.by_hand += self.stored_energy() - before;
         Ok(())
     }
 
@@ -76,6 +83,8 @@ impl World {
         let moving = cell.with_rates(rates)?;
         let implicit = self.parameters.time_step.implicit.is_some();
         check_rests(&moving, !implicit)?;
+        // Contacts of two sleepers are not among those of the last evaluation.
+        self.loaded = self.loaded && self.awake.len() == self.rigid_count();
         self.wake_all();
         self.batch.set_cell(moving)?;
         let change = Carrying {

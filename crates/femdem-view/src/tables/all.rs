@@ -11,7 +11,7 @@ use femdem_mesh::Polyhedron;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::network::Data;
-use super::options::TableOptions;
+use super::options::{SAME_SIZE, TableOptions};
 use super::orientation::Orientation;
 use crate::{Body, Snapshot, ViewError};
 
@@ -46,7 +46,7 @@ pub struct Tables {
     pub contacts: usize,
     /// Mean circumscribed diameter d \[m\].
     pub diameter: f64,
-    /// Sizes of the bodies as a sieve curve by mass, or by volume without masses; `None` if all have one size. In CSV only.
+    /// Sizes of the bodies as a sieve curve by mass, or by volume without masses; `None` if all have one size, to 1 %. In CSV only.
     #[serde(skip)]
     pub sieve: Option<SieveCurve>,
     /// Names of the walls, by the numbers that tables use.
@@ -74,9 +74,9 @@ pub struct Tables {
     pub tilts: Vec<Option<f64>>,
     /// Histogram of the tilts.
     pub tilt: Option<TiltHistogram>,
-    /// Mixing of the shapes of a mixture.
+    /// Mixing of the shapes of a mixture; `None`, without an entry in `missing`, for a single shape.
     pub mixing_by_shape: Option<Mixing>,
-    /// Mixing of smaller and larger bodies.
+    /// Mixing of smaller and larger bodies; `None`, without an entry in `missing`, for a single size.
     pub mixing_by_size: Option<Mixing>,
     /// Radial distribution function of the centres in the core.
     pub radial_distribution: Option<RadialDistribution>,
@@ -220,7 +220,8 @@ fn sieve(snapshot: &Snapshot) -> Option<SieveCurve> {
         (2.0 * surface.bounding_radius(), mass)
     });
     let curve = SieveCurve::new(bodies);
-    (curve.points.len() > 1).then_some(curve)
+    let (least, most) = (curve.points.first()?.size, curve.points.last()?.size);
+    (most > least * (1.0 + SAME_SIZE)).then_some(curve)
 }
 
 fn without_cells<S: Serializer>(found: &Option<SetVoronoi>, to: S) -> Result<S::Ok, S::Error> {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use femdem_analysis::Table;
 
-use super::{BodyTable, Tables};
+use super::{BodyTable, MixingSeries, Tables};
 use crate::output::{vti, write_file};
 use crate::{Snapshot, ViewError};
 
@@ -39,7 +39,7 @@ impl Tables {
             .orientation
             .as_ref()
             .and_then(|found| found.net.as_ref());
-        let all: [(&str, Option<&dyn Table>); 29] = [
+        let all: [(&str, Option<&dyn Table>); 30] = [
             ("bodies.csv", Some(&bodies)),
             ("sieve.csv", table(&self.sieve)),
             ("height-profile.csv", table(&self.height_profile)),
@@ -79,6 +79,7 @@ impl Tables {
             ("vertical-balance.csv", table(&self.vertical_balance)),
             ("wall-forces.csv", table(&self.wall_forces)),
             ("fabric.csv", table(&self.fabric)),
+            (MixingSeries::FILE, None),
             ("density-map.vti", None),
             ("fields.vti", None),
         ];
@@ -115,5 +116,29 @@ fn remove(path: &Path) -> Result<(), ViewError> {
             source,
         }),
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::TableOptions;
+    use crate::testing::two_cubes;
+
+    #[test]
+    fn files_of_an_earlier_analysis_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let tables = folder.path().join(FOLDER);
+        fs::create_dir(&tables).unwrap();
+        for name in [MixingSeries::FILE, "fields.vti"] {
+            fs::write(tables.join(name), "old").unwrap();
+        }
+        let snapshot = two_cubes();
+        let found = Tables::compute(&snapshot, &TableOptions::default()).unwrap();
+        found.write(&snapshot, folder.path()).unwrap();
+        for name in [MixingSeries::FILE, "fields.vti"] {
+            assert!(!tables.join(name).exists(), "{name}");
+        }
+        assert!(tables.join("bodies.csv").is_file());
     }
 }

@@ -70,8 +70,7 @@ impl Tables {
 
     /// The whole bed, in the vessel or else in the container.
     fn add_bed(&mut self, snapshot: &Snapshot, pack: &Pack) -> Result<(), ViewError> {
-        let vessel = snapshot.vessel.clone();
-        let Some(vessel) = vessel.or_else(|| snapshot.container.map(Vessel::Upright)) else {
+        let Some(vessel) = vessel_of(snapshot) else {
             self.miss(&["bed"], NO_CONTAINER);
             return Ok(());
         };
@@ -88,7 +87,7 @@ impl Tables {
         Ok(())
     }
 
-    /// The tilts, and their histogram near the walls of the container and in the core.
+    /// The tilts, and their histogram near the walls of the vessel and in the core.
     pub(super) fn add_tilt(&mut self, snapshot: &Snapshot, pack: &Pack) -> Result<(), ViewError> {
         self.tilts = tilts(pack);
         if self.tilts.iter().all(Option::is_none) {
@@ -96,10 +95,15 @@ impl Tables {
             self.miss(&["tilt"], reason);
             return Ok(());
         }
+        let vessel = vessel_of(snapshot);
+        if matches!(vessel, Some(Vessel::Silo { .. })) {
+            let reason = "the floor of a silo lies within its cone, which tilts bodies itself";
+            self.miss(&["tilt.floor"], reason);
+        }
         let core = self.core.as_ref().filter(|core| !core.is_thin());
         self.tilt = Some(tilt_histogram(
             pack,
-            snapshot.container.as_ref(),
+            vessel.as_ref(),
             core.map(|core| &core.region),
             &self.options.tilt,
         )?);
@@ -136,6 +140,12 @@ impl Tables {
         self.core = Some(core);
         Ok(())
     }
+}
+
+/// What the bed lies in.
+fn vessel_of(snapshot: &Snapshot) -> Option<Vessel> {
+    let vessel = snapshot.vessel.clone();
+    vessel.or_else(|| snapshot.container.map(Vessel::Upright))
 }
 
 /// Why `what` is that of the whole bed and not that of the core.

@@ -126,6 +126,7 @@ fn directions(text: &str) -> Option<Vec<[f64; 3]>> {
 pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
         let found = source::read(&args.folder, &args.foreign, &args.frame)?;
+        found.refuse_images()?;
         // Options that cannot be met are refused before any file is written.
         let tables = tables(args, &found.snapshot)?;
         let series = args.over_time.then(|| over_time(args, &tables, &found));
@@ -163,9 +164,10 @@ fn over_time(args: &AnalyseArgs, tables: &Tables, found: &Found) -> Result<Mixin
         series.add(number, *time, &snapshot, &tables.options)?;
     }
     if series.frames.is_empty() {
-        bail!(
-            "--over-time is for bodies of several shapes or sizes, and all are of one: leave it out"
-        );
+        let mut missing = tables.missing.iter();
+        let reason = missing.find(|entry| entry.table.starts_with("mixing_by"));
+        let reason = reason.map_or("all are of one", |entry| entry.reason.as_str());
+        bail!("--over-time is for bodies of several shapes or sizes, and {reason}: leave it out");
     }
     Ok(series)
 }
@@ -206,7 +208,7 @@ fn write(
     let out: &Path = args.out.as_ref().unwrap_or(&found.folder);
     tables.write(&found.snapshot, out)?;
     if let Some(series) = series {
-        let path = out.join(FOLDER).join("mixing-over-time.csv");
+        let path = out.join(FOLDER).join(MixingSeries::FILE);
         output::write_file(path, |w| series.write_csv(w))?;
     }
     if !args.quiet {

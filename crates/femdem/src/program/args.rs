@@ -197,7 +197,7 @@ pub(crate) struct PackArgs {
 
     /// Folder for the results; must be new or empty [default: out/pack]
     #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    pub out: Option<PathBuf>,
 
     /// Write into --out even if it holds files; those of the same names are replaced, and the summary
     /// and the checkpoint of an earlier job go

@@ -135,6 +135,20 @@ pub(crate) enum Origin {
 }
 
 impl Found {
+    /// Refuses to measure what lies in a periodic cell: bodies and contacts that reach over its faces are seen on one side only.
+    pub(super) fn refuse_images(&self) -> Result<()> {
+        if let Origin::Run(saved, _) = &self.origin
+            && saved.0.simulation().world.cell().is_some()
+        {
+            bail!(
+                "the run has a periodic cell, whose images are not measured: {} has its solid fraction, stresses and strains, \
+                 and `femdem picture` draws it",
+                self.folder.join("cells.csv").display()
+            );
+        }
+        Ok(())
+    }
+
     /// What was read, in a line; `None` for a pack, which has a summary.
     pub(super) fn lead(&self) -> Option<String> {
         let snapshot = &self.snapshot;

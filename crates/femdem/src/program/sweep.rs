@@ -7,6 +7,7 @@ use std::str::FromStr;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use femdem::output::csv::quoted;
 use femdem::run::Scenario;
 use femdem::{Scene, output};
 use serde_json::Value as Json;
@@ -113,8 +114,10 @@ struct Job {
     /// The values of the varied keys.
     values: Vec<String>,
     seed: Option<i64>,
-    /// Its scene, as a file.
+    /// Its scene without the folder, so that this may be written in several ways.
     text: String,
+    /// The file with the text.
+    scene: PathBuf,
     folder: PathBuf,
 }
 
@@ -169,6 +172,17 @@ pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
 
 /// The jobs: the last key varies faster than those before it, and the seed fastest of all.
 fn jobs(args: &SweepArgs, base: &Table, is_run: bool) -> Result<Vec<Job>> {
+    for Vary { key, .. } in &args.vary {
+        match key.split('.').find(|part| !part.is_empty()) {
+            Some("out") => bail!("--vary {key}: each job has a folder of its own in that of --out"),
+            Some("seed") if !is_run => {
+                bail!(
+                    "--vary {key}: --seeds N makes packs with the seed of the scene and the ones after it"
+                )
+            }
+            _ => {}
+        }
+    }
     let mut combinations: Vec<Vec<String>> = vec![Vec::new()];
     for vary in &args.vary {
         let with_each = |before: Vec<String>| {
@@ -184,6 +198,7 @@ fn jobs(args: &SweepArgs, base: &Table, is_run: bool) -> Result<Vec<Job>> {
     for values in combinations {
         for k in 0..i64::from(args.seeds) {
             let mut scene = base.clone();
+            scene.remove("out");
             let mut parts = Vec::new();
             for (vary, value) in args.vary.iter().zip(&values) {
                 set(&mut scene, &vary.key, value)?;
@@ -206,17 +221,13 @@ fn jobs(args: &SweepArgs, base: &Table, is_run: bool) -> Result<Vec<Job>> {
             if !names.insert(name.clone()) {
                 bail!("two jobs would have the folder {name}: give each value once");
             }
-            let folder = args.out.join(&name);
-            scene.insert(
-                "out".to_owned(),
-                Value::String(folder.display().to_string()),
-            );
             jobs.push(Job {
-                name,
                 values: values.clone(),
                 seed,
                 text: toml::to_string(&scene)?,
-                folder,
+                scene: args.out.join(format!("{name}.toml")),
+                folder: args.out.join(&name),
+                name,
             });
         }
     }
@@ -244,24 +255,28 @@ fn set(scene: &mut Table, key: &str, value: &str) -> Result<()> {
 impl Job {
     /// Makes it, goes on with it, or leaves it as it is if it is finished.
     fn finish(&self, args: &SweepArgs, is_run: bool) -> Result<Outcome> {
-        let scene = args.out.join(format!("{}.toml", self.name));
-        if fs::read_to_string(&scene).is_ok_and(|text| text != self.text) {
+        let has_checkpoint =
+            folder::has_checkpoint(&self.folder) || folder::holds_run(&self.folder);
+        let has_results = has_checkpoint || self.folder.join(folder::SUMMARY).is_file();
+        if !self.is_own() && (has_results || self.scene.exists()) {
             bail!(
-                "{} is of another scene: give another folder with --out, or remove it",
-                scene.display()
+                "the folder {} is of another scene than this job, whose scene is not in {}: remove both, or give another \
+                 folder with --out",
+                self.folder.display(),
+                self.scene.display()
             );
         }
         if self.summary().is_some() {
             return Ok(Outcome::Finished);
         }
-        output::write_file(&scene, |w| {
+        output::write_file(&self.scene, |w| {
             std::io::Write::write_all(w, self.text.as_bytes())
         })?;
         let how = RunArgs {
             threads: args.threads,
             ..RunArgs::default()
         };
-        if folder::has_checkpoint(&self.folder) || folder::holds_run(&self.folder) {
+        if has_checkpoint {
             return job::resume(&ResumeArgs {
                 folder: self.folder.clone(),
                 duration: None,
@@ -271,8 +286,8 @@ impl Job {
         }
         if is_run {
             return run::run(&SceneArgs {
-                scene,
-                out: None,
+                scene: self.scene.clone(),
+                out: Some(self.folder.clone()),
                 force: true,
                 check: false,
                 yes: false,
@@ -280,12 +295,21 @@ impl Job {
             });
         }
         let mut pack = PackArgs::default();
-        (pack.scene, pack.force, pack.run) = (Some(scene), true, how);
+        (pack.scene, pack.out) = (Some(self.scene.clone()), Some(self.folder.clone()));
+        (pack.force, pack.run) = (true, how);
         job::pack(&pack)
+    }
+
+    /// Whether what is in its folder is of its scene: the file beside the folder has its text.
+    fn is_own(&self) -> bool {
+        fs::read_to_string(&self.scene).is_ok_and(|text| text == self.text)
     }
 
     /// The results, if it is finished.
     fn summary(&self) -> Option<Json> {
+        if !self.is_own() {
+            return None;
+        }
         let text = fs::read_to_string(self.folder.join(folder::SUMMARY)).ok()?;
         serde_json::from_str(&text).ok()
     }
@@ -306,14 +330,12 @@ impl Job {
 /// Writes the table of the jobs that are finished.
 fn write_table(args: &SweepArgs, jobs: &[Job], is_run: bool) -> Result<()> {
     let keys: &[&str] = if is_run { &OF_RUN } else { &OF_PACK };
-    let varied: Vec<&str> = args.vary.iter().map(|vary| vary.key.as_str()).collect();
+    let varied: Vec<String> = args.vary.iter().map(|vary| quoted(&vary.key)).collect();
+    let varied: Vec<&str> = varied.iter().map(String::as_str).collect();
     let head = ["row"].iter().chain(&varied).chain(&["seed"]).chain(keys);
     let mut lines = vec![head.copied().collect::<Vec<_>>().join(",")];
     let mut line = |row: &str, job: &Job, seed: String, numbers: &[Option<f64>]| {
-        let values = job.values.iter().map(|value| match value.contains(',') {
-            true => format!("\"{value}\""),
-            false => value.clone(),
-        });
+        let values = job.values.iter().map(|value| quoted(value));
         let numbers = numbers
             .iter()
             .map(|x| x.map_or(String::new(), |x| x.to_string()));
@@ -407,12 +429,68 @@ mod tests {
             (0.2, 0.6, 8, 5)
         );
         assert_eq!(scene.shape, ["P5"]);
-        assert_eq!(scene.out, made[4].folder);
-        let twice = SweepArgs {
-            vary: vec![vary("friction=0.2,0.2")],
+        // Another spelling of the folder is the same scene.
+        let spelt = SweepArgs {
+            out: PathBuf::from("./o"),
             ..args
         };
+        let again = jobs(&spelt, &base, false).unwrap();
+        assert_eq!(again[4].text, made[4].text);
+        assert_eq!(again[4].folder, PathBuf::from("./o").join(&made[4].name));
+        let twice = SweepArgs {
+            vary: vec![vary("friction=0.2,0.2")],
+            ..spelt
+        };
         assert!(jobs(&twice, &base, false).is_err());
+        for (key, instead) in [("seed=1,2", "--seeds"), ("out=a,b", "--out")] {
+            let refused = SweepArgs {
+                vary: vec![vary(key)],
+                out: PathBuf::from("o"),
+                scene: PathBuf::new(),
+                ..twice
+            };
+            let message = jobs(&refused, &base, false).err().unwrap().to_string();
+            assert!(message.contains(instead), "{message}");
+        }
+    }
+
+    /// What is in a folder counts only beside the scene of the job, and texts of the table keep their quotes.
+    #[test]
+    fn results_of_other_scenes_are_refused_and_not_in_the_table() {
+        let folder = tempfile::tempdir().unwrap();
+        let args = SweepArgs {
+            scene: PathBuf::new(),
+            vary: vec![vary("shape=[\"P5\", \"A10\"];P5")],
+            seeds: 1,
+            out: folder.path().to_path_buf(),
+            threads: None,
+        };
+        let made = jobs(&args, &Table::new(), false).unwrap();
+        fs::create_dir(&made[0].folder).unwrap();
+        fs::write(made[0].folder.join(folder::SUMMARY), "{\"steps\": 42}").unwrap();
+        let table = || {
+            write_table(&args, &made, false).unwrap();
+            fs::read_to_string(folder.path().join(TABLE)).unwrap()
+        };
+        for other in [None, Some("count = 3\n")] {
+            if let Some(other) = other {
+                fs::write(&made[0].scene, other).unwrap();
+            }
+            let message = made[0].finish(&args, false).err().unwrap().to_string();
+            assert!(
+                message.contains(&made[0].folder.display().to_string()),
+                "{message}"
+            );
+            assert!(message.contains("remove both"), "{message}");
+            assert_eq!(table().lines().count(), 1);
+        }
+        fs::write(&made[0].scene, &made[0].text).unwrap();
+        assert!(made[0].finish(&args, false).is_ok());
+        let table = table();
+        assert!(
+            table.contains("\njob,\"[\"\"P5\"\", \"\"A10\"\"]\",1,"),
+            "{table}"
+        );
     }
 
     #[test]

@@ -250,7 +250,8 @@ impl Simulation {
         let entries = old.body.iter().zip(&new.body);
         for ((old, new), &count) in entries.zip(&self.origin.members) {
             for member in members.by_ref().take(count) {
-                let is_rigid = self.world.deformable(member.id).is_none();
+                // One that has left is neither.
+                let is_rigid = self.world.follows_drive(member.id).is_some();
                 if is_rigid && old.motion != new.motion {
                     found.push((member.id, new.motion));
                 }

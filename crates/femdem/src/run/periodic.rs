@@ -77,6 +77,16 @@ impl Scenario {
     /// Makes space periodic in a world without bodies.
     pub(super) fn make_periodic(&self, simulation: &mut Simulation) -> Result<(), Error> {
         if let Some(entry) = &self.cell {
+            let falls = simulation.world.parameters().gravity != Vector3::zeros();
+            if falls && (0..3).all(|axis| entry.repeats(axis)) {
+                let gravity = simulation.world.parameters().gravity;
+                let allowed = "[0, 0, 0] in a cell that repeats itself along x, y and z: nothing can bear a weight";
+                return Err(wrong(
+                    "gravity",
+                    &format!("{:?}", gravity.as_slice()),
+                    allowed,
+                ));
+            }
             simulation.world.set_cell(entry.cell()?)?;
             simulation.centre = entry.centre();
         }

@@ -51,7 +51,7 @@ impl Simulation {
         let all_rigid = skins.is_empty();
         skins.extend(self.rigid_skins(all_rigid));
         let scale = if all_rigid {
-            let last = skins.len().saturating_sub(1).max(1) as f64;
+            let last = self.members.len().saturating_sub(1).max(1) as f64;
             scale("body", "Number of the body.", [0.0, last], Spacing::Linear)
         } else {
             let values = skins.iter().flat_map(|skin| &skin.values).copied();
@@ -126,24 +126,24 @@ impl Simulation {
     /// Surfaces of the rigid bodies, with their numbers as values or without values.
     fn rigid_skins(&self, numbered: bool) -> Vec<Skin> {
         let snapshot = self.rigid_snapshot();
-        let skins = snapshot
-            .bodies
-            .iter()
-            .enumerate()
-            .filter_map(|(number, body)| {
-                let polyhedron = &snapshot.shapes.get(body.shape as usize)?.polyhedron;
-                let triangles = polyhedron.triangles();
-                let value = if numbered { number as f64 } else { f64::NAN };
-                Some(Skin {
-                    points: polyhedron
-                        .vertices()
-                        .iter()
-                        .map(|v| body.pose * v)
-                        .collect(),
-                    values: vec![value; triangles.len()],
-                    triangles,
-                })
-            });
+        let skins = snapshot.bodies.iter().filter_map(|body| {
+            let polyhedron = &snapshot.shapes.get(body.shape as usize)?.polyhedron;
+            let triangles = polyhedron.triangles();
+            let value = if numbered {
+                f64::from(body.sequence)
+            } else {
+                f64::NAN
+            };
+            Some(Skin {
+                points: polyhedron
+                    .vertices()
+                    .iter()
+                    .map(|v| body.pose * v)
+                    .collect(),
+                values: vec![value; triangles.len()],
+                triangles,
+            })
+        });
         skins.collect()
     }
 }

@@ -80,8 +80,9 @@ impl Simulation {
         // Before motions begin anew: what has come to rest stays so.
         simulation.set_free(before, scene)?;
         simulation.world.restart_clock();
-        simulation.change(before, scene)?;
+        // Steps and penalties take into account what is to come.
         simulation.set_flow(scene)?;
+        simulation.change(before, scene)?;
         for (number, _, body) in self.deformables() {
             let id = simulation.members[number].id;
             let Some(present) = simulation.world.deformable(id) else {

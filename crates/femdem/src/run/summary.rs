@@ -239,7 +239,12 @@ impl RunSummary {
             cells: simulation.controls.cells(world),
             reactions: reactions.collect(),
             penalty: simulation.penalty.clone(),
-            warnings: run.warnings().to_vec(),
+            warnings: run
+                .warnings()
+                .iter()
+                .cloned()
+                .chain(simulation.missing_bodies())
+                .collect(),
             penetration,
             duration: run.scenario().duration,
             simulated_time: world.time(),

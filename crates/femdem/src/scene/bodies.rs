@@ -8,7 +8,7 @@ use femdem_mesh::io::Report;
 use femdem_mesh::shapes::Shape;
 use femdem_mesh::tet::{MeshOptions, MeshReport};
 use femdem_mesh::{MeshError, Polyhedron};
-use femdem_pack::{PackError, PackShape};
+use femdem_pack::{PackError, PackShape, SizeClass};
 
 use super::{DEFAULT_DIAMETER, Scene, ShapeNote, Unit, sizes, surface};
 use crate::Error;
@@ -47,34 +47,39 @@ pub(super) fn bodies(scene: &Scene) -> Result<(Vec<PackShape>, Vec<ShapeNote>), 
     let sources = sources(scene)?;
     refuse_files_missing(scene, &sources)?;
     let gradings = scene.gradings()?;
-    let counts = counts(&sources, scene.count);
-    for (source, count) in sources.into_iter().zip(counts) {
-        let grading = gradings.get(source.entry);
-        let polyhedron = match grading {
-            Some(grading) => source.scaled_to(grading.range()[1])?,
-            None => source.sized(scene)?,
-        };
-        let options = mesh_options(scene, &polyhedron)?;
-        let (shape, mesh) = PackShape::of_surface(&source.name, polyhedron, &options)
-            .map_err(|error| source.named(error))?;
-        let shape = PackShape {
-            share: source.share,
-            sphere: source.ball,
-            density: source.own_density(scene)?,
-            ..shape
-        };
-        let note = source.note(scene.unit, &shape, mesh);
-        let Some(grading) = grading else {
-            notes.push(note);
-            shapes.push(shape);
-            continue;
-        };
-        let sizes = grading.bodies(count);
-        notes.push(ShapeNote {
-            sizes: (count > 0).then(|| sizes::note(grading, &sizes)),
-            ..note
-        });
-        shapes.extend(shape.in_sizes(&sizes)?);
+    let counts = counts(&shares(scene)?, scene.count);
+    for variants in sources.chunk_by(|a, b| a.entry == b.entry) {
+        let (entry, of) = (variants[0].entry, variants.len() as u32);
+        let grading = gradings.get(entry);
+        let graded = grading.map(|grading| (grading, grading.bodies(counts[entry])));
+        for (source, k) in variants.iter().zip(0..) {
+            let polyhedron = match grading {
+                Some(grading) => source.scaled_to(grading.range()[1])?,
+                None => source.sized(scene)?,
+            };
+            let options = mesh_options(scene, &polyhedron)?;
+            let (shape, mesh) = PackShape::of_surface(&source.name, polyhedron, &options)
+                .map_err(|error| source.named(error))?;
+            let shape = PackShape {
+                share: source.share,
+                sphere: source.ball,
+                density: source.own_density(scene)?,
+                ..shape
+            };
+            let note = source.note(scene.unit, &shape, mesh);
+            let Some((grading, sizes)) = &graded else {
+                notes.push(note);
+                shapes.push(shape);
+                continue;
+            };
+            // Once for all variants.
+            let is_told = k == 0 && !sizes.is_empty();
+            notes.push(ShapeNote {
+                sizes: is_told.then(|| sizes::note(grading, sizes, of)),
+                ..note
+            });
+            shapes.extend(shape.in_sizes(&dealt(sizes, k, of))?);
+        }
     }
     name_apart(shapes.iter_mut().map(|shape| &mut shape.name));
     if let (Some(size), true) = (scene.mesh_size, notes.iter().all(|note| note.is_convex)) {
@@ -87,18 +92,34 @@ pub(super) fn bodies(scene: &Scene) -> Result<(Vec<PackShape>, Vec<ShapeNote>), 
     Ok((shapes, notes))
 }
 
+/// The bodies of variant k of so many: they are dealt one by one, from small to large.
+fn dealt(sizes: &[SizeClass], k: u32, variants: u32) -> Vec<SizeClass> {
+    // Those that the variant has of the first n bodies.
+    let of_first = |n: u32| n / variants + u32::from(k < n % variants);
+    let mut before = 0;
+    let its = sizes.iter().map(|class| {
+        let from = before;
+        before += class.count;
+        SizeClass {
+            count: of_first(before) - of_first(from),
+            ..*class
+        }
+    });
+    its.filter(|class| class.count > 0).collect()
+}
+
 /// So many bodies by the shares of shapes, each to within one body.
-fn counts(sources: &[Source], count: u32) -> Vec<u32> {
-    let total: f64 = sources.iter().map(|source| source.share).sum();
+fn counts(shares: &[f64], count: u32) -> Vec<u32> {
+    let total: f64 = shares.iter().sum();
     let (mut sum, mut placed) = (0.0, 0);
-    let next = |source: &Source| {
-        sum += source.share;
+    let next = |share: &f64| {
+        sum += share;
         let end = (sum / total * f64::from(count)).round() as u32;
         let own = end.clamp(placed, count) - placed;
         placed += own;
         own
     };
-    sources.iter().map(next).collect()
+    shares.iter().map(next).collect()
 }
 
 /// Appends numbers to names that come again.
@@ -391,6 +412,42 @@ mod tests {
             ["boulder:seed=7", "boulder:seed=8", "boulder:seed=9", "P5"]
         );
         assert_ne!(shapes[0].polyhedron, shapes[1].polyhedron);
+    }
+
+    /// Variants have together the sizes of their shape without variety, and each as many bodies, to within one.
+    #[test]
+    fn variants_share_the_sizes_of_their_shape() {
+        let of = |variety| {
+            let text = format!(
+                "shape = [\"boulder:seed=7\", \"P5\"]\nshare = [3, 1]\ncount = 80\nvariety = {variety}\n\
+                 sizes = [\"sieve:10mm:0,20mm:0.4,30mm:1\", \"40mm\"]"
+            );
+            let (shapes, notes) = bodies(&Scene::from_toml(&text).unwrap()).unwrap();
+            let is_boulder = |shape: &PackShape| shape.name.starts_with("boulder");
+            let told = notes.into_iter().filter_map(|note| note.sizes);
+            let boulders: Vec<_> = shapes.into_iter().filter(is_boulder).collect();
+            (boulders, told.collect::<Vec<_>>())
+        };
+        let ((one, told), (seven, told_of_seven)) = (of(1), of(7));
+        let count = |shapes: &[PackShape], wanted: &dyn Fn(&PackShape) -> bool| -> f64 {
+            let its = shapes.iter().filter(|shape| wanted(shape));
+            its.map(|shape| shape.share).sum()
+        };
+        assert_eq!(count(&seven, &|_| true), 60.0);
+        for shape in &one {
+            let same = |other: &PackShape| (other.diameter() / shape.diameter() - 1.0).abs() < 1e-9;
+            assert_eq!(count(&seven, &same), shape.share, "{}", shape.name);
+        }
+        for seed in 7..14 {
+            let name = format!("boulder:seed={seed} ");
+            let its = count(&seven, &|shape| shape.name.starts_with(&name));
+            assert!((8.0..=9.0).contains(&its), "{name}: {its}");
+        }
+        // A sentence for all variants, and one for the cubes.
+        assert_eq!((told.len(), told_of_seven.len()), (2, 2));
+        let sentence = told_of_seven[0].replace(" and 7 variants", "");
+        assert_ne!(sentence, told_of_seven[0]);
+        assert_eq!(sentence, told[0]);
     }
 
     /// A sphere is the exact ball unless it has a level, which is then in its name; both have the mass asked for.

@@ -12,7 +12,7 @@ const FORMS: &str = "give sizes with their shares of the mass, such as 20mm:0.3,
                      sieve:10mm:0,20mm:0.4,30mm:1; or lognormal-mass:MEDIAN:SIGMA, lognormal-number:MEDIAN:SIGMA or \
                      weibull-mass:SIZE:EXPONENT, if you like with limits, such as lognormal-mass:20mm:0.3:10mm..40mm";
 
-/// Error of the sieve curve at a point of it, as part of the mass, from which a note warns.
+/// Error of the sieve curve at a point or a twentieth of it, as part of the mass, from which a note warns.
 const FAR: f64 = 0.02;
 
 /// Reads the sizes of a shape.
@@ -111,13 +111,18 @@ impl Scene {
     }
 }
 
-/// What came of the sizes of a shape, in a sentence.
-pub(super) fn note(grading: &Grading, bodies: &[SizeClass]) -> String {
-    let [least, largest] = grading.range().map(|size| short_number(1e3 * size));
+/// What came of the sizes of a shape and its variants, in a sentence; there is at least one body.
+pub(super) fn note(grading: &Grading, bodies: &[SizeClass], variants: u32) -> String {
+    let ends = [bodies[0], bodies[bodies.len() - 1]];
+    let [least, largest] = ends.map(|class| short_number(1e3 * class.diameter));
     let count: u32 = bodies.iter().map(|class| class.count).sum();
     let error = grading.deviation(bodies);
+    let dealt = match variants {
+        1 => String::new(),
+        _ => format!(" and {variants} variants"),
+    };
     let mut text = format!(
-        "{count} bodies of {least} to {largest} mm in {} sizes, sieve curve met to {} of the mass",
+        "{count} bodies of {least} to {largest} mm in {} sizes{dealt}, sieve curve met to {} of the mass",
         bodies.len(),
         percent(error),
     );
@@ -138,6 +143,20 @@ pub(super) fn note(grading: &Grading, bodies: &[SizeClass]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The sizes said are those of the bodies: the mean of a stratum lies within the limits of the curve.
+    #[test]
+    fn a_note_has_the_sizes_of_the_bodies() {
+        let grading = parse("sieve:10mm:0,20mm:1").unwrap().grading().unwrap();
+        let one = grading.bodies(1);
+        let said = note(&grading, &one, 1);
+        let size = short_number(1e3 * one[0].diameter);
+        assert!(
+            said.starts_with(&format!("1 bodies of {size} to {size} mm in 1 sizes, ")),
+            "{said}"
+        );
+        assert!(said.contains("warning: so few bodies"), "{said}");
+    }
 
     #[test]
     fn sizes_are_shares_curves_or_distributions() {

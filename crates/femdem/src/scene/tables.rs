@@ -8,8 +8,23 @@ use toml::{Table, Value};
 use super::Scene;
 use crate::{Error, toml_file};
 
-/// Tables whose keys a pack has without them.
-const TABLES: [&str; 2] = ["contact", "medium"];
+/// Tables whose keys a pack has without them, and these keys.
+const TABLES: [(&str, &[&str]); 2] = [
+    (
+        "contact",
+        &[
+            "penalty",
+            "penetration",
+            "friction",
+            "wall-friction",
+            "rolling-friction",
+            "damping",
+            "tangential-ratio",
+            "tangential-damping",
+        ],
+    ),
+    ("medium", &["drag", "local-damping"]),
+];
 
 /// Keys of earlier versions, and the present ones.
 const RENAMED: [(&str, &str); 1] = [("tangential-stiffness", "tangential-ratio")];
@@ -26,7 +41,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<(Scene, Vec<String>), Err
     };
     let mut said = Vec::new();
     let mut changed = false;
-    for name in TABLES {
+    for (name, keys) in TABLES {
         let Some(value) = table.remove(name) else {
             continue;
         };
@@ -37,6 +52,12 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<(Scene, Vec<String>), Err
         };
         changed = true;
         for (key, value) in inner {
+            if !keys.contains(&key.as_str()) {
+                return Err(fault(format!(
+                    "unknown field `{key}` in {name}, expected one of `{}`",
+                    keys.join("`, `")
+                )));
+            }
             if table.insert(key.clone(), value).is_some() {
                 return Err(fault(format!(
                     "{key} and {name}.{key} are the same: give one of the two"
@@ -84,11 +105,18 @@ mod tests {
                 .contains("are the same")
         );
         assert!(read("contact = 3").unwrap_err().contains("must be a table"));
-        assert!(
-            read("contact.wall-response = \"rigid\"")
-                .unwrap_err()
-                .contains("wall-response")
-        );
+        for (text, key) in [
+            (
+                "contact.wall-response = \"rigid\"",
+                "`wall-response` in contact",
+            ),
+            ("contact.count = 3", "`count` in contact"),
+            ("contact.drag = \"8/s\"", "`drag` in contact"),
+            ("medium.friction = 0.4", "`friction` in medium"),
+        ] {
+            let message = read(text).unwrap_err();
+            assert!(message.contains(key), "{message}");
+        }
         assert!(
             read("gravity = [0, 1, -9]")
                 .unwrap_err()

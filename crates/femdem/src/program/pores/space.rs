@@ -46,6 +46,7 @@ pub(super) struct Read {
 /// Reads the pack in a folder.
 pub(super) fn read(args: &PoresArgs) -> Result<Read> {
     let found = source::read(&args.folder, &args.foreign, &args.frame)?;
+    found.refuse_images()?;
     let lead = found.lead();
     let Found {
         snapshot,

@@ -2,12 +2,17 @@
 
 use std::collections::BTreeSet;
 
+use femdem_mesh::Vector3;
+
 use super::SourceEntry;
 use super::state::{Count, Flow, Gate, Opening, Supply};
 use crate::Error;
 use crate::error::wrong;
 use crate::run::build::in_entry;
 use crate::run::{Member, Scenario, Simulation};
+
+/// Sine of the largest angle between a gate and an edge of a periodic cell.
+const ALONG: f64 = 1e-9;
 
 impl Scenario {
     /// Refuses times of openings that cannot be or have no effect.
@@ -62,6 +67,8 @@ impl Simulation {
                 let name = named(&entry.name, kind, number)?;
                 let planes = entry.planes();
                 let planes = planes.map_err(in_entry(format!("{kind} \"{name}\"")))?;
+                self.refuse_across_edges(&planes)
+                    .map_err(in_entry(format!("{kind} \"{name}\"")))?;
                 let mut gate = Gate {
                     name,
                     takes,
@@ -79,6 +86,10 @@ impl Simulation {
         }
         for (number, entry) in (1..).zip(&scene.source) {
             let name = named(&entry.name, "source", number)?;
+            if scene.body.iter().any(|body| body.name == name) {
+                let allowed = "a [[body]] has it: give each its own";
+                return Err(wrong("name", &format!("\"{name}\""), allowed));
+            }
             let supply = self.supply(scene, entry, &name);
             let supply = supply.map_err(in_entry(format!("source \"{name}\"")))?;
             flow.supplies.push(supply);
@@ -86,6 +97,37 @@ impl Simulation {
         self.flow = flow;
         self.set_openings(scene);
         Ok(())
+    }
+
+    /// Lets sources without another end go on to the end of a scene whose duration has changed.
+    pub(in crate::run) fn extend_sources(&mut self, scene: &Scenario) -> Result<(), Error> {
+        for (supply, entry) in self.flow.supplies.iter_mut().zip(&scene.source) {
+            supply.most = entry.most(supply.mass, supply.rate, scene.duration)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses gates that do not repeat themselves with a periodic cell: a body is on one side of them and its image on the other.
+    fn refuse_across_edges(&self, planes: &[([f64; 3], f64)]) -> Result<(), Error> {
+        let Some(cell) = self.world.cell() else {
+            return Ok(());
+        };
+        let across = |normal: &[f64; 3]| {
+            let normal = Vector3::from(*normal);
+            let mut edges = cell.edges().column_iter();
+            edges.any(|edge| normal.dot(&edge).abs() > ALONG * edge.norm())
+        };
+        match planes.iter().find(|(normal, _)| across(normal)) {
+            Some((normal, _)) => {
+                let allowed = "a plane along the edges of the periodic cell";
+                Err(wrong(
+                    "plane or box",
+                    &format!("with the normal {normal:?}"),
+                    allowed,
+                ))
+            }
+            None => Ok(()),
+        }
     }
 
     /// The source that an entry describes, with its shape in the world.

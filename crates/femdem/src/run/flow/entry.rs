@@ -9,6 +9,9 @@ use crate::run::geometry::Geometry;
 use crate::run::{BodyEntry, BoxEntry, PlaneEntry};
 use crate::scene::{Unit, perhaps_in_metres};
 
+/// A whole number of bodies is not lost to rounding.
+pub(super) const WHOLE: f64 = 1e-9;
+
 /// Most bodies of a source.
 const MOST: u64 = 1_000_000;
 
@@ -142,12 +145,11 @@ impl SourceEntry {
                 return Err(wrong("number and mass", "both", allowed));
             }
             (Some(number), None) => number as f64,
-            // A whole number of bodies is not lost to rounding.
-            (None, Some(given)) => given / mass + 1e-9,
+            (None, Some(given)) => given / mass + WHOLE,
             (None, None) => f64::INFINITY,
         };
         let lasts = self.end.unwrap_or(duration).min(duration) - self.start;
-        let most = limit.min(rate * lasts).floor();
+        let most = limit.min(rate * lasts + WHOLE).floor();
         if !(most >= 1.0 && most <= MOST as f64) {
             return Err(wrong(
                 "a source",

@@ -7,6 +7,8 @@ use femdem_pack::{body_stream, random_rotation, uniform};
 use femdem_solve::ShapeId;
 use serde::{Deserialize, Serialize};
 
+use super::entry::WHOLE;
+
 /// What comes, goes and is counted in a simulation, and which walls open.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Flow {
@@ -117,7 +119,7 @@ pub struct Supply {
 impl Supply {
     /// Number of bodies that should have come by a time \[s\].
     pub(super) fn due(&self, time: f64) -> u64 {
-        let due = self.rate * (time.min(self.end) - self.start);
+        let due = self.rate * (time.min(self.end) - self.start) + WHOLE;
         // A negative number becomes 0.
         (due as u64).min(self.most)
     }

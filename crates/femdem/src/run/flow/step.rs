@@ -101,6 +101,18 @@ impl Simulation {
         Ok(())
     }
 
+    /// Says which sources have brought fewer bodies than are due.
+    pub(in crate::run) fn missing_bodies(&self) -> impl Iterator<Item = String> {
+        let time = self.world.time();
+        self.flow.supplies.iter().filter_map(move |supply| {
+            let (due, come) = (supply.due(time), supply.come.bodies);
+            let name = &supply.name;
+            (due > come as u64).then(|| {
+                format!("source {name} has brought {come} of the {due} bodies that are due: there was no room for more")
+            })
+        })
+    }
+
     /// Balls around all bodies: centroids and radii \[m\].
     fn balls(&self) -> Vec<(Vector3, f64)> {
         let shapes = 0..self.world.shapes().len();

@@ -69,6 +69,9 @@ impl Run {
             simulation.change(&self.scenario, &scenario)?;
             self.simulation = simulation;
         }
+        if changes.iter().any(|change| change.top == "duration") {
+            self.simulation.extend_sources(&scenario)?;
+        }
         let time = self.simulation.world.time();
         let again = |next: u64, old: f64, new: f64| match due(time, new, 0) {
             Some(number) if next > 0 && old != new => number,
