@@ -111,7 +111,7 @@ fn a_cell_is_compressed_and_sheared() {
         .unwrap();
     let stresses: Vec<f64> = rows.map(|row| row[column].parse().unwrap()).collect();
     let mean = stresses.iter().sum::<f64>() / stresses.len() as f64;
-    assert!(stresses.len() > 50 && mean > 200.0, "{mean}");
+    assert!(stresses.len() > 50 && mean > 100.0, "{mean}");
 
     // The same bits where it was interrupted.
     let third = folder.path().join("third");
