@@ -173,7 +173,8 @@ impl PeriodicCell {
         self.rates * Vector3::from(image.map(f64::from))
     }
 
-    /// The image of a point that lies in the cell with a corner at the origin, m.
+    /// The image of a point that lies in the box of the cell's sides with a corner at the origin, m. Its images fill space, also where
+    /// the edges lean.
     pub fn wrapped(&self, point: &Vector3) -> Vector3 {
         self.reduce(*point, f64::floor).1
     }

@@ -1,7 +1,7 @@
 //! The periodic cell of a scenario.
 
 use femdem_contact::{BodyId, PeriodicCell};
-use femdem_mesh::{Matrix3, Pose, Vector3};
+use femdem_mesh::{Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::{ControlEntry, Scenario, Simulation};
@@ -95,10 +95,10 @@ impl Scenario {
 }
 
 impl Simulation {
-    /// The image of a place that lies in the periodic cell \[m\].
+    /// The image of a place that lies in the box of the cell's sides, which fills space as the cell does where that leans \[m\].
     pub(super) fn wrapped(&self, x: &Vector3) -> Vector3 {
         self.world.cell().map_or(*x, |cell| {
-            let lower = self.centre - 0.5 * cell.edges() * Vector3::repeat(1.0);
+            let lower = self.centre - 0.5 * cell.edges().diagonal();
             lower + cell.wrapped(&(x - lower))
         })
     }
@@ -117,11 +117,11 @@ impl Simulation {
         Some(pose)
     }
 
-    /// Lowest corner of the periodic cell and its edges, the columns of a matrix, if all of them are there \[m\].
-    pub(super) fn cell_corner(&self) -> Option<(Vector3, Matrix3)> {
+    /// Lowest and highest corner of the box in which frames show the periodic cell, if it repeats itself along all axes \[m\].
+    pub(super) fn shown_cell(&self) -> Option<[Vector3; 2]> {
         let cell = self.world.cell()?;
         cell.volume()?;
-        let edges = *cell.edges();
-        Some((self.centre - 0.5 * edges * Vector3::repeat(1.0), edges))
+        let half = 0.5 * cell.edges().diagonal();
+        Some([self.centre - half, self.centre + half])
     }
 }

@@ -1,6 +1,6 @@
 //! The picture of a run.
 
-use femdem_mesh::{Matrix3, Point3, Pose, Vector3};
+use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_view::picture::{Image, PictureOptions, Skin, draw_skins, sides};
 
 use super::control::BoxWalls;
@@ -153,8 +153,12 @@ impl Scenario {
     /// revolution.
     fn drawing(&self, skins: &[Skin], simulation: &Simulation) -> Option<Drawing> {
         let world = &simulation.world;
-        if let Some((corner, edges)) = simulation.cell_corner() {
-            return Some(parallelepiped(corner, &edges));
+        if let Some([min, max]) = simulation
+            .shown_cell()
+            .map(|corners| corners.map(Point3::from))
+        {
+            let region = femdem_analysis::Region::Box { min, max };
+            return Some(Drawing::of_region(&region, max.z));
         }
         let points = || skins.iter().flat_map(|skin| &skin.points);
         let low = points().fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(&p.coords));
@@ -191,25 +195,6 @@ impl Scenario {
         let mut drawing = first.unwrap_or_default();
         drawing.lines.extend(outlines);
         Some(drawing)
-    }
-}
-
-/// A box, which may lean, from its lowest corner along its edges.
-fn parallelepiped(corner: Vector3, edges: &Matrix3) -> Drawing {
-    let at = |x: f64, y: f64, z: f64| Point3::from(corner + edges * Vector3::new(x, y, z));
-    let level = |z: f64| {
-        vec![
-            at(0.0, 0.0, z),
-            at(1.0, 0.0, z),
-            at(1.0, 1.0, z),
-            at(0.0, 1.0, z),
-        ]
-    };
-    let [floor, lid] = [level(0.0), level(1.0)];
-    let upright = floor.iter().zip(&lid).map(|(low, high)| [*low, *high]);
-    Drawing {
-        lines: sides(&floor).chain(sides(&lid)).chain(upright).collect(),
-        floor,
     }
 }
 
