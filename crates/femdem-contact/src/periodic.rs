@@ -24,7 +24,7 @@ pub(crate) const LEAST_DIAMETERS: f64 = 2.25;
 /// use femdem_mesh::Vector3;
 ///
 /// let cell = PeriodicCell::new([Some(1.0), Some(1.0), None])?;
-/// let image = cell.nearest(&Vector3::new(0.9, -1.2, 5.0));
+/// let image = cell.minimum_image(&Vector3::new(0.9, -1.2, 5.0));
 /// assert_eq!(image, [1, -1, 0]);
 /// assert_eq!(cell.offset(image), Vector3::new(1.0, -1.0, 0.0));
 /// let wrapped = cell.wrapped(&Vector3::new(1.2, -0.1, 7.0));
@@ -158,8 +158,9 @@ impl PeriodicCell {
         self.edges.column_iter().map(|edge| edge.norm()).sum()
     }
 
-    /// The image of a point that is nearest, axis by axis, to one that lies `away` from it, m: how many edges it is away from the point.
-    pub fn nearest(&self, away: &Vector3) -> [i32; 3] {
+    /// The minimum image convention: which image of a point is nearest, axis by axis, to a place that lies `away` from the point, m, as
+    /// numbers of edges.
+    pub fn minimum_image(&self, away: &Vector3) -> [i32; 3] {
         self.reduce(*away, f64::round).0
     }
 
@@ -266,7 +267,9 @@ impl Space {
 
     /// The image of A that B meets, as it moves.
     pub fn image(&self, a: &Motion, b: &Motion) -> (Motion, [i32; 3]) {
-        let image = self.cell.nearest(&(b.frame.position - a.frame.position));
+        let image = self
+            .cell
+            .minimum_image(&(b.frame.position - a.frame.position));
         let mut seen = *a;
         if image != [0; 3] {
             seen.frame.position += self.cell.offset(image);

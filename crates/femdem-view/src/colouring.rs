@@ -330,7 +330,7 @@ mod tests {
     use super::*;
     use crate::NamedShape;
     use crate::testing::two_cubes;
-    use femdem_analysis::{Pack, PosedBody, SetVoronoiOptions, set_voronoi};
+    use femdem_analysis::{Pack, SetVoronoiOptions, set_voronoi};
     use femdem_mesh::{Point3, Rotation, convex_hull};
 
     fn values(colouring: Colouring) -> Vec<f64> {
@@ -369,12 +369,7 @@ mod tests {
     #[test]
     fn density_is_solid_volume_over_cell() {
         let snapshot = two_cubes();
-        let shapes = [snapshot.shapes[0].polyhedron.clone()];
-        let posed = |body: &Body| PosedBody {
-            shape: body.shape,
-            pose: body.pose,
-        };
-        let bodies: Vec<PosedBody> = snapshot.bodies.iter().map(posed).collect();
+        let (shapes, bodies) = snapshot.posed();
         let pack = Pack::new(&shapes, &bodies).unwrap();
         let column = snapshot.container.unwrap().slab(0.0, 2.0).unwrap();
         let cells = set_voronoi(&pack, &column, &SetVoronoiOptions::default()).unwrap();

@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use femdem_analysis::{ContactClass, Region, Touch, Vessel, contact_counts};
+use femdem_analysis::{ContactClass, PosedBody, Region, Touch, Vessel, contact_counts};
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
 
 use crate::{Drawing, ViewError};
@@ -144,6 +144,16 @@ pub struct BodyLoad {
 }
 
 impl Snapshot {
+    /// The surfaces of the shapes and the bodies, as [`Pack::new`](femdem_analysis::Pack::new) takes them.
+    pub fn posed(&self) -> (Vec<Polyhedron>, Vec<PosedBody>) {
+        let shapes = self.shapes.iter().map(|shape| shape.polyhedron.clone());
+        let bodies = self.bodies.iter().map(|body| PosedBody {
+            shape: body.shape,
+            pose: body.pose,
+        });
+        (shapes.collect(), bodies.collect())
+    }
+
     /// Checks that every index exists and every number is finite.
     ///
     /// # Errors

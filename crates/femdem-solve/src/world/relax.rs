@@ -119,8 +119,7 @@ impl World {
             options.tolerance > 0.0,
             "positive and finite",
         )?;
-        self.cell()
-            .map_or(Ok(()), |cell| check_rests(cell, false))?;
+        self.cell().map_or(Ok(()), check_rests)?;
         let kept = self.parameters;
         let mut elastic = kept;
         elastic.time_step.implicit = None;

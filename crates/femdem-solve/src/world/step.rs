@@ -2,7 +2,6 @@
 
 use super::World;
 use super::medium::{relaxation, resist};
-use super::periodic::Carrying;
 use super::time_step::{LARGEST_MOVE, USUAL_MOVE};
 use crate::body::Body;
 use crate::clock::Stopwatch;
@@ -195,7 +194,9 @@ impl World {
     fn kick(&mut self, h: f64) {
         let mut flows = Flows::default();
         self.book_edges(h, &mut flows);
-        let carrying = self.carrying();
+        // A medium resists the motion against that of space.
+        let resists = self.parameters.medium != Medium::default();
+        let streaming = resists.then(|| self.streaming()).flatten();
         let loads = self.batch.loads();
         for &i in &self.awake {
             let (body, load) = (&mut self.bodies[i as usize], &loads[i as usize]);
@@ -203,8 +204,8 @@ impl World {
                 let (v, w) = (body.velocity, body.angular_velocity());
                 book_driven(load, &v, &w, h, &mut flows);
             } else {
-                let carried = Carrying::velocity(carrying.as_ref(), &body.position);
-                kick_body(body, load, &self.parameters, &carried, h, &mut flows);
+                let streaming = streaming.map(|s| s.at(&body.position)).unwrap_or_default();
+                kick_body(body, load, &self.parameters, &streaming, h, &mut flows);
             }
         }
         let wall_loads = self.batch.wall_loads();
@@ -398,13 +399,13 @@ fn book_driven(load: &Load, velocity: &Vector3, turn: &Vector3, h: f64, flows: &
     flows.friction_work += power(&load.friction);
 }
 
-/// Half a kick of one body in a medium that moves with the velocity `carried`. Works are the wrenches times the mean of the velocities before
+/// Half a kick of one body in a medium that moves with the velocity `streaming`. Works are the wrenches times the mean of the velocities before
 /// and after, which is exactly the change of kinetic energy.
 fn kick_body(
     body: &mut Body,
     load: &Load,
     parameters: &WorldParameters,
-    carried: &Vector3,
+    streaming: &Vector3,
     h: f64,
     flows: &mut Flows,
 ) {
@@ -420,11 +421,11 @@ fn kick_body(
         body.velocity += force * (h / body.mass);
         body.momentum += turn * h;
     } else {
-        let through = v0 - carried;
+        let through = v0 - streaming;
         let resisted = resist(&force, &through, medium.local_damping);
         let turn = in_body(&resist(&torque, &w0, medium.local_damping));
         let (decay, reach) = relaxation(medium.drag, h);
-        body.velocity = carried + through * decay + resisted * (reach / body.mass);
+        body.velocity = streaming + through * decay + resisted * (reach / body.mass);
         body.momentum = body.momentum * decay + turn * reach;
     }
     let v = (v0 + body.velocity) * 0.5;

@@ -129,20 +129,15 @@ fn begun<'a>(grid: &VoxelGrid, scalars: &str) -> Document<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Body;
+
     use crate::testing::two_cubes;
-    use femdem_analysis::{DensityMapOptions, Pack, PosedBody, density_map};
+    use femdem_analysis::{DensityMapOptions, Pack, density_map};
     use femdem_mesh::Point3;
 
     #[test]
     fn cells_and_extent_agree() {
         let snapshot = two_cubes();
-        let shapes = [snapshot.shapes[0].polyhedron.clone()];
-        let posed = |b: &Body| PosedBody {
-            shape: b.shape,
-            pose: b.pose,
-        };
-        let bodies: Vec<_> = snapshot.bodies.iter().map(posed).collect();
+        let (shapes, bodies) = snapshot.posed();
         let pack = Pack::new(&shapes, &bodies).unwrap();
         let container = snapshot.container.unwrap();
         let map = density_map(&pack, &container, &DensityMapOptions::default()).unwrap();

@@ -3,17 +3,15 @@
 use femdem_analysis::{
     Bed, BodyStresses, ChainNetwork, ContactClasses, ContactFabric, Coordination, CoreRegion,
     DensityMap, DensityProfile, Estimate, Fields, ForceDistribution, ForceMaxima, ForceNetwork,
-    Mixing, Pack, PackingDensity, PosedBody, RadialDistribution, Rattlers, RegionStress,
-    SetVoronoi, SieveCurve, StressProfile, ThresholdCurve, TiltHistogram, VerticalBalance,
-    WallForces,
+    Mixing, Pack, PackingDensity, RadialDistribution, Rattlers, RegionStress, SetVoronoi,
+    SieveCurve, StressProfile, ThresholdCurve, TiltHistogram, VerticalBalance, WallForces,
 };
-use femdem_mesh::Polyhedron;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::network::Data;
 use super::options::{SAME_SIZE, TableOptions};
 use super::orientation::Orientation;
-use crate::{Body, Snapshot, ViewError};
+use crate::{Snapshot, ViewError};
 
 /// Version of the keys of `analysis.json`.
 pub const SCHEMA: u32 = 1;
@@ -129,16 +127,7 @@ impl Tables {
     /// option out of its range.
     pub fn compute(snapshot: &Snapshot, options: &TableOptions) -> Result<Self, ViewError> {
         snapshot.check()?;
-        let shapes: Vec<Polyhedron> = snapshot
-            .shapes
-            .iter()
-            .map(|shape| shape.polyhedron.clone())
-            .collect();
-        let posed = |b: &Body| PosedBody {
-            shape: b.shape,
-            pose: b.pose,
-        };
-        let bodies: Vec<PosedBody> = snapshot.bodies.iter().map(posed).collect();
+        let (shapes, bodies) = snapshot.posed();
         let pack = Pack::new(&shapes, &bodies)?;
         let data = Data::of(snapshot);
         let network = ForceNetwork::new(&data.bodies, &data.contacts, options.force_threshold)?;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use femdem_analysis::{AnalysisError, Cell, Mixing, Pack, PosedBody, Table, mixing};
+use femdem_analysis::{AnalysisError, Cell, Mixing, Pack, Table, mixing};
 use femdem_mesh::Polyhedron;
 
 use super::options::SAME_SIZE;
@@ -197,13 +197,7 @@ impl MixingSeries {
         options: &TableOptions,
     ) -> Result<(), ViewError> {
         snapshot.check()?;
-        let shapes = snapshot.shapes.iter();
-        let shapes: Vec<Polyhedron> = shapes.map(|shape| shape.polyhedron.clone()).collect();
-        let posed = |body: &crate::Body| PosedBody {
-            shape: body.shape,
-            pose: body.pose,
-        };
-        let bodies: Vec<PosedBody> = snapshot.bodies.iter().map(posed).collect();
+        let (shapes, bodies) = snapshot.posed();
         let pack = Pack::new(&shapes, &bodies)?;
         let shape = by_shape(snapshot, &pack, options)?.found();
         let size = by_size(&pack, options)?.found();

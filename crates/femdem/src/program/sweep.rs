@@ -172,7 +172,11 @@ pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
 
 /// The jobs: the last key varies faster than those before it, and the seed fastest of all.
 fn jobs(args: &SweepArgs, base: &Table, is_run: bool) -> Result<Vec<Job>> {
+    let mut keys = BTreeSet::new();
     for Vary { key, .. } in &args.vary {
+        if !keys.insert(key) {
+            bail!("--vary {key} is given twice: give all its values at once");
+        }
         match key.split('.').find(|part| !part.is_empty()) {
             Some("out") => bail!("--vary {key}: each job has a folder of its own in that of --out"),
             Some("seed") if !is_run => {
@@ -442,9 +446,13 @@ mod tests {
             ..spelt
         };
         assert!(jobs(&twice, &base, false).is_err());
-        for (key, instead) in [("seed=1,2", "--seeds"), ("out=a,b", "--out")] {
+        for (keys, instead) in [
+            (vec!["seed=1,2"], "--seeds"),
+            (vec!["out=a,b"], "--out"),
+            (vec!["friction=0.2", "friction=0.4"], "given twice"),
+        ] {
             let refused = SweepArgs {
-                vary: vec![vary(key)],
+                vary: keys.into_iter().map(vary).collect(),
                 out: PathBuf::from("o"),
                 scene: PathBuf::new(),
                 ..twice

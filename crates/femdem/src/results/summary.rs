@@ -6,10 +6,9 @@
 use std::io::{self, Write};
 
 use femdem_analysis::{
-    AnalysisError, Bed, CoordinationOptions, CoreOptions, DensityOptions, Pack, PosedBody,
-    SieveCurve, Vessel, choose_core, coordination, measure_bed, packing_density,
+    AnalysisError, Bed, CoordinationOptions, CoreOptions, DensityOptions, Pack, SieveCurve, Vessel,
+    choose_core, coordination, measure_bed, packing_density,
 };
-use femdem_mesh::Polyhedron;
 use femdem_pack::Packing;
 use serde::{Deserialize, Serialize};
 
@@ -207,16 +206,7 @@ impl Summary {
     pub fn of(packing: &Packing, snapshot: &Snapshot, usage: &Usage) -> Result<Self, Error> {
         let (spec, world, report) = (packing.spec(), packing.world(), packing.report());
         let ledger = world.ledger();
-        let shapes: Vec<Polyhedron> = snapshot
-            .shapes
-            .iter()
-            .map(|shape| shape.polyhedron.clone())
-            .collect();
-        let posed = |b: &Body| PosedBody {
-            shape: b.shape,
-            pose: b.pose,
-        };
-        let bodies: Vec<PosedBody> = snapshot.bodies.iter().map(posed).collect();
+        let (shapes, bodies) = snapshot.posed();
         let pack = Pack::new(&shapes, &bodies)?;
         let (bed, bed_missing) = bed(snapshot, &pack)?;
         Ok(Self {

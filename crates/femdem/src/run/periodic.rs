@@ -107,7 +107,7 @@ impl Simulation {
     pub(super) fn between(&self, from: &Vector3, to: &Vector3) -> Vector3 {
         let way = to - from;
         let cell = self.world.cell();
-        cell.map_or(way, |cell| way - cell.offset(cell.nearest(&way)))
+        cell.map_or(way, |cell| way - cell.offset(cell.minimum_image(&way)))
     }
 
     /// The pose of a rigid body, or of the image of it that lies in the periodic cell.

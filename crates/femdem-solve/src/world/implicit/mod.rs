@@ -67,8 +67,7 @@ impl World {
             deformable == 0,
             "0: implicit steps are for rigid bodies",
         )?;
-        self.cell()
-            .map_or(Ok(()), |cell| check_rests(cell, false))?;
+        self.cell().map_or(Ok(()), check_rests)?;
         self.meet_newcomers()?;
         let since = std::mem::take(&mut self.behind);
         let mut dt = self.choose_implicit_step(rule);

@@ -68,16 +68,7 @@ pub(super) fn read(args: &PoresArgs) -> Result<Read> {
         _ => None,
     };
     snapshot.check()?;
-    let shapes: Vec<Polyhedron> = snapshot
-        .shapes
-        .iter()
-        .map(|s| s.polyhedron.clone())
-        .collect();
-    let posed = snapshot.bodies.iter().map(|body| PosedBody {
-        shape: body.shape,
-        pose: body.pose,
-    });
-    let bodies = posed.collect();
+    let (shapes, bodies) = snapshot.posed();
     // Shapes of deformable bodies, and of packs from elsewhere, are no balls.
     balls.resize(shapes.len(), None);
     Ok(Read {

@@ -65,11 +65,8 @@ impl Simulation {
     /// Distance of the farthest point of a shape from its centroid \[m\].
     pub(super) fn reach_of(&self, shape: ShapeId) -> f64 {
         let shape = &self.world.shapes()[shape as usize];
-        shape.sphere.unwrap_or_else(|| {
-            let centroid = shape.polyhedron.mass_properties().centroid;
-            let corners = shape.polyhedron.vertices().iter();
-            corners.map(|x| (x - centroid).norm()).fold(0.0, f64::max)
-        })
+        let polyhedron = &shape.polyhedron;
+        shape.sphere.unwrap_or_else(|| polyhedron.bounding_radius())
     }
 
     /// Adds the bodies of sources that are due and for which there is room.
@@ -115,10 +112,6 @@ impl Simulation {
 
     /// Balls around all bodies: centroids and radii \[m\].
     fn balls(&self) -> Vec<(Vector3, f64)> {
-        let shapes = 0..self.world.shapes().len();
-        let reach: Vec<f64> = shapes
-            .map(|shape| self.reach_of(shape as ShapeId))
-            .collect();
         let ball = |member: &Member| {
             let x = self.world.position(member.id)?;
             let radius = match self.world.deformable(member.id) {
@@ -126,7 +119,7 @@ impl Simulation {
                     let far = body.positions().iter().map(|p| (p - x).norm());
                     far.fold(0.0, f64::max)
                 }
-                None => reach[self.world.shape_of(member.id)? as usize],
+                None => self.reach_of(self.world.shape_of(member.id)?),
             };
             Some((x, radius))
         };
