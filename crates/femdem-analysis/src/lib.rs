@@ -115,13 +115,13 @@ mod profile;
 mod radial;
 mod region;
 mod rows;
+mod segment;
 mod sieve;
 mod stress;
 mod structure;
 mod table;
 mod tensor;
 mod top;
-mod triangle;
 mod voronoi;
 
 pub use femdem_mesh as mesh;

@@ -1,14 +1,13 @@
 //! The input: shapes and posed bodies, checked once.
 
 use femdem_mesh::bvh::{Aabb, Bvh};
-use femdem_mesh::{Point3, Polyhedron, Pose, Vector3, unit_pose};
+use femdem_mesh::{Point3, Polyhedron, Pose, Vector3, closest_point, unit_pose};
 use serde::{Deserialize, Serialize};
 
 use crate::bounds::Bounds;
 use crate::error::AnalysisError;
 use crate::lines::crossing;
 use crate::region::Region;
-use crate::triangle::closest_point;
 
 /// A body: its shape and pose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -26,6 +26,7 @@ mod periodic;
 mod reach;
 mod refusals;
 mod sphere_batch;
+mod sphere_meshes;
 mod spheres;
 mod springs;
 #[cfg(feature = "proptest")]

@@ -6,11 +6,10 @@ use crate::common::Stream;
 use crate::common::pack::shape;
 use crate::common::tets::{body, cube};
 use femdem_contact::{
-    BodyShape, ContactBatch, ContactLaw, ContactParameters, ConvexShape, Field, Frame,
-    GeneralKernel, Motion, Overlap, Partner, Sphere, SphereKernel, Wall,
+    BodyShape, ContactBatch, ContactLaw, ContactParameters, Field, Frame, MeshWall, Motion,
+    Overlap, Partner, Sphere, SphereKernel, Wall,
 };
 use femdem_mesh::nalgebra::{Matrix3, UnitQuaternion, Vector3};
-use femdem_mesh::shapes;
 
 const PENALTY: f64 = 1e3;
 
@@ -221,35 +220,56 @@ fn an_approach_is_seen_ahead() {
     }
 }
 
-/// Among tetrahedra a sphere is a polyhedron of 1,280 facets.
+/// A body of tetrahedra beside a ball, in either order, and a ball on a wall of tetrahedra.
 #[test]
-fn meshes_meet_a_polyhedron_in_its_place() {
+fn solids_of_tetrahedra_meet_the_exact_ball() {
     let (radius, depth) = (0.5, 0.05);
     let mesh = body(&cube(2), Field::Body);
     let top = mesh.support(&Vector3::z());
     let law = ContactLaw::new(ContactParameters::default()).unwrap();
-    let mut batch = ContactBatch::new(law);
-    let solid = batch.add_shape(mesh.clone());
-    let ball = batch.add_shape(Sphere::new(radius).unwrap());
-    batch.add_body(solid).unwrap();
-    batch.add_body(ball).unwrap();
+    let ball = Sphere::new(radius).unwrap();
+    let kernel = SphereKernel::new(law.parameters().penalty).unwrap();
     let mut above = Motion::fixed(Frame::identity());
     above.frame.position.z = top + radius - depth;
-    let bodies = [Motion::fixed(Frame::identity()), above];
-    batch.update(&bodies, &[], 0.0).unwrap();
+    let below = Motion::fixed(Frame::identity());
+    let at = above.frame.position;
+    let want = kernel.evaluate_mesh(&mesh, &below.frame, &ball, &at);
+    let force = want[0].overlap.force_magnitude();
+    for ball_first in [false, true] {
+        let mut batch = ContactBatch::new(law);
+        let shapes: [BodyShape; 2] = [mesh.clone().into(), ball.into()];
+        let mut things = [(shapes[0].clone(), below), (shapes[1].clone(), above)];
+        if ball_first {
+            things.reverse();
+        }
+        for (shape, _) in &things {
+            let id = batch.add_shape(shape.clone());
+            batch.add_body(id).unwrap();
+        }
+        let bodies = things.map(|(_, motion)| motion);
+        batch.update(&bodies, &[], 0.0).unwrap();
+        let contacts = batch.rigid_contacts();
+        assert_eq!(contacts.len(), 1);
+        assert_eq!(contacts[0].elastic_force, force);
+        let up = if ball_first { -1.0 } else { 1.0 };
+        let normal = want[0].overlap.normal * up;
+        assert!((contacts[0].normal - normal).norm() < 1e-12);
+    }
+    let mut batch = ContactBatch::new(law);
+    let wall = MeshWall::solid("block", &cube(2));
+    let on_wall = kernel.evaluate_solid_wall(wall.solid_wall(), &below.frame, &ball, &at);
+    batch.add_wall(wall);
+    let id = batch.add_shape(ball);
+    batch.add_body(id).unwrap();
+    let mut far = above;
+    far.frame.position.z += 1.0;
+    far.travelled = 0.0;
+    batch.update(&[far], &[below], 0.0).unwrap();
+    assert!(batch.rigid_contacts().is_empty());
+    above.travelled = 1.0;
+    batch.update(&[above], &[below], 0.0).unwrap();
     let contacts = batch.rigid_contacts();
-    assert_eq!(contacts.len(), 1);
-    let facets = shapes::Shape::from(shapes::Sphere { level: 3 });
-    let facets = ConvexShape::new(&facets.polyhedron(2.0 * radius).unwrap()).unwrap();
-    let general = GeneralKernel::new(law.parameters().penalty).unwrap();
-    let mut scratch = Default::default();
-    let fan = facets.fan().unwrap();
-    let want = general.evaluate(
-        &mesh,
-        &bodies[0].frame,
-        &fan,
-        &bodies[1].frame,
-        &mut scratch,
-    );
-    assert_eq!(contacts[0].elastic_force, want[0].overlap.force_magnitude());
+    assert_eq!(contacts.len(), on_wall.len());
+    let patch = on_wall.first().map(|p| p.overlap.force_magnitude());
+    assert_eq!(contacts.first().map(|c| c.elastic_force), patch);
 }

@@ -62,6 +62,7 @@ mod mass;
 mod merge;
 mod polyhedron;
 mod pose;
+mod triangle;
 
 pub mod bvh;
 pub mod catalogue;
@@ -80,6 +81,7 @@ pub use nalgebra;
 pub use polyhedron::{CONVEXITY_TOLERANCE, PLANARITY_TOLERANCE, Polyhedron};
 pub use pose::{checked_pose, unit_pose};
 pub use tet::TetMesh;
+pub use triangle::closest_point;
 
 /// A point \[m\].
 pub type Point3 = nalgebra::Point3<f64>;

@@ -20,6 +20,7 @@ mod scene_keys;
 mod scene_pairs;
 mod scene_physics;
 mod scene_rest;
+mod scene_stages;
 mod scene_statics;
 mod scene_walls;
 mod shapes;

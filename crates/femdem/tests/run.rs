@@ -4,7 +4,7 @@
 
 use crate::common::{code, fails, femdem, run, stdout, summary};
 use femdem::Usage;
-use femdem::run::{MEMBER_COLUMNS, Run, Scenario};
+use femdem::run::{MEMBER_COLUMNS, Run, Scenario, Stage};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::tempdir;
@@ -503,8 +503,15 @@ fn every_shipped_scene_is_read_and_checked() {
         let path = scenes.join(&name);
         let text = fs::read_to_string(&path).unwrap();
         assert!(text.starts_with("# ") && text.contains("# Takes"), "{name}");
-        let scenario = Scenario::read(&path).unwrap();
-        assert!(!scenario.title.is_empty(), "{name}");
+        let mut scenes: Vec<Scenario> = Stage::read(&path, None)
+            .unwrap()
+            .into_iter()
+            .map(|stage| stage.scenario)
+            .collect();
+        if scenes.is_empty() {
+            scenes.push(Scenario::read(&path).unwrap());
+        }
+        assert!(scenes.iter().all(|scene| !scene.title.is_empty()), "{name}");
         let result = run(femdem("run").arg(&path).args(["--check", "--threads", "2"]));
         assert_eq!(code(&result), 0, "{name}: {result:?}");
         assert!(stdout(&result).contains("steps for"), "{name}");

@@ -7,7 +7,7 @@ use crate::bounds::Bounds;
 use crate::error::AnalysisError;
 use crate::pack::Pack;
 use crate::region::Region;
-use crate::triangle::on_segment;
+use crate::segment::on_segment;
 
 /// What the upright sides of a region are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

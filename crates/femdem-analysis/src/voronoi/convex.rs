@@ -201,7 +201,7 @@ mod tests {
         let mut least = f64::INFINITY;
         for t in shape.triangles() {
             let [a, b, c] = t.map(|v| shape.vertices()[v as usize]);
-            let closest = crate::triangle::closest_point(&[a, b, c], p);
+            let closest = femdem_mesh::closest_point(&[a, b, c], p);
             least = least.min((p - closest).norm());
         }
         least

@@ -13,7 +13,7 @@ use crate::motion::Motion;
 use crate::periodic::Space;
 use crate::rocking::{Rocker, Turn};
 use crate::rolling::{Roller, Rolling};
-use crate::sphere::{Meeting, SphereKernel};
+use crate::sphere::{Meeting, SolidMeeting, SphereKernel};
 use crate::walls::{Wall, WallShape};
 use femdem_mesh::Vector3;
 use std::borrow::Cow;
@@ -236,7 +236,11 @@ impl Context<'_> {
         pair: &mut MeshPair,
         scratch: &mut GeneralScratch,
     ) {
-        let patches = self.patches(a, b, pair, scratch).unwrap_or_default();
+        let of_ball = self.ball_patches(a, b, pair);
+        let patches = match &of_ball {
+            Some(patches) => patches,
+            None => self.patches(a, b, pair, scratch).unwrap_or_default(),
+        };
         if patches.is_empty() {
             pair.patches.clear();
             return;
@@ -255,6 +259,28 @@ impl Context<'_> {
             let record = PatchRecord::new(key, overlap, motions, state, contact);
             pair.patches.push(record);
         }
+    }
+
+    /// The patches of a pair of a sphere with a mesh; `None` for other pairs.
+    fn ball_patches(&self, a: Partner, b: BodyId, pair: &mut MeshPair) -> Option<Vec<Patch>> {
+        let (of_a, of_b) = self.motions(a, b);
+        let frames = [&of_a.frame, &of_b.frame];
+        let body = self.shape(b);
+        let meeting = match a {
+            Partner::Body(i) => SolidMeeting::of_bodies([self.shape(i), body], frames)?,
+            Partner::Wall(w) => {
+                let WallShape::Mesh(wall) = self.wall_shapes[w as usize].as_ref()? else {
+                    return None;
+                };
+                SolidMeeting::with_wall(wall.solid_wall(), frames[0], body, frames[1])?
+            }
+        };
+        let patches = meeting.patches(&SphereKernel::of(self.materials.law(a, b).penalty));
+        if patches.is_empty() {
+            let travelled = of_a.travelled + of_b.travelled;
+            pair.cache.set_apart(travelled + meeting.gap().max(0.0));
+        }
+        Some(patches)
     }
 
     fn patches<'s>(

@@ -62,6 +62,14 @@ impl GeneralCache {
         self.list.is_clear(self.moved + (motion - self.travelled))
     }
 
+    /// Records for a pair without candidates that it is apart while the sum of the travels is below `until`, m.
+    pub(crate) fn set_apart(&mut self, until: f64) {
+        *self = Self {
+            list: NearList::apart(until),
+            ..Self::default()
+        };
+    }
+
     /// Records the present pose, and returns the accumulated relative motion, m.
     pub(crate) fn advance(&mut self, placed: &Placed, motion: f64) -> f64 {
         let travelled = motion - self.travelled;

@@ -59,6 +59,11 @@ pub(super) trait Sum {
     fn add(&mut self, disc: &Disc, node: &Node);
 }
 
+/// Nothing is summed: only whether there is a section counts.
+impl Sum for () {
+    fn add(&mut self, _: &Disc, _: &Node) {}
+}
+
 impl<A: Sum, B: Sum> Sum for (A, B) {
     fn add(&mut self, disc: &Disc, node: &Node) {
         self.0.add(disc, node);

@@ -1,10 +1,12 @@
 //! The kernel of spheres.
 
 use super::shape::Sphere;
-use super::{convex, pair, wall};
+use super::{convex, pair, tets, wall};
 use crate::error::{ContactError, check_pressure};
+use crate::general::{FieldMesh, Patch, SolidWall};
 use crate::kernel::{Overlap, WALL_FACTOR};
 use crate::shape::{ConvexShape, Frame};
+use crate::tets::cells::Cells;
 use crate::walls::Wall;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -13,6 +15,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// Forces are those of the [`PairKernel`](crate::PairKernel) for ever finer polyhedra. None of them turns a ball about
 /// its centre. Nothing is cached: a pair of spheres, or a sphere and a plane, costs less than looking up what would be.
+/// Solids of tetrahedra ([`SolidWall`], [`FieldMesh`]) may touch a ball in several patches.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SphereKernel {
     #[serde(deserialize_with = "crate::error::read_penalty")]
@@ -72,6 +75,51 @@ impl SphereKernel {
             &between,
         )
     }
+
+    /// The contact of a wall of tetrahedra (A) with a sphere (B) centred at `centre`, m: one patch for each connected
+    /// part of the overlap that presses.
+    pub fn evaluate_solid_wall(
+        &self,
+        wall: &SolidWall,
+        frame: &Frame,
+        sphere: &Sphere,
+        centre: &Vector3,
+    ) -> Vec<Patch> {
+        let penalty = WALL_FACTOR * self.penalty;
+        evaluate_tets(penalty, (&wall.cells, false), frame, sphere, centre)
+    }
+
+    /// The contact of a body of tetrahedra (A) with a sphere (B) centred at `centre`, m: one patch for each connected
+    /// part of the overlap that presses.
+    pub fn evaluate_mesh(
+        &self,
+        body: &FieldMesh,
+        frame: &Frame,
+        sphere: &Sphere,
+        centre: &Vector3,
+    ) -> Vec<Patch> {
+        evaluate_tets(self.penalty, (&body.cells, true), frame, sphere, centre)
+    }
+}
+
+/// The patches of a ball with a solid, which has a field or none.
+fn evaluate_tets(
+    penalty: f64,
+    (cells, has_field): (&Cells, bool),
+    frame: &Frame,
+    sphere: &Sphere,
+    centre: &Vector3,
+) -> Vec<Patch> {
+    let (between, local) = place(frame, centre);
+    let parts = tets::parts(cells, has_field, &local, sphere.radius());
+    let patch = |part: &tets::Part| {
+        let overlap = part.patch.overlap(penalty, &frame.rotation, &between)?;
+        Some(Patch {
+            overlap,
+            key: [part.key, 0],
+        })
+    };
+    parts.iter().filter_map(patch).collect()
 }
 
 /// A point seen from a frame: in world axes and in its own.

@@ -4,12 +4,13 @@ use super::convex;
 use super::kernel::{SphereKernel, place};
 use super::shape::Sphere;
 use crate::body_shape::BodyShape;
+use crate::general::{FieldMesh, Patch, SolidWall};
 use crate::kernel::Overlap;
 use crate::shape::{ConvexShape, Frame};
 use crate::walls::Wall;
 use femdem_mesh::Vector3;
 
-/// What a sphere meets.
+/// What a sphere meets in one patch at most.
 #[derive(Debug, Clone, Copy)]
 enum Other<'a> {
     Sphere(&'a Sphere),
@@ -96,5 +97,82 @@ impl<'a> Meeting<'a> {
         } else {
             found
         })
+    }
+}
+
+/// A solid of tetrahedra that a sphere meets.
+#[derive(Debug, Clone, Copy)]
+enum Solid<'a> {
+    Body(&'a FieldMesh),
+    Wall(&'a SolidWall),
+}
+
+/// A pair of a sphere with a solid of tetrahedra, in either order.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SolidMeeting<'a> {
+    solid: Solid<'a>,
+    frame: &'a Frame,
+    sphere: &'a Sphere,
+    centre: &'a Vector3,
+    /// Whether the sphere is side A.
+    reversed: bool,
+}
+
+impl<'a> SolidMeeting<'a> {
+    /// Of bodies A and B; `None` unless one is a sphere and the other a mesh.
+    pub fn of_bodies(shapes: [&'a BodyShape; 2], frames: [&'a Frame; 2]) -> Option<Self> {
+        let reversed = shapes[1].sphere().is_none();
+        let (own, its) = if reversed { (0, 1) } else { (1, 0) };
+        let BodyShape::Mesh(mesh) = shapes[its] else {
+            return None;
+        };
+        Some(Self {
+            solid: Solid::Body(mesh),
+            frame: frames[its],
+            sphere: shapes[own].sphere()?,
+            centre: &frames[own].position,
+            reversed,
+        })
+    }
+
+    /// Of a wall A and a body B; `None` if that is no sphere.
+    pub fn with_wall(
+        wall: &'a SolidWall,
+        frame: &'a Frame,
+        body: &'a BodyShape,
+        of_body: &'a Frame,
+    ) -> Option<Self> {
+        Some(Self {
+            solid: Solid::Wall(wall),
+            frame,
+            sphere: body.sphere()?,
+            centre: &of_body.position,
+            reversed: false,
+        })
+    }
+
+    /// A lower bound of their distance, m, negative if they may touch.
+    pub fn gap(&self) -> f64 {
+        let cells = match self.solid {
+            Solid::Body(mesh) => &mesh.cells,
+            Solid::Wall(wall) => &wall.cells,
+        };
+        let (_, local) = place(self.frame, self.centre);
+        cells.distance(&local) - self.sphere.radius()
+    }
+
+    /// Their patches.
+    pub fn patches(&self, kernel: &SphereKernel) -> Vec<Patch> {
+        let (frame, sphere, centre) = (self.frame, self.sphere, self.centre);
+        let mut patches = match self.solid {
+            Solid::Body(mesh) => kernel.evaluate_mesh(mesh, frame, sphere, centre),
+            Solid::Wall(wall) => kernel.evaluate_solid_wall(wall, frame, sphere, centre),
+        };
+        if self.reversed {
+            for patch in &mut patches {
+                patch.overlap = patch.overlap.reversed();
+            }
+        }
+        patches
     }
 }

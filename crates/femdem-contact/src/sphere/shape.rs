@@ -12,10 +12,10 @@ const RADII: std::ops::RangeInclusive<f64> = 1e-40..=1e40;
 
 /// A ball of radius R with its gauge field phi = 1 - r/R, r the distance from its centre.
 ///
-/// It is the limit of ever finer polyhedra ([`ConvexShape`](crate::ConvexShape)) on the sphere. Contacts with spheres,
-/// walls of planes and convex polyhedra are those of the exact ball ([`SphereKernel`](crate::SphereKernel)). With
-/// bodies and walls of tetrahedra, and with deformable bodies, the ball is replaced by an inscribed polyhedron of 1,280
-/// facets, at most 0.46 % of the radius below it.
+/// It is the limit of ever finer polyhedra ([`ConvexShape`](crate::ConvexShape)) on the sphere. Contacts with rigid
+/// bodies and walls of every kind are those of the exact ball ([`SphereKernel`](crate::SphereKernel)). With
+/// deformable bodies the ball is replaced by an inscribed polyhedron of 1,280 facets, at most 0.46 % of the radius
+/// below it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
     radius: f64,
@@ -44,7 +44,7 @@ impl Sphere {
         4.0 * PI * (1.0 - ONE_SIDE) * self.radius
     }
 
-    /// The tetrahedra that stand for the ball among meshes.
+    /// The tetrahedra that stand for the ball among deformable bodies.
     pub(crate) fn stand_in(&self) -> Result<FieldMesh, ContactError> {
         let facets = shapes::Shape::from(shapes::Sphere { level: 3 });
         ConvexShape::new(&facets.polyhedron(2.0 * self.radius)?)?.fan()

@@ -3,7 +3,8 @@
 use super::clip::NOISE;
 use super::current::Current;
 use femdem_mesh::bvh::{Aabb, Bvh};
-use femdem_mesh::{Point3, TetMesh, Vector3};
+use femdem_mesh::tet::FACES;
+use femdem_mesh::{Point3, TetMesh, Vector3, closest_point};
 
 /// "No tetrahedron": the face lies on the skin.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -104,6 +105,25 @@ impl Cells {
             inner,
             list,
         }
+    }
+
+    /// Distance of a point from the solid, m: 0 inside.
+    pub fn distance(&self, x: &Vector3) -> f64 {
+        let point = Point3::from(*x);
+        let square = |i: u32| {
+            let cell = &self.list[i as usize];
+            if cell.holds(x) {
+                return 0.0;
+            }
+            let skin = (0..4).filter(|k| cell.neighbours[*k] == NONE);
+            let squares = skin.map(|k| {
+                let triangle = FACES[k].map(|corner| cell.tet.corners[corner].into());
+                (closest_point(&triangle, &point) - point).norm_squared()
+            });
+            squares.fold(f64::INFINITY, f64::min)
+        };
+        let nearest = self.tree.nearest(&point, square);
+        nearest.map_or(f64::INFINITY, |(_, square)| square.sqrt())
     }
 }
 

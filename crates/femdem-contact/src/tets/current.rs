@@ -173,6 +173,12 @@ impl Current {
         self.slopes[face] * (-1.0 / self.slopes[face].norm())
     }
 
+    /// The signed distance of a face from a point along its outward normal, m: negative in front of it.
+    #[inline]
+    pub fn height(&self, face: usize, x: &Vector3) -> f64 {
+        self.normal(face).dot(&(self.corners[(face + 1) % 4] - x))
+    }
+
     /// Distance of a point along the normals of the faces, m; 0 if its shape functions are no less than -`noise`.
     #[inline]
     pub fn gap(&self, x: &Vector3, noise: f64) -> f64 {

@@ -71,6 +71,15 @@ pub(crate) trait Search {
 }
 
 impl<N> NearList<N> {
+    /// Nothing touches while the motion is below `until`, m.
+    pub fn apart(until: f64) -> Self {
+        Self {
+            until,
+            clear: until,
+            ..Self::default()
+        }
+    }
+
     /// Whether the list alone shows that nothing touches at this `motion`.
     pub fn is_clear(&self, motion: f64) -> bool {
         motion < self.clear

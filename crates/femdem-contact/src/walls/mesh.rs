@@ -144,14 +144,8 @@ impl MeshWall {
         &self.inner.solid
     }
 
-    /// Distance of a point in the wall's axes from the boxes around the wall's tetrahedra, m.
+    /// Distance of a point in the wall's axes from the wall, m.
     pub(super) fn clearance(&self, x: &Vector3) -> f64 {
-        let (x, cells) = (Point3::from(*x), &self.inner.solid.cells);
-        let distance = |i: u32| match cells.boxes.get(i as usize) {
-            Some(bounds) => bounds.distance_squared(&x),
-            None => f64::INFINITY,
-        };
-        let nearest = cells.tree.nearest(&x, distance);
-        nearest.map_or(f64::INFINITY, |(_, square)| square.sqrt())
+        self.inner.solid.cells.distance(x)
     }
 }

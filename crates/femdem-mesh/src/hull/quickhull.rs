@@ -1,6 +1,6 @@
 //! Quickhull with exact orientation tests: the triangles of a convex hull.
 
-use crate::tet::distance::closest_point;
+use crate::closest_point;
 use crate::{MeshError, Point3, Vector3};
 use robust::Coord3D;
 use std::collections::BTreeMap;

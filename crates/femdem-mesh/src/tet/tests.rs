@@ -213,7 +213,7 @@ fn the_nearest_point_of_a_triangle_is_that_of_a_fine_grid() {
         .collect();
     for k in 0..200 {
         let p = Point3::from([1.0, 1.7, 2.3].map(|f| 2.0 * (f64::from(k) * f).sin()));
-        let exact = (distance::closest_point(&triangle, &p) - p).norm();
+        let exact = (crate::closest_point(&triangle, &p) - p).norm();
         let sampled = grid
             .iter()
             .map(|q| (q - p).norm())

@@ -90,7 +90,7 @@ impl World {
         self.batch.set_cell(moving)?;
         let change = Streaming {
             gradient: moving.velocity_gradient() - cell.velocity_gradient(),
-            centre: self.centre_of_mass(),
+            centre: self.centre_of_awake(),
         };
         for &i in &self.awake {
             let body = &mut self.bodies[i as usize];
@@ -123,12 +123,12 @@ impl World {
         let cell = self.cell().filter(|cell| cell.moves())?;
         Some(Streaming {
             gradient: cell.velocity_gradient(),
-            centre: self.centre_of_mass(),
+            centre: self.centre_of_awake(),
         })
     }
 
-    /// Of the free rigid bodies that are awake, m.
-    fn centre_of_mass(&self) -> Vector3 {
+    /// Centre of mass of the free rigid bodies that are awake, m.
+    fn centre_of_awake(&self) -> Vector3 {
         let free = self.awake.iter().map(|&i| &self.bodies[i as usize]);
         let free = free.filter(|body| body.driven.is_none());
         let sum = |(mass, moment): (f64, Vector3), body: &Body| {

@@ -192,6 +192,15 @@ impl World {
         rigid.sum::<Vector3>() + self.deformables().map(|d| d.momentum()).sum::<Vector3>()
     }
 
+    /// Centre of mass of all bodies except driven ones, m; the origin if there are none.
+    pub fn centre_of_mass(&self) -> Vector3 {
+        let rigid = self.free_bodies().map(|(_, b)| (b.mass, b.position));
+        let soft = self.deformables().map(|d| (d.mass(), d.centroid()));
+        let add = |(mass, moment), (m, x): (f64, Vector3)| (mass + m, moment + x * m);
+        let (mass, moment) = rigid.chain(soft).fold((0.0, Vector3::zeros()), add);
+        if mass > 0.0 { moment / mass } else { moment }
+    }
+
     /// Angular momentum of all bodies except driven ones about a point, kg m^2/s.
     pub fn angular_momentum(&self, about: &Vector3) -> Vector3 {
         let rigid = self.free_bodies().map(|(_, b)| {

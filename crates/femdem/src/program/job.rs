@@ -50,6 +50,11 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
         }
         return super::run::resume(args);
     }
+    if !args.folder.join(folder::CHECKPOINT).is_file()
+        && let Some(outcome) = super::stages::resume(args)?
+    {
+        return Ok(outcome);
+    }
     if args.duration.is_some() {
         bail!("--duration is for a run of a scene, with its run.ckpt: leave it out");
     }

@@ -17,6 +17,7 @@ pub(crate) mod run;
 pub(crate) mod running;
 pub(crate) mod shapes;
 mod source;
+mod stages;
 pub(crate) mod sweep;
 
 use std::io::Write;

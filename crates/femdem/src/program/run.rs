@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use clap::Args;
-use femdem::run::{Run, Scenario};
+use femdem::run::{Run, Scenario, Stage};
 use femdem::{Usage, output};
 
 use super::args::{ResumeArgs, RunArgs};
@@ -43,10 +43,19 @@ pub(crate) struct SceneArgs {
 }
 
 pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
+    let stages = Stage::read(&args.scene, args.out.as_deref())?;
+    if !stages.is_empty() {
+        return super::stages::run(args, &stages);
+    }
     let mut scenario = Scenario::read(&args.scene)?;
     if let Some(out) = &args.out {
         scenario.out.clone_from(out);
     }
+    run_scenario(args, scenario)
+}
+
+/// Runs one scene.
+pub(super) fn run_scenario(args: &SceneArgs, scenario: Scenario) -> Result<Outcome> {
     let every = args
         .run
         .checkpoint_every
@@ -147,7 +156,7 @@ fn apply(run: &mut Run, mut scene: Scenario, args: &ResumeArgs) -> Result<Vec<St
 }
 
 /// Name of the scene in the folder of a run.
-const SCENE: &str = "scene.toml";
+pub(super) const SCENE: &str = "scene.toml";
 
 fn write_scene(folder: &Path, scenario: &Scenario) -> Result<()> {
     let text = format!(
@@ -220,6 +229,9 @@ impl Part {
         clock: &Clock,
         interrupted: &AtomicBool,
     ) -> Result<()> {
+        // The bodies of another run rest against each other, as they did at its end.
+        let of_pack = run.simulation().origin.bodies > 0;
+        let continues = run.scenario().from.is_some() && !of_pack;
         let mut saved = Instant::now();
         let mut steps = 1;
         let mut told = run.warnings().len();
@@ -227,7 +239,7 @@ impl Part {
             let began = Instant::now();
             let first = run.simulation().world.steps() == 0;
             let advanced = run.advance(&self.folder, steps);
-            if first {
+            if first && !continues {
                 // In particular if that step has failed.
                 overlaps::warn(run.simulation(), |text| clock.note(text));
             }

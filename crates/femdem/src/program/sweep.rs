@@ -8,7 +8,7 @@ use std::str::FromStr;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use femdem::output::csv::quoted;
-use femdem::run::Scenario;
+use femdem::run::{Scenario, Stage};
 use femdem::{Scene, output};
 use serde_json::Value as Json;
 use toml::{Table, Value};
@@ -119,6 +119,8 @@ struct Job {
     /// The file with the text.
     scene: PathBuf,
     folder: PathBuf,
+    /// The name of its last stage, if it has stages.
+    last: Option<String>,
 }
 
 pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
@@ -128,7 +130,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
         .parse()
         .with_context(|| args.scene.display().to_string())?;
     // A pack has none of these keys.
-    let is_run = ["duration", "body", "from"]
+    let is_run = ["duration", "body", "from", "source", "stage"]
         .iter()
         .any(|key| base.contains_key(*key));
     if is_run && args.seeds > 1 {
@@ -138,6 +140,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
     // All scenes are understood before the first job begins.
     for job in &jobs {
         let read = match is_run {
+            true if job.last.is_some() => Ok(()),
             true => Scenario::from_toml(&job.text).map(drop),
             false => Scene::from_toml(&job.text).map(drop),
         };
@@ -225,10 +228,16 @@ fn jobs(args: &SweepArgs, base: &Table, is_run: bool) -> Result<Vec<Job>> {
             if !names.insert(name.clone()) {
                 bail!("two jobs would have the folder {name}: give each value once");
             }
+            let text = toml::to_string(&scene)?;
+            let stages = match is_run {
+                true => Stage::from_toml(&text, None).with_context(|| name.clone())?,
+                false => Vec::new(),
+            };
             jobs.push(Job {
                 values: values.clone(),
                 seed,
-                text: toml::to_string(&scene)?,
+                last: stages.last().map(|stage| stage.name.clone()),
+                text,
                 scene: args.out.join(format!("{name}.toml")),
                 folder: args.out.join(&name),
                 name,
@@ -261,6 +270,8 @@ impl Job {
     fn finish(&self, args: &SweepArgs, is_run: bool) -> Result<Outcome> {
         let has_checkpoint =
             folder::has_checkpoint(&self.folder) || folder::holds_run(&self.folder);
+        let holds_stages = self.last.is_some() && self.folder.join(run::SCENE).is_file();
+        let has_checkpoint = has_checkpoint || holds_stages;
         let has_results = has_checkpoint || self.folder.join(folder::SUMMARY).is_file();
         if !self.is_own() && (has_results || self.scene.exists()) {
             bail!(
@@ -314,7 +325,9 @@ impl Job {
         if !self.is_own() {
             return None;
         }
-        let text = fs::read_to_string(self.folder.join(folder::SUMMARY)).ok()?;
+        let last = self.last.as_ref();
+        let folder = last.map_or(self.folder.clone(), |last| self.folder.join(last));
+        let text = fs::read_to_string(folder.join(folder::SUMMARY)).ok()?;
         serde_json::from_str(&text).ok()
     }
 

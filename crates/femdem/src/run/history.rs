@@ -15,7 +15,7 @@ use super::{NamedWall, Simulation};
 use crate::Error;
 
 /// Columns of `history.csv` before those of the walls and supports.
-pub const HISTORY_COLUMNS: [&str; 21] = [
+pub const HISTORY_COLUMNS: [&str; 24] = [
     "time",
     "step",
     "time_step",
@@ -36,6 +36,9 @@ pub const HISTORY_COLUMNS: [&str; 21] = [
     "px",
     "py",
     "pz",
+    "x_mean",
+    "y_mean",
+    "z_mean",
     "contacts",
 ];
 
@@ -130,6 +133,7 @@ pub(super) fn history_row(
     let world = &simulation.world;
     let ledger = world.ledger();
     let p = world.linear_momentum();
+    let x = world.centre_of_mass();
     let mut row = vec![number(world.time()), world.steps().to_string()];
     let numbers = [
         world.time_step(),
@@ -150,6 +154,9 @@ pub(super) fn history_row(
         p.x,
         p.y,
         p.z,
+        x.x,
+        x.y,
+        x.z,
     ];
     row.extend(numbers.map(number));
     row.push(contacts.to_string());

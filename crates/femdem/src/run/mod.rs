@@ -73,6 +73,7 @@ mod saved;
 mod select;
 mod settings;
 mod simulation;
+mod stages;
 mod start;
 mod state;
 mod summary;
@@ -110,6 +111,7 @@ pub use saved::RUN_CHECKPOINT;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
 pub use simulation::{Member, NamedWall, Penalty, Simulation, Support};
+pub use stages::Stage;
 pub use summary::{
     BodySummary, PenetrationSummary, RUN_SCHEMA, ReactionSummary, RunEnergy, RunSummary,
     StrainSummary, WallSummary,

@@ -1,36 +1,43 @@
 //! The point of a triangle nearest to another point.
 
-use femdem_mesh::{Point3, Vector3};
+use crate::{Point3, Vector3};
 
-/// The point of a triangle nearest to `point`.
-///
-/// The foot on the triangle's plane where it lies in the triangle, else the nearest point of a side.
-pub(crate) fn closest_point(triangle: &[Point3; 3], point: &Point3) -> Point3 {
-    let [a, b, c] = triangle;
-    let normal = (b - a).cross(&(c - a));
-    let sides = [(a, b), (b, c), (c, a)];
-    let left_of = |(p, q): (&Point3, &Point3)| normal.dot(&(q - p).cross(&(point - p))) >= 0.0;
-    let square = normal.norm_squared();
-    if square > 0.0 && sides.into_iter().all(left_of) {
-        return point - normal * (normal.dot(&(point - a)) / square);
+/// The point of a triangle nearest to `p`, by the region of the plane over which `p` lies (C. Ericson,
+/// Real-Time Collision Detection, 2005, section 5.1.5). A triangle without area acts as its longest side.
+pub fn closest_point([a, b, c]: &[Point3; 3], p: &Point3) -> Point3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return *a;
     }
-    let on_sides = sides.map(|(p, q)| on_segment(p, &(q - p), point));
-    let mut nearest = on_sides[0];
-    for candidate in &on_sides[1..] {
-        if (candidate - point).norm_squared() < (nearest - point).norm_squared() {
-            nearest = *candidate;
-        }
+    let bp = p - b;
+    let (d3, d4) = (ab.dot(&bp), ac.dot(&bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return *b;
     }
-    nearest
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return along(a, &ab, d1, d1 - d3);
+    }
+    let cp = p - c;
+    let (d5, d6) = (ab.dot(&cp), ac.dot(&cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return *c;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return along(a, &ac, d2, d2 - d6);
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        return along(b, &(c - b), d4 - d3, (d4 - d3) + (d5 - d6));
+    }
+    let sum = va + vb + vc;
+    a + ab * (vb / sum) + ac * (vc / sum)
 }
 
-/// The point nearest to `point` of the segment from `start` to `start + along`.
-pub(crate) fn on_segment(start: &Point3, along: &Vector3, point: &Point3) -> Point3 {
-    let square = along.norm_squared();
-    if square <= 0.0 {
-        return *start;
-    }
-    start + along * ((point - start).dot(along) / square).clamp(0.0, 1.0)
+fn along(start: &Point3, direction: &Vector3, part: f64, whole: f64) -> Point3 {
+    start + direction * if whole > 0.0 { part / whole } else { 0.0 }
 }
 
 #[cfg(test)]

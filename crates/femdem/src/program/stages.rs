@@ -1,0 +1,91 @@
+//! Scenes of several stages, one run after another.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use femdem::run::Stage;
+
+use super::args::{ResumeArgs, RunArgs};
+use super::run::{SCENE, SceneArgs, resume as resume_run, run_scenario};
+use super::running::Outcome;
+use super::{folder, say};
+
+/// Runs the stages of a scene, and keeps the scene in the folder that holds theirs.
+pub(super) fn run(args: &SceneArgs, stages: &[Stage]) -> Result<Outcome> {
+    if !args.check {
+        let out = folder_of(stages);
+        // Only to refuse a folder that holds something: the stages claim theirs.
+        drop(folder::prepare(&out, args.force)?);
+        fs::copy(&args.scene, out.join(SCENE))
+            .with_context(|| format!("cannot copy the scene to {}", out.display()))?;
+    }
+    // A stage that starts from another one is checked when that is there.
+    let stages = if args.check { &stages[..1] } else { stages };
+    for (k, stage) in stages.iter().enumerate() {
+        announce(k, stages.len(), stage, args.run.quiet);
+        if run_scenario(args, stage.scenario.clone())? == Outcome::Interrupted {
+            return Ok(Outcome::Interrupted);
+        }
+    }
+    Ok(Outcome::Finished)
+}
+
+/// Goes on with the first stage that is not finished; `None` if the folder holds none.
+pub(super) fn resume(args: &ResumeArgs) -> Result<Option<Outcome>> {
+    let scene = args.folder.join(SCENE);
+    if !scene.is_file() {
+        return Ok(None);
+    }
+    let stages = Stage::read(&scene, Some(&args.folder))?;
+    if stages.is_empty() {
+        return Ok(None);
+    }
+    if args.duration.is_some() {
+        anyhow::bail!(
+            "--duration is for one run, and {} holds several stages: give the folder of one of them",
+            args.folder.display()
+        );
+    }
+    for (k, stage) in stages.iter().enumerate() {
+        let own = &stage.scenario.out;
+        if own.join(folder::SUMMARY).is_file() {
+            continue;
+        }
+        announce(k, stages.len(), stage, args.run.quiet);
+        let outcome = if folder::holds_run(own) {
+            resume_run(&ResumeArgs {
+                folder: own.clone(),
+                duration: None,
+                report: false,
+                run: args.run.clone(),
+            })?
+        } else {
+            let fresh = SceneArgs {
+                scene: scene.clone(),
+                out: None,
+                force: true,
+                check: false,
+                yes: true,
+                run: RunArgs::clone(&args.run),
+            };
+            run_scenario(&fresh, stage.scenario.clone())?
+        };
+        if outcome == Outcome::Interrupted {
+            return Ok(Some(Outcome::Interrupted));
+        }
+    }
+    Ok(Some(Outcome::Finished))
+}
+
+fn announce(k: usize, count: usize, stage: &Stage, quiet: bool) {
+    if !quiet {
+        say(&format!("stage {} of {count}: {}", k + 1, stage.name));
+    }
+}
+
+/// The folder that holds those of the stages.
+fn folder_of(stages: &[Stage]) -> PathBuf {
+    let first = stages.first().and_then(|stage| stage.scenario.out.parent());
+    first.unwrap_or(Path::new("")).to_path_buf()
+}
