@@ -33,6 +33,7 @@
 //! # What is where
 //! - [`Pack`], [`PosedBody`]: the input. [`Region`]: where to measure. [`mesh`]: femdem-mesh, for shapes and poses.
 //! - [`choose_core`], [`top_plane`], [`Region::inset`]: the core region away from walls, floor and top.
+//! - [`free_surface`]: the slope of a bed in a drum or of a heap.
 //! - [`measure_bed`]: void fraction of the whole bed, also over a cone and in the hollow of a solid ([`Vessel`]).
 //! - [`packing_density`]; its parts [`exact_density`] and [`grid_density`].
 //! - [`height_profile`], [`wall_profile`]: packing density and layers against height and wall distance.
@@ -119,6 +120,7 @@ mod segment;
 mod sieve;
 mod stress;
 mod structure;
+mod surface;
 mod table;
 mod tensor;
 mod top;
@@ -173,6 +175,7 @@ pub use stress::{
 pub use structure::{
     ClassCount, ContactClasses, Rattlers, SupportRule, contact_classes, mean_coordination, rattlers,
 };
+pub use surface::{FreeSurface, free_surface};
 pub use table::{Cell, Table};
 pub use top::{TopPlane, top_plane};
 pub use voronoi::{SetVoronoi, SetVoronoiOptions, VoronoiCell, set_voronoi};

@@ -44,6 +44,46 @@ fn read_mean<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
 /// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`], [`AnalysisError::Option`] for a spacing that
 /// is not above zero and finite, [`AnalysisError::GridTooFine`].
 pub fn top_plane(pack: &Pack, container: &Region, spacing: f64) -> Result<TopPlane, AnalysisError> {
+    let all: Vec<f64> = columns(pack, container, spacing)?
+        .iter()
+        .map(|column| column.height)
+        .collect();
+    let met: Vec<f64> = all.iter().copied().filter(|h| h.is_finite()).collect();
+    let empty_columns = all.len() - met.len();
+    if met.is_empty() {
+        return Ok(TopPlane {
+            mean: f64::NEG_INFINITY,
+            deviation: 0.0,
+            columns: 0,
+            empty_columns,
+        });
+    }
+    let count = met.len() as f64;
+    let mean = met.iter().sum::<f64>() / count;
+    let deviation = (met.iter().map(|h| (h - mean).powi(2)).sum::<f64>() / count).sqrt();
+    Ok(TopPlane {
+        mean,
+        deviation,
+        columns: met.len(),
+        empty_columns,
+    })
+}
+
+/// An upright line over the floor of a container.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Column {
+    pub x: f64,
+    pub y: f64,
+    /// Of the highest solid point on it (m); minus infinity if it meets no body.
+    pub height: f64,
+}
+
+/// The columns over the floor of a container, along x and then along y.
+pub(crate) fn columns(
+    pack: &Pack,
+    container: &Region,
+    spacing: f64,
+) -> Result<Vec<Column>, AnalysisError> {
     container.validate()?;
     if pack.is_empty() {
         return Err(AnalysisError::EmptyPack);
@@ -67,28 +107,14 @@ pub fn top_plane(pack: &Pack, container: &Region, spacing: f64) -> Result<TopPla
         let heights = row_heights(pack, planes, &x_axis, y_axis.centre(j), &bodies[j]);
         let on_floor = (0..x_axis.count)
             .filter(|&i| container.stands_over(x_axis.centre(i), y_axis.centre(j)));
-        on_floor.map(|i| heights[i]).collect::<Vec<f64>>()
+        let column = |i: usize| Column {
+            x: x_axis.centre(i),
+            y: y_axis.centre(j),
+            height: heights[i],
+        };
+        on_floor.map(column).collect::<Vec<Column>>()
     });
-    let all: Vec<f64> = rows.into_iter().flatten().collect();
-    let met: Vec<f64> = all.iter().copied().filter(|h| h.is_finite()).collect();
-    let empty_columns = all.len() - met.len();
-    if met.is_empty() {
-        return Ok(TopPlane {
-            mean: f64::NEG_INFINITY,
-            deviation: 0.0,
-            columns: 0,
-            empty_columns,
-        });
-    }
-    let count = met.len() as f64;
-    let mean = met.iter().sum::<f64>() / count;
-    let deviation = (met.iter().map(|h| (h - mean).powi(2)).sum::<f64>() / count).sqrt();
-    Ok(TopPlane {
-        mean,
-        deviation,
-        columns: met.len(),
-        empty_columns,
-    })
+    Ok(rows.into_iter().flatten().collect())
 }
 
 /// Highest solid point over each cell centre of one row; minus infinity where there is none.

@@ -1,10 +1,11 @@
 //! All tables of a pack.
 
 use femdem_analysis::{
-    Bed, BodyStresses, ChainNetwork, ContactClasses, ContactFabric, Coordination, CoreRegion,
-    DensityMap, DensityProfile, Estimate, Fields, ForceDistribution, ForceMaxima, ForceNetwork,
-    Mixing, Pack, PackingDensity, RadialDistribution, Rattlers, RegionStress, SetVoronoi,
-    SieveCurve, StressProfile, ThresholdCurve, TiltHistogram, VerticalBalance, WallForces,
+    AnalysisError, Bed, BodyStresses, ChainNetwork, ContactClasses, ContactFabric, Coordination,
+    CoreRegion, DensityMap, DensityProfile, Estimate, Fields, ForceDistribution, ForceMaxima,
+    ForceNetwork, FreeSurface, Mixing, Pack, PackingDensity, RadialDistribution, Rattlers,
+    RegionStress, SetVoronoi, SieveCurve, StressProfile, ThresholdCurve, TiltHistogram,
+    VerticalBalance, WallForces, free_surface,
 };
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -53,6 +54,9 @@ pub struct Tables {
     pub core: Option<CoreRegion>,
     /// Void fraction of the whole bed, from the floor to the mean top.
     pub bed: Option<Bed>,
+    /// Slope of the free surface; `None`, without an entry in `missing`, if too few upright lines meet a body, or the bodies
+    /// lie too far apart.
+    pub surface: Option<FreeSurface>,
     /// Packing density of the core.
     pub density: Option<PackingDensity>,
     /// Packing density over the height of the container.
@@ -133,6 +137,13 @@ impl Tables {
         let network = ForceNetwork::new(&data.bodies, &data.contacts, options.force_threshold)?;
         let mut tables = Self::empty(snapshot, options, &network, data.walls.clone());
         tables.add_geometry(snapshot, &pack)?;
+        let spacing = options.core.column_spacing_over_d;
+        tables.surface = match free_surface(&pack, snapshot.container.as_ref(), spacing) {
+            Ok(surface) => surface,
+            // A body that has flown far.
+            Err(AnalysisError::GridTooFine { .. }) => None,
+            Err(other) => return Err(other.into()),
+        };
         tables.add_tilt(snapshot, &pack)?;
         tables.add_mixing(snapshot, &pack)?;
         tables.add_radial_distribution(&pack)?;
@@ -159,6 +170,7 @@ impl Tables {
             walls,
             core: None,
             bed: None,
+            surface: None,
             density: None,
             height_profile: None,
             wall_profile: None,

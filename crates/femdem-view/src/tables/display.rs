@@ -17,6 +17,7 @@ impl fmt::Display for Tables {
         };
         line("density", self.density_text())?;
         line("bed", self.bed_text())?;
+        line("free surface", self.surface_text())?;
         line("orientation", self.orientation_text())?;
         line("tilt", self.tilt_text())?;
         line("mixing", self.mixing_text())?;
@@ -74,6 +75,14 @@ impl Tables {
             bed.void_fraction,
             bed.density,
             (bed.top - bed.floor) / self.diameter
+        ))
+    }
+
+    fn surface_text(&self) -> Option<String> {
+        let surface = self.surface.as_ref()?;
+        Some(format!(
+            "slope {:.1} degrees as a plane, {:.1} degrees as a heap",
+            surface.plane_angle, surface.cone_angle
         ))
     }
 
