@@ -1,12 +1,14 @@
 //! The kernel of spheres.
 
+use super::patch::Patch;
 use super::shape::Sphere;
 use super::{convex, pair, wall};
+use crate::adhesion::VectorArea;
 use crate::error::{ContactError, check_pressure};
 use crate::kernel::{Overlap, WALL_FACTOR};
 use crate::shape::{ConvexShape, Frame};
 use crate::walls::Wall;
-use femdem_mesh::Vector3;
+use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// The penalty law of exact balls: U = p int (phi_A + phi_B) dV over the overlap, and 2 p int phi_B dV against a wall.
@@ -71,6 +73,14 @@ impl SphereKernel {
             &frame.rotation,
             &between,
         )
+    }
+}
+
+/// The vector area of the sphere's skin in a wall or a convex polyhedron: no rotation of a ball changes the overlap.
+pub(super) fn area_in(patch: &Patch, rotation: &Matrix3) -> VectorArea {
+    VectorArea {
+        area: -(rotation * patch.vector_area),
+        moment: Vector3::zeros(),
     }
 }
 

@@ -7,7 +7,7 @@ use femdem_mesh::Vector3;
 use femdem_solve::{World, WorldParameters};
 
 use super::{
-    ContactEntry, Controls, Flow, Member, NamedWall, Origin, Penalty, Scenario, Simulation,
+    BodyLoads, ContactEntry, Controls, Flow, Member, NamedWall, Origin, Penalty, Scenario, Simulation,
     WallEntry,
 };
 use crate::Error;
@@ -34,6 +34,8 @@ impl Scenario {
             tangential_ratio: own.tangential_ratio.or(Some(law.tangential_ratio)),
             tangential_damping: own.tangential_damping.or(Some(law.tangential_damping)),
             wall_response: own.wall_response.or(Some(law.wall_response)),
+            cohesion: own.cohesion.or(Some(law.cohesion)),
+            adhesion_energy: own.adhesion_energy.or(Some(law.adhesion_energy)),
         };
         Self {
             gravity: self.gravity.or(Some(usual.gravity.into())),
@@ -176,6 +178,7 @@ impl Simulation {
             controls: Controls::default(),
             centre: Vector3::zeros(),
             flow: Flow::default(),
+            loads: BodyLoads::default(),
             penalty: Penalty::default(),
             origin: Origin::default(),
             notes: Vec::new(),

@@ -34,6 +34,10 @@ pub struct PairEntry {
     pub tangential_damping: Option<f64>,
     /// How walls act on deformable bodies.
     pub wall_response: Option<WallResponse>,
+    /// Cohesion of rigid bodies \[Pa\]: attraction over the contact area.
+    pub cohesion: Option<f64>,
+    /// Work of adhesion of spheres with spheres and planes \[J/m²\].
+    pub adhesion_energy: Option<f64>,
 }
 
 impl PairEntry {
@@ -52,6 +56,8 @@ impl PairEntry {
             tangential_ratio: self.tangential_ratio.unwrap_or(usual.tangential_ratio),
             tangential_damping: self.tangential_damping.unwrap_or(usual.tangential_damping),
             wall_response: self.wall_response.unwrap_or(usual.wall_response),
+            cohesion: self.cohesion.unwrap_or(usual.cohesion),
+            adhesion_energy: self.adhesion_energy.unwrap_or(usual.adhesion_energy),
         });
         law.map_err(|error| Error::from(error).by_keys(&OF_PAIRS))
     }
