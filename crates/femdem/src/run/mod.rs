@@ -101,7 +101,6 @@ pub use material::{Law, MaterialEntry};
 pub use motion::MotionEntry;
 pub use origin::Origin;
 pub use overlap::Overlap;
-pub use pair::PairEntry;
 pub use penalty::{ExpectedDepth, Forecast};
 pub use periodic::CellEntry;
 pub use relaxation::{RelaxEntry, RelaxSummary};
@@ -118,6 +117,7 @@ pub use summary::{
 };
 pub use wall::{BoxEntry, PlaneEntry, WallEntry};
 
+pub use crate::scene::PairEntry;
 use crate::scene::gravity_vector;
 use crate::{Error, toml_file};
 
