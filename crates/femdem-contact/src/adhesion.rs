@@ -29,11 +29,7 @@ pub struct VectorArea {
 
 impl VectorArea {
     /// From sums about a point `arm` from B's origin in axes that `rotation` takes to the world's.
-    pub(crate) fn of_sums(
-        rotation: &Matrix3,
-        arm: &Vector3,
-        [area, moment]: [Vector3; 2],
-    ) -> Self {
+    pub(crate) fn of_sums(rotation: &Matrix3, arm: &Vector3, [area, moment]: [Vector3; 2]) -> Self {
         let area = rotation * area;
         Self {
             area,

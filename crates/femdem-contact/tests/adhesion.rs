@@ -45,7 +45,12 @@ enum Other {
 }
 
 /// A batch of a body and what it touches, both at their frames, after one update.
-fn touched(law: ContactParameters, other: &Other, body: &BodyShape, at: [&Frame; 2]) -> ContactBatch {
+fn touched(
+    law: ContactParameters,
+    other: &Other,
+    body: &BodyShape,
+    at: [&Frame; 2],
+) -> ContactBatch {
     let mut batch = ContactBatch::new(ContactLaw::new(law).unwrap());
     let mut bodies = Vec::new();
     let mut walls = Vec::new();
@@ -84,7 +89,12 @@ fn walls() -> Vec<(&'static str, WallShape)> {
     let corner = Wall::closed_box(Vector3::repeat(-0.55), Vector3::repeat(5.0)).unwrap();
     let mantle = Wall::cylinder("mantle", 1.6, 12).unwrap();
     vec![
-        ("floor", Wall::half_space("floor", Vector3::z(), -0.4).unwrap().into()),
+        (
+            "floor",
+            Wall::half_space("floor", Vector3::z(), -0.4)
+                .unwrap()
+                .into(),
+        ),
         ("side", corner.into_iter().next().unwrap().into()),
         ("mantle", mantle.into()),
         ("solid", MeshWall::solid("solid", &cube(2)).into()),
@@ -101,7 +111,11 @@ fn attraction_is_minus_the_gradient() {
     let others: Vec<(&str, Other)> = bodies
         .iter()
         .map(|(name, shape)| (*name, Other::Body(shape.clone())))
-        .chain(walls().into_iter().map(|(name, wall)| (name, Other::Wall(wall))))
+        .chain(
+            walls()
+                .into_iter()
+                .map(|(name, wall)| (name, Other::Wall(wall))),
+        )
         .collect();
     for (name, other) in &others {
         for (with, body) in &bodies {
@@ -138,7 +152,10 @@ fn attraction_is_minus_the_gradient() {
                     differences(|frame| both(&of_a, frame).totals().energy, &of_b, h);
                 let size = got.force.norm() + COHESION * volume.powf(2.0 / 3.0);
                 let error = (got.force - force).norm().max((got.torque - torque).norm());
-                assert!(error < 1e-6 * size, "{name} with {with}: {error:e} of {size}");
+                assert!(
+                    error < 1e-6 * size,
+                    "{name} with {with}: {error:e} of {size}"
+                );
                 // What acts on the other side is the opposite about the same point.
                 let on_other = match other {
                     Other::Body(_) => batch.load_of(0).total,
@@ -180,7 +197,11 @@ fn faces_pull_off_at_the_cohesion_times_their_area() {
             };
             let [with, without] = [COHESION, 0.0].map(|c| {
                 let batch = touched(law(c, 0.0), &other, &cube, at);
-                batch.load_of(batch.body_ids().last().unwrap()).total.force.z
+                batch
+                    .load_of(batch.body_ids().last().unwrap())
+                    .total
+                    .force
+                    .z
             });
             let pull = without - with;
             assert!((pull / (COHESION * area) - 1.0).abs() < 1e-6, "{pull}");
@@ -192,10 +213,19 @@ fn faces_pull_off_at_the_cohesion_times_their_area() {
 /// A cube of side 1 m about the origin, of tetrahedra.
 fn tube_less_cube() -> femdem_mesh::TetMesh {
     let mesh = cube(2);
-    let low = mesh.points().iter().fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(&p.coords));
-    let high = mesh.points().iter().fold(Vector3::repeat(-f64::INFINITY), |m, p| m.sup(&p.coords));
+    let low = mesh
+        .points()
+        .iter()
+        .fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(&p.coords));
+    let high = mesh
+        .points()
+        .iter()
+        .fold(Vector3::repeat(-f64::INFINITY), |m, p| m.sup(&p.coords));
     let (middle, size) = ((low + high) * 0.5, (high - low).x);
-    let points = mesh.points().iter().map(|p| ((p.coords - middle) / size).into());
+    let points = mesh
+        .points()
+        .iter()
+        .map(|p| ((p.coords - middle) / size).into());
     femdem_mesh::TetMesh::new(points.collect(), mesh.tets().to_vec()).unwrap()
 }
 
@@ -226,7 +256,10 @@ fn balls_pull_off_as_johnson_kendall_and_roberts_have_it() {
                 batch.load_of(batch.body_ids().last().unwrap()).total
             };
             let pull = force(0.0).force.x - force(w).force.x;
-            assert!((pull / (1.5 * PI * w * reduced) - 1.0).abs() < 1e-9, "{pull}");
+            assert!(
+                (pull / (1.5 * PI * w * reduced) - 1.0).abs() < 1e-9,
+                "{pull}"
+            );
             assert!(force(w).torque.norm() < 1e-15);
             if depth > 1e-3 {
                 let [gradient, _] = differences(|f| both(f, w).totals().energy, &place, 1e-5);
@@ -241,7 +274,10 @@ fn balls_pull_off_as_johnson_kendall_and_roberts_have_it() {
 fn pairs_of_materials_have_their_own_cohesion() {
     let [wet, dry] = [1, 2].map(MaterialId);
     let mut laws = ContactLaws::from(ContactLaw::new(law(0.0, 0.0)).unwrap());
-    laws.set([wet, wet], Some(ContactLaw::new(law(COHESION, 0.0)).unwrap()));
+    laws.set(
+        [wet, wet],
+        Some(ContactLaw::new(law(COHESION, 0.0)).unwrap()),
+    );
     let mut batch = ContactBatch::new(laws);
     let cube = batch.add_shape(shape("P5", 3_f64.sqrt()));
     let mut motions = Vec::new();
@@ -257,7 +293,10 @@ fn pairs_of_materials_have_their_own_cohesion() {
     batch.update(&motions, &[], 0.0).unwrap();
     let contacts = batch.contacts();
     let pulls: Vec<f64> = contacts.iter().map(|c| -c.adhesion.force.z).collect();
-    assert!((pulls[0] - COHESION).abs() < 1e-6 && pulls[1] == 0.0, "{pulls:?}");
+    assert!(
+        (pulls[0] - COHESION).abs() < 1e-6 && pulls[1] == 0.0,
+        "{pulls:?}"
+    );
 }
 
 /// The same bits for any number of threads, of many bodies with cohesion.
@@ -265,7 +304,10 @@ fn pairs_of_materials_have_their_own_cohesion() {
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
     let forces = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         pool.install(|| {
             let mut batch = ContactBatch::new(ContactLaw::new(law(COHESION, 0.0)).unwrap());
             let kinds = [shape("P5", 1.5), shape("A10", 1.5)].map(|s| batch.add_shape(s));
@@ -280,7 +322,9 @@ fn the_same_bits_for_any_number_of_threads() {
             }
             batch.update(&motions, &[], 1e-3).unwrap();
             let ids: Vec<_> = batch.body_ids().collect();
-            ids.iter().map(|&id| batch.load_of(id).total).collect::<Vec<_>>()
+            ids.iter()
+                .map(|&id| batch.load_of(id).total)
+                .collect::<Vec<_>>()
         })
     };
     assert_eq!(forces(1), forces(3));
@@ -298,7 +342,10 @@ fn attraction_without_effect_is_refused() {
     batch.add_body(shape).unwrap();
     let motion = moving(&Frame::identity());
     let message = batch.update(&[motion], &[], 0.0).unwrap_err().to_string();
-    assert!(message.contains("adhesion_energy = 1") && message.contains("spheres"), "{message}");
+    assert!(
+        message.contains("adhesion_energy = 1") && message.contains("spheres"),
+        "{message}"
+    );
     batch.set_laws(ContactLaw::new(law(1.0, 0.0)).unwrap());
     batch.update(&[motion], &[], 0.0).unwrap();
     let soft = DeformableShape::new(&cube_mesh(1)).unwrap();

@@ -74,8 +74,8 @@ pub use femdem_solve as solve;
 
 pub use container::{Container, MeshContainer};
 pub use error::PackError;
-pub use pair_law::PairLaw;
 pub use packing::{Packing, Progress, Stage};
+pub use pair_law::PairLaw;
 pub use penalty::{PackLoad, Penalty, automatic_penalty, penalty_under_stress};
 pub use protocol::{Landing, Pour, Protocol, Release, Sequential};
 pub use random::{body_stream, random_rotation, uniform};

@@ -55,9 +55,7 @@ impl PairLaw {
             rolling_friction: self.rolling_friction.unwrap_or(usual.rolling_friction),
             damping_ratio: self.damping_ratio.unwrap_or(usual.damping_ratio),
             tangential_ratio: self.tangential_ratio.unwrap_or(usual.tangential_ratio),
-            tangential_damping: self
-                .tangential_damping
-                .unwrap_or(usual.tangential_damping),
+            tangential_damping: self.tangential_damping.unwrap_or(usual.tangential_damping),
             cohesion: self.cohesion.unwrap_or(usual.cohesion),
             adhesion_energy: self.adhesion_energy.unwrap_or(usual.adhesion_energy),
             ..*usual

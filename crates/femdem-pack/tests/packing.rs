@@ -2,14 +2,14 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-use femdem_contact::{MaterialId, Partner};
+use femdem_contact::{Contact, MaterialId, Partner};
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::shapes::Shape;
 use femdem_mesh::tet::MeshOptions;
 use femdem_mesh::{Polyhedron, Vector3};
 use femdem_pack::{
-    Container, PackError, PackReport, PackShape, PackSpec, Packing, PairLaw, Penalty, Pour, Protocol,
-    Release, Sequential, Stage,
+    Container, PackError, PackReport, PackShape, PackSpec, Packing, PairLaw, Penalty, Pour,
+    Protocol, Release, Sequential, Stage,
 };
 use femdem_solve::{ImplicitStep, Medium, checkpoint};
 
@@ -101,8 +101,9 @@ fn packs_that_implicit_steps_refuse_settle_explicitly() {
         let report = packing.run().unwrap();
         assert_settled(&packing, &report);
         let contacts = packing.world().contacts();
-        let (with_walls, others): (Vec<_>, Vec<_>) =
-            contacts.iter().partition(|c| matches!(c.a, Partner::Wall(_)));
+        let is_wall = |c: &&Contact| matches!(c.a, Partner::Wall(_));
+        let (with_walls, others): (Vec<&Contact>, Vec<&Contact>) =
+            contacts.iter().partition(is_wall);
         assert!(with_walls.iter().all(|c| c.adhesion.energy == 0.0));
         assert!(!others.is_empty() && others.iter().all(|c| (c.adhesion.energy < 0.0) == attracts));
     }

@@ -45,6 +45,7 @@ fn hanging_bodies_fall_at_the_pull_off_force() {
     for on_body in [false, true] {
         for ball in [false, true] {
             let mut p = parameters(1e7, 0.5, 0.6);
+            p.time_step.safety = 0.3;
             let edge = 2.0 * half_edge();
             let (pull_off, depth) = if ball {
                 p.contact.adhesion_energy = 5.0;
@@ -68,7 +69,9 @@ fn hanging_bodies_fall_at_the_pull_off_force() {
                 world.add_wall(plate, Drive::Fixed).unwrap();
             }
             let place = at(Vector3::z() * (1e-6 - depth));
-            let id = world.add_body(BodySpec::at_rest(shape, DENSITY, place)).unwrap();
+            let id = world
+                .add_body(BodySpec::at_rest(shape, DENSITY, place))
+                .unwrap();
             let weight = world.mass(id).unwrap() * G;
             assert!(weight < 0.4 * pull_off, "{weight} {pull_off}");
             let mut hung = world.clone();
@@ -77,7 +80,10 @@ fn hanging_bodies_fall_at_the_pull_off_force() {
             let net = hung.body_residual(id).unwrap();
             assert!(net < 1e-3, "{net}");
             let got = borne(&mut world, id, pull_off);
-            assert!((got / pull_off - 1.0).abs() < 0.01, "{on_body} {ball}: {got} {pull_off}");
+            assert!(
+                (got / pull_off - 1.0).abs() < 0.01,
+                "{on_body} {ball}: {got} {pull_off}"
+            );
             let books = world.ledger();
             assert!(books.error_relative().abs() < 0.02, "{books:?}");
         }
@@ -101,7 +107,9 @@ fn a_cohesive_block_stands_on_a_steep_slope() {
         add_floor(&mut world, Drive::Fixed);
         let shape = world.add_shape("P5", &solid("P5")).unwrap();
         let place = at(Vector3::z() * (half_edge() - 1e-6));
-        let id = world.add_body(BodySpec::at_rest(shape, DENSITY, place)).unwrap();
+        let id = world
+            .add_body(BodySpec::at_rest(shape, DENSITY, place))
+            .unwrap();
         run_until(&mut world, 0.4);
         let begin = world.velocity(id).unwrap().x;
         run_until(&mut world, 0.8);
@@ -194,5 +202,8 @@ fn implicit_steps_refuse_attraction() {
     p.contact.cohesion = 1.0;
     p.time_step.implicit = Some(ImplicitStep::default());
     let message = World::new(p).map(|_| ()).unwrap_err().to_string();
-    assert!(message.contains("cohesion") && message.contains("step explicitly"), "{message}");
+    assert!(
+        message.contains("cohesion") && message.contains("step explicitly"),
+        "{message}"
+    );
 }

@@ -6,13 +6,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use femdem::run::{
-    Axes, AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, CELL_COLUMNS, CellEntry,
-    CellState, ConeEntry, ContactEntry, ControlEntry, Copies, CylinderEntry, Ending, Ends,
-    FLOW_COLUMNS, FocusEntry, GateEntry, HISTORY_COLUMNS, Law, LoadEntry, MEMBER_COLUMNS, MaterialEntry,
-    MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry, PlateEntry,
-    ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary, RotationEntry,
-    RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides, SiloEntry, SourceEntry,
-    StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary, Zone,
+    Axes, AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, CELL_COLUMNS,
+    CellEntry, CellState, ConeEntry, ContactEntry, ControlEntry, Copies, CylinderEntry, Ending,
+    Ends, FLOW_COLUMNS, FocusEntry, GateEntry, HISTORY_COLUMNS, Law, LoadEntry, MEMBER_COLUMNS,
+    MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry,
+    PlateEntry, ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary,
+    RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides, SiloEntry,
+    SourceEntry, StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;

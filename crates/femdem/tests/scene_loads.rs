@@ -78,9 +78,8 @@ fn bodies_follow_parabolas() {
 /// M/(I k) (sin k t, cos k t - 1), k = (I - I_3)/I times the spin.
 #[test]
 fn a_torque_in_body_axes_turns_a_top() {
-    let text = format!(
-        "{FREE}[[load]]\nbodies = [\"brick\"]\ntorque = [2e-4, 0, 0]\naxes = \"body\"\n"
-    );
+    let text =
+        format!("{FREE}[[load]]\nbodies = [\"brick\"]\ntorque = [2e-4, 0, 0]\naxes = \"body\"\n");
     // The error is of second order in the step.
     let mut simulation = built(&text.replace("2e-4\n", "5e-5\n"));
     let (across, along) = (
@@ -114,7 +113,10 @@ fn a_force_at_a_point_has_an_arm() {
     to(&mut simulation, 0.2);
     let lifted = (simulation.world.pose(id).unwrap() * point).z;
     let kinetic = simulation.world.ledger().kinetic;
-    assert!((kinetic / (0.5 * lifted) - 1.0).abs() < 1e-4, "{kinetic} {lifted}");
+    assert!(
+        (kinetic / (0.5 * lifted) - 1.0).abs() < 1e-4,
+        "{kinetic} {lifted}"
+    );
     // Along the force the centroid moves as if it acted there.
     let time = simulation.world.time();
     let free = 0.5 * 0.5 / MASS * time * time;
@@ -129,7 +131,10 @@ fn a_force_at_a_point_has_an_arm() {
     let inertia = MASS * (0.04_f64.powi(2) + 0.02_f64.powi(2)) / 12.0;
     let spin = simulation.world.angular_velocity(id).unwrap();
     let wanted = Vector3::y() * (-0.005 / inertia * simulation.world.time());
-    assert!((spin - wanted).norm() < 1e-9 * wanted.norm(), "{spin} {wanted}");
+    assert!(
+        (spin - wanted).norm() < 1e-9 * wanted.norm(),
+        "{spin} {wanted}"
+    );
 }
 
 /// A block on a floor under a force that grows with time stays until the force is the friction coefficient times its weight,
@@ -162,7 +167,11 @@ fn a_growing_force_slides_a_block_at_friction() {
     assert!((0.0..1e-5).contains(&before), "{before}");
     to(&mut simulation, 1.3);
     let since = simulation.world.time() - slides;
-    let speed = simulation.world.velocity(simulation.members[0].id).unwrap().x;
+    let speed = simulation
+        .world
+        .velocity(simulation.members[0].id)
+        .unwrap()
+        .x;
     let wanted = 0.5 * 0.62784 / MASS * since * since;
     assert!((speed / wanted - 1.0).abs() < 0.01, "{speed} {wanted}");
     let books = simulation.world.ledger();
@@ -236,7 +245,10 @@ fn a_scene_changes_its_loads() {
     assert_eq!(load(&run), 0.1);
     assert_eq!(run.apply(with(0.2)).unwrap(), ["[[load]] number 1 (force)"]);
     assert_eq!(load(&run), 0.2);
-    assert_eq!(run.apply(Scenario::from_toml(FREE).unwrap()).unwrap().len(), 1);
+    assert_eq!(
+        run.apply(Scenario::from_toml(FREE).unwrap()).unwrap().len(),
+        1
+    );
     assert_eq!(load(&run), 0.0);
     run.advance(folder.path(), 1).unwrap();
     run.save(folder.path(), &Usage::default()).unwrap();
@@ -282,10 +294,16 @@ fn bodies_of_a_source_are_loaded_as_they_come() {
 fn loads_that_mean_nothing_are_refused() {
     for (text, words) in [
         ("rise = 1", "exactly one of force"),
-        ("force = [1, 0, 0]\ntorque = [1, 0, 0]", "exactly one of force"),
+        (
+            "force = [1, 0, 0]\ntorque = [1, 0, 0]",
+            "exactly one of force",
+        ),
         ("force = [inf, 0, 0]", "finite"),
         ("torque = [1, 0, 0]\npoint = [0, 0, 0]", "for a force only"),
-        ("force = [1, 0, 0]\nrise = 1\ntable = [[0, 1]]", "rise and table"),
+        (
+            "force = [1, 0, 0]\nrise = 1\ntable = [[0, 1]]",
+            "rise and table",
+        ),
         ("force = [1, 0, 0]\nrise = -1", "rise = -1"),
         ("force = [1, 0, 0]\nbodies = [\"bal\"]", "bodies = \"bal\""),
         ("force = [1, 0, 0]\nbodies = [\"ball 3\"]", "ball 3"),

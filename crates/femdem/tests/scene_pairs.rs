@@ -226,9 +226,19 @@ fn pairs_attract() {
     let weight = 2000.0 * 9.81 * 0.02_f64.powi(3);
     let brick = "box:width=1,height=1";
     let held = format!("cohesion = {}", 2.0 * weight / 0.02_f64.powi(2));
-    let round = format!("adhesion-energy = {}", 2.0 * weight / (1.5 * std::f64::consts::PI * 0.01));
-    for (law, shape) in [(&*held, brick), (&*round, "sphere"), ("friction = 0", brick)] {
-        let mut simulation = Scenario::from_toml(&text(law, shape)).unwrap().build().unwrap();
+    let round = format!(
+        "adhesion-energy = {}",
+        2.0 * weight / (1.5 * std::f64::consts::PI * 0.01)
+    );
+    for (law, shape) in [
+        (&*held, brick),
+        (&*round, "sphere"),
+        ("friction = 0", brick),
+    ] {
+        let mut simulation = Scenario::from_toml(&text(law, shape))
+            .unwrap()
+            .build()
+            .unwrap();
         while simulation.world.time() < 0.1 {
             simulation.step().unwrap();
         }
@@ -238,7 +248,10 @@ fn pairs_attract() {
         let rows = simulation.snapshot().unwrap().contacts;
         if !falls {
             // What the wall bears is the weight, though it pulls.
-            let up: f64 = rows.iter().map(|c| -(c.normal * c.normal_force + c.friction).z).sum();
+            let up: f64 = rows
+                .iter()
+                .map(|c| -(c.normal * c.normal_force + c.friction).z)
+                .sum();
             let own = weight * if shape == brick { 1.0 } else { 0.5236 };
             assert!((up / own - 1.0).abs() < 0.01, "{up} {own}");
             assert!(rows[0].normal_force < 0.0);
@@ -254,7 +267,10 @@ fn pairs_attract() {
         "density = 2000",
         "density = 2000\nlaw = \"hencky\"\nyoung = 1e6\npoisson = 0.3",
     );
-    let soft = soft.replace("shape = \"cube\"", "shape = \"cube\"\nbehaviour = \"deformable\"");
+    let soft = soft.replace(
+        "shape = \"cube\"",
+        "shape = \"cube\"\nbehaviour = \"deformable\"",
+    );
     assert!(refused(&soft).contains("deformable bodies"));
 }
 
@@ -281,6 +297,9 @@ fn materials_of_a_pack_are_those_of_a_run_from_it() {
     assert_eq!(world.wall_material(0), Some(wood));
     assert_eq!(world.laws().between([wood, steel]).friction, 0.25);
     assert_eq!(world.laws().all().count(), 2);
-    let of_steel = world.body_ids().filter(|&id| world.material(id) == Some(steel)).count();
+    let of_steel = world
+        .body_ids()
+        .filter(|&id| world.material(id) == Some(steel))
+        .count();
     assert_eq!(of_steel, 3);
 }

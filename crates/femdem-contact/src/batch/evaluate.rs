@@ -14,8 +14,8 @@ use crate::motion::Motion;
 use crate::periodic::Space;
 use crate::rocking::{Rocker, Turn};
 use crate::rolling::{Roller, Rolling};
-use crate::sphere::{Meeting, SphereKernel};
 use crate::shape::Frame;
+use crate::sphere::{Meeting, SphereKernel};
 use crate::walls::{Wall, WallShape};
 use femdem_mesh::Vector3;
 use std::borrow::Cow;
@@ -181,8 +181,7 @@ impl Context<'_> {
         let frames = [&of_a.frame, &of_b.frame];
         let convex = |body: BodyId| self.shape(body).convex();
         let arm = &overlap.arm_b;
-        let over =
-            |area: &VectorArea| Adhesion::of_area(law.cohesion, area, overlap.volume, arm);
+        let over = |area: &VectorArea| Adhesion::of_area(law.cohesion, area, overlap.volume, arm);
         let found = match (cache, a) {
             (Cache::Body(cache), Partner::Body(i)) => convex(i).zip(convex(b)).map(|(x, y)| {
                 let kernel = self.pair_kernel(law.penalty);
@@ -233,12 +232,7 @@ impl Context<'_> {
     }
 
     /// A sphere and what it meets.
-    fn meeting<'s>(
-        &'s self,
-        a: Partner,
-        b: BodyId,
-        frames: [&'s Frame; 2],
-    ) -> Option<Meeting<'s>> {
+    fn meeting<'s>(&'s self, a: Partner, b: BodyId, frames: [&'s Frame; 2]) -> Option<Meeting<'s>> {
         let body = self.shape(b);
         match a {
             Partner::Body(i) => Meeting::of_bodies([self.shape(i), body], frames),

@@ -34,20 +34,33 @@ impl ContactBatch {
             let material = self.materials.of_bodies[body as usize];
             if self.is_deformable(body) {
                 let cohesion = most(material, |law| law.cohesion.max(law.adhesion_energy));
-                let allowed = "0 for the materials of deformable bodies: give it to pairs of others";
-                check("cohesion or adhesion_energy", cohesion, cohesion == 0.0, allowed)?;
+                let allowed =
+                    "0 for the materials of deformable bodies: give it to pairs of others";
+                check(
+                    "cohesion or adhesion_energy",
+                    cohesion,
+                    cohesion == 0.0,
+                    allowed,
+                )?;
             } else {
                 let adhesion = most(material, |law| law.adhesion_energy);
                 let shape = self.shapes.get(self.body_shapes[body as usize] as usize);
                 let is_round = shape.is_none_or(|shape| shape.sphere().is_some());
-                let allowed = "0 but for materials of spheres: give polyhedra and meshes a cohesion";
-                check("adhesion_energy", adhesion, adhesion == 0.0 || is_round, allowed)?;
+                let allowed =
+                    "0 but for materials of spheres: give polyhedra and meshes a cohesion";
+                check(
+                    "adhesion_energy",
+                    adhesion,
+                    adhesion == 0.0 || is_round,
+                    allowed,
+                )?;
             }
         }
         for (wall, _) in self.walls().filter(|(_, shape)| shape.is_mesh()) {
             let material = self.materials.of_walls[wall as usize];
             let adhesion = most(material, |law| law.adhesion_energy);
-            let allowed = "0 for the materials of walls from files and of plates, which are not plane";
+            let allowed =
+                "0 for the materials of walls from files and of plates, which are not plane";
             check("adhesion_energy", adhesion, adhesion == 0.0, allowed)?;
         }
         Ok(())

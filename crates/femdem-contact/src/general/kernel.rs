@@ -205,13 +205,11 @@ impl GeneralKernel {
         let penalty = self.penalty * pair.factor;
         for (key, sums) in &scratch.sums {
             let overlap = assemble(sums, penalty, &centre, &frame_a.rotation, &between, size);
-            scratch
-                .patches
-                .extend(overlap.map(|overlap| Patch {
-                    overlap,
-                    key: *key,
-                    touching: vector_area(sums, &centre, &frame_a.rotation, &between),
-                }));
+            scratch.patches.extend(overlap.map(|overlap| Patch {
+                overlap,
+                key: *key,
+                touching: vector_area(sums, &centre, &frame_a.rotation, &between),
+            }));
         }
         &scratch.patches
     }

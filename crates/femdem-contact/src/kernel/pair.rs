@@ -209,9 +209,17 @@ impl PairKernel {
         let between = frame_b.position - frame_a.position;
         let offset = frame_a.rotation.tr_mul(&between);
         let mut sums = [[Vector3::zeros(); 2]; 2];
-        for_sides(a, b, &rotation, &offset, near, scratch, |k, skin, planes, side| {
-            sums[k] = of_skin(skin, planes, &mut side.clipper);
-        });
+        for_sides(
+            a,
+            b,
+            &rotation,
+            &offset,
+            near,
+            scratch,
+            |k, skin, planes, side| {
+                sums[k] = of_skin(skin, planes, &mut side.clipper);
+            },
+        );
         // Both skins have the same vector area, up to sign and round-off.
         let [on_b, on_a] = sums;
         let mean = [0, 1].map(|k| (rotation * on_b[k] - on_a[k]) * 0.5);
@@ -339,9 +347,17 @@ pub(super) fn sides(
 ) -> [SideSums; 2] {
     scratch.side.fast.trail.begin();
     let mut sums = [SideSums::default(); 2];
-    for_sides(a, b, rotation, offset, near, scratch, |k, skin, planes, side| {
-        integrate_side(skin, planes, &mut sums[k], side);
-    });
+    for_sides(
+        a,
+        b,
+        rotation,
+        offset,
+        near,
+        scratch,
+        |k, skin, planes, side| {
+            integrate_side(skin, planes, &mut sums[k], side);
+        },
+    );
     sums
 }
 

@@ -143,11 +143,7 @@ impl World {
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::Parameter`] for a load that is not finite, and for a torque
     /// on a deformable body or a load that follows one.
-    pub fn set_load(
-        &mut self,
-        id: BodyId,
-        load: impl Into<AppliedLoad>,
-    ) -> Result<(), SolveError> {
+    pub fn set_load(&mut self, id: BodyId, load: impl Into<AppliedLoad>) -> Result<(), SolveError> {
         let load = load.into();
         let [force, torque] = load.largest();
         check("force", force, true, "finite, in N")?;

@@ -75,15 +75,16 @@ impl Simulation {
         let line = |c: Contact| {
             let (normal_force, friction) = c.parts();
             ContactLine {
-            a: side(c.a),
-            b: members[&c.b],
-            point: self.wrapped(&c.point),
-            normal: c.normal,
-            normal_force,
-            friction,
-            area: c.area,
-            volume: c.volume,
-        }};
+                a: side(c.a),
+                b: members[&c.b],
+                point: self.wrapped(&c.point),
+                normal: c.normal,
+                normal_force,
+                friction,
+                area: c.area,
+                volume: c.volume,
+            }
+        };
         contacts.map(line).collect()
     }
 

@@ -95,7 +95,11 @@ impl LoadEntry {
         let numbers = vector.into_iter().chain(self.point.into_iter().flatten());
         if numbers.into_iter().any(|x| !x.is_finite()) {
             let allowed = "three finite numbers each";
-            return Err(wrong("a vector of the load", &format!("{vector:?}"), allowed));
+            return Err(wrong(
+                "a vector of the load",
+                &format!("{vector:?}"),
+                allowed,
+            ));
         }
         Ok((kind, Vector3::from(vector)))
     }
@@ -277,7 +281,10 @@ impl Simulation {
                 return Err(Error::Unknown {
                     name: "bodies",
                     value: name.clone(),
-                    known: format!("bodies, sources, and names before a number: {}", list.join(", ")),
+                    known: format!(
+                        "bodies, sources, and names before a number: {}",
+                        list.join(", ")
+                    ),
                 });
             }
         }

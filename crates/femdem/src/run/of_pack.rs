@@ -8,8 +8,8 @@ use femdem_mesh::Vector3;
 use femdem_solve::{World, WorldParameters};
 
 use super::{
-    BodyLoads, ContactEntry, Controls, Flow, Member, NamedWall, Origin, Penalty, Scenario, Simulation,
-    WallEntry,
+    BodyLoads, ContactEntry, Controls, Flow, Member, NamedWall, Origin, Penalty, Scenario,
+    Simulation, WallEntry,
 };
 use crate::Error;
 use crate::error::wrong;

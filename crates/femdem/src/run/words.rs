@@ -11,7 +11,10 @@ pub(super) const KEYS: [(&str, &str); 27] = [
     ("tangential_damping", "contact.tangential-damping"),
     ("cohesion", "contact.cohesion"),
     ("adhesion_energy", "contact.adhesion-energy"),
-    ("cohesion or adhesion_energy", "contact.cohesion or adhesion-energy"),
+    (
+        "cohesion or adhesion_energy",
+        "contact.cohesion or adhesion-energy",
+    ),
     ("time_step.safety", "time-step.safety"),
     ("time_step.largest", "time-step.largest"),
     ("medium.local_damping", "medium.local-damping"),

@@ -24,7 +24,10 @@ impl Scene {
             return Err(Error::Unknown {
                 name: "materials",
                 value: name.clone(),
-                known: format!("the names in material and wall-material: {}", names.join(", ")),
+                known: format!(
+                    "the names in material and wall-material: {}",
+                    names.join(", ")
+                ),
             });
         };
         u8::try_from(place + 1).map(MaterialId).map_err(|_| {
@@ -70,7 +73,11 @@ impl Scene {
                 return Err(wrong("pair", "the materials only", allowed));
             }
             if !known.insert((ids[0].min(ids[1]), ids[0].max(ids[1]))) {
-                return Err(wrong("pair", "given twice", "one [[pair]] for two materials"));
+                return Err(wrong(
+                    "pair",
+                    "given twice",
+                    "one [[pair]] for two materials",
+                ));
             }
             spec.pairs.push(pair.own(ids));
         }
@@ -112,9 +119,17 @@ mod tests {
     #[test]
     fn materials_that_mean_nothing_are_refused() {
         for (from, to, words) in [
-            ("\"steel\"]\nfriction", "\"stone\"]\nfriction", "materials = \"stone\""),
+            (
+                "\"steel\"]\nfriction",
+                "\"stone\"]\nfriction",
+                "materials = \"stone\"",
+            ),
             ("cohesion = 300\n", "", "the materials only"),
-            ("cohesion = 300\n", "wall-response = \"rigid\"\n", "wall-response"),
+            (
+                "cohesion = 300\n",
+                "wall-response = \"rigid\"\n",
+                "wall-response",
+            ),
             ("[\"wood\", \"steel\"]", "[\"ice\", \"ice\"]", "given twice"),
             ("[\"steel\", \"ice\"]", "[\"a\", \"b\", \"c\"]", "3 names"),
         ] {
