@@ -1,5 +1,6 @@
 //! What the batch stage reports: contacts and loads.
 
+use crate::adhesion::Adhesion;
 use crate::damping::Damped;
 use crate::foundation::Foundation;
 use crate::friction::Friction;
@@ -82,6 +83,8 @@ pub struct RigidContact {
     pub foundation: Foundation,
     /// Stiffness of the tangential spring, N/m.
     pub tangential_stiffness: f64,
+    /// The attraction by cohesion and adhesion.
+    pub adhesion: Adhesion,
     /// Mean distance of the pressure from the contact point, m. The friction moment of a spinning patch is mu
     /// F times this radius.
     pub torsion_radius: f64,
@@ -229,6 +232,7 @@ pub(crate) fn assemble(
         spring_energy: friction.energy + rolling.energy,
         foundation: overlap.foundation,
         tangential_stiffness: friction.stiffness,
+        adhesion: Adhesion::default(),
         torsion_radius: overlap.torsion_radius,
         shares,
         dashpots: Dashpots {
@@ -275,7 +279,20 @@ impl RigidContact {
 
     /// Total force on B, N.
     pub fn force_on_b(&self) -> Vector3 {
-        self.normal * self.normal_force + self.friction
+        self.normal * self.normal_force + self.friction + self.adhesion.force
+    }
+
+    /// The force on B across and in the contact plane, with attraction: along `normal` (negative where it pulls) and the rest, N.
+    pub fn parts(&self) -> (f64, Vector3) {
+        let pull = self.adhesion.force;
+        let along = self.normal.dot(&pull);
+        let across = pull - self.normal * along;
+        (self.normal_force + along, self.friction + across)
+    }
+
+    /// Elastic energy and that of the attraction, J.
+    pub fn potential(&self) -> f64 {
+        self.energy + self.adhesion.energy
     }
 
     /// Penetration estimate, m: overlap volume over contact area.
@@ -400,6 +417,10 @@ impl Load {
             moment * scale + rocking + rolling + torsion,
             arm,
         );
+        let pull = &contact.adhesion;
+        if pull.energy != 0.0 {
+            self.total.add(pull.force * sign, pull.moment * sign, arm);
+        }
         self.friction.add(friction, torsion + rolling, arm);
         let damping = elastic * (scale - 1.0);
         let damping_moment = moment * (scale - 1.0) + rocking;

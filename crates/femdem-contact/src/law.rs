@@ -57,6 +57,11 @@ pub struct ContactParameters {
     pub tangential_damping: f64,
     /// How walls meet bodies that deform. Default: as mirror images.
     pub wall_response: WallResponse,
+    /// Cohesion c of rigid bodies, Pa: an attraction by this stress over the contact area, with the energy -c V for an overlap
+    /// of the volume V. Faces of the area A pull off at c A. Default 0.
+    pub cohesion: f64,
+    /// Work of adhesion w of balls with balls and planes, J/m^2: they pull off at 3/2 pi w R, R the reduced radius. Default 0.
+    pub adhesion_energy: f64,
 }
 
 impl Default for ContactParameters {
@@ -70,11 +75,19 @@ impl Default for ContactParameters {
             tangential_ratio: 0.8,
             tangential_damping: 0.6,
             wall_response: WallResponse::Mirror,
+            cohesion: 0.0,
+            adhesion_energy: 0.0,
         }
     }
 }
 
 impl ContactParameters {
+    /// Whether contacts attract.
+    #[must_use]
+    pub fn attracts(&self) -> bool {
+        self.cohesion > 0.0 || self.adhesion_energy > 0.0
+    }
+
     /// The law between bodies and walls: the same with the friction of the walls.
     #[must_use]
     pub fn at_walls(&self) -> Self {
@@ -137,6 +150,18 @@ impl ContactLaw {
             p.tangential_damping,
             (0.0..=1.0).contains(&p.tangential_damping),
             "between 0 and 1",
+        )?;
+        check(
+            "cohesion",
+            p.cohesion,
+            (0.0..=1e100).contains(&p.cohesion),
+            "from 0 to 1e100 Pa",
+        )?;
+        check(
+            "adhesion_energy",
+            p.adhesion_energy,
+            (0.0..=1e100).contains(&p.adhesion_energy),
+            "from 0 to 1e100 J/m^2",
         )?;
         Ok(Self { parameters })
     }

@@ -109,6 +109,7 @@
 //! packing of complex shapes", DEM7 (2016), for the contact integral. The rest of the law is derived
 //! in the docs of its modules.
 
+mod adhesion;
 mod axes;
 mod batch;
 mod body_shape;
@@ -144,6 +145,7 @@ mod walls;
 
 pub use femdem_mesh as mesh;
 
+pub use adhesion::{Adhesion, VectorArea};
 pub use batch::{BatchTotals, ContactBatch, EdgeLoad, Snapshot};
 pub use body_shape::BodyShape;
 pub use contact::{BodyId, ContactForce, Dashpots, Load, Partner, RigidContact, Springs, Wrench};

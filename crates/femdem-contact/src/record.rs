@@ -1,5 +1,6 @@
 //! What every contact is, whatever touches.
 
+use crate::adhesion::Adhesion;
 use crate::contact::{BodyId, Partner, RigidContact};
 use crate::kernel::mean_penetration;
 use femdem_mesh::Vector3;
@@ -40,6 +41,8 @@ pub struct Contact {
     pub volume: f64,
     /// Contact energy U, J.
     pub energy: f64,
+    /// The attraction by cohesion and adhesion.
+    pub adhesion: Adhesion,
     /// Energy in the springs of friction and against rolling, J.
     pub spring_energy: f64,
     /// Normal stiffness, N/m.
@@ -51,7 +54,20 @@ pub struct Contact {
 impl Contact {
     /// Total force on B, N.
     pub fn force_on_b(&self) -> Vector3 {
-        self.normal * self.normal_force + self.friction
+        self.normal * self.normal_force + self.friction + self.adhesion.force
+    }
+
+    /// The force on B across and in the contact plane, with attraction: along `normal` (negative where it pulls) and the rest, N.
+    pub fn parts(&self) -> (f64, Vector3) {
+        let pull = self.adhesion.force;
+        let along = self.normal.dot(&pull);
+        let across = pull - self.normal * along;
+        (self.normal_force + along, self.friction + across)
+    }
+
+    /// Elastic energy and that of the attraction, J.
+    pub fn potential(&self) -> f64 {
+        self.energy + self.adhesion.energy
     }
 
     /// Penetration estimate, m: overlap volume over contact area.
@@ -82,6 +98,7 @@ impl From<&RigidContact> for Contact {
             area: rigid.area,
             volume: rigid.volume,
             energy: rigid.energy,
+            adhesion: rigid.adhesion,
             spring_energy: rigid.spring_energy,
             stiffness: rigid.foundation.stiffness,
             tangential_stiffness: rigid.tangential_stiffness,

@@ -141,6 +141,17 @@ fn check_gradient(
             (along + slope).abs() < 1e-5 * scale + 1e-9,
             "{along} {slope} along {k}"
         );
+        // The vector area is the gradient of the volume.
+        let volume = |by: f64| -> f64 {
+            let patches = evaluate(frame, &(at + axis * by));
+            patches.iter().map(|patch| patch.overlap.volume).sum()
+        };
+        let slope = (volume(step) - volume(-step)) / (2.0 * step);
+        let area: f64 = here.iter().map(|p| p.touching.area[k]).sum();
+        assert!(
+            (area - slope).abs() < 1e-5 * area.abs() + 1e-8,
+            "{area} {slope} along {k}"
+        );
         let turn = |by: f64| energy(&evaluate(&turned(frame, &axis, by), at));
         let slope = (turn(step) - turn(-step)) / (2.0 * step);
         let torque: f64 = here.iter().map(|p| p.overlap.torque_a()[k]).sum();

@@ -59,6 +59,7 @@
 mod container;
 mod error;
 mod packing;
+mod pair_law;
 mod penalty;
 mod placement;
 mod protocol;
@@ -74,6 +75,7 @@ pub use femdem_solve as solve;
 pub use container::{Container, MeshContainer};
 pub use error::PackError;
 pub use packing::{Packing, Progress, Stage};
+pub use pair_law::PairLaw;
 pub use penalty::{PackLoad, Penalty, automatic_penalty, penalty_under_stress};
 pub use protocol::{Landing, Pour, Protocol, Release, Sequential};
 pub use random::{body_stream, random_rotation, uniform};

@@ -2,10 +2,11 @@
 
 use crate::container::Container;
 use crate::error::{PackError, check, check_positive};
+use crate::pair_law::PairLaw;
 use crate::penalty::{CALIBRATED_DEPTH, EXPECTED_DENSITY, PackLoad, Penalty, automatic_penalty};
 use crate::protocol::Protocol;
 use crate::sizes::SizeClass;
-use femdem_contact::{ContactParameters, Field};
+use femdem_contact::{ContactParameters, Field, MaterialId};
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::tet::{self, MeshOptions, MeshReport};
 use femdem_mesh::{Polyhedron, TetMesh, Vector3, shapes};
@@ -56,6 +57,9 @@ pub struct PackShape {
     /// Density of its bodies, kg/m^3; `None`: that of the job.
     #[serde(default)]
     pub density: Option<f64>,
+    /// Material of its bodies, by which their contacts find the laws of pairs.
+    #[serde(default)]
+    pub material: MaterialId,
 }
 
 fn equal_share() -> f64 {
@@ -72,6 +76,7 @@ impl PackShape {
             sphere: false,
             share: equal_share(),
             density: None,
+            material: MaterialId::default(),
         }
     }
 
@@ -262,6 +267,16 @@ pub struct PackSpec {
     pub wall_friction: Option<f64>,
     /// Coefficient of rolling friction; see [`ContactParameters::rolling_friction`].
     pub rolling_friction: f64,
+    /// Cohesion, Pa; see [`ContactParameters::cohesion`].
+    pub cohesion: f64,
+    /// Work of adhesion of balls with balls and planes, J/m^2; see [`ContactParameters::adhesion_energy`].
+    pub adhesion_energy: f64,
+    /// Names of the materials, from number 1 on.
+    pub materials: Vec<String>,
+    /// Material of the walls.
+    pub wall_material: MaterialId,
+    /// Laws of pairs of materials.
+    pub pairs: Vec<PairLaw>,
     /// Fraction of critical damping of normal contact.
     pub damping_ratio: f64,
     /// Tangential over normal foundation modulus.
@@ -308,6 +323,11 @@ impl Default for PackSpec {
             friction: 0.6,
             wall_friction: None,
             rolling_friction: contact.rolling_friction,
+            cohesion: contact.cohesion,
+            adhesion_energy: contact.adhesion_energy,
+            materials: Vec::new(),
+            wall_material: MaterialId::default(),
+            pairs: Vec::new(),
             damping_ratio: 0.6,
             tangential_ratio: contact.tangential_ratio,
             tangential_damping: contact.tangential_damping,
@@ -390,6 +410,30 @@ impl PackSpec {
         self.settling.validate()
     }
 
+    /// The contact law of all pairs without one of their own, for a penalty in Pa.
+    pub(crate) fn contact(&self, penalty: f64) -> ContactParameters {
+        ContactParameters {
+            penalty,
+            friction: self.friction,
+            wall_friction: self.wall_friction,
+            rolling_friction: self.rolling_friction,
+            damping_ratio: self.damping_ratio,
+            tangential_ratio: self.tangential_ratio,
+            tangential_damping: self.tangential_damping,
+            cohesion: self.cohesion,
+            adhesion_energy: self.adhesion_energy,
+            ..ContactParameters::default()
+        }
+    }
+
+    /// Whether implicit steps have all that the contacts ask for.
+    pub(crate) fn suits_implicit_steps(&self) -> bool {
+        let usual = self.contact(1.0);
+        let own = self.pairs.iter().map(|pair| pair.over(&usual));
+        let mut laws = std::iter::once(usual).chain(own);
+        laws.all(|law| law.rolling_friction == 0.0 && !law.attracts())
+    }
+
     /// Mean of a quantity over the shapes, by share.
     fn mean(&self, of: impl Fn(&PackShape) -> f64) -> f64 {
         let total: f64 = self.shapes.iter().map(|s| s.share).sum();
@@ -466,13 +510,13 @@ impl PackSpec {
     /// stiff contacts make explicit steps short; otherwise explicit. Packs of 500 bodies reach rest in a sixth
     /// to a quarter of the processor time of explicit steps, come out looser by 0.005 ± 0.003, and the energy
     /// ledger misses up to 5 % of the energy turned over (`docs/validation/peers.md`). Without friction, or
-    /// with a damping ratio below 0.1, it may miss most of it, and implicit steps have no local damping
-    /// and no rolling friction: in these cases steps are explicit, too.
+    /// with a damping ratio below 0.1, it may miss most of it, and implicit steps have no local damping,
+    /// no rolling friction and no attraction: in these cases steps are explicit, too.
     pub fn usual_step(&self) -> Option<ImplicitStep> {
         let suits = self.friction > 0.0
             && self.damping_ratio >= LEAST_DAMPING
             && self.medium.local_damping == 0.0
-            && self.rolling_friction == 0.0;
+            && self.suits_implicit_steps();
         match self.protocol {
             Protocol::Release(_) if suits => Some(ImplicitStep::default()),
             _ => None,
@@ -493,16 +537,7 @@ impl PackSpec {
     pub(crate) fn world_parameters(&self, penalty: f64) -> WorldParameters {
         WorldParameters {
             gravity: Vector3::new(0.0, 0.0, -self.gravity),
-            contact: ContactParameters {
-                penalty,
-                friction: self.friction,
-                wall_friction: self.wall_friction,
-                rolling_friction: self.rolling_friction,
-                damping_ratio: self.damping_ratio,
-                tangential_ratio: self.tangential_ratio,
-                tangential_damping: self.tangential_damping,
-                ..ContactParameters::default()
-            },
+            contact: self.contact(penalty),
             time_step: self.falling_time_step(),
             sleeping: self.sleeping,
             medium: self.medium,

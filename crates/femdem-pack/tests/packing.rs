@@ -2,14 +2,14 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-use femdem_contact::Partner;
+use femdem_contact::{Contact, MaterialId, Partner};
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::shapes::Shape;
 use femdem_mesh::tet::MeshOptions;
 use femdem_mesh::{Polyhedron, Vector3};
 use femdem_pack::{
-    Container, PackError, PackReport, PackShape, PackSpec, Packing, Penalty, Pour, Protocol,
-    Release, Sequential, Stage,
+    Container, PackError, PackReport, PackShape, PackSpec, Packing, PairLaw, Penalty, Pour,
+    Protocol, Release, Sequential, Stage,
 };
 use femdem_solve::{ImplicitStep, Medium, checkpoint};
 
@@ -72,6 +72,41 @@ fn assert_walls_carry_the_weight(packing: &Packing) {
     let sum: Vector3 = forces.map(|c| c.force_on_b()).sum();
     let error = (sum - Vector3::z() * weight).norm() / weight;
     assert!(error < 0.01, "the walls carry {sum} of {weight} N");
+}
+
+/// What implicit steps do not have is stepped explicitly throughout: rolling friction and attraction, of all or of a pair of
+/// materials.
+#[test]
+fn packs_that_implicit_steps_refuse_settle_explicitly() {
+    let stone = MaterialId(1);
+    let mut of_stone = cubes(4);
+    of_stone.shapes[0].material = stone;
+    for spec in [
+        PackSpec {
+            rolling_friction: 0.1,
+            ..cubes(4)
+        },
+        PackSpec {
+            materials: vec!["stone".to_owned()],
+            pairs: vec![PairLaw {
+                materials: [stone; 2],
+                cohesion: Some(300.0),
+                ..PairLaw::default()
+            }],
+            ..of_stone
+        },
+    ] {
+        let attracts = !spec.pairs.is_empty();
+        let mut packing = Packing::new(spec).unwrap();
+        let report = packing.run().unwrap();
+        assert_settled(&packing, &report);
+        let contacts = packing.world().contacts();
+        let is_wall = |c: &&Contact| matches!(c.a, Partner::Wall(_));
+        let (with_walls, others): (Vec<&Contact>, Vec<&Contact>) =
+            contacts.iter().partition(is_wall);
+        assert!(with_walls.iter().all(|c| c.adhesion.energy == 0.0));
+        assert!(!others.is_empty() && others.iter().all(|c| (c.adhesion.energy < 0.0) == attracts));
+    }
 }
 
 #[test]

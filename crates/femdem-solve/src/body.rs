@@ -1,5 +1,6 @@
 //! Shapes and rigid bodies as the world keeps them.
 
+use crate::applied::AppliedLoad;
 use crate::error::{SolveError, check};
 use crate::guide::Guide;
 use femdem_contact::{
@@ -217,8 +218,8 @@ pub(crate) struct Body {
     pub quiet_steps: u32,
     /// What the active set judges by.
     pub means: Means,
-    /// External load about the centroid, world axes.
-    pub applied: Wrench,
+    /// External load; what of it follows the body is in principal axes. `None`: none.
+    load: Option<Box<AppliedLoad>>,
     /// Prescribed motion, with the pose of the principal axes that it counts from.
     pub driven: Option<Box<(Guide, Pose)>>,
 }
@@ -238,7 +239,7 @@ impl Body {
             radius: 1.0,
             quiet_steps: 0,
             means: Means::default(),
-            applied: Wrench::default(),
+            load: None,
             driven: None,
         }
     }
@@ -278,7 +279,7 @@ impl Body {
             radius,
             quiet_steps: 0,
             means: Means::default(),
-            applied: Wrench::default(),
+            load: None,
             driven: None,
         })
     }
@@ -304,8 +305,28 @@ impl Body {
 
     /// Largest acceleration of its points by the external load, m/s^2.
     pub fn pulled(&self) -> f64 {
-        let Wrench { force, torque } = &self.applied;
-        force.norm() / self.mass + torque.norm() / self.moments.min() * self.radius
+        let [force, torque] = self.load.as_deref().map_or([0.0; 2], AppliedLoad::largest);
+        force / self.mass + torque / self.moments.min() * self.radius
+    }
+
+    /// The external load about the centroid in world axes.
+    pub fn applied(&self) -> Wrench {
+        self.applied_at(&self.orientation)
+    }
+
+    /// The same in another orientation.
+    pub fn applied_at(&self, orientation: &Rotation) -> Wrench {
+        let load = self.load.as_deref();
+        load.map_or(Wrench::default(), |load| load.wrench(orientation))
+    }
+
+    /// Replaces the external load, whose following parts are in the axes of the shape; returns whether it was another one.
+    pub fn set_load(&mut self, load: &AppliedLoad, shape: &Shape) -> bool {
+        let seen = load.seen_from(&shape.principal.rotation.inverse());
+        let load = (seen != AppliedLoad::default()).then(|| Box::new(seen));
+        let is_new = self.load != load;
+        self.load = load;
+        is_new
     }
 
     /// J.

@@ -107,7 +107,7 @@ pub struct Ledger {
     pub kinetic: f64,
     /// Potential energy in gravity now, relative to the origin.
     pub potential: f64,
-    /// Elastic contact energy now.
+    /// Elastic contact energy now, and the energy of the attraction of contacts, which is negative.
     pub elastic: f64,
     /// Elastic energy inside deformable bodies now.
     pub strain: f64,

@@ -174,6 +174,7 @@
 //! Rotation: Dullweber, Leimkuhler and McLachlan, J. Chem. Phys. 107, 5840 (1997). Local damping:
 //! Cundall (1987). The contact law is that of femdem-contact.
 
+mod applied;
 mod body;
 pub mod checkpoint;
 mod clock;
@@ -189,6 +190,7 @@ pub use femdem_contact as contact;
 pub use femdem_fem as fem;
 pub use femdem_mesh as mesh;
 
+pub use applied::AppliedLoad;
 pub use body::{BodySpec, Shape, ShapeId};
 pub use clock::processor_time;
 pub use error::SolveError;

@@ -295,6 +295,16 @@ impl WorldParameters {
                 "0: implicit steps have no rolling friction; step explicitly",
             )?;
         }
+        if let Some(law) = laws.all().find(|law| law.attracts())
+            && self.time_step.implicit.is_some()
+        {
+            check(
+                "cohesion or adhesion_energy with time_step.implicit",
+                law.cohesion.max(law.adhesion_energy),
+                false,
+                "0: implicit steps have no attraction; step explicitly",
+            )?;
+        }
         Ok(laws)
     }
 

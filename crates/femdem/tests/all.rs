@@ -17,6 +17,7 @@ mod scene_cell;
 mod scene_control;
 mod scene_flow;
 mod scene_keys;
+mod scene_loads;
 mod scene_pairs;
 mod scene_physics;
 mod scene_rest;

@@ -6,13 +6,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use femdem::run::{
-    AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, CELL_COLUMNS, CellEntry,
-    CellState, ConeEntry, ContactEntry, ControlEntry, Copies, CylinderEntry, Ending, Ends,
-    FLOW_COLUMNS, FocusEntry, GateEntry, HISTORY_COLUMNS, Law, MEMBER_COLUMNS, MaterialEntry,
-    MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry, PlateEntry,
-    ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary, RotationEntry,
-    RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides, SiloEntry, SourceEntry,
-    StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary, Zone,
+    Axes, AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, CELL_COLUMNS,
+    CellEntry, CellState, ConeEntry, ContactEntry, ControlEntry, Copies, CylinderEntry, Ending,
+    Ends, FLOW_COLUMNS, FocusEntry, GateEntry, HISTORY_COLUMNS, Law, LoadEntry, MEMBER_COLUMNS,
+    MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry,
+    PlateEntry, ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary,
+    RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides, SiloEntry,
+    SourceEntry, StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -285,6 +285,22 @@ fn pair() -> PairEntry {
         tangential_ratio: Some(0.1),
         tangential_damping: Some(0.1),
         wall_response: Some(femdem::contact::WallResponse::Rigid),
+        cohesion: Some(0.1),
+        adhesion_energy: Some(0.1),
+    }
+}
+
+fn load() -> LoadEntry {
+    LoadEntry {
+        bodies: vec!["b".to_owned()],
+        force: Some(V),
+        torque: Some(V),
+        acceleration: Some(V),
+        force_density: Some(V),
+        point: Some(V),
+        axes: Axes::Body,
+        rise: Some(1.0),
+        table: Some(vec![[0.0, 1.0]]),
     }
 }
 
@@ -325,6 +341,7 @@ fn scenario() -> Scenario {
         material: BTreeMap::from([("m".to_owned(), material())]),
         wall: vec![wall()],
         body: vec![body()],
+        load: vec![load()],
         source: vec![source()],
         sink: vec![gate()],
         gauge: vec![gate()],
@@ -412,6 +429,7 @@ fn every_key_of_every_table_is_documented_and_no_other() {
         ("### `silo`", keys(&silo())),
         ("### `plate`", keys(&plate())),
         ("## `[[body]]`", keys(&body())),
+        ("## `[[load]]`", keys(&load())),
         ("## `[[source]]`", keys(&source())),
         ("## `[[sink]]`", keys(&gate())),
         ("## `[[gauge]]`", keys(&gate())),

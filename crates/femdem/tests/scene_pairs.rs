@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
+use crate::common::{femdem, run};
 use femdem::contact::{ContactParameters, MaterialId};
 use femdem::run::{Run, Scenario, Simulation};
 use tempfile::tempdir;
@@ -208,4 +209,97 @@ fn faults_of_pairs_are_named() {
     let error = scene("[material.stone]", &format!("{many}[material.stone]"));
     let error = error.build().map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("at most 255"), "{error}");
+}
+
+/// Attraction of all contacts and of pairs: bodies hang under a plate by it, and where it means nothing it is refused.
+#[test]
+fn pairs_attract() {
+    let text = |law: &str, shape: &str| {
+        format!(
+            "duration = 0.1\nsleeping = false\ncontact.penalty = 1e7\n[material.m]\ndensity = 2000\n\
+             [material.plate]\n[[pair]]\nmaterials = [\"m\", \"plate\"]\n{law}\n\
+             [[wall]]\nplane = {{ normal = [0, 0, -1] }}\nmaterial = \"plate\"\n\
+             [[body]]\nshape = \"{shape}\"\nsize = 0.02\nmaterial = \"m\"\nposition = [0, 0, -0.0099999]\n"
+        )
+    };
+    // Twice the weight of a brick of 20 x 20 x 20 mm and of a ball.
+    let weight = 2000.0 * 9.81 * 0.02_f64.powi(3);
+    let brick = "box:width=1,height=1";
+    let held = format!("cohesion = {}", 2.0 * weight / 0.02_f64.powi(2));
+    let round = format!(
+        "adhesion-energy = {}",
+        2.0 * weight / (1.5 * std::f64::consts::PI * 0.01)
+    );
+    for (law, shape) in [
+        (&*held, brick),
+        (&*round, "sphere"),
+        ("friction = 0", brick),
+    ] {
+        let mut simulation = Scenario::from_toml(&text(law, shape))
+            .unwrap()
+            .build()
+            .unwrap();
+        while simulation.world.time() < 0.1 {
+            simulation.step().unwrap();
+        }
+        let id = simulation.members[0].id;
+        let falls = simulation.world.velocity(id).unwrap().z < -0.9;
+        assert_eq!(falls, law == "friction = 0", "{law}");
+        let rows = simulation.snapshot().unwrap().contacts;
+        if !falls {
+            // What the wall bears is the weight, though it pulls.
+            let up: f64 = rows
+                .iter()
+                .map(|c| -(c.normal * c.normal_force + c.friction).z)
+                .sum();
+            let own = weight * if shape == brick { 1.0 } else { 0.5236 };
+            assert!((up / own - 1.0).abs() < 0.01, "{up} {own}");
+            assert!(rows[0].normal_force < 0.0);
+        }
+    }
+    let refused = |text: &str| {
+        let built = Scenario::from_toml(text).unwrap().build();
+        built.and_then(|mut s| s.step()).unwrap_err().to_string()
+    };
+    assert!(refused(&text("cohesion = -1", brick)).contains("cohesion = -1"));
+    assert!(refused(&text("adhesion-energy = 1", brick)).contains("materials of spheres"));
+    let soft = text("cohesion = 1", "cube").replace(
+        "density = 2000",
+        "density = 2000\nlaw = \"hencky\"\nyoung = 1e6\npoisson = 0.3",
+    );
+    let soft = soft.replace(
+        "shape = \"cube\"",
+        "shape = \"cube\"\nbehaviour = \"deformable\"",
+    );
+    assert!(refused(&soft).contains("deformable bodies"));
+}
+
+/// A pack has laws of its materials, and a run from it those of its own materials of the same names.
+#[test]
+fn materials_of_a_pack_are_those_of_a_run_from_it() {
+    let folder = tempdir().unwrap();
+    let (scene, pack) = (folder.path().join("pack.toml"), folder.path().join("pack"));
+    let text = "shape = [\"P5\", \"A10\"]\ncount = 6\nbox = \"3x3\"\npenetration = 0.02\n\
+                material = [\"steel\", \"ice\"]\nwall-material = \"wood\"\n\
+                [[pair]]\nmaterials = [\"steel\", \"wood\"]\nfriction = 0.2\n\
+                [[pair]]\nmaterials = [\"ice\", \"wood\"]\nfriction = 0.9\n";
+    std::fs::write(&scene, text).unwrap();
+    let output = run(femdem("pack").arg(&scene).arg("--out").arg(&pack));
+    assert!(output.status.success(), "{output:?}");
+    let text = format!(
+        "from = {:?}\nduration = 0.01\n[material.wood]\n[material.steel]\ndensity = 7800\n\
+         [[pair]]\nmaterials = [\"steel\", \"wood\"]\nfriction = 0.25\n",
+        pack.display()
+    );
+    let simulation = Scenario::from_toml(&text).unwrap().build().unwrap();
+    let world = &simulation.world;
+    let [steel, wood] = [1, 2].map(MaterialId);
+    assert_eq!(world.wall_material(0), Some(wood));
+    assert_eq!(world.laws().between([wood, steel]).friction, 0.25);
+    assert_eq!(world.laws().all().count(), 2);
+    let of_steel = world
+        .body_ids()
+        .filter(|&id| world.material(id) == Some(steel))
+        .count();
+    assert_eq!(of_steel, 3);
 }

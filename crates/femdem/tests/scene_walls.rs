@@ -223,8 +223,8 @@ fn pictures_show_walls_of_revolution() {
 
 /// The scenes that ship begin as their headers say.
 #[test]
-fn shipped_scenes_of_flow_begin() {
-    for (name, bodies) in [("silo-discharge", 0), ("drum", 60)] {
+fn shipped_scenes_begin() {
+    for (name, bodies) in [("silo-discharge", 0), ("drum", 60), ("sticky-heap", 200)] {
         let path = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
         let folder = tempdir().unwrap();
         let mut run = Run::new(Scenario::read(path).unwrap()).unwrap();

@@ -2,6 +2,7 @@
 
 use super::history::{History, PatchRecord, inherit};
 use super::pairs::{Cache, MeshPair, Pair, PairTable, Touch};
+use crate::adhesion::{Adhesion, VectorArea, before_end};
 use crate::body_shape::BodyShape;
 use crate::contact::{BodyId, Partner, RigidContact, assemble, rolling_radius_at};
 use crate::damping::{Moment, Whole, damp};
@@ -13,6 +14,7 @@ use crate::motion::Motion;
 use crate::periodic::Space;
 use crate::rocking::{Rocker, Turn};
 use crate::rolling::{Roller, Rolling};
+use crate::shape::Frame;
 use crate::sphere::{Meeting, SolidMeeting, SphereKernel};
 use crate::walls::{Wall, WallShape};
 use femdem_mesh::Vector3;
@@ -52,6 +54,8 @@ pub(crate) struct Context<'a> {
     pub bodies: &'a [Motion],
     pub walls: &'a [Motion],
     pub space: Option<&'a Space>,
+    /// Whether contacts of any law attract.
+    pub attracts: bool,
     pub pace: Pace,
 }
 
@@ -144,12 +148,95 @@ impl Context<'_> {
             return;
         };
         let key = (pair.a, pair.b, 0);
+        let is_new = pair.touch.is_none();
         if let Some(Touch { history, contact }) = pair.touch.as_deref_mut() {
             *contact = self.touch(key, &overlap, None, history);
         } else {
             let mut history = History::new(&overlap, &a, b);
             let contact = self.touch(key, &overlap, None, &mut history);
             pair.touch = Some(Box::new(Touch { history, contact }));
+        }
+        if self.attracts
+            && let Some(touch) = pair.touch.as_deref_mut()
+        {
+            let found = self.attraction(&pair.cache, &overlap, &touch.contact, &mut work.convex);
+            touch.contact.adhesion = self.in_time(found, &overlap, &touch.contact, is_new);
+        }
+    }
+
+    /// The attraction of a contact of one patch that has just been found.
+    fn attraction(
+        &self,
+        cache: &Cache,
+        overlap: &Overlap,
+        contact: &RigidContact,
+        scratch: &mut Scratch,
+    ) -> Adhesion {
+        let (a, b) = (contact.a, contact.b);
+        let law = self.materials.law(a, b);
+        if !law.attracts() {
+            return Adhesion::default();
+        }
+        let (of_a, of_b) = self.motions(a, b);
+        let frames = [&of_a.frame, &of_b.frame];
+        let convex = |body: BodyId| self.shape(body).convex();
+        let arm = &overlap.arm_b;
+        let over = |area: &VectorArea| Adhesion::of_area(law.cohesion, area, overlap.volume, arm);
+        let found = match (cache, a) {
+            (Cache::Body(cache), Partner::Body(i)) => convex(i).zip(convex(b)).map(|(x, y)| {
+                let kernel = self.pair_kernel(law.penalty);
+                over(&kernel.vector_area([x, y], frames, cache, scratch))
+            }),
+            (Cache::Wall(cache), Partner::Wall(w)) => {
+                self.planes(w).zip(convex(b)).map(|(wall, body)| {
+                    let kernel = CavityKernel::of(law.penalty);
+                    over(&kernel.vector_area(wall, body, frames, cache, scratch))
+                })
+            }
+            (Cache::Sphere { .. }, _) => self.meeting(a, b, frames).map(|meeting| {
+                let cohesion = over(&meeting.vector_area(overlap));
+                let round = meeting.round();
+                let round = round.map(|r| Adhesion::of_round(law.adhesion_energy, &r, arm));
+                cohesion.and(&round.unwrap_or_default())
+            }),
+            _ => None,
+        };
+        found.unwrap_or_default()
+    }
+
+    /// The same attraction with its force weighted where it begins or ends within a step.
+    fn in_time(
+        &self,
+        found: Adhesion,
+        overlap: &Overlap,
+        contact: &RigidContact,
+        is_new: bool,
+    ) -> Adhesion {
+        let stiffness = overlap.foundation.stiffness;
+        if found.energy == 0.0 || stiffness <= 0.0 {
+            return found;
+        }
+        let (a, b) = self.motions(contact.a, contact.b);
+        let velocity = b.velocity_at(&overlap.arm_b) - a.velocity_at(&overlap.arm_a);
+        let opening = overlap.normal.dot(&velocity);
+        let (depth, step) = (overlap.force_magnitude() / stiffness, self.pace.dt);
+        let weight = if opening > 0.0 {
+            before_end(depth, opening, step)
+        } else if is_new {
+            // As if it had just ended in reversed time.
+            before_end(depth, -opening, step)
+        } else {
+            1.0
+        };
+        found.weighted(weight)
+    }
+
+    /// A sphere and what it meets.
+    fn meeting<'s>(&'s self, a: Partner, b: BodyId, frames: [&'s Frame; 2]) -> Option<Meeting<'s>> {
+        let body = self.shape(b);
+        match a {
+            Partner::Body(i) => Meeting::of_bodies([self.shape(i), body], frames),
+            Partner::Wall(w) => Meeting::with_wall(self.planes(w)?, frames[0], body, frames[1]),
         }
     }
 
@@ -209,15 +296,7 @@ impl Context<'_> {
                 if travelled < *clear_until {
                     return None;
                 }
-                let body = self.shape(b);
-                let meeting = match a {
-                    Partner::Body(i) => {
-                        Meeting::of_bodies([self.shape(i), body], [frame_a, frame_b])?
-                    }
-                    Partner::Wall(w) => {
-                        Meeting::with_wall(self.planes(w)?, frame_a, body, frame_b)?
-                    }
-                };
+                let meeting = self.meeting(a, b, [frame_a, frame_b])?;
                 let (gap, _) = meeting.gap();
                 *clear_until = travelled + gap.max(0.0);
                 (gap < 0.0)
@@ -249,13 +328,20 @@ impl Context<'_> {
         let motions = [&*of_a, of_b];
         let found: Vec<([u32; 2], &Overlap)> =
             patches.iter().map(|p| (p.key, &p.overlap)).collect();
-        let ratio = self.materials.law(a, b).tangential_ratio;
+        let law = self.materials.law(a, b);
+        let ratio = law.tangential_ratio;
         let states = inherit(&pair.patches, &found, motions, ratio);
         let overlaps = patches.iter().map(|p| &p.overlap);
         let whole = (patches.len() > 1).then(|| Whole::new(overlaps, motions[0], motions[1]));
         pair.patches.clear();
         for (rank, ((key, overlap), mut state)) in found.into_iter().zip(states).enumerate() {
-            let contact = self.touch((a, b, rank as u32), overlap, whole.as_ref(), &mut state);
+            let is_new = state.friction.is_new();
+            let mut contact = self.touch((a, b, rank as u32), overlap, whole.as_ref(), &mut state);
+            if law.cohesion > 0.0 {
+                let (area, arm) = (&patches[rank].touching, &overlap.arm_b);
+                let found = Adhesion::of_area(law.cohesion, area, overlap.volume, arm);
+                contact.adhesion = self.in_time(found, overlap, &contact, is_new);
+            }
             let record = PatchRecord::new(key, overlap, motions, state, contact);
             pair.patches.push(record);
         }

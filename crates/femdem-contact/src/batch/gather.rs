@@ -46,7 +46,7 @@ impl Sums {
         self.totals.energy_change += pair.energy() - pair.was;
         for contact in pair.contacts() {
             self.totals.touching += usize::from(contact.patch == 0);
-            self.totals.energy += contact.energy;
+            self.totals.energy += contact.potential();
             self.totals.spring_energy += contact.spring_energy;
             match contact.a {
                 Partner::Body(a) if awake[a as usize] => {

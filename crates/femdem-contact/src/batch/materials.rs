@@ -3,7 +3,7 @@
 use super::ContactBatch;
 use crate::contact::{BodyId, Partner};
 use crate::deform::Side;
-use crate::error::ContactError;
+use crate::error::{ContactError, check};
 use crate::law::ContactParameters;
 use crate::laws::{ContactLaws, MaterialId};
 
@@ -19,6 +19,51 @@ impl ContactBatch {
         if let Some(part) = &mut self.deformable {
             part.evaluate_all();
         }
+    }
+
+    /// Refuses attraction that contacts would not have: the cohesion of deformable bodies, and adhesion of what is not round.
+    pub(super) fn check_attraction(&self) -> Result<(), ContactError> {
+        let laws = &self.materials.laws;
+        if !laws.all().any(ContactParameters::attracts) {
+            return Ok(());
+        }
+        let most = |material: MaterialId, of: fn(&ContactParameters) -> f64| {
+            laws.of(material).map(of).fold(0.0, f64::max)
+        };
+        for body in self.body_ids() {
+            let material = self.materials.of_bodies[body as usize];
+            if self.is_deformable(body) {
+                let cohesion = most(material, |law| law.cohesion.max(law.adhesion_energy));
+                let allowed =
+                    "0 for the materials of deformable bodies: give it to pairs of others";
+                check(
+                    "cohesion or adhesion_energy",
+                    cohesion,
+                    cohesion == 0.0,
+                    allowed,
+                )?;
+            } else {
+                let adhesion = most(material, |law| law.adhesion_energy);
+                let shape = self.shapes.get(self.body_shapes[body as usize] as usize);
+                let is_round = shape.is_none_or(|shape| shape.sphere().is_some());
+                let allowed =
+                    "0 but for materials of spheres: give polyhedra and meshes a cohesion";
+                check(
+                    "adhesion_energy",
+                    adhesion,
+                    adhesion == 0.0 || is_round,
+                    allowed,
+                )?;
+            }
+        }
+        for (wall, _) in self.walls().filter(|(_, shape)| shape.is_mesh()) {
+            let material = self.materials.of_walls[wall as usize];
+            let adhesion = most(material, |law| law.adhesion_energy);
+            let allowed =
+                "0 for the materials of walls from files and of plates, which are not plane";
+            check("adhesion_energy", adhesion, adhesion == 0.0, allowed)?;
+        }
+        Ok(())
     }
 
     /// The law of a contact of `a` and `b`; that with a wall has the friction of walls. `None` if one is not there.

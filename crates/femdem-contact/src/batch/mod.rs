@@ -24,6 +24,7 @@ use crate::deform::{DeformablePart, DeformableShape, Side};
 use crate::error::{ContactError, check};
 use crate::friction::Pace;
 use crate::general::FieldMesh;
+use crate::law::ContactParameters;
 use crate::laws::{ContactLaws, MaterialId};
 use crate::materials::Materials;
 use crate::motion::Motion;
@@ -470,6 +471,7 @@ impl ContactBatch {
         self.make_fans()?;
         self.search(view)?;
         self.pairs.refresh_order(&self.awake, &self.awake_list);
+        let attracts = self.materials.laws.all().any(ContactParameters::attracts);
         let context = |view: Snapshot<'a>| Context {
             materials: &self.materials,
             shapes: &self.shapes,
@@ -479,6 +481,7 @@ impl ContactBatch {
             bodies: view.bodies,
             walls: view.walls,
             space: self.space.as_ref(),
+            attracts,
             pace: Pace {
                 dt: view.dt,
                 dashpots: ahead.is_none(),
@@ -506,7 +509,7 @@ impl ContactBatch {
         if energies.iter().all(|x| x.is_finite()) {
             return Ok(());
         }
-        let stored = |c: &&RigidContact| (c.energy + c.spring_energy).abs();
+        let stored = |c: &&RigidContact| (c.potential() + c.spring_energy).abs();
         let contacts = self.evaluated();
         match contacts.max_by(|a, b| stored(a).total_cmp(&stored(b))) {
             Some(contact) => Err(load_not_finite(contact.b as usize, bodies)),
@@ -539,6 +542,7 @@ impl ContactBatch {
             });
         }
         self.check_space(view)?;
+        self.check_attraction()?;
         if !self.restored && !self.is_empty() {
             return Err(ContactError::NoSuch {
                 what: "shape",

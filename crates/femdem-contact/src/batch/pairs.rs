@@ -51,7 +51,7 @@ impl Pair {
 
     /// Contact energy on record, J.
     pub fn energy(&self) -> f64 {
-        self.contacts().map(|contact| contact.energy).sum()
+        self.contacts().map(RigidContact::potential).sum()
     }
 
     /// Whether a contact is on record.

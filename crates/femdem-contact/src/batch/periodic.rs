@@ -59,7 +59,8 @@ impl ContactBatch {
     pub fn virial(&self) -> Matrix3 {
         let mut sum = Matrix3::zeros();
         for contact in self.between_bodies() {
-            let force = contact.normal * contact.elastic_force + contact.friction - contact.drag;
+            let elastic = contact.normal * contact.elastic_force + contact.adhesion.force;
+            let force = elastic + contact.friction - contact.drag;
             sum += force * branch(contact).transpose();
         }
         sum

@@ -8,6 +8,7 @@ use super::patches::{Patch, Patches};
 use super::record::{DeformableTotals, NodalState};
 use super::rub::Rubbing;
 use super::scratch::DeformableScratch;
+use crate::adhesion::Adhesion;
 use crate::contact::Partner;
 use crate::contact::{Load, Wrench, rolling_radius};
 use crate::foundation::Foundation;
@@ -388,6 +389,7 @@ impl<'a> Pair<'a> {
             area: (0.5 * normal.dot(&patch.area)).max(0.0),
             volume: sums.volume * patch.share,
             energy: sums.energy * patch.share,
+            adhesion: Adhesion::default(),
             spring_energy: 0.0,
             stiffness,
             tangential_stiffness: 0.0,

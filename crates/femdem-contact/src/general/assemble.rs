@@ -1,6 +1,7 @@
 //! Conversion of the sums of a patch to its contact.
 
 use super::sums::Sums;
+use crate::adhesion::VectorArea;
 use crate::foundation::Foundation;
 use crate::kernel::Overlap;
 use femdem_mesh::{Matrix3, Vector3};
@@ -49,4 +50,16 @@ pub(crate) fn assemble(
         torsion_radius: foundation.mean_over_rms() * spread.max(0.0).sqrt(),
         foundation: foundation.rotated(to_world),
     })
+}
+
+/// The vector area of B's skin in the same terms.
+pub(crate) fn vector_area(
+    sums: &Sums,
+    origin: &Vector3,
+    to_world: &Matrix3,
+    between: &Vector3,
+) -> VectorArea {
+    let area = (sums.areas[1] - sums.areas[0]) * 0.5;
+    let arm = to_world * origin - between;
+    VectorArea::of_sums(to_world, &arm, [area, sums.area_moment])
 }

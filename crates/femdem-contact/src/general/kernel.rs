@@ -1,6 +1,6 @@
 //! The general kernel.
 
-use super::assemble::assemble;
+use super::assemble::{assemble, vector_area};
 use super::cache::{GeneralCache, Near, Placed};
 use super::mesh::FieldMesh;
 use super::patch::{Groups, Patch, Record};
@@ -205,9 +205,11 @@ impl GeneralKernel {
         let penalty = self.penalty * pair.factor;
         for (key, sums) in &scratch.sums {
             let overlap = assemble(sums, penalty, &centre, &frame_a.rotation, &between, size);
-            scratch
-                .patches
-                .extend(overlap.map(|overlap| Patch { overlap, key: *key }));
+            scratch.patches.extend(overlap.map(|overlap| Patch {
+                overlap,
+                key: *key,
+                touching: vector_area(sums, &centre, &frame_a.rotation, &between),
+            }));
         }
         &scratch.patches
     }

@@ -1,6 +1,7 @@
 //! Connected parts of an overlap.
 
 use super::sums::Sums;
+use crate::adhesion::VectorArea;
 use crate::disjoint::{find, join};
 use crate::kernel::Overlap;
 use crate::tets::cells::{Cells, NONE};
@@ -14,6 +15,8 @@ pub struct Patch {
     /// The first pair of tetrahedra (of A, of B) in it with the skin of one in the other. Patches come in the order of their
     /// keys.
     pub key: [u32; 2],
+    /// The vector area of B's skin in it.
+    pub touching: VectorArea,
 }
 
 /// What two tetrahedra contribute, and how their common part goes on in others.

@@ -22,6 +22,8 @@ pub(crate) struct Sums {
     pub stiffness: FoundationSums,
     /// Integrals of n over A's polygons and over B's.
     pub areas: [Vector3; 2],
+    /// Mean of the integrals of x cross n over B's polygons and of minus that over A's.
+    pub area_moment: Vector3,
     /// Integral of x.n over all polygons: three times the volume that they enclose, if they are closed.
     pub enclosed: f64,
 }
@@ -37,6 +39,7 @@ impl AddAssign<&Self> for Sums {
         self.pressure_second += other.pressure_second;
         self.stiffness += other.stiffness;
         self.enclosed += other.enclosed;
+        self.area_moment += other.area_moment;
         for (area, more) in self.areas.iter_mut().zip(&other.areas) {
             *area += more;
         }
@@ -78,5 +81,7 @@ impl Sums {
         self.pressure_moment += sums.moment;
         self.pressure_second += sums.spread;
         self.areas[side] += normal * (counts * sums.area);
+        let half = if side == 1 { 0.5 } else { -0.5 };
+        self.area_moment += sums.first.cross(normal) * (half * counts);
     }
 }

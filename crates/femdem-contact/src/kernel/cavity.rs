@@ -16,7 +16,9 @@ use super::plane::FieldPlane;
 use super::polygon::TooMany;
 use super::side::SideScratch;
 use super::skin::{Lever, SideSums};
+use super::touching::add_polygon;
 use super::trail::Trail;
+use crate::adhesion::VectorArea;
 use crate::axes::complete;
 use crate::error::{ContactError, check_pressure};
 use crate::foundation::{Foundation, FoundationSums};
@@ -190,6 +192,49 @@ impl CavityKernel {
         std::mem::swap(&mut near.trail, &mut scratch.side.fast.trail);
         near.trail.begin();
         self.assemble(&sums, near, &between, &frame_body.rotation)
+    }
+
+    /// The vector area of the body's skin in the wall where [`evaluate_cached`](Self::evaluate_cached) has just found a contact
+    /// with this cache; none where it has found none.
+    pub fn vector_area(
+        &self,
+        wall: &Wall,
+        body: &ConvexShape,
+        [frame_wall, frame_body]: [&Frame; 2],
+        cache: &CavityCache,
+        scratch: &mut Scratch,
+    ) -> VectorArea {
+        let Some(near) = cache.near.as_deref() else {
+            return VectorArea::default();
+        };
+        let between = frame_body.position - frame_wall.position;
+        let view = View {
+            wall,
+            rotation: frame_body.rotation.tr_mul(&frame_wall.rotation),
+            centre: frame_wall.rotation.tr_mul(&between),
+        };
+        own_planes(body, &near.body, &mut scratch.planes);
+        let planes = near.planes.iter();
+        let planes: SmallVec<[PosedPlane; 4]> =
+            planes.map(|p| view.plane(usize::from(p.plane))).collect();
+        let bounding = usize::from(near.body.bounding);
+        let mut of_wall = [Vector3::zeros(); 2];
+        let mut field = PlaneField::new(&scratch.planes);
+        let clipper = &mut scratch.side.clipper;
+        for (k, plane) in planes.iter().enumerate() {
+            let frame = plane.frame(&near.centre);
+            clipper.load(&square(2.0 * near.reach));
+            field.place(&frame);
+            let mut others = planes.iter().enumerate().filter(|(j, _)| *j != k);
+            if cut_by_field(clipper, &field, bounding)
+                && others.all(|(_, other)| clipper.cut(&other.free_side(&frame)) != Cut::Empty)
+            {
+                let polygon = clipper.polygon();
+                add_polygon(&mut of_wall, polygon, &frame, &plane.normal, &near.centre);
+            }
+        }
+        let arm = frame_body.rotation * near.centre;
+        VectorArea::of_sums(&frame_body.rotation, &arm, of_wall.map(|x| -x))
     }
 
     fn assemble(

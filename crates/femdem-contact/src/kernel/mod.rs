@@ -18,6 +18,7 @@ mod region;
 mod separation;
 mod side;
 mod skin;
+mod touching;
 mod trail;
 
 pub(crate) use cavity::WALL_FACTOR;

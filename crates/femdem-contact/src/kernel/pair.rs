@@ -10,7 +10,9 @@ use super::region::{Pose, Region};
 use super::separation::{gap_along, separate};
 use super::side::{SideScratch, integrate_side};
 use super::skin::{SideSums, Skin};
+use super::touching::of_skin;
 use super::trail::Trail;
+use crate::adhesion::VectorArea;
 use crate::error::{ContactError, check_pressure};
 use crate::foundation::{Foundation, FoundationSums};
 use crate::mark::Mark;
@@ -191,6 +193,40 @@ impl PairKernel {
         Some(overlap)
     }
 
+    /// The vector area of B's skin in A where [`evaluate_cached`](Self::evaluate_cached) has just found a contact with this cache; none
+    /// where it has found none.
+    pub fn vector_area(
+        &self,
+        [a, b]: [&ConvexShape; 2],
+        [frame_a, frame_b]: [&Frame; 2],
+        cache: &PairCache,
+        scratch: &mut Scratch,
+    ) -> VectorArea {
+        let Some(near) = cache.near.as_deref() else {
+            return VectorArea::default();
+        };
+        let rotation = frame_a.rotation.tr_mul(&frame_b.rotation);
+        let between = frame_b.position - frame_a.position;
+        let offset = frame_a.rotation.tr_mul(&between);
+        let mut sums = [[Vector3::zeros(); 2]; 2];
+        for_sides(
+            a,
+            b,
+            &rotation,
+            &offset,
+            near,
+            scratch,
+            |k, skin, planes, side| {
+                sums[k] = of_skin(skin, planes, &mut side.clipper);
+            },
+        );
+        // Both skins have the same vector area, up to sign and round-off.
+        let [on_b, on_a] = sums;
+        let mean = [0, 1].map(|k| (rotation * on_b[k] - on_a[k]) * 0.5);
+        let arm = frame_a.rotation * near.region.centre - between;
+        VectorArea::of_sums(&frame_a.rotation, &arm, mean)
+    }
+
     /// Turns the sums of both sides, in A's axes, into the wrench on B in world axes and the contact normal
     /// in A's axes.
     fn assemble(
@@ -309,9 +345,34 @@ pub(super) fn sides(
     near: &Near,
     scratch: &mut Scratch,
 ) -> [SideSums; 2] {
-    let Scratch { side, planes, .. } = scratch;
-    side.fast.trail.begin();
+    scratch.side.fast.trail.begin();
     let mut sums = [SideSums::default(); 2];
+    for_sides(
+        a,
+        b,
+        rotation,
+        offset,
+        near,
+        scratch,
+        |k, skin, planes, side| {
+            integrate_side(skin, planes, &mut sums[k], side);
+        },
+    );
+    sums
+}
+
+/// Calls `see` with the skin of B in A's field and the posed planes of that, as side 0, and with the skin of A in B's field.
+#[inline(always)]
+fn for_sides(
+    a: &ConvexShape,
+    b: &ConvexShape,
+    rotation: &Matrix3,
+    offset: &Vector3,
+    near: &Near,
+    scratch: &mut Scratch,
+    mut see: impl FnMut(usize, &Skin, &mut Vec<FieldPlane>, &mut SideScratch),
+) {
+    let Scratch { side, planes, .. } = scratch;
     let pose = Pose::new(rotation, offset);
     let region = near.region.open();
     let skin_b = Skin {
@@ -323,7 +384,7 @@ pub(super) fn sides(
         region: Region::Posed(&region, &pose),
     };
     pose_planes(a, &near.on_b.planes, &pose.inverse, &pose.a_in_b, planes);
-    integrate_side(&skin_b, planes, &mut sums[0], side);
+    see(0, &skin_b, planes, side);
     let skin_a = Skin {
         shape: a,
         plan: &near.on_a,
@@ -333,8 +394,7 @@ pub(super) fn sides(
         region: Region::Here(&region),
     };
     pose_planes(b, &near.on_a.planes, rotation, offset, planes);
-    integrate_side(&skin_a, planes, &mut sums[1], side);
-    sums
+    see(1, &skin_a, planes, side);
 }
 
 impl PairCache {

@@ -1,14 +1,15 @@
 //! The kernel of spheres.
 
 use super::shape::Sphere;
-use super::{convex, pair, tets, wall};
+use super::{convex, pair, patch, tets, wall};
+use crate::adhesion::VectorArea;
 use crate::error::{ContactError, check_pressure};
 use crate::general::{FieldMesh, Patch, SolidWall};
 use crate::kernel::{Overlap, WALL_FACTOR};
 use crate::shape::{ConvexShape, Frame};
 use crate::tets::cells::Cells;
 use crate::walls::Wall;
-use femdem_mesh::Vector3;
+use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// The penalty law of exact balls: U = p int (phi_A + phi_B) dV over the overlap, and 2 p int phi_B dV against a wall.
@@ -117,9 +118,18 @@ fn evaluate_tets(
         Some(Patch {
             overlap,
             key: [part.key, 0],
+            touching: area_in(&part.patch, &frame.rotation),
         })
     };
     parts.iter().filter_map(patch).collect()
+}
+
+/// The vector area of the sphere's skin in a wall or a convex polyhedron: no rotation of a ball changes the overlap.
+pub(super) fn area_in(patch: &patch::Patch, rotation: &Matrix3) -> VectorArea {
+    VectorArea {
+        area: -(rotation * patch.vector_area),
+        moment: Vector3::zeros(),
+    }
 }
 
 /// A point seen from a frame: in world axes and in its own.

@@ -1,8 +1,10 @@
 //! A sphere and whatever it meets, in either order.
 
 use super::convex;
-use super::kernel::{SphereKernel, place};
+use super::kernel::{SphereKernel, area_in, place};
 use super::shape::Sphere;
+use super::wall;
+use crate::adhesion::{Round, VectorArea};
 use crate::body_shape::BodyShape;
 use crate::general::{FieldMesh, Patch, SolidWall};
 use crate::kernel::Overlap;
@@ -82,6 +84,57 @@ impl<'a> Meeting<'a> {
             Other::Wall(wall) => (wall.clearance(&local) - radius, Vector3::zeros()),
         };
         (gap, if self.reversed { -direction } else { direction })
+    }
+
+    /// The vector area of B's skin in A in the contact that they have.
+    pub fn vector_area(&self, overlap: &Overlap) -> VectorArea {
+        let (between, local) = place(self.frame, self.centre);
+        let radius = self.sphere.radius();
+        let patch = match self.other {
+            Other::Sphere(_) => {
+                return VectorArea {
+                    area: overlap.normal * -overlap.area,
+                    moment: Vector3::zeros(),
+                };
+            }
+            Other::Convex(body) => Some(convex::patch(body, &local, radius)),
+            Other::Wall(wall) => wall::patch(wall, &local, radius),
+        };
+        let of_sphere = patch.map(|patch| area_in(&patch, &self.frame.rotation));
+        let of_sphere = of_sphere.unwrap_or_default();
+        if self.reversed {
+            VectorArea {
+                area: -of_sphere.area,
+                moment: between.cross(&-of_sphere.area),
+            }
+        } else {
+            of_sphere
+        }
+    }
+
+    /// Two balls, or a ball and the plane of a wall that it has gone into deepest; `None` for a polyhedron.
+    pub fn round(&self) -> Option<Round> {
+        let (_, local) = place(self.frame, self.centre);
+        let own = self.sphere.radius();
+        let (gap, direction) = self.gap();
+        Some(match self.other {
+            Other::Sphere(other) => Round {
+                radius: own / (1.0 + own / other.radius()),
+                depth: -gap,
+                direction,
+            },
+            Other::Wall(wall) => {
+                let planes = wall.planes().iter();
+                let distances = planes.map(|p| (p.normal.dot(&local) - p.offset, p.normal));
+                let nearest = distances.reduce(|least, x| if x.0 < least.0 { x } else { least })?;
+                Round {
+                    radius: own,
+                    depth: -gap,
+                    direction: self.frame.rotation * nearest.1,
+                }
+            }
+            Other::Convex(_) => return None,
+        })
     }
 
     /// Their contact.
@@ -169,8 +222,12 @@ impl<'a> SolidMeeting<'a> {
             Solid::Wall(wall) => kernel.evaluate_solid_wall(wall, frame, sphere, centre),
         };
         if self.reversed {
+            let between = centre - frame.position;
             for patch in &mut patches {
                 patch.overlap = patch.overlap.reversed();
+                let area = -patch.touching.area;
+                let moment = between.cross(&area);
+                patch.touching = VectorArea { area, moment };
             }
         }
         patches

@@ -64,8 +64,11 @@ impl Packing {
     fn add(&mut self, starts: &[Start]) -> Result<(), PackError> {
         for start in starts {
             let spec = &self.job.spec;
-            let density = spec.density_of(&spec.shapes[start.shape as usize]);
-            let body = BodySpec::at_rest(start.shape, density, start.pose);
+            let shape = &spec.shapes[start.shape as usize];
+            let body = BodySpec {
+                material: shape.material,
+                ..BodySpec::at_rest(start.shape, spec.density_of(shape), start.pose)
+            };
             self.world.add_body(body)?;
             let high = start.centroid.z + start.radius;
             self.job.highest_start = self.job.highest_start.max(high);

@@ -158,7 +158,13 @@ impl Packing {
             shape.add_to(&mut world)?;
         }
         for wall in spec.container.walls()? {
-            world.add_wall(wall, Drive::Fixed)?;
+            let wall = world.add_wall(wall, Drive::Fixed)?;
+            world.set_wall_material(wall, spec.wall_material)?;
+        }
+        let usual = world.parameters().contact;
+        for pair in &spec.pairs {
+            let [a, b] = pair.materials;
+            world.set_law(a, b, pair.over(&usual))?;
         }
         let job = Job {
             spec,

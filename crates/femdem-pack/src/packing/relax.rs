@@ -83,11 +83,12 @@ impl Packing {
     }
 
     /// Makes the steps implicit, and longer than where bodies fall, because nothing falls in a relaxation. Jobs
-    /// with local damping, which implicit steps do not have, continue with explicit steps.
+    /// with local damping, rolling friction or attraction, which implicit steps do not have, continue with explicit steps.
     pub(super) fn step_implicitly(&mut self) -> Result<(), PackError> {
         let time_step = self.job.spec.time_step;
         let asked = time_step.implicit.unwrap_or_default();
-        if self.world.parameters().medium.local_damping == 0.0 {
+        let is_plain = self.world.parameters().medium.local_damping == 0.0;
+        if is_plain && self.job.spec.suits_implicit_steps() {
             self.world.set_time_step(TimeStepParameters {
                 implicit: Some(ImplicitStep {
                     fall: LONGEST_STEP,

@@ -116,12 +116,12 @@ impl World {
     /// Net force with gravity and external load, N, without dashpots: a body that dashpots alone hold is not at rest.
     pub(super) fn net_force(&self, i: usize, load: &Load) -> Vector3 {
         let body = &self.bodies[i];
-        load.static_part().force + self.parameters.gravity * body.mass + body.applied.force
+        load.static_part().force + self.parameters.gravity * body.mass + body.applied().force
     }
 
     /// Net torque with the external load, N m, without dashpots.
     pub(super) fn net_torque(&self, i: usize, load: &Load) -> Vector3 {
-        load.static_part().torque + self.bodies[i].applied.torque
+        load.static_part().torque + self.bodies[i].applied().torque
     }
 
     /// What the net force of a body is compared with, N.
@@ -336,7 +336,7 @@ impl World {
             .map(|(_, body, load)| {
                 let weight = self.parameters.gravity * body.mass;
                 let mut wrench = load.total;
-                wrench += &body.applied;
+                wrench += &body.applied();
                 let power = (wrench.force + weight).dot(&body.velocity)
                     + wrench.torque.dot(&body.angular_velocity());
                 i64::from(power < 0.0) - i64::from(power > 0.0)

@@ -5,6 +5,7 @@
 //! The energy that comes and goes is in [`Ledger::by_hand`](crate::Ledger::by_hand).
 
 use super::World;
+use crate::applied::AppliedLoad;
 use crate::body::{Body, check_velocities};
 use crate::error::{SolveError, check};
 use crate::guide::Guide;
@@ -21,7 +22,7 @@ pub(super) struct Stored {
 impl Stored {
     fn of<'a>(contacts: impl Iterator<Item = &'a Contact>) -> Self {
         contacts.fold(Self::default(), |sum, contact| Self {
-            elastic: sum.elastic + contact.energy,
+            elastic: sum.elastic + contact.potential(),
             springs: sum.springs + contact.spring_energy,
         })
     }
@@ -134,30 +135,38 @@ impl World {
     }
 
     /// Loads a body with a force (N) and, if it is rigid, a torque about its centroid (N m), in world axes, until they are
-    /// changed. Gravity acts besides. On a deformable body the force is distributed by mass, as gravity is; forces on a part
+    /// changed; an [`AppliedLoad`] may also follow a rigid body as it turns. Gravity acts besides. On a deformable body the force is distributed by mass, as gravity is; forces on a part
     /// of it are conditions of its [boundary](World::set_boundary). The body wakes if the load changes. The work is
     /// [`Ledger::load_work`](crate::Ledger::load_work). While a body follows a drive, the drive bears its load, which then
     /// does no work on anything in the world.
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::Parameter`] for a load that is not finite, and for a torque
-    /// on a deformable body.
-    pub fn set_load(&mut self, id: BodyId, load: Wrench) -> Result<(), SolveError> {
-        check("force", load.force.norm(), true, "finite, in N")?;
-        check("torque", load.torque.norm(), true, "finite, in N m")?;
+    /// on a deformable body or a load that follows one.
+    pub fn set_load(&mut self, id: BodyId, load: impl Into<AppliedLoad>) -> Result<(), SolveError> {
+        let load = load.into();
+        let [force, torque] = load.largest();
+        check("force", force, true, "finite, in N")?;
+        check("torque", torque, true, "finite, in N m")?;
         self.restored()?;
         if self.batch.is_deformable(id) {
-            return self.pull_deformable(id, &load);
+            check(
+                "load that turns with the body",
+                torque + load.turning.force.norm(),
+                !load.follows(),
+                "of rigid bodies only: a force on a deformable body keeps its direction",
+            )?;
+            return self.pull_deformable(id, &load.fixed);
         }
         let i = self.known_body(id)?;
-        if self.bodies[i].applied != load {
-            self.bodies[i].applied = load;
+        let body = &mut self.bodies[i];
+        if body.set_load(&load, &self.shapes[body.shape as usize]) {
             self.stir(&[id]);
         }
         Ok(())
     }
 
-    /// The external load of a body, set by [`set_load`](Self::set_load).
+    /// The external load of a body about its centroid in world axes as it is now, set by [`set_load`](Self::set_load).
     pub fn applied_load(&self, id: BodyId) -> Option<Wrench> {
         if let Some(body) = self.deformable(id) {
             return Some(Wrench {
@@ -165,7 +174,7 @@ impl World {
                 torque: Vector3::zeros(),
             });
         }
-        self.body(id).map(|body| body.applied)
+        self.body(id).map(Body::applied)
     }
 
     pub(super) fn known(&self, id: BodyId) -> Result<(), SolveError> {

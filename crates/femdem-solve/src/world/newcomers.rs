@@ -87,7 +87,9 @@ impl World {
             return 0.0;
         }
         let kind = |c: &&RigidContact| self.newcomers.kind(c.a, c.b);
-        let brought = sums(self.batch.rigid_contacts().into_iter(), kind, |c| c.energy);
+        let brought = sums(self.batch.rigid_contacts().into_iter(), kind, |c| {
+            c.potential()
+        });
         self.book(brought);
         brought.iter().sum()
     }
@@ -98,7 +100,7 @@ impl World {
             return;
         }
         let kind = |c: &&Contact| self.newcomers.kind(c.a, c.b);
-        let brought = sums(self.deformable_contacts(), kind, |c| c.energy);
+        let brought = sums(self.deformable_contacts(), kind, |c| c.potential());
         self.book(brought);
         self.newcomers = Newcomers::default();
     }

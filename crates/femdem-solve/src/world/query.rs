@@ -252,9 +252,10 @@ impl World {
         Some(self.batch.wall_load_of(wall))
     }
 
-    /// Elastic energy of the recorded contacts, without that of friction springs, and of the deformable bodies, J.
+    /// Elastic energy of the recorded contacts and that of their attraction, without that of friction springs, and of the deformable bodies, J.
     pub fn stored_energy(&self) -> f64 {
-        let rigid = self.batch.rigid_contacts().into_iter().map(|c| c.energy);
+        let rigid = self.batch.rigid_contacts().into_iter();
+        let rigid = rigid.map(RigidContact::potential);
         let soft = self.deformable_totals().map(|totals| totals.energy);
         let strain = self.deformables().map(|body| body.internal().energy);
         rigid.chain(soft).chain(strain).sum()
@@ -345,7 +346,7 @@ impl World {
                 .map(|(_, b)| -b.mass * g.dot(&b.position))
                 .sum::<f64>()
                 + deformable(&|d| d.potential(&g)),
-            elastic: contacts.iter().map(|c| c.energy).sum::<f64>()
+            elastic: contacts.iter().map(|c| c.potential()).sum::<f64>()
                 + self.flows.pending.map_or(0.0, |pending| pending.taken)
                 + soft.map_or(0.0, |t| t.energy),
             strain: deformable(&|d| d.internal().energy),

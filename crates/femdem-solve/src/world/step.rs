@@ -410,7 +410,7 @@ fn kick_body(
     flows: &mut Flows,
 ) {
     let (v0, w0) = (body.velocity, body.angular_velocity());
-    let applied = body.applied;
+    let applied = body.applied();
     let force = load.total.force + parameters.gravity * body.mass + applied.force;
     let torque = load.total.torque + applied.torque;
     let medium = &parameters.medium;

@@ -85,6 +85,23 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "MU")]
     rolling_friction: Option<f64>,
 
+    /// Cohesion in Pa: an attraction by this stress over the contact area [default: 0]
+    #[arg(long, value_name = "PA")]
+    cohesion: Option<f64>,
+
+    /// Work of adhesion in J/m2 of spheres with spheres and planes, which pull off at 3/2 pi times this times the
+    /// reduced radius [default: 0]
+    #[arg(long, value_name = "J/M2")]
+    adhesion_energy: Option<f64>,
+
+    /// Material of the bodies, for the [[pair]] tables of a scene; one for all, or one for each --shape
+    #[arg(long, value_name = "NAME")]
+    material: Vec<String>,
+
+    /// Material of the walls, for the [[pair]] tables of a scene
+    #[arg(long, value_name = "NAME")]
+    wall_material: Option<String>,
+
     /// Stiffness of the friction springs over that of normal contact, k_t/k_n, above 0 and at most 2
     /// [default: 0.8]
     #[arg(long, value_name = "RATIO", alias = "tangential-stiffness")]
@@ -235,6 +252,14 @@ impl PackArgs {
         set(&mut scene.count, &self.count);
         set(&mut scene.friction, &self.friction);
         set(&mut scene.rolling_friction, &self.rolling_friction);
+        set(&mut scene.cohesion, &self.cohesion);
+        set(&mut scene.adhesion_energy, &self.adhesion_energy);
+        if !self.material.is_empty() {
+            scene.material.clone_from(&self.material);
+        }
+        if self.wall_material.is_some() {
+            scene.wall_material.clone_from(&self.wall_material);
+        }
         set(&mut scene.tangential_ratio, &self.tangential_ratio);
         set(&mut scene.tangential_damping, &self.tangential_damping);
         set(&mut scene.damping, &self.damping);

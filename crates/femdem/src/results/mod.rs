@@ -106,13 +106,14 @@ pub(crate) fn from_a_body(
 /// A contact record as a row that starts from a body.
 pub(crate) fn row(world: &World, contact: &RigidContact) -> ContactRow {
     let (body, partner, sign) = from_a_body(world, contact.a, contact.b);
+    let (normal_force, friction) = contact.parts();
     ContactRow {
         body,
         partner,
         point: Point3::from(contact.point),
         normal: contact.normal * sign,
-        normal_force: contact.normal_force,
-        friction: contact.friction * sign,
+        normal_force,
+        friction: friction * sign,
         moment: moment(contact) * sign,
         area: contact.area,
         volume: contact.volume,
@@ -129,14 +130,15 @@ pub(crate) fn row(world: &World, contact: &RigidContact) -> ContactRow {
 }
 
 /// Moment on side B about the contact point \[N m\]: the elastic one, scaled by damping like the normal force,
-/// that of the dashpot of the rattle, rolling friction, and torsion.
+/// that of the dashpot of the rattle, rolling friction, torsion, and that of attraction.
 fn moment(contact: &RigidContact) -> Vector3 {
     let scale = if contact.elastic_force > 0.0 {
         contact.normal_force / contact.elastic_force
     } else {
         0.0
     };
-    contact.moment * scale + contact.rocking + contact.rolling + contact.normal * contact.torsion
+    let springs = contact.moment * scale + contact.normal * contact.torsion;
+    springs + contact.rocking + contact.rolling + contact.adhesion.moment
 }
 
 /// Mean circumscribed diameter of the bodies of a contact \[m\].

@@ -147,6 +147,7 @@ impl Scenario {
         self.set_pairs(&mut simulation)?;
         loads.bound_step(&mut simulation)?;
         simulation.control(self)?;
+        simulation.set_loads(self)?;
         Ok(simulation)
     }
 
@@ -481,6 +482,7 @@ impl Simulation {
     pub fn step(&mut self) -> Result<(), Error> {
         self.open_walls()?;
         self.bring_bodies()?;
+        self.load_bodies_in_step()?;
         let stepped = if self.controls.is_empty() {
             self.world.step()
         } else {

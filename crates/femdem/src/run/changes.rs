@@ -28,8 +28,9 @@ const OF_OUTPUT: [&str; 12] = [
 ];
 
 /// Keys that change the motion of the bodies that are there.
-const OF_MOTION: [&str; 7] = [
+const OF_MOTION: [&str; 8] = [
     "gravity",
+    "load",
     "contact",
     "pair",
     "time-step",
@@ -230,6 +231,9 @@ impl Simulation {
             self.control(new)?;
         }
         self.set_openings(new);
+        if old.load != new.load {
+            self.set_loads(new)?;
+        }
         self.set_free(old, new)?;
         for (id, motion) in self.new_motions(old, new)? {
             if let Some(motion) = motion {

@@ -26,7 +26,7 @@ pub struct ContactLine {
     pub point: Vector3,
     /// Unit normal from A to B.
     pub normal: Vector3,
-    /// Normal force on B along `normal` \[N\].
+    /// Normal force on B along `normal`, negative where it pulls \[N\].
     pub normal_force: f64,
     /// Friction force on B \[N\].
     pub friction: Vector3,
@@ -72,15 +72,18 @@ impl Simulation {
             Partner::Wall(wall) => Side::Wall(wall as usize),
         };
         let contacts = self.world.contacts().into_iter();
-        let line = |c: Contact| ContactLine {
-            a: side(c.a),
-            b: members[&c.b],
-            point: self.wrapped(&c.point),
-            normal: c.normal,
-            normal_force: c.normal_force,
-            friction: c.friction,
-            area: c.area,
-            volume: c.volume,
+        let line = |c: Contact| {
+            let (normal_force, friction) = c.parts();
+            ContactLine {
+                a: side(c.a),
+                b: members[&c.b],
+                point: self.wrapped(&c.point),
+                normal: c.normal,
+                normal_force,
+                friction,
+                area: c.area,
+                volume: c.volume,
+            }
         };
         contacts.map(line).collect()
     }

@@ -148,7 +148,7 @@ pub(super) fn history_row(
         ledger.dissipated_viscous,
         ledger.dissipated_plastic,
         ledger.frozen,
-        ledger.work_in,
+        ledger.work_in + ledger.load_work,
         ledger.by_hand,
         ledger.error(),
         p.x,

@@ -52,6 +52,7 @@ mod history;
 mod inside;
 mod job;
 mod limits;
+mod load;
 mod loads;
 mod material;
 mod motion;
@@ -96,11 +97,11 @@ pub use ending::Ending;
 pub use flow::{FLOW_COLUMNS, Flow, GateEntry, SourceEntry};
 pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
 pub use job::Run;
+pub use load::{Axes, BodyLoads, LoadEntry};
 pub use material::{Law, MaterialEntry};
 pub use motion::MotionEntry;
 pub use origin::Origin;
 pub use overlap::Overlap;
-pub use pair::PairEntry;
 pub use penalty::{ExpectedDepth, Forecast};
 pub use periodic::CellEntry;
 pub use relaxation::{RelaxEntry, RelaxSummary};
@@ -118,6 +119,7 @@ pub use summary::{
 };
 pub use wall::{BoxEntry, PlaneEntry, WallEntry};
 
+pub use crate::scene::PairEntry;
 use crate::scene::gravity_vector;
 use crate::{Error, toml_file};
 
@@ -169,6 +171,8 @@ pub struct Scenario {
     pub wall: Vec<WallEntry>,
     /// Bodies.
     pub body: Vec<BodyEntry>,
+    /// Loads on bodies.
+    pub load: Vec<LoadEntry>,
     /// Sources of bodies.
     pub source: Vec<SourceEntry>,
     /// Where bodies leave.
@@ -212,6 +216,7 @@ impl Default for Scenario {
             material: BTreeMap::new(),
             wall: Vec::new(),
             body: Vec::new(),
+            load: Vec::new(),
             source: Vec::new(),
             sink: Vec::new(),
             gauge: Vec::new(),

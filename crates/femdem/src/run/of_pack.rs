@@ -3,12 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use femdem_contact::MaterialId;
 use femdem_mesh::Vector3;
 use femdem_solve::{World, WorldParameters};
 
 use super::{
-    ContactEntry, Controls, Flow, Member, NamedWall, Origin, Penalty, Scenario, Simulation,
-    WallEntry,
+    BodyLoads, ContactEntry, Controls, Flow, Member, NamedWall, Origin, Penalty, Scenario,
+    Simulation, WallEntry,
 };
 use crate::Error;
 use crate::error::wrong;
@@ -34,12 +35,40 @@ impl Scenario {
             tangential_ratio: own.tangential_ratio.or(Some(law.tangential_ratio)),
             tangential_damping: own.tangential_damping.or(Some(law.tangential_damping)),
             wall_response: own.wall_response.or(Some(law.wall_response)),
+            cohesion: own.cohesion.or(Some(law.cohesion)),
+            adhesion_energy: own.adhesion_energy.or(Some(law.adhesion_energy)),
         };
         Self {
             gravity: self.gravity.or(Some(usual.gravity.into())),
             contact,
             ..self.clone()
         }
+    }
+
+    /// Gives bodies and walls of a pack the materials of this scene of the same names; others have none.
+    fn set_pack_materials(&self, names: &[String], world: &mut World) -> Result<(), Error> {
+        if names.is_empty() {
+            return Ok(());
+        }
+        let mut found = vec![MaterialId::default()];
+        for name in names {
+            found.push(match self.material.contains_key(name) {
+                true => self.material_id(name)?,
+                false => MaterialId::default(),
+            });
+        }
+        let here = |of: Option<MaterialId>| found[usize::from(of.unwrap_or_default().0)];
+        let bodies: Vec<_> = world.body_ids().collect();
+        for id in bodies {
+            let material = here(world.material(id));
+            world.set_material(id, material)?;
+        }
+        let walls: Vec<u32> = world.walls().map(|(wall, _)| wall).collect();
+        for wall in walls {
+            let material = here(world.wall_material(wall));
+            world.set_wall_material(wall, material)?;
+        }
+        Ok(())
     }
 
     /// The walls of the pack that `remove` opens, by number in its world.
@@ -95,11 +124,13 @@ impl Simulation {
                 },
             });
         }
+        let names = packing.spec().materials.clone();
         let mut world = packing.into_world();
         let before = *world.parameters();
         let filled = scene.filled(&before, true);
         let wanted = filled.parameters();
         world.step_explicitly()?;
+        scene.set_pack_materials(&names, &mut world)?;
         if before.gravity != wanted.gravity {
             world.set_gravity(wanted.gravity)?;
         }
@@ -176,6 +207,7 @@ impl Simulation {
             controls: Controls::default(),
             centre: Vector3::zeros(),
             flow: Flow::default(),
+            loads: BodyLoads::default(),
             penalty: Penalty::default(),
             origin: Origin::default(),
             notes: Vec::new(),

@@ -2,59 +2,22 @@
 
 use std::collections::BTreeSet;
 
-use femdem_contact::{ContactLaw, ContactLaws, ContactParameters, MaterialId, WallResponse};
-use serde::{Deserialize, Serialize};
+use femdem_contact::{ContactLaw, ContactLaws, ContactParameters, MaterialId};
 
 use super::build::in_entry;
 use super::words::OF_PAIRS;
 use super::{Scenario, Simulation};
 use crate::Error;
 use crate::error::wrong;
+use crate::scene::PairEntry;
 
-/// The contact law of two materials, or of a material and itself. What it does not give is that of
-/// [`ContactEntry`](super::ContactEntry).
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct PairEntry {
-    /// The two materials, by name, in either order.
-    pub materials: [String; 2],
-    /// Penalty p of contacts of rigid bodies \[Pa\].
-    pub penalty: Option<f64>,
-    /// Coulomb friction coefficient.
-    pub friction: Option<f64>,
-    /// Coulomb friction coefficient between bodies and walls. `None`: `friction`, if that is given.
-    pub wall_friction: Option<f64>,
-    /// Coefficient of rolling friction.
-    pub rolling_friction: Option<f64>,
-    /// Fraction of critical damping of the normal contact, below 0.7071.
-    pub damping: Option<f64>,
-    /// Tangential over normal foundation modulus.
-    pub tangential_ratio: Option<f64>,
-    /// Fraction of critical damping of the tangential springs.
-    pub tangential_damping: Option<f64>,
-    /// How walls act on deformable bodies.
-    pub wall_response: Option<WallResponse>,
-}
-
-impl PairEntry {
-    /// The law, where `usual` is that of other pairs.
-    fn law(&self, usual: &ContactParameters) -> Result<ContactLaw, Error> {
-        let wall_friction = match self.friction {
-            Some(_) => self.wall_friction,
-            None => self.wall_friction.or(usual.wall_friction),
-        };
-        let law = ContactLaw::new(ContactParameters {
-            penalty: self.penalty.unwrap_or(usual.penalty),
-            friction: self.friction.unwrap_or(usual.friction),
-            wall_friction,
-            rolling_friction: self.rolling_friction.unwrap_or(usual.rolling_friction),
-            damping_ratio: self.damping.unwrap_or(usual.damping_ratio),
-            tangential_ratio: self.tangential_ratio.unwrap_or(usual.tangential_ratio),
-            tangential_damping: self.tangential_damping.unwrap_or(usual.tangential_damping),
-            wall_response: self.wall_response.unwrap_or(usual.wall_response),
-        });
-        law.map_err(|error| Error::from(error).by_keys(&OF_PAIRS))
-    }
+/// The law of a pair, where `usual` is that of other pairs.
+fn law(pair: &PairEntry, usual: &ContactParameters) -> Result<ContactLaw, Error> {
+    let law = ContactLaw::new(ContactParameters {
+        wall_response: pair.wall_response.unwrap_or(usual.wall_response),
+        ..pair.own([MaterialId::default(); 2]).over(usual)
+    });
+    law.map_err(|error| Error::from(error).by_keys(&OF_PAIRS))
 }
 
 impl Scenario {
@@ -82,12 +45,8 @@ impl Scenario {
             let mut add = || {
                 let [a, b] = &pair.materials;
                 let ids = [self.material_id(a)?, self.material_id(b)?];
-                let law = pair.law(&usual)?;
-                let empty = PairEntry {
-                    materials: pair.materials.clone(),
-                    ..PairEntry::default()
-                };
-                if *pair == empty {
+                let law = law(pair, &usual)?;
+                if pair.is_empty() {
                     return Err(wrong(
                         "pair",
                         "the materials only",

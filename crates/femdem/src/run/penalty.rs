@@ -57,6 +57,7 @@ impl Scenario {
     /// - the depth on a face under what weighs on it,
     /// - the mean depth of a pack under its weight,
     /// - the depth of an impact at its fastest,
+    /// - the depth on a face or of a ball under attraction,
     /// - a tower of one or several bodies from buckling,
     ///
     /// within `contact.penetration`, and at least 1 MPa where that is not given.
@@ -128,6 +129,27 @@ impl Scenario {
                 ),
             );
         }
+        let [cohesion, adhesion] = self.attraction();
+        for body in &loads.placed {
+            // Faces sink in by c R/(2 p), balls of the radius R by √(3 w R/(4 p)).
+            let (deep, radius) = (depth * body.diameter, body.field_depth);
+            try_it(
+                0.5 * cohesion * radius / deep,
+                format!(
+                    "{} under a cohesion of {cohesion:.2e} Pa rests {} deep",
+                    name(body.member),
+                    size(depth)
+                ),
+            );
+            try_it(
+                0.75 * adhesion * radius / (deep * deep),
+                format!(
+                    "{} under an adhesion of {adhesion:.2e} J/m² rests {} deep",
+                    name(body.member),
+                    size(depth)
+                ),
+            );
+        }
         for tower in loads.towers() {
             let name = name(tower.member);
             let what = match tower.bodies {
@@ -150,6 +172,16 @@ impl Scenario {
             reason: best.1,
         };
         Ok(())
+    }
+
+    /// The largest cohesion \[Pa\] and the largest adhesion \[J/m²\] of its laws.
+    fn attraction(&self) -> [f64; 2] {
+        let pairs = self.pair.iter();
+        let pairs = pairs.map(|pair| [pair.cohesion, pair.adhesion_energy]);
+        let all = pairs.chain([[self.contact.cohesion, self.contact.adhesion_energy]]);
+        all.fold([0.0; 2], |most, own| {
+            [0, 1].map(|k| f64::max(most[k], own[k].unwrap_or(0.0)))
+        })
     }
 
     /// The depths that the rigid bodies of a scene are expected to reach under its penalty.

@@ -3,7 +3,7 @@
 use femdem_solve::{SolveError, WorldRelaxation};
 use serde::{Deserialize, Serialize};
 
-use super::{BoundaryEntry, Ending, MotionEntry, Scenario, Simulation};
+use super::{BoundaryEntry, Ending, LoadEntry, MotionEntry, Scenario, Simulation};
 use crate::Error;
 use crate::error::wrong;
 
@@ -70,6 +70,7 @@ impl Simulation {
             tolerance: entry.tolerance,
             steps: PART.min(entry.steps.saturating_sub(so_far.steps)),
         };
+        self.load_bodies(self.world.time())?;
         let before = so_far.steps;
         let solved = match before {
             0 => {
@@ -116,7 +117,8 @@ impl Scenario {
         }
         let conditions = self.body.iter().flat_map(|body| &body.boundary);
         let motions = self.motions().map(|motion| motion.end());
-        let loads = conditions.map(BoundaryEntry::settled_from);
+        let on_bodies = self.load.iter().map(LoadEntry::settled_from);
+        let loads = conditions.map(BoundaryEntry::settled_from).chain(on_bodies);
         let ends = [
             ("motion", motions.fold(0.0, f64::max)),
             ("rise or table", loads.fold(0.0, f64::max)),

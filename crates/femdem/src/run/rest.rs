@@ -5,7 +5,7 @@ use femdem_pack::Settling;
 use serde::{Deserialize, Serialize};
 
 use super::contacts::ContactForces;
-use super::{BoundaryEntry, ContactLine, ControlEntry, Run, Side, Simulation};
+use super::{BoundaryEntry, ContactLine, ControlEntry, LoadEntry, Run, Side, Simulation};
 
 /// Largest residual of a body at rest, and its largest kinetic energy over its load times its diameter: as for a settled pack.
 const LIMITS: Settling = Settling::USUAL;
@@ -118,7 +118,7 @@ impl Simulation {
             }
         }
         let loads = self.world.deformables().flat_map(|body| body.loads());
-        weight += loads.sum::<Vector3>();
+        weight += loads.sum::<Vector3>() + self.load_on_rigid();
         let sum: Vector3 = carried.iter().sum();
         let borne: f64 = carried.iter().map(Vector3::norm).sum();
         let missing = (sum - weight).norm();
@@ -148,9 +148,12 @@ impl Run {
         let bodies = &self.scenario().body;
         let conditions = bodies.iter().flat_map(|body| &body.boundary);
         let mut loads = conditions.map(BoundaryEntry::settled_from);
+        let on_bodies = self.scenario().load.iter();
+        let mut on_bodies = on_bodies.map(LoadEntry::settled_from);
         let mut controls = self.scenario().controls().map(ControlEntry::settled_from);
         world.is_driven(self.scenario().duration - world.time())
             || loads.any(|settled| settled > world.time())
+            || on_bodies.any(|settled| settled > world.time())
             || controls.any(|settled| settled > world.time())
             || self.simulation().flow.is_to_come(world.time())
     }

@@ -33,6 +33,10 @@ pub struct ContactEntry {
     /// How walls act on deformable bodies: `"mirror"`, as their mirror image, or `"rigid"`, half as stiffly, as
     /// they act on rigid bodies.
     pub wall_response: Option<WallResponse>,
+    /// Cohesion of rigid bodies \[Pa\]: attraction over the contact area.
+    pub cohesion: Option<f64>,
+    /// Work of adhesion of spheres with spheres and planes \[J/m²\].
+    pub adhesion_energy: Option<f64>,
 }
 
 /// The choice of the time step.
@@ -94,6 +98,8 @@ impl Scenario {
             tangential_ratio: own.tangential_ratio.unwrap_or(usual.tangential_ratio),
             tangential_damping: own.tangential_damping.unwrap_or(usual.tangential_damping),
             wall_response: own.wall_response.unwrap_or(usual.wall_response),
+            cohesion: own.cohesion.unwrap_or(usual.cohesion),
+            adhesion_energy: own.adhesion_energy.unwrap_or(usual.adhesion_energy),
         };
         p.time_step.safety = self.time_step.safety;
         p.time_step.largest = self.time_step.largest;

@@ -6,7 +6,7 @@ use femdem_solve::{SolveError, World};
 use serde::{Deserialize, Serialize};
 
 use super::origin::Origin;
-use super::{Controls, Flow};
+use super::{BodyLoads, Controls, Flow};
 use crate::scene::ShapeNote;
 
 /// A body of a simulation. It stays among the members, with its number, when it has left at a sink.
@@ -52,6 +52,8 @@ pub struct Simulation {
     pub centre: Vector3,
     /// What comes, goes and is counted.
     pub flow: Flow,
+    /// The loads on its bodies.
+    pub loads: BodyLoads,
     /// The penalty of its contacts between rigid bodies.
     pub penalty: Penalty,
     /// What it has from a pack, and which walls its scene has added.
@@ -71,6 +73,7 @@ struct Stored {
     controls: Controls,
     centre: Vector3,
     flow: Flow,
+    loads: BodyLoads,
     penalty: Penalty,
     origin: Origin,
 }
@@ -87,6 +90,7 @@ impl TryFrom<Stored> for Simulation {
             controls,
             centre,
             flow,
+            loads,
             penalty,
             origin,
         } = stored;
@@ -99,6 +103,7 @@ impl TryFrom<Stored> for Simulation {
             controls,
             centre,
             flow,
+            loads,
             penalty,
             origin,
             notes: Vec::new(),

@@ -322,7 +322,7 @@ fn energy(ledger: &femdem_solve::Ledger) -> RunEnergy {
     let plain = |joules: f64| joules + 0.0;
     RunEnergy {
         initial: plain(ledger.initial),
-        work_in: plain(ledger.work_in),
+        work_in: plain(ledger.work_in + ledger.load_work),
         by_hand: plain(ledger.by_hand),
         kinetic: plain(ledger.kinetic),
         potential: plain(ledger.potential),

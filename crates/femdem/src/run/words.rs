@@ -1,7 +1,7 @@
 //! Translation of names of numbers that the libraries refuse to keys of scenes.
 
 /// Names of the libraries, and keys of scenes.
-pub(super) const KEYS: [(&str, &str); 24] = [
+pub(super) const KEYS: [(&str, &str); 27] = [
     ("penalty", "contact.penalty"),
     ("friction", "contact.friction"),
     ("wall_friction", "contact.wall-friction"),
@@ -9,6 +9,12 @@ pub(super) const KEYS: [(&str, &str); 24] = [
     ("damping_ratio", "contact.damping"),
     ("tangential_ratio", "contact.tangential-ratio"),
     ("tangential_damping", "contact.tangential-damping"),
+    ("cohesion", "contact.cohesion"),
+    ("adhesion_energy", "contact.adhesion-energy"),
+    (
+        "cohesion or adhesion_energy",
+        "contact.cohesion or adhesion-energy",
+    ),
     ("time_step.safety", "time-step.safety"),
     ("time_step.largest", "time-step.largest"),
     ("medium.local_damping", "medium.local-damping"),
@@ -29,7 +35,7 @@ pub(super) const KEYS: [(&str, &str); 24] = [
 ];
 
 /// The same for the laws of pairs of materials.
-pub(super) const OF_PAIRS: [(&str, &str); 7] = [
+pub(super) const OF_PAIRS: [(&str, &str); 9] = [
     ("penalty", "penalty"),
     ("friction", "friction"),
     ("wall_friction", "wall-friction"),
@@ -37,6 +43,8 @@ pub(super) const OF_PAIRS: [(&str, &str); 7] = [
     ("damping_ratio", "damping"),
     ("tangential_ratio", "tangential-ratio"),
     ("tangential_damping", "tangential-damping"),
+    ("cohesion", "cohesion"),
+    ("adhesion_energy", "adhesion-energy"),
 ];
 
 #[cfg(test)]

@@ -64,6 +64,7 @@ pub(super) fn bodies(scene: &Scene) -> Result<(Vec<PackShape>, Vec<ShapeNote>), 
                 share: source.share,
                 sphere: source.ball,
                 density: source.own_density(scene)?,
+                material: scene.material_of(source.entry)?,
                 ..shape
             };
             let note = source.note(scene.unit, &shape, mesh);

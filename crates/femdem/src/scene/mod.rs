@@ -21,7 +21,9 @@ mod footprint;
 mod gravity;
 mod length;
 mod list;
+mod materials;
 mod note;
+mod pair;
 mod sizes;
 mod step_kind;
 pub(crate) mod surface;
@@ -43,6 +45,7 @@ pub(crate) use gravity::vector as gravity_vector;
 pub use length::{Length, metres};
 pub(crate) use length::{in_metres, perhaps_in_metres};
 pub use note::ShapeNote;
+pub use pair::PairEntry;
 pub use step_kind::StepKind;
 pub use unit::Unit;
 
@@ -132,6 +135,18 @@ pub struct Scene {
     pub wall_friction: Option<f64>,
     /// Coefficient of rolling friction.
     pub rolling_friction: f64,
+    /// Cohesion \[Pa\].
+    pub cohesion: f64,
+    /// Work of adhesion of spheres with spheres and planes \[J/m²\].
+    pub adhesion_energy: f64,
+    /// Name of the material of each shape: one for all, or one for each. Empty: none, and the law of all contacts.
+    #[serde(with = "list", skip_serializing_if = "Vec::is_empty")]
+    pub material: Vec<String>,
+    /// Name of the material of the walls. `None`: none.
+    pub wall_material: Option<String>,
+    /// Contact laws of pairs of these materials.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pair: Vec<PairEntry>,
     /// Stiffness of the friction springs over that of normal contact, above 0 and at most 2.
     pub tangential_ratio: f64,
     /// Fraction of critical damping of the friction springs.
@@ -208,6 +223,11 @@ impl Default for Scene {
             friction: spec.friction,
             wall_friction: None,
             rolling_friction: spec.rolling_friction,
+            cohesion: spec.cohesion,
+            adhesion_energy: spec.adhesion_energy,
+            material: Vec::new(),
+            wall_material: None,
+            pair: Vec::new(),
             tangential_ratio: spec.tangential_ratio,
             tangential_damping: spec.tangential_damping,
             damping: spec.damping_ratio,
@@ -308,6 +328,8 @@ impl Scene {
             friction: self.friction,
             wall_friction: self.wall_friction,
             rolling_friction: self.rolling_friction,
+            cohesion: self.cohesion,
+            adhesion_energy: self.adhesion_energy,
             tangential_ratio: self.tangential_ratio,
             tangential_damping: self.tangential_damping,
             damping_ratio: self.damping,
@@ -316,6 +338,7 @@ impl Scene {
             ..PackSpec::default()
         };
         self.check()?;
+        self.set_materials(&mut spec)?;
         let diameter = spec.diameter();
         spec.container = container::container(self, &spec, &mut notes)?;
         spec.rim = container::rim(self, diameter);

@@ -18,6 +18,8 @@ const TABLES: [(&str, &[&str]); 2] = [
             "friction",
             "wall-friction",
             "rolling-friction",
+            "cohesion",
+            "adhesion-energy",
             "damping",
             "tangential-ratio",
             "tangential-damping",

@@ -5,12 +5,17 @@ use femdem_pack::PackError;
 use crate::Error;
 
 /// Names in the libraries, and keys of scenes, which are also the options of `femdem pack`.
-const KEYS: [(&str, &str); 14] = [
+const KEYS: [(&str, &str); 16] = [
     ("wall_friction", "wall-friction"),
     ("rolling_friction", "rolling-friction"),
     (
         "rolling_friction with time_step.implicit",
         "rolling-friction with implicit steps",
+    ),
+    ("adhesion_energy", "adhesion-energy"),
+    (
+        "cohesion or adhesion_energy with time_step.implicit",
+        "cohesion or adhesion-energy with implicit steps",
     ),
     ("damping_ratio", "damping"),
     ("tangential_ratio", "tangential-ratio"),

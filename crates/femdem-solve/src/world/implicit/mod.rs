@@ -143,7 +143,7 @@ impl World {
         most = most.min(driving.step);
         for &i in &self.awake {
             let body = &self.bodies[i as usize];
-            let pull = (gravity + body.applied.force / body.mass).norm();
+            let pull = (gravity + body.applied().force / body.mass).norm();
             if pull > 0.0 {
                 most = most.min(rule.fall * (2.0 * body.radius / pull).sqrt());
             }
@@ -193,11 +193,12 @@ impl World {
         for &k in &members {
             let (before, body) = (&before[k], &self.bodies[self.awake[k] as usize]);
             let inertia = inertia(before, body, reach);
+            let applied = body.applied_at(&before.orientation);
             others.push(Twist {
                 velocity: self.parameters.gravity * body.mass
-                    + body.applied.force
+                    + applied.force
                     + before.velocity * (inertia.mass * (decay - 1.0)),
-                turning: inertia.turning * before.turning * (decay - 1.0) + body.applied.torque,
+                turning: inertia.turning * before.turning * (decay - 1.0) + applied.torque,
             });
             system.inertias.push(inertia);
         }
@@ -306,7 +307,8 @@ impl World {
         let (decay, reach) = relaxation(self.parameters.medium.drag, dt);
         let gravity = self.parameters.gravity;
         let body = &mut self.bodies[i];
-        let (contact, applied) = (wrench.unwrap_or_default(), body.applied);
+        let applied = body.applied_at(&before.orientation);
+        let contact = wrench.unwrap_or_default();
         let given = gravity * body.mass + applied.force;
         let force = contact.force + given;
         let torque = contact.torque + applied.torque;

@@ -154,8 +154,10 @@ impl Simulation {
             let is_beyond = gate.is_beyond(&x);
             gate.beyond.push(is_beyond);
         }
+        let name = format!("{} {}", supply.name, self.members.len());
+        self.loads.add_member(&name);
         self.members.push(Member {
-            name: format!("{} {}", supply.name, self.members.len()),
+            name,
             id,
             placed: pose,
         });

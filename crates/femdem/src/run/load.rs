@@ -1,0 +1,315 @@
+//! Loads on bodies in a scenario: forces, torques and accelerations, constant or over time.
+
+use std::collections::BTreeSet;
+
+use femdem_contact::{BodyId, Wrench};
+use femdem_fem::Curve;
+use femdem_mesh::{Point3, Vector3};
+use femdem_solve::{AppliedLoad, World};
+use serde::{Deserialize, Serialize};
+
+use super::build::in_entry;
+use super::words::KEYS;
+use super::{Member, Scenario, Simulation};
+use crate::Error;
+use crate::error::wrong;
+
+/// A load on bodies: exactly one of `force`, `torque`, `acceleration` and `force-density`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct LoadEntry {
+    /// Names of bodies, or of entries whose copies are meant. Empty: all bodies.
+    pub bodies: Vec<String>,
+    /// Force on each body \[N\].
+    pub force: Option<[f64; 3]>,
+    /// Torque on each rigid body \[N m\].
+    pub torque: Option<[f64; 3]>,
+    /// Force over the mass of each body \[m/s²\].
+    pub acceleration: Option<[f64; 3]>,
+    /// Force over the volume of each rigid body \[N/m³\].
+    pub force_density: Option<[f64; 3]>,
+    /// Point of each rigid body at which `force` acts, in the coordinates of its shape \[m\]. `None`: the centroid.
+    pub point: Option<[f64; 3]>,
+    /// The axes of the vector.
+    pub axes: Axes,
+    /// Time over which the load rises from zero \[s\].
+    pub rise: Option<f64>,
+    /// Factor of the load over time, as points \[s, factor\] with straight lines between.
+    pub table: Option<Vec<[f64; 2]>>,
+}
+
+/// The axes in which a load is given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Axes {
+    /// Those of the world: the load keeps its direction.
+    #[default]
+    World,
+    /// Those of the body's shape: the load turns with the body.
+    Body,
+}
+
+impl LoadEntry {
+    /// The time from which on it is constant \[s\].
+    pub(super) fn settled_from(&self) -> f64 {
+        let table = self.table.iter().flatten().map(|[time, _]| *time);
+        table.chain(self.rise).fold(0.0, f64::max)
+    }
+
+    /// Its factor over time.
+    fn factor(&self) -> Result<Curve, Error> {
+        let curve = match (self.rise, &self.table) {
+            (None, None) => Curve::Constant(1.0),
+            (Some(rise), None) => Curve::Ramp { value: 1.0, rise },
+            (None, Some(table)) => Curve::Table(table.clone()),
+            (Some(_), Some(_)) => {
+                let allowed = "give one of the two, or neither";
+                return Err(wrong("rise and table", "both given", allowed));
+            }
+        };
+        curve.validate()?;
+        Ok(curve)
+    }
+
+    fn kind(&self) -> Result<(Kind, Vector3), Error> {
+        let given = [
+            (Kind::Force, self.force),
+            (Kind::Torque, self.torque),
+            (Kind::Acceleration, self.acceleration),
+            (Kind::Density, self.force_density),
+        ];
+        let mut given = given
+            .into_iter()
+            .filter_map(|(kind, vector)| Some((kind, vector?)));
+        let (Some((kind, vector)), None) = (given.next(), given.next()) else {
+            return Err(wrong(
+                "load",
+                "none or several of its kinds",
+                "give exactly one of force, torque, acceleration and force-density",
+            ));
+        };
+        if self.point.is_some() && kind != Kind::Force {
+            let allowed = "for a force only: all others act on the whole body";
+            return Err(wrong("point", "given", allowed));
+        }
+        let numbers = vector.into_iter().chain(self.point.into_iter().flatten());
+        if numbers.into_iter().any(|x| !x.is_finite()) {
+            let allowed = "three finite numbers each";
+            return Err(wrong(
+                "a vector of the load",
+                &format!("{vector:?}"),
+                allowed,
+            ));
+        }
+        Ok((kind, Vector3::from(vector)))
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Kind {
+    Force,
+    Torque,
+    Acceleration,
+    Density,
+}
+
+/// A load of a simulation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct OnBodies {
+    /// Names of bodies and of groups; empty: all.
+    names: Vec<String>,
+    kind: Kind,
+    vector: Vector3,
+    point: Option<Vector3>,
+    axes: Axes,
+    factor: Curve,
+}
+
+/// The loads of a simulation.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BodyLoads {
+    loads: Vec<OnBodies>,
+    /// For each member, the numbers of the loads on it.
+    of_members: Vec<Vec<u32>>,
+    /// Factors of the loads on the bodies now; `None` if there is a body that has not got its load.
+    acting: Option<Vec<f64>>,
+}
+
+/// Whether `name` is that of a member, or of a group whose members have a number behind it.
+fn names(name: &str, member: &str) -> bool {
+    member.strip_prefix(name).is_some_and(|rest| {
+        let number = rest.strip_prefix(' ');
+        rest.is_empty() || number.is_some_and(|number| number.parse::<u32>().is_ok())
+    })
+}
+
+impl OnBodies {
+    fn is_on(&self, member: &str) -> bool {
+        self.names.is_empty() || self.names.iter().any(|name| names(name, member))
+    }
+
+    /// The load at a factor of 1; `None` for a body that has left.
+    fn on(&self, id: BodyId, world: &World) -> Result<Option<AppliedLoad>, Error> {
+        let Some(mass) = world.mass(id) else {
+            return Ok(None);
+        };
+        let rigid = world.shape_of(id).and_then(|shape| world.shape(shape));
+        let Some(shape) = rigid else {
+            let is_plain = matches!(self.kind, Kind::Force | Kind::Acceleration)
+                && self.point.is_none()
+                && self.axes == Axes::World;
+            if !is_plain {
+                return Err(wrong(
+                    "load",
+                    "a torque, force-density, point or body axes for a deformable body",
+                    "a force or an acceleration in world axes; give others by its boundary",
+                ));
+            }
+            let scale = if self.kind == Kind::Force { 1.0 } else { mass };
+            return Ok(Some(force(self.vector * scale).into()));
+        };
+        let scale = match self.kind {
+            Kind::Force | Kind::Torque => 1.0,
+            Kind::Acceleration => mass,
+            Kind::Density => shape.volume,
+        };
+        let vector = self.vector * scale;
+        let arm = self.point.map_or(Vector3::zeros(), |point| {
+            // A ball has its centre at the origin of its coordinates.
+            let centroid = match shape.sphere {
+                Some(_) => Point3::origin(),
+                None => shape.polyhedron.mass_properties().centroid,
+            };
+            point - centroid.coords
+        });
+        Ok(Some(match (self.kind, self.axes) {
+            (Kind::Torque, Axes::World) => torque(vector).into(),
+            (Kind::Torque, Axes::Body) => AppliedLoad {
+                turning: torque(vector),
+                ..AppliedLoad::default()
+            },
+            (_, Axes::World) => AppliedLoad::at_point(vector, arm),
+            (_, Axes::Body) => AppliedLoad::turning(vector, arm),
+        }))
+    }
+}
+
+fn force(force: Vector3) -> Wrench {
+    Wrench {
+        force,
+        torque: Vector3::zeros(),
+    }
+}
+
+fn torque(torque: Vector3) -> Wrench {
+    Wrench {
+        force: Vector3::zeros(),
+        torque,
+    }
+}
+
+impl BodyLoads {
+    /// Notes a new member.
+    pub(super) fn add_member(&mut self, name: &str) {
+        let on = (0..).zip(&self.loads).filter(|(_, load)| load.is_on(name));
+        self.of_members.push(on.map(|(number, _)| number).collect());
+        self.acting = None;
+    }
+
+    /// Loads the members of a world with the loads at a time \[s\].
+    fn apply(&mut self, members: &[Member], world: &mut World, time: f64) -> Result<(), Error> {
+        let factors: Vec<f64> = self.loads.iter().map(|load| load.factor.at(time)).collect();
+        if self.acting.as_ref() == Some(&factors) {
+            return Ok(());
+        }
+        for (member, numbers) in members.iter().zip(&self.of_members) {
+            let mut sum = AppliedLoad::default();
+            for &number in numbers {
+                let load = self.loads[number as usize].on(member.id, world)?;
+                let Some(load) = load else { continue };
+                sum = sum + load * factors[number as usize];
+            }
+            if !numbers.is_empty() && world.has_body(member.id) {
+                world.set_load(member.id, sum)?;
+            }
+        }
+        self.acting = Some(factors);
+        Ok(())
+    }
+}
+
+impl Simulation {
+    /// Replaces the loads on bodies by those of a scene. Earlier ones end.
+    pub(super) fn set_loads(&mut self, scene: &Scenario) -> Result<(), Error> {
+        for (member, numbers) in self.members.iter().zip(&self.loads.of_members) {
+            if !numbers.is_empty() && self.world.has_body(member.id) {
+                self.world.set_load(member.id, AppliedLoad::default())?;
+            }
+        }
+        let mut loads = BodyLoads::default();
+        for (number, entry) in (1..).zip(&scene.load) {
+            let mut add = || {
+                let (kind, vector) = entry.kind()?;
+                self.check_loaded(&entry.bodies)?;
+                loads.loads.push(OnBodies {
+                    names: entry.bodies.clone(),
+                    kind,
+                    vector,
+                    point: entry.point.map(Vector3::from),
+                    axes: entry.axes,
+                    factor: entry.factor()?,
+                });
+                Ok(())
+            };
+            add().map_err(|error: Error| in_entry(format!("load {number}"))(error))?;
+        }
+        for member in &self.members {
+            loads.add_member(&member.name);
+        }
+        self.loads = loads;
+        self.load_bodies(self.world.time())
+    }
+
+    /// Refuses names of no bodies.
+    fn check_loaded(&self, given: &[String]) -> Result<(), Error> {
+        let mut known: BTreeSet<&str> = BTreeSet::new();
+        known.extend(self.members.iter().map(|member| member.name.as_str()));
+        known.extend(self.flow.supplies.iter().map(|supply| supply.name.as_str()));
+        for name in given {
+            if !known.iter().any(|member| names(name, member)) {
+                let list: Vec<&str> = known.iter().take(20).copied().collect();
+                return Err(Error::Unknown {
+                    name: "bodies",
+                    value: name.clone(),
+                    known: format!(
+                        "bodies, sources, and names before a number: {}",
+                        list.join(", ")
+                    ),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Loads the bodies for a step that begins now: with the loads of its middle, so that it is of second order.
+    pub(super) fn load_bodies_in_step(&mut self) -> Result<(), Error> {
+        self.load_bodies(self.world.time() + 0.5 * self.world.time_step())
+    }
+
+    /// Loads the bodies with the loads at a time \[s\].
+    pub(super) fn load_bodies(&mut self, time: f64) -> Result<(), Error> {
+        if self.loads.loads.is_empty() {
+            return Ok(());
+        }
+        let applied = self.loads.apply(&self.members, &mut self.world, time);
+        applied.map_err(|error| error.by_keys(&KEYS))
+    }
+
+    /// Sum of the loads on rigid bodies that contacts move \[N\].
+    pub(super) fn load_on_rigid(&self) -> Vector3 {
+        let free = self.world.rigid_ids();
+        let free = free.filter(|&id| self.world.follows_drive(id) == Some(false));
+        let loads = free.filter_map(|id| self.world.applied_load(id));
+        loads.map(|load| load.force).sum()
+    }
+}

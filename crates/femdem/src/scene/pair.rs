@@ -1,0 +1,61 @@
+//! The contact law of a pair of materials, as scenes give it.
+
+use femdem_contact::{MaterialId, WallResponse};
+use femdem_pack::PairLaw;
+use serde::{Deserialize, Serialize};
+
+/// The contact law of two materials, or of a material and itself. What it does not give is that of
+/// [`ContactEntry`](crate::run::ContactEntry).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct PairEntry {
+    /// The two materials, by name, in either order.
+    pub materials: [String; 2],
+    /// Penalty p of contacts of rigid bodies \[Pa\].
+    pub penalty: Option<f64>,
+    /// Coulomb friction coefficient.
+    pub friction: Option<f64>,
+    /// Coulomb friction coefficient between bodies and walls. `None`: `friction`, if that is given.
+    pub wall_friction: Option<f64>,
+    /// Coefficient of rolling friction.
+    pub rolling_friction: Option<f64>,
+    /// Fraction of critical damping of the normal contact, below 0.7071.
+    pub damping: Option<f64>,
+    /// Tangential over normal foundation modulus.
+    pub tangential_ratio: Option<f64>,
+    /// Fraction of critical damping of the tangential springs.
+    pub tangential_damping: Option<f64>,
+    /// How walls act on deformable bodies.
+    pub wall_response: Option<WallResponse>,
+    /// Cohesion of rigid bodies \[Pa\]: attraction over the contact area.
+    pub cohesion: Option<f64>,
+    /// Work of adhesion of spheres with spheres and planes \[J/m²\].
+    pub adhesion_energy: Option<f64>,
+}
+
+impl PairEntry {
+    /// What it gives, of materials by number.
+    pub(crate) fn own(&self, materials: [MaterialId; 2]) -> PairLaw {
+        PairLaw {
+            materials,
+            penalty: self.penalty,
+            friction: self.friction,
+            wall_friction: self.wall_friction,
+            rolling_friction: self.rolling_friction,
+            damping_ratio: self.damping,
+            tangential_ratio: self.tangential_ratio,
+            tangential_damping: self.tangential_damping,
+            cohesion: self.cohesion,
+            adhesion_energy: self.adhesion_energy,
+        }
+    }
+
+    /// Whether it gives nothing but its materials.
+    pub(crate) fn is_empty(&self) -> bool {
+        *self
+            == Self {
+                materials: self.materials.clone(),
+                ..Self::default()
+            }
+    }
+}
