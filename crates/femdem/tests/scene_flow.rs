@@ -299,3 +299,49 @@ fn flow_that_cannot_be_is_refused_with_its_key() {
         assert!(error.contains(words), "{to}: {error}");
     }
 }
+
+/// A crane lets bodies down one after another: each begins at its own place, and waits until that is clear.
+#[test]
+fn places_are_taken_one_by_one() {
+    let box_of = "lower = [-0.012, -0.012, 0.06]
+    upper = [0.012, 0.012, 0.12]";
+    let places = "places = [[0, 0, 0.05], [0, 0, 0.05], [0.015, 0, 0.03]]";
+    let text = FLOW
+        .replace(box_of, places)
+        .replace("number = 12", "")
+        .replace("opens = 0.25", "")
+        .replace("duration = 0.5", "duration = 0.3");
+    assert!(text.contains(places));
+    let folder = tempdir().unwrap();
+    let mut run = begun(&text);
+    let mut seen = Vec::new();
+    while run.ending().is_none() {
+        run.advance(folder.path(), 1).unwrap();
+        let simulation = run.simulation();
+        for member in &simulation.members[seen.len()..] {
+            let x = simulation.world.position(member.id).unwrap();
+            seen.push((simulation.world.time(), x));
+        }
+    }
+    assert_eq!(seen.len(), 3);
+    for ((_, x), place) in seen
+        .iter()
+        .zip([[0.0, 0.0, 0.05], [0.0, 0.0, 0.05], [0.015, 0.0, 0.03]])
+    {
+        assert!(
+            (x - femdem::mesh::Vector3::from(place)).norm() < 2e-4,
+            "{x} {place:?}"
+        );
+    }
+    // The second is due 5 ms after the first, but has to wait until that has fallen by its diameter.
+    let wait = seen[1].0 - seen[0].0;
+    assert!(wait > (2.0 * 0.0099 / 9.81_f64).sqrt() - 1e-3, "{wait}");
+    let bad = text.replace("rate = 200", "rate = 200\n    number = 4");
+    let error = Run::new(Scenario::from_toml(&bad).unwrap())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("number") && error.contains("places"),
+        "{error}"
+    );
+}

@@ -78,6 +78,8 @@ fn copies() -> Copies {
         count: [1, 2, 3],
         spacing: V,
         seed: Some(1),
+        rotation: Some(rotation()),
+        stagger: true,
     }
 }
 
@@ -222,6 +224,7 @@ fn source() -> SourceEntry {
         material: "m".to_owned(),
         lower: V,
         upper: V,
+        places: vec![V],
         rate: Some(1.0),
         mass_rate: Some(1.0),
         number: Some(1),

@@ -60,9 +60,32 @@ pub struct Copies {
     /// Seed of random orientations; `None`: all are turned as the first.
     #[serde(default)]
     pub seed: Option<u64>,
+    /// Turn of the lattice about the first body; `None`: it stands along the axes of the world.
+    #[serde(default)]
+    pub rotation: Option<RotationEntry>,
+    /// Whether every other row is shifted by half a spacing along x, and every other layer by half a spacing along x and y.
+    #[serde(default)]
+    pub stagger: bool,
 }
 
 impl Copies {
+    /// Places from the first body, x varying fastest, m.
+    fn places(&self) -> Result<impl Iterator<Item = Vector3>, Error> {
+        let turn = self.rotation.as_ref().map(RotationEntry::rotation);
+        let turn = turn.unwrap_or(Ok(Rotation::identity()))?;
+        let spacing = Vector3::from(self.spacing);
+        let stagger = if self.stagger { 0.5 } else { 0.0 };
+        let [nx, ny, nz] = self.count;
+        let cells =
+            (0..nz).flat_map(move |k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
+        Ok(cells.map(move |cell| {
+            let [i, j, k] = cell.map(f64::from);
+            let odd = |n: u32| stagger * f64::from(n % 2);
+            let steps = Vector3::new(i + odd(cell[1]) + odd(cell[2]), j + odd(cell[2]), k);
+            turn * steps.component_mul(&spacing)
+        }))
+    }
+
     /// Refuses copies with invalid spacing, or all at one place.
     fn check_spacing(&self) -> Result<(), Error> {
         for (count, spacing) in self.count.iter().zip(&self.spacing) {
@@ -290,21 +313,43 @@ impl BodyEntry {
             ));
         }
         copies.check_spacing()?;
-        let cells =
-            (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
-        let pose = |(number, cell): (u32, [u32; 3])| {
-            let steps = Vector3::from(cell.map(f64::from));
-            let at = origin + steps.component_mul(&Vector3::from(copies.spacing));
+        let pose = |(number, place): (u32, Vector3)| {
+            let at = origin + place;
             let own = |seed| random_rotation(&mut body_stream(seed, number));
             Pose::from_parts(Translation3::from(at), copies.seed.map_or(rotation, own))
         };
-        Ok((0..).zip(cells).map(pose).collect())
+        Ok((0..).zip(copies.places()?).map(pose).collect())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Two layers of an armour on a slope: shifted by half a spacing, and turned with it.
+    #[test]
+    fn copies_stand_along_a_slope_in_staggered_layers() {
+        let text = "position = [1, 0, 0]\ncopies = { count = [2, 2, 2], spacing = [2, 1, 1], stagger = true, \
+                    rotation = { axis = [0, 1, 0], angle = -90 } }";
+        let entry: BodyEntry = toml::from_str(text).unwrap();
+        let poses = entry.lattice().unwrap();
+        // The lattice's x points up, and its z backwards.
+        let wanted = [
+            [1.0, 0.0, 0.0],
+            [1.0, 0.0, 2.0],
+            [1.0, 1.0, 1.0],
+            [1.0, 1.0, 3.0],
+            [0.0, 0.5, 1.0],
+            [0.0, 0.5, 3.0],
+            [0.0, 1.5, 2.0],
+            [0.0, 1.5, 4.0],
+        ];
+        assert_eq!(poses.len(), wanted.len());
+        for (pose, place) in poses.iter().zip(wanted) {
+            let apart = pose.translation.vector - Vector3::from(place);
+            assert!(apart.norm() < 1e-12, "{pose:?} {place:?}");
+        }
+    }
 
     #[test]
     fn copies_stand_on_their_lattice_and_turn_by_their_seed() {

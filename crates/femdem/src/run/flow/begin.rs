@@ -146,6 +146,7 @@ impl Simulation {
         let volume = self.world.shapes()[shape as usize].volume;
         let mass = density * volume;
         let rate = entry.bodies_per_second(mass)?;
+        let [lower, upper] = entry.corners();
         Ok(Supply {
             name: name.to_owned(),
             shape,
@@ -153,8 +154,9 @@ impl Simulation {
             material,
             mass,
             radius: self.reach_of(shape),
-            lower: entry.lower,
-            upper: entry.upper,
+            lower,
+            upper,
+            places: entry.places.clone(),
             velocity: entry.velocity,
             rate,
             most: entry.most(mass, rate, scene.duration)?,

@@ -53,6 +53,8 @@ pub struct SourceEntry {
     pub lower: [f64; 3],
     /// Highest corner \[m\].
     pub upper: [f64; 3],
+    /// Places of the centroids \[m\], one for each body in this order, instead of a box: what a crane does.
+    pub places: Vec<[f64; 3]>,
     /// Bodies per second.
     pub rate: Option<f64>,
     /// Mass per second \[kg/s\], instead of `rate`.
@@ -148,6 +150,10 @@ impl SourceEntry {
             (None, Some(given)) => given / mass + WHOLE,
             (None, None) => f64::INFINITY,
         };
+        let limit = match self.places.len() {
+            0 => limit,
+            places => limit.min(places as f64),
+        };
         let lasts = self.end.unwrap_or(duration).min(duration) - self.start;
         let most = limit.min(rate * lasts + WHOLE).floor();
         if !(most >= 1.0 && most <= MOST as f64) {
@@ -160,11 +166,41 @@ impl SourceEntry {
         Ok(most as u64)
     }
 
-    /// Refuses a box, times and a velocity that cannot be.
+    /// Corners of a box around all places \[m\].
+    pub(super) fn corners(&self) -> [[f64; 3]; 2] {
+        let mut places = self.places.iter();
+        let Some(first) = places.next() else {
+            return [self.lower, self.upper];
+        };
+        let around = |[low, high]: [[f64; 3]; 2], place: &[f64; 3]| {
+            [
+                [0, 1, 2].map(|k| low[k].min(place[k])),
+                [0, 1, 2].map(|k| high[k].max(place[k])),
+            ]
+        };
+        places.fold([*first; 2], around)
+    }
+
+    /// Refuses a box, places, times and a velocity that cannot be.
     pub(super) fn check(&self) -> Result<(), Error> {
         if self.shape.is_empty() {
             let allowed = "one of the shapes, or the path of a surface file";
             return Err(wrong("shape", "none", allowed));
+        }
+        if !self.places.is_empty() && [self.lower, self.upper] != [[0.0; 3]; 2] {
+            let allowed = "a box for all bodies, or a list of places: leave one out";
+            return Err(wrong("lower, upper and places", "both", allowed));
+        }
+        if !self.places.iter().flatten().all(|x| x.is_finite()) {
+            let allowed = "finite numbers, in m";
+            return Err(wrong("places", &format!("{:?}", self.places), allowed));
+        }
+        if let Some(number) = self
+            .number
+            .filter(|n| !self.places.is_empty() && *n > self.places.len() as u64)
+        {
+            let allowed = "at most the number of places";
+            return Err(wrong("number", &number.to_string(), allowed));
         }
         let sides = Vector3::from(self.upper) - Vector3::from(self.lower);
         if !sides.iter().all(|side| *side >= 0.0 && side.is_finite()) {

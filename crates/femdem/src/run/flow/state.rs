@@ -102,6 +102,8 @@ pub struct Supply {
     /// Corners of the box for the centroids \[m\].
     pub lower: [f64; 3],
     pub upper: [f64; 3],
+    /// Places of the bodies one after another \[m\], instead of any in the box.
+    pub(super) places: Vec<[f64; 3]>,
     /// m/s.
     pub velocity: [f64; 3],
     /// 1/s.
@@ -140,7 +142,9 @@ impl Supply {
         let mut stream = body_stream(self.seed, self.tried);
         self.tried = self.tried.wrapping_add(1);
         let share = [0, 1, 2].map(|_| uniform(&mut stream));
-        let at = [0, 1, 2].map(|k| self.lower[k] + share[k] * (self.upper[k] - self.lower[k]));
+        let within = |k: usize| self.lower[k] + share[k] * (self.upper[k] - self.lower[k]);
+        let place = self.places.get(self.come.bodies as usize).copied();
+        let at = place.unwrap_or_else(|| [0, 1, 2].map(within));
         Pose::from_parts(Translation3::from(at), random_rotation(&mut stream))
     }
 }
