@@ -12,7 +12,6 @@
 //! the first one is weighted with the time since the touch, and that of the last one with the time that is left: the error
 //! of the energy is of second order in the step.
 
-use crate::contact::Wrench;
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -51,32 +50,25 @@ pub struct Adhesion {
 
 impl Adhesion {
     /// The attraction of a force and a torque on B about its origin, for a contact point at `arm` from there (m).
-    fn new(on_b: &Wrench, arm: &Vector3, energy: f64) -> Self {
+    fn new(force: Vector3, torque: Vector3, arm: &Vector3, energy: f64) -> Self {
         Self {
-            force: on_b.force,
-            moment: on_b.torque - arm.cross(&on_b.force),
+            force,
+            moment: torque - arm.cross(&force),
             energy,
         }
     }
 
     /// Of a cohesion (Pa) over an overlap of a volume (m^3), for a contact point at `arm` from B's origin (m).
     pub(crate) fn of_area(cohesion: f64, area: &VectorArea, volume: f64, arm: &Vector3) -> Self {
-        let on_b = Wrench {
-            force: area.area * cohesion,
-            torque: area.moment * cohesion,
-        };
-        Self::new(&on_b, arm, -cohesion * volume)
+        let (force, torque) = (area.area * cohesion, area.moment * cohesion);
+        Self::new(force, torque, arm, -cohesion * volume)
     }
 
     /// Of the adhesion (J/m^2) of two round sides, for a contact point at `arm` from B's origin (m).
     pub(crate) fn of_round(adhesion: f64, round: &Round, arm: &Vector3) -> Self {
         let pull = 1.5 * PI * adhesion * round.radius;
         let force = round.direction * -pull;
-        let on_b = Wrench {
-            force,
-            torque: Vector3::zeros(),
-        };
-        Self::new(&on_b, arm, -pull * round.depth)
+        Self::new(force, Vector3::zeros(), arm, -pull * round.depth)
     }
 
     /// The two together.

@@ -252,7 +252,12 @@ fn pairs_attract() {
                 .iter()
                 .map(|c| -(c.normal * c.normal_force + c.friction).z)
                 .sum();
-            let own = weight * if shape == brick { 1.0 } else { 0.5236 };
+            let own = weight
+                * if shape == brick {
+                    1.0
+                } else {
+                    std::f64::consts::FRAC_PI_6
+                };
             assert!((up / own - 1.0).abs() < 0.01, "{up} {own}");
             assert!(rows[0].normal_force < 0.0);
         }

@@ -1,6 +1,6 @@
 //! Loads on bodies in a scenario: forces, torques and accelerations, constant or over time.
 
-use std::collections::BTreeSet;
+mod begin;
 
 use femdem_contact::{BodyId, Wrench};
 use femdem_fem::Curve;
@@ -8,9 +8,6 @@ use femdem_mesh::{Point3, Vector3};
 use femdem_solve::{AppliedLoad, World};
 use serde::{Deserialize, Serialize};
 
-use super::build::in_entry;
-use super::words::KEYS;
-use super::{Member, Scenario, Simulation};
 use crate::Error;
 use crate::error::wrong;
 
@@ -144,6 +141,18 @@ fn names(name: &str, member: &str) -> bool {
 }
 
 impl OnBodies {
+    fn new(entry: &LoadEntry) -> Result<Self, Error> {
+        let (kind, vector) = entry.kind()?;
+        Ok(Self {
+            names: entry.bodies.clone(),
+            kind,
+            vector,
+            point: entry.point.map(Vector3::from),
+            axes: entry.axes,
+            factor: entry.factor()?,
+        })
+    }
+
     fn is_on(&self, member: &str) -> bool {
         self.names.is_empty() || self.names.iter().any(|name| names(name, member))
     }
@@ -217,99 +226,28 @@ impl BodyLoads {
     }
 
     /// Loads the members of a world with the loads at a time \[s\].
-    fn apply(&mut self, members: &[Member], world: &mut World, time: f64) -> Result<(), Error> {
+    fn apply(
+        &mut self,
+        members: impl Iterator<Item = BodyId>,
+        world: &mut World,
+        time: f64,
+    ) -> Result<(), Error> {
         let factors: Vec<f64> = self.loads.iter().map(|load| load.factor.at(time)).collect();
         if self.acting.as_ref() == Some(&factors) {
             return Ok(());
         }
-        for (member, numbers) in members.iter().zip(&self.of_members) {
+        for (id, numbers) in members.zip(&self.of_members) {
             let mut sum = AppliedLoad::default();
             for &number in numbers {
-                let load = self.loads[number as usize].on(member.id, world)?;
+                let load = self.loads[number as usize].on(id, world)?;
                 let Some(load) = load else { continue };
                 sum = sum + load * factors[number as usize];
             }
-            if !numbers.is_empty() && world.has_body(member.id) {
-                world.set_load(member.id, sum)?;
+            if !numbers.is_empty() && world.has_body(id) {
+                world.set_load(id, sum)?;
             }
         }
         self.acting = Some(factors);
         Ok(())
-    }
-}
-
-impl Simulation {
-    /// Replaces the loads on bodies by those of a scene. Earlier ones end.
-    pub(super) fn set_loads(&mut self, scene: &Scenario) -> Result<(), Error> {
-        for (member, numbers) in self.members.iter().zip(&self.loads.of_members) {
-            if !numbers.is_empty() && self.world.has_body(member.id) {
-                self.world.set_load(member.id, AppliedLoad::default())?;
-            }
-        }
-        let mut loads = BodyLoads::default();
-        for (number, entry) in (1..).zip(&scene.load) {
-            let mut add = || {
-                let (kind, vector) = entry.kind()?;
-                self.check_loaded(&entry.bodies)?;
-                loads.loads.push(OnBodies {
-                    names: entry.bodies.clone(),
-                    kind,
-                    vector,
-                    point: entry.point.map(Vector3::from),
-                    axes: entry.axes,
-                    factor: entry.factor()?,
-                });
-                Ok(())
-            };
-            add().map_err(|error: Error| in_entry(format!("load {number}"))(error))?;
-        }
-        for member in &self.members {
-            loads.add_member(&member.name);
-        }
-        self.loads = loads;
-        self.load_bodies(self.world.time())
-    }
-
-    /// Refuses names of no bodies.
-    fn check_loaded(&self, given: &[String]) -> Result<(), Error> {
-        let mut known: BTreeSet<&str> = BTreeSet::new();
-        known.extend(self.members.iter().map(|member| member.name.as_str()));
-        known.extend(self.flow.supplies.iter().map(|supply| supply.name.as_str()));
-        for name in given {
-            if !known.iter().any(|member| names(name, member)) {
-                let list: Vec<&str> = known.iter().take(20).copied().collect();
-                return Err(Error::Unknown {
-                    name: "bodies",
-                    value: name.clone(),
-                    known: format!(
-                        "bodies, sources, and names before a number: {}",
-                        list.join(", ")
-                    ),
-                });
-            }
-        }
-        Ok(())
-    }
-
-    /// Loads the bodies for a step that begins now: with the loads of its middle, so that it is of second order.
-    pub(super) fn load_bodies_in_step(&mut self) -> Result<(), Error> {
-        self.load_bodies(self.world.time() + 0.5 * self.world.time_step())
-    }
-
-    /// Loads the bodies with the loads at a time \[s\].
-    pub(super) fn load_bodies(&mut self, time: f64) -> Result<(), Error> {
-        if self.loads.loads.is_empty() {
-            return Ok(());
-        }
-        let applied = self.loads.apply(&self.members, &mut self.world, time);
-        applied.map_err(|error| error.by_keys(&KEYS))
-    }
-
-    /// Sum of the loads on rigid bodies that contacts move \[N\].
-    pub(super) fn load_on_rigid(&self) -> Vector3 {
-        let free = self.world.rigid_ids();
-        let free = free.filter(|&id| self.world.follows_drive(id) == Some(false));
-        let loads = free.filter_map(|id| self.world.applied_load(id));
-        loads.map(|load| load.force).sum()
     }
 }
