@@ -27,7 +27,7 @@ impl Record {
     /// # Errors
     /// When it cannot be read.
     pub(super) fn of(runs: &Runs, study: &str, scale: Scale) -> Result<Self> {
-        let path = runs.workshop().root().join("docs/validation");
+        let path = runs.workshop().root().join("records");
         let path = path.join(format!("{study}.csv"));
         if scale == Scale::Full && runs.is_as_found() && path.is_file() {
             Self::read(&path)
