@@ -2,6 +2,8 @@
 
 pub(crate) mod analyse;
 mod args;
+#[cfg(test)]
+mod book;
 mod check;
 pub(crate) mod cli;
 mod folder;
