@@ -17,8 +17,7 @@ pub(super) fn page(name: &'static str, title: String, text: String, found: &[Fou
         name,
         title,
         text: format!(
-            "{text}\n\n{} Runs that were in the folder of runs already are used as they are; the last \
-             column of the table of runs names the program and the machine of each.{}{gaps}",
+            "{text}\n\n{}{}{gaps}",
             cost(found),
             recorded(found)
         ),
@@ -35,8 +34,7 @@ fn recorded(found: &[Found]) -> String {
     match found.iter().map(|f| f.recorded).sum::<usize>() {
         0 => String::new(),
         number => format!(
-            " {number} runs were there no more: their rows are those of the table of before, rounded as in it; \
-             errors of their numbers of contacts are missing, or the mean of the seeds of a pack."
+            " {number} runs are those of the table of before."
         ),
     }
 }

@@ -10,7 +10,7 @@ use super::{Problem, find, invariants};
 const SUMMARY: &str = "docs/SUMMARY.md";
 
 /// Most words of all pages together. Marks of tables and code alone do not count.
-const MOST_WORDS: usize = 34_000;
+const MOST_WORDS: usize = 35_000;
 
 /// Pages of formulas, whose paragraphs that begin with "Tests:" name the tests that hold them.
 const THEORY: &str = "docs/theory/";

@@ -32,14 +32,15 @@ fn pages(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The lines of all code blocks, those that end in a backslash joined with the next, here-documents left out.
+/// The lines of all blocks of commands and of text, those that end in a backslash joined with the next,
+/// here-documents left out.
 fn code(text: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     let (mut inside, mut until) = (false, None::<String>);
     let mut goes_on = false;
     for line in text.lines() {
-        if line.trim_start().starts_with("```") {
-            (inside, goes_on) = (!inside, false);
+        if let Some(kind) = line.trim_start().strip_prefix("```") {
+            (inside, goes_on) = (["sh", "text"].contains(&kind), false);
             continue;
         }
         if let Some(end) = &until {
