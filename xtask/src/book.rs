@@ -32,7 +32,11 @@ pub(crate) fn run(root: &Path, only: Option<&str>) -> Result<bool> {
     let program = build(root)?;
     let mut faults = 0;
     for page in pages(root)? {
-        let name = page.strip_prefix(root).unwrap_or(&page).display().to_string();
+        let name = page
+            .strip_prefix(root)
+            .unwrap_or(&page)
+            .display()
+            .to_string();
         let text = fs::read_to_string(&page).with_context(|| format!("cannot read {name}"))?;
         let blocks = blocks(&text);
         if blocks.is_empty() || only.is_some_and(|part| !name.contains(part)) {
@@ -52,7 +56,11 @@ pub(crate) fn run(root: &Path, only: Option<&str>) -> Result<bool> {
             }
         }
         let verdict = if good { "good" } else { "BAD" };
-        println!("{name}: {} blocks, {:.0} s, {verdict}", blocks.len(), start.elapsed().as_secs_f64());
+        println!(
+            "{name}: {} blocks, {:.0} s, {verdict}",
+            blocks.len(),
+            start.elapsed().as_secs_f64()
+        );
     }
     println!("book: {faults} problems");
     Ok(faults == 0)
@@ -67,7 +75,8 @@ fn build(root: &Path) -> Result<PathBuf> {
         .status()
         .context("cannot start cargo")?;
     ensure!(status.success(), "the program was not built");
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    let target =
+        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
     Ok(target.join("release"))
 }
 
@@ -76,7 +85,9 @@ fn pages(root: &Path) -> Result<Vec<PathBuf>> {
     let mut found = vec![root.join("README.md")];
     let mut folders = vec![root.join("docs")];
     while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))? {
+        for entry in
+            fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))?
+        {
             let path = entry?.path();
             if path.is_dir() {
                 folders.push(path);
@@ -125,7 +136,12 @@ fn blocks(text: &str) -> Vec<Block> {
             _ => {}
         }
     }
-    found.retain(|block| !block.commands.lines().any(|line| line.starts_with("cargo ")));
+    found.retain(|block| {
+        !block
+            .commands
+            .lines()
+            .any(|line| line.starts_with("cargo "))
+    });
     found
 }
 
@@ -133,15 +149,19 @@ fn blocks(text: &str) -> Vec<Block> {
 fn playground(root: &Path, name: &str) -> Result<PathBuf> {
     let folder = root.join(PLAYGROUND).join(name.replace(['/', '.'], "-"));
     if folder.is_dir() {
-        fs::remove_dir_all(&folder).with_context(|| format!("cannot empty {}", folder.display()))?;
+        fs::remove_dir_all(&folder)
+            .with_context(|| format!("cannot empty {}", folder.display()))?;
     }
     for input in INPUTS {
         let to = folder.join(input);
         fs::create_dir_all(&to).with_context(|| format!("cannot make {}", to.display()))?;
-        for entry in fs::read_dir(root.join(input)).with_context(|| format!("cannot read {input}"))? {
+        for entry in
+            fs::read_dir(root.join(input)).with_context(|| format!("cannot read {input}"))?
+        {
             let path = entry?.path();
             if let Some(file) = path.file_name().filter(|_| path.is_file()) {
-                fs::copy(&path, to.join(file)).with_context(|| format!("cannot copy {}", path.display()))?;
+                fs::copy(&path, to.join(file))
+                    .with_context(|| format!("cannot copy {}", path.display()))?;
             }
         }
     }
@@ -158,8 +178,10 @@ struct Ran {
 /// Runs commands in a folder by a shell that stops at the first failure.
 fn shell(folder: &Path, program: &Path, commands: &str) -> Result<Ran> {
     let path = std::env::var_os("PATH").unwrap_or_default();
-    let path = std::env::join_paths(std::iter::once(program.to_owned()).chain(std::env::split_paths(&path)))
-        .context("the folder of the program cannot be in PATH")?;
+    let path = std::env::join_paths(
+        std::iter::once(program.to_owned()).chain(std::env::split_paths(&path)),
+    )
+    .context("the folder of the program cannot be in PATH")?;
     let output = Command::new("sh")
         .args(["-eu", "-c", commands])
         .env("PATH", path)
@@ -182,7 +204,10 @@ fn problems(block: &Block, ran: &Ran) -> Vec<String> {
         return vec![format!("the commands failed:\n{}", told.join("\n"))];
     }
     let lines: Vec<&str> = ran.text.lines().map(str::trim).collect();
-    let missing = block.printed.iter().filter(|line| !lines.contains(&line.as_str()));
+    let missing = block
+        .printed
+        .iter()
+        .filter(|line| !lines.contains(&line.as_str()));
     missing.map(|line| format!("not printed: {line}")).collect()
 }
 
@@ -211,7 +236,11 @@ mod tests {
             commands: commands.to_owned(),
             printed: vec!["a b".to_owned()],
         };
-        for (commands, count) in [("echo ' a b'", 0), ("echo a", 1), ("echo 'a b'; false; true", 1)] {
+        for (commands, count) in [
+            ("echo ' a b'", 0),
+            ("echo a", 1),
+            ("echo 'a b'; false; true", 1),
+        ] {
             let block = block(commands);
             let ran = shell(here, here, commands).unwrap();
             assert_eq!(problems(&block, &ran).len(), count, "{commands}");

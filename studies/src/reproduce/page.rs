@@ -16,11 +16,7 @@ pub(super) fn page(name: &'static str, title: String, text: String, found: &[Fou
     Report {
         name,
         title,
-        text: format!(
-            "{text}\n\n{}{}{gaps}",
-            cost(found),
-            recorded(found)
-        ),
+        text: format!("{text}\n\n{}{}{gaps}", cost(found), recorded(found)),
         commands: found.iter().flat_map(|f| f.commands.clone()).collect(),
         checks: checks(found),
         columns: COLUMNS.to_vec(),
@@ -33,9 +29,7 @@ pub(super) fn page(name: &'static str, title: String, text: String, found: &[Fou
 fn recorded(found: &[Found]) -> String {
     match found.iter().map(|f| f.recorded).sum::<usize>() {
         0 => String::new(),
-        number => format!(
-            " {number} runs are those of the table of before."
-        ),
+        number => format!(" {number} runs are those of the table of before."),
     }
 }
 

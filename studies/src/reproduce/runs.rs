@@ -176,7 +176,8 @@ impl<'a> Runs<'a> {
     /// When the file cannot be written.
     pub(super) fn sign(&self, folder: &Path) -> Result<()> {
         let path = folder.join(ORIGIN);
-        fs::write(&path, &self.place.processor).with_context(|| format!("cannot write {}", path.display()))
+        fs::write(&path, &self.place.processor)
+            .with_context(|| format!("cannot write {}", path.display()))
     }
 
     /// A finished run of a job.

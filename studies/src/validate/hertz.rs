@@ -55,9 +55,7 @@ pub(super) fn lines(
 /// The note on a page made of earlier lines.
 pub(super) fn note(earlier: Option<&Path>) -> &'static str {
     match earlier {
-        Some(_) => {
-            "\nOther work shared the machine: the seconds mean little.\n"
-        }
+        Some(_) => "\nOther work shared the machine: the seconds mean little.\n",
         None => "",
     }
 }

@@ -123,9 +123,7 @@ fn growth(first: &Output) -> String {
 /// The note on a page made of earlier lines.
 fn note(earlier: Option<&Path>) -> &'static str {
     match earlier {
-        Some(_) => {
-            "\nOther work shared the machine.\n"
-        }
+        Some(_) => "\nOther work shared the machine.\n",
         None => "",
     }
 }

@@ -21,7 +21,8 @@ pub(crate) fn check(files: &[SourceFile]) -> Vec<Problem> {
         return vec![Problem::new(SUMMARY, 1, message)];
     };
     let pages = || {
-        let is_page = |path: &str| path.starts_with("docs/") && path.ends_with(".md") && path != SUMMARY;
+        let is_page =
+            |path: &str| path.starts_with("docs/") && path.ends_with(".md") && path != SUMMARY;
         files.iter().filter(move |file| is_page(&file.path))
     };
     let mut problems = Vec::new();
@@ -85,10 +86,16 @@ mod tests {
             file(SUMMARY, "- [A](a.md)\n- [B](theory/b.md)\n"),
             file("docs/a.md", "one | two `x`\n"),
             file("docs/c.md", ""),
-            file("docs/theory/b.md", "`other`\n\nTests: `here`,\n`gone`.\n\n`none`\n"),
+            file(
+                "docs/theory/b.md",
+                "`other`\n\nTests: `here`,\n`gone`.\n\n`none`\n",
+            ),
             file("crates/a.rs", "fn here() {\n"),
         ];
-        let places: Vec<_> = check(&files).into_iter().map(|p| (p.path, p.line)).collect();
+        let places: Vec<_> = check(&files)
+            .into_iter()
+            .map(|p| (p.path, p.line))
+            .collect();
         let wanted = [("docs/c.md", 1), ("docs/theory/b.md", 4)];
         assert_eq!(places, wanted.map(|(path, line)| (path.to_owned(), line)));
         assert_eq!(check(&files[1..]).len(), 1);

@@ -175,7 +175,10 @@ mod tests {
     fn broken_links_are_reported() {
         let text = "[good](../README.md#first-steps)\n[bad](gone.md)\n[out](../../x)\n[no](../README.md#last)\n[none](#b)\n\
                     [here](#a)\n# A\n";
-        let texts = BTreeMap::from([("README.md", "## First `steps`\n```\n# last\n```\n"), ("docs/a.md", text)]);
+        let texts = BTreeMap::from([
+            ("README.md", "## First `steps`\n```\n# last\n```\n"),
+            ("docs/a.md", text),
+        ]);
         let problems = check("docs/a.md", text, &texts, |path| texts.contains_key(path));
         let places: Vec<_> = problems.iter().map(|p| p.line).collect();
         assert_eq!(places, [2, 3, 4, 5]);
@@ -187,7 +190,10 @@ mod tests {
         for (heading, name) in [
             ("`[[body.boundary]]`", "bodyboundary"),
             ("summary.json", "summaryjson"),
-            ("Chains, forces and [orientation](a.md)", "chains-forces-and-orientation"),
+            (
+                "Chains, forces and [orientation](a.md)",
+                "chains-forces-and-orientation",
+            ),
         ] {
             assert_eq!(anchor(heading), name);
         }

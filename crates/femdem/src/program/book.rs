@@ -107,7 +107,10 @@ fn commands(line: &str) -> Vec<Vec<String>> {
 /// Why a command is not understood.
 fn refusal(words: &[String]) -> Option<String> {
     let is_pattern = |word: &String| word.chars().all(|c| c.is_ascii_uppercase()) && word.len() > 3;
-    let words: Vec<&String> = words.iter().filter(|w| *w != "..." && !is_pattern(w)).collect();
+    let words: Vec<&String> = words
+        .iter()
+        .filter(|w| *w != "..." && !is_pattern(w))
+        .collect();
     if words.len() < 2 {
         return None;
     }
@@ -198,7 +201,10 @@ fn page() -> String {
     let shown = |argument: &&Arg| !hidden.contains(&argument.get_id().as_str());
     for command in program.get_subcommands() {
         for argument in command.get_arguments().filter(shown) {
-            users.entry(entry(argument)).or_default().insert(command.get_name());
+            users
+                .entry(entry(argument))
+                .or_default()
+                .insert(command.get_name());
         }
     }
     let is_common = |key: &(String, String)| users.get(key).is_some_and(|names| names.len() > 2);
@@ -211,7 +217,10 @@ fn page() -> String {
         writeln!(text, "- `{}` ({}): {}", key.0, names.join(", "), key.1).unwrap();
     }
     for command in program.get_subcommands().filter(|c| c.get_name() != "help") {
-        let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+        let about = command
+            .get_about()
+            .map(ToString::to_string)
+            .unwrap_or_default();
         writeln!(text, "\n## femdem {}\n\n{about}.\n", command.get_name()).unwrap();
         for key in command.get_arguments().filter(shown).map(entry) {
             if !is_common(&key) {
