@@ -127,10 +127,8 @@ fn blocks(text: &str) -> Vec<Block> {
         }
         match (kind.as_deref(), found.last_mut()) {
             (Some("sh"), Some(block)) => block.commands += &format!("{line}\n"),
-            (Some("text"), Some(block)) if follows => {
-                if line.trim() != "..." && !line.trim().is_empty() {
-                    block.printed.push(line.trim().to_owned());
-                }
+            (Some("text"), Some(block)) if follows && !["", "..."].contains(&line.trim()) => {
+                block.printed.push(line.trim().to_owned());
             }
             (None, _) if !line.trim().is_empty() => follows = false,
             _ => {}
