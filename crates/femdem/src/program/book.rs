@@ -1,8 +1,6 @@
 //! The book in `docs` against the program: its commands are understood, and its page of options is that of the
 //! command line.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;
