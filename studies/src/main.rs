@@ -1,7 +1,7 @@
 //! Long numerical studies, run as `cargo studies <command>`.
 //!
 //! `validate` compares runs of the program with the figures it is to reach, and `reproduce` makes the studies of
-//! the founding paper, compared with its values. Both write the pages of `docs/validation`.
+//! the founding paper, compared with its values. Both write the pages of `records`.
 
 mod reproduce;
 mod validate;
@@ -24,7 +24,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Study {
-    /// Run the program against the figures it is to reach, and write docs/validation
+    /// Run the program against the figures it is to reach, and write records
     Validate(validate::Options),
     /// Run the founding paper's studies, and print our numbers beside its own
     Reproduce(reproduce::Options),

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 
-use crate::tidy;
+use crate::{book, tidy};
 
 /// A cargo command of the list.
 struct Step {
@@ -15,7 +15,7 @@ struct Step {
     environment: &'static [(&'static str, &'static str)],
 }
 
-/// Everything except `tidy`, which runs in this process after them. Cheap steps come first.
+/// Everything except `tidy` and the book, which run in this process after them. Cheap steps come first.
 ///
 /// The commands without a package option act on the default members, which are the crates of
 /// `crates/`: there, `--no-default-features` builds the serial code paths.
@@ -58,12 +58,13 @@ const STEPS: [Step; 7] = [
     },
 ];
 
-/// Runs the steps in order, stops at the first that fails, and prints the time each took.
+/// Runs the steps in order, stops at the first that fails, and prints the time each took. `full` adds the
+/// commands of the book, which take a quarter of an hour.
 ///
 /// # Errors
-/// When cargo itself cannot be started, or the workspace cannot be read by `tidy`.
-pub(crate) fn run(root: &Path) -> Result<bool> {
-    let total = STEPS.len() + 1;
+/// When cargo itself cannot be started, or the workspace cannot be read.
+pub(crate) fn run(root: &Path, full: bool) -> Result<bool> {
+    let total = STEPS.len() + 1 + usize::from(full);
     let mut times = Vec::with_capacity(total);
     for (index, step) in STEPS.iter().enumerate() {
         let command = format!("cargo {}", step.arguments);
@@ -75,15 +76,24 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
             return Ok(finish(&times, Some((step.name, &command))));
         }
     }
-    heading(total, total, "tidy", "cargo xtask tidy");
-    let start = Instant::now();
-    let passed = tidy::run(root)?;
-    times.push(("tidy", start.elapsed()));
-    Ok(finish(
-        &times,
-        (!passed).then_some(("tidy", "cargo xtask tidy")),
-    ))
+    let mut last: Vec<Own> = vec![("tidy", "cargo xtask tidy", tidy::run)];
+    if full {
+        last.push(("book", "cargo xtask book", |root| book::run(root, None)));
+    }
+    for (index, (name, command, check)) in last.into_iter().enumerate() {
+        heading(STEPS.len() + 1 + index, total, name, command);
+        let start = Instant::now();
+        let passed = check(root)?;
+        times.push((name, start.elapsed()));
+        if !passed {
+            return Ok(finish(&times, Some((name, command))));
+        }
+    }
+    Ok(finish(&times, None))
 }
+
+/// A check of this program: its name, its command, and what it does.
+type Own = (&'static str, &'static str, fn(&Path) -> Result<bool>);
 
 /// Runs one step with no standard input; returns whether it passed.
 fn run_cargo(root: &Path, step: &Step) -> Result<bool> {

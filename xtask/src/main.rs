@@ -1,9 +1,11 @@
 //! Chores of the project, run as `cargo xtask <command>`.
 //!
 //! `tidy` checks what the compiler does not: the documented crate graph against the real one, the tests of the
-//! invariants, file lengths, leftovers, crate docs, broken links. `ci` runs every check that a change must
-//! pass, in the same order as `.ci/run`. `browser` tests the report page in Chromium.
+//! invariants, file lengths, leftovers, crate docs, the book's links and length. `ci` runs every check that a change
+//! must pass, in the same order as `.ci/run`. `book` runs the commands of the book. `browser` tests the report page in
+//! Chromium.
 
+mod book;
 mod browser;
 mod ci;
 mod tidy;
@@ -22,10 +24,20 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Check the crate graph, the invariants' tests, file lengths, leftovers, crate docs and links
+    /// Check the crate graph, the invariants' tests, file lengths, leftovers, crate docs and the book
     Tidy,
     /// Run format, clippy, test, documentation and tidy checks; stop at the first failure
-    Ci,
+    Ci {
+        /// Run the commands of the book, too
+        #[arg(long)]
+        full: bool,
+    },
+    /// Run the commands of the book and of the README, and compare what they print with what it says
+    Book {
+        /// Only pages whose path contains this
+        #[arg(value_name = "PART")]
+        only: Option<String>,
+    },
     /// Try the report page in headless Chromium, installed if it is not there
     Browser,
 }
@@ -40,7 +52,8 @@ fn run() -> Result<bool> {
     let root = xtask::workspace_root()?;
     match cli.command {
         Task::Tidy => tidy::run(&root),
-        Task::Ci => ci::run(&root),
+        Task::Ci { full } => ci::run(&root, full),
+        Task::Book { only } => book::run(&root, only.as_deref()),
         Task::Browser => browser::run(&root),
     }
 }

@@ -1,5 +1,5 @@
 //! 500 bodies released at once from a lattice into a box, by this project and by rapier3d, in one
-//! process and on one thread, in turns. See `docs/validation/peers.md`.
+//! process and on one thread, in turns. See `records/peers.md`.
 
 mod clock;
 mod measure;

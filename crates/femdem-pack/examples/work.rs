@@ -1,5 +1,5 @@
 //! What a deposition costs and where: truncated dodecahedra in a column of 7 d x 7 d, one thread. See
-//! `docs/validation/cost.md`.
+//! `records/cost.md`.
 //!
 //! Prints lines of columns separated by tabs: phase, body steps per body, touching pairs evaluated per
 //! body, time per body in ms, steps, rounds of the linear systems. Arguments: bodies, seed, and `awake` for a

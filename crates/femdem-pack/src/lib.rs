@@ -54,7 +54,7 @@
 //! reported as not settled, never forced. The report also states how far bodies moved during the verification,
 //! and during the last awake relaxation before it ([`Relaxation`]); the latter is mostly compression under
 //! loads that sleeping bodies had not passed on. Packs of 500 that slept are 1.5 ± 0.3 % higher than packs that
-//! never did ([`PackSpec::sleeping`]), which cost seven times as much (`docs/validation/cost.md`).
+//! never did ([`PackSpec::sleeping`]), which cost seven times as much (`records/cost.md`).
 
 mod container;
 mod error;

@@ -141,7 +141,7 @@ impl Protocol {
     /// Usual mean penetration of the protocol over d: 0.0035, or 0.0012 for a release. Bodies that are all
     /// released at once strike each other after falling many layers, and some of those loads stay locked in, so
     /// that the largest penetration has to be limited, not the mean. At a mean of 0.0012 it is below 0.01 d in
-    /// the packs of 500 on which this was tried (`docs/validation/peers.md`).
+    /// the packs of 500 on which this was tried (`records/peers.md`).
     pub fn usual_penetration(&self) -> f64 {
         match self {
             Self::Sequential(_) | Self::Pour(_) => 0.0035,

@@ -509,7 +509,7 @@ impl PackSpec {
     /// The default steps of `femdem pack`: implicit (`Some`) if all bodies are released at once, because their
     /// stiff contacts make explicit steps short; otherwise explicit. Packs of 500 bodies reach rest in a sixth
     /// to a quarter of the processor time of explicit steps, come out looser by 0.005 ± 0.003, and the energy
-    /// ledger misses up to 5 % of the energy turned over (`docs/validation/peers.md`). Without friction, or
+    /// ledger misses up to 5 % of the energy turned over (`records/peers.md`). Without friction, or
     /// with a damping ratio below 0.1, it may miss most of it, and implicit steps have no local damping,
     /// no rolling friction and no attraction: in these cases steps are explicit, too.
     pub fn usual_step(&self) -> Option<ImplicitStep> {

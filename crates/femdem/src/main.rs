@@ -8,12 +8,14 @@ use clap::Parser;
 use program::cli::{Cli, Command};
 use program::job;
 use program::running::Outcome;
-use program::{analyse, complain, described, picture, pores, report, resolve, run, shapes, sweep};
+use program::{
+    analyse, complain, described, picture, pores, report, resolve, shapes, stages, sweep,
+};
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Pack(args) => job::pack(&args),
-        Command::Run(args) => run::run(&args),
+        Command::Run(args) => stages::run(&args),
         Command::Resume(args) => job::resume(&args),
         Command::Analyse(args) => analyse::run(&args),
         Command::Picture(args) => picture::run(&args),

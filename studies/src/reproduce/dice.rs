@@ -47,12 +47,9 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
     let all = find_recorded(runs, &cases(scale), &record)?;
     let readings = by_reading(&all, DICE.len());
     let text = format!(
-        "Platonic solids at friction {FRICTION} beside random loose and random close packs of plastic dice \
-         (J. Baker and A. Kudrolli, Phys. Rev. E 82, 061304, 2010; ±{DICE_ERROR}). A pack that is put down \
-         gently should be near loose, one that is shaken near close, so ours should lie between. Ways to \
-         make a pack:\n\n{}\n\
-         Behind a density stands where it lies between loose (0) and close (1), with its standard error. \
-         `femdem pack` has no container that moves; the study `shaken` taps its boxes by `femdem run`.\n\n{}\n![Chart](dice.svg)\n",
+        "Platonic solids at friction {FRICTION} beside random loose and random close packs of plastic dice (J. Baker and \
+         A. Kudrolli, Phys. Rev. E 82, 061304, 2010; ±{DICE_ERROR}).\n\n{}\n\
+         In brackets the place between loose (0) and close (1), with its standard error.\n\n{}\n![Chart](dice.svg)\n",
         explained(),
         table(&readings)
     );

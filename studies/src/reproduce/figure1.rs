@@ -216,13 +216,10 @@ fn text(boulders: u32, seconds: f64, timings: &[Timing]) -> String {
         .collect();
     let cpu = timings.first().map_or(f64::NAN, |t| t.cpu / seconds);
     format!(
-        "{boulders} boulders of the scene of `cargo studies validate boulders-deformable` fall into the founding \
-         paper's bin for {seconds} simulated seconds; the same bits on any number of threads. Of several turns (below) the fastest \
-         count. One thread takes {} s of \
-         processor time per simulated second. The paper's Figure 1 is of 288 deformable rocks, 93.2 min on one thread; its \
-         machine, elements and simulated time are other than ours, so speedups are compared and not times. The share of the time that does \
-         not gain from threads, by least squares of Amdahl's law: **{}** here, {} in the paper. Speedups that \
-         this law foretells for more threads than were measured are no measurements.\n\n{}\n![Chart](figure1.svg)",
+        "{boulders} deformable boulders fall into the founding paper's bin for {seconds} simulated seconds, with the same \
+         bits on any number of threads; the fastest of several turns counts. One thread takes {} s of processor time per \
+         simulated second. The paper's machine, elements and simulated time are others, so speedups are compared. The share \
+         of the time that does not gain from threads, by Amdahl's law: **{}** here, {} in the paper.\n\n{}\n![Chart](figure1.svg)",
         short(cpu),
         told(ours),
         told(paper),

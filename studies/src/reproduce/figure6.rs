@@ -49,11 +49,10 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
     let record = Record::of(runs, "figure6", scale)?;
     let all = find_recorded(runs, &cases(scale), &record)?;
     let mut text = format!(
-        "Figure 6 of Xiang, Latham and Farsi (DEM7, 2016), read off to {FIGURE6_ERROR}: truncated tetrahedra \
-         (A1) at five friction coefficients. Readings of the paper's protocol and damping:\n\n{}\n\
-         Cells are the density of the core with its standard error, and in brackets the difference to the \
-         paper, also in combined standard errors s. Where a core is too small for an error of its own, the standard \
-         error is that of the scatter of two or three packs, which can be small by chance.\n",
+        "Figure 6 of Xiang, Latham and Farsi (DEM7, 2016), read off to {FIGURE6_ERROR}: truncated tetrahedra (A1) at five \
+         friction coefficients.\n\n{}\n\
+         Cells are the density of the core with its standard error, and in brackets the difference to the paper, also in \
+         combined standard errors s.\n",
         explained()
     );
     let mut pictures = Vec::new();

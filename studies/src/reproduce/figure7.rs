@@ -11,7 +11,6 @@ use super::readings::{READINGS, Reading, explained};
 use super::run::Analysis;
 use super::runs::Runs;
 use super::statistics::{Estimate, bootstrap_difference};
-use crate::validate::chart::{self, Series};
 use crate::validate::report::{Report, markdown_table};
 
 const FRICTION: f64 = 0.6;
@@ -62,7 +61,6 @@ pub(super) fn cases(scale: Scale) -> Vec<Case> {
 pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
     let all = find(runs, &cases(scale))?;
     let mut text = introduction();
-    let mut pictures = Vec::new();
     let blocks = all.chunks(READINGS.len() * FIGURE7.len());
     for (kind, block) in kinds(scale).into_iter().zip(blocks) {
         let word = kind.name;
@@ -76,40 +74,22 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
                 "\n## Reading \"{key}\", {word} packs\n\n{}\n",
                 numbers(found)
             );
-            for (contacts, found) in FIGURE7
-                .iter()
-                .zip(found)
-                .filter(|(_, f)| !f.packs.is_empty())
-            {
-                let file = format!("figure7-{word}-{key}-{}.svg", contacts.name);
-                text += &format!("![Histogram of {}]({file})\n", contacts.name);
-                pictures.push((file, histogram(contacts, found)));
-            }
             for (rule, name) in RULES {
                 text += &format!("\n### Chains by {name}\n\n{}", chains(found, rule)?);
             }
         }
     }
     let title = "Figure 7: numbers of contacts and force chains".to_owned();
-    let mut report = page("figure7", title, text, &all);
-    for (file, picture) in pictures {
-        runs.attach(&mut report, &file, &picture)?;
-    }
-    Ok(report)
+    Ok(page("figure7", title, text, &all))
 }
 
 fn introduction() -> String {
     format!(
-        "Figure 7 of Xiang, Latham and Farsi (DEM7, 2016): rhombicosidodecahedra (A5), truncated \
-         dodecahedra (A10) and dodecahedra (P3) at friction 0.6. Readings of the paper's protocol and \
-         damping:\n\n{}\n\
-         Which bodies the paper's numbers of contacts are of is not stated: beside it stand those of the \
-         core and those of all bodies, walls counted. The paper says that the chains of A10 are longer and \
-         straighter. A backbone is the longest of the shortest ways within a chain, its straightness the \
-         distance of its ends over its length; short backbones are straighter by that measure, so the \
-         turn from link to link is shown too (a straight chain has 0). Differences have 95 % intervals by the bootstrap \
-         over chains (2,000 resamples; chains of all seeds taken as independent), for the turn by the block \
-         bootstrap over sub-boxes of a pack and the scatter between seeds; \"longer and straighter\" holds where the interval is on that side of 0.\n",
+        "Figure 7 of Xiang, Latham and Farsi (DEM7, 2016): rhombicosidodecahedra (A5), truncated dodecahedra (A10) and \
+         dodecahedra (P3) at friction 0.6. Are the chains of A10 longer and straighter, as the paper says?\n\n{}\n\
+         A backbone is the longest of the shortest ways within a chain; its straightness is the distance of its ends \
+         over its length. Differences have 95 % intervals by the bootstrap over chains, for the turn over sub-boxes and \
+         seeds.\n",
         explained()
     )
 }
@@ -201,21 +181,6 @@ fn moved(contacts: &Contacts, shares: &[f64]) -> f64 {
     let at = |list: &[f64], k: usize| list.get(k).copied().unwrap_or_default();
     let difference = |k| (at(shares, k) - at(&contacts.percent, k)).abs();
     0.5 * (0..longest).map(difference).sum::<f64>()
-}
-
-fn histogram(contacts: &Contacts, found: &Found) -> String {
-    let line = |name: &str, percent: &[f64]| Series {
-        name: name.to_owned(),
-        points: (0..)
-            .zip(percent)
-            .map(|(k, p)| [f64::from(k), *p])
-            .collect(),
-    };
-    let mut series = vec![line("paper", &contacts.percent)];
-    series.push(line("core", &shares(found, "core_coordination")));
-    series.push(line("all bodies", &shares(found, "coordination")));
-    let x = format!("contacts of {}", contacts.name);
-    chart::svg([&x, "% of the bodies"], [0.0, 12.5], [0.0, 50.0], &series)
 }
 
 /// Chains of the packs of a case by one rule.

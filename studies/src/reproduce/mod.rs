@@ -3,7 +3,7 @@
 //! Each study is a list of runs of the release program and a page made from them. A run has its own folder,
 //! named after its options, under `--runs`. A complete run that exists is used, so that the runs of a study may
 //! be made beforehand, side by side, by the commands that `--list` prints, and the page afterwards. `--quick`
-//! uses small packs and writes to `out/reproduce` instead of `docs/validation`.
+//! uses small packs and writes to `out/reproduce` instead of `records`.
 
 mod case;
 mod dice;
@@ -159,7 +159,7 @@ pub(crate) fn run(root: &Path, options: &Options) -> Result<bool> {
     }
     let pages = match scale {
         Scale::Quick => root.join("out/reproduce"),
-        Scale::Full => root.join("docs/validation"),
+        Scale::Full => root.join("records"),
     };
     let workshop = Workshop::new(root)?;
     let runs = Runs::open(&workshop, &folder, threads, options.as_found)?;

@@ -61,16 +61,10 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
 }
 
 fn introduction() -> String {
-    "Directions of all bodies of a pack on an equal-area net of the lower hemisphere: of the axes of cylinders \
-     twice as long as wide, and of the normals of the ten-sided faces of truncated dodecahedra. Against chance:\n\n\
-     - cos² of the angle between a cylinder's axis and the vertical: its mean is 1/3 for random axes, with a \
-     standard error of √(4/45/N) (lying bodies give less). The faces of A10 have the symmetry of the \
-     icosahedron, whose second moment is the same for every orientation, so there is nothing to test.\n\
-     - nematic order of cylinders, cubatic order of A10: with what random bodies of the same number give, \
-     from 200 random packs, and the difference in their standard deviations.\n\
-     - nodes of the net: root mean square deviation from the uniform density in Kamb's standard errors, 1 for \
-     independent random directions, and the largest. (The faces of one body are not independent, nor are \
-     neighbouring nodes.)\n"
+    "Directions of all bodies of a pack on an equal-area net: of the axes of cylinders twice as long as wide, and of the \
+     normals of the ten-sided faces of truncated dodecahedra. Against chance: the mean cos² of the angle to the vertical \
+     (1/3 at random, with a standard error of √(4/45/N)); the nematic and cubatic order of 200 random packs; the deviation \
+     of the nodes of the net in Kamb's standard errors.\n"
         .to_owned()
 }
 

@@ -16,12 +16,7 @@ pub(super) fn page(name: &'static str, title: String, text: String, found: &[Fou
     Report {
         name,
         title,
-        text: format!(
-            "{text}\n\n{} Runs that were in the folder of runs already are used as they are; the last \
-             column of the table of runs names the program and the machine of each.{}{gaps}",
-            cost(found),
-            recorded(found)
-        ),
+        text: format!("{text}\n\n{}{}{gaps}", cost(found), recorded(found)),
         commands: found.iter().flat_map(|f| f.commands.clone()).collect(),
         checks: checks(found),
         columns: COLUMNS.to_vec(),
@@ -34,10 +29,7 @@ pub(super) fn page(name: &'static str, title: String, text: String, found: &[Fou
 fn recorded(found: &[Found]) -> String {
     match found.iter().map(|f| f.recorded).sum::<usize>() {
         0 => String::new(),
-        number => format!(
-            " {number} runs were there no more: their rows are those of the table of before, rounded as in it; \
-             errors of their numbers of contacts are missing, or the mean of the seeds of a pack."
-        ),
+        number => format!(" {number} runs are those of the table of before."),
     }
 }
 

@@ -27,7 +27,7 @@ impl Record {
     /// # Errors
     /// When it cannot be read.
     pub(super) fn of(runs: &Runs, study: &str, scale: Scale) -> Result<Self> {
-        let path = runs.workshop().root().join("docs/validation");
+        let path = runs.workshop().root().join("records");
         let path = path.join(format!("{study}.csv"));
         if scale == Scale::Full && runs.is_as_found() && path.is_file() {
             Self::read(&path)
@@ -106,7 +106,7 @@ impl Record {
             run: Run {
                 folder: PathBuf::new(),
                 summary: Summary::parse(&summary.to_string())?,
-                origin: Some(text("program_machine")?.clone()),
+                origin: Some(text("machine")?.clone()),
             },
             analysis: Analysis::without_tables(analysis),
         }))
@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn rows_come_back_as_they_were() {
         let row = "\"A3, drag, small, seed 2\",900,0.5812,0.5811,0.0072,2.0000,5.1200,5.9100,0.0600,0.003282,0.001131,\
-                   true,48.2,51.1,1,\"92db075, AMD EPYC\"";
+                   true,48.2,51.1,1,AMD EPYC";
         let record = Record::parse(&format!("{}\n{row}\n", COLUMNS.join(","))).unwrap();
         let job = |bodies| Job {
             options: String::new(),

@@ -198,7 +198,7 @@ pub(super) const COLUMNS: [&str; 16] = [
     "cpu_s",
     "wall_s",
     "threads",
-    "program_machine",
+    "machine",
 ];
 
 impl Analysis {

@@ -170,14 +170,14 @@ impl<'a> Runs<'a> {
         self.sign(&folder)
     }
 
-    /// Names program and machine in the folder of a run that was made now.
+    /// Names the machine in the folder of a run that was made now.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub(super) fn sign(&self, folder: &Path) -> Result<()> {
-        let origin = format!("{}, {}", self.place.program, self.place.processor);
         let path = folder.join(ORIGIN);
-        fs::write(&path, origin).with_context(|| format!("cannot write {}", path.display()))
+        fs::write(&path, &self.place.processor)
+            .with_context(|| format!("cannot write {}", path.display()))
     }
 
     /// A finished run of a job.

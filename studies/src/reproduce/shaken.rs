@@ -333,12 +333,10 @@ fn text(rows: &[Vec<String>], boxes: &[Tapped]) -> String {
         "solid", "bodies", "loose", "close", "before", "after", "gained",
     ];
     format!(
-        "Platonic solids with friction {FRICTION} fall from a lattice of {SPACING} d with random orientations into a box, \
-         which after {SETTLING} s is lifted and put down by {STROKE} m in {} s (three times gravity) once in {INTERVAL} s. The \
-         density is exact, in a core {inset} d from walls, floor and top, at the ends of intervals. Loose and close are those of dice \
-         (J. Baker and A. Kudrolli, Phys. Rev. E 82, 061304, 2010; ±{DICE_ERROR}); in brackets the place \
-         between loose (0) and close (1). One box of each, so that only the gain is telling. \
-         By `femdem run`, bodies rigid.\n\n{}\n![Chart](shaken.svg)",
+        "Platonic solids with friction {FRICTION} fall from a lattice of {SPACING} d into a box, which after {SETTLING} s is \
+         lifted and put down by {STROKE} m in {} s (three times gravity) once in {INTERVAL} s. The density is exact, in a core \
+         {inset} d from walls, floor and top. Loose and close are those of dice (J. Baker and A. Kudrolli, Phys. Rev. E 82, \
+         061304, 2010; ±{DICE_ERROR}); in brackets the place between them. One box of each.\n\n{}\n![Chart](shaken.svg)",
         1.0 / FREQUENCY,
         markdown_table(&heads, rows)
     )

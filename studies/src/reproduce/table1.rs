@@ -95,13 +95,10 @@ pub(super) fn run(runs: &Runs, scale: Scale) -> Result<Report> {
 
 fn introduction() -> String {
     format!(
-        "Table 1 of Xiang, Latham and Farsi (DEM7, 2016): 11,000 bodies, friction 0.6, 2560 kg/m³, density in \
-         a core 5 d from walls and top. Readings of its protocol and of its \"damping coefficient 0.6\", \
-         each with the same options for all shapes:\n\n{}\n\
-         Densities are exact, in the core; behind the ± is a standard error, by block bootstrap within a \
-         pack whose core has 8 blocks or more and, with several seeds, by the scatter between them if that is larger. In brackets: the \
-         difference to the paper, and the same in combined standard errors s (the paper's has the rounding \
-         to 0.01 only, since it states none).\n",
+        "Table 1 of Xiang, Latham and Farsi (DEM7, 2016): 11,000 bodies, friction 0.6, density in a core 5 d from walls \
+         and top.\n\n{}\n\
+         Behind the ± is a standard error, by block bootstrap or, with several seeds, by the scatter between them if \
+         that is larger. In brackets: the difference to the paper, and the same in combined standard errors s.\n",
         explained()
     )
 }

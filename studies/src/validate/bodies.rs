@@ -98,7 +98,7 @@ pub(crate) fn scanned(workshop: &Workshop, count: u32) -> Result<Report> {
     )?;
     report.commands = vec![format!(
         "cargo run --release -- pack {}",
-        options("docs/validation/stone.stl")
+        options("records/stone.stl")
     )];
     report.attachments.push(path);
     Ok(report)

@@ -55,11 +55,7 @@ pub(super) fn lines(
 /// The note on a page made of earlier lines.
 pub(super) fn note(earlier: Option<&Path>) -> &'static str {
     match earlier {
-        Some(_) => {
-            "\nThis page is made of lines that the commands below printed, each for itself, on this machine while \
-             others used it: the seconds mean little. Meshes and stiffnesses without a row are still to be \
-             run.\n"
-        }
+        Some(_) => "\nOther work shared the machine: the seconds mean little.\n",
         None => "",
     }
 }
@@ -84,25 +80,14 @@ pub(crate) fn hertz(workshop: &Workshop, earlier: Option<&Path>) -> Result<Repor
     })
 }
 
-const PRESSED_TEXT: &str = "The lower half of a neo-Hookean ball, nu = 0.3, its equator held in a plane \
-that is moved by the depth d, on a smooth rigid plane and on an equal half ball (which moves by 2 d \
-towards it); `World` in explicit motion to each depth, then `World::relax` to a residual of 5e-4 of the \
-force. Linear tetrahedra, fine within 0.26 R of the pole; for d up to 0.02 R, which the meshes resolve least, \
-also a finer mesh within 0.16 R; h is the mean edge there, a Hertz's contact \
-radius. kappa h/E is the stiffness of the contact field, given as a penalty. Quantities are over those \
-of Hertz's theory for the same d: F = 4/3 E* sqrt(R) d^1.5, a = sqrt(R d), p = 2/pi E* sqrt(d/R).\n\n\
-The theory is for d much less than R, a half-space and small strain. Here the depth goes to 0.06 R and \
-a to 0.245 R: the equator is held, the ball is finite and round, and so is the strain, \
-so the converged force exceeds Hertz's more the larger d is. The force is therefore \
-judged against its converged value: the intercept of the least-squares fit \
-F0 + A h + B h/(kappa h/E) to the runs of the table with kappa h/E = 1 and 3, for each depth. \
-The radius is that of a circle of the contact's area, which counts all that overlaps, so it exceeds the \
-elastic one where the field is soft. The pressure is that of the field on the axis (-: not measured).\n\n\
-A pair of deformable bodies overlaps with both fields; a wall has none and acts as the body's mirror image: \
-ball on plane and two balls are the same problem, on meshes that meet the plane or each other. A mean pressure p \
-goes with a penetration p/(4 kappa) beside the elastic approach. At kappa h/E = 1 and nu = 0.3 that is 0.117 d h/a \
-in Hertz's theory, and lowers the force by 17.5 % h/a: 8.7 % at a/h = 2, 6.2 % at 2.8, 5 % at 3.5. That coarse linear \
-tetrahedra are stiff works the other way.\n\n![Force over Hertz's](hertz.svg)\n\n";
+const PRESSED_TEXT: &str = "The lower half of a neo-Hookean ball, nu = 0.3, its equator held in a plane that is moved by the depth d, on a smooth \
+rigid plane and on an equal half ball. Linear tetrahedra, fine within 0.26 R of the pole, for d up to 0.02 R also within \
+0.16 R; h is the mean edge there, a Hertz's contact radius. Quantities are over those of Hertz's theory for the same d: \
+F = 4/3 E* sqrt(R) d^1.5, a = sqrt(R d), p = 2/pi E* sqrt(d/R).\n\n\
+The theory is for d much less than R and a half-space. The force is therefore judged against its converged value: the \
+intercept of the least-squares fit F0 + A h + B h/(kappa h/E) to the runs with kappa h/E = 1 and 3. The radius is that of a \
+circle of the contact's area. The pressure is that of the field on the axis (-: not measured).\n\n\
+![Force over Hertz's](hertz.svg)\n\n";
 
 /// The three unknowns of F0 + A h + B h/r by least squares; NaN without enough runs.
 fn converged(rows: &[&[String]], against: &str, depth: &str) -> f64 {

@@ -1,4 +1,4 @@
-//! Machine, compiler and program of a result.
+//! Machine and program of a result.
 
 use std::fs;
 use std::path::Path;
@@ -6,23 +6,22 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-/// The machine, the compiler and the program of a run.
+/// The machine and the program of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Place {
     pub(crate) processor: String,
     pub(crate) cores: usize,
     /// Mean number of busy cores in the minute before; `None` if the system does not report it.
     pub(crate) load: Option<String>,
-    pub(crate) compiler: String,
     /// Version and date of the program.
     pub(crate) program: String,
 }
 
 impl Place {
-    /// Asks the system, the compiler and git.
+    /// Asks the system and git.
     ///
     /// # Errors
-    /// When the compiler or git cannot be asked.
+    /// When git cannot be asked.
     pub(crate) fn find(root: &Path) -> Result<Self> {
         let date = answer(root, "git", &["log", "-1", "--format=%cs"])?;
         let changes = answer(
@@ -37,7 +36,6 @@ impl Place {
             load: fs::read_to_string("/proc/loadavg")
                 .ok()
                 .and_then(|text| text.split_whitespace().next().map(str::to_owned)),
-            compiler: answer(root, "rustc", &["--version"])?,
             program: program(&date, &changes),
         })
     }
@@ -49,8 +47,8 @@ impl Place {
             None => String::new(),
         };
         format!(
-            "- machine: {}, {} cores{load}\n- compiler: {}\n- program: {}\n",
-            self.processor, self.cores, self.compiler, self.program
+            "- machine: {}, {} cores{load}\n- program: {}\n",
+            self.processor, self.cores, self.program
         )
     }
 }
@@ -119,7 +117,6 @@ mod tests {
             processor: "P".to_owned(),
             cores: 2,
             load: Some("0.10".to_owned()),
-            compiler: "rustc 1".to_owned(),
             program: "femdem 1".to_owned(),
         };
         assert!(

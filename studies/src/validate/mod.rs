@@ -2,7 +2,7 @@
 //!
 //! Each case builds the release program, runs it in a temporary folder, reads its `summary.json`
 //! and writes a page and a table with the machine, the program and the commands. With `--count` a
-//! case is a trial on fewer bodies, and writes to `out/validation` instead of `docs/validation`.
+//! case is a trial on fewer bodies, and writes to `out/validation` instead of `records`.
 
 mod bits;
 mod bodies;
@@ -149,7 +149,7 @@ pub(crate) fn run(root: &Path, options: &Options) -> Result<bool> {
     let folder = if options.count.is_some() || options.seconds.is_some() {
         root.join("out/validation")
     } else {
-        root.join("docs/validation")
+        root.join("records")
     };
     let workshop = Workshop::new(root)?;
     let mut reached = true;

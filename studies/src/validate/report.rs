@@ -41,7 +41,7 @@ impl Check {
 }
 
 /// Longer lists of runs and of rows are in files of their own, beside the page.
-const LONGEST_LIST: usize = 20;
+const LONGEST_LIST: usize = 30;
 
 /// The result of a case.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -268,7 +268,6 @@ mod tests {
             processor: "P".to_owned(),
             cores: 2,
             load: None,
-            compiler: "rustc 1".to_owned(),
             program: "femdem 1".to_owned(),
         };
         let picture = folder.path().join("trial.png");

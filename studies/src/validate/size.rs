@@ -93,13 +93,10 @@ pub(crate) fn run(workshop: &Workshop, count: Option<u32>) -> Result<Report> {
 fn text(peaks: &[f64]) -> String {
     let megabytes: Vec<String> = peaks.iter().map(|p| format!("{:.1} MB", p / 1e6)).collect();
     format!(
-        "A column of 250 truncated dodecahedra, 5.3 d wide, settles once; N bodies are copies of it side by \
-         side between four walls and on a floor, numbered by height, as if deposited, so that neighbours lie \
-         far apart in memory. All are awake; one thread. Cost is processor time of a step over the bodies, \
-         the least of ten rounds of ten steps, after 500 steps under local damping (the copies begin without \
-         friction). Memory is what the process holds more than before the world was made.\n\n\
-         The program's peak memory while it packs in sequence is {} with {} and {} bodies. Writing the results \
-         takes more: the picture about 75 MB, whatever the number of bodies.",
+        "A column of 250 truncated dodecahedra settles once; N bodies are copies of it side by side. All are awake; one \
+         thread. Cost is processor time of a step over the bodies, the least of ten rounds of ten steps. Memory is what the \
+         process holds more than before the world was made. The program's peak memory while it packs in sequence is {} with \
+         {} and {} bodies.",
         megabytes.join(" and "),
         PROGRAM[0],
         PROGRAM[1]

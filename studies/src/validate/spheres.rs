@@ -127,28 +127,16 @@ fn finite_table() -> String {
     text
 }
 
-const TEXT: &str = "Tests 1 and 2 of Y. C. Chung and J. Y. Ooi, Granular Matter 13 (2011) \
-643-656, with whole balls of neo-Hookean tetrahedra in an explicit `World` at 0.9 of the stable step, \
-without friction, damping or gravity.\n\n\
-1. Two equal glass balls (R = 10 mm, E = 48 GPa, nu = 0.2, density 2800 kg/m^3), each at 10 m/s. Also one of \
-them at 1 m/s on a rigid plane, which is the mirror of an equal ball.\n\
-2. A ball of an aluminium alloy (R = 100 mm, E = 70 GPa, density 2699 kg/m^3) at 0.2 m/s on a rigid \
-plane. nu = 0.3, with which Hertz's theory gives the published force; nu = 0.33 would give 11.465 kN.\n\n\
-The published forces are those of Hertz's theory of impact: F = 4/3 E* sqrt(R*) d^1.5 with \
-d = (15 m* v^2/(16 E* sqrt(R*)))^0.4, and the time in contact is 2.9433 d/v. The tables give peak force \
-and duration (to the last contact) over those. Spacing is the mean edge of the skin about the pole, half of \
-it for quadratic tetrahedra (T10); kappa h/E is meant with it. The density is raised by what the \
-polyhedron lacks of the ball's volume. Restitution is the momentum after over that before.\n\n\
-Hertz's theory takes each ball for a half-space, which is right for a contact much smaller than the ball. In \
-test 1 its radius a is 0.117 R, and a ball of finite size is stiffer: the displacement of a half-space reaches \
-beyond where the ball ends. How much, the table below says, by the series solution of a linearly elastic ball \
-that its own inertia pushes onto the plane, with Hertz's pressure on the cap that makes the energy least \
-(`studies/src/validate/finite_ball.rs`; waves are left out). A program that solves the equations of elasticity must miss \
-Hertz's force in test 1 by about this, and comes to within 3 % of it only where the mesh or the contact field is \
-too soft. The excess falls with a/R, that is with the speed. Finite strain is not what makes it: \
-a law of small strain, P = lambda tr(e) I + 2 mu e, and Hencky's have it as well (rows of test 1 with their names, on a plane). Nor does a coarse surface: the middle nodes of quadratic \
-tetrahedra lie on chords, in test 1 at 0.035 up to 6e-4 R inside the ball, 5 % of the approach d, which makes their \
-contact softer and longer than that of linear tetrahedra of the same spacing.\n\n\
+const TEXT: &str = "Tests 1 and 2 of Y. C. Chung and J. Y. Ooi, Granular Matter 13 (2011) 643-656, with whole balls of \
+neo-Hookean tetrahedra, without friction, damping or gravity.\n\n\
+1. Two equal glass balls (R = 10 mm, E = 48 GPa, nu = 0.2, density 2800 kg/m^3), each at 10 m/s. Also one of them at \
+1 m/s on a rigid plane.\n\
+2. A ball of an aluminium alloy (R = 100 mm, E = 70 GPa, nu = 0.3, density 2699 kg/m^3) at 0.2 m/s on a rigid plane.\n\n\
+The published forces are those of Hertz's theory, F = 4/3 E* sqrt(R*) d^1.5 with d = (15 m* v^2/(16 E* sqrt(R*)))^0.4, and \
+the time in contact is 2.9433 d/v. Spacing is the mean edge of the skin about the pole, half of it for quadratic \
+tetrahedra (T10).\n\n\
+Hertz's theory takes each ball for a half-space. A ball of finite size is stiffer, by the series solution of a linearly \
+elastic ball that its own inertia pushes onto the plane (`studies/src/validate/finite_ball.rs`):\n\n\
 ![Force in time](spheres.svg)\n";
 
 /// The row that is assessed: that of T10, or else T4, with the finest mesh at kappa h/E = 1.

@@ -10,11 +10,7 @@ const HEADING: &str = "## Invariants";
 /// Every name with an underscore between backticks in the table must be a function of the tree,
 /// and every row must name one.
 pub(crate) fn check(path: &str, text: &str, files: &[SourceFile]) -> Vec<Problem> {
-    let functions: BTreeSet<&str> = files
-        .iter()
-        .filter(|file| file.extension() == "rs")
-        .flat_map(|file| file.text.lines().filter_map(function))
-        .collect();
+    let functions = functions(files);
     let rows = text
         .lines()
         .zip(1..)
@@ -35,6 +31,15 @@ pub(crate) fn check(path: &str, text: &str, files: &[SourceFile]) -> Vec<Problem
         }
     }
     problems
+}
+
+/// The names of all functions of the tree.
+pub(crate) fn functions(files: &[SourceFile]) -> BTreeSet<&str> {
+    files
+        .iter()
+        .filter(|file| file.extension() == "rs")
+        .flat_map(|file| file.text.lines().filter_map(function))
+        .collect()
 }
 
 /// The name of the function that a line opens.

@@ -3,6 +3,7 @@
 //! Each checker is a pure function from text to a list of [`Problem`]s; this module reads the tree, calls them
 //! and prints the problems found.
 
+mod book;
 mod circles;
 mod crates;
 mod files;
@@ -13,7 +14,7 @@ mod links;
 mod metadata;
 mod words;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
 
@@ -66,6 +67,7 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     problems.extend(crates::check(&files, &packages));
     problems.extend(circles::check(&files));
     problems.extend(check_links(root, &files));
+    problems.extend(book::check(&files));
     problems.sort();
 
     for problem in &problems {
@@ -106,8 +108,13 @@ fn check_links(root: &Path, files: &[SourceFile]) -> Vec<Problem> {
     }
     let known: BTreeSet<&str> = files.iter().map(|file| file.path.as_str()).collect();
     let exists = |path: &str| known.contains(path) || root.join(path).exists();
+    let texts: BTreeMap<&str, &str> = files
+        .iter()
+        .filter(|file| file.extension() == "md")
+        .map(|file| (file.path.as_str(), file.text.as_str()))
+        .collect();
     for file in files.iter().filter(|file| links::is_guide(&file.path)) {
-        problems.extend(links::check(&file.path, &file.text, exists));
+        problems.extend(links::check(&file.path, &file.text, &texts, exists));
     }
     problems
 }

@@ -19,7 +19,7 @@ pub enum Linear {
     /// unknown with quadratic elements.
     CgAssembled,
     /// Sparse Cholesky factorisation on one thread, fill-reducing order found once. Needs the feature
-    /// `implicit`; memory and time grow faster than the mesh (see `docs/validation/statics.md`).
+    /// `implicit`; memory and time grow faster than the mesh (see `records/statics.md`).
     Cholesky,
 }
 

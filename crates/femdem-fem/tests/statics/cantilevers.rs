@@ -1,4 +1,4 @@
-//! The cantilever of `docs/validation/statics.md` on small meshes.
+//! The cantilever of `records/statics.md` on small meshes.
 
 use super::{cantilever, newton, solvers, with};
 use femdem_fem::element::Element;

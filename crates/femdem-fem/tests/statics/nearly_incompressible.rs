@@ -1,4 +1,4 @@
-//! The locking benchmarks of `docs/validation/statics.md`, on small meshes. Conjugate gradients take minutes
+//! The locking benchmarks of `records/statics.md`, on small meshes. Conjugate gradients take minutes
 //! there, so they run only with the feature `implicit`.
 
 use super::{cook, newton, sphere};

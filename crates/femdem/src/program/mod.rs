@@ -2,6 +2,8 @@
 
 pub(crate) mod analyse;
 mod args;
+#[cfg(test)]
+mod book;
 mod check;
 pub(crate) mod cli;
 mod folder;
@@ -17,7 +19,7 @@ pub(crate) mod run;
 pub(crate) mod running;
 pub(crate) mod shapes;
 mod source;
-mod stages;
+pub(crate) mod stages;
 pub(crate) mod sweep;
 
 use std::io::Write;

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use clap::Args;
-use femdem::run::{Run, Scenario, Stage};
+use femdem::run::{Run, Scenario};
 use femdem::{Usage, output};
 
 use super::args::{ResumeArgs, RunArgs};
@@ -43,10 +43,6 @@ pub(crate) struct SceneArgs {
 }
 
 pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
-    let stages = Stage::read(&args.scene, args.out.as_deref())?;
-    if !stages.is_empty() {
-        return super::stages::run(args, &stages);
-    }
     let mut scenario = Scenario::read(&args.scene)?;
     if let Some(out) = &args.out {
         scenario.out.clone_from(out);

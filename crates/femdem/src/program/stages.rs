@@ -7,12 +7,22 @@ use anyhow::{Context, Result};
 use femdem::run::Stage;
 
 use super::args::{ResumeArgs, RunArgs};
-use super::run::{SCENE, SceneArgs, resume as resume_run, run_scenario};
+use super::run::{SCENE, SceneArgs, resume as resume_run, run as run_whole, run_scenario};
 use super::running::Outcome;
 use super::{folder, say};
 
+/// Runs a scene: all its stages, if it has any.
+pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
+    let stages = Stage::read(&args.scene, args.out.as_deref())?;
+    if stages.is_empty() {
+        run_whole(args)
+    } else {
+        run_stages(args, &stages)
+    }
+}
+
 /// Runs the stages of a scene, and keeps the scene in the folder that holds theirs.
-pub(super) fn run(args: &SceneArgs, stages: &[Stage]) -> Result<Outcome> {
+fn run_stages(args: &SceneArgs, stages: &[Stage]) -> Result<Outcome> {
     if !args.check {
         let out = folder_of(stages);
         // Only to refuse a folder that holds something: the stages claim theirs.

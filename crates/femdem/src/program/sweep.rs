@@ -16,7 +16,7 @@ use toml::{Table, Value};
 use super::args::{PackArgs, ResumeArgs, RunArgs};
 use super::run::SceneArgs;
 use super::running::Outcome;
-use super::{complain, described, folder, job, run, say};
+use super::{complain, described, folder, job, run, say, stages};
 
 /// Options of `femdem sweep`.
 #[derive(Debug, Args)]
@@ -300,7 +300,7 @@ impl Job {
             });
         }
         if is_run {
-            return run::run(&SceneArgs {
+            return stages::run(&SceneArgs {
                 scene: self.scene.clone(),
                 out: Some(self.folder.clone()),
                 force: true,
