@@ -130,9 +130,11 @@ impl Tables {
         let (shapes, bodies) = snapshot.posed();
         let pack = Pack::new(&shapes, &bodies)?;
         let data = Data::of(snapshot);
-        let network = ForceNetwork::new(&data.bodies, &data.contacts, options.force_threshold)?;
+        let network = ForceNetwork::new(&data.bodies, &data.contacts, options.force_threshold)?
+            .in_space(snapshot.space);
         let mut tables = Self::empty(snapshot, options, &network, data.walls.clone());
-        tables.add_geometry(snapshot, &pack)?;
+        tables.add_orientation(&pack)?;
+        tables.add_geometry(snapshot)?;
         tables.add_tilt(snapshot, &pack)?;
         tables.add_mixing(snapshot, &pack)?;
         tables.add_radial_distribution(&pack)?;
