@@ -144,12 +144,12 @@ fn voronoi_cells_go_over_the_edges() {
     let space = space(false);
     let (shapes, own) = (cube(), bodies(&space, &mut stream));
     let (min, max) = inside().corners();
-    let by = Vector3::new(2.0, 2.0, 0.0);
+    let by = Vector3::new(2.5, 2.5, 0.0);
     let wide = Region::Box {
         min: min - by,
         max: max + by,
     };
-    let images = WithImages::new(&shapes, &own, &space, &inside(), 4.0).unwrap();
+    let images = WithImages::new(&shapes, &own, &space, &inside(), 5.0).unwrap();
     let all = spelt_out(&space, &own);
     let options = SetVoronoiOptions::default();
     let packs = [
@@ -298,7 +298,7 @@ fn chains_go_over_the_edges() {
         diameter: 1.0,
         weight: 1.0,
     };
-    let bodies = [body(0.2), body(1.2), body(2.2), body(1.7)];
+    let bodies = [body(0.2), body(1.2), body(2.2), body(1.7), body(0.7)];
     let contact = |first, second, x| ForceContact {
         first,
         second: Partner::Body(second),
@@ -309,13 +309,18 @@ fn chains_go_over_the_edges() {
         moment: Vector3::zeros(),
         class: None,
     };
-    // The second is told at the other face. The last body carries nothing to speak of.
-    let weak = ForceContact {
+    // The last two carry nothing to speak of.
+    let weak = |first, second, x| ForceContact {
         normal: Vector3::y(),
         normal_force: 0.01,
-        ..contact(2, 3, 1.9)
+        ..contact(first, second, x)
     };
-    let contacts = [contact(2, 0, 2.7), contact(0, 1, 0.7), weak];
+    let contacts = [
+        contact(2, 0, 2.7),
+        contact(0, 1, 0.7),
+        weak(2, 3, 1.9),
+        weak(1, 4, 1.0),
+    ];
     let network = ForceNetwork::new(&bodies, &contacts, 0.0)
         .unwrap()
         .in_space(Some(space));

@@ -454,7 +454,7 @@ mod tests {
         assert!(BOX.validate(0.1).is_ok());
         assert!(says(BOX).contains("depth is 0.1 m"));
         assert!(says(BOX).contains("at least 0.15 m"));
-        assert!(PERIODIC.validate(0.1 / 2.25).is_ok());
+        assert!(PERIODIC.validate(0.044).is_ok());
         assert!(
             PERIODIC
                 .validate(0.05)
