@@ -52,7 +52,8 @@ pub struct WithImages {
 }
 
 impl WithImages {
-    /// All images whose circumscribed spheres come within `reach` (m) of the box around a region.
+    /// All images whose circumscribed spheres come within `reach` (m) of the box around a region, along the axes that repeat
+    /// themselves.
     ///
     /// # Errors
     /// As [`Pack::new`], and [`AnalysisError::Region`].
@@ -80,7 +81,7 @@ impl WithImages {
                 let near = |k: usize| {
                     let x = centre[k] + way[k];
                     let room = pack.shape(body).bounding_radius() + reach;
-                    x + room >= min[k] && x - room <= max[k]
+                    !space.cell.repeats(k) || (x + room >= min[k] && x - room <= max[k])
                 };
                 if way != Vector3::zeros() && (0..3).all(near) {
                     let mut image = *posed;

@@ -124,9 +124,11 @@ fn volumes_are_those_with_all_images() {
             let cubes = f64::from(COUNT) * (1.0 / 3_f64.sqrt()).powi(3);
             assert!((found.body_volume - cubes).abs() < 1e-9, "{found:?}");
         }
-        let [found, expected] = [&pack, &oracle].map(|p| top_plane(p, &inside(), 0.1).unwrap());
-        assert!((found.mean - expected.mean).abs() < 1e-12);
-        assert_eq!(found.empty_columns, expected.empty_columns);
+        if !endless {
+            let [found, expected] = [&pack, &oracle].map(|p| top_plane(p, &inside(), 0.1).unwrap());
+            assert!((found.mean - expected.mean).abs() < 1e-12);
+            assert_eq!(found.empty_columns, expected.empty_columns);
+        }
 
         let core = choose_core(&pack, &inside(), &CoreOptions::default()).unwrap();
         let (low, high) = core.region.corners();
@@ -151,7 +153,10 @@ fn voronoi_cells_go_over_the_edges() {
     };
     let images = WithImages::new(&shapes, &own, &space, &inside(), 5.0).unwrap();
     let all = spelt_out(&space, &own);
-    let options = SetVoronoiOptions::default();
+    let options = SetVoronoiOptions {
+        leaf_over_d: 0.4,
+        ..SetVoronoiOptions::default()
+    };
     let packs = [
         images.pack(&shapes).unwrap(),
         Pack::new(&shapes, &all).unwrap(),
