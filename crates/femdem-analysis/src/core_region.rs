@@ -105,7 +105,8 @@ impl CoreRegion {
 /// with `L` the smallest of the container's widths and the pack's height (floor to mean top, or to the
 /// container's own top where that is lower). The core thus keeps the minimum extent, or half of `L` where the
 /// pack is smaller still; [`CoreRegion::limit`] states which extent was decisive. A core may so be thinner than a
-/// body: [`CoreRegion::density_region`] is the whole bed then.
+/// body: [`CoreRegion::density_region`] is the whole bed then. In [periodic space](crate::WithImages) the core reaches over
+/// the whole container along the axes that repeat themselves.
 ///
 /// ```
 /// use femdem_analysis::{CoreOptions, InsetLimit, Pack, PosedBody, Region, choose_core};
@@ -140,8 +141,17 @@ pub fn choose_core(
         return Err(NOT_UPRIGHT);
     }
     let diameter = pack.mean_diameter()?;
-    let top = top_plane(pack, container, options.column_spacing_over_d * diameter)?;
     let (min, max) = container.corners();
+    let top = match pack.repeats(2) {
+        // Space goes on above.
+        true => TopPlane {
+            mean: max.z,
+            deviation: 0.0,
+            columns: 0,
+            empty_columns: 0,
+        },
+        false => top_plane(pack, container, options.column_spacing_over_d * diameter)?,
+    };
     let ceiling = top.mean.min(max.z);
     let height = ceiling - min.z;
     if height <= 0.0 {
@@ -150,11 +160,19 @@ pub fn choose_core(
             floor: min.z,
         });
     }
-    let width = (max.x - min.x).min(max.y - min.y);
-    let extent = width.min(height);
+    // Where space repeats itself there is nothing to keep away from.
+    let bounded = |axis: usize, extent: f64| match pack.repeats(axis) {
+        true => f64::INFINITY,
+        false => extent,
+    };
+    let width = bounded(0, max.x - min.x).min(bounded(1, max.y - min.y));
+    let extent = width.min(bounded(2, height));
     let asked = options.inset_over_d * diameter;
     let room = (0.5 * (extent - options.minimum_core_over_d * diameter)).max(0.25 * extent);
-    let inset = asked.min(room);
+    let inset = match extent.is_finite() {
+        true => asked.min(room),
+        false => 0.0,
+    };
     let limit = if asked <= room {
         InsetLimit::None
     } else if width <= height {
@@ -162,11 +180,12 @@ pub fn choose_core(
     } else {
         InsetLimit::Height
     };
-    let (z_min, z_max) = (min.z + inset, ceiling - inset);
+    let off = [0, 1, 2].map(|axis| if pack.repeats(axis) { 0.0 } else { inset });
+    let (z_min, z_max) = (min.z + off[2], ceiling - off[2]);
     let region = match *container {
         Region::Box { .. } => Region::Box {
-            min: Point3::new(min.x + inset, min.y + inset, z_min),
-            max: Point3::new(max.x - inset, max.y - inset, z_max),
+            min: Point3::new(min.x + off[0], min.y + off[1], z_min),
+            max: Point3::new(max.x - off[0], max.y - off[1], z_max),
         },
         Region::Cylinder { centre, radius, .. } => Region::Cylinder {
             centre,

@@ -68,7 +68,7 @@ pub fn contact_fabric(network: &ForceNetwork) -> ContactFabric {
             .filter(|contact| matches!(contact.second, Partner::Body(_)))
     };
     let branch = |(i, j, _): (u32, u32, _)| {
-        let line = network.centre(j) - network.centre(i);
+        let line = network.branch(i, j);
         let length = line.norm();
         (length > 0.0).then(|| (line / length, length))
     };

@@ -100,6 +100,7 @@ mod error;
 mod fabric;
 mod fields;
 mod forces;
+mod images;
 mod lines;
 mod map;
 mod mixing;
@@ -152,6 +153,7 @@ pub use forces::{
     ForceBin, ForceDistribution, ForceDistributionOptions, ForceMaxima, TailFit, TailLaw,
     TailOptions, WallForce, WallForces, fit_tail, force_distribution, force_maxima, wall_forces,
 };
+pub use images::{PeriodicSpace, WithImages};
 pub use map::{DensityMap, DensityMapOptions, density_map};
 pub use mixing::{ClassMixing, Mixing, MixingOptions, mixing};
 pub use network::{ForceBody, ForceContact, ForceNetwork, PairForce};

@@ -58,6 +58,10 @@ pub struct Pack<'a> {
     poses: Vec<Pose>,
     data: Vec<ShapeData>,
     bounds: Vec<Bounds>,
+    /// How many of the bodies, the first ones, are no images.
+    own: usize,
+    /// Axes along which space repeats itself.
+    repeats: [bool; 3],
 }
 
 impl<'a> Pack<'a> {
@@ -101,6 +105,8 @@ impl<'a> Pack<'a> {
             poses,
             data,
             bounds,
+            own: bodies.len(),
+            repeats: [false; 3],
         })
     }
 
@@ -114,7 +120,26 @@ impl<'a> Pack<'a> {
         self.bodies
     }
 
-    /// Number of bodies.
+    /// The same, of which only the first `own` bodies are no images, in space that repeats itself along axes.
+    pub(crate) fn with_own(self, own: usize, repeats: [bool; 3]) -> Self {
+        Self {
+            own,
+            repeats,
+            ..self
+        }
+    }
+
+    /// Number of bodies that are no images of others: all, but in [periodic space](crate::WithImages).
+    pub fn own(&self) -> usize {
+        self.own
+    }
+
+    /// Whether space repeats itself along an axis, 0 to 2.
+    pub(crate) fn repeats(&self, axis: usize) -> bool {
+        self.repeats[axis]
+    }
+
+    /// Number of bodies, images included.
     pub fn len(&self) -> usize {
         self.bodies.len()
     }
@@ -124,7 +149,7 @@ impl<'a> Pack<'a> {
         self.bodies.is_empty()
     }
 
-    /// Mean over the bodies of the circumscribed diameter, twice the largest distance of a vertex from the
+    /// Mean over the bodies, without images, of the circumscribed diameter, twice the largest distance of a vertex from the
     /// centroid (m): the `d` used for insets and spacings.
     ///
     /// # Errors
@@ -133,8 +158,8 @@ impl<'a> Pack<'a> {
         if self.is_empty() {
             return Err(AnalysisError::EmptyPack);
         }
-        let sum: f64 = (0..self.len()).map(|i| self.data(i).diameter).sum();
-        Ok(sum / self.len() as f64)
+        let sum: f64 = (0..self.own).map(|i| self.data(i).diameter).sum();
+        Ok(sum / self.own as f64)
     }
 
     /// Centroids in the world frame (m), one per body.

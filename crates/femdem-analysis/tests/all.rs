@@ -15,6 +15,7 @@ mod mixing;
 mod networks;
 mod non_convex;
 mod orientation;
+mod periodic;
 mod pore_surfaces;
 mod pores;
 mod profiles;

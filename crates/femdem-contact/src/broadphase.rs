@@ -132,9 +132,7 @@ impl Broadphase {
             self.entries.resize(body + 1, None);
         }
         let position = motion.frame.position;
-        let (image, centre) = space.map_or(([0; 3], position), |space| {
-            space.cell.reduce(position, f64::floor)
-        });
+        let (image, centre) = space.map_or(([0; 3], position), |space| space.cell.split(&position));
         let (low, high) = shape.bounds(&motion.frame.rotation);
         let cell = cell_of(&centre, grid.size);
         // A body keeps its shape, and so its level, until it is forgotten.

@@ -563,6 +563,16 @@ pub enum MeshError {
         /// Nodes of a lattice with edges of this length.
         nodes: f64,
     },
+    /// A number of a periodic cell is out of its range.
+    #[error("{name} = {value} is not allowed: it must be {allowed}")]
+    Cell {
+        /// What the number is.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// The allowed range in words.
+        allowed: &'static str,
+    },
     /// No mesh of a body could be made.
     #[error(
         "no mesh with edges from {asked:e} m down to {tried:e} m meets the options; at the last \

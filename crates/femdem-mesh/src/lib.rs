@@ -60,6 +60,7 @@
 mod error;
 mod mass;
 mod merge;
+mod periodic;
 mod polyhedron;
 mod pose;
 mod triangle;
@@ -78,6 +79,7 @@ pub use error::MeshError;
 pub use hull::convex_hull;
 pub use mass::{MassProperties, PrincipalFrame};
 pub use nalgebra;
+pub use periodic::PeriodicCell;
 pub use polyhedron::{CONVEXITY_TOLERANCE, PLANARITY_TOLERANCE, Polyhedron};
 pub use pose::{checked_pose, unit_pose};
 pub use tet::TetMesh;

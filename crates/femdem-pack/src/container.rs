@@ -1,4 +1,4 @@
-//! Containers: a floor, possibly a cone, and upright walls, open at the top.
+//! Containers: a floor, possibly a cone, and upright walls or periodic space, open at the top.
 
 mod mesh;
 
@@ -6,7 +6,7 @@ pub use mesh::MeshContainer;
 
 use crate::error::{PackError, check, check_positive};
 use femdem_contact::{Wall, WallPlane, WallShape};
-use femdem_mesh::Vector3;
+use femdem_mesh::{PeriodicCell, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
@@ -18,7 +18,7 @@ const MANTLE_FACETS: usize = 96;
 const WIDTH_SLACK: f64 = 1e-10;
 
 /// What holds a pack. Inner dimensions in m; the floor is z = 0, the z axis is the container's
-/// axis, and the upright walls reach up without end.
+/// axis, and the upright walls, if there are any, reach up without end.
 ///
 /// ```
 /// use femdem_pack::Container;
@@ -39,6 +39,14 @@ pub enum Container {
         /// Inner dimension along x, m.
         width: f64,
         /// Inner dimension along y, m.
+        depth: f64,
+    },
+    /// A floor without walls, that repeats itself with all that lies on it along x and y: the piece |x| <= width/2,
+    /// |y| <= depth/2 of an endless bed.
+    Periodic {
+        /// Length after which space repeats itself along x, m.
+        width: f64,
+        /// The same along y, m.
         depth: f64,
     },
     /// An upright cylinder about the z axis.
@@ -89,6 +97,22 @@ impl Container {
                 check_side("container width", "width", width)?;
                 check_side("container depth", "depth", depth)
             }
+            Self::Periodic { width, depth } => {
+                let allowed = "at least 2.25 diameters of the largest body, so that no body meets another one on two sides";
+                let least = PeriodicCell::LEAST_DIAMETERS * body_diameter;
+                check(
+                    "width of a periodic container",
+                    width,
+                    width >= least,
+                    allowed,
+                )?;
+                check(
+                    "depth of a periodic container",
+                    depth,
+                    depth >= least,
+                    allowed,
+                )
+            }
             Self::Cylinder { diameter } => check_side("container diameter", "diameter", diameter),
             Self::Silo {
                 diameter,
@@ -109,6 +133,19 @@ impl Container {
                     "between 5 and 85 degrees from the vertical",
                 )
             }
+        }
+    }
+
+    /// The periodic cell, if it is [`Periodic`](Self::Periodic).
+    ///
+    /// # Errors
+    /// [`PackError::Mesh`] for a dimension that is not positive and finite.
+    pub fn cell(&self) -> Result<Option<PeriodicCell>, PackError> {
+        match *self {
+            Self::Periodic { width, depth } => {
+                Ok(Some(PeriodicCell::new([Some(width), Some(depth), None])?))
+            }
+            _ => Ok(None),
         }
     }
 
@@ -134,6 +171,7 @@ impl Container {
                     walls.push(Wall::half_space(name, normal, -size / 2.0)?);
                 }
             }
+            Self::Periodic { .. } => {}
             Self::Cylinder { diameter } => {
                 walls.push(Wall::cylinder("mantle", diameter / 2.0, MANTLE_FACETS)?);
             }
@@ -154,7 +192,7 @@ impl Container {
     pub fn base(&self) -> f64 {
         match *self {
             Self::Mesh(ref mesh) => mesh.height(),
-            Self::Box { .. } | Self::Cylinder { .. } => 0.0,
+            Self::Box { .. } | Self::Periodic { .. } | Self::Cylinder { .. } => 0.0,
             Self::Silo {
                 diameter,
                 outlet,
@@ -191,7 +229,7 @@ impl Container {
     pub fn floor_area(&self) -> f64 {
         match *self {
             Self::Mesh(ref mesh) => PI * mesh.opening() * mesh.opening(),
-            Self::Box { width, depth } => width * depth,
+            Self::Box { width, depth } | Self::Periodic { width, depth } => width * depth,
             Self::Cylinder { diameter } | Self::Silo { diameter, .. } => {
                 PI * diameter * diameter / 4.0
             }
@@ -203,6 +241,7 @@ impl Container {
         match *self {
             Self::Mesh(ref mesh) => TAU * mesh.opening(),
             Self::Box { width, depth } => 2.0 * (width + depth),
+            Self::Periodic { .. } => 0.0,
             Self::Cylinder { diameter } | Self::Silo { diameter, .. } => PI * diameter,
         }
     }
@@ -210,7 +249,9 @@ impl Container {
     /// Half the inner dimensions along x and y, m.
     pub fn half_extent(&self) -> [f64; 2] {
         match *self {
-            Self::Box { width, depth } => [width / 2.0, depth / 2.0],
+            Self::Box { width, depth } | Self::Periodic { width, depth } => {
+                [width / 2.0, depth / 2.0]
+            }
             Self::Cylinder { diameter } | Self::Silo { diameter, .. } => [diameter / 2.0; 2],
             Self::Mesh(ref mesh) => [mesh.opening(); 2],
         }
@@ -231,12 +272,14 @@ impl Container {
         p.z >= 0.0 && below && self.contains(p.x, p.y, 0.0)
     }
 
-    /// Whether the point (x, y) lies inside the upright walls, or the opening, by at least `margin` (m).
+    /// Whether the point (x, y) lies inside the upright walls, or the opening, by at least `margin` (m). A periodic
+    /// container has all of the plane inside.
     pub fn contains(&self, x: f64, y: f64, margin: f64) -> bool {
         match *self {
             Self::Box { width, depth } => {
                 x.abs() <= width / 2.0 - margin && y.abs() <= depth / 2.0 - margin
             }
+            Self::Periodic { .. } => true,
             Self::Cylinder { diameter } | Self::Silo { diameter, .. } => {
                 x.hypot(y) <= diameter / 2.0 - margin
             }
@@ -246,19 +289,28 @@ impl Container {
 
     /// Area of the points that lie inside the upright walls by at least `margin` (m), m^2.
     pub fn area_inside(&self, margin: f64) -> f64 {
-        let [a, b] = self.half_extent().map(|h| (h - margin).max(0.0));
+        let [a, b] = self.free_extent(margin);
         match self {
-            Self::Box { .. } => 4.0 * a * b,
+            Self::Box { .. } | Self::Periodic { .. } => 4.0 * a * b,
             _ => PI * a * a,
         }
+    }
+
+    /// Half the dimensions of the plan that lies inside the upright walls by `margin`, m.
+    fn free_extent(&self, margin: f64) -> [f64; 2] {
+        let margin = match self {
+            Self::Periodic { .. } => 0.0,
+            _ => margin,
+        };
+        self.half_extent().map(|h| (h - margin).max(0.0))
     }
 
     /// The point at which the unit square (u, v) in [0, 1)^2 meets the part of the plan that
     /// lies inside the upright walls by `margin`; uniform if u and v are.
     pub(crate) fn point(&self, u: f64, v: f64, margin: f64) -> [f64; 2] {
-        let [a, b] = self.half_extent().map(|h| (h - margin).max(0.0));
+        let [a, b] = self.free_extent(margin);
         match self {
-            Self::Box { .. } => [a * (2.0 * u - 1.0), b * (2.0 * v - 1.0)],
+            Self::Box { .. } | Self::Periodic { .. } => [a * (2.0 * u - 1.0), b * (2.0 * v - 1.0)],
             _ => {
                 let (sin, cos) = (TAU * v).sin_cos();
                 let r = a * u.sqrt();
@@ -288,6 +340,10 @@ mod tests {
     use super::*;
 
     const BOX: Container = Container::Box {
+        width: 0.2,
+        depth: 0.1,
+    };
+    const PERIODIC: Container = Container::Periodic {
         width: 0.2,
         depth: 0.1,
     };
@@ -360,6 +416,7 @@ mod tests {
             walls.iter().map(|w| w.name().to_owned()).collect()
         };
         assert_eq!(names(BOX), ["floor", "x-", "x+", "y-", "y+"]);
+        assert_eq!(names(PERIODIC), ["floor"]);
         assert_eq!(names(CYLINDER), ["floor", "mantle"]);
         assert_eq!(names(SILO), ["floor", "mantle", "cone"]);
     }
@@ -370,6 +427,8 @@ mod tests {
         let margin = 0.02;
         for (container, expected) in [
             (BOX, [0.08_f64.powi(2) / 3.0, 0.03_f64.powi(2) / 3.0]),
+            // Without walls there is nothing to keep clear of.
+            (PERIODIC, [0.1_f64.powi(2) / 3.0, 0.05_f64.powi(2) / 3.0]),
             (CYLINDER, [0.08_f64.powi(2) / 4.0; 2]),
         ] {
             let n = 200;
@@ -395,6 +454,20 @@ mod tests {
         assert!(BOX.validate(0.1).is_ok());
         assert!(says(BOX).contains("depth is 0.1 m"));
         assert!(says(BOX).contains("at least 0.15 m"));
+        assert!(PERIODIC.validate(0.044).is_ok());
+        assert!(
+            PERIODIC
+                .validate(0.05)
+                .unwrap_err()
+                .to_string()
+                .contains("2.25 diameters")
+        );
+        assert!(
+            PERIODIC
+                .cell()
+                .unwrap()
+                .is_some_and(|cell| cell.repeats(1) && !cell.repeats(2))
+        );
         let cylinder = |diameter| Container::Cylinder { diameter };
         assert!(says(cylinder(0.149)).contains("diameter is 0.149 m"));
         assert!(says(cylinder(f64::NAN)).contains("diameter = NaN"));

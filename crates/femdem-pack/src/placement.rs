@@ -1,5 +1,6 @@
 //! Where and how bodies start.
 
+use crate::container::Container;
 use crate::error::PackError;
 use crate::protocol::Release;
 use crate::random::{body_stream, random_rotation, shuffled, uniform};
@@ -130,6 +131,7 @@ pub(crate) fn batch(
     height: f64,
 ) -> Result<Vec<Start>, PackError> {
     let end = first.saturating_add(most).min(spec.count);
+    let cell = spec.container.cell()?;
     let height = height.max(spec.container.base());
     let mut batch: Vec<Start> = Vec::new();
     for body in first..end {
@@ -137,8 +139,9 @@ pub(crate) fn batch(
         let radius = draw.radius();
         let free = |[x, y]: &[f64; 2]| {
             batch.iter().all(|other| {
-                let apart = (other.centroid.x - x).hypot(other.centroid.y - y);
-                apart >= APART * (other.radius + radius)
+                let way = Vector3::new(other.centroid.x - x, other.centroid.y - y, 0.0);
+                let way = cell.map_or(way, |cell| cell.shortest(&way));
+                way.x.hypot(way.y) >= APART * (other.radius + radius)
             })
         };
         let place = (0..TRIES)
@@ -177,11 +180,12 @@ pub(crate) fn lattice(spec: &PackSpec, release: &Release) -> Result<Vec<Start>, 
 fn layer_sites(spec: &PackSpec, release: &Release) -> Result<Vec<[f64; 2]>, PackError> {
     let diameter = spec.largest_diameter();
     let spacing = release.spacing * diameter;
-    // The slack keeps a container of exactly n spacings from losing a row to round-off.
-    let most = spec
-        .container
-        .half_extent()
-        .map(|h| (((2.0 * h - diameter) / spacing + 1e-9).max(0.0) as u32).saturating_add(1));
+    let periodic = matches!(spec.container, Container::Periodic { .. });
+    // A body beside a wall has half a spacing less there than its next image in periodic space. The slack keeps a container of exactly n spacings from losing a row to round-off.
+    let most = spec.container.half_extent().map(|h| match periodic {
+        true => ((2.0 * h / spacing + 1e-9) as u32).max(1),
+        false => (((2.0 * h - diameter) / spacing + 1e-9).max(0.0) as u32).saturating_add(1),
+    });
     let counts = release.per_layer.unwrap_or(most);
     for ((axis, given), most) in ["x", "y"].into_iter().zip(counts).zip(most) {
         if given > most {
@@ -201,8 +205,16 @@ fn layer_sites(spec: &PackSpec, release: &Release) -> Result<Vec<[f64; 2]>, Pack
     }
     let margin = diameter / 2.0 * (1.0 - 1e-9);
     let sites = |[nx, ny]: [u32; 2]| -> Vec<[f64; 2]> {
-        let centred = move |i: u32, n: u32| (f64::from(i) - 0.5 * f64::from(n - 1)) * spacing;
-        let points = (0..ny).flat_map(|j| (0..nx).map(move |i| [centred(i, nx), centred(j, ny)]));
+        // Rows are as far from their next images as from each other.
+        let pitch = |n: u32, half: f64| match periodic {
+            true => 2.0 * half / f64::from(n),
+            false => spacing,
+        };
+        let half = spec.container.half_extent();
+        let (along_x, along_y) = (pitch(nx, half[0]), pitch(ny, half[1]));
+        let centred = |i: u32, n: u32, pitch: f64| (f64::from(i) - 0.5 * f64::from(n - 1)) * pitch;
+        let points = (0..ny)
+            .flat_map(|j| (0..nx).map(move |i| [centred(i, nx, along_x), centred(j, ny, along_y)]));
         points
             .filter(|[x, y]| spec.container.contains(*x, *y, margin))
             .collect()
@@ -228,7 +240,6 @@ fn layer_sites(spec: &PackSpec, release: &Release) -> Result<Vec<[f64; 2]>, Pack
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::container::Container;
     use crate::spec::PackShape;
     use femdem_mesh::catalogue::{CatalogueShape, Solid};
 
@@ -371,6 +382,33 @@ mod tests {
         assert_eq!(layer(19.5 * 0.021).count(), 25);
         let mean = starts.iter().map(|s| s.centroid).sum::<Vector3>() / 500.0;
         assert!(mean.xy().norm() < 1e-12, "{mean}");
+    }
+
+    /// Bodies are as far from images as from each other, and stand anywhere.
+    #[test]
+    fn periodic_starts_keep_apart_over_the_edges() {
+        let (width, depth) = (0.13, 0.1);
+        let spec = spec(Container::Periodic { width, depth });
+        let cell = spec.container.cell().unwrap().unwrap();
+        let rows = lattice(&spec, &Release::default()).unwrap();
+        let layer: Vec<Start> = rows.into_iter().take(6 * 4).collect();
+        // As many of 1.05 d as fit, over all of the width.
+        assert!(
+            layer
+                .iter()
+                .all(|s| (s.centroid.z - 0.5 * 0.021).abs() < 1e-12)
+        );
+        for starts in [layer, batch(&spec, 0, 12, 0.5).unwrap()] {
+            for (k, a) in starts.iter().enumerate() {
+                for b in &starts[..k] {
+                    let way = cell.shortest(&(a.centroid - b.centroid));
+                    assert!(way.xy().norm() >= a.radius + b.radius, "{a:?} {b:?}");
+                }
+            }
+        }
+        let many = (0..40).map(|k| batch(&spec, k, 1, 0.0).unwrap()[0].centroid.x);
+        let farthest = many.fold(0.0, |most: f64, x| most.max(x.abs()));
+        assert!(farthest > 0.5 * width - 0.01, "over the edge: {farthest}");
     }
 
     #[test]

@@ -239,6 +239,59 @@ fn all_protocols_end_settled() {
 }
 
 /// A pack made in a viscous medium, or with local damping, is verified without it, and stays in place.
+/// An endless bed: without side walls the floor carries all of the weight, no body meets an edge, and a job goes on from a
+/// checkpoint with the same bits.
+#[test]
+fn periodic_beds_settle() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pack.ckpt");
+    let protocols = [
+        Protocol::Sequential(Sequential::default()),
+        Protocol::Pour(Pour::default()),
+        Protocol::Release(Release::default()),
+    ];
+    for protocol in protocols {
+        let spec = PackSpec {
+            container: Container::Periodic {
+                width: 2.5 * D,
+                depth: 2.3 * D,
+            },
+            protocol,
+            ..cubes(14)
+        };
+        let mut whole = Packing::new(spec).unwrap();
+        let mut parts = whole.clone();
+        let report = whole.run().unwrap();
+        assert_settled(&whole, &report);
+        let walls = whole.world().walls().map(|(_, wall)| wall.name());
+        assert_eq!(walls.collect::<Vec<_>>(), ["floor"]);
+        // 14 cubes of 0.1925 d3 on 5.75 d2: 0.47 d of solid.
+        assert!(
+            report.mean_top > 0.47 * D && report.mean_top < 1.6 * D,
+            "{report:?}"
+        );
+        let world = whole.world();
+        let crosses = |contact: &femdem_contact::Contact| match contact.a {
+            Partner::Body(a) => {
+                let way = world.position(contact.b).unwrap() - world.position(a).unwrap();
+                way.norm() > 1.1 * D
+            }
+            Partner::Wall(_) => false,
+        };
+        assert!(
+            world.contacts().iter().any(crosses),
+            "contacts over the edges"
+        );
+        while !parts.is_done() {
+            parts.advance(997).unwrap();
+            checkpoint::write_file(&path, "packing", &parts).unwrap();
+            parts = checkpoint::read_file(&path, "packing").unwrap();
+        }
+        let hash = |packing: &Packing| packing.world().state_hash().unwrap();
+        assert_eq!(hash(&parts), hash(&whole), "{protocol:?}");
+    }
+}
+
 #[test]
 fn a_pack_made_in_a_medium_rests_without_it() {
     let mut spec = cubes(5);

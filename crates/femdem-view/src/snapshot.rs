@@ -4,7 +4,9 @@
 
 use std::fmt;
 
-use femdem_analysis::{ContactClass, PosedBody, Region, Touch, Vessel, contact_counts};
+use femdem_analysis::{
+    ContactClass, PeriodicSpace, PosedBody, Region, Touch, Vessel, WithImages, contact_counts,
+};
 use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
 
 use crate::{Drawing, ViewError};
@@ -106,6 +108,9 @@ pub struct Snapshot {
     pub contacts: Vec<ContactRow>,
     /// Inside of the container: where the pack is measured, and how pictures show the container.
     pub container: Option<Region>,
+    /// Periodic space, if the pack lies in it: bodies and contacts are told once, in the box of its cell, which
+    /// [`container`](Self::container) then is along the axes that repeat themselves.
+    pub space: Option<PeriodicSpace>,
     /// What the bed lies in, if that is more than the container's region tells: a silo with its cone, or a solid.
     pub vessel: Option<Vessel>,
     /// How pictures show the container instead, if a region does not describe it completely.
@@ -152,6 +157,39 @@ impl Snapshot {
             pose: body.pose,
         });
         (shapes.collect(), bodies.collect())
+    }
+
+    /// The same with the images that come within `reach` \[m\] of a region, if the pack lies in periodic space.
+    ///
+    /// # Errors
+    ///
+    /// [`ViewError::Analysis`] for a pose or a region that means nothing.
+    pub fn with_images(
+        &self,
+        region: &Region,
+        reach: f64,
+    ) -> Result<(Vec<Polyhedron>, WithImages), ViewError> {
+        let (shapes, bodies) = self.posed();
+        let images = match &self.space {
+            Some(space) => WithImages::new(&shapes, &bodies, space, region, reach)?,
+            None => WithImages::none(bodies),
+        };
+        Ok((shapes, images))
+    }
+
+    /// Tells the images of the bodies, and of their contacts, that lie in the box of the periodic cell; nothing if there is none.
+    pub fn wrap(&mut self) {
+        let Some(space) = self.space else {
+            return;
+        };
+        for body in &mut self.bodies {
+            let surface = &self.shapes[body.shape as usize].polyhedron;
+            let centroid = body.pose * surface.mass_properties().centroid;
+            body.pose.translation.vector += space.wrapped(&centroid) - centroid;
+        }
+        for row in &mut self.contacts {
+            row.point = space.wrapped(&row.point);
+        }
     }
 
     /// Checks that every index exists and every number is finite.

@@ -212,3 +212,66 @@ fn cells_that_cannot_be_are_refused_by_key() {
         .to_string();
     assert!(refused.contains("rigid bodies"), "{refused}");
 }
+
+/// A face-centred cubic array of balls under a stress across fails where the ratio of the stresses is 2 (1 + m)/(1 - m), with the
+/// coefficient of friction m (Thornton 1979).
+#[test]
+fn a_regular_array_fails_at_the_ratio_of_its_friction() {
+    let place = |k: usize| {
+        let at = |axis| {
+            if k == 0 || k == axis {
+                0.0
+            } else {
+                0.0070710678
+            }
+        };
+        format!(
+            "[[body]]
+            name = \"ball {k}\"
+            shape = \"sphere\"
+            diameter = 0.01
+            material = \"ball\"
+            position = [{}, {}, {}]
+            copies = {{ count = [2, 2, 2], spacing = [0.0141421356, 0.0141421356, 0.0141421356] }}\n",
+            at(1),
+            at(2),
+            at(3)
+        )
+    };
+    let balls: String = (0..4).map(place).collect();
+    let text = format!(
+        "duration = 0.05
+        history-every = 5e-4
+        gravity = [0, 0, 0]
+        sleeping = false
+        medium.drag = 200
+        [contact]
+        friction = 0.25
+        penalty = 1e9
+        damping = 0.3
+        tangential-damping = 0.3
+        [material.ball]
+        density = 2600
+        [cell]
+        upper = [0.0282842712, 0.0282842712, 0.0282842712]
+        [cell.control]
+        x = {{ stress = 1e4, speed = 0.02 }}
+        y = {{ stress = 1e4, speed = 0.02 }}
+        z = {{ strain-rate = 0.1, table = [[0, 0], [0.004, 0], [0.005, 1]] }}
+        {balls}"
+    );
+    let folder = tempdir().unwrap();
+    ran(&text, folder.path());
+    let rows = fs::read_to_string(folder.path().join("cells.csv")).unwrap();
+    let mut rows = rows.lines().map(|row| row.split(',').collect::<Vec<_>>());
+    let head = rows.next().unwrap();
+    let column = |name: &str| head.iter().position(|column| *column == name).unwrap();
+    let (across, along) = (column("stress_x"), column("stress_z"));
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    let ratios = rows.filter_map(|row| {
+        let stress = number(row[across]);
+        (stress > 9e3).then(|| number(row[along]) / stress)
+    });
+    let most = ratios.fold(0.0, f64::max);
+    assert!(most < 3.34 && most > 0.97 * 10.0 / 3.0, "{most}");
+}

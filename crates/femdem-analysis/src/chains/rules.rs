@@ -206,7 +206,7 @@ pub(crate) fn by_stress(
     };
     let mut links = Vec::new();
     for (first, second, pair) in network.body_pairs() {
-        let line = network.centre(second) - network.centre(first);
+        let line = network.branch(first, second);
         let length = line.norm();
         if length > 0.0
             && [first, second]

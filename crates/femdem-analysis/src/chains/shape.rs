@@ -71,12 +71,13 @@ pub(super) fn chain(
     part: &[u32],
     links: &[ChainLink],
 ) -> Chain {
-    let centres = || part.iter().map(|body| network.centre(*body));
+    let centres = unfolded(network, graph, part);
     let number: usize = part.iter().map(|body| graph.degree(*body)).sum::<usize>() / 2;
     let backbone = backbone(graph, part);
     let (length, end_to_end, straightness) = measures(network, &backbone);
-    let lowest = centres().map(|c| c.z).fold(f64::INFINITY, f64::min);
-    let highest = centres().map(|c| c.z).fold(f64::NEG_INFINITY, f64::max);
+    let heights = centres.iter().map(|c| c.z);
+    let lowest = heights.clone().fold(f64::INFINITY, f64::min);
+    let highest = heights.fold(f64::NEG_INFINITY, f64::max);
     let forces = part
         .iter()
         .flat_map(|body| graph.neighbours(*body))
@@ -91,8 +92,45 @@ pub(super) fn chain(
         straightness,
         height: highest - lowest,
         largest_force: forces.fold(0.0, f64::max),
-        centre: mean_point(centres()),
+        centre: mean_point(centres.into_iter()),
     }
+}
+
+/// The centres of the bodies of a connected part (m); in periodic space those of images that hang together.
+fn unfolded(network: &ForceNetwork, graph: &Graph, part: &[u32]) -> Vec<Point3> {
+    if network.space().is_none() {
+        return part.iter().map(|body| network.centre(*body)).collect();
+    }
+    let local = graph.part(part);
+    let mut places: Vec<Option<Point3>> = vec![None; part.len()];
+    let mut queue = VecDeque::new();
+    if let Some(&first) = part.first() {
+        places[0] = Some(network.centre(first));
+        queue.push_back((0_u32, network.centre(first)));
+    }
+    while let Some((node, place)) = queue.pop_front() {
+        for &(next, _) in local.neighbours(node) {
+            if places[next as usize].is_none() {
+                let onward = place + network.branch(part[node as usize], part[next as usize]);
+                places[next as usize] = Some(onward);
+                queue.push_back((next, onward));
+            }
+        }
+    }
+    places.into_iter().flatten().collect()
+}
+
+/// The centres along a path through bodies (m); in periodic space those of images that follow one another.
+fn along(network: &ForceNetwork, way: &[u32]) -> Vec<Point3> {
+    if network.space().is_none() {
+        return way.iter().map(|body| network.centre(*body)).collect();
+    }
+    let first = way.first().map(|body| network.centre(*body));
+    let mut places: Vec<Point3> = first.into_iter().collect();
+    for step in way.windows(2) {
+        places.push(places[places.len() - 1] + network.branch(step[0], step[1]));
+    }
+    places
 }
 
 fn mean_point(points: impl Iterator<Item = Point3>) -> Point3 {
@@ -104,10 +142,10 @@ fn mean_point(points: impl Iterator<Item = Point3>) -> Point3 {
 
 /// Length, distance of the ends, and their ratio, of a path through bodies.
 fn measures(network: &ForceNetwork, way: &[u32]) -> (f64, f64, f64) {
-    let between = |a: u32, b: u32| (network.centre(b) - network.centre(a)).norm();
-    let length: f64 = way.windows(2).map(|w| between(w[0], w[1])).sum();
-    let ends = match way {
-        [first, .., last] => between(*first, *last),
+    let places = along(network, way);
+    let length: f64 = places.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+    let ends = match places.as_slice() {
+        [first, .., last] => (last - first).norm(),
         _ => 0.0,
     };
     let straightness = if length > 0.0 { ends / length } else { 0.0 };
@@ -247,10 +285,7 @@ fn follow(graph: &Graph, start: u32, next: u32, used: &mut [bool]) -> Vec<u32> {
 
 fn segment(network: &ForceNetwork, chain: u32, way: &[u32]) -> ChainSegment {
     let (length, end_to_end, straightness) = measures(network, way);
-    let steps: Vec<Vector3> = way
-        .windows(2)
-        .map(|w| network.centre(w[1]) - network.centre(w[0]))
-        .collect();
+    let steps: Vec<Vector3> = way.windows(2).map(|w| network.branch(w[0], w[1])).collect();
     ChainSegment {
         chain,
         links: way.len().saturating_sub(1),
@@ -262,6 +297,6 @@ fn segment(network: &ForceNetwork, chain: u32, way: &[u32]) -> ChainSegment {
             _ => [0; 2],
         },
         turns: steps.windows(2).map(|s| s[0].angle(&s[1])).collect(),
-        centre: mean_point(way.iter().map(|body| network.centre(*body))),
+        centre: mean_point(along(network, way).into_iter()),
     }
 }

@@ -96,7 +96,8 @@ pub fn force_distribution(
     }
     let blocks = Blocks::of(network, options.bootstrap)?;
     let mean_force = blocks.mean(network.body_pairs().map(|(i, j, pair)| {
-        let middle = femdem_mesh::nalgebra::center(&network.centre(i), &network.centre(j));
+        let first = network.centre(i);
+        let middle = femdem_mesh::nalgebra::center(&first, &(first + network.branch(i, j)));
         (middle, pair.normal_force)
     }));
     // The condition is false for NaN.

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::class::ContactClass;
 use crate::coordination::Partner;
 use crate::error::{AnalysisError, check_threshold};
+use crate::images::PeriodicSpace;
 use crate::pack::Pack;
 
 pub use pairs::PairForce;
@@ -114,6 +115,7 @@ pub struct ForceNetwork<'a> {
     contacts: &'a [ForceContact],
     pairs: Vec<PairForce>,
     force_threshold: f64,
+    space: Option<PeriodicSpace>,
 }
 
 impl<'a> ForceNetwork<'a> {
@@ -151,7 +153,40 @@ impl<'a> ForceNetwork<'a> {
             contacts,
             pairs,
             force_threshold,
+            space: None,
         })
+    }
+
+    /// The same network in periodic space: every way between two bodies, and from a body to its contact, is the shortest of
+    /// all images.
+    #[must_use]
+    pub fn in_space(self, space: Option<PeriodicSpace>) -> Self {
+        Self { space, ..self }
+    }
+
+    /// The periodic space in which it lies, if it does.
+    #[must_use]
+    pub fn space(&self) -> Option<&PeriodicSpace> {
+        self.space.as_ref()
+    }
+
+    /// Whether space repeats itself along an axis, 0 to 2.
+    pub(crate) fn repeats(&self, axis: usize) -> bool {
+        self.space.is_some_and(|space| space.cell.repeats(axis))
+    }
+
+    /// From the centre of one body to that of another (m).
+    pub(crate) fn branch(&self, from: u32, to: u32) -> Vector3 {
+        self.shortest(self.centre(to) - self.centre(from))
+    }
+
+    /// From the centre of a body to the contact that loads it (m).
+    pub(crate) fn lever(&self, load: &Load) -> Vector3 {
+        self.shortest(load.contact.point - self.centre(load.body))
+    }
+
+    fn shortest(&self, way: Vector3) -> Vector3 {
+        self.space.map_or(way, |space| space.cell.shortest(&way))
     }
 
     /// The bodies.

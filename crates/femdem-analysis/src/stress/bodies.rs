@@ -60,7 +60,7 @@ pub fn body_stresses(network: &ForceNetwork) -> BodyStresses {
     let mut net = vec![(Vector3::zeros(), Vector3::zeros()); count];
     for load in network.loads() {
         let body = load.body as usize;
-        let lever = load.contact.point - network.centre(load.body);
+        let lever = network.lever(&load);
         moments[body] += first_moment(&load, &lever);
         net[body].0 += load.force;
         net[body].1 += lever.cross(&load.force) + load.moment;

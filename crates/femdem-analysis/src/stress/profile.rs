@@ -62,6 +62,12 @@ pub fn stress_profile(
     slabs: usize,
 ) -> Result<StressProfile, AnalysisError> {
     region.validate()?;
+    if network.repeats(2) {
+        return Err(AnalysisError::RegionKind {
+            what: "a profile over the height",
+            instead: "one where space does not repeat itself along z",
+        });
+    }
     if !(1..=MOST).contains(&slabs) {
         return Err(AnalysisError::Option {
             name: "slabs",
@@ -77,10 +83,10 @@ pub fn stress_profile(
     let mut sums = vec![Matrix3::zeros(); slabs];
     for load in network.loads() {
         let centre = network.centre(load.body);
-        let lever = load.contact.point - centre;
+        let lever = network.lever(&load);
         let torque = load.moment.cross_matrix().transpose() * 0.5;
         let moment = load.force * lever.transpose() - torque;
-        let ends = [centre.z, load.contact.point.z];
+        let ends = [centre.z, centre.z + lever.z];
         let [bottom, top] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
         // Conversion to usize saturates at both ends.
         let slab_of = |z: f64| (((z - low.z) / step).floor() as usize).min(slabs - 1);

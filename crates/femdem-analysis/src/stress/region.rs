@@ -52,14 +52,17 @@ pub struct RegionStress {
 /// # Ok::<(), AnalysisError>(())
 /// ```
 ///
+/// In [periodic space](ForceNetwork::in_space) the region is a box over all of the cell along the axes that repeat themselves.
+///
 /// # Errors
-/// [`AnalysisError::Region`], [`AnalysisError::Option`].
+/// [`AnalysisError::Region`], [`AnalysisError::Option`], [`AnalysisError::RegionKind`] for a region that is no such box.
 pub fn region_stress(
     network: &ForceNetwork,
     region: &Region,
     bootstrap: BlockBootstrap,
 ) -> Result<RegionStress, AnalysisError> {
     region.validate()?;
+    check_whole(network, region)?;
     let blocks = Blocks::over(region, network.mean_diameter(), bootstrap)?;
     let mut sum = Matrix3::zeros();
     let mut contacts = 0;
@@ -67,12 +70,12 @@ pub fn region_stress(
     let mut last = None;
     for load in network.loads() {
         let centre = network.centre(load.body);
-        let point = load.contact.point;
-        let part = part_inside(region, &centre, &point);
+        let lever = network.lever(&load);
+        let point = centre + lever;
+        let part = part_inside(region, &centre, &point, |axis| network.repeats(axis));
         if part <= 0.0 {
             continue;
         }
-        let lever = point - centre;
         let torque = load.moment.cross_matrix().transpose() * 0.5;
         let moment = (load.force * lever.transpose() - torque) * part;
         sum += moment;
@@ -91,8 +94,31 @@ pub fn region_stress(
     })
 }
 
-/// The fraction of the segment from `a` to `b` that lies in `region`, 0 to 1.
-fn part_inside(region: &Region, a: &Point3, b: &Point3) -> f64 {
+/// Along an axis that repeats itself a region must be as wide as the cell to this part of it.
+const WHOLE: f64 = 1e-9;
+
+/// Refuses a region that is only a part of periodic space along an axis that repeats itself.
+fn check_whole(network: &ForceNetwork, region: &Region) -> Result<(), AnalysisError> {
+    let Some(space) = network.space() else {
+        return Ok(());
+    };
+    let (min, max) = region.corners();
+    let whole = |k: usize| {
+        let side = space.cell.edges()[(k, k)];
+        !space.cell.repeats(k) || ((max[k] - min[k]) / side - 1.0).abs() <= WHOLE
+    };
+    if matches!(region, Region::Box { .. }) && (0..3).all(whole) {
+        return Ok(());
+    }
+    Err(AnalysisError::RegionKind {
+        what: "the stress in periodic space",
+        instead: "a box over all of the cell along the axes that repeat themselves",
+    })
+}
+
+/// The fraction of the segment from `a` to `b` that lies in `region`, 0 to 1; a region is endless along axes that repeat
+/// themselves.
+fn part_inside(region: &Region, a: &Point3, b: &Point3, repeats: impl Fn(usize) -> bool) -> f64 {
     let (min, max) = region.corners();
     let (flat, round): (&[usize], _) = match *region {
         Region::Box { .. } => (&[0, 1, 2], None),
@@ -105,7 +131,7 @@ fn part_inside(region: &Region, a: &Point3, b: &Point3) -> f64 {
     let along = b - a;
     let mut span = (0.0_f64, 1.0_f64);
     let mut keep = |low: f64, high: f64| span = (span.0.max(low), span.1.min(high));
-    for &k in flat {
+    for &k in flat.iter().filter(|&&k| !repeats(k)) {
         if along[k] == 0.0 {
             if a[k] < min[k] || max[k] < a[k] {
                 return 0.0;
@@ -162,7 +188,7 @@ mod tests {
             let n = 20_000;
             let at = |i: i32| a + (b - a) * ((f64::from(i) + 0.5) / f64::from(n));
             let counted = (0..n).filter(|i| region.contains(&at(*i))).count() as f64 / f64::from(n);
-            prop_assert!((part_inside(&region, &a, &b) - counted).abs() < 2.0 / f64::from(n));
+            prop_assert!((part_inside(&region, &a, &b, |_| false) - counted).abs() < 2.0 / f64::from(n));
         }
     }
 }

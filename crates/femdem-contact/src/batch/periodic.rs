@@ -3,8 +3,8 @@
 use super::{ContactBatch, EdgeLoad, Snapshot};
 use crate::contact::{Partner, RigidContact};
 use crate::error::{ContactError, check};
-use crate::periodic::{LEAST_DIAMETERS, PeriodicCell, Space};
-use femdem_mesh::{Matrix3, Vector3};
+use crate::periodic::Space;
+use femdem_mesh::{Matrix3, PeriodicCell, Vector3};
 
 /// Sine of the largest angle between a wall and an edge.
 const ALONG: f64 = 1e-9;
@@ -96,7 +96,7 @@ impl ContactBatch {
             check(
                 "side of a periodic cell over the diameter of the largest body",
                 edges[(axis, axis)] / largest,
-                edges[(axis, axis)] >= LEAST_DIAMETERS * largest,
+                edges[(axis, axis)] >= PeriodicCell::LEAST_DIAMETERS * largest,
                 "at least 2.25, so that no body meets another one on two sides",
             )?;
         }

@@ -154,6 +154,9 @@ impl Packing {
     pub fn new(spec: PackSpec) -> Result<Self, PackError> {
         let penalty = spec.resolved_penalty()?;
         let mut world = World::new(spec.world_parameters(penalty))?;
+        if let Some(cell) = spec.container.cell()? {
+            world.set_cell(cell)?;
+        }
         for shape in &spec.shapes {
             shape.add_to(&mut world)?;
         }

@@ -67,7 +67,7 @@ impl World {
     /// Nothing sleeps while the cell moves. The resistance of a medium is that against the motion in the moving space.
     ///
     /// # Errors
-    /// [`SolveError::NoSuch`] without a periodic cell, [`SolveError::Parameter`] where steps are implicit, [`SolveError::Contact`] for velocities that are not
+    /// [`SolveError::NoSuch`] without a periodic cell, [`SolveError::Parameter`] where steps are implicit, [`SolveError::Mesh`] for velocities that are not
     /// finite or not of an upper triangular matrix.
     pub fn deform_cell(&mut self, rates: Matrix3) -> Result<(), SolveError> {
         let Some(cell) = self.cell().copied() else {

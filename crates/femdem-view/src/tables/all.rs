@@ -134,9 +134,11 @@ impl Tables {
         let (shapes, bodies) = snapshot.posed();
         let pack = Pack::new(&shapes, &bodies)?;
         let data = Data::of(snapshot);
-        let network = ForceNetwork::new(&data.bodies, &data.contacts, options.force_threshold)?;
+        let network = ForceNetwork::new(&data.bodies, &data.contacts, options.force_threshold)?
+            .in_space(snapshot.space);
         let mut tables = Self::empty(snapshot, options, &network, data.walls.clone());
-        tables.add_geometry(snapshot, &pack)?;
+        tables.add_orientation(&pack)?;
+        tables.add_geometry(snapshot)?;
         let spacing = options.core.column_spacing_over_d;
         tables.surface = match free_surface(&pack, snapshot.container.as_ref(), spacing) {
             Ok(surface) => surface,

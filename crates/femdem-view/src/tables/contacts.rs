@@ -156,6 +156,10 @@ impl Tables {
             self.miss(&["stress_profile"], reason);
             return Ok(());
         };
+        if snapshot.space.is_some_and(|space| space.cell.repeats(2)) {
+            self.miss(&["stress_profile"], "space repeats itself along z");
+            return Ok(());
+        }
         let (low, high) = container.corners();
         // Slabs of about one diameter.
         let slabs = ((high.z - low.z) / self.diameter)

@@ -15,6 +15,13 @@ impl Tables {
         let Some(options) = self.options.fields else {
             return Ok(());
         };
+        if snapshot.space.is_some() {
+            self.miss(
+                &["fields"],
+                "space repeats itself, and fields would not know the images",
+            );
+            return Ok(());
+        }
         let (masses, velocities) = (&snapshot.masses, &snapshot.velocities);
         let mut fields = coarse_grained_fields(network, masses, velocities, &options)?;
         let gaps = snapshot.gaps;

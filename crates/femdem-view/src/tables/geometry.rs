@@ -8,11 +8,18 @@ use femdem_analysis::{
     measure_bed, packing_density, set_voronoi, tilt_histogram, tilts, wall_profile,
 };
 
+use femdem_mesh::{Point3, Vector3};
+
 use super::Tables;
 use crate::{Snapshot, ViewError};
 
 /// Tables of the container.
 const CONTAINER_TABLES: [&str; 2] = ["height_profile", "density_map"];
+
+/// Mean diameters around the periodic cell in which Voronoi cells are cut, so that those of its bodies are whole.
+const AROUND: f64 = 2.0;
+
+const PERIODIC_SIDES: &str = "space repeats itself: there are no side walls";
 
 const NO_CONTAINER: &str = "the container is not known; give its inside";
 
@@ -27,11 +34,7 @@ const CORE_TABLES: [&str; 6] = [
 ];
 
 impl Tables {
-    pub(super) fn add_geometry(
-        &mut self,
-        snapshot: &Snapshot,
-        pack: &Pack,
-    ) -> Result<(), ViewError> {
+    pub(super) fn add_orientation(&mut self, pack: &Pack) -> Result<(), ViewError> {
         self.orientation = super::orientation::of_pack(pack, &self.options)?;
         if self.orientation.is_none() {
             self.miss(
@@ -39,6 +42,18 @@ impl Tables {
                 "there are too many directions; choose fewer axes",
             );
         }
+        Ok(())
+    }
+
+    pub(super) fn add_geometry(&mut self, snapshot: &Snapshot) -> Result<(), ViewError> {
+        let everywhere = Region::Sphere {
+            centre: Point3::origin(),
+            radius: 1.0,
+        };
+        // Images in the container, and around it as far as their Voronoi cells depend on others.
+        let region = snapshot.container.as_ref().unwrap_or(&everywhere);
+        let (shapes, images) = snapshot.with_images(region, 2.0 * AROUND * self.diameter)?;
+        let pack = &images.pack(&shapes)?;
         self.add_bed(snapshot, pack)?;
         let Some(container) = &snapshot.container else {
             self.miss(&CONTAINER_TABLES, NO_CONTAINER);
@@ -54,7 +69,7 @@ impl Tables {
         }
         self.height_profile = Some(height_profile(pack, container, &self.options.profiles)?);
         match choose_core(pack, container, &self.options.core) {
-            Ok(core) => self.add_core(pack, container, core),
+            Ok(core) => self.add_core(snapshot, pack, container, core),
             Err(error @ NoPackInContainer { .. }) => {
                 self.miss(&CORE_TABLES, &error.to_string());
                 Ok(())
@@ -74,6 +89,13 @@ impl Tables {
             self.miss(&["bed"], NO_CONTAINER);
             return Ok(());
         };
+        if repeats(snapshot, 2) {
+            self.miss(
+                &["bed"],
+                "space repeats itself along z: there is no floor and no top",
+            );
+            return Ok(());
+        }
         match measure_bed(pack, &vessel, self.options.core.column_spacing_over_d) {
             Ok(bed) => self.bed = Some(bed),
             Err(
@@ -95,7 +117,10 @@ impl Tables {
             self.miss(&["tilt"], reason);
             return Ok(());
         }
-        let vessel = vessel_of(snapshot);
+        let vessel = vessel_of(snapshot).filter(|_| snapshot.space.is_none());
+        if snapshot.space.is_some() {
+            self.miss(&["tilt.side_walls", "tilt.floor"], PERIODIC_SIDES);
+        }
         if matches!(vessel, Some(Vessel::Silo { .. })) {
             let reason = "the floor of a silo lies within its cone, which tilts bodies itself";
             self.miss(&["tilt.floor"], reason);
@@ -112,6 +137,7 @@ impl Tables {
 
     fn add_core(
         &mut self,
+        snapshot: &Snapshot,
         pack: &Pack,
         container: &Region,
         core: CoreRegion,
@@ -128,15 +154,22 @@ impl Tables {
         self.density = Some(density);
         // Between the heights of the core, to exclude effects of floor and top.
         let (low, high) = space.corners();
-        let middle = container.slab(low.z, high.z)?;
-        self.wall_profile = Some(wall_profile(pack, &middle, &self.options.profiles)?);
+        if snapshot.space.is_some() {
+            self.miss(&["wall_profile"], PERIODIC_SIDES);
+        } else {
+            let middle = container.slab(low.z, high.z)?;
+            self.wall_profile = Some(wall_profile(pack, &middle, &self.options.profiles)?);
+        }
         // Above the mean top there is air that belongs to no body.
         let filled = container.slab(f64::NEG_INFINITY, core.top.mean)?;
         let options = SetVoronoiOptions {
             core: Some(space),
             ..self.options.voronoi
         };
-        self.set_voronoi = Some(set_voronoi(pack, &filled, &options)?);
+        let filled = widened(&filled, snapshot, AROUND * self.diameter);
+        let mut found = set_voronoi(pack, &filled, &options)?;
+        found.cells.retain(|cell| (cell.body as usize) < pack.own());
+        self.set_voronoi = Some(found);
         self.core = Some(core);
         Ok(())
     }
@@ -146,6 +179,26 @@ impl Tables {
 fn vessel_of(snapshot: &Snapshot) -> Option<Vessel> {
     let vessel = snapshot.vessel.clone();
     vessel.or_else(|| snapshot.container.map(Vessel::Upright))
+}
+
+/// Whether space repeats itself along an axis.
+fn repeats(snapshot: &Snapshot, axis: usize) -> bool {
+    snapshot.space.is_some_and(|space| space.cell.repeats(axis))
+}
+
+/// A region with a margin beyond the edges of the periodic cell (m).
+fn widened(region: &Region, snapshot: &Snapshot, margin: f64) -> Region {
+    match *region {
+        Region::Box { min, max } => {
+            let margin = |axis: usize| if repeats(snapshot, axis) { margin } else { 0.0 };
+            let by = Vector3::new(margin(0), margin(1), margin(2));
+            Region::Box {
+                min: min - by,
+                max: max + by,
+            }
+        }
+        other => other,
+    }
 }
 
 /// Why `what` is that of the whole bed and not that of the core.

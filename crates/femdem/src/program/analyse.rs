@@ -126,7 +126,7 @@ fn directions(text: &str) -> Option<Vec<[f64; 3]>> {
 pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
         let found = source::read(&args.folder, &args.foreign, &args.frame)?;
-        found.refuse_images()?;
+        found.refuse_moved_cell()?;
         // Options that cannot be met are refused before any file is written.
         let tables = tables(args, &found.snapshot)?;
         let series = args.over_time.then(|| over_time(args, &tables, &found));

@@ -167,7 +167,7 @@ pub(crate) struct PackArgs {
     #[arg(long, value_enum)]
     container: Option<ContainerKind>,
 
-    /// Inner width and depth of the box in d, each at least 1, such as 6x6, or in m, such as
+    /// Inner width and depth of the box, or of the periodic floor, in d, each at least 1, such as 6x6, or in m, such as
     /// 0.3x0.4m (cm, mm, um, in, ft too); a third number is the height of its rim [default: as wide as the pack will be high]
     #[arg(long, value_name = "WxD[xH][m]")]
     r#box: Option<Footprint>,

@@ -50,7 +50,7 @@ pub(crate) struct ReportArgs {
 pub(crate) fn run(args: &ReportArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
         let found = source::read(&args.folder, &args.foreign, &args.frame)?;
-        found.refuse_images()?;
+        found.refuse_moved_cell()?;
         let out = args.out.as_ref().unwrap_or(&found.folder);
         let snapshot = &found.snapshot;
         let page = match &found.origin {

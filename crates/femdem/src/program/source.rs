@@ -135,15 +135,28 @@ pub(crate) enum Origin {
 }
 
 impl Found {
-    /// Refuses to measure what lies in a periodic cell: bodies and contacts that reach over its faces are seen on one side only.
+    /// Refuses to measure pores in periodic space, where bodies that reach over its faces are seen on one side only.
     pub(super) fn refuse_images(&self) -> Result<()> {
-        if let Origin::Run(saved, _) = &self.origin
-            && saved.0.simulation().world.cell().is_some()
+        if self.snapshot.space.is_some() {
+            bail!(
+                "space repeats itself in {}, and pores are not measured over its edges: `femdem analyse` has the densities",
+                self.folder.display()
+            );
+        }
+        Ok(())
+    }
+
+    /// Refuses frames of a periodic cell that may have moved since: their tables do not tell its edges.
+    pub(super) fn refuse_moved_cell(&self) -> Result<()> {
+        if let Origin::Run(_, Some(frame)) = &self.origin
+            && self
+                .snapshot
+                .space
+                .is_some_and(|space| space.cell.volume().is_some())
         {
             bail!(
-                "the run has a periodic cell, whose images are not measured: {} has its solid fraction, stresses and strains, \
-                 and `femdem picture` draws it",
-                self.folder.join("cells.csv").display()
+                "the tables of frame {frame} do not tell the edges of the periodic cell then: leave out --frame and --time to \
+                 measure the end of the run; cells.csv has solid fractions, stresses and strains over time"
             );
         }
         Ok(())
@@ -256,6 +269,11 @@ fn of_run(folder: &Path, foreign: &ForeignArgs, frame: &FrameArgs) -> Result<Fou
         }
     };
     if let Some(Inside(region)) = foreign.inside {
+        if snapshot.space.is_some() {
+            bail!(
+                "--inside is not for a run in a periodic cell, which is its own container: leave it out"
+            );
+        }
         snapshot.container = Some(region);
     }
     Ok(Found {

@@ -28,7 +28,7 @@ pub(super) fn inside(packing: &Packing) -> Option<Region> {
     let filled = (top(packing) + spec.diameter()).max(z_min + spec.diameter());
     Some(match spec.container {
         Container::Mesh(_) => return None,
-        Container::Box { width, depth } => Region::Box {
+        Container::Box { width, depth } | Container::Periodic { width, depth } => Region::Box {
             min: Point3::new(-width / 2.0, -depth / 2.0, 0.0),
             max: Point3::new(width / 2.0, depth / 2.0, filled),
         },
@@ -45,7 +45,7 @@ pub(super) fn inside(packing: &Packing) -> Option<Region> {
 pub(super) fn vessel(packing: &Packing) -> Option<Vessel> {
     let container = &packing.spec().container;
     match *container {
-        Container::Box { .. } | Container::Cylinder { .. } => None,
+        Container::Box { .. } | Container::Periodic { .. } | Container::Cylinder { .. } => None,
         Container::Silo {
             diameter, outlet, ..
         } => Some(Vessel::Silo {
@@ -85,7 +85,7 @@ pub(super) fn drawing(packing: &Packing) -> Option<Drawing> {
                 floor: foot,
             })
         }
-        Container::Box { .. } | Container::Cylinder { .. } => {
+        Container::Box { .. } | Container::Periodic { .. } | Container::Cylinder { .. } => {
             let rim = spec.rim?;
             Some(Drawing::of_region(&inside(packing)?, rim))
         }

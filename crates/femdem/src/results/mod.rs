@@ -10,7 +10,7 @@ mod summary;
 
 use std::path::Path;
 
-use femdem_analysis::Table;
+use femdem_analysis::{PeriodicSpace, Table};
 use femdem_contact::{BodyId, RigidContact};
 use femdem_mesh::{Point3, Polyhedron, Vector3};
 use femdem_pack::Packing;
@@ -47,7 +47,11 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
             sleeping: world.is_asleep(id),
         })
     });
-    Snapshot {
+    let space = world.cell().map(|cell| PeriodicSpace {
+        cell: *cell,
+        lower: Point3::from(-0.5 * cell.edges().diagonal()),
+    });
+    let mut snapshot = Snapshot {
         shapes: shapes.collect(),
         bodies: bodies.collect(),
         contacts: world
@@ -57,6 +61,7 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
             .collect(),
         drawing: container::drawing(packing),
         container: container::inside(packing),
+        space,
         vessel: container::vessel(packing),
         masses: world.body_ids().filter_map(|id| world.mass(id)).collect(),
         velocities: world
@@ -65,7 +70,9 @@ pub fn snapshot(packing: &Packing) -> Snapshot {
             .collect(),
         gravity: packing.spec().gravity,
         gaps: Gaps::default(),
-    }
+    };
+    snapshot.wrap();
+    snapshot
 }
 
 /// The surface with which a shape is drawn and measured: that of a sphere is a polyhedron of the same volume, so that

@@ -115,6 +115,10 @@ impl ContainerSummary {
                 "box".clone_into(&mut summary.kind);
                 (summary.width, summary.depth) = (Some(width), Some(depth));
             }
+            Container::Periodic { width, depth } => {
+                "periodic".clone_into(&mut summary.kind);
+                (summary.width, summary.depth) = (Some(width), Some(depth));
+            }
             Container::Cylinder { diameter } => {
                 "cylinder".clone_into(&mut summary.kind);
                 summary.diameter = Some(diameter);

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 
 use femdem_analysis::{
     AnalysisError, Bed, CoordinationOptions, CoreOptions, DensityOptions, Pack, SieveCurve, Vessel,
-    choose_core, coordination, measure_bed, packing_density,
+    WithImages, choose_core, coordination, measure_bed, packing_density,
 };
 use femdem_pack::Packing;
 use serde::{Deserialize, Serialize};
@@ -206,8 +206,14 @@ impl Summary {
     pub fn of(packing: &Packing, snapshot: &Snapshot, usage: &Usage) -> Result<Self, Error> {
         let (spec, world, report) = (packing.spec(), packing.world(), packing.report());
         let ledger = world.ledger();
-        let (shapes, bodies) = snapshot.posed();
-        let pack = Pack::new(&shapes, &bodies)?;
+        let (shapes, images) = match &snapshot.container {
+            Some(container) => snapshot.with_images(container, 0.0)?,
+            None => {
+                let (shapes, bodies) = snapshot.posed();
+                (shapes, WithImages::none(bodies))
+            }
+        };
+        let pack = images.pack(&shapes)?;
         let (bed, bed_missing) = bed(snapshot, &pack)?;
         Ok(Self {
             schema: SCHEMA,

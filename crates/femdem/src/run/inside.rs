@@ -1,6 +1,6 @@
 //! The inside of the container that walls of planes form.
 
-use femdem_analysis::Region;
+use femdem_analysis::{PeriodicSpace, Region};
 use femdem_contact::{WallPlane, WallShape};
 use femdem_mesh::{Point3, Pose, Vector3};
 
@@ -12,7 +12,7 @@ const EXACT: f64 = 1e-9;
 /// A wall has at least so many upright planes if it is a mantle.
 const FACETS: usize = 8;
 
-/// The space that upright walls bound, from the floor, or the upper end of a cone, to the lid, or one mean diameter above the
+/// The space that upright walls or the sides of a periodic cell bound, from the floor, or the upper end of a cone, to the lid, or one mean diameter above the
 /// highest body. `None` where they do not bound a box or an upright cylinder with a floor, and where a wall is no plane.
 pub(super) fn inside<'a>(
     walls: impl Iterator<Item = (&'a WallShape, Pose)>,
@@ -56,7 +56,16 @@ pub(super) fn inside<'a>(
         }
     }
     let [top, diameter] = extent(snapshot);
-    let z_max = lid.min((top + diameter).max(floor + diameter));
+    let mut z_max = lid.min((top + diameter).max(floor + diameter));
+    if let Some(PeriodicSpace { cell, lower }) = &snapshot.space {
+        let side = |k: usize| (lower[k], lower[k] + cell.edges()[(k, k)]);
+        for k in (0..2).filter(|&k| cell.repeats(k)) {
+            (low[k], high[k]) = side(k);
+        }
+        if cell.repeats(2) {
+            (floor, z_max) = side(2);
+        }
+    }
     let region = match mantle {
         Some((centre, radius)) => Region::Cylinder {
             centre,

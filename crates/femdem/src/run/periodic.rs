@@ -1,7 +1,8 @@
 //! The periodic cell of a scenario.
 
+use femdem_analysis::PeriodicSpace;
 use femdem_contact::{BodyId, PeriodicCell};
-use femdem_mesh::{Pose, Vector3};
+use femdem_mesh::{Point3, Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::{ControlEntry, Scenario, Simulation};
@@ -95,19 +96,25 @@ impl Scenario {
 }
 
 impl Simulation {
-    /// The image of a place that lies in the box of the cell's sides, which fills space as the cell does where that leans \[m\].
+    /// The periodic cell, and the lowest corner of the box of its sides, which fills space as the cell does where that leans.
+    pub(super) fn space(&self) -> Option<PeriodicSpace> {
+        let cell = *self.world.cell()?;
+        let lower = Point3::from(self.centre - 0.5 * cell.edges().diagonal());
+        Some(PeriodicSpace { cell, lower })
+    }
+
+    /// The image of a place that lies in that box \[m\].
     pub(super) fn wrapped(&self, x: &Vector3) -> Vector3 {
-        self.world.cell().map_or(*x, |cell| {
-            let lower = self.centre - 0.5 * cell.edges().diagonal();
-            lower + cell.wrapped(&(x - lower))
-        })
+        let place = Point3::from(*x);
+        self.space()
+            .map_or(*x, |space| space.wrapped(&place).coords)
     }
 
     /// From a place to the nearest image of another one, axis by axis \[m\].
     pub(super) fn between(&self, from: &Vector3, to: &Vector3) -> Vector3 {
         let way = to - from;
         let cell = self.world.cell();
-        cell.map_or(way, |cell| way - cell.offset(cell.minimum_image(&way)))
+        cell.map_or(way, |cell| cell.shortest(&way))
     }
 
     /// The pose of a rigid body, or of the image of it that lies in the periodic cell.

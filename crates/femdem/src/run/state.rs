@@ -69,6 +69,8 @@ impl Simulation {
             snapshot.velocities.extend(world.velocity(member.id));
         }
         snapshot.contacts = self.rows(&numbers);
+        snapshot.space = self.space();
+        snapshot.wrap();
         snapshot.gaps.classes = world.deformable_contacts().next().is_some();
         snapshot.gravity = self.level_gravity();
         let walls = world.walls().map(|(wall, shape)| {
@@ -92,7 +94,7 @@ impl Simulation {
     /// Shape and pose of a rigid member.
     fn place(&self, member: &Member) -> Result<(u32, Pose), Error> {
         let (world, id) = (&self.world, member.id);
-        let place = world.shape_of(id).zip(self.shown(id));
+        let place = world.shape_of(id).zip(world.pose(id));
         // Only a state that was put together by hand has a member without a body.
         place.ok_or_else(|| Error::Option {
             name: "members",
@@ -104,7 +106,6 @@ impl Simulation {
     fn rows(&self, numbers: &BTreeMap<BodyId, u32>) -> Vec<ContactRow> {
         let world = &self.world;
         let renumbered = |mut row: ContactRow| {
-            row.point = Point3::from(self.wrapped(&row.point.coords));
             row.body = numbers[&row.body];
             if let Partner::Body(other) = &mut row.partner {
                 *other = numbers[other];

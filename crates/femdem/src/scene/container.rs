@@ -42,6 +42,10 @@ pub(super) fn container(
         let width = scene.cylinder.unwrap_or(Length::Diameters(width));
         width.metres(diameter)
     };
+    let footprint = || {
+        let side = level_width(pack);
+        scene.r#box.unwrap_or(Footprint::diameters(side, side))
+    };
     refuse_less_than_a_body(scene)?;
     Ok(match scene.container_kind()? {
         ContainerKind::Walls => {
@@ -57,9 +61,15 @@ pub(super) fn container(
             Container::Mesh(Box::new(MeshContainer::new(name, &surface)?))
         }
         ContainerKind::Box => {
-            let side = level_width(pack);
-            let size = scene.r#box.unwrap_or(Footprint::diameters(side, side));
+            let size = footprint();
             Container::Box {
+                width: size.width.metres(diameter),
+                depth: size.depth.metres(diameter),
+            }
+        }
+        ContainerKind::Periodic => {
+            let size = footprint();
+            Container::Periodic {
                 width: size.width.metres(diameter),
                 depth: size.depth.metres(diameter),
             }
@@ -121,8 +131,9 @@ fn wall_name(path: &Path) -> String {
 }
 
 /// Kinds of container in the order of preference.
-const KINDS: [ContainerKind; 4] = [
+const KINDS: [ContainerKind; 5] = [
     ContainerKind::Box,
+    ContainerKind::Periodic,
     ContainerKind::Cylinder,
     ContainerKind::Silo,
     ContainerKind::Walls,
@@ -186,14 +197,18 @@ impl Scene {
     }
 
     fn container_sizes(&self) -> Vec<Size> {
-        use ContainerKind::{Box, Cylinder, Silo, Walls};
+        use ContainerKind::{Box, Cylinder, Periodic, Silo, Walls};
         let walls = self.walls.as_ref().map(|path| path.display().to_string());
         // Before these sizes became optional, their defaults were written into scenes of all kinds.
         let counts = matches!(self.container, None | Some(Silo));
         let outlet = self.outlet.filter(|x| counts || *x != DEFAULT_OUTLET);
         let cone = self.cone.filter(|x| counts || *x != DEFAULT_CONE);
         let sizes: [(_, Option<String>, &'static [_]); 5] = [
-            ("box", self.r#box.map(|size| size.to_string()), &[Box]),
+            (
+                "box",
+                self.r#box.map(|size| size.to_string()),
+                &[Box, Periodic],
+            ),
             (
                 "cylinder",
                 self.cylinder.map(|size| size.to_string()),
@@ -212,6 +227,7 @@ impl fmt::Display for ContainerKind {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
             Self::Box => "box",
+            Self::Periodic => "periodic",
             Self::Cylinder => "cylinder",
             Self::Silo => "silo",
             Self::Walls => "walls",
@@ -224,7 +240,7 @@ fn stray(size: &Size, key: &str, value: &str) -> Error {
     Error::Option {
         name: size.0,
         value: format!("{} beside {key} = {value}", size.1),
-        allowed: "box has box; cylinder has cylinder; silo has cylinder, outlet and cone; walls has \
+        allowed: "box and periodic have box; cylinder has cylinder; silo has cylinder, outlet and cone; walls has \
                   walls: leave one of the two out",
     }
 }

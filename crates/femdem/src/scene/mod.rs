@@ -80,6 +80,8 @@ pub enum ContainerKind {
     /// Four upright walls
     #[default]
     Box,
+    /// A floor that repeats itself along x and y, without walls
+    Periodic,
     /// An upright cylinder
     Cylinder,
     /// An upright cylinder above a cone with a closed outlet

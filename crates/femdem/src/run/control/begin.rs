@@ -28,10 +28,9 @@ impl Simulation {
             added.map_err(in_entry(format!("wall \"{name}\"")))?;
         }
         let entry = scene.cell.as_ref().and_then(|cell| cell.control.as_ref());
-        let solid = self.volume_within([[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]]);
-        controls.periodic = ControlledCell::new(entry, &self.world, solid)?;
+        controls.periodic = ControlledCell::new(entry, &self.world)?;
         if let (Some(cell), Some(known)) = (&mut controls.periodic, &self.controls.periodic) {
-            (cell.start, cell.solid) = (known.start, known.solid);
+            cell.start = known.start;
         }
         for cell in &mut controls.cells {
             let before = self.controls.cells.iter();

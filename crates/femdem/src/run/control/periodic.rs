@@ -21,8 +21,6 @@ pub struct ControlledCell {
     shear: Option<Curve>,
     /// Sides and lean of edge z when the control began \[m\].
     pub(super) start: [f64; 4],
-    /// Volume of the bodies \[m³\].
-    pub(super) solid: f64,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,12 +31,8 @@ struct Goal {
 }
 
 impl ControlledCell {
-    /// The cell of a world under an entry, or without one; `solid` is the volume of all bodies \[m³\].
-    pub(super) fn new(
-        entry: Option<&ControlEntry>,
-        world: &World,
-        solid: f64,
-    ) -> Result<Option<Self>, Error> {
+    /// The cell of a world under an entry, or without one.
+    pub(super) fn new(entry: Option<&ControlEntry>, world: &World) -> Result<Option<Self>, Error> {
         let Some(cell) = world.cell().filter(|cell| cell.volume().is_some()) else {
             if entry.is_some() {
                 let allowed = "given to a cell that repeats itself along x, y and z";
@@ -62,7 +56,6 @@ impl ControlledCell {
             goals,
             shear,
             start: [edges.m11, edges.m22, edges.m33, edges.m13],
-            solid,
         }))
     }
 
@@ -122,8 +115,14 @@ impl ControlledCell {
             strain: [0, 1, 2].map(|axis| (lengths[axis] / sides[axis]).ln()),
             shear_stress: Some(-stress.m13),
             shear_strain: Some(edges.m13 / edges.m33 - lean / z),
-            solid_fraction: self.solid / edges.diagonal().product(),
+            solid_fraction: solid(world) / edges.diagonal().product(),
             errors,
         })
     }
+}
+
+/// Volume of the bodies, which are rigid, with those that sources have brought \[m³\].
+fn solid(world: &World) -> f64 {
+    let volume = |id| Some(world.shape(world.shape_of(id)?)?.volume);
+    world.body_ids().filter_map(volume).sum()
 }

@@ -26,7 +26,7 @@ impl Run {
     }
 
     /// Reads a frame from its tables: what [`Simulation::snapshot`](crate::run::Simulation::snapshot) was then, without the
-    /// gap of the classes of deformable bodies' contacts. Gravity is that of the present scene.
+    /// gap of the classes of deformable bodies' contacts. Gravity is that of the present scene, and so is a periodic cell.
     ///
     /// # Errors
     ///
@@ -45,6 +45,7 @@ impl Run {
             let known = walls.find(|(_, wall)| wall.name() == name);
             known.map(|(_, wall)| (wall, *pose))
         });
+        snapshot.space = simulation.space();
         // Without one of the walls the container is not known.
         let walls: Option<Vec<_>> = walls.collect();
         snapshot.container = walls.and_then(|walls| inside(walls.into_iter(), &snapshot));

@@ -1,0 +1,118 @@
+//! The bodies of periodic space, and the images of them that reach into a region.
+
+use femdem_mesh::{PeriodicCell, Point3, Polyhedron, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::error::AnalysisError;
+use crate::pack::{Pack, PosedBody};
+use crate::region::Region;
+
+/// Periodic space, and where its cell lies.
+///
+/// Bodies are told once. [`WithImages`] adds the images that a measurement of volumes needs, and
+/// [`ForceNetwork::in_space`](crate::ForceNetwork::in_space) takes every way between two bodies, or from a body to a
+/// contact, as the shortest of all images.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PeriodicSpace {
+    /// The cell.
+    pub cell: PeriodicCell,
+    /// Lowest corner (m) of the box of the cell's sides, in which bodies are told; along an axis without edges it says nothing.
+    pub lower: Point3,
+}
+
+impl PeriodicSpace {
+    /// The image of a point that lies in the box (m).
+    #[must_use]
+    pub fn wrapped(&self, point: &Point3) -> Point3 {
+        self.lower + self.cell.wrapped(&(point - self.lower))
+    }
+}
+
+/// The bodies of a pack in periodic space, followed by the images of them that come near a region.
+///
+/// ```
+/// use femdem_analysis::*;
+/// use femdem_mesh::{PeriodicCell, Point3, Pose, catalogue::CatalogueShape};
+///
+/// // A cube of 1 m3 on the corner of a cell of 2 m x 2 m: a quarter of it lies in the cell, and so do those of its images.
+/// let cube = ["P5".parse::<CatalogueShape>()?.polyhedron(3_f64.sqrt())?];
+/// let bodies = [PosedBody { shape: 0, pose: Pose::translation(0.0, 0.0, 0.5) }];
+/// let space = PeriodicSpace { cell: PeriodicCell::new([Some(2.0), Some(2.0), None])?, lower: Point3::origin() };
+/// let region = Region::Box { min: Point3::origin(), max: Point3::new(2.0, 2.0, 1.0) };
+/// let images = WithImages::new(&cube, &bodies, &space, &region, 0.0)?;
+/// let pack = images.pack(&cube)?;
+/// assert!((exact_density(&pack, &region)?.density - 0.25).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct WithImages {
+    bodies: Vec<PosedBody>,
+    own: usize,
+    repeats: [bool; 3],
+}
+
+impl WithImages {
+    /// All images whose circumscribed spheres come within `reach` (m) of the box around a region, along the axes that repeat
+    /// themselves.
+    ///
+    /// # Errors
+    /// As [`Pack::new`], and [`AnalysisError::Region`].
+    pub fn new(
+        shapes: &[Polyhedron],
+        bodies: &[PosedBody],
+        space: &PeriodicSpace,
+        region: &Region,
+        reach: f64,
+    ) -> Result<Self, AnalysisError> {
+        region.validate()?;
+        let pack = Pack::new(shapes, bodies)?;
+        let (min, max) = region.corners();
+        // How far the region reaches beyond the box of the cell.
+        let beyond = (0..3).filter(|&k| space.cell.repeats(k)).map(|k| {
+            let side = space.cell.edges()[(k, k)];
+            (space.lower[k] - min[k]).max(max[k] - space.lower[k] - side)
+        });
+        let beyond = beyond.fold(0.0, f64::max) + reach;
+        let mut all = bodies.to_vec();
+        for (body, posed) in bodies.iter().enumerate() {
+            let centre = pack.centroid(body);
+            let span = pack.shape(body).bounding_radius() + beyond;
+            for way in space.cell.images(&(centre - space.lower), span) {
+                let near = |k: usize| {
+                    let x = centre[k] + way[k];
+                    let room = pack.shape(body).bounding_radius() + reach;
+                    !space.cell.repeats(k) || (x + room >= min[k] && x - room <= max[k])
+                };
+                if way != Vector3::zeros() && (0..3).all(near) {
+                    let mut image = *posed;
+                    image.pose.translation.vector += way;
+                    all.push(image);
+                }
+            }
+        }
+        Ok(Self {
+            bodies: all,
+            own: bodies.len(),
+            repeats: [0, 1, 2].map(|k| space.cell.repeats(k)),
+        })
+    }
+
+    /// Bodies without images, in space that does not repeat itself.
+    #[must_use]
+    pub fn none(bodies: Vec<PosedBody>) -> Self {
+        Self {
+            own: bodies.len(),
+            bodies,
+            repeats: [false; 3],
+        }
+    }
+
+    /// The pack of all, in which only the bodies themselves count as bodies: [`Pack::own`].
+    ///
+    /// # Errors
+    /// As [`Pack::new`].
+    pub fn pack<'a>(&'a self, shapes: &'a [Polyhedron]) -> Result<Pack<'a>, AnalysisError> {
+        let pack = Pack::new(shapes, &self.bodies)?;
+        Ok(pack.with_own(self.own, self.repeats))
+    }
+}
