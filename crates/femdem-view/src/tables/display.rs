@@ -9,6 +9,9 @@ use super::Tables;
 /// The residual of a pack at rest is below this.
 const UNBALANCED: f64 = 0.05;
 
+/// Width of the free surface in mean diameters from which its slope is shown.
+const WIDE: f64 = 8.0;
+
 impl fmt::Display for Tables {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut line = |name: &str, text: Option<String>| match text {
@@ -79,7 +82,9 @@ impl Tables {
     }
 
     fn surface_text(&self) -> Option<String> {
-        let surface = self.surface.as_ref()?;
+        // Of a narrower bed it is the bodies that lie on top by chance.
+        let width = (self.surface?.columns as f64).sqrt() * self.options.core.column_spacing_over_d;
+        let surface = self.surface.filter(|_| width >= WIDE)?;
         Some(format!(
             "slope {:.1} degrees as a plane, {:.1} degrees as a heap",
             surface.plane_angle, surface.cone_angle
