@@ -1,7 +1,5 @@
 //! Packs without side walls: made, measured, shown, and gone on with.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
-
 use std::fs;
 
 use crate::common::{code, fails, femdem, run, stdout, summary};
