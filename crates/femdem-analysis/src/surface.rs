@@ -20,7 +20,7 @@ const SLOPE: [f64; 2] = [0.2, 0.8];
 ///
 /// Heights are those of the highest solid point on upright lines, as of the [top](crate::top_plane). The plane is the least
 /// squares fit over the middle half of the footprint, along x and along y. The cone stands about the mean place of the lines, each
-/// weighted with its height h above the lowest point of all bodies. Its radius R follows from the same mean of r²,
+/// weighted with its height h above the floor of the container, or above the lowest point of all bodies. Its radius R follows from the same mean of r²,
 /// which is 3 R²/10 for a cone; its slope is the least squares fit of h over r between 0.2 R and 0.8 R.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FreeSurface {
@@ -85,7 +85,8 @@ pub fn free_surface(
     let Some((plane_angle, plane_direction)) = plane(&met) else {
         return Ok(None);
     };
-    let Some((cone_centre, cone_radius, cone_angle)) = cone(&met, low.z) else {
+    let floor = container.map_or(low.z, |region| region.corners().0.z);
+    let Some((cone_centre, cone_radius, cone_angle)) = cone(&met, floor) else {
         return Ok(None);
     };
     Ok(Some(FreeSurface {

@@ -202,3 +202,54 @@ fn stages_are_checked_and_swept() {
         assert!((time - 0.01).abs() < 1e-3, "{time}");
     }
 }
+
+/// A load of a stage is on bodies that a source brought in the stage before.
+#[test]
+fn a_load_is_on_bodies_of_an_earlier_stage() {
+    let folder = tempdir().unwrap();
+    let scene = folder.path().join("scene.toml");
+    let text = r#"
+duration = 0.1
+gravity = [0, 0, 0]
+track = true
+
+[material.stone]
+density = 1000
+
+[[wall]]
+name = "floor"
+plane = { normal = [0, 0, 1] }
+
+[[stage]]
+name = "come"
+source = [{ name = "feed", shape = "cube", size = 0.02, material = "stone", lower = [0, 0, 0.1], upper = [0, 0, 0.1], rate = 100, number = 1 }]
+
+[[stage]]
+name = "pull"
+load = [{ bodies = ["feed"], acceleration = [2, 0, 0] }]
+"#;
+    fs::write(&scene, text).unwrap();
+    let out = folder.path().join("out");
+    let result = run(femdem("run").arg(&scene).arg("--out").arg(&out));
+    assert_eq!(code(&result), 0, "{result:?}");
+    let rows = bodies(&out.join("pull"));
+    let last: Vec<f64> = rows
+        .last()
+        .unwrap()
+        .split(',')
+        .map(|x| x.parse().unwrap())
+        .collect();
+    // Time and place along x.
+    let way = last[0] * last[0];
+    assert!((last[2] - way).abs() < 1e-3 * way, "{} {way}", last[2]);
+    // The scene in the folder may be the one that is run again.
+    let own = out.join("scene.toml");
+    let result = run(femdem("run")
+        .arg(&own)
+        .arg("--out")
+        .arg(&out)
+        .arg("--force"));
+    assert_eq!(code(&result), 0, "{result:?}");
+    assert_eq!(fs::read_to_string(&own).unwrap(), text);
+    assert_eq!(bodies(&out.join("pull")), rows);
+}

@@ -1,11 +1,11 @@
 //! All tables of a pack.
 
 use femdem_analysis::{
-    AnalysisError, Bed, BodyStresses, ChainNetwork, ContactClasses, ContactFabric, Coordination,
-    CoreRegion, DensityMap, DensityProfile, Estimate, Fields, ForceDistribution, ForceMaxima,
-    ForceNetwork, FreeSurface, Mixing, Pack, PackingDensity, RadialDistribution, Rattlers,
-    RegionStress, SetVoronoi, SieveCurve, StressProfile, ThresholdCurve, TiltHistogram,
-    VerticalBalance, WallForces, free_surface,
+    Bed, BodyStresses, ChainNetwork, ContactClasses, ContactFabric, Coordination, CoreRegion,
+    DensityMap, DensityProfile, Estimate, Fields, ForceDistribution, ForceMaxima, ForceNetwork,
+    FreeSurface, Mixing, Pack, PackingDensity, RadialDistribution, Rattlers, RegionStress,
+    SetVoronoi, SieveCurve, StressProfile, ThresholdCurve, TiltHistogram, VerticalBalance,
+    WallForces,
 };
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -54,8 +54,8 @@ pub struct Tables {
     pub core: Option<CoreRegion>,
     /// Void fraction of the whole bed, from the floor to the mean top.
     pub bed: Option<Bed>,
-    /// Slope of the free surface; `None`, without an entry in `missing`, if too few upright lines meet a body, or the bodies
-    /// lie too far apart.
+    /// Slope of the free surface; `None`, without an entry in `missing`, if space repeats itself along z, if too few
+    /// upright lines meet a body, or if the bodies lie too far apart.
     pub surface: Option<FreeSurface>,
     /// Packing density of the core.
     pub density: Option<PackingDensity>,
@@ -139,13 +139,6 @@ impl Tables {
         let mut tables = Self::empty(snapshot, options, &network, data.walls.clone());
         tables.add_orientation(&pack)?;
         tables.add_geometry(snapshot)?;
-        let spacing = options.core.column_spacing_over_d;
-        tables.surface = match free_surface(&pack, snapshot.container.as_ref(), spacing) {
-            Ok(surface) => surface,
-            // A body that has flown far.
-            Err(AnalysisError::GridTooFine { .. }) => None,
-            Err(other) => return Err(other.into()),
-        };
         tables.add_tilt(snapshot, &pack)?;
         tables.add_mixing(snapshot, &pack)?;
         tables.add_radial_distribution(&pack)?;

@@ -1,14 +1,15 @@
 //! Tables that need only poses.
 
 use femdem_analysis::AnalysisError::{
-    AboveRim, NoPackInContainer, NotEnclosed, Region as BadRegion, RegionKind,
+    AboveRim, GridTooFine, NoPackInContainer, NotEnclosed, Region as BadRegion, RegionKind,
 };
 use femdem_analysis::{
-    CoreRegion, Pack, Region, SetVoronoiOptions, Vessel, choose_core, density_map, height_profile,
-    measure_bed, packing_density, set_voronoi, tilt_histogram, tilts, wall_profile,
+    CoreRegion, Pack, Region, SetVoronoiOptions, Vessel, WithImages, choose_core, density_map,
+    free_surface, height_profile, measure_bed, packing_density, set_voronoi, tilt_histogram, tilts,
+    wall_profile,
 };
 
-use femdem_mesh::{Point3, Vector3};
+use femdem_mesh::Vector3;
 
 use super::Tables;
 use crate::{Snapshot, ViewError};
@@ -46,14 +47,16 @@ impl Tables {
     }
 
     pub(super) fn add_geometry(&mut self, snapshot: &Snapshot) -> Result<(), ViewError> {
-        let everywhere = Region::Sphere {
-            centre: Point3::origin(),
-            radius: 1.0,
-        };
         // Images in the container, and around it as far as their Voronoi cells depend on others.
-        let region = snapshot.container.as_ref().unwrap_or(&everywhere);
-        let (shapes, images) = snapshot.with_images(region, 2.0 * AROUND * self.diameter)?;
+        let (shapes, images) = match &snapshot.container {
+            Some(region) => snapshot.with_images(region, 2.0 * AROUND * self.diameter)?,
+            None => {
+                let (shapes, bodies) = snapshot.posed();
+                (shapes, WithImages::none(bodies))
+            }
+        };
         let pack = &images.pack(&shapes)?;
+        self.add_surface(snapshot, pack)?;
         self.add_bed(snapshot, pack)?;
         let Some(container) = &snapshot.container else {
             self.miss(&CONTAINER_TABLES, NO_CONTAINER);
@@ -81,6 +84,21 @@ impl Tables {
             }
             Err(other) => Err(other.into()),
         }
+    }
+
+    /// The slope of the free surface.
+    fn add_surface(&mut self, snapshot: &Snapshot, pack: &Pack) -> Result<(), ViewError> {
+        if repeats(snapshot, 2) {
+            return Ok(());
+        }
+        let spacing = self.options.core.column_spacing_over_d;
+        self.surface = match free_surface(pack, snapshot.container.as_ref(), spacing) {
+            Ok(surface) => surface,
+            // A body that has flown far.
+            Err(GridTooFine { .. }) => None,
+            Err(other) => return Err(other.into()),
+        };
+        Ok(())
     }
 
     /// The whole bed, in the vessel or else in the container.

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use femdem::output;
 use femdem::run::Stage;
 
 use super::args::{ResumeArgs, RunArgs};
@@ -25,10 +26,16 @@ pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
 fn run_stages(args: &SceneArgs, stages: &[Stage]) -> Result<Outcome> {
     if !args.check {
         let out = folder_of(stages);
+        let text = fs::read(&args.scene)
+            .with_context(|| format!("cannot read {}", args.scene.display()))?;
         // Only to refuse a folder that holds something: the stages claim theirs.
         drop(folder::prepare(&out, args.force)?);
-        fs::copy(&args.scene, out.join(SCENE))
-            .with_context(|| format!("cannot copy the scene to {}", out.display()))?;
+        // What earlier stages left would count as finished.
+        let own = stages.iter().map(|stage| stage.scenario.out.as_path());
+        for folder in own.chain([out.as_path()]) {
+            folder::forget_other_jobs(folder, "")?;
+        }
+        output::write_file(out.join(SCENE), |w| std::io::Write::write_all(w, &text))?;
     }
     // A stage that starts from another one is checked when that is there.
     let stages = if args.check { &stages[..1] } else { stages };
@@ -57,13 +64,18 @@ pub(super) fn resume(args: &ResumeArgs) -> Result<Option<Outcome>> {
             args.folder.display()
         );
     }
+    if args.report {
+        anyhow::bail!("a run of a scene has no report: leave --report out");
+    }
+    // Stages after one that goes on start from its new end.
+    let mut went_on = false;
     for (k, stage) in stages.iter().enumerate() {
         let own = &stage.scenario.out;
-        if own.join(folder::SUMMARY).is_file() {
+        if !went_on && own.join(folder::SUMMARY).is_file() {
             continue;
         }
         announce(k, stages.len(), stage, args.run.quiet);
-        let outcome = if folder::holds_run(own) {
+        let outcome = if !went_on && folder::holds_run(own) {
             resume_run(&ResumeArgs {
                 folder: own.clone(),
                 duration: None,
@@ -81,6 +93,7 @@ pub(super) fn resume(args: &ResumeArgs) -> Result<Option<Outcome>> {
             };
             run_scenario(&fresh, stage.scenario.clone())?
         };
+        went_on = true;
         if outcome == Outcome::Interrupted {
             return Ok(Some(Outcome::Interrupted));
         }

@@ -52,13 +52,15 @@ impl Scenario {
                 let scene = self.filled(&WorldParameters::default(), false);
                 let world = World::new(scene.parameters());
                 let world = world.map_err(|error| Error::from(error).by_keys(&KEYS))?;
-                let simulation = scene.build_on(Simulation::empty(world))?;
+                let mut simulation = scene.build_on(Simulation::empty(world))?;
+                simulation.set_loads(&scene)?;
                 Ok((scene, simulation))
             }
             Some(folder) if is_pack(folder) => {
                 let (scene, base) =
                     Simulation::of_pack(folder, self).map_err(|error| error.by_keys(&KEYS))?;
                 let mut simulation = scene.build_on(base)?;
+                simulation.set_loads(&scene)?;
                 simulation.world.restart_ledger();
                 let own = &self.contact;
                 if own.penalty.or(own.penetration).is_none() {
@@ -70,7 +72,7 @@ impl Scenario {
         }
     }
 
-    /// A world with what the entries of bodies and walls describe.
+    /// A world with what the entries of bodies and walls describe, without loads: these may be on bodies that came earlier.
     pub(super) fn build_on(&self, mut simulation: Simulation) -> Result<Simulation, Error> {
         self.make_periodic(&mut simulation)?;
         let mut names = Names::default();
@@ -147,7 +149,6 @@ impl Scenario {
         self.set_pairs(&mut simulation)?;
         loads.bound_step(&mut simulation)?;
         simulation.control(self)?;
-        simulation.set_loads(self)?;
         Ok(simulation)
     }
 

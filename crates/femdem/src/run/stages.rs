@@ -115,7 +115,9 @@ fn lay_over(base: &mut Table, over: Table) {
     for (key, value) in over {
         match (base.get_mut(&key), value) {
             (Some(Value::Table(below)), Value::Table(above)) => lay_over(below, above),
-            (Some(Value::Array(below)), Value::Array(above)) if above.iter().all(has_name) => {
+            (Some(Value::Array(below)), Value::Array(above))
+                if !above.is_empty() && above.iter().all(has_name) =>
+            {
                 for thing in above {
                     let known = below.iter_mut().find(|old| name(old) == name(&thing));
                     match (known, thing) {
@@ -148,18 +150,19 @@ mod tests {
         let text = |text: &str| text.parse::<Table>().unwrap();
         let mut scene = text(
             "duration = 1\ncontact = { friction = 0.5, damping = 0.3 }\nremove = [\"a\"]\n\
-             wall = [{ name = \"lid\", opens = 1 }, { name = \"floor\" }]",
+             wall = [{ name = \"lid\", opens = 1 }, { name = \"floor\" }]\nsource = [{ name = \"feed\" }]",
         );
         lay_over(
             &mut scene,
             text(
                 "duration = 2\ncontact = { friction = 0.1 }\nremove = [\"b\", \"c\"]\n\
-                 wall = [{ name = \"lid\", material = \"steel\" }, { name = \"ram\" }]",
+                 wall = [{ name = \"lid\", material = \"steel\" }, { name = \"ram\" }]\nsource = []",
             ),
         );
         let want = text(
             "duration = 2\ncontact = { friction = 0.1, damping = 0.3 }\nremove = [\"b\", \"c\"]\n\
-             wall = [{ name = \"lid\", opens = 1, material = \"steel\" }, { name = \"floor\" }, { name = \"ram\" }]",
+             wall = [{ name = \"lid\", opens = 1, material = \"steel\" }, { name = \"floor\" }, { name = \"ram\" }]\n\
+             source = []",
         );
         assert_eq!(scene, want);
     }

@@ -83,6 +83,7 @@ impl Simulation {
         // Steps and penalties take into account what is to come.
         simulation.set_flow(scene)?;
         simulation.change(before, scene)?;
+        simulation.set_loads(scene)?;
         for (number, _, body) in self.deformables() {
             let id = simulation.members[number].id;
             let Some(present) = simulation.world.deformable(id) else {
