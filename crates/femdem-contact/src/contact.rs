@@ -282,14 +282,6 @@ impl RigidContact {
         self.normal * self.normal_force + self.friction + self.adhesion.force
     }
 
-    /// The force on B across and in the contact plane, with attraction: along `normal` (negative where it pulls) and the rest, N.
-    pub fn parts(&self) -> (f64, Vector3) {
-        let pull = self.adhesion.force;
-        let along = self.normal.dot(&pull);
-        let across = pull - self.normal * along;
-        (self.normal_force + along, self.friction + across)
-    }
-
     /// Elastic energy and that of the attraction, J.
     pub fn potential(&self) -> f64 {
         self.energy + self.adhesion.energy

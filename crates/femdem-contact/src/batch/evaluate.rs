@@ -236,7 +236,7 @@ impl Context<'_> {
         let body = self.shape(b);
         match a {
             Partner::Body(i) => Meeting::of_bodies([self.shape(i), body], frames),
-            Partner::Wall(w) => Meeting::with_wall(self.planes(w)?, frames[0], body, frames[1]),
+            Partner::Wall(w) => Meeting::with_wall(self.planes(w)?, frames, body),
         }
     }
 
@@ -358,7 +358,7 @@ impl Context<'_> {
                 let WallShape::Mesh(wall) = self.wall_shapes[w as usize].as_ref()? else {
                     return None;
                 };
-                SolidMeeting::with_wall(wall.solid_wall(), frames[0], body, frames[1])?
+                SolidMeeting::with_wall(wall.solid_wall(), frames, body)?
             }
         };
         let patches = meeting.patches(&SphereKernel::of(self.materials.law(a, b).penalty));

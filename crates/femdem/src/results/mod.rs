@@ -11,7 +11,7 @@ mod summary;
 use std::path::Path;
 
 use femdem_analysis::{PeriodicSpace, Table};
-use femdem_contact::{BodyId, RigidContact};
+use femdem_contact::{BodyId, Contact, RigidContact};
 use femdem_mesh::{Point3, Polyhedron, Vector3};
 use femdem_pack::Packing;
 use femdem_solve::{Shape, World};
@@ -113,7 +113,7 @@ pub(crate) fn from_a_body(
 /// A contact record as a row that starts from a body.
 pub(crate) fn row(world: &World, contact: &RigidContact) -> ContactRow {
     let (body, partner, sign) = from_a_body(world, contact.a, contact.b);
-    let (normal_force, friction) = contact.parts();
+    let (normal_force, friction) = Contact::from(contact).parts();
     ContactRow {
         body,
         partner,

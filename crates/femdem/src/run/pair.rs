@@ -46,20 +46,7 @@ impl Scenario {
                 let [a, b] = &pair.materials;
                 let ids = [self.material_id(a)?, self.material_id(b)?];
                 let law = law(pair, &usual)?;
-                if pair.is_empty() {
-                    return Err(wrong(
-                        "pair",
-                        "the materials only",
-                        "give a key in which it differs from [contact]",
-                    ));
-                }
-                if !known.insert((ids[0].min(ids[1]), ids[0].max(ids[1]))) {
-                    return Err(wrong(
-                        "pair",
-                        "given twice",
-                        "one [[pair]] for two materials",
-                    ));
-                }
+                pair.check(&mut known)?;
                 laws.set(ids, Some(law));
                 Ok(())
             };

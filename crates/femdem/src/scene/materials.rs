@@ -68,17 +68,7 @@ impl Scene {
                 let allowed = "for deformable bodies only, and a pack has none: leave it out";
                 return Err(wrong("wall-response", "given in [[pair]]", allowed));
             }
-            if pair.is_empty() {
-                let allowed = "give a key in which it differs from the others";
-                return Err(wrong("pair", "the materials only", allowed));
-            }
-            if !known.insert((ids[0].min(ids[1]), ids[0].max(ids[1]))) {
-                return Err(wrong(
-                    "pair",
-                    "given twice",
-                    "one [[pair]] for two materials",
-                ));
-            }
+            pair.check(&mut known)?;
             spec.pairs.push(pair.own(ids));
         }
         Ok(())

@@ -1,8 +1,13 @@
 //! The contact law of a pair of materials, as scenes give it.
 
+use std::collections::BTreeSet;
+
 use femdem_contact::{MaterialId, WallResponse};
 use femdem_pack::PairLaw;
 use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::error::wrong;
 
 /// The contact law of two materials, or of a material and itself. What it does not give is that of
 /// [`ContactEntry`](crate::run::ContactEntry).
@@ -50,12 +55,22 @@ impl PairEntry {
         }
     }
 
-    /// Whether it gives nothing but its materials.
-    pub(crate) fn is_empty(&self) -> bool {
-        *self
-            == Self {
-                materials: self.materials.clone(),
-                ..Self::default()
-            }
+    /// Refuses a pair that gives nothing, or whose materials are those of a `known` one, to which it is added.
+    pub(crate) fn check<'a>(&'a self, known: &mut BTreeSet<[&'a str; 2]>) -> Result<(), Error> {
+        let empty = Self {
+            materials: self.materials.clone(),
+            ..Self::default()
+        };
+        if *self == empty {
+            let allowed = "give a key in which it differs from the law of all others";
+            return Err(wrong("pair", "the materials only", allowed));
+        }
+        let mut materials = [0, 1].map(|k| self.materials[k].as_str());
+        materials.sort_unstable();
+        if !known.insert(materials) {
+            let allowed = "one [[pair]] for two materials";
+            return Err(wrong("pair", "given twice", allowed));
+        }
+        Ok(())
     }
 }
