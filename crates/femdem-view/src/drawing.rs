@@ -3,6 +3,9 @@
 use femdem_analysis::Region;
 use femdem_mesh::{Point3, Vector3};
 
+/// Cosine of the smallest angle between faces of a surface whose edge is drawn.
+const SHARP: f64 = 0.9;
+
 /// Number of corners of the polygon that approximates a circle.
 const CIRCLE_SIDES: usize = 96;
 
@@ -92,6 +95,40 @@ pub fn circle(centre: Point3, radius: f64, from: f64) -> Vec<Point3> {
 pub fn sides(polygon: &[Point3]) -> impl Iterator<Item = [Point3; 2]> {
     let next = polygon.iter().cycle().skip(1);
     polygon.iter().zip(next).map(|(a, b)| [*a, *b])
+}
+
+/// The edges of a closed surface at which its faces meet at 26 degrees or more, as lines of a [`Drawing`]. Triangles are of
+/// the points' numbers; those with a number beyond the points have no edges.
+///
+/// ```
+/// use femdem_mesh::{TetMesh, Vector3};
+/// use femdem_view::sharp_edges;
+///
+/// let block = TetMesh::block([2, 1, 1], &Vector3::new(2.0, 1.0, 1.0))?;
+/// // Those along x have two parts.
+/// assert_eq!(sharp_edges(block.points(), block.skin()).len(), 16);
+/// # Ok::<(), femdem_mesh::MeshError>(())
+/// ```
+#[must_use]
+pub fn sharp_edges(points: &[Point3], triangles: &[[u32; 3]]) -> Vec<[Point3; 2]> {
+    let mut edges: Vec<([u32; 2], Vector3)> = Vec::new();
+    for corners in triangles {
+        let [Some(a), Some(b), Some(c)] = corners.map(|i| points.get(i as usize)) else {
+            continue;
+        };
+        let normal = (b - a).cross(&(c - a)).normalize();
+        let next = corners.iter().cycle().skip(1);
+        let edge = |(a, b): (&u32, &u32)| ([*a.min(b), *a.max(b)], normal);
+        edges.extend(corners.iter().zip(next).map(edge));
+    }
+    // A stable order: the two faces of an edge come one after the other.
+    edges.sort_by_key(|(edge, _)| *edge);
+    let is_sharp = |pair: &&[([u32; 2], Vector3)]| pair[0].1.dot(&pair[1].1) < SHARP;
+    let both = edges
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter(|same| same.len() == 2);
+    let line = |pair: &[([u32; 2], Vector3)]| pair[0].0.map(|i| points[i as usize]);
+    both.filter(is_sharp).map(line).collect()
 }
 
 #[cfg(test)]

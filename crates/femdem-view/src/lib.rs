@@ -71,6 +71,6 @@ pub use femdem_analysis as analysis;
 pub use femdem_mesh as mesh;
 
 pub use colouring::{BodyValues, Colouring, Spacing};
-pub use drawing::Drawing;
+pub use drawing::{Drawing, sharp_edges};
 pub use error::ViewError;
 pub use snapshot::{Body, BodyLoad, ContactRow, Gaps, NamedShape, Partner, Snapshot};

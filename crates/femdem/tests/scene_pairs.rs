@@ -181,7 +181,10 @@ fn faults_of_pairs_are_named() {
         (
             "rolling-friction = 0.1\n",
             "",
-            ["\"steel\" and \"steel\"", "differs from the law of all others"],
+            [
+                "\"steel\" and \"steel\"",
+                "differs from the law of all others",
+            ],
         ),
         (
             "[material.stone]",

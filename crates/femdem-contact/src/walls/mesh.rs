@@ -124,13 +124,23 @@ impl MeshWall {
         match &self.inner.source.kind {
             Kind::Sheet { thickness, .. } => *thickness,
             Kind::Solid(mesh) => {
-                let points = mesh.points();
+                let (points, skin) = self.surface();
                 let area = |corners: &[u32; 3]| {
                     let [a, b, c] = corners.map(|i| points[i as usize]);
                     0.5 * (b - a).cross(&(c - a)).norm()
                 };
-                2.0 * mesh.volume() / mesh.skin().iter().map(area).sum::<f64>()
+                2.0 * mesh.volume() / skin.iter().map(area).sum::<f64>()
             }
+        }
+    }
+
+    /// Its surface in its own axes: points \[m\], and triangles of their numbers; of a sheet the sheet alone.
+    pub fn surface(&self) -> (&[Point3], &[[u32; 3]]) {
+        match &self.inner.source.kind {
+            Kind::Sheet {
+                points, triangles, ..
+            } => (points, triangles),
+            Kind::Solid(mesh) => (mesh.points(), mesh.skin()),
         }
     }
 

@@ -1,12 +1,12 @@
 //! Shapes side by side, each with its name.
 
-use femdem_mesh::{Polyhedron, Pose};
+use femdem_mesh::{Point3, Polyhedron, Pose};
 
 use super::canvas::Image;
 use super::colour::Srgb;
 use super::font;
 use super::options::PictureOptions;
-use super::paint::{bounding_corners, eye, paint};
+use super::paint::{eye, paint};
 use super::scene::Mesh;
 use crate::{Body, BodyValues, NamedShape, Snapshot, Spacing, ViewError};
 
@@ -96,7 +96,7 @@ fn portrait(exhibit: &Exhibit, options: &PictureOptions) -> Image {
         spacing: Spacing::Linear,
     };
     let mesh = Mesh::of_bodies(&snapshot, &colour);
-    let extent = bounding_corners(mesh.points());
+    let extent: Vec<Point3> = mesh.points().collect();
     let view = eye(&extent, options, 0.0);
     let diameter = 2.0 * exhibit.polyhedron.bounding_radius();
     paint(&mesh, &extent, &view, options, diameter).0

@@ -28,6 +28,7 @@ mod options;
 mod pack;
 mod paint;
 mod raster;
+mod scale_bar;
 mod scene;
 mod shade;
 mod skin;

@@ -1,11 +1,13 @@
 //! Pictures of packs.
 
 use femdem_analysis::Region;
+use femdem_mesh::Point3;
 
 use super::canvas::Image;
 use super::legend;
 use super::options::PictureOptions;
-use super::paint::{LEGEND, bounding_corners, draw_outline, eye, paint};
+use super::paint::{LEGEND, draw_outline, eye, paint, pixels_per_metre};
+use super::scale_bar;
 use super::scene::Mesh;
 use crate::{BodyValues, Colouring, Drawing, Snapshot, ViewError};
 
@@ -52,7 +54,7 @@ pub fn draw_by(
         mesh.add_floor(&outline.floor);
     }
 
-    let mut extent = bounding_corners(mesh.points());
+    let mut extent: Vec<Point3> = mesh.points().collect();
     extent.extend(outline.iter().flat_map(|o| o.lines.iter().flatten()));
     let view = eye(&extent, options, LEGEND);
     let (mut image, seen) = paint(&mesh, &extent, &view, options, diameter);
@@ -60,6 +62,7 @@ pub fn draw_by(
     if let Some(outline) = &outline {
         draw_outline(&mut image, outline, &view, &seen);
     }
+    scale_bar::draw(&mut image, pixels_per_metre(&view));
     legend::draw(&mut image, LEGEND * options.width as f64, values);
     Ok(image)
 }

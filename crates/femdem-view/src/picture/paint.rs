@@ -7,6 +7,7 @@ use super::colour::Srgb;
 use super::light::{Gaps, Lamp};
 use super::options::PictureOptions;
 use super::raster::{DepthBuffer, DepthMap};
+use super::scale_bar;
 use super::scene::Mesh;
 use super::shade;
 use super::view::{Frame, View};
@@ -42,29 +43,22 @@ pub(super) fn paint(
     (image, seen)
 }
 
-/// Corners of the box around the points.
-pub(super) fn bounding_corners(points: impl Iterator<Item = Point3>) -> Vec<Point3> {
-    let start = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-    let [low, high] = points.fold(start, |[low, high], p| {
-        let least = [0, 1, 2].map(|k| p[k].min(low[k]));
-        [least, [0, 1, 2].map(|k| p[k].max(high[k]))]
-    });
-    let corner =
-        |i: usize| Point3::from([0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] }));
-    (0..8).map(corner).collect()
-}
-
 /// The eye, in pixels of the depth buffer: a mild perspective from the front, beside a strip of
-/// `legend` picture widths at the right edge.
+/// `legend` picture widths at the right edge, and above that of the scale bar where there is a legend.
 pub(super) fn eye(extent: &[Point3], options: &PictureOptions, legend: f64) -> View {
     let (width, height) = (options.width as f64, options.height as f64);
     let sub = SUPERSAMPLING as f64;
     let margin = 0.035 * width.min(height);
+    let below = if legend > 0.0 {
+        scale_bar::STRIP * height
+    } else {
+        0.0
+    };
     let frame = Frame {
         left: sub * margin,
         top: sub * margin,
         right: sub * (width - legend * width - if legend > 0.0 { 1.5 } else { 1.0 } * margin),
-        bottom: sub * (height - margin),
+        bottom: sub * (height - margin - below),
     };
     let (azimuth, elevation) = (options.azimuth.to_radians(), options.elevation.to_radians());
     View::fit(azimuth, elevation, 6.0 * radius(extent), extent, frame)
@@ -94,6 +88,11 @@ pub(super) fn radius(points: &[Point3]) -> f64 {
         .iter()
         .map(|p| (p.coords - mean).norm())
         .fold(0.0, f64::max)
+}
+
+/// Pixels of the picture for a metre in the middle of what is drawn.
+pub(super) fn pixels_per_metre(view: &View) -> f64 {
+    view.scale / SUPERSAMPLING as f64
 }
 
 /// Draws the container's edges, faint where bodies hide them.

@@ -6,7 +6,8 @@ use super::canvas::Image;
 use super::colour::viridis;
 use super::legend;
 use super::options::PictureOptions;
-use super::paint::{LEGEND, bounding_corners, draw_outline, eye, paint, radius};
+use super::paint::{LEGEND, draw_outline, eye, paint, pixels_per_metre, radius};
+use super::scale_bar;
 use super::scene::{Facet, Mesh, Triangle, UNKNOWN};
 use crate::{BodyValues, Drawing, ViewError};
 
@@ -74,13 +75,14 @@ pub fn draw_skins(
     if let Some(drawing) = drawing {
         mesh.add_floor(&drawing.floor);
     }
-    let mut extent = bounding_corners(mesh.points());
+    let mut extent: Vec<Point3> = mesh.points().collect();
     extent.extend(drawing.iter().flat_map(|d| d.lines.iter().flatten()));
     let view = eye(&extent, options, LEGEND);
     let (mut image, seen) = paint(&mesh, &extent, &view, options, diameter);
     if let Some(drawing) = drawing {
         draw_outline(&mut image, drawing, &view, &seen);
     }
+    scale_bar::draw(&mut image, pixels_per_metre(&view));
     legend::draw(&mut image, LEGEND * options.width as f64, scale);
     Ok(image)
 }

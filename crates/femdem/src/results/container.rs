@@ -1,14 +1,12 @@
 //! A job's container in the form that analysis and pictures take.
 
 use femdem_analysis::{Region, Vessel};
-use femdem_mesh::{Point3, Polyhedron, Vector3};
+use femdem_mesh::{Point3, Polyhedron};
 use femdem_pack::{Container, Packing};
 use femdem_view::picture::{circle, sides};
+use femdem_view::sharp_edges;
 
 use crate::Drawing;
-
-/// Cosine of the smallest angle between faces of a solid whose edge is drawn.
-const SHARP: f64 = 0.9;
 
 /// Lines down the cone of a silo.
 const RIBS: usize = 8;
@@ -94,21 +92,6 @@ pub(super) fn drawing(packing: &Packing) -> Option<Drawing> {
 
 /// The sharp edges of a solid, on a floor as wide as itself.
 fn of_solid(solid: &Polyhedron) -> Drawing {
-    let mut sides: Vec<([u32; 2], Vector3)> = Vec::new();
-    for (k, face) in solid.faces().enumerate() {
-        let next = face.iter().cycle().skip(1);
-        let normal = solid.face_normal(k);
-        sides.extend(
-            face.iter()
-                .zip(next)
-                .map(|(a, b)| ([*a.min(b), *a.max(b)], normal)),
-        );
-    }
-    // A stable order: the two faces of an edge come one after the other.
-    sides.sort_by_key(|(edge, _)| *edge);
-    let is_sharp = |pair: &&[([u32; 2], Vector3)]| pair[0].1.dot(&pair[1].1) < SHARP;
-    let line = |pair: &[([u32; 2], Vector3)]| pair[0].0.map(|i| solid.vertices()[i as usize]);
-    let lines = sides.chunks_exact(2).filter(is_sharp).map(line).collect();
     let reach = |k: usize| {
         solid
             .vertices()
@@ -120,6 +103,6 @@ fn of_solid(solid: &Polyhedron) -> Drawing {
     let corners = [[-x, -y], [x, -y], [x, y], [-x, y]];
     Drawing {
         floor: corners.map(|[x, y]| Point3::new(x, y, 0.0)).to_vec(),
-        lines,
+        lines: sharp_edges(solid.vertices(), &solid.triangles()),
     }
 }

@@ -1,7 +1,9 @@
 //! The picture of a run.
 
+use femdem_contact::WallShape;
 use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_view::picture::{Image, PictureOptions, Skin, draw_skins, sides};
+use femdem_view::sharp_edges;
 
 use super::control::BoxWalls;
 use super::{PlaneEntry, Run, Scenario, Simulation};
@@ -149,8 +151,8 @@ impl Simulation {
 }
 
 impl Scenario {
-    /// The periodic cell, or the first plane that carries bodies, or the first box, around the drawn bodies, and all walls of
-    /// revolution.
+    /// The periodic cell, or the first plane that carries bodies, or the first box, around the drawn bodies; all walls of
+    /// revolution, and the sharp edges of walls from files.
     fn drawing(&self, skins: &[Skin], simulation: &Simulation) -> Option<Drawing> {
         let world = &simulation.world;
         if let Some([min, max]) = simulation
@@ -184,9 +186,20 @@ impl Scenario {
                 }
                 _ => None,
             });
-        let outlines = entries().flat_map(|(wall, walls)| {
-            let there = walls.iter().filter_map(|&wall| world.wall_pose(wall));
-            there.flat_map(|pose| wall.outline(&pose))
+        let outlines = entries().flat_map(|(entry, walls)| {
+            let there = walls
+                .iter()
+                .filter_map(|&id| Some((world.wall(id)?, world.wall_pose(id)?)));
+            there.flat_map(move |(shape, pose)| {
+                let edges = match shape {
+                    WallShape::Mesh(mesh) if entry.file.is_some() => {
+                        let (points, triangles) = mesh.surface();
+                        sharp_edges(points, triangles)
+                    }
+                    _ => entry.outline([low.z, high.z]),
+                };
+                edges.into_iter().map(move |line| line.map(|p| pose * p))
+            })
         });
         let outlines: Vec<_> = outlines.collect();
         if first.is_none() && outlines.is_empty() {
@@ -205,7 +218,7 @@ fn floor(plane: &PlaneEntry, pose: Pose, low: Vector3, high: Vector3) -> Option<
     if normal.z < 0.2 {
         return None;
     }
-    let margin = 0.15 * (high - low).norm();
+    let margin = 0.05 * (high - low).norm();
     let corner = |x: f64, y: f64| {
         let z = (offset - normal.x * x - normal.y * y) / normal.z;
         Point3::new(x, y, z)

@@ -334,8 +334,8 @@ impl Revolved {
     }
 
     /// Rings at the corners of the profile, and lines along it.
-    pub(super) fn lines(&self, moved: &Pose) -> Vec<[Point3; 2]> {
-        let pose = moved * self.pose;
+    pub(super) fn lines(&self) -> Vec<[Point3; 2]> {
+        let pose = self.pose;
         let at = |[r, z]: [f64; 2], k: usize, of: usize| {
             let angle = std::f64::consts::TAU * k as f64 / of as f64;
             pose * Point3::new(r * angle.cos(), r * angle.sin(), z)

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use femdem_contact::{MaterialId, MeshWall, Wall, WallShape};
 use femdem_mesh::tet::{self, MeshOptions};
-use femdem_mesh::{Point3, Pose, Vector3};
+use femdem_mesh::{Point3, Vector3};
 use femdem_solve::World;
 use serde::{Deserialize, Serialize};
 
+use super::revolved::Revolved;
 use super::{ConeEntry, ControlEntry, CylinderEntry, MotionEntry, PlateEntry, SiloEntry};
 use crate::Error;
 use crate::error::wrong;
@@ -131,16 +132,23 @@ impl WallEntry {
         given.into_iter().filter(|is_given| *is_given).count()
     }
 
-    /// The edges of a wall of revolution in a picture, where the wall is moved by `moved`.
-    pub(super) fn outline(&self, moved: &Pose) -> Vec<[Point3; 2]> {
+    /// The edges of a wall of revolution in a picture, in the coordinates of the scene; those of an upright cylinder between
+    /// two heights.
+    pub(super) fn outline(&self, [low, high]: [f64; 2]) -> Vec<[Point3; 2]> {
+        let upright = |cylinder: CylinderEntry| CylinderEntry {
+            from: cylinder.from.or(Some([0.0, 0.0, low])),
+            to: cylinder.to.or(Some([0.0, 0.0, high])),
+            ..cylinder
+        };
         let revolved = [
-            self.cylinder.and_then(|entry| entry.revolved().ok()?),
+            self.cylinder
+                .and_then(|entry| upright(entry).revolved().ok()?),
             self.cone.and_then(|entry| entry.revolved("cone.to").ok()),
             self.silo.and_then(|entry| entry.revolved().ok()),
             self.plate.and_then(|entry| entry.revolved().ok()),
         ];
         let each = revolved.iter().flatten();
-        each.flat_map(|revolved| revolved.lines(moved)).collect()
+        each.flat_map(Revolved::lines).collect()
     }
 
     /// Refuses keys that have no effect without a file.
