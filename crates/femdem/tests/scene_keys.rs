@@ -1,4 +1,4 @@
-//! docs/scenes.md lists every key of a scene, and docs/run.md every column and key of the results.
+//! The pages docs/scene*.md list every key of a scene, and docs/run.md every column and key of the results.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
@@ -368,6 +368,13 @@ fn guide(name: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
+/// The pages of the keys of a scene, one after another.
+fn scene_guide() -> String {
+    ["scenes.md", "scene-walls.md", "scene-bodies.md"]
+        .map(guide)
+        .concat()
+}
+
 /// Rows of the tables under a heading, as cells, headers and rulers left out.
 fn rows(text: &str, heading: &str) -> Vec<Vec<String>> {
     let start = text
@@ -411,7 +418,7 @@ fn documented(text: &str, heading: &str) -> BTreeSet<String> {
 
 #[test]
 fn every_key_of_every_table_is_documented_and_no_other() {
-    let text = guide("scenes.md");
+    let text = scene_guide();
     for (heading, wanted) in [
         ("## The scene", keys(&scenario())),
         ("## `[rest]`", keys(&rest())),
@@ -502,7 +509,7 @@ fn choices(
 
 #[test]
 fn every_choice_is_documented_with_its_keys() {
-    let text = guide("scenes.md");
+    let text = scene_guide();
     let none = BTreeSet::new();
     let motions = [
         MotionEntry::Linear {

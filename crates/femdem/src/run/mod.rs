@@ -2,7 +2,7 @@
 //! a file.
 //!
 //! A scenario is TOML. `femdem run FILE` runs it and writes a time series for ParaView; [`Run`] does the same
-//! for programs, and [`Scenario::build`] returns the world alone. Every key is documented in `docs/scenes.md`.
+//! for programs, and [`Scenario::build`] returns the world alone. The pages `docs/scene*.md` document every key.
 //! Units are SI, angles degrees.
 //!
 //! ```
