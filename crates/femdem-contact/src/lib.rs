@@ -163,3 +163,7 @@ pub use record::Contact;
 pub use shape::{ConvexShape, Frame};
 pub use sphere::{Sphere, SphereKernel};
 pub use walls::{MeshWall, Wall, WallPlane, WallShape};
+
+#[cfg(all(doctest, feature = "proptest"))]
+#[doc = include_str!("../../../docs/embedding.md")]
+mod embedding {}

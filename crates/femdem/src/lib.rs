@@ -96,3 +96,7 @@ pub use femdem_view::{
 };
 pub use results::{Summary, Usage};
 pub use scene::Scene;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/extending.md")]
+mod extending {}

@@ -8,11 +8,12 @@ use std::path::PathBuf;
 use femdem::run::{
     Axes, AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, CELL_COLUMNS,
     CellEntry, CellState, ConeEntry, ContactEntry, ControlEntry, Copies, CylinderEntry, Ending,
-    Ends, FLOW_COLUMNS, FocusEntry, GateEntry, HISTORY_COLUMNS, Law, LoadEntry, MEMBER_COLUMNS,
-    MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry,
-    PlateEntry, ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary,
-    RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides, SiloEntry,
-    SourceEntry, StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary, Zone,
+    Ends, FLOW_COLUMNS, FocusEntry, GateEntry, HISTORY_COLUMNS, HopperEntry, Law, LoadEntry,
+    MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty,
+    PenetrationSummary, PlaneEntry, PlateEntry, ReactionSummary, RegionEntry, RelaxEntry,
+    RelaxSummary, RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario,
+    SelectEntry, ShearEntry, Sides, SiloEntry, SourceEntry, StepEntry, StrainSummary,
+    WALL_HISTORY_COLUMNS, WallEntry, WallSummary, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -185,6 +186,17 @@ fn plate() -> PlateEntry {
     }
 }
 
+fn hopper() -> HopperEntry {
+    HopperEntry {
+        section: [1.0, 1.0],
+        outlet: [0.5, 0.5],
+        half_angle: 1.0,
+        height: 1.0,
+        position: V,
+        thickness: Some(1.0),
+    }
+}
+
 fn wall() -> WallEntry {
     WallEntry {
         name: "w".to_owned(),
@@ -193,6 +205,7 @@ fn wall() -> WallEntry {
         cylinder: Some(cylinder()),
         cone: Some(cone()),
         silo: Some(silo()),
+        hopper: Some(hopper()),
         plate: Some(plate()),
         file: Some(PathBuf::from("w.stl")),
         unit: Unit::M,
@@ -437,6 +450,7 @@ fn every_key_of_every_table_is_documented_and_no_other() {
         ("### `cylinder`", keys(&cylinder())),
         ("### `cone`", keys(&cone())),
         ("### `silo`", keys(&silo())),
+        ("### `hopper`", keys(&hopper())),
         ("### `plate`", keys(&plate())),
         ("## `[[body]]`", keys(&body())),
         ("## `[[load]]`", keys(&load())),

@@ -195,7 +195,7 @@ fn walls_that_cannot_be_are_refused_with_their_key() {
         ),
         (
             "plate = { diameter = 1, centre = [0, 0, 0] }\nplane = { normal = [0, 0, 1] }",
-            "exactly one of plane, box, cylinder, cone, silo, plate and file",
+            "exactly one of plane, box, cylinder, cone, silo, hopper, plate and file",
         ),
     ] {
         let text = scene("position = [0, 0, 0.5]", &format!("[[wall]]\n{form}"));
@@ -221,6 +221,40 @@ fn pictures_show_walls_of_revolution() {
     };
     let silo = "[[wall]]\nsilo = { diameter = 0.1, height = 0.1, outlet = 0.02, half-angle = 30 }";
     assert_ne!(draw(silo), draw(""));
+}
+
+/// A ball comes to lie in a wedge whose slot is too narrow for it, at (R/cos a - s/2)/tan a, and passes a wider one.
+#[test]
+fn a_wedge_holds_a_ball_over_a_narrow_slot() {
+    let wedge = |slot: f64| {
+        let wedge = format!(
+            "[[wall]]
+            hopper = {{ section = [0.08, 0.06], outlet = [{slot}, 0.06], half-angle = 30, height = 0.05 }}"
+        );
+        let text = scene("position = [0.004, 0.003, 0.03]", &wedge);
+        end(&text.replace(
+            "friction = 0.3",
+            "friction = 0.3\n        contact.penetration = 5e-4",
+        ))
+    };
+    let [x, y, z] = wedge(0.01);
+    let (sin, cos) = 30_f64.to_radians().sin_cos();
+    let expected = (RADIUS / cos - 0.005) * cos / sin;
+    assert!(x.abs() < 2e-4 && (y - 0.003).abs() < 2e-3, "{x} {y}");
+    assert!((z / expected - 1.0).abs() < 0.005, "{z}, {expected}");
+    assert!(wedge(0.024)[2] < -0.05);
+    let refused = scene(
+        "",
+        "[[wall]]\nhopper = { section = [0.1, 0.1], outlet = [0.1, 0.1], half-angle = 30 }",
+    );
+    let error = Run::new(Scenario::from_toml(&refused).unwrap())
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(
+        error.contains("hopper.outlet") && error.contains("one shorter"),
+        "{error}"
+    );
 }
 
 /// Scenes whose meshes take long to make; the studies run them whole.

@@ -133,7 +133,8 @@ fn a_sweep_makes_all_combinations_once() {
         command
             .arg(&scene)
             .args(["--vary", "friction=0.3,0.6", "--seeds", "2", "--out"])
-            .arg(&out);
+            .arg(&out)
+            .args(["--chart", "coordination.mean"]);
         command
     };
     let result = run(&mut sweep());
@@ -145,6 +146,9 @@ fn a_sweep_makes_all_combinations_once() {
     assert!((mean - 0.5 * (a + b)).abs() < 1e-12);
     // Of two values the standard error is half their difference.
     assert!((error - 0.5 * (a - b).abs()).abs() < 1e-12);
+    let chart = fs::read_to_string(out.join("sweep.svg")).unwrap();
+    assert_eq!(chart.matches("<circle").count(), 2, "{chart}");
+    assert!(chart.contains(">friction<") && chart.contains(">coordination.mean<"));
     let job = out.join("friction=0.3,seed=4");
     let made = fs::metadata(job.join("summary.json"))
         .unwrap()
@@ -171,6 +175,11 @@ fn a_sweep_makes_all_combinations_once() {
     fails(&mut sweep(), &["of another scene", "4 of 4 jobs failed"]);
     let rows = columns(&out.join("sweep.csv"), "row", "coordination.mean");
     assert!(rows.is_empty(), "{rows:?}");
+    assert!(!out.join("sweep.svg").exists());
+    fails(
+        femdem("sweep").arg(&scene).args(["--chart", "height"]),
+        &["--chart height", "coordination.mean"],
+    );
     fails(
         femdem("sweep").arg(&scene).args(["--vary", "frction=1"]),
         &["frction"],

@@ -35,6 +35,28 @@ pub struct RevolvedShell {
 /// place along the profile, bit 1 that through the plate, bit 2 that around the axis. Those of neighbouring cells match.
 const PATHS: [[usize; 2]; 6] = [[1, 3], [3, 2], [2, 6], [6, 4], [4, 5], [5, 1]];
 
+/// The tetrahedra of plates in `[parts, facets]` cells, where `point(i, j, k)` is the number of the corner of ring `i` and
+/// facet `k`, which goes up to the number of facets, in front (`j` = 0) or behind (1).
+pub(super) fn cells(
+    [parts, facets]: [usize; 2],
+    point: &mut impl FnMut(usize, usize, usize) -> u32,
+) -> Vec<[u32; 4]> {
+    let mut tets = Vec::new();
+    for i in 0..parts {
+        for k in 0..facets {
+            let mut corner = |bits: usize| point(i + (bits & 1), bits >> 1 & 1, k + (bits >> 2));
+            for [a, b] in PATHS {
+                let tet = [0, a, b, 7].map(&mut corner);
+                // On the axis corners of a cell are one.
+                if (0..4).all(|m| !tet[m + 1..].contains(&tet[m])) {
+                    tets.push(tet);
+                }
+            }
+        }
+    }
+    tets
+}
+
 impl RevolvedShell {
     /// The plates as one solid, six tetrahedra for each part of the profile and facet.
     ///
@@ -70,20 +92,7 @@ impl RevolvedShell {
                 points.len() as u32 - 1
             })
         };
-        let mut tets = Vec::new();
-        for i in 0..rings.len() - 1 {
-            for k in 0..facets {
-                let mut corner =
-                    |bits: usize| point(i + (bits & 1), bits >> 1 & 1, k + (bits >> 2));
-                for [a, b] in PATHS {
-                    let tet = [0, a, b, 7].map(&mut corner);
-                    // On the axis corners of a cell are one.
-                    if (0..4).all(|m| !tet[m + 1..].contains(&tet[m])) {
-                        tets.push(tet);
-                    }
-                }
-            }
-        }
+        let tets = cells([rings.len() - 1, facets], &mut point);
         TetMesh::new(points, tets)
     }
 

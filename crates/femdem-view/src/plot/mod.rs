@@ -13,9 +13,11 @@ mod net;
 mod profiles;
 mod structure;
 mod svg;
+mod sweep;
 
 pub use svg::Plot;
 pub(crate) use svg::{STYLE, escape};
+pub use sweep::{Series, sweep};
 
 use crate::tables::Tables;
 

@@ -49,6 +49,7 @@ mod focus;
 mod frame;
 mod geometry;
 mod history;
+mod hopper;
 mod inside;
 mod job;
 mod limits;
@@ -96,6 +97,7 @@ pub use control::{AxisEntry, Cell, CellState, ControlEntry, Controls, ShearEntry
 pub use ending::Ending;
 pub use flow::{FLOW_COLUMNS, Flow, GateEntry, SourceEntry};
 pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
+pub use hopper::HopperEntry;
 pub use job::Run;
 pub use load::{Axes, BodyLoads, LoadEntry};
 pub use material::{Law, MaterialEntry};

@@ -240,15 +240,9 @@ impl SiloEntry {
             let allowed = "from 0, which closes it, to less than the diameter, in m";
             return Err(wrong("silo.outlet", &outlet.to_string(), allowed));
         }
-        if !(self.height >= 0.0 && self.height.is_finite()) {
-            let allowed = "0, for a hopper alone, or a positive, finite length, in m";
-            return Err(wrong("silo.height", &self.height.to_string(), allowed));
-        }
+        height("silo.height", self.height)?;
         let angle = self.half_angle;
-        if !(1.0..=90.0).contains(&angle) {
-            let allowed = "1 to 90 degrees from the vertical; 90 is a flat bottom";
-            return Err(wrong("silo.half-angle", &angle.to_string(), allowed));
-        }
+        half_angle("silo.half-angle", angle)?;
         let (low, high) = (0.5 * outlet, 0.5 * self.diameter);
         let top = match angle {
             90.0 => 0.0,
@@ -367,7 +361,25 @@ fn length(name: &'static str, value: f64) -> Result<(), Error> {
     Err(wrong(name, &value.to_string(), allowed))
 }
 
-fn position(name: &'static str, given: [f64; 3]) -> Result<Vector3, Error> {
+/// Refuses a height of what stands on a hopper.
+pub(super) fn height(name: &'static str, value: f64) -> Result<(), Error> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    let allowed = "0, for a hopper alone, or a positive, finite length, in m";
+    Err(wrong(name, &value.to_string(), allowed))
+}
+
+/// Refuses an angle of a hopper.
+pub(super) fn half_angle(name: &'static str, value: f64) -> Result<(), Error> {
+    if (1.0..=90.0).contains(&value) {
+        return Ok(());
+    }
+    let allowed = "1 to 90 degrees from the vertical; 90 is a flat bottom";
+    Err(wrong(name, &value.to_string(), allowed))
+}
+
+pub(super) fn position(name: &'static str, given: [f64; 3]) -> Result<Vector3, Error> {
     if given.iter().all(|x| x.is_finite()) {
         return Ok(given.into());
     }
@@ -376,7 +388,7 @@ fn position(name: &'static str, given: [f64; 3]) -> Result<Vector3, Error> {
 }
 
 /// The thickness given, or the usual one.
-fn thickness(given: Option<f64>, diameter: f64) -> Result<f64, Error> {
+pub(super) fn thickness(given: Option<f64>, diameter: f64) -> Result<f64, Error> {
     let value = given.unwrap_or(THICKNESS * diameter);
     length("thickness", value)?;
     Ok(value)

@@ -9,12 +9,14 @@ use femdem_solve::World;
 use serde::{Deserialize, Serialize};
 
 use super::revolved::Revolved;
-use super::{ConeEntry, ControlEntry, CylinderEntry, MotionEntry, PlateEntry, SiloEntry};
+use super::{
+    ConeEntry, ControlEntry, CylinderEntry, HopperEntry, MotionEntry, PlateEntry, SiloEntry,
+};
 use crate::Error;
 use crate::error::wrong;
 use crate::scene::{ShapeNote, Unit, surface};
 
-/// A wall, described by exactly one of `plane`, `box`, `cylinder`, `cone`, `silo`, `plate` and `file`.
+/// A wall, described by exactly one of `plane`, `box`, `cylinder`, `cone`, `silo`, `hopper`, `plate` and `file`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct WallEntry {
@@ -30,6 +32,8 @@ pub struct WallEntry {
     pub cone: Option<ConeEntry>,
     /// An upright silo or hopper.
     pub silo: Option<SiloEntry>,
+    /// A bin of rectangular section with a hopper below.
+    pub hopper: Option<HopperEntry>,
     /// A round plate.
     pub plate: Option<PlateEntry>,
     /// Surface file of a solid.
@@ -96,7 +100,7 @@ impl WallEntry {
             return Err(wrong(
                 "wall",
                 "none or several of its kinds",
-                "give exactly one of plane, box, cylinder, cone, silo, plate and file",
+                "give exactly one of plane, box, cylinder, cone, silo, hopper, plate and file",
             ));
         }
         if let Some(path) = &self.file {
@@ -112,6 +116,7 @@ impl WallEntry {
             self.cylinder.map(|cylinder| cylinder.shape(name)),
             self.cone.map(|cone| cone.shape(name)),
             self.silo.map(|silo| silo.shape(name)),
+            self.hopper.map(|hopper| hopper.shape(name)),
             self.plate.map(|plate| plate.shape(name)),
         ];
         let shapes: Result<Vec<WallShape>, Error> = shapes.into_iter().flatten().collect();
@@ -126,13 +131,14 @@ impl WallEntry {
             self.cylinder.is_some(),
             self.cone.is_some(),
             self.silo.is_some(),
+            self.hopper.is_some(),
             self.plate.is_some(),
             self.file.is_some(),
         ];
         given.into_iter().filter(|is_given| *is_given).count()
     }
 
-    /// The edges of a wall of revolution in a picture, in the coordinates of the scene; those of an upright cylinder between
+    /// The edges of a wall of revolution or a hopper in a picture, in the coordinates of the scene; those of an upright cylinder between
     /// two heights.
     pub(super) fn outline(&self, [low, high]: [f64; 2]) -> Vec<[Point3; 2]> {
         let upright = |cylinder: CylinderEntry| CylinderEntry {
@@ -148,7 +154,8 @@ impl WallEntry {
             self.plate.and_then(|entry| entry.revolved().ok()),
         ];
         let each = revolved.iter().flatten();
-        each.flat_map(Revolved::lines).collect()
+        let hopper = self.hopper.iter().flat_map(HopperEntry::lines);
+        each.flat_map(Revolved::lines).chain(hopper).collect()
     }
 
     /// Refuses keys that have no effect without a file.

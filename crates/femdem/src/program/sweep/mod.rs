@@ -1,13 +1,14 @@
 //! `femdem sweep`: the packs or runs of all combinations of values, one after another, and a table of their results.
 
+mod table;
+
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use femdem::output::csv::quoted;
 use femdem::run::{Scenario, Stage};
 use femdem::{Scene, output};
 use serde_json::Value as Json;
@@ -33,6 +34,11 @@ pub(crate) struct SweepArgs {
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..))]
     pub seeds: u32,
 
+    /// A number of the table, by the name of its column, that the chart shows over the first key [default:
+    /// packing_density.exact, and energy.dissipated_friction of runs]
+    #[arg(long, value_name = "COLUMN")]
+    pub chart: Option<String>,
+
     /// Folder for the folders of the jobs and the table; what is finished in it is not made again
     #[arg(long, value_name = "DIR", default_value = "out/sweep")]
     pub out: PathBuf,
@@ -45,6 +51,7 @@ pub(crate) struct SweepArgs {
 pub(crate) const HELP: &str = "\
 The folder then holds
   sweep.csv                  a row for each job, and the mean and its standard error for each combination
+  sweep.svg                  a chart of one of its numbers over the first key
   KEY=VALUE,seed=N           a folder for each job, as of `femdem pack` or `femdem run`
   KEY=VALUE,seed=N.toml      its scene
 
@@ -76,38 +83,6 @@ impl FromStr for Vary {
     }
 }
 
-/// Numbers of the summary of a pack that the table has, by their keys.
-const OF_PACK: [&str; 10] = [
-    "settled",
-    "packing_density.exact",
-    "coordination.mean",
-    "penetration.mean_over_d",
-    "penetration.max_over_d",
-    "residual.max_over_weight",
-    "container.mean_top",
-    "simulated_time",
-    "steps",
-    "wall_seconds",
-];
-
-/// The same of a run.
-const OF_RUN: [&str; 11] = [
-    "rest.at_rest",
-    "rest.residual",
-    "contacts",
-    "penetration.peak",
-    "energy.kinetic",
-    "energy.work_in",
-    "energy.dissipated_friction",
-    "energy.ledger_error_relative",
-    "simulated_time",
-    "steps",
-    "wall_seconds",
-];
-
-/// Name of the table.
-const TABLE: &str = "sweep.csv";
-
 /// A job of the sweep.
 struct Job {
     name: String,
@@ -137,6 +112,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
         bail!("--seeds is for packs, and a run has no seed of its own: leave it out");
     }
     let jobs = jobs(args, &base, is_run)?;
+    table::check(args, is_run)?;
     // All scenes are understood before the first job begins.
     for job in &jobs {
         let read = match is_run {
@@ -159,7 +135,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
                 failed.push(job.name.as_str());
             }
         }
-        write_table(args, &jobs, is_run)?;
+        table::write(args, &jobs, is_run)?;
     }
     if !failed.is_empty() {
         bail!(
@@ -169,7 +145,12 @@ pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
             failed.join(" ")
         );
     }
-    say(&format!("table in {}", args.out.join(TABLE).display()));
+    let [table, chart] = [table::TABLE, table::CHART].map(|file| args.out.join(file));
+    say(&format!(
+        "table in {}, chart in {}",
+        table.display(),
+        chart.display()
+    ));
     Ok(Outcome::Finished)
 }
 
@@ -331,7 +312,7 @@ impl Job {
         serde_json::from_str(&text).ok()
     }
 
-    /// The numbers of the table, if it is finished.
+    /// Some numbers of its results, if it is finished.
     fn numbers(&self, keys: &[&str]) -> Option<Vec<Option<f64>>> {
         let summary = self.summary()?;
         let number = |key: &&str| {
@@ -342,64 +323,6 @@ impl Job {
         };
         Some(keys.iter().map(number).collect())
     }
-}
-
-/// Writes the table of the jobs that are finished.
-fn write_table(args: &SweepArgs, jobs: &[Job], is_run: bool) -> Result<()> {
-    let keys: &[&str] = if is_run { &OF_RUN } else { &OF_PACK };
-    let varied: Vec<String> = args.vary.iter().map(|vary| quoted(&vary.key)).collect();
-    let varied: Vec<&str> = varied.iter().map(String::as_str).collect();
-    let head = ["row"].iter().chain(&varied).chain(&["seed"]).chain(keys);
-    let mut lines = vec![head.copied().collect::<Vec<_>>().join(",")];
-    let mut line = |row: &str, job: &Job, seed: String, numbers: &[Option<f64>]| {
-        let values = job.values.iter().map(|value| quoted(value));
-        let numbers = numbers
-            .iter()
-            .map(|x| x.map_or(String::new(), |x| x.to_string()));
-        let fields = [row.to_owned()]
-            .into_iter()
-            .chain(values)
-            .chain([seed])
-            .chain(numbers);
-        lines.push(fields.collect::<Vec<_>>().join(","));
-    };
-    for combination in jobs.chunk_by(|a, b| a.values == b.values) {
-        let mut found = Vec::new();
-        for job in combination {
-            let Some(numbers) = job.numbers(keys) else {
-                continue;
-            };
-            let seed = job.seed.map_or(String::new(), |seed| seed.to_string());
-            line("job", job, seed, &numbers);
-            found.push(numbers);
-        }
-        if found.is_empty() {
-            continue;
-        }
-        let columns = (0..keys.len()).map(|k| found.iter().filter_map(|row| row[k]).collect());
-        let columns: Vec<Vec<f64>> = columns.collect();
-        let [means, errors] =
-            [mean, standard_error].map(|of| columns.iter().map(|c| of(c)).collect::<Vec<_>>());
-        line("mean", &combination[0], String::new(), &means);
-        line("standard error", &combination[0], String::new(), &errors);
-    }
-    lines.push(String::new());
-    let path: &Path = &args.out.join(TABLE);
-    Ok(output::write_file(path, |w| {
-        std::io::Write::write_all(w, lines.join("\n").as_bytes())
-    })?)
-}
-
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-/// Standard error of the mean, from the scatter of two values at least.
-fn standard_error(values: &[f64]) -> Option<f64> {
-    let mean = mean(values)?;
-    let count = values.len() as f64;
-    let scatter: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
-    (values.len() > 1).then(|| (scatter / (count - 1.0) / count).sqrt())
 }
 
 #[cfg(test)]
@@ -431,6 +354,7 @@ mod tests {
             ],
             seeds: 3,
             out: PathBuf::from("o"),
+            chart: None,
             threads: None,
         };
         let base: Table = "seed = 7\ncount = 5".parse().unwrap();
@@ -484,14 +408,15 @@ mod tests {
             vary: vec![vary("shape=[\"P5\", \"A10\"];P5")],
             seeds: 1,
             out: folder.path().to_path_buf(),
+            chart: None,
             threads: None,
         };
         let made = jobs(&args, &Table::new(), false).unwrap();
         fs::create_dir(&made[0].folder).unwrap();
         fs::write(made[0].folder.join(folder::SUMMARY), "{\"steps\": 42}").unwrap();
         let table = || {
-            write_table(&args, &made, false).unwrap();
-            fs::read_to_string(folder.path().join(TABLE)).unwrap()
+            table::write(&args, &made, false).unwrap();
+            fs::read_to_string(folder.path().join(table::TABLE)).unwrap()
         };
         for other in [None, Some("count = 3\n")] {
             if let Some(other) = other {
@@ -511,16 +436,6 @@ mod tests {
         assert!(
             table.contains("\njob,\"[\"\"P5\"\", \"\"A10\"\"]\",1,"),
             "{table}"
-        );
-    }
-
-    #[test]
-    fn a_standard_error_needs_two_values() {
-        assert_eq!((mean(&[]), standard_error(&[3.0])), (None, None));
-        // Deviations of 1 each: sqrt(2/1/2).
-        assert_eq!(
-            (mean(&[2.0, 4.0]), standard_error(&[2.0, 4.0])),
-            (Some(3.0), Some(1.0))
         );
     }
 }
