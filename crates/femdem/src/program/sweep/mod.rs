@@ -392,6 +392,7 @@ mod tests {
                 vary: keys.into_iter().map(vary).collect(),
                 out: PathBuf::from("o"),
                 scene: PathBuf::new(),
+                chart: None,
                 ..twice
             };
             let message = jobs(&refused, &base, false).err().unwrap().to_string();
