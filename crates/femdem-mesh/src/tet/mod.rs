@@ -33,8 +33,10 @@
 //! its inside is where its winding number exceeds one half.
 
 mod body;
+mod cracked;
 pub(crate) mod distance;
 mod draft;
+mod facets;
 mod fan;
 mod features;
 mod interior;
@@ -54,7 +56,9 @@ mod winding;
 
 use crate::polyhedron::check_coordinates;
 use crate::{MassProperties, MeshError, Point3, Polyhedron, Vector3};
+pub use cracked::{CrackedMesh, Split};
 pub(crate) use distance::Triangles;
+pub use facets::{Facet, Facets};
 pub use mesher::{MeshOptions, MeshReport, Method, mesh};
 pub use quadratic::{MID_EDGES, QuadraticMesh};
 pub use quality::Quality;
