@@ -72,6 +72,8 @@
 //!   rolling radius r of the pair ([`RigidContact::rolling_radius`]).
 //! - Materials: one law for all, or one for each pair of materials ([`ContactLaws`]), with its friction, damping and
 //!   penalty.
+//! - Glue: the cohesive law of two faces that a crack separates, for codes that cut meshes ([`glue`]). The batch does not
+//!   use it.
 //! - Patches: bodies that are not convex may touch in several patches, each a [`Contact`] with a separate
 //!   friction history. A patch that splits divides its springs among the new ones, and merging patches
 //!   combine theirs by least squares. Neither creates energy, and the energy of a patch that vanishes is
@@ -123,6 +125,7 @@ mod foundation;
 mod friction;
 pub mod general;
 mod generalized;
+pub mod glue;
 pub mod kernel;
 mod law;
 mod laws;

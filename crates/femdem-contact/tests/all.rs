@@ -19,6 +19,7 @@ mod general_skins;
 mod general_sliding;
 mod general_states;
 mod general_walls;
+mod glue;
 mod gradient;
 mod materials;
 mod pair_properties;

@@ -1,0 +1,192 @@
+//! A cut facet whose sides still hold, press and rub.
+
+use super::law::Glue;
+use super::{GlueLaw, MidSurface};
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// A pair of nodes that a crack has split.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Point {
+    /// `None` where the facet carried no tension and no more shear than friction holds.
+    glue: Option<Glue>,
+    /// Offset g of the contact, m.
+    offset: f64,
+    /// Where the friction springs are unstretched, m.
+    slip: [f64; 2],
+    /// Their stretch after the last [`GluedFacet::advance`], m; 0 without pressure.
+    stretch: [f64; 2],
+}
+
+/// Forces and energies of a facet.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GluedForces {
+    /// Forces on the nodes of the first and of the second side, N.
+    pub on: [[Vector3; 3]; 2],
+    /// Energy stored in the glue, J.
+    pub glue: f64,
+    /// Energy of the contact and its friction springs, J.
+    pub contact: f64,
+}
+
+/// Energy that a facet has dissipated, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GlueLoss {
+    /// By the glue.
+    pub glue: f64,
+    /// By friction, and by friction springs that lost their contact; the work of the mean friction of before and now over the slip.
+    pub friction: f64,
+}
+
+/// A cut facet between two tetrahedra; points that are not split yet exert no force.
+///
+/// The module's documentation has an example.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GluedFacet {
+    /// Area of the facet before the body deforms, m².
+    area: f64,
+    points: [Option<Point>; 3],
+}
+
+impl Point {
+    /// Opening of the glue in the axes of the facet, m; the normal part is not negative.
+    fn stretch(glue: &Glue, law: &GlueLaw, opening: &[f64; 3]) -> [f64; 3] {
+        let all = [0, 1, 2].map(|i| opening[i] + glue.traction[i] / law.stiffness);
+        [all[0].max(0.0), all[1], all[2]]
+    }
+
+    /// Overlap of the contact, m.
+    fn overlap(&self, opening: &[f64; 3]) -> f64 {
+        (self.offset - opening[0]).max(0.0)
+    }
+
+    /// Stretch of the friction springs, m.
+    fn shear(&self, opening: &[f64; 3]) -> [f64; 2] {
+        [opening[1] - self.slip[0], opening[2] - self.slip[1]]
+    }
+}
+
+impl GluedFacet {
+    /// A facet of an area (m²), none of whose nodes is split yet.
+    #[must_use]
+    pub fn new(area: f64) -> Self {
+        Self {
+            area,
+            points: [None; 3],
+        }
+    }
+
+    /// Joins the pair of nodes `q` (0 to 2) that has just been split, under the traction (Pa) that the facet carries there, in the
+    /// axes of its [`MidSurface`]: the normal part, positive in tension, and two along the facet, of the second side on the
+    /// first. Returns the energy that its springs were lent, J.
+    pub fn join(&mut self, q: usize, law: &GlueLaw, traction: [f64; 3]) -> f64 {
+        let Some(point) = self.points.get_mut(q) else {
+            return 0.0;
+        };
+        let [normal, shear] = [traction[0], traction[1].hypot(traction[2])];
+        let pressure = (-normal).max(0.0);
+        // As much of the shear as friction holds; the glue has the rest.
+        let rubbed = (law.friction * pressure).min(shear);
+        let share = if shear > 0.0 { rubbed / shear } else { 0.0 };
+        let [one, two] = [traction[1], traction[2]];
+        let rest = [normal.max(0.0), one * (1.0 - share), two * (1.0 - share)];
+        let new = Point {
+            glue: Glue::born(law, rest),
+            offset: pressure / law.contact,
+            slip: [one, two].map(|shear| -shear * share / law.tangential),
+            stretch: [one, two].map(|shear| shear * share / law.tangential),
+        };
+        *point = Some(new);
+        let springs = pressure * pressure / law.contact + rubbed * rubbed / law.tangential;
+        let glue = new.glue.map_or(0.0, |glue| glue.lent(law));
+        (glue + 0.5 * springs) * self.area / 3.0
+    }
+
+    /// Whether the pair of nodes `q` is split.
+    #[must_use]
+    pub fn is_joined(&self, q: usize) -> bool {
+        self.points.get(q).is_some_and(Option::is_some)
+    }
+
+    /// Whether all pairs of nodes are split and no glue holds any of them.
+    #[must_use]
+    pub fn is_broken(&self, law: &GlueLaw) -> bool {
+        let broken = |point: &Point| point.glue.is_none_or(|glue| glue.is_broken(law));
+        self.points
+            .iter()
+            .all(|point| point.as_ref().is_some_and(broken))
+    }
+
+    /// Forces and energies at positions of the nodes of the two sides, m; nothing for a facet without area.
+    #[must_use]
+    pub fn forces(&self, law: &GlueLaw, a: &[Vector3; 3], b: &[Vector3; 3]) -> GluedForces {
+        let mut found = GluedForces::default();
+        let Some(middle) = MidSurface::new(a, b) else {
+            return found;
+        };
+        let openings = middle.openings(a, b);
+        let weight = self.area / 3.0;
+        let mut slopes = [[0.0; 3]; 3];
+        for ((point, opening), slope) in self.points.iter().zip(&openings).zip(&mut slopes) {
+            let Some(point) = point else {
+                continue;
+            };
+            if let Some(glue) = &point.glue {
+                let secant = weight * glue.secant(law);
+                let stretch = Point::stretch(glue, law, opening);
+                for i in 0..3 {
+                    slope[i] += secant * stretch[i];
+                    found.glue += 0.5 * secant * stretch[i] * stretch[i];
+                }
+            }
+            let overlap = point.overlap(opening);
+            if overlap > 0.0 {
+                slope[0] -= weight * law.contact * overlap;
+                found.contact += 0.5 * weight * law.contact * overlap * overlap;
+                for (i, stretch) in point.shear(opening).into_iter().enumerate() {
+                    slope[i + 1] += weight * law.tangential * stretch;
+                    found.contact += 0.5 * weight * law.tangential * stretch * stretch;
+                }
+            }
+        }
+        found.on = middle.forces(a, b, &slopes);
+        found
+    }
+
+    /// Takes what the openings at these positions change for good: glue that stretches further than ever softens, friction
+    /// springs beyond the limit slide, and those without pressure let go. Returns what that dissipates.
+    pub fn advance(&mut self, law: &GlueLaw, a: &[Vector3; 3], b: &[Vector3; 3]) -> GlueLoss {
+        let mut lost = GlueLoss::default();
+        let Some(middle) = MidSurface::new(a, b) else {
+            return lost;
+        };
+        let weight = self.area / 3.0;
+        for (point, opening) in self.points.iter_mut().zip(middle.openings(a, b)) {
+            let Some(point) = point else {
+                continue;
+            };
+            if let Some(glue) = &mut point.glue {
+                let stretch = Point::stretch(glue, law, &opening);
+                let lambda = stretch.iter().map(|x| x * x).sum::<f64>().sqrt();
+                lost.glue += weight * glue.reach(law, lambda);
+            }
+            let overlap = point.overlap(&opening);
+            let shear = point.shear(&opening);
+            let length = shear[0].hypot(shear[1]);
+            let most = law.friction * law.contact * overlap / law.tangential;
+            // Without pressure the springs let go.
+            let kept = if length > most { most / length } else { 1.0 };
+            let stretch = shear.map(|x| x * kept);
+            for i in 0..2 {
+                // The mean of the friction before and now, over the slip: with the energy of the springs this is the work of
+                // the mean force.
+                let slip = opening[i + 1] - stretch[i];
+                let mean = 0.5 * (point.stretch[i] + stretch[i]);
+                lost.friction += weight * law.tangential * mean * (slip - point.slip[i]);
+                point.slip[i] = slip;
+            }
+            point.stretch = stretch;
+        }
+        lost
+    }
+}

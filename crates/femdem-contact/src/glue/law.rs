@@ -1,0 +1,133 @@
+//! The numbers of a cohesive law, and what they give at a point.
+
+use super::Softening;
+use crate::error::{ContactError, check};
+use serde::{Deserialize, Serialize};
+
+/// The law of a cut facet, for all its points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GlueLaw {
+    /// Stiffness k of the glue before it softens, Pa/m: some E/h of the elements beside.
+    pub stiffness: f64,
+    /// Energies of fracture by opening and by sliding, J/m².
+    pub energies: [f64; 2],
+    /// Exponent η of [`mixed_energy`].
+    pub mix: f64,
+    /// How the traction falls.
+    pub softening: Softening,
+    /// Stiffness k_c of the contact of the faces, Pa/m.
+    pub contact: f64,
+    /// Stiffness k_t of their friction, Pa/m.
+    pub tangential: f64,
+    /// Their coefficient of friction.
+    pub friction: f64,
+}
+
+/// Energy of fracture of a mixed mode: G_I + (G_II − G_I) s^η, where s is the part of sliding (Benzeggagh and Kenane 1996).
+#[must_use]
+pub fn mixed_energy(energies: [f64; 2], mix: f64, sliding: f64) -> f64 {
+    energies[0] + (energies[1] - energies[0]) * sliding.clamp(0.0, 1.0).powf(mix)
+}
+
+impl GlueLaw {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    ///
+    /// [`ContactError::Parameter`] for a stiffness, an energy or an exponent that is not positive and finite, and a friction that
+    /// is negative or not finite.
+    pub fn check(&self) -> Result<(), ContactError> {
+        let [opening, sliding] = self.energies;
+        for (name, value) in [
+            ("stiffness of the glue", self.stiffness),
+            ("energy of fracture by opening", opening),
+            ("energy of fracture by sliding", sliding),
+            ("exponent of mixed modes", self.mix),
+            ("stiffness of the contact", self.contact),
+            ("stiffness of the friction", self.tangential),
+        ] {
+            check(name, value, value > 0.0, "above 0 and finite")?;
+        }
+        let allowed = "at least 0 and finite";
+        check("friction", self.friction, self.friction >= 0.0, allowed)
+    }
+
+    /// The energy G that it takes to break a point that is born under a traction (normal, and two along the facet, Pa), J/m².
+    /// The glue dissipates as much, and what was lent at its birth.
+    #[must_use]
+    pub fn energy(&self, traction: [f64; 3]) -> f64 {
+        let [normal, one, two] = [traction[0].max(0.0), traction[1], traction[2]];
+        let sliding = one * one + two * two;
+        let all = normal * normal + sliding;
+        let share = if all > 0.0 { sliding / all } else { 0.0 };
+        mixed_energy(self.energies, self.mix, share)
+    }
+}
+
+/// The glue of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Glue {
+    /// Traction at birth in the axes of the facet, Pa; the normal part is not negative.
+    pub traction: [f64; 3],
+    /// Its magnitude, above 0, Pa.
+    peak: f64,
+    /// Dissipated from birth to the end, J/m².
+    energy: f64,
+    /// The largest λ so far, m.
+    largest: f64,
+}
+
+impl Glue {
+    /// `None` without a traction.
+    pub fn born(law: &GlueLaw, traction: [f64; 3]) -> Option<Self> {
+        let traction = [traction[0].max(0.0), traction[1], traction[2]];
+        let peak = traction.iter().map(|t| t * t).sum::<f64>().sqrt();
+        (peak > 0.0).then(|| Self {
+            traction,
+            peak,
+            energy: law.energy(traction),
+            largest: peak / law.stiffness,
+        })
+    }
+
+    /// λ beyond that of the peak, over G/T_0, at the largest λ.
+    fn beyond(&self, law: &GlueLaw) -> f64 {
+        ((self.largest - self.peak / law.stiffness) * self.peak / self.energy).max(0.0)
+    }
+
+    /// Traction at the largest λ, Pa.
+    fn strength(&self, law: &GlueLaw) -> f64 {
+        self.peak * law.softening.traction(self.beyond(law))
+    }
+
+    /// Secant stiffness S, Pa/m.
+    pub fn secant(&self, law: &GlueLaw) -> f64 {
+        self.strength(law) / self.largest
+    }
+
+    /// Whether nothing holds any more.
+    pub fn is_broken(&self, law: &GlueLaw) -> bool {
+        self.beyond(law) >= law.softening.end()
+    }
+
+    /// Stored at birth, J/m².
+    pub fn lent(&self, law: &GlueLaw) -> f64 {
+        0.5 * self.peak * self.peak / law.stiffness
+    }
+
+    /// Dissipated since the birth, J/m²: the area under the traction up to the largest λ, less what is stored there.
+    fn dissipated(&self, law: &GlueLaw) -> f64 {
+        self.lent(law) + self.energy * law.softening.area(self.beyond(law))
+            - 0.5 * self.strength(law) * self.largest
+    }
+
+    /// Keeps the largest λ, and returns what that dissipates, J/m².
+    pub fn reach(&mut self, law: &GlueLaw, lambda: f64) -> f64 {
+        if lambda <= self.largest {
+            return 0.0;
+        }
+        let before = self.dissipated(law);
+        self.largest = lambda;
+        self.dissipated(law) - before
+    }
+}

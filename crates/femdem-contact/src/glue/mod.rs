@@ -1,0 +1,61 @@
+//! Cohesive law of two faces that a crack separates: what still holds them, and how they press and rub.
+//!
+//! A [`GluedFacet`] joins the two sides of a cut facet at its three pairs of nodes. With the opening δ = x_b − x_a of a pair in
+//! the axes of the mid-surface (normal n from side a to side b, and two in the facet), its energy per area is
+//!
+//! w = ½ S(λ_max) λ² + ½ k_c ⟨g − δ_n⟩² + ½ k_t |δ_t − s|²,   λ² = ⟨δ_n + t_n/k⟩² + |δ_t + τ/k|²
+//!
+//! - The **glue** is born with the traction (t_n, τ) that the facet carries when it is cut, so that nothing jumps. Its secant
+//!   stiffness S = T(λ_max)/λ_max falls with the largest λ so far, along a [`Softening`]; it never heals. To break it takes exactly
+//!   G per area ([`GlueLaw::energy`]), with G between those of the two modes by [`mixed_energy`].
+//! - The **contact** of the faces, of stiffness k_c, is born with the pressure that the facet carries (g), and with friction that
+//!   carries as much of the shear as it can.
+//! - These springs are stretched at birth: the energy in them is **lent** ([`GluedFacet::join`] returns it), as nothing else has
+//!   lost it. It is T²/(2k) for the glue, and returns in what the glue dissipates.
+//!
+//! Forces are minus the exact gradient of the energy, with the turning of the axes; forces and moments of a facet balance.
+//!
+//! ```
+//! use femdem_contact::glue::{GlueLaw, GluedFacet, Softening};
+//! use femdem_mesh::Vector3;
+//!
+//! let law = GlueLaw {
+//!     stiffness: 1e13, // Pa/m
+//!     energies: [20.0, 100.0], // J/m²
+//!     mix: 2.0,
+//!     softening: Softening::Linear,
+//!     contact: 1e13,
+//!     tangential: 0.8e13,
+//!     friction: 0.6,
+//! };
+//! law.check()?;
+//! let a = [Vector3::zeros(), Vector3::x() * 1e-3, Vector3::y() * 1e-3];
+//! let (mut facet, mut lent) = (GluedFacet::new(0.5e-6), 0.0);
+//! for q in 0..3 {
+//!     lent += facet.join(q, &law, [5e6, 0.0, 0.0]); // born under a tension of 5 MPa
+//! }
+//! // Side b pulls side a with 5 MPa, upwards.
+//! let pull = facet.forces(&law, &a, &a).on[0].iter().sum::<Vector3>();
+//! assert!((pull - Vector3::z() * 2.5).norm() < 1e-12);
+//! // Pulled apart by a tenth of a millimetre it is broken, which has taken G A.
+//! let b = a.map(|x| x + Vector3::z() * 1e-4);
+//! let lost = facet.advance(&law, &a, &b);
+//! assert!((lost.glue - lent - 20.0 * 0.5e-6).abs() < 1e-15 && facet.is_broken(&law));
+//! # Ok::<(), femdem_contact::ContactError>(())
+//! ```
+//!
+//! # Sources
+//!
+//! Camacho and Ortiz (1996), Int. J. Solids Struct. 33, 2899, for the extrinsic law; Papoulia, Sam and Vavasis (2003), Int. J. Numer.
+//! Meth. Engng 58, 679, for its continuity in time; Benzeggagh and Kenane (1996), Compos. Sci. Technol. 56, 439, for mixed
+//! modes; Petersson (1981), Lund, TVBM-1006, for the bilinear softening of concrete.
+
+mod facet;
+mod law;
+mod mid_surface;
+mod softening;
+
+pub use facet::{GlueLoss, GluedFacet, GluedForces};
+pub use law::{GlueLaw, mixed_energy};
+pub use mid_surface::MidSurface;
+pub use softening::Softening;

@@ -1,0 +1,304 @@
+//! The cohesive law of cut facets: forces, energies, and what breaking takes.
+
+use femdem_contact::glue::{GlueLaw, GluedFacet, GluedForces, Softening, mixed_energy};
+use femdem_mesh::{Rotation, Vector3};
+use proptest::prelude::*;
+
+/// Area of the facet of the tests, m².
+const AREA: f64 = 0.5e-6;
+
+fn law(softening: Softening) -> GlueLaw {
+    GlueLaw {
+        stiffness: 1e13,
+        energies: [20.0, 100.0],
+        mix: 2.0,
+        softening,
+        contact: 2e13,
+        tangential: 1.6e13,
+        friction: 0.6,
+    }
+}
+
+fn triangle() -> [Vector3; 3] {
+    [Vector3::zeros(), Vector3::x() * 1e-3, Vector3::y() * 1e-3]
+}
+
+/// A facet that was cut under a traction, and what its springs were lent, J.
+fn cut(law: &GlueLaw, traction: [f64; 3]) -> (GluedFacet, f64) {
+    let mut facet = GluedFacet::new(AREA);
+    let lent = (0..3).map(|q| facet.join(q, law, traction)).sum();
+    (facet, lent)
+}
+
+fn moved(by: Vector3) -> [Vector3; 3] {
+    triangle().map(|x| x + by)
+}
+
+fn energy(forces: &GluedForces) -> f64 {
+    forces.glue + forces.contact
+}
+
+/// When it is cut, a facet carries what it carried before: tension and shear by the glue, pressure by the contact, and shear
+/// under pressure by friction as far as that can.
+#[test]
+fn nothing_jumps_when_a_facet_is_cut() {
+    let law = law(Softening::Linear);
+    for traction in [
+        [5e6, 0.0, 0.0],
+        [3e6, -2e6, 1e6],
+        [-4e6, 1e6, 1e6],
+        [-4e6, 3e6, -9e6],
+        [0.0, 0.0, 0.0],
+    ] {
+        let (facet, lent) = cut(&law, traction);
+        let (a, b) = (triangle(), triangle());
+        let forces = facet.forces(&law, &a, &b);
+        // The axes are z, x and y; side b pulls side a.
+        let pull = Vector3::new(traction[1], traction[2], traction[0]) * AREA;
+        let on_a: Vector3 = forces.on[0].iter().sum();
+        assert!((on_a - pull).norm() <= 1e-12 * pull.norm(), "{traction:?}");
+        assert!(
+            (energy(&forces) - lent).abs() <= 1e-12 * lent,
+            "{traction:?}"
+        );
+        let still = facet.clone().advance(&law, &a, &b);
+        assert!(
+            still.glue == 0.0 && still.friction <= 1e-12 * lent,
+            "{traction:?}"
+        );
+    }
+}
+
+/// Pulled apart in many steps or one, breaking takes G: that of the mode, less what was lent.
+#[test]
+fn breaking_takes_the_energy_of_the_mode() {
+    for softening in [
+        Softening::Linear,
+        Softening::Exponential,
+        Softening::Bilinear,
+    ] {
+        let law = law(softening);
+        let mixed = mixed_energy(law.energies, law.mix, 0.5);
+        assert!((mixed - 40.0).abs() < 1e-12);
+        for (traction, wanted) in [
+            ([5e6, 0.0, 0.0], 20.0),
+            ([0.0, 3e6, 4e6], 100.0),
+            ([4e6, 0.0, 4e6], mixed),
+        ] {
+            for steps in [1, 50] {
+                let (mut facet, lent) = cut(&law, traction);
+                let mut lost = 0.0;
+                for k in 1..=steps {
+                    assert!(k > 1 || !facet.is_broken(&law));
+                    let way = 1e-3 * f64::from(k) / f64::from(steps);
+                    let apart = moved(
+                        Vector3::new(traction[1], traction[2], traction[0]).normalize() * way,
+                    );
+                    lost += facet.advance(&law, &triangle(), &apart).glue;
+                }
+                assert!(facet.is_broken(&law));
+                assert!(
+                    ((lost - lent) / AREA / wanted - 1.0).abs() < 1e-10,
+                    "{softening:?} {traction:?}"
+                );
+                let after = facet.forces(&law, &triangle(), &moved(Vector3::z() * 1e-6));
+                assert_eq!(energy(&after), 0.0);
+            }
+        }
+    }
+}
+
+/// What has softened stays soft, unloads towards where it was born, and presses as if it were whole.
+#[test]
+fn damage_does_not_heal() {
+    let law = law(Softening::Linear);
+    let (mut facet, _) = cut(&law, [5e6, 0.0, 0.0]);
+    let pull = |facet: &GluedFacet, z: f64| {
+        let on = facet.forces(&law, &triangle(), &moved(Vector3::z() * z)).on[0];
+        on.iter().map(|f| f.z).sum::<f64>() / AREA
+    };
+    // Half of the peak is left at an opening of G/T.
+    facet.advance(&law, &triangle(), &moved(Vector3::z() * 4e-6));
+    let half = pull(&facet, 4e-6);
+    assert!((half / 2.5e6 - 1.0).abs() < 1e-9, "{half}");
+    for z in [2e-6, 0.0, -1e-7] {
+        assert_eq!(
+            facet
+                .advance(&law, &triangle(), &moved(Vector3::z() * z))
+                .glue,
+            0.0
+        );
+    }
+    let stretch = 5e6 / law.stiffness;
+    let expected = half * (2e-6 + stretch) / (4e-6 + stretch);
+    assert!((pull(&facet, 2e-6) / expected - 1.0).abs() < 1e-9);
+    let pressed = pull(&facet, -1e-6);
+    assert!(
+        (pressed / (-1e-6 * law.contact) - 1.0).abs() < 1e-9,
+        "{pressed}"
+    );
+}
+
+/// Pressed faces slide at friction, and lose the work of it.
+#[test]
+fn closed_faces_slide_at_friction() {
+    let law = law(Softening::Linear);
+    let (mut facet, lent) = cut(&law, [-4e6, 0.0, 0.0]);
+    let mut work = 0.0;
+    let mut lost = 0.0;
+    let mut before = facet.forces(&law, &triangle(), &triangle()).on[1];
+    for k in 1..=4000 {
+        let to = moved(Vector3::x() * 1e-9 * f64::from(k));
+        lost += facet.advance(&law, &triangle(), &to).friction;
+        let now = facet.forces(&law, &triangle(), &to).on[1];
+        work -= (0..3)
+            .map(|q| 0.5 * (before[q] + now[q]).x * 1e-9)
+            .sum::<f64>();
+        before = now;
+    }
+    let drag = -before.iter().map(|f| f.x).sum::<f64>() / AREA;
+    assert!((drag / (0.6 * 4e6) - 1.0).abs() < 1e-9, "{drag}");
+    let stored = facet.forces(&law, &triangle(), &moved(Vector3::x() * 4e-6));
+    assert!(((energy(&stored) - lent + lost) / work - 1.0).abs() < 1e-9);
+    // Apart it lets go of its springs, and does not rub.
+    let mut apart = moved(Vector3::new(4e-6, 0.0, 1e-6));
+    let let_go = facet.advance(&law, &triangle(), &apart).friction;
+    let springs = 0.5 * AREA * (0.6_f64 * 4e6).powi(2) / law.tangential;
+    assert!((let_go / springs - 1.0).abs() < 1e-9);
+    apart[1].x += 5e-6;
+    assert_eq!(facet.advance(&law, &triangle(), &apart).friction, 0.0);
+}
+
+#[test]
+fn laws_that_cannot_be_are_refused_by_name() {
+    let good = law(Softening::Linear);
+    assert!(good.check().is_ok());
+    for (law, name) in [
+        (
+            GlueLaw {
+                stiffness: 0.0,
+                ..good
+            },
+            "stiffness of the glue",
+        ),
+        (
+            GlueLaw {
+                energies: [0.0, 1.0],
+                ..good
+            },
+            "opening",
+        ),
+        (
+            GlueLaw {
+                energies: [1.0, f64::NAN],
+                ..good
+            },
+            "sliding",
+        ),
+        (
+            GlueLaw {
+                friction: -0.1,
+                ..good
+            },
+            "friction",
+        ),
+        (
+            GlueLaw {
+                contact: f64::INFINITY,
+                ..good
+            },
+            "contact",
+        ),
+    ] {
+        let error = law.check().unwrap_err().to_string();
+        assert!(error.contains(name), "{error}");
+    }
+}
+
+/// Positions of both sides: the triangle and its copy, each node moved by up to 5 um.
+fn sides() -> impl Strategy<Value = [[Vector3; 3]; 2]> {
+    let shift = (-5e-6..5e-6, -5e-6..5e-6, -5e-6..5e-6);
+    prop::array::uniform6(shift.prop_map(|(x, y, z)| Vector3::new(x, y, z))).prop_map(|by| {
+        let triangle = triangle();
+        [[0, 1, 2], [3, 4, 5]].map(|side| [0, 1, 2].map(|q| triangle[q] + by[side[q]]))
+    })
+}
+
+fn traction() -> impl Strategy<Value = [f64; 3]> {
+    [-5e6..5e6, -5e6..5e6, -5e6..5e6]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    /// In any state forces are minus the gradient of the energy, and balance with their moments; turned as a whole the facet
+    /// has the same energy.
+    #[test]
+    fn forces_are_gradients_and_balance(
+        born in traction(),
+        past in sides(),
+        at in sides(),
+        turn in [-3.0..3.0, -3.0..3.0, -3.0..3.0],
+        which in 0..3_usize,
+    ) {
+        let softening = [Softening::Linear, Softening::Exponential, Softening::Bilinear][which];
+        let law = law(softening);
+        let (mut facet, _) = cut(&law, born);
+        facet.advance(&law, &past[0], &past[1]);
+        let now = facet.forces(&law, &at[0], &at[1]);
+        let largest = now.on.iter().flatten().map(Vector3::norm).fold(1e-9, f64::max);
+        let sum: Vector3 = now.on.iter().flatten().sum();
+        let moment: Vector3 = (0..2).flat_map(|s| (0..3).map(move |q| (s, q)))
+            .map(|(s, q)| at[s][q].cross(&now.on[s][q])).sum();
+        prop_assert!(sum.norm() < 1e-12 * largest);
+        prop_assert!(moment.norm() < 1e-12 * 1e-3 * largest);
+        let step = 1e-10;
+        for (s, q, k) in (0..2).flat_map(|s| (0..3).flat_map(move |q| (0..3).map(move |k| (s, q, k)))) {
+            let shifted = |by: f64| {
+                let mut sides = at;
+                sides[s][q][k] += by;
+                energy(&facet.forces(&law, &sides[0], &sides[1]))
+            };
+            let slope = (shifted(step) - shifted(-step)) / (2.0 * step);
+            prop_assert!((slope + now.on[s][q][k]).abs() < 1e-7 * largest, "{slope} {:?}", now.on[s][q]);
+        }
+        let turn = Rotation::from_scaled_axis(Vector3::from(turn));
+        let shift = Vector3::new(1.0, -2.0, 0.5) * 1e-3;
+        let turned = at.map(|side| side.map(|x| turn * x + shift));
+        let there = facet.forces(&law, &turned[0], &turned[1]);
+        prop_assert!((energy(&there) - energy(&now)).abs() <= 1e-9 * energy(&now));
+        prop_assert!((there.on[1][2] - turn * now.on[1][2]).norm() < 1e-9 * largest);
+    }
+
+    /// Around any closed path of the second side no energy is gained: the work is what is lost and stored more.
+    #[test]
+    fn closed_paths_gain_nothing(
+        born in traction(),
+        corners in prop::collection::vec([-3e-6..3e-6, -3e-6..3e-6, -1e-6..5e-6], 2..4),
+    ) {
+        let law = law(Softening::Linear);
+        let (mut facet, lent) = cut(&law, born);
+        let mut path = vec![Vector3::zeros()];
+        path.extend(corners.into_iter().map(Vector3::from));
+        path.push(Vector3::zeros());
+        let steps = 2000;
+        let (mut work, mut lost, mut turnover) = (0.0, 0.0, lent);
+        let mut forces = facet.forces(&law, &triangle(), &triangle());
+        for pair in path.windows(2) {
+            let way = (pair[1] - pair[0]) / f64::from(steps);
+            for k in 1..=steps {
+                let to = moved(pair[0] + way * f64::from(k));
+                let loss = facet.advance(&law, &triangle(), &to);
+                prop_assert!(loss.glue >= 0.0);
+                let now = facet.forces(&law, &triangle(), &to);
+                let done: f64 = (0..3).map(|q| -0.5 * (forces.on[1][q] + now.on[1][q]).dot(&way)).sum();
+                work += done;
+                turnover += done.abs();
+                lost += loss.glue + loss.friction;
+                forces = now;
+            }
+        }
+        let balance = work + lent - lost - energy(&forces);
+        prop_assert!(balance.abs() <= 2e-3 * turnover, "{balance} of {turnover}");
+    }
+}
