@@ -41,6 +41,12 @@ pub struct PairLaw {
 }
 
 impl PairLaw {
+    /// Whether these are its two materials, in either order.
+    #[must_use]
+    pub fn is_of(&self, [a, b]: [MaterialId; 2]) -> bool {
+        self.materials == [a, b] || self.materials == [b, a]
+    }
+
     /// The law, where `usual` is that of all others.
     #[must_use]
     pub fn over(&self, usual: &ContactParameters) -> ContactParameters {

@@ -159,11 +159,19 @@ impl PackShape {
     /// penalty is calibrated: contacts are stiffer in inverse proportion. 1 for convex bodies, whose shapes
     /// differ little.
     fn field_depth(&self) -> f64 {
-        let Some(mesh) = &self.mesh else {
-            return 1.0;
-        };
-        let deepest = mesh.distance_to_skin().into_iter().fold(0.0, f64::max);
-        deepest / (CALIBRATED_DEPTH * self.diameter())
+        match self.mesh {
+            Some(_) => self.rise() / (CALIBRATED_DEPTH * self.diameter()),
+            None => 1.0,
+        }
+    }
+
+    /// Depth over which the field of the body rises from 0 to 1, m.
+    pub(crate) fn rise(&self) -> f64 {
+        match &self.mesh {
+            _ if self.sphere => 0.5 * self.diameter(),
+            Some(mesh) => mesh.distance_to_skin().into_iter().fold(0.0, f64::max),
+            None => self.polyhedron.inradius(),
+        }
     }
 
     /// Refuses a surface that is not that of a ball about the origin.
@@ -485,7 +493,8 @@ impl PackSpec {
             Penalty::Given { pressure } => pressure,
             Penalty::Automatic { penetration } => {
                 let depth = self.mean(PackShape::field_depth);
-                automatic_penalty(&self.load(), penetration) * depth
+                let loaded = automatic_penalty(&self.load(), penetration) * depth;
+                loaded + self.penalty_of_attraction(penetration * self.diameter())
             }
         })
     }

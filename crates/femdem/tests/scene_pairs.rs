@@ -181,7 +181,10 @@ fn faults_of_pairs_are_named() {
         (
             "rolling-friction = 0.1\n",
             "",
-            ["\"steel\" and \"steel\"", "differs from the law of all others"],
+            [
+                "\"steel\" and \"steel\"",
+                "differs from the law of all others",
+            ],
         ),
         (
             "[material.stone]",
@@ -307,4 +310,36 @@ fn materials_of_a_pack_are_those_of_a_run_from_it() {
         .filter(|&id| world.material(id) == Some(steel))
         .count();
     assert_eq!(of_steel, 3);
+}
+
+/// The chosen penalty is for the contacts that have it, and `--check` forecasts with the one of each pair: only the ball of ice
+/// touches with the adhesion of its pair, and a pair with a penalty of its own asks for none.
+#[test]
+fn the_chosen_penalty_is_for_the_pairs_that_have_it() {
+    let text = |own: &str, big: &str| {
+        format!(
+            "duration = 0.1\ngravity = [0, 0, 0]\n[material.ice]\ndensity = 900\n[material.steel]\ndensity = 7800\n\
+             [material.stone]\n[[pair]]\nmaterials = [\"ice\", \"stone\"]\nadhesion-energy = 10\n{own}\
+             [[wall]]\nplane = {{ normal = [0, 0, 1] }}\nmaterial = \"stone\"\n\
+             [[body]]\nname = \"small\"\nshape = \"sphere\"\ndiameter = 0.02\nmaterial = \"ice\"\nposition = [0, 0, 0.1]\n\
+             [[body]]\nname = \"other\"\nshape = \"sphere\"\ndiameter = 0.002\nmaterial = \"{big}\"\nposition = [0, 1, 0.1]\n"
+        )
+    };
+    let chosen = |own: &str, big: &str| {
+        let scenario = Scenario::from_toml(&text(own, big)).unwrap();
+        let simulation = scenario.build().unwrap();
+        let forecast = scenario.forecast(&simulation).at_rest;
+        (simulation.penalty.value, forecast)
+    };
+    // 3/4 w R/depth² of a radius of 10 mm and a depth of 0.1 mm; a ball of a tenth of the size asks for ten times as much.
+    let (penalty, at_rest) = chosen("", "steel");
+    assert!((penalty / 7.5e6 - 1.0).abs() < 0.02, "{penalty}");
+    assert!((at_rest.depth / 0.005 - 1.0).abs() < 0.02, "{at_rest:?}");
+    assert_eq!(at_rest.body, "small");
+    let (penalty, _) = chosen("", "ice");
+    assert!((penalty / 7.5e7 - 1.0).abs() < 0.02, "{penalty}");
+    // sqrt(3/4 w R/p) is 0.0866 mm, of 20 mm.
+    let (penalty, at_rest) = chosen("penalty = 1e7\n", "steel");
+    assert_eq!(penalty, 1e6);
+    assert!((at_rest.depth / 0.00433 - 1.0).abs() < 0.01, "{at_rest:?}");
 }

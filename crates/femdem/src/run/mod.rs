@@ -55,6 +55,7 @@ mod limits;
 mod load;
 mod loads;
 mod material;
+mod meets;
 mod motion;
 mod names;
 mod of_pack;

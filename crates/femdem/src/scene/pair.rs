@@ -55,6 +55,30 @@ impl PairEntry {
         }
     }
 
+    /// The law of a pack whose materials have these names, from number 1 on; `None` if one has no name.
+    pub(crate) fn of(law: &PairLaw, names: &[String]) -> Option<Self> {
+        let name = |id: MaterialId| names.get(usize::from(id.0).checked_sub(1)?).cloned();
+        Some(Self {
+            materials: [name(law.materials[0])?, name(law.materials[1])?],
+            penalty: law.penalty,
+            friction: law.friction,
+            wall_friction: law.wall_friction,
+            rolling_friction: law.rolling_friction,
+            damping: law.damping_ratio,
+            tangential_ratio: law.tangential_ratio,
+            tangential_damping: law.tangential_damping,
+            wall_response: None,
+            cohesion: law.cohesion,
+            adhesion_energy: law.adhesion_energy,
+        })
+    }
+
+    /// Whether these are its two materials, in either order.
+    pub(crate) fn is_of(&self, [a, b]: &[String; 2]) -> bool {
+        let [own, other] = &self.materials;
+        (own, other) == (a, b) || (own, other) == (b, a)
+    }
+
     /// Refuses a pair that gives nothing, or whose materials are those of a `known` one, to which it is added.
     pub(crate) fn check<'a>(&'a self, known: &mut BTreeSet<[&'a str; 2]>) -> Result<(), Error> {
         let empty = Self {
