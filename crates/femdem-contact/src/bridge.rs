@@ -5,7 +5,7 @@
 //!
 //! F = 4 pi R gamma cos(theta) (1 - H/sqrt(H^2 + V/(pi R))),  R = R_A R_B/(R_A + R_B), the ball's at a plane.
 //!
-//! This is the capillary force of Rabinovich, Esayanur and Moudgil (2005), Langmuir 21, 10992-10997, equations (16) to (20),
+//! This is the capillary force of Rabinovich, Esayanur and Moudgil (2005), Langmuir 21, 10992-10997,
 //! without the pull of the surface along the contact line, which is small for small V: for equal balls of the radius R_A it is
 //! 2 pi R_A gamma cos(theta)/(1 + H/(2 d)) with d = H/2 (sqrt(1 + 2 V/(pi R_A H^2)) - 1), for a ball and a plane
 //! 4 pi R_A gamma cos(theta)/(1 + H/d) with d = sqrt(H^2 + V/(pi R_A)) - H. They derive it as the derivative of the energy of the

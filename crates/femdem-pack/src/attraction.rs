@@ -13,7 +13,7 @@ impl PackSpec {
         let walls = std::iter::once(self.wall_material);
         let met = |law: &ContactParameters, rise: f64| {
             let cohesion = penalty_under_cohesion(law.cohesion, rise, depth);
-            cohesion + penalty_under_adhesion(law.adhesion_energy, rise, 2.0 * depth)
+            cohesion + penalty_under_adhesion(law.work_of_adhesion(), rise, 2.0 * depth)
         };
         let needs = self.shapes.iter().flat_map(|shape| {
             let rise = shape.rise();

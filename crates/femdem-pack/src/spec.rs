@@ -6,7 +6,7 @@ use crate::pair_law::PairLaw;
 use crate::penalty::{CALIBRATED_DEPTH, EXPECTED_DENSITY, PackLoad, Penalty, automatic_penalty};
 use crate::protocol::Protocol;
 use crate::sizes::SizeClass;
-use femdem_contact::{ContactParameters, Field, MaterialId};
+use femdem_contact::{ContactParameters, Field, LiquidBridge, MaterialId};
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::tet::{self, MeshOptions, MeshReport};
 use femdem_mesh::{Polyhedron, TetMesh, Vector3, shapes};
@@ -279,6 +279,8 @@ pub struct PackSpec {
     pub cohesion: f64,
     /// Work of adhesion of balls with balls and planes, J/m^2; see [`ContactParameters::adhesion_energy`].
     pub adhesion_energy: f64,
+    /// Liquid bridges of balls with balls and planes.
+    pub liquid_bridge: Option<LiquidBridge>,
     /// Names of the materials, from number 1 on.
     pub materials: Vec<String>,
     /// Material of the walls.
@@ -333,6 +335,7 @@ impl Default for PackSpec {
             rolling_friction: contact.rolling_friction,
             cohesion: contact.cohesion,
             adhesion_energy: contact.adhesion_energy,
+            liquid_bridge: contact.liquid_bridge,
             materials: Vec::new(),
             wall_material: MaterialId::default(),
             pairs: Vec::new(),
@@ -430,6 +433,7 @@ impl PackSpec {
             tangential_damping: self.tangential_damping,
             cohesion: self.cohesion,
             adhesion_energy: self.adhesion_energy,
+            liquid_bridge: self.liquid_bridge,
             ..ContactParameters::default()
         }
     }

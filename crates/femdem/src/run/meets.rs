@@ -14,7 +14,7 @@ pub(super) struct Met {
     pub penalty: Option<f64>,
     /// Cohesion \[Pa\].
     pub cohesion: f64,
-    /// Work of adhesion \[J/m²\].
+    /// Work of adhesion, with that of a liquid bridge where bodies touch \[J/m²\].
     pub adhesion_energy: f64,
 }
 
@@ -65,13 +65,12 @@ impl<'a> Meets<'a> {
         let of = |ids: &[MaterialId; 2]| *ids == [a, b] || *ids == [b, a];
         let pair = self.pairs.iter().find(|(ids, _)| of(ids));
         let pair = pair.map(|(_, pair)| *pair);
-        let usual = &self.scenario.contact;
-        let cohesion = pair.and_then(|pair| pair.cohesion).or(usual.cohesion);
-        let adhesion = pair.and_then(|pair| pair.adhesion_energy);
+        let usual = self.scenario.parameters().contact;
+        let law = pair.map_or(usual, |pair| pair.own([a, b]).over(&usual));
         Met {
             penalty: pair.and_then(|pair| pair.penalty),
-            cohesion: cohesion.unwrap_or(0.0),
-            adhesion_energy: adhesion.or(usual.adhesion_energy).unwrap_or(0.0),
+            cohesion: law.cohesion,
+            adhesion_energy: law.work_of_adhesion(),
         }
     }
 }

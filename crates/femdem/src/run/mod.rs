@@ -120,8 +120,8 @@ pub use summary::{
 };
 pub use wall::{BoxEntry, PlaneEntry, WallEntry};
 
-pub use crate::scene::PairEntry;
 use crate::scene::gravity_vector;
+pub use crate::scene::{BridgeEntry, PairEntry};
 use crate::{Error, toml_file};
 
 /// A simulation to run.

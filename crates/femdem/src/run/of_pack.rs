@@ -38,6 +38,7 @@ impl Scenario {
             wall_response: own.wall_response.or(Some(law.wall_response)),
             cohesion: own.cohesion.or(Some(law.cohesion)),
             adhesion_energy: own.adhesion_energy.or(Some(law.adhesion_energy)),
+            liquid_bridge: own.liquid_bridge.or(law.liquid_bridge.map(Into::into)),
         };
         Self {
             gravity: self.gravity.or(Some(usual.gravity.into())),

@@ -6,6 +6,7 @@ use femdem_contact::{MaterialId, WallResponse};
 use femdem_pack::PairLaw;
 use serde::{Deserialize, Serialize};
 
+use super::BridgeEntry;
 use crate::Error;
 use crate::error::wrong;
 
@@ -36,6 +37,8 @@ pub struct PairEntry {
     pub cohesion: Option<f64>,
     /// Work of adhesion of spheres with spheres and planes \[J/m²\].
     pub adhesion_energy: Option<f64>,
+    /// Liquid bridges of spheres with spheres and planes.
+    pub liquid_bridge: Option<BridgeEntry>,
 }
 
 impl PairEntry {
@@ -52,6 +55,7 @@ impl PairEntry {
             tangential_damping: self.tangential_damping,
             cohesion: self.cohesion,
             adhesion_energy: self.adhesion_energy,
+            liquid_bridge: self.liquid_bridge.map(Into::into),
         }
     }
 
@@ -70,6 +74,7 @@ impl PairEntry {
             wall_response: None,
             cohesion: law.cohesion,
             adhesion_energy: law.adhesion_energy,
+            liquid_bridge: law.liquid_bridge.map(Into::into),
         })
     }
 
