@@ -72,6 +72,8 @@
 //!   rolling radius r of the pair ([`RigidContact::rolling_radius`]).
 //! - Materials: one law for all, or one for each pair of materials ([`ContactLaws`]), with its friction, damping and
 //!   penalty.
+//! - Attraction: a cohesion over the area of a contact, the pull-off force of balls ([`ContactParameters`]), and liquid
+//!   bridges, which pull over a gap once balls have touched ([`LiquidBridge`]).
 //! - Patches: bodies that are not convex may touch in several patches, each a [`Contact`] with a separate
 //!   friction history. A patch that splits divides its springs among the new ones, and merging patches
 //!   combine theirs by least squares. Neither creates energy, and the energy of a patch that vanishes is

@@ -73,18 +73,11 @@ impl Context<'_> {
     }
 
     /// Gives a pair that touches in one patch its attraction, and the liquid bridge that forms.
-    pub(super) fn attract(
-        &self,
-        pair: &mut Pair,
-        overlap: &Overlap,
-        is_new: bool,
-        scratch: &mut Scratch,
-    ) {
+    pub(super) fn attract(&self, pair: &mut Pair, overlap: &Overlap, scratch: &mut Scratch) {
         let ids = (pair.a, pair.b);
         let Some(touch) = pair.touch.as_deref_mut() else {
             return;
         };
-        self.date(&mut touch.history.fresh, is_new);
         let law = self.materials.law(pair.a, pair.b);
         touch.contact.adhesion = Adhesion::default();
         if law.cohesion > 0.0 {

@@ -157,8 +157,11 @@ impl Context<'_> {
             let contact = self.touch(key, &overlap, None, &mut history);
             pair.touch = Some(Box::new(Touch { history, contact }));
         }
+        if let Some(touch) = pair.touch.as_deref_mut() {
+            self.date(&mut touch.history.fresh, is_new);
+        }
         if self.attracts {
-            self.attract(pair, &overlap, is_new, &mut work.convex);
+            self.attract(pair, &overlap, &mut work.convex);
         }
     }
 
@@ -261,9 +264,9 @@ impl Context<'_> {
         pair.patches.clear();
         for (rank, ((key, overlap), mut state)) in found.into_iter().zip(states).enumerate() {
             let is_new = state.friction.is_new();
+            self.date(&mut state.fresh, is_new);
             let mut contact = self.touch((a, b, rank as u32), overlap, whole.as_ref(), &mut state);
             if law.cohesion > 0.0 {
-                self.date(&mut state.fresh, is_new);
                 let area = &patches[rank].touching;
                 contact.adhesion = self.cohere((a, b), &law, area, overlap, state.fresh);
             }

@@ -116,7 +116,7 @@ impl World {
             .choose(bound, usual, &self.parameters.time_step)
     }
 
-    /// The bound, lowered to that of a face contact if a body without contacts may touch something in the
+    /// The bound, lowered to that of a face contact if a body that no contact resists may touch something in the
     /// step. A face contact has its full stiffness from the first touch on; a step that shrinks only after
     /// the touch does not resolve the impact.
     fn bound_at_touch(&self, bound: f64) -> f64 {

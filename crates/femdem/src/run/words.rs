@@ -1,7 +1,7 @@
 //! Translation of names of numbers that the libraries refuse to keys of scenes.
 
 /// Names of the libraries, and keys of scenes.
-pub(super) const KEYS: [(&str, &str); 27] = [
+pub(super) const KEYS: [(&str, &str); 28] = [
     ("penalty", "contact.penalty"),
     ("friction", "contact.friction"),
     ("wall_friction", "contact.wall-friction"),
