@@ -282,7 +282,7 @@ fn pairs_attract() {
     assert!(refused(&soft).contains("deformable bodies"));
 }
 
-/// A pack has laws of its materials, and a run from it those of its own materials of the same names.
+/// A pack has laws of its materials, and a run from it has them, too, but for pairs that it gives itself.
 #[test]
 fn materials_of_a_pack_are_those_of_a_run_from_it() {
     let folder = tempdir().unwrap();
@@ -301,10 +301,11 @@ fn materials_of_a_pack_are_those_of_a_run_from_it() {
     );
     let simulation = Scenario::from_toml(&text).unwrap().build().unwrap();
     let world = &simulation.world;
-    let [steel, wood] = [1, 2].map(MaterialId);
+    let [ice, steel, wood] = [1, 2, 3].map(MaterialId);
     assert_eq!(world.wall_material(0), Some(wood));
     assert_eq!(world.laws().between([wood, steel]).friction, 0.25);
-    assert_eq!(world.laws().all().count(), 2);
+    assert_eq!(world.laws().between([wood, ice]).friction, 0.9);
+    assert_eq!(world.laws().all().count(), 3);
     let of_steel = world
         .body_ids()
         .filter(|&id| world.material(id) == Some(steel))
@@ -317,8 +318,12 @@ fn materials_of_a_pack_are_those_of_a_run_from_it() {
 #[test]
 fn the_chosen_penalty_is_for_the_pairs_that_have_it() {
     let text = |own: &str, big: &str| {
+        let steel = match big {
+            "steel" => "[material.steel]\ndensity = 7800\n",
+            _ => "",
+        };
         format!(
-            "duration = 0.1\ngravity = [0, 0, 0]\n[material.ice]\ndensity = 900\n[material.steel]\ndensity = 7800\n\
+            "duration = 0.1\ngravity = [0, 0, 0]\n[material.ice]\ndensity = 900\n{steel}\
              [material.stone]\n[[pair]]\nmaterials = [\"ice\", \"stone\"]\nadhesion-energy = 10\n{own}\
              [[wall]]\nplane = {{ normal = [0, 0, 1] }}\nmaterial = \"stone\"\n\
              [[body]]\nname = \"small\"\nshape = \"sphere\"\ndiameter = 0.02\nmaterial = \"ice\"\nposition = [0, 0, 0.1]\n\
@@ -337,7 +342,7 @@ fn the_chosen_penalty_is_for_the_pairs_that_have_it() {
     assert!((at_rest.depth / 0.005 - 1.0).abs() < 0.02, "{at_rest:?}");
     assert_eq!(at_rest.body, "small");
     let (penalty, _) = chosen("", "ice");
-    assert!((penalty / 7.5e7 - 1.0).abs() < 0.02, "{penalty}");
+    assert!((penalty / 7.5e7 - 1.0).abs() < 0.03, "{penalty}");
     // sqrt(3/4 w R/p) is 0.0866 mm, of 20 mm.
     let (penalty, at_rest) = chosen("penalty = 1e7\n", "steel");
     assert_eq!(penalty, 1e6);
@@ -378,7 +383,11 @@ fn liquid_bridges_are_keys() {
     // 3/4 w R/depth² with 3/2 pi w R = 4 pi R gamma cos.
     let work = 8.0 / 3.0 * 0.07 * 0.5;
     let wanted = 0.75 * work * 0.01 / 2e-6_f64.powi(2);
-    assert!((penalty.value / wanted - 1.0).abs() < 0.02, "{penalty:?}");
+    // Rounded up to two digits.
+    assert!(
+        (1.0..1.1).contains(&(penalty.value / wanted)),
+        "{penalty:?}"
+    );
 
     for (from, to, words) in [
         ("= 60", "= 95", "contact-angle = 95"),
