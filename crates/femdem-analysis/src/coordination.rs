@@ -29,7 +29,7 @@ pub struct Touch {
 /// How [`coordination`] counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CoordinationOptions<'a> {
-    /// A pair counts when the sum of its normal forces is above this (N); 0 or more. Default 0.
+    /// A pair counts when the sum of its normal forces, pressing or pulling, is larger than this (N); 0 or more. Default 0.
     pub force_threshold: f64,
     /// The bodies to average over, for instance those of
     /// [`Pack::bodies_in`](crate::Pack::bodies_in); repeats count once. `None`: all.
@@ -73,7 +73,7 @@ pub struct Coordination {
     pub force_threshold: f64,
 }
 
-/// Partners of each of `bodies` bodies whose summed normal force is above `force_threshold` (N).
+/// Partners of each of `bodies` bodies whose summed normal force, pressing or pulling, is larger than `force_threshold` (N).
 ///
 /// # Errors
 /// [`AnalysisError::TooManyBodies`], [`AnalysisError::BodyIndex`], [`AnalysisError::SelfTouch`],
@@ -104,7 +104,7 @@ pub fn contact_counts(
     for pair in pairs.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
         let (first, second, _) = pair[0];
         let force: f64 = pair.iter().map(|(_, _, force)| force).sum();
-        if force <= force_threshold {
+        if !is_touching(force, force_threshold) {
             continue;
         }
         match second {
@@ -116,6 +116,11 @@ pub fn contact_counts(
         }
     }
     Ok(counts)
+}
+
+/// Whether a pair of this summed normal force (N) touches: one that is held by attraction pulls.
+pub(crate) fn is_touching(normal_force: f64, force_threshold: f64) -> bool {
+    normal_force.abs() > force_threshold
 }
 
 fn check(index: usize, touch: &Touch, bodies: usize) -> Result<(), AnalysisError> {

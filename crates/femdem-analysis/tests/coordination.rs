@@ -117,6 +117,21 @@ fn patches_of_a_pair_count_once() {
     assert_eq!(result.wall_contacts, 0);
 }
 
+/// A body that hangs from a wall by attraction, and another from it, touch: the threshold is on the size of the force.
+#[test]
+fn pairs_that_pull_touch() {
+    let touches = [
+        touch(0, Partner::Wall(0), -2.0),
+        touch(1, Partner::Body(0), -1.0),
+        touch(1, Partner::Body(2), 0.0),
+    ];
+    let result = coordination(3, &touches, &CoordinationOptions::default()).unwrap();
+    assert_eq!(result.histogram, [1, 1, 1]);
+    let counts = contact_counts(3, &touches, 1.5).unwrap();
+    assert_eq!(counts[1], ContactCount::default());
+    assert_eq!(counts[0].total(), 1);
+}
+
 #[test]
 fn bad_touches_are_refused() {
     let refused =

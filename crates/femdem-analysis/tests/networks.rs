@@ -8,9 +8,9 @@ use crate::common::Random;
 use crate::common::forces::{between, body, on_wall};
 use femdem_analysis::{
     AnalysisError, BlockBootstrap, ChainNetwork, ChainOptions, ContactClass, ForceBody,
-    ForceContact, ForceNetwork, Partner, StressRule, SupportRule, ThresholdOptions, WeightRule,
-    chains_by_stress, chains_by_weight, contact_classes, contact_fabric, force_maxima, rattlers,
-    threshold_curve,
+    ForceContact, ForceDistributionOptions, ForceNetwork, Partner, StressRule, SupportRule,
+    ThresholdOptions, WeightRule, chains_by_stress, chains_by_weight, contact_classes,
+    contact_fabric, force_distribution, force_maxima, rattlers, threshold_curve,
 };
 use femdem_mesh::{Point3, Vector3};
 
@@ -434,4 +434,47 @@ fn anisotropy_of_drawn_normals() {
         assert!((fabric.normals.principal.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         assert_eq!(fabric.forces, fabric.normals);
     }
+}
+
+/// Three bodies that hang from a wall by attraction, 3, 2 and 1 N, beside two that press on each other with 4 N: those that
+/// hang are held and are links, and the mean of what presses, to which thresholds refer, is 4 N.
+#[test]
+fn pairs_that_pull_are_in_the_network() {
+    let bodies = [
+        body(0.0, 0.0, 3.0),
+        body(0.0, 0.0, 2.0),
+        body(0.0, 0.0, 1.0),
+        body(5.0, 0.0, 0.0),
+        body(6.0, 0.0, 0.0),
+    ];
+    let hook = on_wall(
+        0,
+        0,
+        Point3::new(0.0, 0.0, 3.5),
+        Vector3::z(),
+        Vector3::z() * -3.0,
+    );
+    let contacts = [
+        hook,
+        between(&bodies, 0, 1, -2.0),
+        between(&bodies, 1, 2, -1.0),
+        between(&bodies, 3, 4, 4.0),
+    ];
+    let network = ForceNetwork::new(&bodies, &contacts, 0.0).unwrap();
+    assert_eq!(network.pairs().len(), 4);
+    let found = rattlers(&network, SupportRule::Partners { least: 1 }).unwrap();
+    assert_eq!((found.held, found.mean_coordination), (5, 7.0 / 5.0));
+    let largest = force_maxima(&network, BlockBootstrap::default()).unwrap();
+    assert_eq!(largest.bodies, [3.0, 2.0, 1.0, 4.0, 4.0]);
+    assert_eq!(network.mean_force(), Some(4.0));
+    let options = ThresholdOptions {
+        thresholds: vec![0.0, 1.5],
+    };
+    let curve = threshold_curve(&network, &options).unwrap();
+    assert_eq!([0, 1].map(|k| curve.points[k].links), [1, 0]);
+    let forces = ForceDistributionOptions::default();
+    let forces = force_distribution(&network, &forces).unwrap().unwrap();
+    assert_eq!((forces.mean_force.mean, forces.largest), (4.0, 1.0));
+    let above = ForceNetwork::new(&bodies, &contacts, 1.5).unwrap();
+    assert_eq!(above.pairs().len(), 3);
 }

@@ -1,4 +1,4 @@
-//! Attraction in a contact: the cohesion of a patch, and the adhesion of round bodies.
+//! Attraction in a contact: the cohesion of a patch, and the adhesion and the [liquid bridges](crate::bridge) of round bodies.
 //!
 //! The cohesion c (Pa) has the energy -c V, V the volume of the overlap. The gradient of V is the vector area of the skin of one
 //! body in the other ([`VectorArea`]), so that the attraction is the stress c over the area of the contact, exactly and with its
@@ -10,8 +10,10 @@
 //!
 //! Both forces begin and end with a jump, a cohesive face with c A. One evaluation stands for a whole step, so the force of
 //! the first one is weighted with the time since the touch, and that of the last one with the time that is left: the error
-//! of the energy is of second order in the step.
+//! of the energy is of second order in the step. An evaluation outside of a step, as where a law changes, is at the end of the
+//! last one, and its weights are those of that.
 
+use crate::bridge::LiquidBridge;
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -44,7 +46,7 @@ pub struct Adhesion {
     pub force: Vector3,
     /// Moment on B about the contact point, N m.
     pub moment: Vector3,
-    /// Energy, J: at most 0.
+    /// Energy, J: 0 where the two begin to touch, negative where they overlap, positive where a liquid bridge is stretched.
     pub energy: f64,
 }
 
@@ -71,6 +73,18 @@ impl Adhesion {
         Self::new(force, Vector3::zeros(), arm, -pull * round.depth)
     }
 
+    /// Of a liquid bridge.
+    pub(crate) fn of_bridge(bridge: &LiquidBridge, round: &Round, arm: &Vector3) -> Self {
+        let (radius, gap) = (round.radius, -round.depth);
+        let force = round.direction * -bridge.force(radius, gap);
+        Self::new(force, Vector3::zeros(), arm, bridge.energy(radius, gap))
+    }
+
+    /// Whether there is none.
+    pub(crate) fn is_none(&self) -> bool {
+        self.force == Vector3::zeros()
+    }
+
     /// The two together.
     pub(crate) fn and(&self, other: &Self) -> Self {
         Self {
@@ -90,12 +104,12 @@ impl Adhesion {
     }
 }
 
-/// Two balls, or a ball and a plane, that overlap.
+/// Two balls, or a ball and a plane, that overlap or have a liquid bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Round {
     /// Reduced radius R_A R_B/(R_A + R_B), m; that of the ball at a plane.
     pub radius: f64,
-    /// m.
+    /// m; negative where they are apart.
     pub depth: f64,
     /// Unit vector from A to B; the line through both centres is along it.
     pub direction: Vector3,

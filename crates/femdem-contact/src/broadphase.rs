@@ -33,7 +33,7 @@ struct Entry {
     low: Vector3,
     high: Vector3,
     centre: Vector3,
-    /// Bounding radius plus half the skin, m.
+    /// Bounding radius plus half the skin and the margin, m.
     reach: f64,
     level: Level,
     cell: Cell,
@@ -71,6 +71,8 @@ struct Grid {
 pub(crate) struct Broadphase {
     entries: Vec<Option<Entry>>,
     grids: BTreeMap<Level, Grid>,
+    /// Half of the gap over which balls may attract each other, m.
+    margin: f64,
 }
 
 impl Broadphase {
@@ -85,6 +87,33 @@ impl Broadphase {
     /// Whether a body has ever been entered.
     pub(crate) fn knows(&self, body: usize) -> bool {
         matches!(self.entries.get(body), Some(Some(_)))
+    }
+
+    /// Whether a body was never entered, or must be entered again wherever it is.
+    pub(crate) fn is_out_of_date(&self, body: usize) -> bool {
+        self.is_expired(body, f64::NEG_INFINITY, None)
+    }
+
+    /// Balls may attract each other over a gap up to `range`, m. Returns whether all bodies must be entered again.
+    pub(crate) fn set_range(&mut self, range: f64) -> bool {
+        let margin = 0.5 * range;
+        if margin == self.margin {
+            return false;
+        }
+        self.margin = margin;
+        for entry in self.entries.iter_mut().flatten() {
+            entry.expires = f64::NEG_INFINITY;
+        }
+        true
+    }
+
+    /// Half of the gap over which a shape may attract others, m.
+    pub(crate) fn margin(&self, shape: &BodyShape) -> f64 {
+        if shape.sphere().is_some() {
+            self.margin
+        } else {
+            0.0
+        }
     }
 
     /// Whether all entries are of bodies that are there.
@@ -121,9 +150,9 @@ impl Broadphase {
         motion: &Motion,
         space: Option<&Space>,
     ) {
-        let half_skin = Self::half_skin(shape);
-        let reach = shape.radius() + half_skin;
-        let level = level_of(2.0 * reach);
+        let (half_skin, margin) = (Self::half_skin(shape), self.margin(shape));
+        let level = level_of(2.0 * (shape.radius() + half_skin));
+        let reach = shape.radius() + half_skin + margin;
         let grid = self.grids.entry(level).or_default();
         if 2.0 * reach > grid.size {
             grid.resize(2.0 * reach, level, &mut self.entries);
@@ -146,8 +175,8 @@ impl Broadphase {
             members.push(body as u32);
         }
         let mut entry = Entry {
-            low: (low + centre).add_scalar(-half_skin),
-            high: (high + centre).add_scalar(half_skin),
+            low: (low + centre).add_scalar(-half_skin - margin),
+            high: (high + centre).add_scalar(half_skin + margin),
             centre,
             reach,
             level,

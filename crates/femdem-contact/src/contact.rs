@@ -1,6 +1,7 @@
 //! What the batch stage reports: contacts and loads.
 
 use crate::adhesion::Adhesion;
+use crate::axes::complete;
 use crate::damping::Damped;
 use crate::foundation::Foundation;
 use crate::friction::Friction;
@@ -83,7 +84,7 @@ pub struct RigidContact {
     pub foundation: Foundation,
     /// Stiffness of the tangential spring, N/m.
     pub tangential_stiffness: f64,
-    /// The attraction by cohesion and adhesion.
+    /// The attraction by cohesion, adhesion and a liquid bridge.
     pub adhesion: Adhesion,
     /// Mean distance of the pressure from the contact point, m. The friction moment of a spinning patch is mu
     /// F times this radius.
@@ -246,6 +247,57 @@ pub(crate) fn assemble(
 }
 
 impl RigidContact {
+    /// Two that are apart, joined by a liquid bridge along the unit vector `normal` from A to B. `arms` lead from their origins
+    /// to the middle of the gap, `point`.
+    pub(crate) fn across_gap(
+        (a, b): (Partner, BodyId),
+        point: Vector3,
+        [arm_a, arm_b]: [Vector3; 2],
+        normal: Vector3,
+        adhesion: Adhesion,
+    ) -> Self {
+        let [_, axis, _] = complete(&normal);
+        let zero = Vector3::zeros();
+        Self {
+            a,
+            b,
+            patch: 0,
+            point,
+            arm_a,
+            arm_b,
+            normal,
+            elastic_force: 0.0,
+            normal_force: 0.0,
+            moment: zero,
+            rocking: zero,
+            friction: zero,
+            torsion: 0.0,
+            drag: zero,
+            drag_torsion: 0.0,
+            rolling: zero,
+            drag_rolling: zero,
+            rolling_stiffness: 0.0,
+            slides: false,
+            foreseen: false,
+            area: 0.0,
+            volume: 0.0,
+            energy: 0.0,
+            spring_energy: 0.0,
+            foundation: Foundation::round(zero, axis, 0.0, 0.0),
+            tangential_stiffness: 0.0,
+            adhesion,
+            torsion_radius: 0.0,
+            shares: [0.0; 2],
+            dashpots: Dashpots {
+                normal: 0.0,
+                tangential: 0.0,
+                rocking: [0.0; 2],
+                torsion: 0.0,
+                rolling: 0.0,
+            },
+        }
+    }
+
     /// Stiffnesses of the springs: those of the foundation, integrated over the patch, and of the bristles in its
     /// plane.
     pub fn springs(&self) -> Springs {
@@ -372,7 +424,7 @@ pub struct Load {
     pub viscous: Wrench,
     /// Sum of the normal forces, N.
     pub normal_sum: f64,
-    /// Number of bodies and walls in contact; the patches of a pair count once.
+    /// Number of bodies and walls in contact, or joined by a liquid bridge; the patches of a pair count once.
     pub contacts: u32,
     bounds: Bounds,
 }
@@ -410,7 +462,7 @@ impl Load {
             arm,
         );
         let pull = &contact.adhesion;
-        if pull.energy != 0.0 {
+        if !pull.is_none() {
             self.total.add(pull.force * sign, pull.moment * sign, arm);
         }
         self.friction.add(friction, torsion + rolling, arm);
@@ -435,6 +487,11 @@ impl Load {
         self.friction += friction;
         self.viscous += damping;
         self.viscous += drag;
+    }
+
+    /// Whether a contact resists a motion: a liquid bridge over a gap does not.
+    pub fn resists(&self) -> bool {
+        self.bounds.stiffness[0] > 0.0
     }
 
     /// Whether every number is finite.

@@ -1,7 +1,9 @@
 //! The parameters of a contact law, named and validated.
 
+use crate::bridge::LiquidBridge;
 use crate::error::{ContactError, check, check_pressure};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// How a wall, which has no field, meets a body that deforms.
 ///
@@ -62,6 +64,8 @@ pub struct ContactParameters {
     pub cohesion: f64,
     /// Work of adhesion w of balls with balls and planes, J/m^2: they pull off at 3/2 pi w R, R the reduced radius. Default 0.
     pub adhesion_energy: f64,
+    /// Liquid bridges of balls with balls and planes that have touched. Default: none.
+    pub liquid_bridge: Option<LiquidBridge>,
 }
 
 impl Default for ContactParameters {
@@ -77,6 +81,7 @@ impl Default for ContactParameters {
             wall_response: WallResponse::Mirror,
             cohesion: 0.0,
             adhesion_energy: 0.0,
+            liquid_bridge: None,
         }
     }
 }
@@ -85,7 +90,29 @@ impl ContactParameters {
     /// Whether contacts attract.
     #[must_use]
     pub fn attracts(&self) -> bool {
-        self.cohesion > 0.0 || self.adhesion_energy > 0.0
+        self.cohesion > 0.0 || self.adhesion_energy > 0.0 || self.bridge().is_some()
+    }
+
+    /// The liquid bridge, if it pulls.
+    pub(crate) fn bridge(&self) -> Option<&LiquidBridge> {
+        self.liquid_bridge
+            .as_ref()
+            .filter(|bridge| bridge.tension > 0.0)
+    }
+
+    /// The gap up to which bodies attract each other, m: where a liquid bridge breaks.
+    pub(crate) fn attraction_range(&self) -> f64 {
+        self.bridge().map_or(0.0, LiquidBridge::rupture_distance)
+    }
+
+    /// The work of adhesion by which round bodies would pull off as they do by adhesion and a liquid bridge together, J/m^2:
+    /// 3/2 pi w R is what both pull where bodies touch.
+    #[must_use]
+    pub fn work_of_adhesion(&self) -> f64 {
+        let pull = self
+            .bridge()
+            .map_or(0.0, |bridge| bridge.largest_force(1.0));
+        self.adhesion_energy + pull / (1.5 * PI)
     }
 
     /// The law between bodies and walls: the same with the friction of the walls.
@@ -163,6 +190,9 @@ impl ContactLaw {
             (0.0..=1e100).contains(&p.adhesion_energy),
             "from 0 to 1e100 J/m^2",
         )?;
+        if let Some(bridge) = &p.liquid_bridge {
+            bridge.validate()?;
+        }
         Ok(Self { parameters })
     }
 

@@ -93,6 +93,13 @@ impl ContactLaws {
         std::iter::once(self.usual()).chain(own)
     }
 
+    /// The largest gap over which bodies attract each other by any law, m.
+    pub(crate) fn attraction_range(&self) -> f64 {
+        self.all()
+            .map(ContactParameters::attraction_range)
+            .fold(0.0, f64::max)
+    }
+
     /// The same laws without dashpots: springs and friction alone.
     #[must_use]
     pub fn without_dashpots(self) -> Self {

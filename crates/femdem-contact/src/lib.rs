@@ -72,6 +72,8 @@
 //!   rolling radius r of the pair ([`RigidContact::rolling_radius`]).
 //! - Materials: one law for all, or one for each pair of materials ([`ContactLaws`]), with its friction, damping and
 //!   penalty.
+//! - Attraction: a cohesion over the area of a contact, the pull-off force of balls ([`ContactParameters`]), and liquid
+//!   bridges, which pull over a gap once balls have touched ([`LiquidBridge`]).
 //! - Glue: the cohesive law of two faces that a crack separates, for codes that cut meshes ([`glue`]). The batch does not
 //!   use it.
 //! - Patches: bodies that are not convex may touch in several patches, each a [`Contact`] with a separate
@@ -115,6 +117,7 @@ mod adhesion;
 mod axes;
 mod batch;
 mod body_shape;
+mod bridge;
 mod broadphase;
 mod contact;
 mod damping;
@@ -151,6 +154,7 @@ pub use femdem_mesh as mesh;
 pub use adhesion::{Adhesion, VectorArea};
 pub use batch::{BatchTotals, ContactBatch, EdgeLoad, Snapshot};
 pub use body_shape::BodyShape;
+pub use bridge::LiquidBridge;
 pub use contact::{BodyId, ContactForce, Dashpots, Load, Partner, RigidContact, Springs, Wrench};
 pub use error::ContactError;
 pub use femdem_mesh::PeriodicCell;

@@ -41,7 +41,7 @@ pub struct Contact {
     pub volume: f64,
     /// Contact energy U, J.
     pub energy: f64,
-    /// The attraction by cohesion and adhesion.
+    /// The attraction by cohesion, adhesion and a liquid bridge: all that there is where a bridge joins two that are apart.
     pub adhesion: Adhesion,
     /// Energy in the springs of friction and against rolling, J.
     pub spring_energy: f64,

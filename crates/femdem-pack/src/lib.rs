@@ -56,6 +56,7 @@
 //! loads that sleeping bodies had not passed on. Packs of 500 that slept are 1.5 ± 0.3 % higher than packs that
 //! never did ([`PackSpec::sleeping`]), which cost seven times as much (`records/cost.md`).
 
+mod attraction;
 mod container;
 mod error;
 mod packing;
@@ -76,7 +77,10 @@ pub use container::{Container, MeshContainer};
 pub use error::PackError;
 pub use packing::{Packing, Progress, Stage};
 pub use pair_law::PairLaw;
-pub use penalty::{PackLoad, Penalty, automatic_penalty, penalty_under_stress};
+pub use penalty::{
+    PackLoad, Penalty, automatic_penalty, penalty_under_adhesion, penalty_under_cohesion,
+    penalty_under_stress,
+};
 pub use protocol::{Landing, Pour, Protocol, Release, Sequential};
 pub use random::{body_stream, random_rotation, uniform};
 pub use report::{PackReport, Relaxation, Verification};

@@ -1,6 +1,6 @@
 //! Contact laws of pairs of materials.
 
-use femdem_contact::{ContactParameters, MaterialId};
+use femdem_contact::{ContactParameters, LiquidBridge, MaterialId};
 use serde::{Deserialize, Serialize};
 
 /// What the contact law of two materials, or of a material and itself, has of its own. `None`: as the law of all others.
@@ -38,9 +38,17 @@ pub struct PairLaw {
     pub cohesion: Option<f64>,
     /// Work of adhesion of balls with balls and planes, J/m^2.
     pub adhesion_energy: Option<f64>,
+    /// Liquid bridges of balls with balls and planes.
+    pub liquid_bridge: Option<LiquidBridge>,
 }
 
 impl PairLaw {
+    /// Whether these are its two materials, in either order.
+    #[must_use]
+    pub fn is_of(&self, [a, b]: [MaterialId; 2]) -> bool {
+        self.materials == [a, b] || self.materials == [b, a]
+    }
+
     /// The law, where `usual` is that of all others.
     #[must_use]
     pub fn over(&self, usual: &ContactParameters) -> ContactParameters {
@@ -58,6 +66,7 @@ impl PairLaw {
             tangential_damping: self.tangential_damping.unwrap_or(usual.tangential_damping),
             cohesion: self.cohesion.unwrap_or(usual.cohesion),
             adhesion_energy: self.adhesion_energy.unwrap_or(usual.adhesion_energy),
+            liquid_bridge: self.liquid_bridge.or(usual.liquid_bridge),
             ..*usual
         }
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Penalty {
-    /// From the expected stress in the pack, by [`automatic_penalty`].
+    /// From the expected stress in the pack, by [`automatic_penalty`], and what attraction adds to it.
     Automatic {
         /// Target of the mean penetration, over d.
         penetration: f64,
@@ -97,6 +97,19 @@ pub fn automatic_penalty(load: &PackLoad, penetration_over_d: f64) -> f64 {
 pub fn penalty_under_stress(stress: f64, penetration_over_d: f64, field_depth_over_d: f64) -> f64 {
     let depth = field_depth_over_d / CALIBRATED_DEPTH;
     PENALTY_SCALE * stress / penetration_over_d.powi(3) * depth
+}
+
+/// The penalty (Pa) at which the faces of two bodies, or of one and a wall, rest at the depth `depth` (m) under a cohesion
+/// (Pa) alone, where fields rise over `field_depth` (m): their stiffness per area is 2 p over that. The overlap of a ball has this
+/// depth as its volume over its area, too, that of a corner one of the same order.
+pub fn penalty_under_cohesion(cohesion: f64, field_depth: f64, depth: f64) -> f64 {
+    0.5 * cohesion * field_depth / depth
+}
+
+/// The penalty (Pa) at which two equal balls of a radius (m) rest at the depth `depth` (m) under an adhesion (J/m^2) alone:
+/// p pi depth^2 is 3/4 pi w R. The overlap volume over the area is half of the depth.
+pub fn penalty_under_adhesion(adhesion_energy: f64, radius: f64, depth: f64) -> f64 {
+    0.75 * adhesion_energy * radius / (depth * depth)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use crate::pair_law::PairLaw;
 use crate::penalty::{CALIBRATED_DEPTH, EXPECTED_DENSITY, PackLoad, Penalty, automatic_penalty};
 use crate::protocol::Protocol;
 use crate::sizes::SizeClass;
-use femdem_contact::{ContactParameters, Field, MaterialId};
+use femdem_contact::{ContactParameters, Field, LiquidBridge, MaterialId};
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::tet::{self, MeshOptions, MeshReport};
 use femdem_mesh::{Polyhedron, TetMesh, Vector3, shapes};
@@ -159,11 +159,19 @@ impl PackShape {
     /// penalty is calibrated: contacts are stiffer in inverse proportion. 1 for convex bodies, whose shapes
     /// differ little.
     fn field_depth(&self) -> f64 {
-        let Some(mesh) = &self.mesh else {
-            return 1.0;
-        };
-        let deepest = mesh.distance_to_skin().into_iter().fold(0.0, f64::max);
-        deepest / (CALIBRATED_DEPTH * self.diameter())
+        match self.mesh {
+            Some(_) => self.rise() / (CALIBRATED_DEPTH * self.diameter()),
+            None => 1.0,
+        }
+    }
+
+    /// Depth over which the field of the body rises from 0 to 1, m.
+    pub(crate) fn rise(&self) -> f64 {
+        match &self.mesh {
+            _ if self.sphere => 0.5 * self.diameter(),
+            Some(mesh) => mesh.distance_to_skin().into_iter().fold(0.0, f64::max),
+            None => self.polyhedron.inradius(),
+        }
     }
 
     /// Refuses a surface that is not that of a ball about the origin.
@@ -271,6 +279,8 @@ pub struct PackSpec {
     pub cohesion: f64,
     /// Work of adhesion of balls with balls and planes, J/m^2; see [`ContactParameters::adhesion_energy`].
     pub adhesion_energy: f64,
+    /// Liquid bridges of balls with balls and planes.
+    pub liquid_bridge: Option<LiquidBridge>,
     /// Names of the materials, from number 1 on.
     pub materials: Vec<String>,
     /// Material of the walls.
@@ -325,6 +335,7 @@ impl Default for PackSpec {
             rolling_friction: contact.rolling_friction,
             cohesion: contact.cohesion,
             adhesion_energy: contact.adhesion_energy,
+            liquid_bridge: contact.liquid_bridge,
             materials: Vec::new(),
             wall_material: MaterialId::default(),
             pairs: Vec::new(),
@@ -422,6 +433,7 @@ impl PackSpec {
             tangential_damping: self.tangential_damping,
             cohesion: self.cohesion,
             adhesion_energy: self.adhesion_energy,
+            liquid_bridge: self.liquid_bridge,
             ..ContactParameters::default()
         }
     }
@@ -485,7 +497,8 @@ impl PackSpec {
             Penalty::Given { pressure } => pressure,
             Penalty::Automatic { penetration } => {
                 let depth = self.mean(PackShape::field_depth);
-                automatic_penalty(&self.load(), penetration) * depth
+                let loaded = automatic_penalty(&self.load(), penetration) * depth;
+                loaded + self.penalty_of_attraction(penetration * self.diameter())
             }
         })
     }

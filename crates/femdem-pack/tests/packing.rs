@@ -110,6 +110,70 @@ fn packs_that_implicit_steps_refuse_settle_explicitly() {
     }
 }
 
+/// Bodies that attract each other rest about as deep as the job asks for: the chosen penalty foresees it. A pair with a penalty of
+/// its own asks for none.
+#[test]
+fn the_chosen_penalty_foresees_attraction() {
+    let penetration = 0.0035;
+    let sticky = |count: u32, shape: PackShape, cohesion: f64, adhesion_energy: f64| PackSpec {
+        shapes: vec![shape],
+        cohesion,
+        adhesion_energy,
+        penalty: Penalty::Automatic { penetration },
+        ..cubes(count)
+    };
+    let ball = || PackShape::ball("ball", D).unwrap();
+    let cube = || PackShape::new("cube", solid(Solid::P5));
+    for spec in [
+        sticky(12, ball(), 3e5, 0.0),
+        sticky(12, ball(), 0.0, 50.0),
+        sticky(6, cube(), 3e5, 0.0),
+    ] {
+        let plain = PackSpec {
+            cohesion: 0.0,
+            adhesion_energy: 0.0,
+            ..spec.clone()
+        };
+        assert!(spec.resolved_penalty().unwrap() > 5.0 * plain.resolved_penalty().unwrap());
+        let mut packing = Packing::new(spec).unwrap();
+        let report = packing.run().unwrap();
+        let over = report.penetration_mean_over_d / penetration;
+        assert!((0.4..1.3).contains(&over), "{over}: {report:?}");
+    }
+    let [ice, wood] = [1, 2].map(MaterialId);
+    let mut of_pairs = sticky(12, ball(), 0.0, 0.0);
+    let plain = of_pairs.resolved_penalty().unwrap();
+    of_pairs.shapes[0].material = ice;
+    of_pairs.materials = ["ice", "wood"].map(str::to_owned).to_vec();
+    let law = PairLaw {
+        materials: [ice, ice],
+        cohesion: Some(3e5),
+        ..PairLaw::default()
+    };
+    let penalty = |law: PairLaw| {
+        let pairs = vec![law];
+        let spec = PackSpec {
+            pairs,
+            ..of_pairs.clone()
+        };
+        spec.resolved_penalty().unwrap()
+    };
+    assert!(penalty(law) > 5.0 * plain);
+    let own = Some(1e8);
+    assert_eq!(
+        penalty(PairLaw {
+            penalty: own,
+            ..law
+        }),
+        plain
+    );
+    let strangers = PairLaw {
+        materials: [wood, ice],
+        ..law
+    };
+    assert_eq!(penalty(strangers), plain);
+}
+
 #[test]
 fn cubes_deposited_in_sequence_settle() {
     let mut packing = Packing::new(cubes(8)).unwrap();

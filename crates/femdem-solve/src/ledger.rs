@@ -21,6 +21,8 @@ pub(crate) struct Flows {
     pub viscous_work: f64,
     /// Work of plastic flow inside bodies (negative: taken out).
     pub plastic_work: f64,
+    /// Held by liquid bridges when they broke.
+    pub broken: f64,
     /// Numerical dissipation of implicit steps.
     pub step_loss: f64,
     /// Of the last implicit step; `None` after an explicit one.
@@ -107,7 +109,7 @@ pub struct Ledger {
     pub kinetic: f64,
     /// Potential energy in gravity now, relative to the origin.
     pub potential: f64,
-    /// Elastic contact energy now, and the energy of the attraction of contacts, which is negative.
+    /// Elastic contact energy now, and that of the attraction of contacts, which is negative but for stretched liquid bridges.
     pub elastic: f64,
     /// Elastic energy inside deformable bodies now.
     pub strain: f64,
@@ -123,6 +125,8 @@ pub struct Ledger {
     pub dissipated_viscous: f64,
     /// Dissipated by plastic flow.
     pub dissipated_plastic: f64,
+    /// Dissipated where liquid bridges broke: what they held.
+    pub dissipated_bridges: f64,
     /// Numerical dissipation of [implicit](crate::ImplicitStep) steps: what the contacts took from the motion and neither store nor
     /// lost in dashpots. Steps in which they give more than was stored are not booked, and so appear as an error.
     pub dissipated_step: f64,
@@ -151,6 +155,7 @@ impl Ledger {
             + self.dissipated_medium
             + self.dissipated_viscous
             + self.dissipated_plastic
+            + self.dissipated_bridges
             + self.dissipated_step
             + self.frozen
     }

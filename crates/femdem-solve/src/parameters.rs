@@ -299,8 +299,8 @@ impl WorldParameters {
             && self.time_step.implicit.is_some()
         {
             check(
-                "cohesion or adhesion_energy with time_step.implicit",
-                law.cohesion.max(law.adhesion_energy),
+                "cohesion, adhesion or liquid bridge with time_step.implicit",
+                law.cohesion.max(law.work_of_adhesion()),
                 false,
                 "0: implicit steps have no attraction; step explicitly",
             )?;

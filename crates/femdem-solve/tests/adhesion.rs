@@ -6,7 +6,7 @@ use crate::common::{
     D, DENSITY, G, add_floor, add_heap, add_sides, at, half_edge, parameters, run_until, solid,
     weightless,
 };
-use femdem_contact::{Wall, Wrench};
+use femdem_contact::{ContactParameters, LiquidBridge, MaterialId, Wall, Wrench};
 use femdem_mesh::nalgebra::Vector3;
 use femdem_solve::{BodySpec, Drive, ImplicitStep, World, WorldParameters};
 
@@ -176,4 +176,65 @@ fn implicit_steps_refuse_attraction() {
         message.contains("cohesion") && message.contains("step explicitly"),
         "{message}"
     );
+}
+
+/// Attraction that begins and ends within steps does the same, to second order in the step, whether or not the contacts are evaluated again between steps, as
+/// where a law changes that none of them has: of a cohesive cube, and of a ball with adhesion and a liquid bridge.
+#[test]
+fn evaluations_between_steps_keep_the_weights_of_the_step() {
+    let bounce = |ball: bool, disturbed: bool| {
+        let mut p = weightless(1e7, 0.0, 0.0);
+        p.time_step.largest = Some(1e-5);
+        if ball {
+            p.contact.adhesion_energy = 20.0;
+            p.contact.liquid_bridge = Some(LiquidBridge {
+                volume: 1e-10,
+                tension: 40.0,
+                contact_angle: 0.0,
+            });
+        } else {
+            p.contact.cohesion = 2e4;
+        }
+        let mut world = World::new(p).unwrap();
+        let reach = if ball { 0.5 * D } else { half_edge() };
+        let shape = match ball {
+            true => world.add_sphere("ball", reach),
+            false => world.add_shape("P5", &solid("P5")),
+        };
+        add_floor(&mut world, Drive::Fixed);
+        let spec = BodySpec {
+            velocity: Vector3::z() * -0.5,
+            ..BodySpec::at_rest(
+                shape.unwrap(),
+                DENSITY,
+                at(Vector3::z() * (reach + 4.37e-5)),
+            )
+        };
+        let id = world.add_body(spec).unwrap();
+        let mut met = false;
+        let mut friction = 0.1;
+        while world.time() < 0.03 {
+            world.step().unwrap();
+            met |= !world.contacts().is_empty();
+            if disturbed {
+                friction = 0.3 - friction;
+                let law = ContactParameters {
+                    friction,
+                    ..p.contact
+                };
+                world.set_law(MaterialId(7), MaterialId(8), law).unwrap();
+            }
+        }
+        assert!(met && world.contacts().is_empty());
+        let books = world.ledger();
+        (world.velocity(id).unwrap().z, books.error() / books.initial)
+    };
+    for ball in [false, true] {
+        let [(left, error), (disturbed, _)] = [false, true].map(|d| bounce(ball, d));
+        assert!(
+            (disturbed / left - 1.0).abs() < 1e-5,
+            "{ball}: {disturbed} {left}"
+        );
+        assert!(error.abs() < 1e-3, "{ball}: {error}");
+    }
 }

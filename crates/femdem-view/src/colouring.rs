@@ -15,7 +15,7 @@ pub enum Colouring {
     /// Number in the order of placement; bodies placed together share one. If all are, the number of the body.
     #[default]
     Sequence,
-    /// Number of bodies and walls that push on the body.
+    /// Number of bodies and walls that touch the body.
     Coordination,
     /// Sum of the normal forces on the body.
     Force,
@@ -136,7 +136,7 @@ fn coordination(snapshot: &Snapshot) -> Result<BodyValues, ViewError> {
     let values: Vec<f64> = loads.iter().map(|load| load.coordination.into()).collect();
     Ok(BodyValues {
         title: "coordination number".to_owned(),
-        note: "Bodies and walls that push on the body, each counted once.".to_owned(),
+        note: "Bodies and walls that touch the body, each counted once.".to_owned(),
         range: [0.0, largest(&values).max(1.0)],
         values,
         spacing: Spacing::Whole,

@@ -142,9 +142,9 @@ pub struct Gaps {
 /// Effect of the contacts on one body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyLoad {
-    /// Bodies and walls that push on it: each counts once.
+    /// Bodies and walls that touch it: each counts once.
     pub coordination: u32,
-    /// Sum of the normal forces \[N\].
+    /// Sum of the sizes of the normal forces \[N\].
     pub force_sum: f64,
 }
 
@@ -300,9 +300,9 @@ impl Snapshot {
     pub fn loads(&self) -> Result<Vec<BodyLoad>, ViewError> {
         self.check()?;
         let mut loads = vec![BodyLoad::default(); self.bodies.len()];
-        for row in self.contacts.iter().filter(|row| row.normal_force > 0.0) {
+        for row in &self.contacts {
             for body in row.bodies() {
-                loads[body as usize].force_sum += row.normal_force;
+                loads[body as usize].force_sum += row.normal_force.abs();
             }
         }
         let counts = contact_counts(self.bodies.len(), &self.touches(), 0.0)?;
@@ -361,5 +361,20 @@ impl ContactRow {
         } else {
             0.0
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::two_cubes;
+
+    /// The upper cube hangs from the lower one by attraction: they touch, and the force counts by its size.
+    #[test]
+    fn a_contact_that_pulls_is_a_contact() {
+        let mut snapshot = two_cubes();
+        snapshot.contacts[0].normal_force = -10.0;
+        let loads = snapshot.loads().unwrap();
+        assert_eq!([0, 1].map(|i| loads[i].coordination), [2, 1]);
+        assert_eq!([0, 1].map(|i| loads[i].force_sum), [30.0, 10.0]);
     }
 }

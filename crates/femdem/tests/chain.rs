@@ -723,3 +723,54 @@ fn a_wall_of_a_pack_is_controlled() {
         &["x+", "either a motion or a control"],
     );
 }
+
+/// A pack of two materials brings the laws of their pairs along; a `[[pair]]` of the scene takes the place of one of them, and a
+/// run from such a run has them in turn.
+#[test]
+fn a_pack_brings_its_laws_of_pairs() {
+    let folder = tempdir().unwrap();
+    let file = folder.path().join("pack.toml");
+    fs::write(
+        &file,
+        "shape = [\"P5\", \"A10\"]\ncount = 8\nbox = \"3x3\"\npenetration = 0.01\n\
+         material = [\"steel\", \"ice\"]\nwall-material = \"wood\"\n\
+         [[pair]]\nmaterials = [\"ice\", \"steel\"]\ncohesion = 50\n\
+         [[pair]]\nmaterials = [\"wood\", \"steel\"]\nfriction = 0.2\n",
+    )
+    .unwrap();
+    let pack = folder.path().join("pack");
+    let output = run(femdem("pack")
+        .arg(&file)
+        .arg("--out")
+        .arg(&pack)
+        .arg("--quiet"));
+    assert_eq!(code(&output), 0);
+    let built = |text: &str| Scenario::from_toml(text).unwrap().build().unwrap();
+    let laws = |text: &str| {
+        let simulation = built(text);
+        let world = &simulation.world;
+        let walls: Vec<_> = world.walls().map(|(wall, _)| wall).collect();
+        let of = |shape: &str| {
+            let mut ids = world.body_ids();
+            let is = |id: &u32| {
+                let shape_id = world.shape_of(*id).unwrap();
+                world.shape(shape_id).unwrap().name == shape
+            };
+            world.material(ids.find(is).unwrap()).unwrap()
+        };
+        let (steel, ice) = (of("P5"), of("A10"));
+        let wood = world.wall_material(walls[0]).unwrap();
+        let [stuck, slides] = [[ice, steel], [steel, wood]].map(|ids| *world.laws().between(ids));
+        assert_eq!(world.laws().between([ice, ice]), world.laws().usual());
+        (stuck.cohesion, slides.friction, stuck.friction)
+    };
+    assert_eq!(laws(&scene(&pack, "")), (50.0, 0.2, 0.6));
+    let own = "contact.friction = 0.5\n[material.steel]\n[material.ice]\n\
+               [[pair]]\nmaterials = [\"steel\", \"ice\"]\ncohesion = 70\n";
+    assert_eq!(laws(&scene(&pack, own)), (70.0, 0.2, 0.5));
+    let still = ran(&pack, "still", "");
+    assert_eq!(summary(&still)["rest"]["at_rest"], true);
+    assert_eq!(laws(&scene(&still, "")), (50.0, 0.2, 0.6));
+    let told = Scenario::read(still.join("scene.toml")).unwrap();
+    assert_eq!(told.pair.len(), 2);
+}

@@ -6,10 +6,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use femdem::run::{
-    Axes, AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, CELL_COLUMNS,
-    CellEntry, CellState, ConeEntry, ContactEntry, ControlEntry, Copies, CylinderEntry, Ending,
-    Ends, FLOW_COLUMNS, FocusEntry, GateEntry, HISTORY_COLUMNS, HopperEntry, Law, LoadEntry,
-    MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty,
+    Axes, AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, BridgeEntry,
+    CELL_COLUMNS, CellEntry, CellState, ConeEntry, ContactEntry, ControlEntry, Copies,
+    CylinderEntry, Ending, Ends, FLOW_COLUMNS, FocusEntry, GateEntry, HISTORY_COLUMNS, HopperEntry,
+    Law, LoadEntry, MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty,
     PenetrationSummary, PlaneEntry, PlateEntry, ReactionSummary, RegionEntry, RelaxEntry,
     RelaxSummary, RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario,
     SelectEntry, ShearEntry, Sides, SiloEntry, SourceEntry, StepEntry, StrainSummary,
@@ -303,6 +303,15 @@ fn pair() -> PairEntry {
         wall_response: Some(femdem::contact::WallResponse::Rigid),
         cohesion: Some(0.1),
         adhesion_energy: Some(0.1),
+        liquid_bridge: Some(bridge()),
+    }
+}
+
+fn bridge() -> BridgeEntry {
+    BridgeEntry {
+        volume: 1e-9,
+        tension: 0.07,
+        contact_angle: 10.0,
     }
 }
 
@@ -728,6 +737,7 @@ fn summary() -> RunSummary {
             dissipated_medium: 1.0,
             dissipated_viscous: 1.0,
             dissipated_plastic: 1.0,
+            dissipated_bridges: 1.0,
             frozen: 1.0,
             ledger_error_relative: 1.0,
         },

@@ -282,7 +282,7 @@ fn pairs_attract() {
     assert!(refused(&soft).contains("deformable bodies"));
 }
 
-/// A pack has laws of its materials, and a run from it those of its own materials of the same names.
+/// A pack has laws of its materials, and a run from it has them, too, but for pairs that it gives itself.
 #[test]
 fn materials_of_a_pack_are_those_of_a_run_from_it() {
     let folder = tempdir().unwrap();
@@ -301,13 +301,122 @@ fn materials_of_a_pack_are_those_of_a_run_from_it() {
     );
     let simulation = Scenario::from_toml(&text).unwrap().build().unwrap();
     let world = &simulation.world;
-    let [steel, wood] = [1, 2].map(MaterialId);
+    let [ice, steel, wood] = [1, 2, 3].map(MaterialId);
     assert_eq!(world.wall_material(0), Some(wood));
     assert_eq!(world.laws().between([wood, steel]).friction, 0.25);
-    assert_eq!(world.laws().all().count(), 2);
+    assert_eq!(world.laws().between([wood, ice]).friction, 0.9);
+    assert_eq!(world.laws().all().count(), 3);
     let of_steel = world
         .body_ids()
         .filter(|&id| world.material(id) == Some(steel))
         .count();
     assert_eq!(of_steel, 3);
+}
+
+/// The chosen penalty is for the contacts that have it, and `--check` forecasts with the one of each pair: only the ball of ice
+/// touches with the adhesion of its pair, and a pair with a penalty of its own asks for none.
+#[test]
+fn the_chosen_penalty_is_for_the_pairs_that_have_it() {
+    let text = |own: &str, big: &str| {
+        let steel = match big {
+            "steel" => "[material.steel]\ndensity = 7800\n",
+            _ => "",
+        };
+        format!(
+            "duration = 0.1\ngravity = [0, 0, 0]\n[material.ice]\ndensity = 900\n{steel}\
+             [material.stone]\n[[pair]]\nmaterials = [\"ice\", \"stone\"]\nadhesion-energy = 10\n{own}\
+             [[wall]]\nplane = {{ normal = [0, 0, 1] }}\nmaterial = \"stone\"\n\
+             [[body]]\nname = \"small\"\nshape = \"sphere\"\ndiameter = 0.02\nmaterial = \"ice\"\nposition = [0, 0, 0.1]\n\
+             [[body]]\nname = \"other\"\nshape = \"sphere\"\ndiameter = 0.002\nmaterial = \"{big}\"\nposition = [0, 1, 0.1]\n"
+        )
+    };
+    let chosen = |own: &str, big: &str| {
+        let scenario = Scenario::from_toml(&text(own, big)).unwrap();
+        let simulation = scenario.build().unwrap();
+        let forecast = scenario.forecast(&simulation).at_rest;
+        (simulation.penalty.value, forecast)
+    };
+    // 3/4 w R/depth² of a radius of 10 mm and a depth of 0.1 mm; a ball of a tenth of the size asks for ten times as much.
+    let (penalty, at_rest) = chosen("", "steel");
+    assert!((penalty / 7.5e6 - 1.0).abs() < 0.02, "{penalty}");
+    assert!((at_rest.depth / 0.005 - 1.0).abs() < 0.02, "{at_rest:?}");
+    assert_eq!(at_rest.body, "small");
+    let (penalty, _) = chosen("", "ice");
+    assert!((penalty / 7.5e7 - 1.0).abs() < 0.03, "{penalty}");
+    // sqrt(3/4 w R/p) is 0.0866 mm, of 20 mm.
+    let (penalty, at_rest) = chosen("penalty = 1e7\n", "steel");
+    assert_eq!(penalty, 1e6);
+    assert!((at_rest.depth / 0.00433 - 1.0).abs() < 0.01, "{at_rest:?}");
+}
+
+/// Liquid bridges are keys of contacts and of pairs, in scenes of runs and of packs, and the chosen penalty foresees their pull.
+#[test]
+fn liquid_bridges_are_keys() {
+    let text = "duration = 0.01\ngravity = [0, 0, 0]\n\
+        contact.liquid-bridge = { volume = 1e-9, tension = 0.07, contact-angle = 60 }\n\
+        [material.glass]\ndensity = 2500\n[material.wax]\ndensity = 900\n\
+        [[pair]]\nmaterials = [\"wax\", \"wax\"]\nliquid-bridge = { volume = 1e-9, tension = 0 }\n\
+        [[wall]]\nplane = { normal = [0, 0, 1] }\nmaterial = \"glass\"\n\
+        [[body]]\nshape = \"sphere\"\ndiameter = 0.02\nmaterial = \"glass\"\nposition = [0, 0, 0.00999]\n\
+        [[body]]\nshape = \"sphere\"\ndiameter = 0.02\nmaterial = \"wax\"\nposition = [0, 1, 0.1]\n";
+    let scenario = Scenario::from_toml(text).unwrap();
+    let told = Scenario::from_toml(&scenario.to_toml().unwrap()).unwrap();
+    assert_eq!(told, scenario);
+    let mut simulation = scenario.build().unwrap();
+    let laws = simulation.world.laws();
+    let [glass, wax] = [1, 2].map(MaterialId);
+    let wet = laws.between([glass, wax]).liquid_bridge.unwrap();
+    assert!((wet.contact_angle - std::f64::consts::FRAC_PI_3).abs() < 1e-12);
+    assert_eq!(laws.between([wax, wax]).liquid_bridge.unwrap().tension, 0.0);
+    simulation.step().unwrap();
+    // 4 pi R gamma cos(60 degrees) of the ball that touches.
+    let pull = simulation.world.contacts()[0].adhesion.force.z;
+    assert!((pull / -4.398_23e-3 - 1.0).abs() < 1e-5, "{pull}");
+    let soft = "contact = { penetration = 1e-4, liquid-bridge";
+    let chosen = text.replacen("contact.liquid-bridge", soft, 1);
+    let chosen = chosen.replacen("= 60 }", "= 60 } }", 1);
+    let penalty = Scenario::from_toml(&chosen)
+        .unwrap()
+        .build()
+        .unwrap()
+        .penalty;
+    // 3/4 w R/depth² with 3/2 pi w R = 4 pi R gamma cos.
+    let work = 8.0 / 3.0 * 0.07 * 0.5;
+    let wanted = 0.75 * work * 0.01 / 2e-6_f64.powi(2);
+    // Rounded up to two digits.
+    assert!(
+        (1.0..1.1).contains(&(penalty.value / wanted)),
+        "{penalty:?}"
+    );
+
+    for (from, to, words) in [
+        ("= 60", "= 95", "contact-angle = 95"),
+        (
+            "volume = 1e-9, tension = 0.07",
+            "volume = 0, tension = 0.07",
+            "contact.liquid-bridge.volume = 0",
+        ),
+        (
+            "volume = 1e-9, tension = 0 ",
+            "volume = 1e-9, tension = -1 ",
+            "liquid-bridge.tension = -1",
+        ),
+        ("volume = 1e-9, tension = 0.07", "volume = 1e-9", "tension"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let built =
+            Scenario::from_toml(&text.replacen(from, to, 1)).and_then(|scene| scene.build());
+        let message = built.map(|_| ()).unwrap_err().to_string();
+        assert!(message.contains(words), "{to}: {message}");
+    }
+    let pack = "shape = \"sphere\"\nmaterial = \"glass\"\nliquid-bridge = { volume = 1e-9, tension = 0.07 }\n\
+        [[pair]]\nmaterials = [\"glass\", \"glass\"]\nliquid-bridge = { volume = 2e-9, tension = 0.07 }\n";
+    let pack = femdem::Scene::from_toml(pack).unwrap();
+    assert_eq!(
+        femdem::Scene::from_toml(&pack.to_toml().unwrap()).unwrap(),
+        pack
+    );
+    let spec = pack.spec().unwrap();
+    assert_eq!(spec.liquid_bridge.unwrap().volume, 1e-9);
+    assert_eq!(spec.pairs[0].liquid_bridge.unwrap().volume, 2e-9);
 }

@@ -29,7 +29,7 @@ pub struct ChainNetwork {
     pub share_of_bodies: f64,
     /// Share of the touching pairs of bodies that are links of chains, 0 to 1.
     pub share_of_pairs: f64,
-    /// Share of the summed normal forces of the touching pairs that links of chains carry, 0 to 1.
+    /// Share of the summed sizes of the normal forces of the touching pairs that links of chains carry, 0 to 1.
     pub share_of_force: f64,
     /// Independent loops: links − bodies + chains.
     pub cycles: usize,
@@ -109,7 +109,7 @@ impl ChainNetwork {
         let (pairs, force) = network
             .body_pairs()
             .fold((0.0, 0.0), |(n, sum), (_, _, p)| {
-                (n + 1.0, sum + p.normal_force)
+                (n + 1.0, sum + p.normal_force.abs())
             });
         let carried = network.body_pairs().filter(|(i, j, _)| {
             links
@@ -117,7 +117,7 @@ impl ChainNetwork {
                 .is_ok()
         });
         // Not `sum`, which is -0 where there is no chain.
-        let carried = carried.fold(0.0, |sum, (_, _, p)| sum + p.normal_force);
+        let carried = carried.fold(0.0, |sum, (_, _, p)| sum + p.normal_force.abs());
         let long = || segments.iter().filter(|s| s.links >= 2);
         let turns = || long().flat_map(|s| s.turns.iter().map(move |angle| (s.centre, *angle)));
         Self {

@@ -11,7 +11,7 @@ use crate::table::{Cell, Table};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ThresholdOptions {
-    /// In mean normal forces of the touching pairs of bodies, finite. Default 0 to 5 in steps of 0.1.
+    /// In mean normal forces of the pairs of bodies that press on each other, finite. Default 0 to 5 in steps of 0.1.
     pub thresholds: Vec<f64>,
 }
 

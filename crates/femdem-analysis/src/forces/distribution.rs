@@ -46,7 +46,7 @@ pub struct ForceBin {
     pub error: f64,
 }
 
-/// Distribution of f, the normal force of a touching pair of bodies over its mean.
+/// Distribution of f, the normal force of a pair of bodies that press on each other over its mean.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ForceDistribution {
     /// Mean normal force (N).
@@ -61,7 +61,7 @@ pub struct ForceDistribution {
     pub tail: Option<TailFit>,
 }
 
-/// P(f) of the touching pairs of bodies, walls left out; `None` without any.
+/// P(f) of the pairs of bodies that press on each other, walls left out; `None` without any.
 ///
 /// ```
 /// use femdem_analysis::*;
@@ -95,7 +95,7 @@ pub fn force_distribution(
         });
     }
     let blocks = Blocks::of(network, options.bootstrap)?;
-    let mean_force = blocks.mean(network.body_pairs().map(|(i, j, pair)| {
+    let mean_force = blocks.mean(network.pressing_pairs().map(|(i, j, pair)| {
         let first = network.centre(i);
         let middle = femdem_mesh::nalgebra::center(&first, &(first + network.branch(i, j)));
         (middle, pair.normal_force)
@@ -106,9 +106,8 @@ pub fn force_distribution(
         return Ok(None);
     }
     let f: Vec<f64> = network
-        .body_pairs()
+        .pressing_pairs()
         .map(|(_, _, pair)| pair.normal_force / mean_force.mean)
-        .filter(|f| *f > 0.0)
         .collect();
     let count = f.len() as f64;
     let mean = f.iter().sum::<f64>() / count;

@@ -7,7 +7,7 @@ use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::class::ContactClass;
-use crate::coordination::Partner;
+use crate::coordination::{Partner, is_touching};
 use crate::error::{AnalysisError, check_threshold};
 use crate::images::PeriodicSpace;
 use crate::pack::Pack;
@@ -119,8 +119,8 @@ pub struct ForceNetwork<'a> {
 }
 
 impl<'a> ForceNetwork<'a> {
-    /// Checks bodies and contacts, and sums the contacts of each pair. A pair whose summed normal force is
-    /// not above `force_threshold` (N) does not count as touching; stress and balance use all contacts.
+    /// Checks bodies and contacts, and sums the contacts of each pair. A pair whose summed normal force, pressing or pulling, is
+    /// not larger than `force_threshold` (N) does not count as touching; stress and balance use all contacts.
     ///
     /// # Errors
     /// [`AnalysisError::EmptyPack`], [`AnalysisError::TooManyBodies`], [`AnalysisError::BodyIndex`],
@@ -147,7 +147,7 @@ impl<'a> ForceNetwork<'a> {
             contact.check(index, bodies.len())?;
         }
         let mut pairs = pairs::of_contacts(contacts);
-        pairs.retain(|pair| pair.normal_force > force_threshold);
+        pairs.retain(|pair| is_touching(pair.normal_force, force_threshold));
         Ok(Self {
             bodies,
             contacts,
@@ -219,10 +219,10 @@ impl<'a> ForceNetwork<'a> {
         self.bodies.iter().map(|b| b.diameter).sum::<f64>() / self.bodies.len() as f64
     }
 
-    /// Mean normal force of the touching pairs of bodies (N), walls left out; `None` without any.
+    /// Mean normal force of the pairs of bodies that press on each other (N), walls left out; `None` without any.
     #[must_use]
     pub fn mean_force(&self) -> Option<f64> {
-        let forces = self.body_pairs().map(|(_, _, pair)| pair.normal_force);
+        let forces = self.pressing_pairs().map(|(_, _, pair)| pair.normal_force);
         let (sum, count) = forces.fold((0.0, 0_u32), |(sum, n), f| (sum + f, n + 1));
         (count > 0).then(|| sum / f64::from(count))
     }
@@ -233,6 +233,12 @@ impl<'a> ForceNetwork<'a> {
             Partner::Body(second) => Some((pair.first, second, pair)),
             Partner::Wall(_) => None,
         })
+    }
+
+    /// Those that press on each other.
+    pub(crate) fn pressing_pairs(&self) -> impl Iterator<Item = (u32, u32, &PairForce)> {
+        self.body_pairs()
+            .filter(|(_, _, pair)| pair.normal_force > 0.0)
     }
 
     /// The contacts of touching pairs: every patch, however weak it is.

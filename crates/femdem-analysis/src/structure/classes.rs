@@ -14,9 +14,9 @@ pub struct ClassCount {
     pub contacts: u64,
     /// Their share of all contacts of the kind, 0 to 1.
     pub share: f64,
-    /// Mean normal force (N); 0 without contacts.
+    /// Mean size of their normal forces, pressing or pulling (N); 0 without contacts.
     pub mean_force: f64,
-    /// Their share of the summed normal forces, 0 to 1.
+    /// Their share of the sum of these, 0 to 1.
     pub force_share: f64,
 }
 
@@ -67,7 +67,7 @@ pub fn contact_classes(network: &ForceNetwork) -> ContactClasses {
         let entry = &mut side[contact.class.and_then(known).unwrap_or(3)];
         entry.contacts += 1;
         // A sum until all are counted.
-        entry.mean_force += contact.normal_force;
+        entry.mean_force += contact.normal_force.abs();
     }
     finish(&mut classes.bodies);
     finish(&mut classes.walls);

@@ -68,7 +68,7 @@ impl ContactBatch {
                 let gap = shapes.and_then(|(in_a, in_b)| cache.gap(in_a, &a.frame, in_b, &b.frame));
                 gap.is_none_or(|(gap, direction)| close(gap, &direction))
             }
-            (Cache::Sphere { .. }, Partner::Body(i)) => {
+            (Cache::Sphere(_), Partner::Body(i)) => {
                 let shapes = self.shape_of(i).zip(self.shape_of(pair.b));
                 let meeting =
                     shapes.and_then(|(in_a, in_b)| Meeting::of_bodies([in_a, in_b], frames));
@@ -77,7 +77,7 @@ impl ContactBatch {
                     close(gap, &direction)
                 })
             }
-            (Cache::Wall(_) | Cache::Sphere { .. }, Partner::Wall(w)) => {
+            (Cache::Wall(_) | Cache::Sphere(_), Partner::Wall(w)) => {
                 let planes = self.wall(w).and_then(WallShape::planes);
                 planes
                     .zip(self.shape_of(pair.b))

@@ -2,7 +2,6 @@
 
 use super::history::{History, PatchRecord, inherit};
 use super::pairs::{Cache, MeshPair, Pair, PairTable, Touch};
-use crate::adhesion::{Adhesion, VectorArea, before_end};
 use crate::body_shape::BodyShape;
 use crate::contact::{BodyId, Partner, RigidContact, assemble, rolling_radius_at};
 use crate::damping::{Moment, Whole, damp};
@@ -14,8 +13,7 @@ use crate::motion::Motion;
 use crate::periodic::Space;
 use crate::rocking::{Rocker, Turn};
 use crate::rolling::{Roller, Rolling};
-use crate::shape::Frame;
-use crate::sphere::{Meeting, SolidMeeting, SphereKernel};
+use crate::sphere::{SolidMeeting, SphereKernel};
 use crate::walls::{Wall, WallShape};
 use femdem_mesh::Vector3;
 use std::borrow::Cow;
@@ -56,6 +54,8 @@ pub(crate) struct Context<'a> {
     pub space: Option<&'a Space>,
     /// Whether contacts of any law attract.
     pub attracts: bool,
+    /// The last step that was not 0, s.
+    pub last_step: f64,
     pub pace: Pace,
 }
 
@@ -63,12 +63,12 @@ pub(crate) struct Context<'a> {
 type Ids = (Partner, BodyId, u32);
 
 impl Context<'_> {
-    fn shape(&self, body: BodyId) -> &BodyShape {
+    pub(super) fn shape(&self, body: BodyId) -> &BodyShape {
         &self.shapes[self.body_shapes[body as usize] as usize]
     }
 
     /// Who looks ahead, without dashpots, steps far.
-    fn pair_kernel(&self, penalty: f64) -> PairKernel {
+    pub(super) fn pair_kernel(&self, penalty: f64) -> PairKernel {
         let kernel = PairKernel::of(penalty);
         if self.pace.dashpots {
             kernel
@@ -82,7 +82,7 @@ impl Context<'_> {
         self.fans.get(shape).map(Arc::as_ref)
     }
 
-    fn planes(&self, wall: u32) -> Option<&Wall> {
+    pub(super) fn planes(&self, wall: u32) -> Option<&Wall> {
         self.wall_shapes[wall as usize].as_ref()?.planes()
     }
 
@@ -99,7 +99,7 @@ impl Context<'_> {
     }
 
     /// The motions of A, as B sees it, and of B.
-    fn motions(&self, a: Partner, b: BodyId) -> (Cow<'_, Motion>, &Motion) {
+    pub(super) fn motions(&self, a: Partner, b: BodyId) -> (Cow<'_, Motion>, &Motion) {
         (self.seen(a, b).0, &self.bodies[b as usize])
     }
 
@@ -109,7 +109,7 @@ impl Context<'_> {
         pair.is_clear(a.travelled + b.travelled)
             && match &pair.cache {
                 Cache::Mesh(mesh) => self.sees_wall(pair, mesh),
-                Cache::Body(_) | Cache::Wall(_) | Cache::Sphere { .. } => true,
+                Cache::Body(_) | Cache::Wall(_) | Cache::Sphere(_) => true,
             }
     }
 
@@ -145,6 +145,7 @@ impl Context<'_> {
         };
         let Some(overlap) = overlap else {
             pair.touch = None;
+            self.stretch(pair);
             return;
         };
         let key = (pair.a, pair.b, 0);
@@ -156,87 +157,11 @@ impl Context<'_> {
             let contact = self.touch(key, &overlap, None, &mut history);
             pair.touch = Some(Box::new(Touch { history, contact }));
         }
-        if self.attracts
-            && let Some(touch) = pair.touch.as_deref_mut()
-        {
-            let found = self.attraction(&pair.cache, &overlap, &touch.contact, &mut work.convex);
-            touch.contact.adhesion = self.in_time(found, &overlap, &touch.contact, is_new);
+        if let Some(touch) = pair.touch.as_deref_mut() {
+            self.date(&mut touch.history.fresh, is_new);
         }
-    }
-
-    /// The attraction of a contact of one patch that has just been found.
-    fn attraction(
-        &self,
-        cache: &Cache,
-        overlap: &Overlap,
-        contact: &RigidContact,
-        scratch: &mut Scratch,
-    ) -> Adhesion {
-        let (a, b) = (contact.a, contact.b);
-        let law = self.materials.law(a, b);
-        if !law.attracts() {
-            return Adhesion::default();
-        }
-        let (of_a, of_b) = self.motions(a, b);
-        let frames = [&of_a.frame, &of_b.frame];
-        let convex = |body: BodyId| self.shape(body).convex();
-        let arm = &overlap.arm_b;
-        let over = |area: &VectorArea| Adhesion::of_area(law.cohesion, area, overlap.volume, arm);
-        let found = match (cache, a) {
-            (Cache::Body(cache), Partner::Body(i)) => convex(i).zip(convex(b)).map(|(x, y)| {
-                let kernel = self.pair_kernel(law.penalty);
-                over(&kernel.vector_area([x, y], frames, cache, scratch))
-            }),
-            (Cache::Wall(cache), Partner::Wall(w)) => {
-                self.planes(w).zip(convex(b)).map(|(wall, body)| {
-                    let kernel = CavityKernel::of(law.penalty);
-                    over(&kernel.vector_area(wall, body, frames, cache, scratch))
-                })
-            }
-            (Cache::Sphere { .. }, _) => self.meeting(a, b, frames).map(|meeting| {
-                let cohesion = over(&meeting.vector_area(overlap));
-                let round = meeting.round();
-                let round = round.map(|r| Adhesion::of_round(law.adhesion_energy, &r, arm));
-                cohesion.and(&round.unwrap_or_default())
-            }),
-            _ => None,
-        };
-        found.unwrap_or_default()
-    }
-
-    /// The same attraction with its force weighted where it begins or ends within a step.
-    fn in_time(
-        &self,
-        found: Adhesion,
-        overlap: &Overlap,
-        contact: &RigidContact,
-        is_new: bool,
-    ) -> Adhesion {
-        let stiffness = overlap.foundation.stiffness;
-        if found.energy == 0.0 || stiffness <= 0.0 {
-            return found;
-        }
-        let (a, b) = self.motions(contact.a, contact.b);
-        let velocity = b.velocity_at(&overlap.arm_b) - a.velocity_at(&overlap.arm_a);
-        let opening = overlap.normal.dot(&velocity);
-        let (depth, step) = (overlap.force_magnitude() / stiffness, self.pace.dt);
-        let weight = if opening > 0.0 {
-            before_end(depth, opening, step)
-        } else if is_new {
-            // As if it had just ended in reversed time.
-            before_end(depth, -opening, step)
-        } else {
-            1.0
-        };
-        found.weighted(weight)
-    }
-
-    /// A sphere and what it meets.
-    fn meeting<'s>(&'s self, a: Partner, b: BodyId, frames: [&'s Frame; 2]) -> Option<Meeting<'s>> {
-        let body = self.shape(b);
-        match a {
-            Partner::Body(i) => Meeting::of_bodies([self.shape(i), body], frames),
-            Partner::Wall(w) => Meeting::with_wall(self.planes(w)?, frames, body),
+        if self.attracts {
+            self.attract(pair, &overlap, &mut work.convex);
         }
     }
 
@@ -292,13 +217,16 @@ impl Context<'_> {
                 CavityKernel::of(penalty)
                     .evaluate_cached(wall, frame_a, body, frame_b, cache, travelled, scratch)
             }
-            (Cache::Sphere { clear_until }, _) => {
-                if travelled < *clear_until {
+            (Cache::Sphere(ball), _) => {
+                if travelled < ball.clear_until {
                     return None;
                 }
                 let meeting = self.meeting(a, b, [frame_a, frame_b])?;
                 let (gap, _) = meeting.gap();
-                *clear_until = travelled + gap.max(0.0);
+                ball.clear_until = match ball.bridge {
+                    Some(_) => 0.0,
+                    None => travelled + gap.max(0.0),
+                };
                 (gap < 0.0)
                     .then(|| meeting.overlap(&SphereKernel::of(penalty)))
                     .flatten()
@@ -336,11 +264,11 @@ impl Context<'_> {
         pair.patches.clear();
         for (rank, ((key, overlap), mut state)) in found.into_iter().zip(states).enumerate() {
             let is_new = state.friction.is_new();
+            self.date(&mut state.fresh, is_new);
             let mut contact = self.touch((a, b, rank as u32), overlap, whole.as_ref(), &mut state);
             if law.cohesion > 0.0 {
-                let (area, arm) = (&patches[rank].touching, &overlap.arm_b);
-                let found = Adhesion::of_area(law.cohesion, area, overlap.volume, arm);
-                contact.adhesion = self.in_time(found, overlap, &contact, is_new);
+                let area = &patches[rank].touching;
+                contact.adhesion = self.cohere((a, b), &law, area, overlap, state.fresh);
             }
             let record = PatchRecord::new(key, overlap, motions, state, contact);
             pair.patches.push(record);
@@ -524,7 +452,7 @@ pub(crate) fn run(views: Views, pairs: &mut PairTable, mut seen: impl FnMut(&Pai
     let mut work = Workspace::default();
     for k in 0..pairs.order_len() {
         let pair = pairs.slot_mut(pairs.order()[k]);
-        pair.was = pair.energy();
+        pair.begin();
         if views.is_clear(pair) {
             pair.part();
         } else {
@@ -546,7 +474,7 @@ fn hand_out(views: Views, pairs: &mut PairTable) -> bool {
     for k in 0..pairs.order_len() {
         let slot = pairs.order()[k];
         let pair = pairs.slot_mut(slot);
-        pair.was = pair.energy();
+        pair.begin();
         if views.is_clear(pair) {
             pair.part();
         } else {

@@ -44,6 +44,7 @@ impl Sums {
     pub fn add(&mut self, awake: &[bool], pair: &Pair) {
         self.totals.candidates += 1;
         self.totals.energy_change += pair.energy() - pair.was;
+        self.totals.broken += pair.broken;
         for contact in pair.contacts() {
             self.totals.touching += usize::from(contact.patch == 0);
             self.totals.energy += contact.potential();

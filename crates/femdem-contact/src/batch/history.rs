@@ -24,6 +24,8 @@ pub(crate) struct History {
     pub friction: FrictionState,
     pub rocking: RockingState,
     pub rolling: RollingState,
+    /// Whether the patch formed within the last step.
+    pub fresh: bool,
 }
 
 impl History {
@@ -40,6 +42,7 @@ impl From<FrictionState> for History {
             friction,
             rocking: RockingState::default(),
             rolling: RollingState::default(),
+            fresh: false,
         }
     }
 }

@@ -15,53 +15,54 @@ impl ContactBatch {
 
     /// Replaces the laws; contacts keep their history.
     pub fn set_laws(&mut self, laws: impl Into<ContactLaws>) {
-        self.materials.laws = laws.into();
+        let laws = laws.into();
+        // Also bodies asleep are then looked up again.
+        self.awake_changed |= self.broadphase.set_range(laws.attraction_range());
+        self.materials.laws = laws;
         if let Some(part) = &mut self.deformable {
             part.evaluate_all();
         }
     }
 
-    /// Refuses attraction that contacts would not have: the cohesion of deformable bodies, and adhesion of what is not round.
+    /// Refuses attraction that contacts would not have: all of deformable bodies, and adhesion and liquid bridges of what is not
+    /// round.
     pub(super) fn check_attraction(&self) -> Result<(), ContactError> {
         let laws = &self.materials.laws;
         if !laws.all().any(ContactParameters::attracts) {
             return Ok(());
         }
-        let most = |material: MaterialId, of: fn(&ContactParameters) -> f64| {
-            laws.of(material).map(of).fold(0.0, f64::max)
+        type Of = fn(&ContactParameters) -> f64;
+        const ROUND: [(&str, Of); 2] = [
+            ("adhesion_energy", |law| law.adhesion_energy),
+            ("liquid_bridge.tension", |law| {
+                law.bridge().map_or(0.0, |bridge| bridge.tension)
+            }),
+        ];
+        const ALL: [(&str, Of); 3] = [("cohesion", |law| law.cohesion), ROUND[0], ROUND[1]];
+        let refuse = |kinds: &[(&'static str, Of)], material: MaterialId, allowed| {
+            kinds.iter().try_for_each(|(name, of)| {
+                let most = laws.of(material).map(of).fold(0.0, f64::max);
+                check(name, most, most == 0.0, allowed)
+            })
         };
         for body in self.body_ids() {
             let material = self.materials.of_bodies[body as usize];
+            let shape = self.shapes.get(self.body_shapes[body as usize] as usize);
             if self.is_deformable(body) {
-                let cohesion = most(material, |law| law.cohesion.max(law.adhesion_energy));
                 let allowed =
                     "0 for the materials of deformable bodies: give it to pairs of others";
-                check(
-                    "cohesion or adhesion_energy",
-                    cohesion,
-                    cohesion == 0.0,
-                    allowed,
-                )?;
-            } else {
-                let adhesion = most(material, |law| law.adhesion_energy);
-                let shape = self.shapes.get(self.body_shapes[body as usize] as usize);
-                let is_round = shape.is_none_or(|shape| shape.sphere().is_some());
+                refuse(&ALL, material, allowed)?;
+            } else if shape.is_some_and(|shape| shape.sphere().is_none()) {
                 let allowed =
                     "0 but for materials of spheres: give polyhedra and meshes a cohesion";
-                check(
-                    "adhesion_energy",
-                    adhesion,
-                    adhesion == 0.0 || is_round,
-                    allowed,
-                )?;
+                refuse(&ROUND, material, allowed)?;
             }
         }
         for (wall, _) in self.walls().filter(|(_, shape)| shape.is_mesh()) {
             let material = self.materials.of_walls[wall as usize];
-            let adhesion = most(material, |law| law.adhesion_energy);
             let allowed =
                 "0 for the materials of walls from files and of plates, which are not plane";
-            check("adhesion_energy", adhesion, adhesion == 0.0, allowed)?;
+            refuse(&ROUND, material, allowed)?;
         }
         Ok(())
     }

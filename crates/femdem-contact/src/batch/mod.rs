@@ -2,6 +2,7 @@
 //! history; the host owns the bodies, their integration and the time step.
 
 mod ahead;
+mod attraction;
 mod deformable;
 mod evaluate;
 mod gather;
@@ -51,6 +52,8 @@ pub struct BatchTotals {
     pub energy: f64,
     /// By how much it is larger than before that update, J.
     pub energy_change: f64,
+    /// Energy of the liquid bridges that have broken within the step of that update, J: it is lost.
+    pub broken: f64,
     /// Energy in their friction springs, J.
     pub spring_energy: f64,
     /// Candidate pairs evaluated.
@@ -119,6 +122,8 @@ pub struct ContactBatch {
     awake_changed: bool,
     broadphase: Broadphase,
     pairs: PairTable,
+    /// The last step that was not 0, s.
+    last_step: f64,
     /// Where space repeats itself.
     space: Option<Space>,
     sums: Sums,
@@ -132,8 +137,11 @@ pub struct ContactBatch {
 impl ContactBatch {
     /// An empty batch with one contact law, or with laws for pairs of materials.
     pub fn new(laws: impl Into<ContactLaws>) -> Self {
+        let laws = laws.into();
+        let mut broadphase = Broadphase::default();
+        broadphase.set_range(laws.attraction_range());
         Self {
-            materials: Materials::new(laws.into()),
+            materials: Materials::new(laws),
             shapes: Vec::new(),
             restored: true,
             fans: Vec::new(),
@@ -145,8 +153,9 @@ impl ContactBatch {
             awake: Vec::new(),
             awake_list: Vec::new(),
             awake_changed: false,
-            broadphase: Broadphase::default(),
+            broadphase,
             pairs: PairTable::default(),
+            last_step: 0.0,
             space: None,
             sums: Sums::default(),
             deformable: None,
@@ -463,6 +472,10 @@ impl ContactBatch {
         let view = ahead.unwrap_or(now);
         let Snapshot { bodies, walls, .. } = view;
         self.pairs.left.clear();
+        self.pairs.broken = 0.0;
+        if view.dt > 0.0 {
+            self.last_step = view.dt;
+        }
         if std::mem::take(&mut self.awake_changed) {
             let awake = self.awake.iter().enumerate().filter(|x| *x.1);
             self.awake_list = awake.map(|(i, _)| i as BodyId).collect();
@@ -482,6 +495,7 @@ impl ContactBatch {
             walls: view.walls,
             space: self.space.as_ref(),
             attracts,
+            last_step: self.last_step,
             pace: Pace {
                 dt: view.dt,
                 dashpots: ahead.is_none(),
@@ -497,6 +511,7 @@ impl ContactBatch {
         self.sums.begin(&self.awake_list);
         let seen = |pair: &Pair| self.sums.add(&self.awake, pair);
         evaluate::run(views, &mut self.pairs, seen);
+        self.sums.totals.broken += self.pairs.broken;
         self.sum_loads_of_awake();
         self.check_results(bodies)
     }

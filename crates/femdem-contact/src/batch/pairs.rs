@@ -26,6 +26,9 @@ pub(crate) struct Pair {
     /// Contact energy before the last update, J.
     #[serde(skip)]
     pub was: f64,
+    /// What a liquid bridge held that has broken in it, J.
+    #[serde(skip)]
+    pub broken: f64,
 }
 
 /// A contact and its history.
@@ -40,13 +43,28 @@ impl Pair {
     pub fn contacts(&self) -> impl Iterator<Item = &RigidContact> {
         let patches: &[PatchRecord] = match &self.cache {
             Cache::Mesh(mesh) => &mesh.patches,
-            Cache::Body(_) | Cache::Wall(_) | Cache::Sphere { .. } => &[],
+            Cache::Body(_) | Cache::Wall(_) | Cache::Sphere(_) => &[],
         };
         self.touch
             .as_deref()
             .map(|t| &t.contact)
             .into_iter()
             .chain(patches.iter().map(|p| &p.contact))
+            .chain(self.bridge().and_then(|bridge| bridge.across_gap.as_ref()))
+    }
+
+    /// The liquid bridge of the two.
+    fn bridge(&self) -> Option<&Bridge> {
+        match &self.cache {
+            Cache::Sphere(ball) => ball.bridge.as_deref(),
+            Cache::Body(_) | Cache::Wall(_) | Cache::Mesh(_) => None,
+        }
+    }
+
+    /// Begins an update.
+    pub fn begin(&mut self) {
+        self.was = self.energy();
+        self.broken = 0.0;
     }
 
     /// Contact energy on record, J.
@@ -54,16 +72,20 @@ impl Pair {
         self.contacts().map(RigidContact::potential).sum()
     }
 
-    /// Whether a contact is on record.
+    /// Whether the two touch, by the contacts on record: a liquid bridge over a gap does not.
     pub fn touches(&self) -> bool {
-        self.contacts().next().is_some()
+        let patches = match &self.cache {
+            Cache::Mesh(mesh) => !mesh.patches.is_empty(),
+            Cache::Body(_) | Cache::Wall(_) | Cache::Sphere(_) => false,
+        };
+        self.touch.is_some() || patches
     }
 
     /// As [`contacts`](Self::contacts).
     pub fn contacts_mut(&mut self) -> impl Iterator<Item = &mut RigidContact> {
         let patches: &mut [PatchRecord] = match &mut self.cache {
             Cache::Mesh(mesh) => &mut mesh.patches,
-            Cache::Body(_) | Cache::Wall(_) | Cache::Sphere { .. } => &mut [],
+            Cache::Body(_) | Cache::Wall(_) | Cache::Sphere(_) => &mut [],
         };
         self.touch
             .as_deref_mut()
@@ -77,16 +99,18 @@ impl Pair {
         match &self.cache {
             Cache::Body(cache) => cache.is_clear(travelled),
             Cache::Wall(cache) => cache.is_clear(travelled),
-            Cache::Sphere { clear_until } => travelled < *clear_until,
+            Cache::Sphere(ball) => travelled < ball.clear_until,
             Cache::Mesh(mesh) => mesh.cache.is_clear(travelled),
         }
     }
 
-    /// Drops contacts and friction: the two are apart.
+    /// Drops contacts, friction and a liquid bridge: the two are apart.
     pub fn part(&mut self) {
         self.touch = None;
-        if let Cache::Mesh(mesh) = &mut self.cache {
-            mesh.patches.clear();
+        match &mut self.cache {
+            Cache::Mesh(mesh) => mesh.patches.clear(),
+            Cache::Sphere(ball) => ball.bridge = None,
+            Cache::Body(_) | Cache::Wall(_) => {}
         }
     }
 }
@@ -96,11 +120,29 @@ impl Pair {
 pub(crate) enum Cache {
     Body(PairCache),
     Wall(CavityCache),
-    /// A sphere with anything but a mesh: the travel up to which they are apart, m.
-    Sphere {
-        clear_until: f64,
-    },
+    /// A sphere with anything but a mesh.
+    Sphere(BallPair),
     Mesh(Box<MeshPair>),
+}
+
+/// The stored data of a pair of a sphere with anything but a mesh.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct BallPair {
+    /// The travel up to which they are apart, without a bridge, m.
+    pub clear_until: f64,
+    /// The liquid bridge between them.
+    pub bridge: Option<Box<Bridge>>,
+}
+
+/// A liquid bridge.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Bridge {
+    /// What it holds when it breaks, J.
+    pub work_of_rupture: f64,
+    /// Whether it formed within the last step.
+    pub fresh: bool,
+    /// The contact of bodies that are apart.
+    pub across_gap: Option<RigidContact>,
 }
 
 /// The stored data of a pair with a mesh.
@@ -131,6 +173,9 @@ pub(crate) struct PairTable {
     /// Bodies of pairs that ended since this was last emptied.
     #[serde(skip)]
     pub(super) left: Vec<BodyId>,
+    /// What the liquid bridges of these pairs held when they broke, J.
+    #[serde(skip)]
+    pub(super) broken: f64,
 }
 
 impl PairTable {
@@ -220,7 +265,7 @@ impl PairTable {
         if self.is_mesh(body) || self.is_mesh(code) {
             Cache::Mesh(Box::default())
         } else if self.is_sphere(body) || self.is_sphere(code) {
-            Cache::Sphere { clear_until: 0.0 }
+            Cache::Sphere(BallPair::default())
         } else if code >= WALL {
             Cache::Wall(CavityCache::default())
         } else {
@@ -307,6 +352,7 @@ impl PairTable {
             touch: None,
             image: [0; 3],
             was: 0.0,
+            broken: 0.0,
         };
         let slot = if let Some(slot) = self.free.pop() {
             self.slots[slot as usize] = pair;
@@ -337,7 +383,9 @@ impl PairTable {
             self.neighbours[neighbour.code as usize].retain(|n| n.code != body);
             self.left.push(neighbour.code);
         }
-        self.slots[neighbour.slot as usize].part();
+        let pair = &mut self.slots[neighbour.slot as usize];
+        self.broken += pair.bridge().map_or(0.0, |bridge| bridge.work_of_rupture);
+        pair.part();
         self.free.push(neighbour.slot);
         self.changed = true;
     }

@@ -1,6 +1,7 @@
 //! A batch in periodic space.
 
 use super::{ContactBatch, EdgeLoad, Snapshot};
+use crate::body_shape::BodyShape;
 use crate::contact::{Partner, RigidContact};
 use crate::error::{ContactError, check};
 use crate::periodic::Space;
@@ -88,13 +89,14 @@ impl ContactBatch {
         let Some(Space { cell, .. }) = &self.space else {
             return Ok(());
         };
-        let radii = self.shapes.iter().map(|shape| shape.radius());
+        let reach = |shape: &BodyShape| shape.radius() + self.broadphase.margin(shape);
+        let radii = self.shapes.iter().map(reach);
         let largest = 2.0 * radii.fold(0.0, f64::max);
         let edges = cell.edges();
         let axes = (0..3).filter(|&axis| cell.repeats(axis) && !self.is_empty());
         for axis in axes {
             check(
-                "side of a periodic cell over the diameter of the largest body",
+                "side of a periodic cell over the diameter of the largest body, liquid bridge included",
                 edges[(axis, axis)] / largest,
                 edges[(axis, axis)] >= PeriodicCell::LEAST_DIAMETERS * largest,
                 "at least 2.25, so that no body meets another one on two sides",

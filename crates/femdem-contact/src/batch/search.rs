@@ -8,7 +8,8 @@ use crate::error::ContactError;
 use crate::motion::Motion;
 
 impl ContactBatch {
-    /// Enters bodies that fell asleep before their first update, so that others find them.
+    /// Enters bodies that fell asleep before their first update, or before bodies attract over another gap, so that others find
+    /// them.
     pub(super) fn find_never_entered(
         &mut self,
         bodies: &[Motion],
@@ -16,7 +17,7 @@ impl ContactBatch {
     ) -> Result<(), ContactError> {
         let mut neighbours = Vec::new();
         for (i, motion) in bodies.iter().enumerate() {
-            if self.awake[i] || self.broadphase.knows(i) || !self.is_rigid(i as BodyId) {
+            if self.awake[i] || !self.broadphase.is_out_of_date(i) || !self.is_rigid(i as BodyId) {
                 continue;
             }
             if !motion.is_sound() {
@@ -83,7 +84,9 @@ impl ContactBatch {
     fn search_walls(&mut self, body: usize, motion: &Motion, walls: &[Motion]) {
         let shape = &self.shapes[self.body_shapes[body] as usize];
         // The body may travel up to two half skins before the next such search.
-        let reach = shape.radius() + 2.0 * Broadphase::half_skin(shape) + self.wall_skin();
+        let attracts = 2.0 * self.broadphase.margin(shape);
+        let reach =
+            shape.radius() + 2.0 * Broadphase::half_skin(shape) + self.wall_skin() + attracts;
         let near: Vec<u32> = self
             .walls()
             .filter(|(w, wall)| {

@@ -81,7 +81,7 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
             shapes.get(shape as usize)?.convex()
         };
         let cached = match (&pair.cache, pair.a) {
-            (Cache::Mesh(_) | Cache::Sphere { .. }, _) => true,
+            (Cache::Mesh(_) | Cache::Sphere(_), _) => true,
             (Cache::Body(cache), Partner::Body(a)) => convex(a)
                 .zip(convex(pair.b))
                 .is_some_and(|(a, b)| cache.fits(a, b)),

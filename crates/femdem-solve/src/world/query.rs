@@ -356,6 +356,7 @@ impl World {
             dissipated_medium: 0.0 - self.flows.medium_work,
             dissipated_viscous: 0.0 - self.flows.viscous_work,
             dissipated_plastic: 0.0 - self.flows.plastic_work,
+            dissipated_bridges: self.flows.broken,
             dissipated_step: self.flows.step_loss,
             frozen: self.flows.frozen,
             exchanged: self.flows.exchanged,

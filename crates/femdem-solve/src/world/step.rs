@@ -116,7 +116,7 @@ impl World {
             .choose(bound, usual, &self.parameters.time_step)
     }
 
-    /// The bound, lowered to that of a face contact if a body without contacts may touch something in the
+    /// The bound, lowered to that of a face contact if a body that no contact resists may touch something in the
     /// step. A face contact has its full stiffness from the first touch on; a step that shrinks only after
     /// the touch does not resolve the impact.
     fn bound_at_touch(&self, bound: f64) -> f64 {
@@ -128,7 +128,7 @@ impl World {
         let loads = self.batch.loads();
         let comes = |&i: &u32| {
             let batch = &self.batch;
-            loads[i as usize].contacts == 0
+            !loads[i as usize].resists()
                 && batch.may_touch(i, &self.motions, &self.wall_motions, dt)
         };
         if self.awake.iter().any(comes) {
@@ -343,6 +343,7 @@ impl World {
         self.counters.pair_evaluations += totals.candidates as u64;
         self.counters.touching_evaluations += totals.touching as u64;
         let change = totals.energy_change;
+        self.flows.broken += totals.broken;
         let brought = self.book_newcomers();
         self.flows.settle(change - brought);
         match result {

@@ -35,7 +35,7 @@ pub(super) fn coordination(tables: &Tables) -> Option<Plot> {
     }
     chart.upright(*mean);
     let caption = format!(
-        "How many bodies and walls push on a body, for the {bodies} bodies of {which}; a pair counts once \
+        "How many bodies and walls touch a body, for the {bodies} bodies of {which}; a pair counts once \
          however many contacts it has. Mean {mean:.2} (dashed), standard deviation {sd:.2}; without walls \
          {:.2}.",
         shown.mean_without_walls

@@ -130,7 +130,7 @@ impl Tables {
         }
         self.force_distribution = force_distribution(network, &self.options.forces)?;
         if self.force_distribution.is_none() {
-            self.miss(&["force_distribution"], "no two bodies touch");
+            self.miss(&["force_distribution"], "no two bodies press on each other");
         }
         self.threshold_curve = Some(threshold_curve(network, &self.options.thresholds)?);
         self.fabric = Some(contact_fabric(network));

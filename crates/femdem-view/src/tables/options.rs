@@ -15,7 +15,7 @@ pub(super) const SAME_SIZE: f64 = 0.01;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TableOptions {
-    /// Normal force above which a pair touches \[N\].
+    /// Size of the normal force, pressing or pulling, above which a pair touches \[N\].
     pub force_threshold: f64,
     /// How the core is chosen.
     pub core: CoreOptions,

@@ -41,7 +41,7 @@ pub(crate) struct AnalyseArgs {
     /// Folder of a run, which holds pack.ckpt or run.ckpt, or of a pack from elsewhere, which holds bodies.csv
     pub folder: PathBuf,
 
-    /// Normal force in N above which two bodies count as touching [default: 0]
+    /// Normal force in N, pressing or pulling, above which two bodies count as touching [default: 0]
     #[arg(long, value_name = "N")]
     pub threshold: Option<f64>,
 

@@ -92,7 +92,7 @@ fn colouring() -> impl TypedValueParser<Value = Colouring> {
             Colouring::Sequence => {
                 "Number in the order of placement; bodies placed together share one. If all are, the number of the body"
             }
-            Colouring::Coordination => "Number of bodies and walls that push on the body",
+            Colouring::Coordination => "Number of bodies and walls that touch the body",
             Colouring::Force => "Sum of the normal forces on the body",
             Colouring::Density => "Volume of the body over the volume of its Set-Voronoi cell",
             Colouring::Orientation => {

@@ -96,7 +96,7 @@ pub struct Summary {
     pub bed: Option<Bed>,
     /// Why there is no `bed`; `null` if there is one.
     pub bed_missing: Option<String>,
-    /// Coordination number: bodies and walls that push on a body, each counted once; over all bodies.
+    /// Coordination number: bodies and walls that touch a body, each counted once; over all bodies.
     pub coordination: CoordinationSummary,
     /// Overlaps of the bodies with each other and with the walls.
     pub penetration: PenetrationSummary,

@@ -15,7 +15,7 @@ use super::{NamedWall, Simulation};
 use crate::Error;
 
 /// Columns of `history.csv` before those of the walls and supports.
-pub const HISTORY_COLUMNS: [&str; 24] = [
+pub const HISTORY_COLUMNS: [&str; 25] = [
     "time",
     "step",
     "time_step",
@@ -29,6 +29,7 @@ pub const HISTORY_COLUMNS: [&str; 24] = [
     "dissipated_medium",
     "dissipated_viscous",
     "dissipated_plastic",
+    "dissipated_bridges",
     "frozen",
     "work_in",
     "by_hand",
@@ -147,6 +148,7 @@ pub(super) fn history_row(
         ledger.dissipated_medium,
         ledger.dissipated_viscous,
         ledger.dissipated_plastic,
+        ledger.dissipated_bridges,
         ledger.frozen,
         ledger.work_in + ledger.load_work,
         ledger.by_hand,

@@ -1,6 +1,6 @@
 //! What weighs on the rigid bodies of a scene as it is placed, and how fast they can become.
 
-use femdem_contact::{Wall, WallShape};
+use femdem_contact::{MaterialId, Wall, WallShape};
 use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_solve::World;
 
@@ -22,6 +22,7 @@ const BEARS: f64 = 0.1;
 pub(super) struct Placed {
     /// Number among the members, or of the source after the last member.
     pub member: usize,
+    pub material: MaterialId,
     /// kg.
     pub mass: f64,
     /// m³.
@@ -274,6 +275,7 @@ fn of_source(supply: &Supply, member: usize, axes: &[Vector3; 3], world: &World)
     let centre = [middle(&axes[0]) + half, middle(&axes[1]), middle(&axes[2])];
     Some(Placed {
         member,
+        material: supply.material,
         mass: supply.mass,
         volume: shape.volume,
         diameter: 2.0 * supply.radius,
@@ -321,6 +323,7 @@ impl Simulation {
             });
             Some(Placed {
                 member,
+                material: world.material(id)?,
                 mass: world.mass(id)?,
                 volume: shape.volume,
                 diameter,

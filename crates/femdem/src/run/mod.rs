@@ -56,6 +56,7 @@ mod limits;
 mod load;
 mod loads;
 mod material;
+mod meets;
 mod motion;
 mod names;
 mod of_pack;
@@ -121,8 +122,8 @@ pub use summary::{
 };
 pub use wall::{BoxEntry, PlaneEntry, WallEntry};
 
-pub use crate::scene::PairEntry;
 use crate::scene::gravity_vector;
+pub use crate::scene::{BridgeEntry, PairEntry};
 use crate::{Error, toml_file};
 
 /// A simulation to run.

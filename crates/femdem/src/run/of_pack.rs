@@ -8,12 +8,13 @@ use femdem_mesh::Vector3;
 use femdem_solve::{World, WorldParameters};
 
 use super::{
-    BodyLoads, ContactEntry, Controls, Flow, Member, NamedWall, Origin, Penalty, Scenario,
-    Simulation, WallEntry,
+    BodyLoads, ContactEntry, Controls, Flow, MaterialEntry, Member, NamedWall, Origin, Penalty,
+    Scenario, Simulation, WallEntry,
 };
 use crate::Error;
 use crate::error::wrong;
 use crate::results::SavedPack;
+use crate::scene::PairEntry;
 
 /// Why a penalty has its value.
 pub(super) const OF_PACK: &str = "that of the pack";
@@ -37,6 +38,7 @@ impl Scenario {
             wall_response: own.wall_response.or(Some(law.wall_response)),
             cohesion: own.cohesion.or(Some(law.cohesion)),
             adhesion_energy: own.adhesion_energy.or(Some(law.adhesion_energy)),
+            liquid_bridge: own.liquid_bridge.or(law.liquid_bridge.map(Into::into)),
         };
         Self {
             gravity: self.gravity.or(Some(usual.gravity.into())),
@@ -45,17 +47,37 @@ impl Scenario {
         }
     }
 
-    /// Gives bodies and walls of a pack the materials of this scene of the same names; others have none.
-    fn set_pack_materials(&self, names: &[String], world: &mut World) -> Result<(), Error> {
-        if names.is_empty() {
-            return Ok(());
+    /// The same scene with those materials of bodies of a pack, and those laws of pairs, that it does not give.
+    pub(super) fn with_pairs<'a>(
+        mut self,
+        materials: impl IntoIterator<Item = &'a String>,
+        pairs: impl IntoIterator<Item = PairEntry>,
+    ) -> Self {
+        for name in materials {
+            self.material.entry(name.clone()).or_default();
         }
+        for pair in pairs {
+            let known = self.pair.iter().any(|own| own.is_of(&pair.materials));
+            let there = |name: &String| self.material.contains_key(name);
+            if !known && pair.materials.iter().all(there) {
+                self.pair.push(pair);
+            }
+        }
+        self
+    }
+
+    /// The same scene, where a run with this one started from a pack, with what that has of the pack.
+    pub(super) fn with_pairs_of(self, before: &Self) -> Self {
+        let empty = |(_, entry): &(&String, &MaterialEntry)| **entry == MaterialEntry::default();
+        let of_pack = before.material.iter().filter(empty);
+        self.with_pairs(of_pack.map(|(name, _)| name), before.pair.iter().cloned())
+    }
+
+    /// Gives bodies and walls of a pack their materials of the same names in this scene.
+    fn set_pack_materials(&self, names: &[String], world: &mut World) -> Result<(), Error> {
         let mut found = vec![MaterialId::default()];
         for name in names {
-            found.push(match self.material.contains_key(name) {
-                true => self.material_id(name)?,
-                false => MaterialId::default(),
-            });
+            found.push(self.material_id(name)?);
         }
         let here = |of: Option<MaterialId>| found[usize::from(of.unwrap_or_default().0)];
         let bodies: Vec<_> = world.body_ids().collect();
@@ -108,7 +130,7 @@ impl Scenario {
 
 impl Simulation {
     /// The pack in the folder of `femdem pack`, at time 0 under the settings of `scene`; returned with the scene, which has
-    /// gravity and the contact law of the pack where it gives none.
+    /// gravity, the contact law and the laws of pairs of the pack where it gives none.
     pub(super) fn of_pack(folder: &Path, scene: &Scenario) -> Result<(Scenario, Self), Error> {
         let packing = SavedPack::read(folder)?.packing;
         if !packing.is_done() {
@@ -124,13 +146,19 @@ impl Simulation {
                 },
             });
         }
-        let names = packing.spec().materials.clone();
+        let spec = packing.spec();
+        let names = spec.materials.clone();
+        let pairs: Vec<PairEntry> = spec
+            .pairs
+            .iter()
+            .filter_map(|pair| PairEntry::of(pair, &names))
+            .collect();
         let mut world = packing.into_world();
         let before = *world.parameters();
-        let filled = scene.filled(&before, true);
+        let filled = scene.filled(&before, true).with_pairs(&names, pairs);
         let wanted = filled.parameters();
         world.step_explicitly()?;
-        scene.set_pack_materials(&names, &mut world)?;
+        filled.set_pack_materials(&names, &mut world)?;
         if before.gravity != wanted.gravity {
             world.set_gravity(wanted.gravity)?;
         }

@@ -1,8 +1,11 @@
 //! The penalty that a run chooses.
 
-use femdem_pack::penalty_under_stress;
+use std::collections::BTreeSet;
+
+use femdem_pack::{penalty_under_adhesion, penalty_under_cohesion, penalty_under_stress};
 
 use super::loads::{Loads, Placed, Tower};
+use super::meets::{Meets, Met};
 use super::{Penalty, Scenario, Simulation};
 use crate::Error;
 
@@ -53,7 +56,7 @@ impl Loads {
 impl Scenario {
     /// Takes the penalty that the scene gives, or chooses one, before the first step.
     ///
-    /// It is the largest of those that keep, for every rigid body,
+    /// It is the largest of those that keep, for every rigid body that has it in a contact with anything that is there,
     /// - the depth on a face under what weighs on it,
     /// - the mean depth of a pack under its weight,
     /// - the depth of an impact at its fastest,
@@ -104,7 +107,12 @@ impl Scenario {
             }
         };
         let size = |depth: f64| format!("{:.2} % of its size", 100.0 * depth);
-        for body in &loads.placed {
+        let meets = Meets::of(self, simulation);
+        // A pair with a penalty of its own does not ask for another one.
+        let asks = |law: &Met| law.penalty.is_none();
+        let asking = |body: &&Placed| meets.laws(body.material).iter().any(asks);
+        let asking: Vec<&Placed> = loads.placed.iter().filter(asking).collect();
+        for body in &asking {
             let name = name(body.member);
             let force = loads.force_on(body);
             try_it(
@@ -129,35 +137,37 @@ impl Scenario {
                 ),
             );
         }
-        let [cohesion, adhesion] = self.attraction();
-        for body in &loads.placed {
-            // Faces sink in by c R/(2 p), balls of the radius R by √(3 w R/(4 p)).
-            let (deep, radius) = (depth * body.diameter, body.field_depth);
-            try_it(
-                0.5 * cohesion * radius / deep,
-                format!(
-                    "{} under a cohesion of {cohesion:.2e} Pa rests {} deep",
-                    name(body.member),
-                    size(depth)
-                ),
-            );
-            try_it(
-                0.75 * adhesion * radius / (deep * deep),
-                format!(
-                    "{} under an adhesion of {adhesion:.2e} J/m² rests {} deep",
-                    name(body.member),
-                    size(depth)
-                ),
-            );
+        for body in &asking {
+            for law in meets.laws(body.material).into_iter().filter(asks) {
+                let (name, deep) = (name(body.member), size(depth));
+                let Met {
+                    cohesion,
+                    adhesion_energy,
+                    ..
+                } = law;
+                let [by_cohesion, by_adhesion] = of_attraction(body, &law, depth);
+                try_it(
+                    by_cohesion,
+                    format!("{name} under a cohesion of {cohesion:.2e} Pa rests {deep} deep"),
+                );
+                try_it(
+                    by_adhesion,
+                    format!(
+                        "{name} under an adhesion of {adhesion_energy:.2e} J/m² rests {deep} deep"
+                    ),
+                );
+            }
         }
-        for tower in loads.towers() {
+        let asking: BTreeSet<usize> = asking.iter().map(|body| body.member).collect();
+        let towers = loads.towers();
+        for tower in towers.iter().filter(|t| asking.contains(&t.member)) {
             let name = name(tower.member);
             let what = match tower.bodies {
                 1 => name,
                 several => format!("the stack of {several} bodies with {name}"),
             };
             try_it(
-                MARGIN * of_tower(loads, &tower),
+                MARGIN * of_tower(loads, tower),
                 format!("{what} stands upright, with a margin of {MARGIN}"),
             );
         }
@@ -174,24 +184,23 @@ impl Scenario {
         Ok(())
     }
 
-    /// The largest cohesion \[Pa\] and the largest adhesion \[J/m²\] of its laws.
-    fn attraction(&self) -> [f64; 2] {
-        let pairs = self.pair.iter();
-        let pairs = pairs.map(|pair| [pair.cohesion, pair.adhesion_energy]);
-        let all = pairs.chain([[self.contact.cohesion, self.contact.adhesion_energy]]);
-        all.fold([0.0; 2], |most, own| {
-            [0, 1].map(|k| f64::max(most[k], own[k].unwrap_or(0.0)))
-        })
-    }
-
     /// The depths that the rigid bodies of a scene are expected to reach under its penalty.
     #[must_use]
     pub fn forecast(&self, simulation: &Simulation) -> Forecast {
         let loads = Loads::of(self, simulation);
-        let penalty = simulation.penalty.value;
+        let usual = simulation.penalty.value;
+        let meets = Meets::of(self, simulation);
         let mut forecast = Forecast::default();
         for body in &loads.placed {
             let name = simulation.name_of_placed(body.member);
+            let laws = meets.laws(body.material);
+            let of = |law: &Met| law.penalty.unwrap_or(usual);
+            let penalty = laws.iter().map(of).fold(f64::INFINITY, f64::min);
+            for law in &laws {
+                let [cohesion, adhesion] = of_attraction(body, law, 1.0);
+                forecast.at_rest.see(cohesion / of(law), name);
+                forecast.at_rest.see((adhesion / of(law)).sqrt(), name);
+            }
             let face = of_weight(&loads, body) / penalty;
             forecast.at_rest.see(face, name);
             forecast
@@ -282,6 +291,15 @@ fn of_pack(loads: &Loads, body: &Placed) -> f64 {
 fn of_impact(loads: &Loads, body: &Placed) -> f64 {
     let density = body.mass / body.volume;
     density * loads.speed_of(body).powi(2) * body.field_depth / body.diameter
+}
+
+/// Penalties at which a body rests at a depth over d by its cohesion and by its adhesion.
+fn of_attraction(body: &Placed, law: &Met, depth: f64) -> [f64; 2] {
+    let (deep, rise) = (depth * body.diameter, body.field_depth);
+    [
+        penalty_under_cohesion(law.cohesion, rise, deep),
+        penalty_under_adhesion(law.adhesion_energy, rise, deep),
+    ]
 }
 
 /// A prism of height L and width w on a floor has the stiffness 2 p A/(L/2) w²/12 against turning over and the moment rho g A L²/2: it

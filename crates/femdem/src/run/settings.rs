@@ -6,7 +6,7 @@ use femdem_solve::WorldParameters;
 use serde::{Deserialize, Serialize};
 
 use super::Scenario;
-use crate::scene::per_second;
+use crate::scene::{BridgeEntry, per_second};
 
 /// The contact law of all pairs of materials without [one of their own](super::PairEntry). What it does not give is that of
 /// the pack from which the scene starts, or the default of [`ContactParameters`].
@@ -37,6 +37,8 @@ pub struct ContactEntry {
     pub cohesion: Option<f64>,
     /// Work of adhesion of spheres with spheres and planes \[J/m²\].
     pub adhesion_energy: Option<f64>,
+    /// Liquid bridges of spheres with spheres and planes.
+    pub liquid_bridge: Option<BridgeEntry>,
 }
 
 /// The choice of the time step.
@@ -100,6 +102,7 @@ impl Scenario {
             wall_response: own.wall_response.unwrap_or(usual.wall_response),
             cohesion: own.cohesion.unwrap_or(usual.cohesion),
             adhesion_energy: own.adhesion_energy.unwrap_or(usual.adhesion_energy),
+            liquid_bridge: own.liquid_bridge.map(Into::into),
         };
         p.time_step.safety = self.time_step.safety;
         p.time_step.largest = self.time_step.largest;

@@ -34,6 +34,7 @@ impl Scenario {
         self.check_origin(of_pack)?;
         let (scene, base) = if of_pack {
             let scene = self.filled(simulation.world.parameters(), true);
+            let scene = scene.with_pairs_of(&before);
             (scene, simulation.without_entries()?)
         } else {
             let scene = self.filled(&WorldParameters::default(), false);

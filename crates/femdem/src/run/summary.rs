@@ -169,6 +169,8 @@ pub struct RunEnergy {
     pub dissipated_viscous: f64,
     /// Dissipated by plastic flow.
     pub dissipated_plastic: f64,
+    /// Dissipated where liquid bridges broke.
+    pub dissipated_bridges: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
     /// Error of the energy ledger, over the energy turned over.
@@ -334,6 +336,7 @@ fn energy(ledger: &femdem_solve::Ledger) -> RunEnergy {
         dissipated_medium: plain(ledger.dissipated_medium),
         dissipated_viscous: plain(ledger.dissipated_viscous),
         dissipated_plastic: plain(ledger.dissipated_plastic),
+        dissipated_bridges: plain(ledger.dissipated_bridges),
         frozen: plain(ledger.frozen),
         ledger_error_relative: plain(ledger.error_relative()),
     }

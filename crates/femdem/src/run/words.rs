@@ -1,7 +1,7 @@
 //! Translation of names of numbers that the libraries refuse to keys of scenes.
 
 /// Names of the libraries, and keys of scenes.
-pub(super) const KEYS: [(&str, &str); 27] = [
+pub(super) const KEYS: [(&str, &str); 28] = [
     ("penalty", "contact.penalty"),
     ("friction", "contact.friction"),
     ("wall_friction", "contact.wall-friction"),
@@ -11,10 +11,8 @@ pub(super) const KEYS: [(&str, &str); 27] = [
     ("tangential_damping", "contact.tangential-damping"),
     ("cohesion", "contact.cohesion"),
     ("adhesion_energy", "contact.adhesion-energy"),
-    (
-        "cohesion or adhesion_energy",
-        "contact.cohesion or adhesion-energy",
-    ),
+    ("liquid_bridge.volume", "contact.liquid-bridge.volume"),
+    ("liquid_bridge.tension", "contact.liquid-bridge.tension"),
     ("time_step.safety", "time-step.safety"),
     ("time_step.largest", "time-step.largest"),
     ("medium.local_damping", "medium.local-damping"),
@@ -35,7 +33,7 @@ pub(super) const KEYS: [(&str, &str); 27] = [
 ];
 
 /// The same for the laws of pairs of materials.
-pub(super) const OF_PAIRS: [(&str, &str); 9] = [
+pub(super) const OF_PAIRS: [(&str, &str); 11] = [
     ("penalty", "penalty"),
     ("friction", "friction"),
     ("wall_friction", "wall-friction"),
@@ -45,6 +43,8 @@ pub(super) const OF_PAIRS: [(&str, &str); 9] = [
     ("tangential_damping", "tangential-damping"),
     ("cohesion", "cohesion"),
     ("adhesion_energy", "adhesion-energy"),
+    ("liquid_bridge.volume", "liquid-bridge.volume"),
+    ("liquid_bridge.tension", "liquid-bridge.tension"),
 ];
 
 #[cfg(test)]

@@ -14,6 +14,7 @@
 //! ```
 
 mod bodies;
+mod bridge;
 mod command;
 mod container;
 mod drag;
@@ -38,6 +39,7 @@ use femdem_solve::Medium;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use bodies::is_ball;
+pub use bridge::BridgeEntry;
 pub use drag::Drag;
 pub(crate) use drag::per_second;
 pub use footprint::Footprint;
@@ -141,6 +143,8 @@ pub struct Scene {
     pub cohesion: f64,
     /// Work of adhesion of spheres with spheres and planes \[J/m²\].
     pub adhesion_energy: f64,
+    /// Liquid bridges of spheres with spheres and planes. `None`: none.
+    pub liquid_bridge: Option<BridgeEntry>,
     /// Name of the material of each shape: one for all, or one for each. Empty: none, and the law of all contacts.
     #[serde(with = "list", skip_serializing_if = "Vec::is_empty")]
     pub material: Vec<String>,
@@ -227,6 +231,7 @@ impl Default for Scene {
             rolling_friction: spec.rolling_friction,
             cohesion: spec.cohesion,
             adhesion_energy: spec.adhesion_energy,
+            liquid_bridge: None,
             material: Vec::new(),
             wall_material: None,
             pair: Vec::new(),
@@ -332,6 +337,7 @@ impl Scene {
             rolling_friction: self.rolling_friction,
             cohesion: self.cohesion,
             adhesion_energy: self.adhesion_energy,
+            liquid_bridge: self.liquid_bridge.map(Into::into),
             tangential_ratio: self.tangential_ratio,
             tangential_damping: self.tangential_damping,
             damping_ratio: self.damping,

@@ -6,6 +6,7 @@ use femdem_contact::{MaterialId, WallResponse};
 use femdem_pack::PairLaw;
 use serde::{Deserialize, Serialize};
 
+use super::BridgeEntry;
 use crate::Error;
 use crate::error::wrong;
 
@@ -36,6 +37,8 @@ pub struct PairEntry {
     pub cohesion: Option<f64>,
     /// Work of adhesion of spheres with spheres and planes \[J/m²\].
     pub adhesion_energy: Option<f64>,
+    /// Liquid bridges of spheres with spheres and planes.
+    pub liquid_bridge: Option<BridgeEntry>,
 }
 
 impl PairEntry {
@@ -52,7 +55,33 @@ impl PairEntry {
             tangential_damping: self.tangential_damping,
             cohesion: self.cohesion,
             adhesion_energy: self.adhesion_energy,
+            liquid_bridge: self.liquid_bridge.map(Into::into),
         }
+    }
+
+    /// The law of a pack whose materials have these names, from number 1 on; `None` if one has no name.
+    pub(crate) fn of(law: &PairLaw, names: &[String]) -> Option<Self> {
+        let name = |id: MaterialId| names.get(usize::from(id.0).checked_sub(1)?).cloned();
+        Some(Self {
+            materials: [name(law.materials[0])?, name(law.materials[1])?],
+            penalty: law.penalty,
+            friction: law.friction,
+            wall_friction: law.wall_friction,
+            rolling_friction: law.rolling_friction,
+            damping: law.damping_ratio,
+            tangential_ratio: law.tangential_ratio,
+            tangential_damping: law.tangential_damping,
+            wall_response: None,
+            cohesion: law.cohesion,
+            adhesion_energy: law.adhesion_energy,
+            liquid_bridge: law.liquid_bridge.map(Into::into),
+        })
+    }
+
+    /// Whether these are its two materials, in either order.
+    pub(crate) fn is_of(&self, [a, b]: &[String; 2]) -> bool {
+        let [own, other] = &self.materials;
+        (own, other) == (a, b) || (own, other) == (b, a)
     }
 
     /// Refuses a pair that gives nothing, or whose materials are those of a `known` one, to which it is added.

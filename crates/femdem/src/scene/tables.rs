@@ -20,6 +20,7 @@ const TABLES: [(&str, &[&str]); 2] = [
             "rolling-friction",
             "cohesion",
             "adhesion-energy",
+            "liquid-bridge",
             "damping",
             "tangential-ratio",
             "tangential-damping",

@@ -14,8 +14,8 @@ const KEYS: [(&str, &str); 16] = [
     ),
     ("adhesion_energy", "adhesion-energy"),
     (
-        "cohesion or adhesion_energy with time_step.implicit",
-        "cohesion or adhesion-energy with implicit steps",
+        "cohesion, adhesion or liquid bridge with time_step.implicit",
+        "cohesion, adhesion or liquid bridge with implicit steps",
     ),
     ("damping_ratio", "damping"),
     ("tangential_ratio", "tangential-ratio"),

@@ -94,7 +94,7 @@ pub struct Supply {
     /// Its bodies, at rest.
     pub shape: ShapeId,
     pub density: f64,
-    pub(super) material: MaterialId,
+    pub material: MaterialId,
     /// Mass of one \[kg\].
     pub mass: f64,
     /// Distance of the farthest point from the centroid \[m\].

@@ -38,7 +38,10 @@ impl Run {
             true => *self.simulation.world.parameters(),
             false => WorldParameters::default(),
         };
-        let scenario = scenario.filled(&usual, of_pack);
+        let mut scenario = scenario.filled(&usual, of_pack);
+        if of_pack {
+            scenario = scenario.with_pairs_of(&self.scenario);
+        }
         let changes = changes(&self.scenario, &scenario)?;
         if changes.is_empty() {
             return Ok(Vec::new());
