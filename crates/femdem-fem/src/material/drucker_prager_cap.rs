@@ -300,16 +300,16 @@ fn norm(x: f64, y: f64) -> f64 {
 
 fn check_hardening(table: &[[f64; 2]]) -> Result<(), FemError> {
     let pairs = table.len() as f64;
-    let allowed = "at least 2 pairs of compaction and yield pressure";
-    check("hardening pairs", pairs, table.len() >= 2, allowed)?;
+    let allowed = "at least 2, in pairs with the compaction";
+    check("yield pressures", pairs, table.len() >= 2, allowed)?;
     let (mut strain, mut pressure) = (f64::NEG_INFINITY, 0.0);
     for (row, &[x, y]) in table.iter().enumerate() {
         let rises = if row == 0 { x == 0.0 } else { x > strain };
         let allowed = "0 in the first pair and above the one before in all others";
-        check("hardening compaction", x, rises, allowed)?;
+        check("compaction", x, rises, allowed)?;
         let allowed = "above 0 Pa and above the one before: a cap that softens has no solution that is independent \
                        of the mesh";
-        check("hardening pressure", y, y > pressure, allowed)?;
+        check("yield pressure", y, y > pressure, allowed)?;
         (strain, pressure) = (x, y);
     }
     Ok(())
