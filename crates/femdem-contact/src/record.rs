@@ -27,6 +27,9 @@ pub struct Contact {
     pub elastic_force: f64,
     /// Normal force on B along `normal`, damping included, N.
     pub normal_force: f64,
+    /// What all parts of the patch press, each along its own normal, N: more than `normal_force` where the patch is curved, as
+    /// of a body in a tube, all around which forces cancel.
+    pub pressing: f64,
     /// Moment on B of the dashpot against rocking, N m.
     pub rocking: Vector3,
     /// Moment of rolling friction on B, N m.
@@ -91,6 +94,7 @@ impl From<&RigidContact> for Contact {
             normal: rigid.normal,
             elastic_force: rigid.elastic_force,
             normal_force: rigid.normal_force,
+            pressing: rigid.normal_force,
             rocking: rigid.rocking,
             rolling: rigid.rolling,
             friction: rigid.friction,

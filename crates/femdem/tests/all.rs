@@ -21,6 +21,7 @@ mod scene_keys;
 mod scene_loads;
 mod scene_pairs;
 mod scene_physics;
+mod scene_powder;
 mod scene_rest;
 mod scene_stages;
 mod scene_statics;

@@ -122,6 +122,8 @@ fn material() -> MaterialEntry {
         cohesion: Some(1.0),
         friction_angle: Some(1.0),
         dilatancy_angle: Some(1.0),
+        cap_eccentricity: Some(1.0),
+        yield_pressure: Some(vec![[0.0, 1.0]]),
         shear_viscosity: Some(1.0),
         bulk_viscosity: Some(1.0),
     }
@@ -483,6 +485,7 @@ fn every_key_of_every_table_is_documented_and_no_other() {
         Law::MooneyRivlin,
         Law::J2,
         Law::DruckerPrager,
+        Law::DruckerPragerCap,
     ];
     let laws = laws.map(|law| {
         serde_json::to_value(law)

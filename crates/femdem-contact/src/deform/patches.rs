@@ -22,8 +22,6 @@ pub(crate) struct Patch {
     /// Elastic force and torque (about the pair's origin) on A and on B.
     pub wrench: [[Vector3; 2]; 2],
     pub stiffness: FoundationSums,
-    /// Vector area of the skins of both in each other, towards B, m^2.
-    pub area: Vector3,
 }
 
 /// All patches of a pair.
@@ -58,7 +56,6 @@ impl Patches {
             share: 1.0,
             wrench: sums.wrench,
             stiffness: sums.loads.iter().map(|load| load.stiffness).sum(),
-            area: sums.area,
         };
         Self {
             list: vec![patch],
@@ -123,7 +120,6 @@ impl Patches {
             let patch = &mut self.list[self.of_load[i] as usize];
             pressing[self.of_load[i] as usize] += load.force.norm();
             patch.stiffness += load.stiffness;
-            patch.area += load.area;
         }
         let springs = self.list.iter().zip(&pressing);
         let energies: Vec<f64> = springs

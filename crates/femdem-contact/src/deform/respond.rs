@@ -362,11 +362,16 @@ impl<'a> Pair<'a> {
             Vector3::zeros()
         };
         let (mut pressure, mut moment, mut stiffness) = (0.0, Vector3::zeros(), 0.0);
+        let (mut pressing, mut area) = (0.0, 0.0);
         for (i, load) in sums.loads.iter().enumerate() {
             if patches.of_load(i) == number {
                 pressure += load.pressure;
                 moment += load.moment;
                 stiffness += load.stiffness.total;
+                let force = load.force.norm();
+                pressing += force;
+                // Along its own normal, since those of a patch that goes round cancel.
+                area += load.force.dot(&load.area) / (2.0 * force).max(f64::MIN_POSITIVE);
             }
         }
         let centre = if pressure > 0.0 {
@@ -382,11 +387,12 @@ impl<'a> Pair<'a> {
             normal,
             elastic_force,
             normal_force: elastic_force * scale,
+            pressing: pressing * scale,
             rocking: Vector3::zeros(),
             rolling: Vector3::zeros(),
             friction: Vector3::zeros(),
             slides: false,
-            area: (0.5 * normal.dot(&patch.area)).max(0.0),
+            area,
             volume: sums.volume * patch.share,
             energy: sums.energy * patch.share,
             adhesion: Adhesion::default(),

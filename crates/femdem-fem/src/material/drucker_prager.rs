@@ -110,8 +110,8 @@ impl DruckerPrager {
 }
 
 impl LogStrain for DruckerPrager {
-    fn moduli(&self) -> &Moduli {
-        &self.moduli
+    fn moduli(&self, _hardening: f64) -> Moduli {
+        self.moduli
     }
 
     fn return_map(&self, trial: &[f64; 3], hardening: f64) -> Returned {

@@ -151,8 +151,8 @@ impl J2 {
 }
 
 impl LogStrain for J2 {
-    fn moduli(&self) -> &Moduli {
-        &self.moduli
+    fn moduli(&self, _hardening: f64) -> Moduli {
+        self.moduli
     }
 
     /// Radial return: dev tau = (1 - 3 mu x/q) times its trial value.

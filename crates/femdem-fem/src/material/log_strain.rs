@@ -76,7 +76,8 @@ pub(crate) fn split(values: &[f64; 3]) -> (f64, [f64; 3]) {
 
 /// A law in logarithmic strain, by its moduli and its return map.
 pub(crate) trait LogStrain {
-    fn moduli(&self) -> &Moduli;
+    /// The moduli per reference volume at this value of the hardening variable, Pa.
+    fn moduli(&self, hardening: f64) -> Moduli;
 
     /// The result of a step with principal trial strains `trial` that began at `hardening`.
     fn return_map(&self, trial: &[f64; 3], hardening: f64) -> Returned;
@@ -137,7 +138,7 @@ pub(crate) fn respond<L: LogStrain>(
         new.copy_from_slice(old);
     }
     Response {
-        energy: stored(law.moduli(), &end.elastic),
+        energy: stored(&law.moduli(end.hardening), &end.elastic),
         piola: frame.piola(&end.stress),
         viscous_power: 0.0,
         plastic_work: end.plastic_work,
@@ -161,7 +162,7 @@ pub(crate) fn stiffness_bound<L: LogStrain>(law: &L, d: &Deformation, old: &[f64
     let algorithmic = frame.stiffness_bound(&end.principal(&frame.b.values), &lengths);
     let mut unloading = frame;
     unloading.b.values = end.elastic.map(|e| (2.0 * e).exp());
-    let elastic = Returned::elastic(law.moduli(), &end.elastic, end.hardening);
+    let elastic = Returned::elastic(&law.moduli(end.hardening), &end.elastic, end.hardening);
     let elastic = unloading.stiffness_bound(&elastic.principal(&unloading.b.values), &lengths);
     algorithmic.max(elastic)
 }

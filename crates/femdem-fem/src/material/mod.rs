@@ -13,6 +13,7 @@
 //! | [`Viscous`] | any of these with Kelvin-Voigt viscosity | that of the law |
 //! | [`J2`] | metals: von Mises yield, linear and Voce hardening | 7 numbers |
 //! | [`DruckerPrager`] | soil, concrete, rock: strength that grows with pressure | 7 numbers |
+//! | [`DruckerPragerCap`] | powders: the same, and compaction under pressure | 7 numbers |
 //! | [`CustomMaterial`] | your own law | as the law defines |
 //!
 //! # Adding a law
@@ -82,6 +83,7 @@
 mod any;
 mod custom;
 mod drucker_prager;
+mod drucker_prager_cap;
 mod hencky;
 mod j2;
 mod log_strain;
@@ -94,6 +96,7 @@ mod spectral;
 pub use any::{AnyMaterial, Viscous};
 pub use custom::CustomMaterial;
 pub use drucker_prager::DruckerPrager;
+pub use drucker_prager_cap::DruckerPragerCap;
 pub use hencky::Hencky;
 pub use j2::{J2, Voce};
 pub use moduli::Moduli;

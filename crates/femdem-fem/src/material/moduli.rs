@@ -53,6 +53,17 @@ impl Moduli {
     pub fn wave(&self) -> f64 {
         self.lambda + 2.0 * self.shear
     }
+
+    /// All moduli times a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Self {
+            young: factor * self.young,
+            poisson: self.poisson,
+            lambda: factor * self.lambda,
+            shear: factor * self.shear,
+            bulk: factor * self.bulk,
+        }
+    }
 }
 
 /// How an elastic law is written in files.

@@ -2,8 +2,8 @@
 
 use super::states::{YOUNG, respond};
 use femdem_fem::material::{
-    AnyMaterial, Deformation, DruckerPrager, Hencky, J2, Material, MooneyRivlin, NeoHookean,
-    Tangent, Viscous,
+    AnyMaterial, Deformation, DruckerPrager, DruckerPragerCap, Hencky, J2, Material, MooneyRivlin,
+    NeoHookean, Tangent, Viscous,
 };
 use femdem_mesh::{Matrix3, Rotation, Vector3};
 
@@ -24,12 +24,15 @@ fn near(value: f64, expected: f64) {
 fn at_rest_every_law_is_hookes() {
     for poisson in [-0.2, 0.0, 0.3, 0.49] {
         let elastic = NeoHookean::new(YOUNG, poisson).unwrap();
-        let laws: [AnyMaterial; 6] = [
+        let laws: [AnyMaterial; 7] = [
             elastic.into(),
             Hencky::new(YOUNG, poisson).unwrap().into(),
             MooneyRivlin::new(YOUNG, poisson, 0.3).unwrap().into(),
             J2::new(YOUNG, poisson, 1.0, 0.0).unwrap().into(),
             DruckerPrager::new(YOUNG, poisson, 1.0, 0.5, 0.1)
+                .unwrap()
+                .into(),
+            DruckerPragerCap::new(YOUNG, poisson, 1.0, 0.5, 0.6, vec![[0.0, 1.0], [1.0, 2.0]])
                 .unwrap()
                 .into(),
             Viscous::new(elastic, 1.0, 1.0).unwrap().into(),

@@ -4,8 +4,8 @@ use super::states::rand_free::Random;
 use super::states::{self, respond};
 use femdem_fem::FemError;
 use femdem_fem::material::{
-    AnyMaterial, Deformation, DruckerPrager, Hencky, J2, Material, MooneyRivlin, NeoHookean,
-    Response, Tangent, Viscous, Voce, difference_tangent,
+    AnyMaterial, Deformation, DruckerPrager, DruckerPragerCap, Hencky, J2, Material, MooneyRivlin,
+    NeoHookean, Response, Tangent, Viscous, Voce, difference_tangent,
 };
 use femdem_mesh::Matrix3;
 use std::sync::Arc;
@@ -124,6 +124,10 @@ fn parameters_out_of_range_are_refused_by_name() {
     let good = J2::new(1e9, 0.3, 1e6, 0.0).unwrap();
     let voce = |stress, rate| good.with_saturation(Voce { stress, rate }).err();
     let soil = |c, phi, psi| DruckerPrager::new(1e9, 0.3, c, phi, psi).err();
+    let powder = |c, beta, r, curve: &[[f64; 2]]| {
+        DruckerPragerCap::new(1e9, 0.3, c, beta, r, curve.to_vec()).err()
+    };
+    let curve = [[0.0, 1e6], [0.5, 1e7]];
     let mixed = |share| MooneyRivlin::new(1e9, 0.3, share).err();
     let damped = |shear, bulk| Viscous::new(good, shear, bulk).err();
     for (error, name) in [
@@ -143,6 +147,29 @@ fn parameters_out_of_range_are_refused_by_name() {
         (soil(0.0, 0.0, 0.0), "cohesion"),
         (soil(1.0, 1.6, 0.0), "friction_angle"),
         (soil(1.0, 0.5, 0.51), "dilatancy_angle"),
+        (powder(-1.0, 1.0, 0.5, &curve), "cohesion"),
+        (powder(0.0, 0.0, 0.5, &curve), "friction_angle"),
+        (powder(0.0, 1.6, 0.5, &curve), "friction_angle"),
+        (powder(0.0, 1.0, 0.0, &curve), "eccentricity"),
+        (powder(0.0, 1.0, 0.5, &curve[..1]), "yield pressures"),
+        (powder(0.0, 1.0, 0.5, &[]), "yield pressures"),
+        (powder(0.0, 1.0, 0.5, &curve[..1].repeat(2)), "compaction"),
+        (
+            powder(0.0, 1.0, 0.5, &[[0.1, 1.0], [0.2, 2.0]]),
+            "compaction",
+        ),
+        (
+            powder(0.0, 1.0, 0.5, &[[0.0, 0.0], [0.2, 2.0]]),
+            "yield pressure",
+        ),
+        (
+            powder(0.0, 1.0, 0.5, &[[0.0, 3.0], [0.2, 2.0]]),
+            "yield pressure",
+        ),
+        (
+            powder(0.0, 1.0, 0.5, &[[0.0, 3.0], [0.2, f64::NAN]]),
+            "yield pressure",
+        ),
         (damped(-1.0, 0.0), "shear viscosity"),
         (damped(0.0, f64::INFINITY), "bulk viscosity"),
     ] {

@@ -7,6 +7,7 @@
 )]
 
 mod bounds;
+mod cap;
 mod closed_forms;
 mod derivatives;
 mod files;

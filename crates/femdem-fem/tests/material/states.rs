@@ -1,8 +1,8 @@
 //! Laws and random states for the tests.
 
 use femdem_fem::material::{
-    AnyMaterial, Deformation, DruckerPrager, Hencky, J2, Material, MooneyRivlin, NeoHookean,
-    Response, Viscous, Voce,
+    AnyMaterial, Deformation, DruckerPrager, DruckerPragerCap, Hencky, J2, Material, MooneyRivlin,
+    NeoHookean, Response, Viscous, Voce,
 };
 use femdem_mesh::nalgebra::{Rotation3, Unit};
 use femdem_mesh::{Matrix3, Vector3};
@@ -39,17 +39,26 @@ pub fn plastic() -> Vec<Case> {
         rate: 15.0,
     };
     let rubble = |dilatancy| DruckerPrager::new(YOUNG, 0.25, 0.01 * YOUNG, 0.6, dilatancy).unwrap();
-    let laws: [AnyMaterial; 6] = [
+    let laws: [AnyMaterial; 8] = [
         metal.into(),
         J2::new(YOUNG, 0.3, 0.01 * YOUNG, 0.0).unwrap().into(),
         metal.with_saturation(voce).unwrap().into(),
         rubble(0.6).into(),
         rubble(0.2).into(),
         rubble(0.0).into(),
+        powder(5e-3, 0.6).into(),
+        powder(2e-2, 1.5).into(),
     ];
     laws.into_iter()
         .map(|law| Case { law, strain: 0.1 })
         .collect()
+}
+
+/// A powder with this cohesion over Young's modulus and eccentricity, whose curve has three lines.
+pub fn powder(cohesion: f64, eccentricity: f64) -> DruckerPragerCap {
+    let curve = [[0.0, 5e-3], [0.05, 1e-2], [0.1, 0.1], [0.2, 0.2]].map(|[x, y]| [x, y * YOUNG]);
+    let (cohesion, slope) = (cohesion * YOUNG, 1.1);
+    DruckerPragerCap::new(YOUNG, 0.2, cohesion, slope, eccentricity, curve.to_vec()).unwrap()
 }
 
 /// Viscosity beside an elastic and a plastic law.

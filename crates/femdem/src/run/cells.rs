@@ -6,7 +6,8 @@ use super::history::{number, vector};
 use super::{ContactForces, Simulation};
 
 /// Columns of `wall_history.csv`.
-pub const WALL_HISTORY_COLUMNS: [&str; 8] = ["time", "wall", "x", "y", "z", "fx", "fy", "fz"];
+pub const WALL_HISTORY_COLUMNS: [&str; 9] =
+    ["time", "wall", "x", "y", "z", "fx", "fy", "fz", "pressing"];
 
 /// Columns of `cells.csv`.
 pub const CELL_COLUMNS: [&str; 19] = [
@@ -31,16 +32,18 @@ pub const CELL_COLUMNS: [&str; 19] = [
     "error_z",
 ];
 
-/// Rows of `wall_history.csv`: how far each wall is from where the scenario places it, and the force of the bodies on it.
-/// Walls that have been taken away have none.
+/// Rows of `wall_history.csv`: how far each wall is from where the scenario places it, and the force of the bodies on it,
+/// as a vector and as what they press. Walls that have been taken away have none.
 pub(super) fn wall_rows(simulation: &Simulation, forces: &ContactForces) -> Vec<Vec<String>> {
     let world = &simulation.world;
-    let walls = simulation.walls.iter().zip(&forces.walls);
-    let rows = walls.filter_map(|(wall, force)| {
+    let on_walls = forces.walls.iter().zip(&forces.pressing);
+    let walls = simulation.walls.iter().zip(on_walls);
+    let rows = walls.filter_map(|(wall, (force, pressing))| {
         let pose = world.wall_pose(wall.id)?;
         let mut row = vec![number(world.time()), quoted(&wall.name)];
         row.extend(vector(&pose.translation.vector));
         row.extend(vector(force));
+        row.push(number(*pressing));
         Some(row)
     });
     rows.collect()

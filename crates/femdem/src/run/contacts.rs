@@ -28,6 +28,8 @@ pub struct ContactLine {
     pub normal: Vector3,
     /// Normal force on B along `normal`, negative where it pulls \[N\].
     pub normal_force: f64,
+    /// What all parts of it press, each along its own normal \[N\].
+    pub pressing: f64,
     /// Friction force on B \[N\].
     pub friction: Vector3,
     /// Contact area \[m²\].
@@ -57,6 +59,8 @@ pub struct ContactForces {
     pub members: Vec<Vector3>,
     /// On each wall, in the order of [`Simulation::walls`].
     pub walls: Vec<Vector3>,
+    /// What all parts of the contacts press on each wall, each along its own normal.
+    pub pressing: Vec<f64>,
 }
 
 impl Simulation {
@@ -80,6 +84,7 @@ impl Simulation {
                 point: self.wrapped(&c.point),
                 normal: c.normal,
                 normal_force,
+                pressing: c.pressing,
                 friction,
                 area: c.area,
                 volume: c.volume,
@@ -94,6 +99,7 @@ impl Simulation {
         let mut forces = ContactForces {
             members: vec![Vector3::zeros(); self.members.len()],
             walls: vec![Vector3::zeros(); self.walls.len()],
+            pressing: vec![0.0; self.walls.len()],
         };
         for contact in contacts {
             let force = contact.force();
@@ -105,7 +111,10 @@ impl Simulation {
                 Side::Wall(wall) => {
                     let known = |other: &NamedWall| other.id as usize;
                     let place = self.walls.binary_search_by_key(&wall, known).ok();
-                    place.and_then(|place| forces.walls.get_mut(place))
+                    if let Some(pressing) = place.and_then(|at| forces.pressing.get_mut(at)) {
+                        *pressing += contact.pressing;
+                    }
+                    place.and_then(|at| forces.walls.get_mut(at))
                 }
             };
             if let Some(on_a) = on_a {

@@ -2,7 +2,8 @@
 
 use femdem_fem::MaterialRegion;
 use femdem_fem::material::{
-    AnyMaterial, DruckerPrager, Hencky, J2, MooneyRivlin, NeoHookean, Viscous, Voce,
+    AnyMaterial, DruckerPrager, DruckerPragerCap, Hencky, J2, MooneyRivlin, NeoHookean, Viscous,
+    Voce,
 };
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +24,8 @@ pub enum Law {
     J2,
     /// [`DruckerPrager`] plasticity, with `cohesion` and angles.
     DruckerPrager,
+    /// [`DruckerPragerCap`] plasticity, with `cohesion`, an angle and a cap.
+    DruckerPragerCap,
 }
 
 /// A material. Rigid bodies need its density only, walls nothing; keys that do not belong to its law are refused.
@@ -47,12 +50,16 @@ pub struct MaterialEntry {
     pub saturation_stress: Option<f64>,
     /// Rate at which `saturation-stress` is approached, per unit of plastic strain (J2).
     pub saturation_rate: Option<f64>,
-    /// Cohesion \[Pa\] (Drucker-Prager).
+    /// Cohesion \[Pa\] (both Drucker-Prager laws).
     pub cohesion: Option<f64>,
-    /// Angle of internal friction \[degrees\] (Drucker-Prager).
+    /// Angle of friction \[degrees\] (both): of Mohr-Coulomb, or with a cap that in the plane of p and q.
     pub friction_angle: Option<f64>,
     /// Angle of dilatancy \[degrees\] (Drucker-Prager); 0 if left out.
     pub dilatancy_angle: Option<f64>,
+    /// Eccentricity R of the cap (Drucker-Prager with a cap).
+    pub cap_eccentricity: Option<f64>,
+    /// Hydrostatic yield pressure \[Pa\] over the compaction, in pairs (Drucker-Prager with a cap).
+    pub yield_pressure: Option<Vec<[f64; 2]>>,
     /// Shear viscosity beside any law \[Pa s\]; 0 if left out.
     pub shear_viscosity: Option<f64>,
     /// Bulk viscosity beside any law \[Pa s\]; 0 if left out.
@@ -66,8 +73,8 @@ impl MaterialEntry {
             wrong(
                 "law",
                 "none",
-                "a deformable body needs one of neo-hookean, hencky, mooney-rivlin, j2 and \
-                 drucker-prager",
+                "a deformable body needs one of neo-hookean, hencky, mooney-rivlin, j2, \
+                 drucker-prager and drucker-prager-cap",
             )
         })?;
         self.refuse_strangers(law)?;
@@ -98,6 +105,7 @@ impl MaterialEntry {
                 let cohesion = needed("cohesion", self.cohesion)?;
                 DruckerPrager::new(young, poisson, cohesion, friction, dilatancy)?.into()
             }
+            Law::DruckerPragerCap => self.capped(young, poisson)?.into(),
         };
         Ok(material)
     }
@@ -115,6 +123,23 @@ impl MaterialEntry {
             return Err(wrong("dilatancy-angle", &dilatancy.to_string(), allowed));
         }
         Ok((friction.to_radians(), dilatancy.to_radians()))
+    }
+
+    fn capped(&self, young: f64, poisson: f64) -> Result<DruckerPragerCap, Error> {
+        let friction = needed("friction-angle", self.friction_angle)?;
+        if !(friction > 0.0 && friction < 90.0) {
+            let allowed = "above 0 and below 90, in degrees";
+            return Err(wrong("friction-angle", &friction.to_string(), allowed));
+        }
+        let cohesion = needed("cohesion", self.cohesion)?;
+        let eccentricity = needed("cap-eccentricity", self.cap_eccentricity)?;
+        let pairs = self.yield_pressure.clone().ok_or_else(|| {
+            let allowed = "the law of the material needs it: give pairs of compaction and Pa";
+            wrong("yield-pressure", "none", allowed)
+        })?;
+        let friction = friction.to_radians();
+        DruckerPragerCap::new(young, poisson, cohesion, friction, eccentricity, pairs)
+            .map_err(Error::from)
     }
 
     fn plastic(&self, young: f64, poisson: f64) -> Result<J2, Error> {
@@ -150,12 +175,15 @@ impl MaterialEntry {
             ("shear-viscosity", self.shear_viscosity),
             ("bulk-viscosity", self.bulk_viscosity),
         ];
-        let of_one = self.keys_of_one_law().map(|(name, value, _)| (name, value));
-        for (name, value) in of_all.into_iter().chain(of_one) {
+        let of_all = of_all.map(|(name, value)| (name, value.map(|number| number.to_string())));
+        let of_some = self
+            .keys_of_some_laws()
+            .map(|(name, value, _)| (name, value));
+        for (name, value) in of_all.into_iter().chain(of_some) {
             if let Some(value) = value {
                 return Err(wrong(
                     name,
-                    &value.to_string(),
+                    &value,
                     "a material without a law has its density only: take it out, or give a law",
                 ));
             }
@@ -165,11 +193,11 @@ impl MaterialEntry {
 
     /// Refuses keys that do not belong to the law: they would silently have no effect.
     fn refuse_strangers(&self, law: Law) -> Result<(), Error> {
-        for (name, value, of) in self.keys_of_one_law() {
-            if let Some(value) = value.filter(|_| of != law) {
+        for (name, value, of) in self.keys_of_some_laws() {
+            if let Some(value) = value.filter(|_| !of.contains(&law)) {
                 return Err(wrong(
                     name,
-                    &value.to_string(),
+                    &value,
                     "the law of the material does not have it: take it out, or change the law",
                 ));
             }
@@ -177,17 +205,32 @@ impl MaterialEntry {
         Ok(())
     }
 
-    /// The keys that belong to one law, with that law.
-    fn keys_of_one_law(&self) -> [(&'static str, Option<f64>, Law); 8] {
+    /// The keys that not every law has, their values as text, and the laws that have them.
+    fn keys_of_some_laws(&self) -> [(&'static str, Option<String>, &'static [Law]); 10] {
+        const J2: &[Law] = &[Law::J2];
+        const CONE: &[Law] = &[Law::DruckerPrager, Law::DruckerPragerCap];
+        const CAP: &[Law] = &[Law::DruckerPragerCap];
+        let number = |value: Option<f64>| value.map(|number| number.to_string());
+        let pairs = self.yield_pressure.as_ref();
         [
-            ("share", self.share, Law::MooneyRivlin),
-            ("yield-stress", self.yield_stress, Law::J2),
-            ("hardening", self.hardening, Law::J2),
-            ("saturation-stress", self.saturation_stress, Law::J2),
-            ("saturation-rate", self.saturation_rate, Law::J2),
-            ("cohesion", self.cohesion, Law::DruckerPrager),
-            ("friction-angle", self.friction_angle, Law::DruckerPrager),
-            ("dilatancy-angle", self.dilatancy_angle, Law::DruckerPrager),
+            ("share", number(self.share), &[Law::MooneyRivlin]),
+            ("yield-stress", number(self.yield_stress), J2),
+            ("hardening", number(self.hardening), J2),
+            ("saturation-stress", number(self.saturation_stress), J2),
+            ("saturation-rate", number(self.saturation_rate), J2),
+            ("cohesion", number(self.cohesion), CONE),
+            ("friction-angle", number(self.friction_angle), CONE),
+            (
+                "dilatancy-angle",
+                number(self.dilatancy_angle),
+                &[Law::DruckerPrager],
+            ),
+            ("cap-eccentricity", number(self.cap_eccentricity), CAP),
+            (
+                "yield-pressure",
+                pairs.map(|pairs| format!("{pairs:?}")),
+                CAP,
+            ),
         ]
     }
 }
@@ -233,6 +276,20 @@ mod tests {
                     .unwrap()
                     .into(),
             ),
+            (
+                "law = \"drucker-prager-cap\"\ncohesion = 1e3\nfriction-angle = 60\n\
+                 cap-eccentricity = 0.6\nyield-pressure = [[0, 1e4], [0.5, 1e5]]",
+                DruckerPragerCap::new(
+                    1e6,
+                    0.3,
+                    1e3,
+                    60_f64.to_radians(),
+                    0.6,
+                    vec![[0.0, 1e4], [0.5, 1e5]],
+                )
+                .unwrap()
+                .into(),
+            ),
         ] {
             let region = entry(&format!("{text}\nyoung = 1e6\npoisson = 0.3")).unwrap();
             assert_eq!((region.material, region.density), (law, 1000.0), "{text}");
@@ -266,6 +323,21 @@ mod tests {
                 "law = \"drucker-prager\"\nyoung = 1e6\npoisson = 0.3\ncohesion = 1\nfriction-angle = 30\n\
                  dilatancy-angle = 31",
                 ["dilatancy-angle = 31", "in degrees"],
+            ),
+            (
+                "law = \"drucker-prager-cap\"\nyoung = 1e6\npoisson = 0.3\ncohesion = 1\nfriction-angle = 30\n\
+                 cap-eccentricity = 0.5",
+                ["yield-pressure = none", "pairs"],
+            ),
+            (
+                "law = \"drucker-prager-cap\"\nyoung = 1e6\npoisson = 0.3\ncohesion = 1\nfriction-angle = 30\n\
+                 cap-eccentricity = 0.5\nyield-pressure = [[0, 1e4], [0.1, 1e3]]",
+                ["yield pressure = 1000", "above the one before"],
+            ),
+            (
+                "law = \"drucker-prager\"\nyoung = 1e6\npoisson = 0.3\ncohesion = 1\nfriction-angle = 30\n\
+                 yield-pressure = [[0, 1e4], [0.1, 2e4]]",
+                ["yield-pressure = [[0.0, 10000.0]", "take it out"],
             ),
         ] {
             let message = entry(text).unwrap_err().to_string();

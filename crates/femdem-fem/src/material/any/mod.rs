@@ -5,8 +5,8 @@ mod viscous;
 pub use viscous::Viscous;
 
 use super::{
-    CustomMaterial, Deformation, DruckerPrager, Hencky, J2, Material, MooneyRivlin, NeoHookean,
-    Response, Tangent,
+    CustomMaterial, Deformation, DruckerPrager, DruckerPragerCap, Hencky, J2, Material,
+    MooneyRivlin, NeoHookean, Response, Tangent,
 };
 use crate::error::FemError;
 use serde::{Deserialize, Serialize};
@@ -32,6 +32,8 @@ pub enum AnyMaterial {
     DruckerPrager(DruckerPrager),
     /// A law from outside this crate.
     Custom(CustomMaterial),
+    /// Drucker-Prager plasticity with a cap.
+    DruckerPragerCap(DruckerPragerCap),
 }
 
 impl AnyMaterial {
@@ -72,13 +74,15 @@ impl AnyMaterial {
         }
     }
 
-    /// Equivalent plastic strain in the history of a point; `None` for laws without plasticity, and for
+    /// Equivalent plastic strain in the history of a point, of [`DruckerPragerCap`] its compaction; `None` for laws without plasticity, and for
     /// custom ones, whose history has no known layout.
     #[must_use]
     pub fn plastic_strain(&self, history: &[f64]) -> Option<f64> {
         match self {
             // It is the last number of their history.
-            Self::J2(_) | Self::DruckerPrager(_) => history.last().copied(),
+            Self::J2(_) | Self::DruckerPrager(_) | Self::DruckerPragerCap(_) => {
+                history.last().copied()
+            }
             Self::Viscous(viscous) => viscous.law().plastic_strain(history),
             _ => None,
         }
@@ -94,6 +98,7 @@ impl AnyMaterial {
             Self::Viscous(law) => Some(law),
             Self::J2(law) => Some(law),
             Self::DruckerPrager(law) => Some(law),
+            Self::DruckerPragerCap(law) => Some(law),
             Self::Custom(custom) => custom.law(),
         }
     }
@@ -175,6 +180,12 @@ impl From<J2> for AnyMaterial {
 impl From<DruckerPrager> for AnyMaterial {
     fn from(law: DruckerPrager) -> Self {
         Self::DruckerPrager(law)
+    }
+}
+
+impl From<DruckerPragerCap> for AnyMaterial {
+    fn from(law: DruckerPragerCap) -> Self {
+        Self::DruckerPragerCap(law)
     }
 }
 
