@@ -1,5 +1,7 @@
 //! Cracks along the facets of tetrahedral meshes.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
 use femdem_mesh::tet::{CrackedMesh, Facet};
 use femdem_mesh::{Point3, TetMesh, Vector3};
 use proptest::prelude::*;

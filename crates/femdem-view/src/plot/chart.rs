@@ -28,6 +28,9 @@ impl Hue {
     }
 }
 
+/// A point, and the ends of its error bar along y.
+pub(super) type Dot = ([f64; 2], Option<[f64; 2]>);
+
 /// A chart under construction.
 pub(super) struct Chart {
     x: Axis,
@@ -88,7 +91,7 @@ impl Chart {
     }
 
     /// Dots, each with the ends of its error bar along y.
-    pub fn dots(&mut self, hue: Hue, dots: &[([f64; 2], Option<[f64; 2]>)]) {
+    pub fn dots(&mut self, hue: Hue, dots: &[Dot]) {
         for (point, error) in dots.iter().filter(|(p, _)| p.iter().all(|x| x.is_finite())) {
             let [x, y] = self.at(*point);
             if let Some([low, high]) = error {

@@ -1,7 +1,7 @@
 //! A number over a parameter that was varied.
 
 use super::axis::Axis;
-use super::chart::{Chart, Hue};
+use super::chart::{Chart, Dot, Hue};
 use super::svg::{Plot, escape};
 
 /// Results over the values of a parameter, the others being as `name` says.
@@ -38,14 +38,14 @@ pub fn sweep(x: &str, y: &str, values: &[String], series: &[Series]) -> Option<P
         let points = series.points.iter();
         let known = points.filter_map(|(value, mean, error)| Some((place(value)?, *mean, *error)));
         let known = known.filter(|(_, mean, _)| mean.is_finite());
-        let mut dots: Vec<([f64; 2], Option<[f64; 2]>)> = known
+        let mut dots: Vec<Dot> = known
             .map(|(x, mean, error)| ([x, mean], error.map(|e| [mean - e, mean + e])))
             .collect();
         dots.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
         dots
     };
     let all: Vec<_> = series.iter().map(dots).collect();
-    let ends = |of: &dyn Fn(&([f64; 2], Option<[f64; 2]>)) -> [f64; 2]| {
+    let ends = |of: &dyn Fn(&Dot) -> [f64; 2]| {
         let each = || all.iter().flatten().map(of);
         let low = each().map(|[low, _]| low).fold(f64::INFINITY, f64::min);
         let high = each()

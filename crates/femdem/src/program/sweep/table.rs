@@ -122,7 +122,7 @@ pub(super) fn write(args: &SweepArgs, jobs: &[Job], is_run: bool) -> Result<()> 
         });
     }
     lines.push(String::new());
-    output::write_file(&args.out.join(TABLE), |w| {
+    output::write_file(args.out.join(TABLE), |w| {
         std::io::Write::write_all(w, lines.join("\n").as_bytes())
     })?;
     let name = charted(args, is_run);
