@@ -11,6 +11,8 @@
 //! 4 pi R_A gamma cos(theta)/(1 + H/d) with d = sqrt(H^2 + V/(pi R_A)) - H. They derive it as the derivative of the energy of the
 //! wetted surface, so that it has a potential. Bodies that overlap are pulled as where they touch.
 //!
+//! Each pair of a ball and another, or a wall, has one bridge; where a wall has several planes, to the nearest one.
+//!
 //! A bridge forms when bodies touch, and breaks at the distance (1 + theta/2) V^(1/3) of Lian, Thornton and Adams (1993),
 //! J. Colloid Interface Sci. 161, 138-147. Its energy is 0 where they touch; what it holds when it breaks is lost.
 

@@ -80,6 +80,22 @@ impl ContactLaws {
         Self { usual, ..self }
     }
 
+    /// The same laws where the materials have other numbers: that of material k is `numbers[k]`. Laws of materials beyond the list
+    /// are left out.
+    #[must_use]
+    pub fn renumbered(&self, numbers: &[MaterialId]) -> Self {
+        let mut laws = Self::from(self.usual);
+        for (a, &new_a) in numbers.iter().enumerate() {
+            for (b, &new_b) in numbers[..=a].iter().enumerate() {
+                let own = self.pairs.get(before(a) + b).copied().flatten();
+                if own.is_some() {
+                    laws.set([new_a, new_b], own);
+                }
+            }
+        }
+        laws
+    }
+
     /// The default law, and all laws of pairs with a material: a bound over them holds whatever it meets.
     pub fn of(&self, material: MaterialId) -> impl Iterator<Item = &ContactParameters> {
         let known = (0..=u8::MAX).take_while(|k| before(usize::from(*k)) < self.pairs.len());

@@ -1,5 +1,7 @@
 //! The cohesive law of cut facets: forces, energies, and what breaking takes.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
 use femdem_contact::glue::{GlueLaw, GluedFacet, GluedForces, Softening, mixed_energy};
 use femdem_mesh::{Rotation, Vector3};
 use proptest::prelude::*;
@@ -25,7 +27,7 @@ fn triangle() -> [Vector3; 3] {
 
 /// A facet that was cut under a traction, and what its springs were lent, J.
 fn cut(law: &GlueLaw, traction: [f64; 3]) -> (GluedFacet, f64) {
-    let mut facet = GluedFacet::new(AREA);
+    let mut facet = GluedFacet::new(AREA).unwrap();
     let lent = (0..3).map(|q| facet.join(q, law, traction)).sum();
     (facet, lent)
 }
@@ -173,6 +175,7 @@ fn closed_faces_slide_at_friction() {
 fn laws_that_cannot_be_are_refused_by_name() {
     let good = law(Softening::Linear);
     assert!(good.check().is_ok());
+    assert!(GluedFacet::new(-1.0).is_err() && GluedFacet::new(f64::NAN).is_err());
     for (law, name) in [
         (
             GlueLaw {

@@ -99,6 +99,8 @@ impl PackReport {
         let depths: Vec<f64> = world
             .contacts()
             .iter()
+            // Liquid bridges over a gap are contacts without an area.
+            .filter(|c| c.area > 0.0)
             .map(|c| c.penetration() / diameter)
             .collect();
         let bodies = world.body_ids().filter_map(|body| world.bounds(body));

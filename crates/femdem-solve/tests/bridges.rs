@@ -171,3 +171,55 @@ fn bridges_have_the_same_bits_with_threads_and_through_bytes() {
         assert_eq!(hash, world.state_hash().unwrap());
     }
 }
+
+/// Balls that are dried while they touch, or while a bridge between them is stretched, come apart without a rupture.
+#[test]
+fn no_bridge_outlives_its_law() {
+    for stretched in [false, true] {
+        let mut p = wet(weightless(1e6, 0.0, 0.0));
+        p.time_step.largest = Some(5e-6);
+        let mut world = World::new(p).unwrap();
+        let speed = Vector3::x() * 0.1;
+        ball(&mut world, Vector3::zeros(), speed);
+        ball(&mut world, Vector3::x() * (2.0 * RADIUS + 1e-5), -speed);
+        let over_gap = |world: &World| world.contacts().iter().any(|c| c.area == 0.0);
+        let touching = |world: &World| world.contacts().iter().any(|c| c.area > 0.0);
+        while if stretched {
+            !over_gap(&world)
+        } else {
+            !touching(&world)
+        } {
+            world.step().unwrap();
+        }
+        let dry = WorldParameters {
+            contact: weightless(1e6, 0.0, 0.0).contact,
+            ..*world.parameters()
+        };
+        world.set_contact(dry.contact).unwrap();
+        assert!(!over_gap(&world));
+        let until = world.time() + 0.2;
+        while world.time() < until {
+            world.step().unwrap();
+        }
+        let books = world.ledger();
+        assert!(world.contacts().is_empty());
+        assert_eq!(books.dissipated_bridges, 0.0, "{stretched}");
+        assert!(books.error_relative().abs() < 0.01, "{books:?}");
+    }
+}
+
+/// More liquid than a ball has room for is a slip of units.
+#[test]
+fn a_bridge_larger_than_its_ball_is_refused() {
+    let mut p = wet(weightless(1e6, 0.0, 0.0));
+    p.contact.liquid_bridge = Some(LiquidBridge {
+        volume: 1.1 * RADIUS.powi(3),
+        ..WATER
+    });
+    let mut world = World::new(p).unwrap();
+    let shape = world.add_sphere("ball", RADIUS).unwrap();
+    let spec = BodySpec::at_rest(shape, DENSITY, at(Vector3::zeros()));
+    world.add_body(spec).unwrap();
+    let error = world.step().unwrap_err().to_string();
+    assert!(error.contains("liquid_bridge.volume"), "{error}");
+}

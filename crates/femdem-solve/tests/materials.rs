@@ -346,6 +346,48 @@ fn a_table_of_equal_laws_changes_no_bit() {
     assert_ne!(mixed, one);
 }
 
+/// The numbers of materials are names: others, in the middle of a run, change nothing else.
+#[test]
+fn materials_with_other_numbers_change_no_bit() {
+    let law = |k: usize| Some(friction(0.1 + 0.2 * k as f64));
+    let mut as_it_was = heap(law);
+    let mut renumbered = heap(law);
+    for world in [&mut as_it_was, &mut renumbered] {
+        for _ in 0..200 {
+            world.step().unwrap();
+        }
+    }
+    let most = renumbered
+        .body_ids()
+        .filter_map(|id| renumbered.material(id));
+    let most = usize::from(most.map(|id| id.0).max().unwrap().max(GROUND.0));
+    let others: Vec<MaterialId> = (0..=most)
+        .map(|k| MaterialId((7 * (most - k) + 3) as u8))
+        .collect();
+    let error = renumbered
+        .renumber_materials(&others[..1])
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("material"), "{error}");
+    let twice = vec![MaterialId(4); most + 1];
+    assert!(renumbered.renumber_materials(&twice).is_err());
+    renumbered.renumber_materials(&others).unwrap();
+    for world in [&mut as_it_was, &mut renumbered] {
+        for _ in 0..200 {
+            world.step().unwrap();
+        }
+    }
+    for id in as_it_was.body_ids() {
+        let (old, new) = (
+            as_it_was.material(id).unwrap(),
+            renumbered.material(id).unwrap(),
+        );
+        assert_eq!(new, others[usize::from(old.0)]);
+        let states = [&as_it_was, &renumbered].map(|w| (w.position(id), w.velocity(id)));
+        assert_eq!(states[0], states[1]);
+    }
+}
+
 /// Laws and materials are part of the state: read from bytes in the middle, a heap with a law for each pair goes on with the
 /// same bits.
 #[test]

@@ -160,7 +160,8 @@ impl Context<'_> {
         if let Some(touch) = pair.touch.as_deref_mut() {
             self.date(&mut touch.history.fresh, is_new);
         }
-        if self.attracts {
+        // A bridge from a law of before ends here, too.
+        if self.attracts || pair.bridge().is_some() {
             self.attract(pair, &overlap, &mut work.convex);
         }
     }

@@ -3,7 +3,8 @@
 
 use super::ContactBatch;
 use crate::contact::{ContactForce, RigidContact};
-use crate::error::ContactError;
+use crate::error::{ContactError, check};
+use crate::law::ContactParameters;
 use crate::motion::Motion;
 
 /// The poses and velocities of all bodies and walls at one time.
@@ -34,6 +35,14 @@ impl ContactBatch {
     /// # Errors
     /// As [`update`](Self::update).
     pub fn update_springs(&mut self, now: Snapshot, ahead: Snapshot) -> Result<(), ContactError> {
+        let attract = self.laws().all().any(ContactParameters::attracts);
+        let allowed = "false: what attracts has no springs ahead of time; use `update`";
+        check(
+            "laws that attract",
+            f64::from(u8::from(attract)),
+            !attract,
+            allowed,
+        )?;
         self.advance(now, Some(ahead))
     }
 

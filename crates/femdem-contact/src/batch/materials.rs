@@ -56,6 +56,12 @@ impl ContactBatch {
                 let allowed =
                     "0 but for materials of spheres: give polyhedra and meshes a cohesion";
                 refuse(&ROUND, material, allowed)?;
+            } else if let Some(shape) = shape {
+                let bridges = laws.of(material).filter_map(ContactParameters::bridge);
+                let most = bridges.map(|bridge| bridge.volume).fold(0.0, f64::max);
+                let allowed = "at most the cube of the radius of each ball, m^3";
+                let is_small = most <= shape.radius().powi(3);
+                check("liquid_bridge.volume", most, is_small, allowed)?;
             }
         }
         for (wall, _) in self.walls().filter(|(_, shape)| shape.is_mesh()) {
@@ -80,6 +86,42 @@ impl ContactBatch {
     pub fn material(&self, body: BodyId) -> Option<MaterialId> {
         self.contains(body)
             .then(|| self.materials.of_bodies[body as usize])
+    }
+
+    /// Gives the materials other numbers, with their laws: that of material k is `numbers[k]`. No contact changes.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] for a body or wall whose material is beyond the list, [`ContactError::Parameter`] where two
+    /// materials would become one; nothing is changed then.
+    pub fn renumber_materials(&mut self, numbers: &[MaterialId]) -> Result<(), ContactError> {
+        let mut known = numbers.to_vec();
+        known.sort_unstable();
+        known.dedup();
+        let twice = (numbers.len() - known.len()) as f64;
+        let allowed = "0: each material needs a number of its own";
+        check(
+            "materials with the number of another",
+            twice,
+            twice == 0.0,
+            allowed,
+        )?;
+        let (of_bodies, of_walls) = (&mut self.materials.of_bodies, &mut self.materials.of_walls);
+        let used = of_bodies
+            .iter()
+            .chain(of_walls.iter())
+            .map(|id| usize::from(id.0));
+        if let Some(index) = used.max().filter(|&most| most >= numbers.len()) {
+            return Err(ContactError::NoSuch {
+                what: "number of a material",
+                index,
+                count: numbers.len(),
+            });
+        }
+        for id in of_bodies.iter_mut().chain(of_walls) {
+            *id = numbers[usize::from(id.0)];
+        }
+        self.materials.laws = self.materials.laws.renumbered(numbers);
+        Ok(())
     }
 
     /// The material of a wall.

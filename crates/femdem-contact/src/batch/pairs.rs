@@ -54,7 +54,7 @@ impl Pair {
     }
 
     /// The liquid bridge of the two.
-    fn bridge(&self) -> Option<&Bridge> {
+    pub(super) fn bridge(&self) -> Option<&Bridge> {
         match &self.cache {
             Cache::Sphere(ball) => ball.bridge.as_deref(),
             Cache::Body(_) | Cache::Wall(_) | Cache::Mesh(_) => None,

@@ -2,6 +2,7 @@
 
 use super::law::Glue;
 use super::{GlueLaw, MidSurface};
+use crate::error::{ContactError, check};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -68,12 +69,21 @@ impl Point {
 
 impl GluedFacet {
     /// A facet of an area (m²), none of whose nodes is split yet.
-    #[must_use]
-    pub fn new(area: f64) -> Self {
-        Self {
+    ///
+    /// # Errors
+    ///
+    /// [`ContactError::Parameter`] unless the area is positive and finite.
+    pub fn new(area: f64) -> Result<Self, ContactError> {
+        check(
+            "area of a facet",
+            area,
+            area > 0.0,
+            "above 0 and finite, in m^2",
+        )?;
+        Ok(Self {
             area,
             points: [None; 3],
-        }
+        })
     }
 
     /// Joins the pair of nodes `q` (0 to 2) that has just been split, under the traction (Pa) that the facet carries there, in the
@@ -117,7 +127,8 @@ impl GluedFacet {
             .all(|point| point.as_ref().is_some_and(broken))
     }
 
-    /// Forces and energies at positions of the nodes of the two sides, m; nothing for a facet without area.
+    /// Forces and energies at positions of the nodes of the two sides, m, for which [`advance`](Self::advance) has been called
+    /// first: what has slid and softened up to there. Nothing for a facet whose mid-surface has lost its area.
     #[must_use]
     pub fn forces(&self, law: &GlueLaw, a: &[Vector3; 3], b: &[Vector3; 3]) -> GluedForces {
         let mut found = GluedForces::default();

@@ -13,7 +13,7 @@
 //! - These springs are stretched at birth: the energy in them is **lent** ([`GluedFacet::join`] returns it), as nothing else has
 //!   lost it. It is T²/(2k) for the glue, and returns in what the glue dissipates.
 //!
-//! Forces are minus the exact gradient of the energy, with the turning of the axes; forces and moments of a facet balance.
+//! At each step call [`GluedFacet::advance`] and then [`GluedFacet::forces`]. Forces are minus the exact gradient of the energy, with the turning of the axes; forces and moments of a facet balance.
 //!
 //! ```
 //! use femdem_contact::glue::{GlueLaw, GluedFacet, Softening};
@@ -30,7 +30,7 @@
 //! };
 //! law.check()?;
 //! let a = [Vector3::zeros(), Vector3::x() * 1e-3, Vector3::y() * 1e-3];
-//! let (mut facet, mut lent) = (GluedFacet::new(0.5e-6), 0.0);
+//! let (mut facet, mut lent) = (GluedFacet::new(0.5e-6)?, 0.0);
 //! for q in 0..3 {
 //!     lent += facet.join(q, &law, [5e6, 0.0, 0.0]); // born under a tension of 5 MPa
 //! }

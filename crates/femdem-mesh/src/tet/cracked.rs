@@ -15,7 +15,8 @@ pub struct Split {
 /// The tetrahedra of a mesh and its nodes, where some of the facets are cut. The tetrahedra never change; a node is split
 /// where cut facets separate the tetrahedra around it.
 ///
-/// Two tetrahedra share a node exactly if facets that contain it, and are not cut, lead from one to the other around it. So
+/// Where the tetrahedra around each point of the mesh are joined by facets, as in all but pinched meshes, two of them share a node
+/// exactly if facets that contain it, and are not cut, lead from one to the other around it. So
 /// what is shared depends on the set of cut facets alone, not on their order, and a split changes neither volumes nor masses
 /// summed over tetrahedra. A cut facet whose nodes all hold together around its rim has no effect yet.
 ///

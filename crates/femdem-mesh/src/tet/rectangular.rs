@@ -71,6 +71,10 @@ impl RectangularShell {
         }
         for pair in self.sections.windows(2) {
             let steps = [0, 1, 2].map(|k| pair[1][k] - pair[0][k]);
+            if steps[2] == 0.0 && (steps[0] == 0.0 || steps[1] == 0.0) {
+                let allowed = "above 0 in both directions where the height is the same";
+                return refuse("growth from a rectangle to the next one", 0.0, allowed);
+            }
             let grows = steps.iter().all(|x| (0.0..f64::INFINITY).contains(x));
             if !(grows && steps.iter().any(|x| *x > 0.0)) {
                 let least = steps.into_iter().fold(f64::INFINITY, f64::min);
@@ -133,7 +137,8 @@ mod tests {
             (good[..1].to_vec(), 0.1, "rectangles"),
             (vec![[0.0, 0.1, 0.0], good[1]], 0.1, "side"),
             (vec![good[1], good[0]], 0.1, "upwards"),
-            (vec![good[0], good[0]], 0.1, "not all 0"),
+            (vec![good[0], good[0]], 0.1, "both directions"),
+            (vec![good[0], [0.1, 0.2, 0.0]], 0.1, "both directions"),
             (vec![good[0], [0.2, 0.2, f64::NAN]], 0.1, "growth"),
         ] {
             let shell = RectangularShell {

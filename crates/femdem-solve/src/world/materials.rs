@@ -107,6 +107,15 @@ impl World {
         Ok(())
     }
 
+    /// Gives the materials other numbers, with their laws: that of material k is `numbers[k]`. No contact changes, and nothing
+    /// wakes.
+    ///
+    /// # Errors
+    /// [`SolveError::Contact`] for a material in use beyond the list, and where two would become one; nothing is changed then.
+    pub fn renumber_materials(&mut self, numbers: &[MaterialId]) -> Result<(), SolveError> {
+        Ok(self.batch.renumber_materials(numbers)?)
+    }
+
     /// The material of a body; of a deformable one, that of its skin.
     pub fn material(&self, id: BodyId) -> Option<MaterialId> {
         self.batch.material(id)

@@ -10,7 +10,7 @@ use super::raster::{DepthBuffer, DepthMap};
 use super::scale_bar;
 use super::scene::Mesh;
 use super::shade;
-use super::view::{Frame, View};
+use super::view::{Frame, View, span};
 use crate::Drawing;
 
 /// Pixels of the depth buffer for each pixel of the picture, along each axis.
@@ -61,7 +61,8 @@ pub(super) fn eye(extent: &[Point3], options: &PictureOptions, legend: f64) -> V
         bottom: sub * (height - margin - below),
     };
     let (azimuth, elevation) = (options.azimuth.to_radians(), options.elevation.to_radians());
-    View::fit(azimuth, elevation, 6.0 * radius(extent), extent, frame)
+    let [low, high] = span(extent);
+    View::fit(azimuth, elevation, 3.0 * (high - low).norm(), extent, frame)
 }
 
 /// The lamp: above, in front and to the left of the eye, far away.

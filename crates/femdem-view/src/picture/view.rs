@@ -49,15 +49,12 @@ impl View {
     ) -> Self {
         let (sin_a, cos_a) = azimuth.sin_cos();
         let (sin_e, cos_e) = elevation.sin_cos();
-        let count = points.len().max(1) as f64;
-        let sum = points
-            .iter()
-            .fold(Vector3::zeros(), |sum, p| sum + p.coords / count);
+        let [low, high] = span(points);
         let mut view = Self {
             right: Vector3::new(cos_a, sin_a, 0.0),
             up: Vector3::new(-sin_a * sin_e, cos_a * sin_e, cos_e),
             toward: Vector3::new(sin_a * cos_e, -cos_a * cos_e, sin_e),
-            centre: Point3::from(sum),
+            centre: low + (high - low) * 0.5,
             distance,
             scale: 1.0,
             offset: [0.0; 2],
@@ -131,6 +128,13 @@ impl View {
             normal.dot(&self.toward) > 0.0
         }
     }
+}
+
+/// Lowest and highest corner of the box around some points; the origin without any.
+pub(super) fn span(points: &[Point3]) -> [Point3; 2] {
+    let first = points.first().copied().unwrap_or_default();
+    let corners = points.iter();
+    corners.fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)])
 }
 
 #[cfg(test)]

@@ -93,7 +93,8 @@ pub fn sweep(x: &str, y: &str, values: &[String], series: &[Series]) -> Option<P
             format!(" One line for each of: {}.", names.join("; "))
         }
     };
-    let caption = format!("Means over the seeds; bars are standard errors.{several}");
+    let caption =
+        format!("Means of the jobs with the same values; bars are standard errors.{several}");
     Some(Plot::of("sweep", &format!("{y} over {x}"), caption, chart))
 }
 

@@ -60,6 +60,15 @@ impl HopperEntry {
             let given = format!("{:?} of {:?}", self.outlet, self.section);
             return Err(wrong("hopper.outlet", &given, allowed));
         }
+        if self.half_angle == 90.0 && narrows.contains(&0.0) {
+            let allowed =
+                "shorter than the section in both directions, for a flat bottom (half-angle = 90)";
+            return Err(wrong(
+                "hopper.outlet",
+                &format!("{:?}", self.outlet),
+                allowed,
+            ));
+        }
         let top = match self.half_angle {
             90.0 => 0.0,
             angle => 0.5 * most / angle.to_radians().tan(),

@@ -22,7 +22,7 @@ pub(super) struct Met {
 pub(super) struct Meets<'a> {
     scenario: &'a Scenario,
     pairs: Vec<([MaterialId; 2], &'a PairEntry)>,
-    /// How many rigid bodies, walls and bodies of sources are of each material; of a source, at least two.
+    /// How many bodies, walls and bodies of sources are of each material; of a source, at least two.
     count: BTreeMap<MaterialId, usize>,
 }
 
@@ -35,7 +35,7 @@ impl<'a> Meets<'a> {
             Some((ids, pair))
         });
         let world = &simulation.world;
-        let bodies = world.rigid_ids().filter_map(|id| world.material(id));
+        let bodies = world.body_ids().filter_map(|id| world.material(id));
         let walls = world.walls().filter_map(|(id, _)| world.wall_material(id));
         let supplies = simulation.flow.supplies.iter();
         let come = supplies.flat_map(|supply| [supply.material; 2]);

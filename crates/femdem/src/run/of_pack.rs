@@ -73,24 +73,13 @@ impl Scenario {
         self.with_pairs(of_pack.map(|(name, _)| name), before.pair.iter().cloned())
     }
 
-    /// Gives bodies and walls of a pack their materials of the same names in this scene.
+    /// Gives the materials of a pack, and their laws, the numbers that their names have in this scene.
     fn set_pack_materials(&self, names: &[String], world: &mut World) -> Result<(), Error> {
         let mut found = vec![MaterialId::default()];
         for name in names {
             found.push(self.material_id(name)?);
         }
-        let here = |of: Option<MaterialId>| found[usize::from(of.unwrap_or_default().0)];
-        let bodies: Vec<_> = world.body_ids().collect();
-        for id in bodies {
-            let material = here(world.material(id));
-            world.set_material(id, material)?;
-        }
-        let walls: Vec<u32> = world.walls().map(|(wall, _)| wall).collect();
-        for wall in walls {
-            let material = here(world.wall_material(wall));
-            world.set_wall_material(wall, material)?;
-        }
-        Ok(())
+        Ok(world.renumber_materials(&found)?)
     }
 
     /// The walls of the pack that `remove` opens, by number in its world.
@@ -148,11 +137,13 @@ impl Simulation {
         }
         let spec = packing.spec();
         let names = spec.materials.clone();
-        let pairs: Vec<PairEntry> = spec
-            .pairs
-            .iter()
-            .filter_map(|pair| PairEntry::of(pair, &names))
-            .collect();
+        let named = |pair| {
+            let allowed = "a pack whose [[pair]] laws are all of named materials";
+            PairEntry::of(pair, &names)
+                .ok_or_else(|| wrong("from", &format!("\"{}\"", folder.display()), allowed))
+        };
+        let pairs = spec.pairs.iter().map(named);
+        let pairs: Vec<PairEntry> = pairs.collect::<Result<_, _>>()?;
         let mut world = packing.into_world();
         let before = *world.parameters();
         let filled = scene.filled(&before, true).with_pairs(&names, pairs);

@@ -1,7 +1,7 @@
 //! Translation of names of numbers that the libraries refuse to keys of scenes.
 
 /// Names of the libraries, and keys of scenes.
-pub(super) const KEYS: [(&str, &str); 28] = [
+pub(super) const KEYS: [(&str, &str); 29] = [
     ("penalty", "contact.penalty"),
     ("friction", "contact.friction"),
     ("wall_friction", "contact.wall-friction"),
@@ -13,6 +13,10 @@ pub(super) const KEYS: [(&str, &str); 28] = [
     ("adhesion_energy", "contact.adhesion-energy"),
     ("liquid_bridge.volume", "contact.liquid-bridge.volume"),
     ("liquid_bridge.tension", "contact.liquid-bridge.tension"),
+    (
+        "liquid_bridge.contact_angle",
+        "contact.liquid-bridge.contact-angle",
+    ),
     ("time_step.safety", "time-step.safety"),
     ("time_step.largest", "time-step.largest"),
     ("medium.local_damping", "medium.local-damping"),
@@ -33,7 +37,7 @@ pub(super) const KEYS: [(&str, &str); 28] = [
 ];
 
 /// The same for the laws of pairs of materials.
-pub(super) const OF_PAIRS: [(&str, &str); 11] = [
+pub(super) const OF_PAIRS: [(&str, &str); 12] = [
     ("penalty", "penalty"),
     ("friction", "friction"),
     ("wall_friction", "wall-friction"),
@@ -45,6 +49,7 @@ pub(super) const OF_PAIRS: [(&str, &str); 11] = [
     ("adhesion_energy", "adhesion-energy"),
     ("liquid_bridge.volume", "liquid-bridge.volume"),
     ("liquid_bridge.tension", "liquid-bridge.tension"),
+    ("liquid_bridge.contact_angle", "liquid-bridge.contact-angle"),
 ];
 
 #[cfg(test)]

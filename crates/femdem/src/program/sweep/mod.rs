@@ -125,6 +125,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
     fs::create_dir_all(&args.out)
         .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
     let mut failed = Vec::new();
+    let mut has_chart = false;
     for (k, job) in jobs.iter().enumerate() {
         say(&format!("{} of {}: {}", k + 1, jobs.len(), job.name));
         match job.finish(args, is_run) {
@@ -135,7 +136,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
                 failed.push(job.name.as_str());
             }
         }
-        table::write(args, &jobs, is_run)?;
+        has_chart = table::write(args, &jobs, is_run)?;
     }
     if !failed.is_empty() {
         bail!(
@@ -146,11 +147,11 @@ pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
         );
     }
     let [table, chart] = [table::TABLE, table::CHART].map(|file| args.out.join(file));
-    say(&format!(
-        "table in {}, chart in {}",
-        table.display(),
-        chart.display()
-    ));
+    let chart = match has_chart {
+        true => format!(", chart in {}", chart.display()),
+        false => String::new(),
+    };
+    say(&format!("table in {}{chart}", table.display()));
     Ok(Outcome::Finished)
 }
 

@@ -76,8 +76,8 @@ struct Row<'a> {
     errors: Vec<Option<f64>>,
 }
 
-/// Writes the table of the jobs that are finished, and the chart.
-pub(super) fn write(args: &SweepArgs, jobs: &[Job], is_run: bool) -> Result<()> {
+/// Writes the table of the jobs that are finished, and the chart if there are two points for it; returns whether there are.
+pub(super) fn write(args: &SweepArgs, jobs: &[Job], is_run: bool) -> Result<bool> {
     let keys = columns(is_run);
     let mut rows = Vec::new();
     let varied: Vec<String> = args.vary.iter().map(|vary| quoted(&vary.key)).collect();
@@ -128,16 +128,17 @@ pub(super) fn write(args: &SweepArgs, jobs: &[Job], is_run: bool) -> Result<()> 
     let name = charted(args, is_run);
     let column = keys.iter().position(|key| *key == name);
     let Some((column, vary)) = column.zip(args.vary.first()) else {
-        return Ok(());
+        return Ok(false);
     };
     let chart = args.out.join(CHART);
-    match sweep(&vary.key, name, &vary.values, &series(args, &rows, column)) {
+    let plot = sweep(&vary.key, name, &vary.values, &series(args, &rows, column));
+    match &plot {
         Some(plot) => output::write_file(&chart, |w| plot.write_svg(w))?,
         // That of other jobs, whose scenes have changed.
         None if chart.exists() => std::fs::remove_file(&chart)?,
         None => {}
     }
-    Ok(())
+    Ok(plot.is_some())
 }
 
 /// The numbers of a column over the values of the first key, one series for each combination of the others.
