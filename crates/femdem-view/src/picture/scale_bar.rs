@@ -82,7 +82,7 @@ mod tests {
         // 0.08 m fit a fifth of the width: 50 mm are 50 pixels.
         let dark = |y: usize| {
             (0..400)
-                .filter(|&x| image.pixel(x, y).unwrap()[0] < 150)
+                .filter(|&x| image.pixel(x, y).unwrap()[0] < 250)
                 .count()
         };
         let longest = (250..300).map(dark).max().unwrap();
