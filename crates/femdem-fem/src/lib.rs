@@ -51,7 +51,7 @@
 mod drive;
 pub mod element;
 mod error;
-#[allow(missing_docs)]
+
 pub mod fracture;
 pub mod material;
 mod model;

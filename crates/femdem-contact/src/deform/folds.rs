@@ -81,7 +81,7 @@ impl<'a> Folds<'a> {
                         .boxes
                         .get(at)
                         .is_some_and(|other| other.overlaps(&wide));
-                if near && may_overlap(&tets[i].nodes, &tets[at].nodes, &creases) {
+                if near && may_overlap(&tets[i].joined, &tets[at].joined, &creases) {
                     pairs.push([i as u32, j]);
                 }
             });
@@ -170,6 +170,7 @@ impl Skin<'_> {
             reach = if flat < reach { flat } else { reach };
         }
         let skin = self.shape.skin();
+        let joined = self.shape.joined_skin();
         let corners: Vec<[Vector3; 3]> = skin.iter().map(|t| self.corners(t)).collect();
         let boxes: Vec<Aabb> = corners
             .iter()
@@ -183,7 +184,7 @@ impl Skin<'_> {
             }
             tree.query(&own.grown(reach), |j| {
                 let j = j as usize;
-                let apart = j <= i || skin[i].iter().any(|node| skin[j].contains(node));
+                let apart = j <= i || joined[i].iter().any(|node| joined[j].contains(node));
                 if !apart && own.grown(reach).overlaps(&boxes[j]) {
                     let gap = gap(&corners[i], &corners[j], reach);
                     reach = if gap < reach { gap } else { reach };
@@ -203,15 +204,15 @@ impl Skin<'_> {
     /// their surroundings once, with the body behind them and not in front. 0 if they do not now, and infinite for nodes
     /// that are not on the skin.
     fn flatness(&self) -> Vec<f64> {
-        let skin = self.shape.skin();
+        let (skin, joined) = (self.shape.skin(), self.shape.joined_skin());
         let mut around: Vec<(u32, u32)> = Vec::with_capacity(3 * skin.len());
         let mut faces = Vec::with_capacity(skin.len());
         for (triangle, i) in skin.iter().zip(0..) {
-            around.extend(triangle.map(|node| (node, i)));
+            around.extend(joined[i as usize].map(|node| (node, i)));
             faces.push(Face::new(self.corners(triangle)));
         }
         around.sort_unstable();
-        let mut flatness = vec![(f64::INFINITY, Vector3::zeros()); self.x.len()];
+        let mut flatness = vec![(f64::INFINITY, Vector3::zeros()); self.shape.joined_count()];
         for fan in around.chunk_by(|a, b| a.0 == b.0) {
             let node = fan[0].0;
             if let Some(flat) = flatness.get_mut(node as usize) {
@@ -223,7 +224,7 @@ impl Skin<'_> {
             let Some(corners) = self.shape.corners(i, self.x) else {
                 continue;
             };
-            for (k, node) in tet.nodes.into_iter().enumerate() {
+            for (k, node) in tet.joined.into_iter().enumerate() {
                 let flat = flatness.get_mut(node as usize);
                 if let Some((flat, up)) = flat.filter(|(flat, _)| *flat > 0.0 && flat.is_finite())
                     && sees(&corners, k, up)
@@ -251,13 +252,13 @@ impl Skin<'_> {
         }
         // Each triangle turns the same way about the direction; together they turn once.
         let across = up.cross(&axis_across(&up));
-        let at = self.x[node as usize];
         let passes = fan.iter().filter(|(_, i)| {
             let triangle = &self.shape.skin()[*i as usize];
-            let own = triangle
+            let own = self.shape.joined_skin()[*i as usize]
                 .iter()
                 .position(|corner| *corner == node)
                 .unwrap_or(0);
+            let at = self.x[triangle[own] as usize];
             let side = |k: usize| {
                 let corner = triangle[(own + k) % 3];
                 across.dot(&(self.x[corner as usize] - at))

@@ -1,6 +1,7 @@
 //! Cached lists of the tetrahedra of a pair that can meet, and how long they stay valid.
 
 use super::operand::{Inverted, Operand};
+use super::shape::DeformableShape;
 use crate::tets::boxes::{BoxTest, gap_along_axes};
 use crate::tets::current::Current;
 use crate::tets::near_list::{Candidate, NearList, Search, Within, members, place};
@@ -158,15 +159,9 @@ impl Search for Sides<'_> {
     }
 }
 
-impl Operand<'_> {
-    /// Tetrahedra (ascending) with their nodes.
-    fn members(&self, tets: Vec<u32>) -> Members {
-        let Self::Deformable(shape, _) = self else {
-            return Members {
-                tets,
-                ..Members::default()
-            };
-        };
+impl Members {
+    /// Tetrahedra of a deformable body, ascending, with their nodes.
+    pub(crate) fn new(shape: &DeformableShape, tets: Vec<u32>) -> Self {
         let nodes_of = |i: &u32| shape.tets()[*i as usize].nodes;
         let mut nodes: Vec<u32> = tets.iter().flat_map(nodes_of).collect();
         let masters: Vec<u32> = nodes
@@ -180,11 +175,24 @@ impl Operand<'_> {
         nodes.dedup();
         let at = |i: u32| place(&nodes, i) as u32;
         let slave = |i: &u32| Some((at(*i), shape.masters(*i)?.map(at)));
-        Members {
+        Self {
             corners: tets.iter().map(|i| nodes_of(i).map(at)).collect(),
             slaves: nodes.iter().filter_map(slave).collect(),
             tets,
             nodes,
+        }
+    }
+}
+
+impl Operand<'_> {
+    /// Tetrahedra (ascending) with their nodes.
+    fn members(&self, tets: Vec<u32>) -> Members {
+        match self {
+            Self::Deformable(shape, _) => Members::new(shape, tets),
+            Self::Rigid(..) | Self::Wall(..) => Members {
+                tets,
+                ..Members::default()
+            },
         }
     }
 

@@ -61,7 +61,7 @@ fn is_taken(part: &Part, pairs: &[[u32; 2]], in_b: &[bool]) -> bool {
 /// The pairs that hang together: two with a common tetrahedron, if their others are one or share a face.
 fn parts(pairs: &[[u32; 2]], tets: &[ContactTet]) -> Vec<Part> {
     let beside = |i: u32, j: u32| {
-        let (a, b) = (&tets[i as usize].nodes, &tets[j as usize].nodes);
+        let (a, b) = (&tets[i as usize].joined, &tets[j as usize].joined);
         a.iter().filter(|node| b.contains(node)).count() >= 3
     };
     let mut members: Vec<(u32, u32, bool)> = Vec::with_capacity(2 * pairs.len());
@@ -108,6 +108,7 @@ mod tests {
     fn row(count: u32) -> Vec<ContactTet> {
         let tet = |i: u32| ContactTet {
             nodes: [i, i + 1, i + 2, i + 3],
+            joined: [i, i + 1, i + 2, i + 3],
             values: [0.0; 4],
             skin: 0,
             triangles: [0; 4],

@@ -4,6 +4,7 @@ use crate::error::{ContactError, STIFFNESSES, check, check_pressure};
 use crate::general::{Field, gauge};
 use crate::tets::cells::NONE;
 use femdem_mesh::bvh::{Aabb, Bvh};
+use femdem_mesh::tet::FACES;
 use femdem_mesh::{Point3, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -12,6 +13,8 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct ContactTet {
     /// Contact nodes: first the nodes of the finite elements, then slaves.
     pub nodes: [u32; 4],
+    /// The same, of which those count as one that cracks separate whose sides still belong together.
+    pub joined: [u32; 4],
     /// The field at them.
     pub values: [f64; 4],
     /// Bit k: the face opposite node k lies on the skin.
@@ -35,9 +38,13 @@ pub struct DeformableShape {
     /// By slave, the four nodes of which it is the mean.
     slaves: Vec<[u32; 4]>,
     tets: Vec<ContactTet>,
+    /// How many nodes there are by [`ContactTet::joined`].
+    joined_count: usize,
     /// By tetrahedron, of which of the mesh it is: all of it, or the part opposite its corner k.
     parents: Vec<(u32, Option<u8>)>,
     skin: Vec<[u32; 3]>,
+    /// As [`ContactTet::joined`].
+    joined_skin: Vec<[u32; 3]>,
     /// By triangle of the skin, its neighbours across the edges.
     beside: Vec<[u32; 3]>,
     tree: Bvh,
@@ -87,29 +94,70 @@ impl DeformableShape {
         }
     }
 
-    /// The contact mesh of this body after cracks have opened: `mesh` has the same tetrahedra in the same order, with other
-    /// numbers of the nodes, and may be in pieces, as from [`CrackedMesh::mesh`](femdem_mesh::tet::CrackedMesh::mesh). The field is
-    /// the distance to the skin, that of the cracks included. The [edge](Self::edge) stays that of the body at first.
+    /// The contact mesh of this body after it has cracked. `skin` has its tetrahedra in the same order, with nodes of their own
+    /// where the sides of cracks have become skin, as from [`CrackedMesh::mesh`](femdem_mesh::tet::CrackedMesh::mesh); it may be
+    /// in pieces. The field is the distance to that skin. `nodes` holds by tetrahedron the nodes of the finite elements, of
+    /// which there are `count`: these may be separate where the tetrahedra of `skin` are joined. The
+    /// [edge](Self::edge) stays that of the body at first.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and for another number of tetrahedra.
-    pub fn cracked(&self, mesh: &TetMesh) -> Result<Self, ContactError> {
+    /// As [`new`](Self::new), and for another number of tetrahedra, or nodes that are beyond `count`.
+    pub fn cracked(
+        &self,
+        skin: &TetMesh,
+        nodes: &[[u32; 4]],
+        count: usize,
+    ) -> Result<Self, ContactError> {
+        self.check_tetrahedra(skin.tets().len())?;
+        let new = Self {
+            edge: self.edge,
+            ..Self::build(skin, Field::Body)?
+        };
+        new.renumbered(nodes, count)
+    }
+
+    /// The same contact mesh with other nodes of the finite elements: see [`cracked`](Self::cracked).
+    ///
+    /// # Errors
+    /// [`ContactError::Mesh`] for another number of tetrahedra, or nodes that are beyond `count`.
+    pub fn renumbered(&self, nodes: &[[u32; 4]], count: usize) -> Result<Self, ContactError> {
+        self.check_tetrahedra(nodes.len())?;
+        if let Some(beyond) = nodes.iter().flatten().find(|node| **node as usize >= count) {
+            return Err(ContactError::Mesh {
+                why: format!("node {beyond} of a tetrahedron does not exist: there are {count}"),
+            });
+        }
+        let mut new = self.clone();
+        new.node_count = count;
+        new.slaves.clear();
+        for (tet, (parent, part)) in new.tets.iter_mut().zip(&self.parents) {
+            let of_parent = nodes[*parent as usize];
+            tet.nodes = of_parent;
+            if let Some(k) = part {
+                if *k == 0 {
+                    new.slaves.push(of_parent);
+                }
+                tet.nodes[usize::from(*k)] = (count + new.slaves.len() - 1) as u32;
+            }
+            for (k, face) in FACES.iter().enumerate() {
+                if tet.skin & (1 << k) != 0 {
+                    new.skin[tet.triangles[k] as usize] = face.map(|i| tet.nodes[i]);
+                }
+            }
+        }
+        Ok(new)
+    }
+
+    fn check_tetrahedra(&self, found: usize) -> Result<(), ContactError> {
         let own = self
             .parents
             .last()
             .map_or(0, |(last, _)| *last as usize + 1);
-        if mesh.tets().len() != own {
-            return Err(ContactError::Mesh {
-                why: format!(
-                    "it has {} tetrahedra where the body has {own}",
-                    mesh.tets().len()
-                ),
-            });
+        if found == own {
+            return Ok(());
         }
-        let new = Self::build(mesh, Field::Body)?;
-        Ok(Self {
-            edge: self.edge,
-            ..new
+        Err(ContactError::Mesh {
+            why: format!("it has {found} tetrahedra where the body has {own}"),
         })
     }
 
@@ -143,6 +191,7 @@ impl DeformableShape {
             };
             let mut tet = ContactTet {
                 nodes: *nodes,
+                joined: *nodes,
                 values: nodes.map(value),
                 skin: 0,
                 triangles: [nearest; 4],
@@ -162,12 +211,14 @@ impl DeformableShape {
         let tet_box = |t: &[u32; 4]| Aabb::of_points(t.map(point));
         Ok(Self {
             node_count,
+            joined_count: split.points().len(),
             slaves,
             tree: Bvh::new(&split.tets().iter().map(tet_box).collect::<Vec<_>>()),
             tets,
             parents,
             beside: beside(&skin),
             edge: mean_edge(&surface),
+            joined_skin: skin.clone(),
             skin,
             skin_tree: finder,
             inradius,
@@ -206,6 +257,16 @@ impl DeformableShape {
         &self.skin
     }
 
+    /// The same, with nodes as in [`ContactTet::joined`].
+    pub(crate) fn joined_skin(&self) -> &[[u32; 3]] {
+        &self.joined_skin
+    }
+
+    /// How many nodes there are by [`ContactTet::joined`].
+    pub(crate) fn joined_count(&self) -> usize {
+        self.joined_count
+    }
+
     pub(crate) fn tets(&self) -> &[ContactTet] {
         &self.tets
     }
@@ -213,6 +274,11 @@ impl DeformableShape {
     /// Of which tetrahedron of the mesh tetrahedron `i` is: all of it, or the part opposite its corner k.
     pub(crate) fn parent(&self, i: u32) -> Option<(u32, Option<u8>)> {
         self.parents.get(i as usize).copied()
+    }
+
+    /// Whether another shape of the body has the same tetrahedra, of which the same belong together.
+    pub(crate) fn is_joined_as(&self, other: &Self) -> bool {
+        self.parents == other.parents && self.joined_skin == other.joined_skin
     }
 
     /// The first of the tetrahedra that tetrahedron `parent` of the mesh became, and whether there are four, in the order of

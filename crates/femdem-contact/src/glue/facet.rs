@@ -141,8 +141,8 @@ impl GluedFacet {
             .all(|point| point.as_ref().is_some_and(broken))
     }
 
-    /// Whether the faces can go apart without a trace at these positions: [broken](Self::is_broken), without pressure
-    /// anywhere, and everywhere opened by more than `opening` or slid by more than `slip`, m.
+    /// Whether the faces can go apart without a trace at these positions: nothing holds the pairs of nodes that are split, nor
+    /// presses them, and somewhere they have opened by more than `opening` or slid by more than `slip`, m.
     #[must_use]
     pub fn is_free(
         &self,
@@ -150,14 +150,21 @@ impl GluedFacet {
         [a, b]: [&[Vector3; 3]; 2],
         [least, slip]: [f64; 2],
     ) -> bool {
-        let Some(middle) = MidSurface::new(a, b).filter(|_| self.is_broken(law)) else {
+        let Some(middle) = MidSurface::new(a, b) else {
             return false;
         };
-        let points = self.points.iter().zip(middle.openings(a, b));
-        points.into_iter().all(|(point, opening)| {
-            let apart = opening[0] > least || opening[1].hypot(opening[2]) > slip;
-            apart && point.is_some_and(|point| point.overlap(&opening) <= 0.0)
-        })
+        let mut is_apart = false;
+        for (point, opening) in self.points.iter().zip(middle.openings(a, b)) {
+            let Some(point) = point else {
+                continue;
+            };
+            let holds = point.glue.is_some_and(|glue| !glue.is_broken(law));
+            if holds || point.overlap(&opening) > 0.0 {
+                return false;
+            }
+            is_apart |= opening[0] > least || opening[1].hypot(opening[2]) > slip;
+        }
+        is_apart
     }
 
     /// Stiffness at each pair of nodes now, N/m: of the glue that is left, and of the contact.

@@ -96,6 +96,11 @@ impl<N> NearList<N> {
     }
 
     /// The list, expired or not.
+    pub fn near_mut(&mut self) -> Option<&mut N> {
+        self.near.as_deref_mut()
+    }
+
+    /// What is near, if it is known that anything is.
     pub fn near(&self) -> Option<&N> {
         self.near.as_deref()
     }

@@ -5,7 +5,7 @@ use super::body::SoftBody;
 use super::pair::SoftPair;
 use crate::contact::BodyId;
 use crate::deform::bristle::Anchor;
-use crate::deform::near::Candidates;
+use crate::deform::near::{Candidates, Members};
 use crate::deform::shape::{DeformableShape, Modulus};
 use crate::deform::side::Side;
 use std::sync::Arc;
@@ -73,6 +73,8 @@ struct Renumbering<'a> {
     new: &'a DeformableShape,
     /// By triangle of the old skin, that of the new one.
     triangles: Vec<Option<u32>>,
+    /// Whether nothing changes but the numbers of nodes.
+    is_renumbered: bool,
 }
 
 impl<'a> Renumbering<'a> {
@@ -93,12 +95,19 @@ impl<'a> Renumbering<'a> {
             old,
             new,
             triangles,
+            is_renumbered: old.is_joined_as(new),
         }
     }
 
     /// Numbers the springs of a pair anew on a side, which is side `of_kernel` of its evaluation, and forgets what is near.
     fn apply(&self, pair: &mut SoftPair, side: usize, of_kernel: usize) {
-        pair.candidates = Candidates::default();
+        if !self.is_renumbered {
+            pair.candidates = Candidates::default();
+        } else if let Some(near) = pair.candidates.near_mut() {
+            // The sides of a list are those of the evaluation.
+            let tets = std::mem::take(&mut near.sides[of_kernel].tets);
+            near.sides[of_kernel] = Members::new(self.new, tets);
+        }
         let outcome = &mut pair.outcome;
         outcome.nodes[side].clear();
         outcome.bristles.retain_mut(|bristle| {

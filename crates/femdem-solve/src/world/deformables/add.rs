@@ -111,7 +111,7 @@ impl World {
         let shape = &self.batch.deformable_shapes()[spec.model as usize];
         let launch = USUAL_MOVE * shape.inradius() / state.fastest;
         let modulus = model.modulus(shape, &laws, spec.material);
-        state.contact_step = model.contact_step(shape, modulus, masses);
+        state.contact_step = model.contact_step(shape, modulus);
         let bound = state.bound.critical_step().min(state.contact_step);
         let frequency = model.frequency(shape);
         let id = self.batch.add_deformable(spec.model, modulus)?;
@@ -260,8 +260,7 @@ impl Deformables {
         let model = &self.models[body.model as usize];
         let material = batch.material(id).unwrap_or_default();
         let modulus = model.modulus(shape, batch.laws(), material);
-        let masses = body.contact_masses(model.model.masses());
-        body.contact_step = model.contact_step(shape, modulus, &masses);
+        body.contact_step = model.contact_step(shape, modulus);
         Ok(batch.set_modulus(id, modulus)?)
     }
 
@@ -313,9 +312,11 @@ impl Deformables {
                     let whole = shapes.get(*base as usize).ok_or_else(|| {
                         inconsistent(format!("the model {base} of a cracked body comes after it"))
                     })?;
+                    let nodes = model.model.mesh().tets();
+                    let count = model.model.nodes().len();
                     match mesh {
-                        Some(mesh) => Arc::new(whole.cracked(mesh)?),
-                        None => Arc::clone(whole),
+                        Some(mesh) => Arc::new(whole.cracked(mesh, nodes, count)?),
+                        None => Arc::new(whole.renumbered(nodes, count)?),
                     }
                 }
             };

@@ -1,7 +1,7 @@
 //! Kicks of the deformable bodies.
 
 use super::each::on_each;
-use super::fracture::{Breakable, CrackState};
+use super::fracture::Breakable;
 use super::{Deformables, State};
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
@@ -59,7 +59,10 @@ impl<'a> Kick<'a> {
         // Its cracks hold what contacts do to its nodes.
         let breakable = body.breakable.take();
         let cracks = breakable.as_deref().and_then(Breakable::cracks);
-        let contact = cracks.map_or_else(|| self.batch.nodal_loads(i), CrackState::loads);
+        let contact = match cracks {
+            Some(cracks) => cracks.loads(self.batch.nodal_loads(i)),
+            None => self.batch.nodal_loads(i),
+        };
         let plain = *self.medium == Medium::default();
         let (masses, gravity) = (model.masses(), self.gravity + body.pull);
         let loaded = body.pull != Vector3::zeros();

@@ -144,8 +144,8 @@ impl Model {
 
     /// The step that is stable for any node with its whole share of the skin in contact, s. The stiffest
     /// partner is a wall that acts as a mirror image, four times as stiff as the foundation.
-    /// `masses` are those of the contact nodes, kg.
-    fn contact_step(&self, shape: &DeformableShape, modulus: Modulus, masses: &[f64]) -> f64 {
+    fn contact_step(&self, shape: &DeformableShape, modulus: Modulus) -> f64 {
+        let masses = self.model.masses();
         let mut areas = vec![0.0; masses.len()];
         for (triangle, area) in self.skin_areas(shape) {
             for &i in triangle {
@@ -173,17 +173,9 @@ impl Model {
         &'a self,
         shape: &'a DeformableShape,
     ) -> impl Iterator<Item = (&'a [u32; 3], f64)> {
-        // New nodes come after those that were there at first, which the skin has until it cracks.
-        let split = self
-            .cracked
-            .as_ref()
-            .and_then(|cracked| cracked.mesh.as_ref());
-        let place = move |i: u32| match split {
-            Some(mesh) => mesh.points().get(i as usize).map(|x| x.coords),
-            None => self.model.nodes().get(i as usize).copied(),
-        };
+        let nodes = self.model.nodes();
         shape.skin().iter().filter_map(move |triangle| {
-            let corners = triangle.map(place);
+            let corners = triangle.map(|i| nodes.get(i as usize).copied());
             let [Some(a), Some(b), Some(c)] = corners else {
                 return None;
             };

@@ -116,9 +116,6 @@ impl World {
             return Ok(());
         };
         deformables.bound = None;
-        for body in &mut deformables.bodies {
-            body.follow_cracks();
-        }
         let nodes: Vec<NodalState> = deformables.bodies.iter().map(State::nodes).collect();
         let (bodies, walls) = (&self.motions, &self.wall_motions);
         self.batch.update_deformables(&nodes, bodies, walls, dt)?;
@@ -170,9 +167,6 @@ impl Deformables {
 impl State {
     /// What the contact stage sees.
     fn nodes(&self) -> NodalState<'_> {
-        if let Some(cracks) = self.cracks() {
-            return cracks.nodes();
-        }
         NodalState {
             positions: &self.positions,
             velocities: &self.velocities,

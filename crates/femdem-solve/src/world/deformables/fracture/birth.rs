@@ -16,7 +16,6 @@ use femdem_fem::fracture::{Cut, Decision, NodalDecision};
 use femdem_fem::{DeformableModel, ElementStress};
 use femdem_mesh::tet::CrackedMesh;
 use femdem_mesh::{Matrix3, Vector3};
-use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A body that has just cracked, or cracked further.
@@ -70,7 +69,8 @@ impl World {
         }
         if any {
             self.book_cracks();
-            self.map_cracks();
+            // The contacts act on the new nodes, too.
+            self.meet_deformables(0.0)?;
         }
         Ok(())
     }
@@ -84,7 +84,7 @@ impl World {
         let number = deformables.bodies[id as usize].model;
         if !cracked.is_first {
             deformables.models[number as usize].model = cracked.model;
-            return Ok(());
+            return self.reshape_cracked(id, false);
         }
         let old = &deformables.models[number as usize];
         let new = Model {
@@ -102,7 +102,8 @@ impl World {
         deformables.models.push(new);
         let own = self.batch.add_deformable_shape(shape);
         deformables.bodies[id as usize].model = own;
-        Ok(self.batch.crack_deformable(id, own, None)?)
+        self.batch.crack_deformable(id, own, None)?;
+        self.reshape_cracked(id, false)
     }
 
     /// Books what cracks exchanged since the last call.
@@ -117,7 +118,7 @@ impl World {
         }
     }
 
-    /// Takes the forces of the contacts over to the nodes of cracked bodies.
+    /// Takes the stiffness of the contacts over to cracked bodies.
     pub(in crate::world) fn map_cracks(&mut self) {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return;
@@ -191,8 +192,6 @@ impl State {
             self.split(next, &found, &mut cracks)?;
             cracks.open(&self.positions, &stresses);
             cracks.stiffen(self.positions.len());
-            cracks.share(next.masses(), &self.inverse_masses);
-            cracks.follow(&self.positions, &self.velocities);
         }
         if !is_first || next.is_some() {
             breakable.cracks = Some(cracks);
@@ -256,40 +255,16 @@ impl State {
         }
     }
 
-    /// Moves the contact nodes of a cracked body to where its nodes are.
-    pub(in crate::world::deformables) fn follow_cracks(&mut self) {
-        let Self {
-            breakable,
-            positions,
-            velocities,
-            ..
-        } = self;
-        let breakable = breakable.as_deref_mut();
-        if let Some(cracks) = breakable.and_then(|breakable| breakable.cracks.as_deref_mut()) {
-            cracks.follow(positions, velocities);
-        }
-    }
-
     /// What contacts do to its nodes, as body `i`; of stiffness, with that of its cracks.
     pub(in crate::world) fn contact_loads<'a>(
         &'a self,
         batch: &'a ContactBatch,
         i: BodyId,
     ) -> NodalLoads<'a> {
+        let contacts = batch.nodal_loads(i);
         match self.cracks() {
-            Some(cracks) => cracks.loads(),
-            None => batch.nodal_loads(i),
-        }
-    }
-
-    /// Masses of its contact nodes, from those of its nodes, kg.
-    pub(in crate::world::deformables) fn contact_masses<'a>(
-        &self,
-        masses: &'a [f64],
-    ) -> Cow<'a, [f64]> {
-        match self.cracks() {
-            Some(cracks) => Cow::Owned(cracks.contact_masses(masses)),
-            None => Cow::Borrowed(masses),
+            Some(cracks) => cracks.loads(contacts),
+            None => contacts,
         }
     }
 

@@ -7,7 +7,6 @@ use crate::world::deformables::{ContactStiffness, Model};
 use femdem_contact::{BodyId, Field};
 use femdem_fem::MaterialRegion;
 use femdem_fem::element::Element;
-use femdem_fem::fracture::Strength;
 use femdem_fem::material::{Deformation, Material};
 use femdem_mesh::tet::Facets;
 use femdem_mesh::{Matrix3, Vector3};
@@ -52,7 +51,7 @@ impl Breakable {
         };
         let weakest = factors.iter().copied().fold(f64::INFINITY, f64::min);
         Self {
-            harmless: MARGIN * 2.0 * weakest * least(&fracture.strength) / model.stiffest(),
+            harmless: MARGIN * 2.0 * weakest * fracture.strength.least() / model.stiffest(),
             fracture,
             factors,
             highest: 0.0,
@@ -63,14 +62,6 @@ impl Breakable {
     pub fn cracks(&self) -> Option<&CrackState> {
         self.cracks.as_deref()
     }
-}
-
-/// The smallest |stress| at which a material fails, Pa: f of tension; of shear, with n·σ = (1 + sin φ) σ_1 − (1 − sin φ) σ_3 =
-/// 2 c cos φ, the distance of that plane.
-fn least(strength: &Strength) -> f64 {
-    let (sin, cos) = strength.friction_angle().sin_cos();
-    let shear = 2.0 * strength.cohesion() * cos / (1.0 + sin).hypot(1.0 - sin);
-    strength.tensile().min(shear)
 }
 
 impl Model {

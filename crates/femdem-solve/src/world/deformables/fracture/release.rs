@@ -1,6 +1,7 @@
 //! Facets whose sides have nothing to do with each other any more become skin.
 
 use super::CrackState;
+use super::joints::Joint;
 use super::query::CrackFacet;
 use crate::error::SolveError;
 use crate::world::World;
@@ -11,9 +12,10 @@ use std::sync::Arc;
 /// Looks at the stresses between two looks at what is released.
 const LOOKS: u64 = 20;
 
-/// Opening over the height of the elements at which a broken facet without pressure is released; and slip over the slip
-/// for release at which it is in any case.
+/// Opening over the height of the elements at which a broken facet without pressure is released.
 const OPENING: f64 = 0.02;
+
+/// Slip over the slip for release at which a broken facet is released under pressure too: its sides no longer lie on each other.
 const FORCED: f64 = 3.0;
 
 impl World {
@@ -38,7 +40,7 @@ impl World {
         }
         let before = self.stored_in_soft_contacts();
         for id in released {
-            self.reshape_cracked(id)?;
+            self.reshape_cracked(id, true)?;
         }
         self.book_cracks();
         self.meet_deformables(0.0)?;
@@ -52,37 +54,39 @@ impl World {
         totals.map_or(0.0, |totals| totals.energy + totals.spring_energy)
     }
 
-    /// Gives a body the skin of the cracks that are released.
-    fn reshape_cracked(&mut self, id: BodyId) -> Result<(), SolveError> {
+    /// Gives a body the contact mesh of its cracks; with new skin, if any was released.
+    pub(super) fn reshape_cracked(&mut self, id: BodyId, released: bool) -> Result<(), SolveError> {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
         deformables.bound = None;
         let Deformables { models, bodies, .. } = deformables;
         let body = &mut bodies[id as usize];
-        let Some(breakable) = body.breakable.as_mut() else {
-            return Ok(());
-        };
-        let Some(cracks) = breakable.cracks.as_deref_mut() else {
-            return Ok(());
-        };
-        let points = models[cracks.base as usize].model.mesh().points();
-        let skin = cracks.skin.mesh(points)?;
-        let shape = self.batch.deformable_shapes()[body.model as usize].cracked(&skin)?;
         let own = body.model;
-        models[own as usize].cracked = Some(CrackedSkin {
-            base: cracks.base,
-            mesh: Some(skin),
-        });
+        let Some(cracks) = body.cracks() else {
+            return Ok(());
+        };
+        let old = &self.batch.deformable_shapes()[own as usize];
+        let nodes = cracks.mesh.tets();
+        let count = cracks.mesh.points().len();
+        let shape = if released {
+            let points = models[cracks.base as usize].model.mesh().points();
+            let skin = cracks.skin.mesh(points)?;
+            let shape = old.cracked(&skin, nodes, count)?;
+            models[own as usize].cracked = Some(CrackedSkin {
+                base: cracks.base,
+                mesh: Some(skin),
+            });
+            shape
+        } else {
+            old.renumbered(nodes, count)?
+        };
         self.batch
             .crack_deformable(id, own, Some(Arc::new(shape)))?;
-        cracks.share(models[own as usize].model.masses(), &body.inverse_masses);
-        cracks.follow(&body.positions, &body.velocities);
         let model = &models[own as usize];
         let shape = &self.batch.deformable_shapes()[own as usize];
         if let Some(modulus) = self.batch.modulus(id) {
-            let masses = body.contact_masses(model.model.masses());
-            body.contact_step = model.contact_step(shape, modulus, &masses);
+            body.contact_step = model.contact_step(shape, modulus);
         }
         Ok(())
     }
@@ -98,30 +102,38 @@ impl State {
         let Some(cracks) = breakable.cracks.as_deref_mut() else {
             return false;
         };
-        let positions = &self.positions;
-        let (mut facets, mut held) = (Vec::new(), 0.0);
+        let is_free = |joint: &Joint| {
+            let [a, b] = joint.places(&self.positions);
+            let limits = [OPENING, slip].map(|part| part * joint.height);
+            let law = &joint.law;
+            let far = joint.end.is_some()
+                && joint.glued.largest_slip(&a, &b) > FORCED * slip * joint.height;
+            far || joint.glued.is_free(law, [&a, &b], limits)
+        };
+        let free = cracks.joints.iter().filter(|joint| is_free(joint));
+        let mut facets: Vec<u32> = free.map(|joint| joint.facet).collect();
+        facets.sort_unstable();
+        if facets.is_empty() {
+            return false;
+        }
+        let (mut held, positions) = (0.0, &self.positions);
         let CrackState {
             joints, released, ..
         } = cracks;
         joints.retain(|joint| {
-            let [a, b] = joint.places(positions);
-            let limits = [OPENING, slip].map(|part| part * joint.height);
-            let law = &joint.law;
-            let forced = joint.glued.is_broken(law)
-                && joint.glued.largest_slip(&a, &b) > FORCED * slip * joint.height;
-            let free = forced || joint.glued.is_free(law, [&a, &b], limits);
-            if free {
-                facets.push(joint.facet);
+            let is_free = facets.binary_search(&joint.facet).is_ok();
+            if is_free {
                 released.push(CrackFacet::of(joint, positions));
-                let now = joint.glued.forces(law, &a, &b);
+                let [a, b] = joint.places(positions);
+                let now = joint.glued.forces(&joint.law, &a, &b);
                 held += now.glue + now.contact;
             }
-            !free
+            !is_free
         });
         cracks.stored -= held;
         cracks.flows.released += held;
         cracks.stiffen(positions.len());
         // The facets are those of the mesh.
-        !facets.is_empty() && cracks.skin.cut(&facets).is_ok()
+        cracks.skin.cut(&facets).is_ok()
     }
 }
