@@ -55,6 +55,14 @@ pub enum FemError {
         /// The length required.
         wanted: usize,
     },
+    /// A stress handed over is infinite or no number.
+    #[error(
+        "the stress of tetrahedron {element} is not finite: the body has blown up, or the stress was not computed"
+    )]
+    StressNotFinite {
+        /// The tetrahedron.
+        element: usize,
+    },
     /// The static solvers did not reach equilibrium.
     #[error(
         "{method} stopped after {iterations} iterations at a residual of {residual:.3e} of the \

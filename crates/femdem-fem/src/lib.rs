@@ -3,7 +3,7 @@
 //!
 //! **Use it** for single bodies, integrated explicitly ([`DeformableBody`]) or brought to rest ([`statics`]), and
 //! as the elastic part of a code of your own. **Do not use it** for bodies that touch (`femdem-solve` steps many with
-//! contacts), for shells, beams or cracks.
+//! contacts), for shells or beams.
 //!
 //! ```
 //! use femdem_fem::element::Element;
@@ -31,6 +31,7 @@
 //!   a bound of the highest frequency for any positions of the nodes.
 //! - [`Boundary`]: held and driven nodes, forces and pressures; [`Selection`] and [`NodeSets`] choose nodes;
 //!   [`Drive`] prescribes a motion in time.
+//! - [`fracture`]: where and when a brittle body cracks.
 //! - [`statics`]: equilibrium of a single body by relaxation or by Newton's method.
 //!
 //! # Units
@@ -51,7 +52,6 @@
 mod drive;
 pub mod element;
 mod error;
-
 pub mod fracture;
 pub mod material;
 mod model;

@@ -91,7 +91,7 @@ mod moduli;
 mod mooney_rivlin;
 mod neo_hookean;
 mod principal;
-mod spectral;
+pub(crate) mod spectral;
 
 pub use any::{AnyMaterial, Viscous};
 pub use custom::CustomMaterial;

@@ -85,6 +85,37 @@ pub(crate) fn smallest_below(symmetric: &Matrix3, mean: f64) -> f64 {
     mean + t.min(-root)
 }
 
+/// Bounds of the eigenvalues of a symmetric matrix: at most the smallest, at least the largest. They are exact to 1e-7 of
+/// sqrt p where two eigenvalues are equal, and off by 0.007 sqrt p at most, with 6 p = |deviator|^2. Not finite if the matrix is not.
+///
+/// The eigenvalues are mean + 2 sqrt p cos(theta + 2 pi k/3) with cos 3 theta = det(deviator) / (2 p^1.5). With y the cosine of
+/// 3 theta/2, the largest has cos theta = cos(2/3 arccos y), which lies below the parabola through its ends that has its slope at 0.
+#[inline]
+pub(crate) fn range_around(symmetric: &Matrix3) -> [f64; 2] {
+    let s = symmetric;
+    let mean = (s.m11 + s.m22 + s.m33) / 3.0;
+    let (a, b, c) = (s.m11 - mean, s.m22 - mean, s.m33 - mean);
+    let (bc, ac, ab) = (s.m23, s.m13, s.m12);
+    let p = (a * a + b * b + c * c + 2.0 * (bc * bc + ac * ac + ab * ab)) / 6.0;
+    let determinant = a * (b * c - bc * bc) - ab * (ab * c - bc * ac) + ac * (ab * bc - b * ac);
+    let root = p.sqrt();
+    let cube = 2.0 * p * root;
+    let triple = if cube == 0.0 {
+        0.0
+    } else {
+        (determinant / cube).clamp(-1.0, 1.0)
+    };
+    let above = |y: f64| {
+        const SLOPE: f64 = 0.577_350_269_189_625_8;
+        1.0 + y * (2.0 * SLOPE + y * (1.0 - 2.0 * SLOPE))
+    };
+    let (largest, smallest) = (0.5 + 0.5 * triple, 0.5 - 0.5 * triple);
+    [
+        mean - root * above(smallest.sqrt()),
+        mean + root * above(largest.sqrt()),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -145,6 +176,40 @@ mod tests {
             let below = smallest_below(&s, mean);
             prop_assert!(below <= exact + 1e-14 * s.norm(), "{below:e} {exact:e}");
             prop_assert!(below >= exact - 0.1 * spread - 1e-14 * s.norm(), "{below:e} {exact:e}");
+        }
+    }
+
+    proptest! {
+        /// Against Jacobi's rotations.
+        #[test]
+        fn the_range_from_outside(s in symmetric()) {
+            let values = Spectral::of(&s).values;
+            let exact = [values.into_iter().fold(f64::INFINITY, f64::min), values.into_iter().fold(f64::NEG_INFINITY, f64::max)];
+            let mean = s.trace() / 3.0;
+            let root = (s - Matrix3::identity() * mean).norm() / 6_f64.sqrt();
+            let rounding = 1e-14 * s.norm() + 1e-7 * root;
+            let [smallest, largest] = range_around(&s);
+            for excess in [exact[0] - smallest, largest - exact[1]] {
+                prop_assert!(excess >= -rounding, "{excess:e} of {root:e}");
+                prop_assert!(excess <= 0.007 * root + rounding, "{excess:e} of {root:e}");
+            }
+        }
+    }
+
+    /// Uniaxial tension and compression, none, and what is not finite.
+    #[test]
+    fn the_range_of_simple_matrices() {
+        let x = Matrix3::from_diagonal(&Vector3::new(3.0, 0.0, 0.0));
+        for (s, range) in [(x, [0.0, 3.0]), (-x, [-3.0, 0.0]), (x * 0.0, [0.0; 2])] {
+            let found = range_around(&s);
+            assert!((found[0] - range[0]).abs() + (found[1] - range[1]).abs() < 1e-14);
+        }
+        for bad in [f64::NAN, f64::INFINITY] {
+            for at in [0, 3] {
+                let mut s = x;
+                (s[at], s[(at % 3, at / 3)]) = (bad, bad);
+                assert!(range_around(&s).iter().all(|v| !v.is_finite()));
+            }
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::world::deformables::{CrackedSkin, Deformables, Model, Scratch, State,
 use femdem_contact::deform::{Modulus, NodalLoads};
 use femdem_contact::glue::{GlueLaw, GluedFacet};
 use femdem_contact::{BodyId, ContactBatch};
-use femdem_fem::fracture::{Cut, Decision, NodalDecision};
+use femdem_fem::fracture::{Decision, NodalDecision, Strength};
 use femdem_fem::{DeformableModel, ElementStress};
 use femdem_mesh::tet::CrackedMesh;
 use femdem_mesh::{Matrix3, Vector3};
@@ -131,6 +131,12 @@ impl World {
     }
 }
 
+/// The part of the strength without pressure that a traction uses, less the shear that friction bears.
+fn in_use(strength: &Strength, [normal, one, two]: &[f64; 3], friction: f64) -> f64 {
+    let shear = (one.hypot(*two) - friction * (-normal).max(0.0)).max(0.0);
+    (normal.max(0.0) / strength.tensile()).hypot(shear / strength.cohesion())
+}
+
 /// What the faces of a crack have of the body.
 struct Faces {
     /// Young's modulus, Pa.
@@ -162,19 +168,19 @@ impl State {
             .take()
             .unwrap_or_else(|| Box::new(CrackState::new(base, CrackedMesh::new(whole.mesh()))));
         let decision = NodalDecision {
-            strength: &breakable.fracture.strength,
+            strengths: &[breakable.fracture.strength],
+            regions: &vec![0; stresses.len()],
             factors: &breakable.factors,
             positions: &self.positions,
             stresses: &stresses,
-            volumes: model.volumes(),
         };
         let found = decision.decide(&mut cracks.mesh)?;
         breakable.highest = found.highest;
         let cut = !found.cuts.is_empty();
         if cut {
-            let law = |cut: &Cut, height: f64| GlueLaw {
+            let law = |height: f64| GlueLaw {
                 stiffness: breakable.fracture.stiffness * faces.young / height,
-                energies: breakable.fracture.energies.map(|g| g * cut.projection),
+                energies: breakable.fracture.energies,
                 mix: breakable.fracture.mix,
                 softening: breakable.fracture.softening,
                 contact: faces.pressure,
@@ -190,7 +196,12 @@ impl State {
         };
         if let Some(next) = &next {
             self.split(next, &found, &mut cracks)?;
-            cracks.open(&self.positions, &stresses);
+            cracks.open(
+                &self.positions,
+                &stresses,
+                &breakable.fracture.strength,
+                &breakable.factors,
+            );
             cracks.stiffen(self.positions.len());
         }
         if !is_first || next.is_some() {
@@ -283,7 +294,7 @@ impl CrackState {
         &mut self,
         whole: &DeformableModel,
         found: &Decision,
-        law: impl Fn(&Cut, f64) -> GlueLaw,
+        law: impl Fn(f64) -> GlueLaw,
         time: f64,
     ) -> Result<(), SolveError> {
         for cut in &found.cuts {
@@ -296,7 +307,7 @@ impl CrackState {
                 .map(|t| whole.volumes()[*t as usize])
                 .sum();
             let height = 1.5 * volume / area;
-            let law = law(cut, height);
+            let law = law(height);
             law.check()?;
             self.joints.push(Joint {
                 facet: cut.facet,
@@ -318,7 +329,17 @@ impl CrackState {
 
     /// Joins the pairs of nodes that have just been split, under the traction that the facet carries: that of the mean stress of
     /// the elements beside it, over its area before the body deformed.
-    fn open(&mut self, positions: &[Vector3], stresses: &[ElementStress]) {
+    ///
+    /// A facet askew to the plane of fracture carries less than the strength, T = |n·d| f, and all of them have to open equally. So the
+    /// energy of each is T/f of the given one: it breaks at the opening at which one in the plane does, and the sum over a
+    /// zigzag is the energy of the plane.
+    fn open(
+        &mut self,
+        positions: &[Vector3],
+        stresses: &[ElementStress],
+        strength: &Strength,
+        factors: &[f64],
+    ) {
         let facets = self.mesh.facets().all();
         for joint in &mut self.joints {
             let [first, second] = joint.sides;
@@ -341,7 +362,14 @@ impl CrackState {
             let grown = now / joint.glued.area();
             if let Some(traction) = in_axes(&middle, |normal| mean * normal * grown) {
                 for q in new {
-                    let lent = joint.glued.join(q, &joint.law, traction);
+                    let factor = factors[self.mesh.points()[first[q] as usize] as usize];
+                    let used = in_use(strength, &traction, joint.law.friction) / factor;
+                    let share = used.min(1.0);
+                    let law = GlueLaw {
+                        energies: joint.law.energies.map(|energy| energy * share),
+                        ..joint.law
+                    };
+                    let lent = joint.glued.join(q, &law, traction);
                     self.flows.lent += lent;
                     joint.taken -= lent;
                 }

@@ -7,6 +7,7 @@ use crate::world::deformables::{ContactStiffness, Model};
 use femdem_contact::{BodyId, Field};
 use femdem_fem::MaterialRegion;
 use femdem_fem::element::Element;
+use femdem_fem::fracture::Strength;
 use femdem_fem::material::{Deformation, Material};
 use femdem_mesh::tet::Facets;
 use femdem_mesh::{Matrix3, Vector3};
@@ -33,25 +34,14 @@ pub(crate) struct Breakable {
 impl Breakable {
     /// A body of number `id`, by which the scatter of its strength is drawn.
     pub fn new(model: &Model, fracture: Fracture, id: BodyId) -> Self {
-        let nodes = model.model.nodes().len();
+        let mesh = model.model.mesh();
         let factors = match fracture.scatter {
-            None => vec![1.0; nodes],
-            Some(scatter) => {
-                let mut volumes = vec![0.0; nodes];
-                for (tet, volume) in model.model.elements().zip(model.model.volumes()) {
-                    for node in tet {
-                        volumes[*node as usize] += volume / 4.0;
-                    }
-                }
-                let nodes = (0..).zip(&volumes);
-                nodes
-                    .map(|(node, volume)| scatter.factor(u64::from(id), node, *volume))
-                    .collect()
-            }
+            None => vec![1.0; mesh.points().len()],
+            Some(scatter) => scatter.factors(u64::from(id), mesh),
         };
         let weakest = factors.iter().copied().fold(f64::INFINITY, f64::min);
         Self {
-            harmless: MARGIN * 2.0 * weakest * fracture.strength.least() / model.stiffest(),
+            harmless: MARGIN * 2.0 * weakest * least(&fracture.strength) / model.stiffest(),
             fracture,
             factors,
             highest: 0.0,
@@ -62,6 +52,14 @@ impl Breakable {
     pub fn cracks(&self) -> Option<&CrackState> {
         self.cracks.as_deref()
     }
+}
+
+/// The smallest |stress| at which a material fails, Pa: f of tension; of shear, with n·σ = (1 + sin φ) σ_1 − (1 − sin φ) σ_3 =
+/// 2 c cos φ, the distance of that plane.
+fn least(strength: &Strength) -> f64 {
+    let (sin, cos) = strength.friction_angle().sin_cos();
+    let shear = 2.0 * strength.cohesion() * cos / (1.0 + sin).hypot(1.0 - sin);
+    strength.tensile().min(shear)
 }
 
 impl Model {

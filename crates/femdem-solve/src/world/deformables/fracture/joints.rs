@@ -42,7 +42,7 @@ impl CrackState {
             let lost = joint.glued.advance(&joint.law, &a, &b);
             let now = joint.glued.forces(&joint.law, &a, &b);
             joint.taken += lost.glue;
-            if lost.glue > 0.0 && joint.glued.is_broken(&joint.law) {
+            if joint.end.is_none() && joint.glued.is_broken(&joint.law) {
                 joint.end = Some(time);
             }
             self.flows.glue += lost.glue;

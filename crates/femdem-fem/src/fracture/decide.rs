@@ -1,0 +1,186 @@
+//! Which facets are cut.
+
+use super::gate::Gate;
+use super::node::NodeStress;
+use super::star::Star;
+use super::strength::{FractureMode, Strength};
+use crate::error::{FemError, check};
+use crate::model::ElementStress;
+use femdem_mesh::Vector3;
+use femdem_mesh::tet::{CrackedMesh, Split};
+
+/// The ratio from which a node fails beside an open crack without lying on a cut facet.
+const BESIDE: f64 = 1.15;
+
+/// The smallest projection of a facet: none opens for nothing.
+const LEAST_PROJECTION: f64 = 0.05;
+
+/// A facet that a decision cuts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// Its number in [`CrackedMesh::facets`].
+    pub facet: u32,
+    /// The share of its area that the plane of the crack sees, |n . d| with the current normal n of the facet and d of
+    /// the plane, at least 0.05. The energy of fracture is multiplied by it, so that a zigzag of facets costs what the plane does.
+    pub projection: f64,
+    /// How it opens.
+    pub mode: FractureMode,
+}
+
+/// What a decision found and did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Decision {
+    /// The facets it cut, in the order of the nodes that failed.
+    pub cuts: Vec<Cut>,
+    /// The nodes that were split; new ones lie where the old ones do.
+    pub splits: Vec<Split>,
+    /// Not below the largest ratio of stress to strength of a node before the cuts, and at least 0. It is that ratio if
+    /// 0.9 or more. Below, it is a cheap bound, some 10 % too large where tension decides and twice under compression; for the
+    /// ratios themselves see [`NodalDecision::ratios`].
+    pub highest: f64,
+}
+
+/// All that the decision looks at, at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct NodalDecision<'a> {
+    /// Strength of each region.
+    pub strengths: &'a [Strength],
+    /// Region of each tetrahedron. A node between regions fails where the mean over its tetrahedra of one of them does.
+    pub regions: &'a [u32],
+    /// By what strength is multiplied, for each point of the mesh, as from [`Weibull::factors`](super::Weibull::factors); infinite
+    /// where no crack may start.
+    pub factors: &'a [f64],
+    /// Current positions of the nodes of the cracked mesh, m.
+    pub positions: &'a [Vector3],
+    /// Current stresses of the tetrahedra.
+    pub stresses: &'a [ElementStress],
+}
+
+impl NodalDecision<'_> {
+    /// Cuts facets where nodes fail, and splits the nodes.
+    ///
+    /// # Errors
+    ///
+    /// Nothing is cut if a list has the wrong length ([`FemError::WrongLength`]), a region has no strength
+    /// ([`FemError::NoSuch`]), a stress is not finite ([`FemError::StressNotFinite`]), or a factor or the volume of a tetrahedron near
+    /// failure is not positive ([`FemError::Parameter`]).
+    pub fn decide(&self, cracked: &mut CrackedMesh) -> Result<Decision, FemError> {
+        self.check(cracked)?;
+        let Gate { watched, highest } = Gate::new(self, cracked)?;
+        let mut decision = Decision {
+            highest,
+            ..Decision::default()
+        };
+        let mut failed = Vec::new();
+        for node in (0..).zip(watched).filter_map(|(node, w)| w.then_some(node)) {
+            if let Some(stress) = self.node(cracked, node)? {
+                decision.highest = decision.highest.max(stress.ratio);
+                if stress.ratio >= 1.0 {
+                    failed.push((node, stress));
+                }
+            }
+        }
+        if !failed.is_empty() {
+            self.open(cracked, failed, &mut decision)?;
+        }
+        Ok(decision)
+    }
+
+    /// The ratio of stress to strength of every node of the cracked mesh; 1 where it fails.
+    ///
+    /// # Errors
+    ///
+    /// As [`decide`](Self::decide).
+    pub fn ratios(&self, cracked: &CrackedMesh) -> Result<Vec<f64>, FemError> {
+        self.check(cracked)?;
+        Gate::new(self, cracked)?;
+        let nodes = 0..cracked.points().len() as u32;
+        let ratio = |node| Ok(self.node(cracked, node)?.map_or(0.0, |stress| stress.ratio));
+        nodes.map(ratio).collect()
+    }
+
+    fn check(&self, cracked: &CrackedMesh) -> Result<(), FemError> {
+        let (tets, points) = (cracked.tets().len(), cracked.points());
+        // Nodes that cracks added come after all points.
+        let original = points
+            .iter()
+            .zip(0..)
+            .take_while(|(point, node)| *point == node)
+            .count();
+        for (what, given, wanted) in [
+            ("regions of tetrahedra", self.regions.len(), tets),
+            ("stresses of tetrahedra", self.stresses.len(), tets),
+            ("positions of nodes", self.positions.len(), points.len()),
+            ("factors of points", self.factors.len(), original),
+        ] {
+            if given != wanted {
+                return Err(FemError::WrongLength {
+                    what,
+                    given,
+                    wanted,
+                });
+            }
+        }
+        match self.factors.iter().find(|f| f.is_nan() || **f <= 0.0) {
+            Some(&factor) => check("factor of strength", factor, false, "positive"),
+            None => Ok(()),
+        }
+    }
+
+    /// Divides the stars of nodes that fail.
+    fn open(
+        &self,
+        cracked: &mut CrackedMesh,
+        failed: Vec<(u32, NodeStress)>,
+        decision: &mut Decision,
+    ) -> Result<(), FemError> {
+        let mut failed: Vec<_> = failed
+            .into_iter()
+            .map(|(node, stress)| (node, stress, cracked.around(node).len()))
+            .collect();
+        failed.sort_by(|(i, a, _), (j, b, _)| b.ratio.total_cmp(&a.ratio).then(i.cmp(j)));
+        let mut positions = self.positions.to_vec();
+        let mut is_open = vec![false; self.factors.len()];
+        for (&point, node) in cracked.points().iter().zip(0..) {
+            is_open[point as usize] |= point != node;
+        }
+        for (node, stress, count) in failed {
+            // A node that the cuts of others have split no longer has this stress.
+            if cracked.around(node).len() != count {
+                continue;
+            }
+            let star = Star::new(cracked, node, &positions)?;
+            let point = |i: u32| cracked.points()[i as usize] as usize;
+            let mut corners = cracked.around(node).iter();
+            let mut is_beside = || {
+                corners.any(|&t| {
+                    cracked.tets()[t as usize]
+                        .iter()
+                        .any(|&i| is_open[point(i)])
+                })
+            };
+            if stress.ratio < BESIDE && !star.is_on_cut && is_beside() {
+                continue;
+            }
+            let planes = stress.strength.planes(&stress.cauchy);
+            let divisions = planes.normals().iter().filter_map(|n| star.divide(n));
+            let Some(best) = divisions.min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
+                continue;
+            };
+            decision
+                .cuts
+                .extend(best.facets.iter().map(|&(facet, projection)| Cut {
+                    facet,
+                    projection: projection.max(LEAST_PROJECTION),
+                    mode: planes.mode(),
+                }));
+            let facets: Vec<u32> = best.facets.into_iter().map(|(facet, _)| facet).collect();
+            for split in cracked.cut(&facets)? {
+                is_open[cracked.points()[split.node as usize] as usize] = true;
+                positions.push(positions[split.node as usize]);
+                decision.splits.push(split);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,78 @@
+//! Where and when a brittle body cracks: strength, its scatter, and the decision which facets of a mesh are cut.
+//!
+//! A crack opens at a *node*. The stress of a node is the volume mean over the tetrahedra around it. Where it exceeds the
+//! [`Strength`], the tetrahedra are divided along the plane that fails, and the facets between the two sides are cut, so
+//! that the node splits. Criteria on single facets need all of a closed loop of facets about a node to fail, whose worst
+//! oriented one sets the strength: in plain tension they ask for a third more than the strength of the material.
+//!
+//! 1. **Gate.** Both criteria are convex functions of stress, so the mean over tetrahedra fails only if one of them does:
+//!    a body far from failure costs one bound per tetrahedron.
+//! 2. **Order.** Nodes that fail are treated by falling ratio of stress to strength, then by number. Beside an open crack,
+//!    a node that lies on no cut facet waits until its ratio is 1.15, or one crack would be many parallel ones.
+//! 3. **Plane.** In tension normal to the largest principal stress. In shear one of the two planes of Mohr and Coulomb,
+//!    whichever is cheaper to cut.
+//! 4. **Sides.** A tetrahedron whose centroid is farther than 0.35 h from the plane is on that side, or the farthest
+//!    one if none is so far; h^3 is six times the mean volume around the node. If none is farther than 0.1 h on one side, nothing is
+//!    cut: so it is at the end of a body, and where the plane is open already. The others go where the cut is cheapest, by exact minimum cut. A facet costs its area
+//!    times 1 + 1.5 (1 - |n . d|) with n and d the normals of facet and plane; a facet that is cut already costs nothing, so that
+//!    cracks continue each other.
+//!
+//! A zigzag of facets has more area than the plane. [`Cut::projection`] is the share that the plane sees: the energy of
+//! fracture times the projections, summed, is that of the plane.
+//!
+//! The decision is a function of its inputs alone, with the same bits in any run.
+//!
+//! # Sources
+//!
+//! - Mohr-Coulomb with tension cut-off: J. C. Jaeger, N. G. W. Cook and R. W. Zimmerman, Fundamentals of Rock Mechanics,
+//!   4th ed., 2007, sections 4.5 and 4.6.
+//! - Scatter: W. Weibull, J. Appl. Mech. 18 (1951) 293-297.
+//! - Cracks inserted where stress demands, by facets: G. T. Camacho and M. Ortiz, Int. J. Solids Struct. 33 (1996)
+//!   2899-2938; M. Ortiz and A. Pandolfi, Int. J. Numer. Meth. Engng 44 (1999) 1267-1282.
+//! - Nodes that split by a tensor: J. F. O'Brien and J. K. Hodgins, SIGGRAPH 1999, 137-146, which cuts elements instead.
+//! - Minimum cut: J. Edmonds and R. M. Karp, J. ACM 19 (1972) 248-264.
+//!
+//! # Limits
+//!
+//! The mean over a node's tetrahedra reads less than the stress at a notch or a skin where stress varies over one
+//! element. Cracks run along facets, so their path depends on the mesh.
+//!
+//! ```
+//! use femdem_fem::ElementStress;
+//! use femdem_fem::fracture::{NodalDecision, Strength, Weibull};
+//! use femdem_fem::mesh::tet::CrackedMesh;
+//! use femdem_fem::mesh::{Matrix3, TetMesh, Vector3};
+//!
+//! let bar = TetMesh::block([8, 2, 2], &Vector3::new(0.08, 0.02, 0.02))?;
+//! let rock = Strength::new(5e6, 20e6, 0.67)?;
+//! let weakest = Weibull::new(12.0, 1e-6, 7)?;
+//! let factors = weakest.factors(0, &bar);
+//! let positions: Vec<Vector3> = bar.points().iter().map(|p| p.coords).collect();
+//! let mut cracked = CrackedMesh::new(&bar);
+//!
+//! // Uniform tension of 6 MPa along x.
+//! let pulled = Matrix3::from_diagonal(&Vector3::new(6e6, 0.0, 0.0));
+//! let stresses = vec![ElementStress { cauchy: pulled, volume_ratio: 1.0 }; bar.tets().len()];
+//! let decision = NodalDecision {
+//!     strengths: &[rock],
+//!     regions: &vec![0; bar.tets().len()],
+//!     factors: &factors,
+//!     positions: &positions,
+//!     stresses: &stresses,
+//! };
+//! let decided = decision.decide(&mut cracked)?;
+//! assert!(decided.highest > 1.0 && !decided.splits.is_empty());
+//! # Ok::<(), femdem_fem::FemError>(())
+//! ```
+
+mod decide;
+mod gate;
+mod minimum_cut;
+mod node;
+mod star;
+mod strength;
+mod weibull;
+
+pub use decide::{Cut, Decision, NodalDecision};
+pub use strength::{FailurePlanes, FractureMode, Strength};
+pub use weibull::Weibull;

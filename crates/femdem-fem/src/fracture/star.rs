@@ -1,0 +1,131 @@
+//! The tetrahedra around a node, and how a plane divides them.
+
+use super::minimum_cut::{Edge, minimum_cut};
+use super::node::volume;
+use crate::error::FemError;
+use femdem_mesh::Vector3;
+use femdem_mesh::tet::{CrackedMesh, FACES};
+
+/// Distance from the plane, over the local size, from which on a tetrahedron belongs to its side; if none is so far, the farthest
+/// one does.
+const FREE: f64 = 0.35;
+
+/// The least distance of the farthest one on a side.
+const LEAST: f64 = 0.1;
+
+/// How much dearer than one in the plane a facet across it is, over its area.
+const TURNED: f64 = 1.5;
+
+/// A facet with the node, between two of its tetrahedra.
+struct Link {
+    facet: u32,
+    /// The two, by their places in the star.
+    ends: [usize; 2],
+    area: f64,
+    normal: Vector3,
+    is_cut: bool,
+}
+
+/// The tetrahedra around a node.
+pub(super) struct Star {
+    links: Vec<Link>,
+    /// Centroids seen from the node, over the local size.
+    centroids: Vec<Vector3>,
+    /// Whether a facet with the node, open or not, is cut.
+    pub is_on_cut: bool,
+}
+
+/// The facets to cut to divide a star, with the share of their area that the plane sees.
+pub(super) struct Division {
+    pub cost: f64,
+    pub facets: Vec<(u32, f64)>,
+}
+
+impl Star {
+    /// The star of a node in the current positions.
+    pub(super) fn new(
+        cracked: &CrackedMesh,
+        node: u32,
+        positions: &[Vector3],
+    ) -> Result<Self, FemError> {
+        let tets = cracked.around(node);
+        let at = |i: u32| positions[i as usize];
+        let mut star = Self {
+            links: Vec::new(),
+            centroids: Vec::new(),
+            is_on_cut: false,
+        };
+        let mut total = 0.0;
+        for (place, &t) in tets.iter().enumerate() {
+            let corners = cracked.tets()[t as usize];
+            total += volume(corners, positions)?;
+            star.centroids
+                .push(corners.map(at).iter().sum::<Vector3>() / 4.0 - at(node));
+            let facets = cracked.facets().of_tets()[t as usize];
+            for (k, facet) in facets.into_iter().enumerate() {
+                let Some(facet) = facet.filter(|_| corners[k] != node) else {
+                    continue;
+                };
+                let is_cut = cracked.is_cut()[facet as usize];
+                star.is_on_cut |= is_cut;
+                let [first, second] = cracked.facets().all()[facet as usize].tets;
+                // Each link once, from its first tetrahedron.
+                let other = tets.binary_search(&second).ok().filter(|_| first == t);
+                let Some(other) = other else { continue };
+                let [a, b, c] = FACES[k].map(|i| at(corners[i]));
+                let across = (b - a).cross(&(c - a)) * 0.5;
+                let area = across.norm();
+                star.links.push(Link {
+                    facet,
+                    ends: [place, other],
+                    area,
+                    normal: across / area,
+                    is_cut,
+                });
+            }
+        }
+        let size = (6.0 * total / tets.len() as f64).cbrt();
+        star.centroids.iter_mut().for_each(|c| *c /= size);
+        Ok(star)
+    }
+
+    /// The cheapest division along a plane through the node; `None` if no tetrahedron is clearly on one
+    /// side of it, as at the end of a body or where the plane is open already.
+    pub(super) fn divide(&self, normal: &Vector3) -> Option<Division> {
+        let heights: Vec<f64> = self.centroids.iter().map(|c| c.dot(normal)).collect();
+        let farthest = |sign: f64| heights.iter().map(|z| sign * z).fold(0.0, f64::max);
+        let [above, below] = [farthest(1.0), farthest(-1.0)];
+        if above.min(below) < LEAST {
+            return None;
+        }
+        let side = |&height: &f64| {
+            let is_above = height >= above.min(FREE);
+            (is_above || -height >= below.min(FREE)).then_some(is_above)
+        };
+        let sides: Vec<_> = heights.iter().map(side).collect();
+        let projection = |link: &Link| link.normal.dot(normal).abs();
+        let edge = |link: &Link| Edge {
+            ends: link.ends,
+            cost: if link.is_cut {
+                0.0
+            } else {
+                link.area * (1.0 + TURNED * (1.0 - projection(link)))
+            },
+        };
+        let edges: Vec<Edge> = self.links.iter().map(edge).collect();
+        let parts = minimum_cut(&sides, &edges);
+        let between = self.links.iter().zip(&edges);
+        let between = between.filter(|(link, _)| parts[link.ends[0]] != parts[link.ends[1]]);
+        let mut division = Division {
+            cost: 0.0,
+            facets: Vec::new(),
+        };
+        for (link, edge) in between {
+            division.cost += edge.cost;
+            if !link.is_cut {
+                division.facets.push((link.facet, projection(link)));
+            }
+        }
+        Some(division)
+    }
+}
