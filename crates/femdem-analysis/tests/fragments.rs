@@ -22,8 +22,8 @@ fn by_mass(random: &mut Random, law: SizeLaw, exponent: f64, count: usize) -> Ve
         .collect()
 }
 
-/// `count` pieces of Gaudin and Schuhmann above the size `least`, with masses as the cubes of their sizes, and the dust below:
-/// where the mass up to d is as d^m, the number of pieces of a size is as d^(m - 4).
+/// `count` pieces of Gaudin and Schuhmann above the size `least`, with masses as the cubes of their sizes, and the dust
+/// below: where the mass up to d is as d^m, the number of pieces of a size is as d^(m - 4).
 fn by_number(random: &mut Random, exponent: f64, count: usize, least: f64) -> Vec<(f64, f64)> {
     let mut pieces = Vec::new();
     while pieces.len() < count {

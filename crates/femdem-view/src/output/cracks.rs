@@ -1,7 +1,7 @@
 //! Cracks for ParaView, and tables of fragments and of facets that broke.
 //!
-//! `cracks.vtp` has one triangle for each facet, with corners of its own. Cell data: `opening` and `slip` (m), `damage` (0 to 1,
-//! 1 is a free surface), `mode` (0 tension, 1 shear), `birth` (s), `dissipated` (J), `body`.
+//! `cracks.vtp` has one triangle for each facet, with corners of its own. Cell data: `opening` and `slip` (m), `damage`
+//! (0 to 1, 1 is a free surface), `mode` (0 tension, 1 shear), `birth` (s), `dissipated` (J), `body`.
 
 use std::io::{self, Write};
 
@@ -49,8 +49,8 @@ pub fn write(facets: &[CrackFacet], writer: impl Write) -> io::Result<()> {
 
 /// Writes `fragments.csv`, one fragment per line, numbered from 0.
 ///
-/// `body` is the body that it is a part of; `volume` in m³, `mass` in kg, `sieve_size` in m, `sphericity` empty if unknown; `x, y,
-/// z` \[m\] and `vx, vy, vz` \[m/s\] are place and velocity of the centre of mass.
+/// `body` is the body that it is a part of; `volume` in m³, `mass` in kg, `sieve_size` in m, `sphericity` empty if
+/// unknown; `x, y, z` \[m\] and `vx, vy, vz` \[m/s\] are place and velocity of the centre of mass.
 ///
 /// # Errors
 ///
@@ -70,8 +70,8 @@ pub fn write_fragments(fragments: &[FragmentRow], mut writer: impl Write) -> io:
     Ok(())
 }
 
-/// Writes `events.csv`, one facet that broke per line: `time` in s, `x, y, z` in m, `energy` in J, `mode` 0 for tension and 1 for
-/// shear.
+/// Writes `events.csv`, one facet that broke per line: `time` in s, `x, y, z` in m, `energy` in J, `mode` 0 for tension
+/// and 1 for shear.
 ///
 /// # Errors
 ///

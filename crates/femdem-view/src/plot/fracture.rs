@@ -9,8 +9,8 @@ use super::svg::Plot;
 use crate::Fracture;
 use crate::output::short_number;
 
-/// Most sizes that are drawn as dots.
-const DOTS: usize = 200;
+/// Most steps of the curve that are drawn.
+const STEPS: usize = 500;
 
 /// Fewest facets whose directions are drawn.
 const FACETS: usize = 10;
@@ -32,11 +32,19 @@ fn sizes(found: &Fragmentation) -> Option<Plot> {
     let x = Axis::log("size / m", points.iter().map(|point| point.size));
     let y = Axis::linear("part of the mass that passes", 0.0, 1.04);
     let mut chart = Chart::new(x, y);
-    let every = points.len().div_ceil(DOTS);
-    let shown = points.iter().rev().step_by(every);
-    let dots: Vec<_> = shown
-        .map(|point| ([point.size, point.passing], None))
-        .collect();
+    chart.key_at_left();
+    let every = points.len().div_ceil(STEPS);
+    let mut steps: Vec<[f64; 2]> = Vec::with_capacity(2 * STEPS);
+    // From the largest down, so that it is drawn.
+    for point in points.iter().rev().step_by(every) {
+        if let Some([above, _]) = steps.last().copied() {
+            steps.push([above, point.passing]);
+        }
+        steps.push([point.size, point.passing]);
+    }
+    steps.push([first.size, 0.0]);
+    chart.line(Hue::Ink, &steps);
+    chart.name(Hue::Ink, "measured");
     let (low, high) = (first.size / 1.5, last.size * 1.5);
     let curve = |fit: &SizeFit| -> Vec<[f64; 2]> {
         let size = |k: u32| low * (high / low).powf(f64::from(k) / 100.0);
@@ -53,13 +61,12 @@ fn sizes(found: &Fragmentation) -> Option<Plot> {
         chart.name(hue, fit.law.name());
         told.push_str(&words(fit));
     }
-    chart.dots(Hue::First, &dots);
     let thinned = match every {
         1 => String::new(),
-        _ => format!(", every {every}th of {}", points.len()),
+        _ => format!(" (one size of {every} is drawn)"),
     };
     let caption = format!(
-        "Part of the mass in fragments up to a size, for {} fragments (dots: sizes{thinned}).{told}",
+        "Part of the mass in fragments up to a size, for {} fragments{thinned}.{told}",
         found.pieces
     );
     let title = "Sizes of the fragments";
@@ -149,7 +156,9 @@ mod tests {
             ["fragment-sizes", "fracture-energy", "crack-normals"]
         );
         let content = &plots[0].content;
-        assert_eq!(content.matches("<circle").count(), 50);
+        // Down and left at each of the 50 sizes but the smallest, which ends at 0.
+        let line = content.lines().find(|l| l.contains("\"line ink\""));
+        assert_eq!(line.unwrap().matches('L').count(), 2 * 49 + 1);
         assert!(content.contains(">Rosin-Rammler<") && content.contains(">Gaudin-Schuhmann<"));
         assert!(plots[0].caption.contains("m = ") && plots[1].caption.contains("2 J"));
         // Facets that have shrunk to a line have no normal.
@@ -162,11 +171,8 @@ mod tests {
     #[test]
     fn many_sizes_are_thinned_up_to_the_largest() {
         let plot = sizes(&found(1001)).unwrap();
-        assert!(plot.content.matches("<circle").count() <= DOTS);
-        assert!(
-            plot.caption.contains("every 6th of 1001"),
-            "{}",
-            plot.caption
-        );
+        let line = plot.content.lines().find(|l| l.contains("\"line ink\""));
+        assert!(line.unwrap().matches('L').count() < 2 * STEPS);
+        assert!(plot.caption.contains("one size of 3"), "{}", plot.caption);
     }
 }
