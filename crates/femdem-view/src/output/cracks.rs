@@ -54,7 +54,7 @@ pub fn write(facets: &[CrackFacet], writer: impl Write) -> io::Result<()> {
 ///
 /// # Errors
 ///
-/// As [`write`].
+/// As [`write()`].
 pub fn write_fragments(fragments: &[FragmentRow], mut writer: impl Write) -> io::Result<()> {
     check_fragments(fragments).map_err(invalid)?;
     writeln!(writer, "{FRAGMENT_COLUMNS}")?;
@@ -75,7 +75,7 @@ pub fn write_fragments(fragments: &[FragmentRow], mut writer: impl Write) -> io:
 ///
 /// # Errors
 ///
-/// As [`write`].
+/// As [`write()`].
 pub fn write_events(events: &[CrackEvent], mut writer: impl Write) -> io::Result<()> {
     check_events(events).map_err(invalid)?;
     writeln!(writer, "{EVENT_COLUMNS}")?;
