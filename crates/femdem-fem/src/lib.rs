@@ -51,6 +51,8 @@
 mod drive;
 pub mod element;
 mod error;
+#[allow(missing_docs)]
+pub mod fracture;
 pub mod material;
 mod model;
 pub mod statics;

@@ -33,6 +33,28 @@ pub enum SolveError {
     /// A world that was read as a part of something else has not got its shapes back.
     #[error("the world has no contact shapes yet: call World::restore after reading it")]
     NotRestored,
+    /// The elements of a body are too large for cracks in its material.
+    #[error(
+        "the elements of a body that may break are {height:.3e} m high in the mean, but the zone in which its cracks open \
+         needs {largest:.3e} m or less: use a mesh with edges of about {edge:.2e} m, or a larger energy of fracture or a lower \
+         strength, or allow it (coarse), and cracks take more energy than given"
+    )]
+    TooCoarse {
+        /// Mean height of the elements, m.
+        height: f64,
+        /// The largest one that is right: [`Fracture::largest_height`](crate::Fracture::largest_height), m.
+        largest: f64,
+        /// Mean edge of a mesh with that height, m.
+        edge: f64,
+    },
+    /// A body that may break must have linear elements, and a contact field that grows with depth.
+    #[error("a body that may break needs {needs}, not {found}")]
+    CannotBreak {
+        /// What it needs.
+        needs: &'static str,
+        /// What it has.
+        found: String,
+    },
     /// An index refers to something that was never added, or has been removed.
     #[error("there is no {what} {index} (never added, or removed): there are {count}")]
     NoSuch {

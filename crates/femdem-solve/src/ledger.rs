@@ -1,5 +1,6 @@
 //! The energy ledger: all energy put in, stored and dissipated.
 
+use crate::world::CrackFlows;
 use serde::{Deserialize, Serialize};
 
 /// Flows of energy that accumulate while a world steps, J.
@@ -23,6 +24,8 @@ pub(crate) struct Flows {
     pub plastic_work: f64,
     /// Held by liquid bridges when they broke.
     pub broken: f64,
+    /// What the cracks of bodies exchanged.
+    pub cracks: CrackFlows,
     /// Numerical dissipation of implicit steps.
     pub step_loss: f64,
     /// Of the last implicit step; `None` after an explicit one.
@@ -68,7 +71,7 @@ impl Flows {
 }
 
 /// Energies of a world, J. The sum of `final_energy` and everything dissipated equals [`given`](Self::given),
-/// `initial + by_hand + work_in + load_work`, up to the integration error. Bodies that overlap when they are added or
+/// `initial + by_hand + work_in + load_work + lent`, up to the integration error. Bodies that overlap when they are added or
 /// put somewhere by hand, and walls placed where bodies are, bring elastic energy. `initial` or `by_hand` contains it
 /// from the next step on.
 ///
@@ -105,6 +108,8 @@ pub struct Ledger {
     pub by_hand: f64,
     /// Work of external loads ([`World::set_load`](crate::World::set_load)).
     pub load_work: f64,
+    /// Lent to cracks at their births: the energy of their stretched springs. It comes back in what they dissipate.
+    pub lent: f64,
     /// Kinetic energy now.
     pub kinetic: f64,
     /// Potential energy in gravity now, relative to the origin.
@@ -115,6 +120,8 @@ pub struct Ledger {
     pub strain: f64,
     /// Energy in the friction springs now.
     pub friction_springs: f64,
+    /// Energy in the cracks of bodies now: in their glue, and in the contact and friction of their sides.
+    pub cracks: f64,
     /// Dissipated by sliding, and by the dashpots beside the friction springs.
     pub dissipated_friction: f64,
     /// Dissipated by the normal dashpots.
@@ -127,6 +134,10 @@ pub struct Ledger {
     pub dissipated_plastic: f64,
     /// Dissipated where liquid bridges broke: what they held.
     pub dissipated_bridges: f64,
+    /// Dissipated by breaking: less what was lent, this is the energy of fracture.
+    pub dissipated_fracture: f64,
+    /// Dissipated where the sides of cracks became skin: what they held, and what contacts nearby lost.
+    pub dissipated_release: f64,
     /// Numerical dissipation of [implicit](crate::ImplicitStep) steps: what the contacts took from the motion and neither store nor
     /// lost in dashpots. Steps in which they give more than was stored are not booked, and so appear as an error.
     pub dissipated_step: f64,
@@ -140,12 +151,17 @@ pub struct Ledger {
 impl Ledger {
     /// All energy put in: at the beginning and by additions, by hand, by drives and by loads, J.
     pub fn given(&self) -> f64 {
-        self.initial + self.by_hand + self.work_in + self.load_work
+        self.initial + self.by_hand + self.work_in + self.load_work + self.lent
     }
 
     /// Kinetic, potential, elastic and spring energy now, J.
     pub fn final_energy(&self) -> f64 {
-        self.kinetic + self.potential + self.elastic + self.strain + self.friction_springs
+        self.kinetic
+            + self.potential
+            + self.elastic
+            + self.strain
+            + self.friction_springs
+            + self.cracks
     }
 
     /// All that was dissipated, J.
@@ -156,6 +172,8 @@ impl Ledger {
             + self.dissipated_viscous
             + self.dissipated_plastic
             + self.dissipated_bridges
+            + self.dissipated_fracture
+            + self.dissipated_release
             + self.dissipated_step
             + self.frozen
     }
@@ -168,7 +186,8 @@ impl Ledger {
     /// The error over the turnover: the largest of the energy exchanged so far, of the dissipated energy, and of the
     /// kinetic and stored energy now.
     pub fn error_relative(&self) -> f64 {
-        let stored = self.kinetic + self.elastic + self.strain + self.friction_springs;
+        let stored =
+            self.kinetic + self.elastic + self.strain + self.friction_springs + self.cracks;
         let turnover = self
             .dissipated()
             .abs()

@@ -179,6 +179,7 @@ mod body;
 pub mod checkpoint;
 mod clock;
 mod error;
+mod fracture;
 mod guide;
 mod ledger;
 mod parameters;
@@ -195,12 +196,13 @@ pub use body::{BodySpec, Shape, ShapeId};
 pub use clock::processor_time;
 pub use error::SolveError;
 pub use femdem_fem::{Drive, Driven};
+pub use fracture::Fracture;
 pub use ledger::Ledger;
 pub use parameters::{
     ImplicitStep, Medium, SleepMeasure, SleepParameters, TimeStepParameters, WorldParameters,
 };
 pub use servo::{Resistance, Servo};
 pub use world::{
-    ContactStiffness, Counters, Deformable, DeformableSpec, ModelId, Residuals, Stability, World,
-    WorldRelaxation, WorldRelaxed,
+    ContactStiffness, Counters, CrackFacet, Cracks, Deformable, DeformableSpec, ModelId, Residuals,
+    Stability, World, WorldRelaxation, WorldRelaxed,
 };

@@ -9,6 +9,7 @@ mod common;
 mod deformable_world;
 mod energy;
 mod folding;
+mod fracture;
 mod host;
 mod impacts;
 mod implicit;

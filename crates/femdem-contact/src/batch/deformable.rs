@@ -78,6 +78,31 @@ impl ContactBatch {
         Ok(())
     }
 
+    /// Gives a deformable body a shape of its own, of index `shape`, which is replaced by `cracked` if that is given: the body
+    /// has cracked, and the shape is [`DeformableShape::cracked`] of the present one. The field keeps its stiffness over
+    /// depth. Friction goes on where the skin stays; new skin has none.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if there is no such deformable body or shape, or another body has that shape.
+    pub fn crack_deformable(
+        &mut self,
+        body: BodyId,
+        shape: u32,
+        cracked: Option<Arc<DeformableShape>>,
+    ) -> Result<(), ContactError> {
+        let part = self.known_deformable(body)?;
+        let count = part.shapes().len();
+        if shape as usize >= count || part.has_another(body, shape) {
+            return Err(ContactError::NoSuch {
+                what: "shape of this deformable body alone",
+                index: shape as usize,
+                count,
+            });
+        }
+        part.crack(body, shape, cracked);
+        Ok(())
+    }
+
     /// Sets the frequency of the slowest elastic oscillation of a deformable body, rad/s; π c/L for a bar of length L, with
     /// c = √(E/ρ). If it is high compared with the oscillation on the contacts, the dashpots damp the body as if it
     /// were rigid, with all of its mass. With 0, the initial value, they know the mass of the touching nodes only.

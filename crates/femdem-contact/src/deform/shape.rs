@@ -35,6 +35,8 @@ pub struct DeformableShape {
     /// By slave, the four nodes of which it is the mean.
     slaves: Vec<[u32; 4]>,
     tets: Vec<ContactTet>,
+    /// By tetrahedron, of which of the mesh it is: all of it, or the part opposite its corner k.
+    parents: Vec<(u32, Option<u8>)>,
     skin: Vec<[u32; 3]>,
     /// By triangle of the skin, its neighbours across the edges.
     beside: Vec<[u32; 3]>,
@@ -85,9 +87,35 @@ impl DeformableShape {
         }
     }
 
+    /// The contact mesh of this body after cracks have opened: `mesh` has the same tetrahedra in the same order, with other
+    /// numbers of the nodes, and may be in pieces, as from [`CrackedMesh::mesh`](femdem_mesh::tet::CrackedMesh::mesh). The field is
+    /// the distance to the skin, that of the cracks included. The [edge](Self::edge) stays that of the body at first.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and for another number of tetrahedra.
+    pub fn cracked(&self, mesh: &TetMesh) -> Result<Self, ContactError> {
+        let own = self
+            .parents
+            .last()
+            .map_or(0, |(last, _)| *last as usize + 1);
+        if mesh.tets().len() != own {
+            return Err(ContactError::Mesh {
+                why: format!(
+                    "it has {} tetrahedra where the body has {own}",
+                    mesh.tets().len()
+                ),
+            });
+        }
+        let new = Self::build(mesh, Field::Body)?;
+        Ok(Self {
+            edge: self.edge,
+            ..new
+        })
+    }
+
     fn build(mesh: &TetMesh, field: Field) -> Result<Self, ContactError> {
         let node_count = mesh.points().len();
-        let (split, slaves) = with_centroids(mesh)?;
+        let (split, slaves, parents) = with_centroids(mesh)?;
         let (values, inradius) = match field {
             Field::Body => {
                 let distance = split.distance_to_skin();
@@ -137,6 +165,7 @@ impl DeformableShape {
             slaves,
             tree: Bvh::new(&split.tets().iter().map(tet_box).collect::<Vec<_>>()),
             tets,
+            parents,
             beside: beside(&skin),
             edge: mean_edge(&surface),
             skin,
@@ -179,6 +208,19 @@ impl DeformableShape {
 
     pub(crate) fn tets(&self) -> &[ContactTet] {
         &self.tets
+    }
+
+    /// Of which tetrahedron of the mesh tetrahedron `i` is: all of it, or the part opposite its corner k.
+    pub(crate) fn parent(&self, i: u32) -> Option<(u32, Option<u8>)> {
+        self.parents.get(i as usize).copied()
+    }
+
+    /// The first of the tetrahedra that tetrahedron `parent` of the mesh became, and whether there are four, in the order of
+    /// the corners opposite to them.
+    pub(crate) fn child(&self, parent: u32) -> Option<(u32, bool)> {
+        let first = self.parents.partition_point(|(p, _)| *p < parent);
+        let (found, part) = self.parents.get(first)?;
+        (*found == parent).then_some((first as u32, part.is_some()))
     }
 
     /// The four nodes of which contact node `i` is the mean; `None` for nodes of the finite elements.
@@ -310,15 +352,20 @@ fn halved(mesh: &TetMesh, mid_edges: &[[u32; 2]]) -> Result<TetMesh, ContactErro
     Ok(TetMesh::new(points, tets)?)
 }
 
-/// The mesh with a point added at the centroid of every tetrahedron whose points all lie on the skin, and for
-/// each new point the four points of which it is the mean.
-fn with_centroids(mesh: &TetMesh) -> Result<(TetMesh, Vec<[u32; 4]>), ContactError> {
+/// A mesh, for each point added to it the four points of which it is the mean, and the [parents](DeformableShape::parent) of its
+/// tetrahedra.
+type Centred = (TetMesh, Vec<[u32; 4]>, Vec<(u32, Option<u8>)>);
+
+/// The mesh with a point added at the centroid of every tetrahedron whose points all lie on the skin.
+fn with_centroids(mesh: &TetMesh) -> Result<Centred, ContactError> {
     let mut points = mesh.points().to_vec();
     let mut slaves = Vec::new();
     let mut tets = Vec::with_capacity(mesh.tets().len());
-    for tet in mesh.tets() {
+    let mut parents = Vec::with_capacity(mesh.tets().len());
+    for (tet, parent) in mesh.tets().iter().zip(0..) {
         if tet.iter().any(|&i| !mesh.is_skin_point(i as usize)) {
             tets.push(*tet);
+            parents.push((parent, None));
             continue;
         }
         let centre = points.len() as u32;
@@ -327,14 +374,17 @@ fn with_centroids(mesh: &TetMesh) -> Result<(TetMesh, Vec<[u32; 4]>), ContactErr
         slaves.push(*tet);
         for k in 0..4 {
             let mut part = *tet;
-            part[k] = centre;
+            part[k as usize] = centre;
             tets.push(part);
+            parents.push((parent, Some(k)));
         }
     }
-    if slaves.is_empty() {
-        return Ok((mesh.clone(), slaves));
-    }
-    Ok((TetMesh::new(points, tets)?, slaves))
+    let mesh = if slaves.is_empty() {
+        mesh.clone()
+    } else {
+        TetMesh::in_pieces(points, tets)?
+    };
+    Ok((mesh, slaves, parents))
 }
 
 /// For each triangle its neighbours across the three edges.

@@ -112,6 +112,20 @@ impl GluedFacet {
         (glue + 0.5 * springs) * self.area / 3.0
     }
 
+    /// Area before the body deforms, m².
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// The largest slip of a pair of nodes at these positions, m.
+    #[must_use]
+    pub fn largest_slip(&self, a: &[Vector3; 3], b: &[Vector3; 3]) -> f64 {
+        let openings = MidSurface::new(a, b).map(|middle| middle.openings(a, b));
+        let slips = openings.iter().flatten().map(|o| o[1].hypot(o[2]));
+        slips.fold(0.0, f64::max)
+    }
+
     /// Whether the pair of nodes `q` is split.
     #[must_use]
     pub fn is_joined(&self, q: usize) -> bool {
@@ -125,6 +139,44 @@ impl GluedFacet {
         self.points
             .iter()
             .all(|point| point.as_ref().is_some_and(broken))
+    }
+
+    /// Whether the faces can go apart without a trace at these positions: [broken](Self::is_broken), without pressure
+    /// anywhere, and everywhere opened by more than `opening` or slid by more than `slip`, m.
+    #[must_use]
+    pub fn is_free(
+        &self,
+        law: &GlueLaw,
+        [a, b]: [&[Vector3; 3]; 2],
+        [least, slip]: [f64; 2],
+    ) -> bool {
+        let Some(middle) = MidSurface::new(a, b).filter(|_| self.is_broken(law)) else {
+            return false;
+        };
+        let points = self.points.iter().zip(middle.openings(a, b));
+        points.into_iter().all(|(point, opening)| {
+            let apart = opening[0] > least || opening[1].hypot(opening[2]) > slip;
+            apart && point.is_some_and(|point| point.overlap(&opening) <= 0.0)
+        })
+    }
+
+    /// Stiffness at each pair of nodes now, N/m: of the glue that is left, and of the contact.
+    #[must_use]
+    pub fn stiffness(&self, law: &GlueLaw) -> [f64; 3] {
+        self.points.map(|point| {
+            let of = |point: Point| {
+                let glue = point.glue.map_or(0.0, |glue| glue.secant(law));
+                glue + law.contact.max(law.tangential)
+            };
+            point.map_or(0.0, of) * self.area / 3.0
+        })
+    }
+
+    /// Damage by pair of nodes: 0 at birth, 1 where nothing holds any more; 0 for pairs that are not split.
+    #[must_use]
+    pub fn damage(&self, law: &GlueLaw) -> [f64; 3] {
+        let of = |point: Point| point.glue.map_or(1.0, |glue| glue.damage(law));
+        self.points.map(|point| point.map_or(0.0, of))
     }
 
     /// Forces and energies at positions of the nodes of the two sides, m, for which [`advance`](Self::advance) has been called

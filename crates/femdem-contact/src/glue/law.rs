@@ -110,6 +110,11 @@ impl Glue {
         self.beyond(law) >= law.softening.end()
     }
 
+    /// Part of the stiffness at birth that is lost.
+    pub fn damage(&self, law: &GlueLaw) -> f64 {
+        1.0 - self.secant(law) / law.stiffness
+    }
+
     /// Stored at birth, J/m².
     pub fn lent(&self, law: &GlueLaw) -> f64 {
         0.5 * self.peak * self.peak / law.stiffness

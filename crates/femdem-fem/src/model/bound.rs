@@ -17,6 +17,9 @@ pub struct FrequencyBound {
     /// The largest stiffness of an element over its wave modulus. Infinite where an element's stiffness
     /// depends on other elements, so that there is no bound node by node.
     pub stiffening: f64,
+    /// The largest strain |FᵀF − I| of an element; infinite where it is not known, which is for all but small strains of linear
+    /// neo-Hookean tetrahedra.
+    pub strain: f64,
 }
 
 impl FrequencyBound {
@@ -57,15 +60,19 @@ impl DeformableModel {
     ) -> Result<FrequencyBound, ElementFailure> {
         self.check_lengths(x, old)?;
         let state = State { x, v: &[], old };
-        match self.element {
+        let bound = match self.element {
             Element::T4 => match self.bound_within(x) {
-                Some(bound) => Ok(bound),
+                Some(bound) => return Ok(bound),
                 None => self.own_bound(&T4, false, state),
             },
             Element::T10 => self.own_bound(&T10, false, state),
             Element::T10Fbar => self.own_bound(&T10, true, state),
             Element::T4NodalPressure => self.averaged_bound(state),
-        }
+        };
+        Ok(FrequencyBound {
+            strain: f64::INFINITY,
+            ..bound?
+        })
     }
 
     /// The bound from the magnitude of strain alone, slightly larger than that from the full state; `None`
@@ -78,7 +85,9 @@ impl DeformableModel {
             let AnyMaterial::NeoHookean(law) = self.material(e) else {
                 return None;
             };
-            let stiffness = law.stiffness_bound_within(strain.sqrt())?;
+            let strain = strain.sqrt();
+            let stiffness = law.stiffness_bound_within(strain)?;
+            bound.strain = bound.strain.max(strain);
             bound.raise(stiffness * coupling, 0.0, stiffness / self.modulus(e));
         }
         Some(bound)

@@ -167,6 +167,38 @@ pub(super) fn history_stride(regions: &[MaterialRegion]) -> usize {
 }
 
 impl DeformableModel {
+    /// The model of the same body after cracks have split some of its nodes: `mesh` has the same tetrahedra in the same order,
+    /// at the same places, with other numbers of the nodes, as from
+    /// [`CrackedMesh::mesh`](femdem_mesh::tet::CrackedMesh::mesh). Histories stay valid.
+    ///
+    /// # Errors
+    ///
+    /// [`FemError::Parameter`] for another number of tetrahedra, and for elements other than [`Element::T4`]: the others have
+    /// nodes on edges, or averages over the elements around a node.
+    pub fn cracked(&self, mesh: TetMesh) -> Result<Self, FemError> {
+        check(
+            "nodes of an element of a cracked body",
+            self.element.node_count() as f64,
+            self.element == Element::T4,
+            "4, of T4",
+        )?;
+        let count = mesh.tets().len();
+        check(
+            "number of tetrahedra",
+            count as f64,
+            count == self.volumes.len(),
+            "that of the body without cracks",
+        )?;
+        Parts {
+            mesh,
+            element: self.element,
+            regions: self.regions.clone(),
+            region_of: self.region_of.clone(),
+            mass_factors: self.mass_factors.clone(),
+        }
+        .build()
+    }
+
     /// Refuses masses that overflow.
     pub(super) fn check_mass(&self) -> Result<(), FemError> {
         let mass: f64 = self.masses.iter().sum();

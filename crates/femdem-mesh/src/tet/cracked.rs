@@ -1,7 +1,8 @@
 //! A mesh along whose facets cracks run: which tetrahedra share nodes.
 
-use super::{FACES, Facets, TetMesh};
-use crate::MeshError;
+use super::{FACES, Facets, TetMesh, topology};
+use crate::{MeshError, Point3};
+use serde::{Deserialize, Serialize};
 
 /// A node that a crack has split.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +35,10 @@ pub struct Split {
 /// assert_eq!(cracked.parts().iter().max(), Some(&1));
 /// # Ok::<(), femdem_mesh::MeshError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, Eq)]
+///
+/// Serialised outright: the numbers of the nodes depend on the order of the cuts.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "Stored", into = "Stored")]
 pub struct CrackedMesh {
     facets: Facets,
     is_cut: Vec<bool>,
@@ -45,23 +49,81 @@ pub struct CrackedMesh {
     around: Vec<Vec<u32>>,
 }
 
+/// Its stored form.
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "CrackedMesh", deny_unknown_fields)]
+struct Stored {
+    is_cut: Vec<bool>,
+    tets: Vec<[u32; 4]>,
+    points: Vec<u32>,
+}
+
+impl From<CrackedMesh> for Stored {
+    fn from(mesh: CrackedMesh) -> Self {
+        Self {
+            is_cut: mesh.is_cut,
+            tets: mesh.tets,
+            points: mesh.points,
+        }
+    }
+}
+
+impl TryFrom<Stored> for CrackedMesh {
+    type Error = MeshError;
+
+    fn try_from(stored: Stored) -> Result<Self, MeshError> {
+        let Stored {
+            is_cut,
+            tets,
+            points,
+        } = stored;
+        topology::check_indices(points.len(), &tets)?;
+        // Without its cracks: nodes are the points again.
+        let whole = tets.iter().map(|tet| tet.map(|node| points[node as usize]));
+        let whole: Vec<[u32; 4]> = whole.collect();
+        let count = points.iter().max().map_or(0, |most| *most as usize + 1);
+        topology::check_indices(count, &whole)?;
+        let (neighbours, _) = topology::connect(&whole)?;
+        let facets = Facets::between(&whole, &neighbours);
+        if facets.all().len() != is_cut.len() {
+            return Err(MeshError::OutOfRange {
+                what: "number of stored marks of facets",
+                value: is_cut.len() as f64,
+                allowed: "the number of inner facets of the mesh",
+            });
+        }
+        Ok(Self {
+            around: around(points.len(), &tets),
+            facets,
+            is_cut,
+            tets,
+            points,
+        })
+    }
+}
+
+/// The tetrahedra of each node, ascending.
+fn around(nodes: usize, tets: &[[u32; 4]]) -> Vec<Vec<u32>> {
+    let mut around = vec![Vec::new(); nodes];
+    for (corners, t) in tets.iter().zip(0..) {
+        for &node in corners {
+            around[node as usize].push(t);
+        }
+    }
+    around
+}
+
 impl CrackedMesh {
     /// A mesh without cracks: its nodes are its points.
     #[must_use]
     pub fn new(mesh: &TetMesh) -> Self {
         let facets = Facets::new(mesh);
-        let mut around = vec![Vec::new(); mesh.points().len()];
-        for (corners, t) in mesh.tets().iter().zip(0..) {
-            for &node in corners {
-                around[node as usize].push(t);
-            }
-        }
         Self {
             is_cut: vec![false; facets.all().len()],
             facets,
             tets: mesh.tets().to_vec(),
             points: (0..mesh.points().len() as u32).collect(),
-            around,
+            around: around(mesh.points().len(), mesh.tets()),
         }
     }
 
@@ -210,6 +272,23 @@ impl CrackedMesh {
             count += u32::from(is_new);
         }
         parts.into_iter().flatten().collect()
+    }
+
+    /// The tetrahedra with their nodes as a mesh of its own, in which both sides of a crack are skin where it is open.
+    /// `points` are the places of the points of the mesh without cracks, m.
+    ///
+    /// # Errors
+    ///
+    /// As [`TetMesh::in_pieces`], and [`MeshError::OutOfRange`] if there are too few places.
+    pub fn mesh(&self, points: &[Point3]) -> Result<TetMesh, MeshError> {
+        let place = |point: &u32| points.get(*point as usize).copied();
+        let nodes: Option<Vec<Point3>> = self.points.iter().map(place).collect();
+        let nodes = nodes.ok_or(MeshError::OutOfRange {
+            what: "number of places of points",
+            value: points.len() as f64,
+            allowed: "the number of points of the mesh",
+        })?;
+        TetMesh::in_pieces(nodes, self.tets.clone())
     }
 
     /// The triangles of the skin and of both sides of the cut facets, counter-clockwise seen from outside, by tetrahedron.

@@ -32,9 +32,14 @@ impl Facets {
     /// The facets of a mesh.
     #[must_use]
     pub fn new(mesh: &TetMesh) -> Self {
+        Self::between(mesh.tets(), mesh.neighbours())
+    }
+
+    /// Those of tetrahedra with their neighbours.
+    pub(super) fn between(tets: &[[u32; 4]], neighbours_of: &[[Option<u32>; 4]]) -> Self {
         let mut all = Vec::new();
-        let mut of_tets = vec![[None; 4]; mesh.tets().len()];
-        let both = mesh.tets().iter().zip(mesh.neighbours());
+        let mut of_tets = vec![[None; 4]; tets.len()];
+        let both = tets.iter().zip(neighbours_of);
         for (t, (corners, neighbours)) in both.enumerate() {
             for (f, neighbour) in neighbours.iter().enumerate() {
                 let Some(other) = neighbour.filter(|&other| other as usize > t) else {
@@ -46,7 +51,7 @@ impl Facets {
                     tets: [t as u32, other],
                 });
                 of_tets[t][f] = Some(number);
-                let back = mesh.neighbours()[other as usize];
+                let back = neighbours_of[other as usize];
                 if let Some(g) = back.iter().position(|&n| n == Some(t as u32)) {
                     of_tets[other as usize][g] = Some(number);
                 }

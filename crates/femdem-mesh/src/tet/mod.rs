@@ -107,19 +107,26 @@ pub struct TetMesh {
 struct Parts {
     points: Vec<Point3>,
     tets: Vec<[u32; 4]>,
+    #[serde(default)]
+    in_pieces: bool,
 }
 
 impl TryFrom<Parts> for TetMesh {
     type Error = MeshError;
 
     fn try_from(parts: Parts) -> Result<Self, MeshError> {
-        Self::new(parts.points, parts.tets)
+        if parts.in_pieces {
+            Self::in_pieces(parts.points, parts.tets)
+        } else {
+            Self::new(parts.points, parts.tets)
+        }
     }
 }
 
 impl From<TetMesh> for Parts {
     fn from(mesh: TetMesh) -> Self {
         Self {
+            in_pieces: topology::pieces(&mesh.neighbours) > 1,
             points: mesh.points,
             tets: mesh.tets,
         }
@@ -138,13 +145,25 @@ impl TetMesh {
     /// meshes in several pieces (pieces that share no triangle). Tetrahedra that overlap without sharing a
     /// triangle are not detected.
     pub fn new(points: Vec<Point3>, tets: Vec<[u32; 4]>) -> Result<Self, MeshError> {
+        let mesh = Self::in_pieces(points, tets)?;
+        match topology::pieces(&mesh.neighbours) {
+            1 => Ok(mesh),
+            pieces => Err(MeshError::SeveralPieces { pieces }),
+        }
+    }
+
+    /// As [`new`](Self::new), of a body that may be in several pieces, such as one that cracks have broken.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new), but for that.
+    pub fn in_pieces(points: Vec<Point3>, tets: Vec<[u32; 4]>) -> Result<Self, MeshError> {
         topology::check_indices(points.len(), &tets)?;
         check_coordinates(&points)?;
         for (tet, corners) in tets.iter().enumerate() {
             check_volume(tet, corners.map(|i| points[i as usize]))?;
         }
         let (neighbours, skin) = topology::connect(&tets)?;
-        topology::check_one_piece(&neighbours)?;
         let mut on_skin = vec![false; points.len()];
         for &i in skin.iter().flatten() {
             on_skin[i as usize] = true;

@@ -92,8 +92,8 @@ pub(super) fn connect(tets: &[[u32; 4]]) -> Result<Connected, MeshError> {
     Ok((neighbours, skin))
 }
 
-/// All tetrahedra can be reached from the first one through shared triangles.
-pub(super) fn check_one_piece(neighbours: &[[Option<u32>; 4]]) -> Result<(), MeshError> {
+/// Number of the pieces whose tetrahedra can be reached from one another through shared triangles.
+pub(super) fn pieces(neighbours: &[[Option<u32>; 4]]) -> usize {
     let mut reached = vec![false; neighbours.len()];
     let mut pieces = 0;
     let mut stack = Vec::new();
@@ -112,9 +112,5 @@ pub(super) fn check_one_piece(neighbours: &[[Option<u32>; 4]]) -> Result<(), Mes
             }
         }
     }
-    if pieces == 1 {
-        Ok(())
-    } else {
-        Err(MeshError::SeveralPieces { pieces })
-    }
+    pieces
 }

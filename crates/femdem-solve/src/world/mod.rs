@@ -29,7 +29,8 @@ use femdem_mesh::Pose;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
-pub use deformables::{ContactStiffness, Deformable, DeformableSpec, ModelId};
+pub(crate) use deformables::CrackFlows;
+pub use deformables::{ContactStiffness, CrackFacet, Cracks, Deformable, DeformableSpec, ModelId};
 pub use query::Residuals;
 pub use relax::{WorldRelaxation, WorldRelaxed};
 pub use stability::Stability;

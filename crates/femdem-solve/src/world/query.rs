@@ -257,7 +257,10 @@ impl World {
         let rigid = self.batch.rigid_contacts().into_iter();
         let rigid = rigid.map(RigidContact::potential);
         let soft = self.deformable_totals().map(|totals| totals.energy);
-        let strain = self.deformables().map(|body| body.internal().energy);
+        let strain = self.deformables().map(|body| {
+            let cracks = body.cracks().map_or(0.0, |cracks| cracks.stored());
+            body.internal().energy + cracks
+        });
         rigid.chain(soft).chain(strain).sum()
     }
 
@@ -340,6 +343,7 @@ impl World {
             work_in: self.flows.work_in,
             by_hand: self.flows.by_hand,
             load_work: self.flows.load_work,
+            lent: self.flows.cracks.lent,
             kinetic: self.kinetic_energy(),
             potential: self
                 .free_bodies()
@@ -351,12 +355,17 @@ impl World {
                 + soft.map_or(0.0, |t| t.energy),
             strain: deformable(&|d| d.internal().energy),
             friction_springs,
-            dissipated_friction: 0.0 - self.flows.friction_work - friction_springs,
+            cracks: deformable(&|d| d.cracks().map_or(0.0, |cracks| cracks.stored())),
+            dissipated_friction: self.flows.cracks.friction
+                - self.flows.friction_work
+                - friction_springs,
             dissipated_damping: 0.0 - self.flows.damping_work,
             dissipated_medium: 0.0 - self.flows.medium_work,
             dissipated_viscous: 0.0 - self.flows.viscous_work,
             dissipated_plastic: 0.0 - self.flows.plastic_work,
             dissipated_bridges: self.flows.broken,
+            dissipated_fracture: self.flows.cracks.glue,
+            dissipated_release: self.flows.cracks.released,
             dissipated_step: self.flows.step_loss,
             frozen: self.flows.frozen,
             exchanged: self.flows.exchanged,

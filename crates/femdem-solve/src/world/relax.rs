@@ -379,7 +379,7 @@ impl Deformables {
     fn net_wrench(&self, i: usize, batch: &ContactBatch, gravity: &Vector3) -> [Vector3; 2] {
         let body = &self.bodies[i];
         let (masses, centre) = (self.masses(body), self.centre(body));
-        let contact = batch.nodal_loads(i as u32).forces;
+        let contact = body.contact_loads(batch, i as u32).forces;
         let mut wrench = [Vector3::zeros(); 2];
         for (a, x) in body.positions.iter().enumerate() {
             let force = contact[a] + body.loads[a] + (gravity + body.pull) * masses[a];
@@ -400,8 +400,8 @@ impl Deformables {
     ) -> f64 {
         let body = &self.bodies[i];
         let centre = self.centre(body);
-        let springs = batch
-            .nodal_loads(i as u32)
+        let springs = body
+            .contact_loads(batch, i as u32)
             .stiffness
             .iter()
             .zip(&body.positions);
@@ -425,7 +425,7 @@ impl Deformables {
     ) -> f64 {
         let arm = batch.deformable_shapes()[self.bodies[i].model as usize].radius();
         let stable = SAFETY * stable_step(whole.square(whole.stiffest, arm * arm), 0.0);
-        let forces = batch.nodal_loads(i as u32).forces;
+        let forces = self.bodies[i].contact_loads(batch, i as u32).forces;
         let contacts: f64 = forces.iter().map(Vector3::norm).sum();
         let yielding = (contacts + given) / whole.stiffest;
         stable.max(whole.time_for(yielding, wrench, arm))

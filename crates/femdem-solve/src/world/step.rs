@@ -85,7 +85,9 @@ impl World {
         self.book_exchange(deformable);
         self.counters.body_steps += self.awake.len() as u64;
         self.update_active_set();
-        self.rest_deformables()
+        self.rest_deformables()?;
+        self.crack_deformables()?;
+        self.release_cracks()
     }
 
     /// Books the energy that the step exchanged. Frozen bodies have none in motion; deformable ones have `deformable`, J.

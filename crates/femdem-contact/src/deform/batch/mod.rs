@@ -10,6 +10,7 @@ mod pair;
 mod pairs;
 mod prepare;
 mod remove;
+mod reshape;
 mod sleep;
 mod state;
 mod touching;

@@ -1,7 +1,8 @@
 //! Adding models and deformable bodies to a world.
 
+use super::fracture::Breakable;
 use super::nodal_bound::NodalBound;
-use super::{ContactStiffness, DeformableSpec, Deformables, Model, ModelId, State};
+use super::{ContactStiffness, CrackedSkin, DeformableSpec, Deformables, Model, ModelId, State};
 use crate::body::{Body, check_velocities};
 use crate::error::{SolveError, check};
 use crate::world::World;
@@ -60,6 +61,7 @@ impl World {
             stiffness,
             field,
             young,
+            cracked: None,
         };
         let shape = model.shape()?;
         self.restored()?;
@@ -79,7 +81,8 @@ impl World {
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown model, [`SolveError::Parameter`] for a pose or velocity
-    /// that is not finite, [`SolveError::BodyFailed`] if an element has no stress.
+    /// that is not finite, [`SolveError::BodyFailed`] if an element has no stress; for a body with a
+    /// [`fracture`](DeformableSpec::fracture) also [`SolveError::TooCoarse`] and [`SolveError::CannotBreak`].
     pub fn add_deformable(&mut self, spec: DeformableSpec) -> Result<BodyId, SolveError> {
         let gravity = self.parameters.gravity;
         let laws = self.batch.laws().clone();
@@ -100,12 +103,15 @@ impl World {
             .model
             .stable_frequency2(&state.positions, &state.history)
             .map_err(|failure| SolveError::from(failure).in_body(body, step, time))?;
+        if let Some(fracture) = &spec.fracture {
+            model.may_break(fracture)?;
+        }
         let masses = model.model.masses();
         let energy = state.kinetic_energy(masses) + state.potential(masses, &gravity);
         let shape = &self.batch.deformable_shapes()[spec.model as usize];
         let launch = USUAL_MOVE * shape.inradius() / state.fastest;
         let modulus = model.modulus(shape, &laws, spec.material);
-        state.contact_step = model.contact_step(shape, modulus);
+        state.contact_step = model.contact_step(shape, modulus, masses);
         let bound = state.bound.critical_step().min(state.contact_step);
         let frequency = model.frequency(shape);
         let id = self.batch.add_deformable(spec.model, modulus)?;
@@ -116,6 +122,10 @@ impl World {
         place(&mut self.motions, id, Motion::fixed(Frame::identity()));
         if let Some(deformables) = &mut self.deformables {
             place(&mut deformables.bodies, id, state);
+            if let Some(fracture) = spec.fracture {
+                let (model, state) = deformables.parts(id);
+                state.breakable = Some(Box::new(Breakable::new(model, fracture, id)));
+            }
         }
         self.newcomers.added.bodies.insert(id);
         self.initial_energy += energy;
@@ -172,6 +182,7 @@ impl State {
             contact_step: f64::INFINITY,
             nodal: NodalBound::new(model)?,
             rest: Default::default(),
+            breakable: None,
         })
     }
 }
@@ -249,7 +260,8 @@ impl Deformables {
         let model = &self.models[body.model as usize];
         let material = batch.material(id).unwrap_or_default();
         let modulus = model.modulus(shape, batch.laws(), material);
-        body.contact_step = model.contact_step(shape, modulus);
+        let masses = body.contact_masses(model.model.masses());
+        body.contact_step = model.contact_step(shape, modulus, &masses);
         Ok(batch.set_modulus(id, modulus)?)
     }
 
@@ -293,7 +305,22 @@ impl Deformables {
 
     /// The contact shapes of the models.
     pub(in crate::world) fn shapes(&self) -> Result<Vec<Arc<DeformableShape>>, SolveError> {
-        let shapes = self.models.iter().map(|m| m.shape().map(Arc::new));
-        shapes.collect()
+        let mut shapes: Vec<Arc<DeformableShape>> = Vec::with_capacity(self.models.len());
+        for model in &self.models {
+            let shape = match &model.cracked {
+                None => Arc::new(model.shape()?),
+                Some(CrackedSkin { base, mesh }) => {
+                    let whole = shapes.get(*base as usize).ok_or_else(|| {
+                        inconsistent(format!("the model {base} of a cracked body comes after it"))
+                    })?;
+                    match mesh {
+                        Some(mesh) => Arc::new(whole.cracked(mesh)?),
+                        None => Arc::clone(whole),
+                    }
+                }
+            };
+            shapes.push(shape);
+        }
+        Ok(shapes)
     }
 }

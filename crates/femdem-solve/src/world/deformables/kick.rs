@@ -1,6 +1,7 @@
 //! Kicks of the deformable bodies.
 
 use super::each::on_each;
+use super::fracture::{Breakable, CrackState};
 use super::{Deformables, State};
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
@@ -55,7 +56,10 @@ impl<'a> Kick<'a> {
     /// Adds the impulse to the nodes of body `i`; returns the work.
     pub fn apply(&self, i: usize, body: &mut State, model: &DeformableModel) -> Flows {
         let i = i as u32;
-        let contact = self.batch.nodal_loads(i);
+        // Its cracks hold what contacts do to its nodes.
+        let breakable = body.breakable.take();
+        let cracks = breakable.as_deref().and_then(Breakable::cracks);
+        let contact = cracks.map_or_else(|| self.batch.nodal_loads(i), CrackState::loads);
         let plain = *self.medium == Medium::default();
         let (masses, gravity) = (model.masses(), self.gravity + body.pull);
         let loaded = body.pull != Vector3::zeros();
@@ -76,6 +80,7 @@ impl<'a> Kick<'a> {
             let mean = (before + body.momentum(masses)) * 0.5;
             flows.load_work += body.pull.dot(&mean) * self.h;
         }
+        body.breakable = breakable;
         flows
     }
 }

@@ -2,6 +2,7 @@
 
 mod add;
 mod each;
+mod fracture;
 mod hand;
 mod kick;
 mod nodal_bound;
@@ -11,14 +12,18 @@ mod single;
 mod step;
 
 use crate::error::SolveError;
+use crate::fracture::Fracture;
 use femdem_contact::deform::{DeformableShape, Modulus};
 use femdem_contact::{ContactLaws, Field, MaterialId, stable_step};
 use femdem_fem::{Boundary, DeformableModel, FrequencyBound, InternalState, Workspace};
-use femdem_mesh::{Pose, Vector3};
+use femdem_mesh::{Pose, TetMesh, Vector3};
+use fracture::Breakable;
+pub(crate) use fracture::CrackFlows;
 use nodal_bound::NodalBound;
 use serde::{Deserialize, Serialize};
 
 pub(super) use add::centroid;
+pub use fracture::{CrackFacet, Cracks};
 pub use query::Deformable;
 use rest::Rest;
 
@@ -68,6 +73,9 @@ pub struct DeformableSpec {
     /// Material of its skin, by which its contacts find [their laws](crate::World::set_law).
     #[serde(default)]
     pub material: MaterialId,
+    /// How it breaks, if it may.
+    #[serde(default)]
+    pub fracture: Option<Fracture>,
 }
 
 impl DeformableSpec {
@@ -81,6 +89,7 @@ impl DeformableSpec {
             angular_velocity: Vector3::zeros(),
             boundary: Boundary::default(),
             material: MaterialId::default(),
+            fracture: None,
         }
     }
 }
@@ -114,6 +123,17 @@ pub(crate) struct Model {
     pub field: Field,
     /// Young's modulus of the stiffest material, Pa.
     pub young: f64,
+    /// Of a cracked body alone.
+    pub cracked: Option<CrackedSkin>,
+}
+
+/// The skin of a cracked body.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct CrackedSkin {
+    /// The model without cracks.
+    pub base: ModelId,
+    /// The mesh of the contacts, once any crack is released.
+    pub mesh: Option<TetMesh>,
 }
 
 impl Model {
@@ -124,8 +144,8 @@ impl Model {
 
     /// The step that is stable for any node with its whole share of the skin in contact, s. The stiffest
     /// partner is a wall that acts as a mirror image, four times as stiff as the foundation.
-    fn contact_step(&self, shape: &DeformableShape, modulus: Modulus) -> f64 {
-        let masses = self.model.masses();
+    /// `masses` are those of the contact nodes, kg.
+    fn contact_step(&self, shape: &DeformableShape, modulus: Modulus, masses: &[f64]) -> f64 {
         let mut areas = vec![0.0; masses.len()];
         for (triangle, area) in self.skin_areas(shape) {
             for &i in triangle {
@@ -153,9 +173,17 @@ impl Model {
         &'a self,
         shape: &'a DeformableShape,
     ) -> impl Iterator<Item = (&'a [u32; 3], f64)> {
-        let nodes = self.model.nodes();
+        // New nodes come after those that were there at first, which the skin has until it cracks.
+        let split = self
+            .cracked
+            .as_ref()
+            .and_then(|cracked| cracked.mesh.as_ref());
+        let place = move |i: u32| match split {
+            Some(mesh) => mesh.points().get(i as usize).map(|x| x.coords),
+            None => self.model.nodes().get(i as usize).copied(),
+        };
         shape.skin().iter().filter_map(move |triangle| {
-            let corners = triangle.map(|i| nodes.get(i as usize).copied());
+            let corners = triangle.map(place);
             let [Some(a), Some(b), Some(c)] = corners else {
                 return None;
             };
@@ -217,6 +245,8 @@ pub(crate) struct State {
     pub contact_step: f64,
     pub nodal: NodalBound,
     pub rest: Rest,
+    /// Of a body that may break.
+    pub breakable: Option<Box<Breakable>>,
 }
 
 /// Buffers for one body at a time.

@@ -21,6 +21,10 @@ pub struct Deformable<'a> {
 }
 
 impl<'a> Deformable<'a> {
+    pub(in crate::world) fn state(&self) -> &'a State {
+        self.state
+    }
+
     /// Name of its model.
     #[must_use]
     pub fn name(&self) -> &'a str {
@@ -201,7 +205,7 @@ impl World {
         Some(Deformable {
             model: deformables.models.get(state.model as usize)?,
             state,
-            contact: self.batch.nodal_loads(id).forces,
+            contact: state.contact_loads(&self.batch, id).forces,
         })
     }
 

@@ -179,8 +179,8 @@ impl Judge<'_> {
     }
 
     /// The larger of the weight and half the sum of the contact forces, N.
-    fn load_scale(&self) -> f64 {
-        let loads = self.batch.nodal_loads(self.body);
+    fn load_scale(&self, state: &State) -> f64 {
+        let loads = state.contact_loads(self.batch, self.body);
         let borne: f64 = loads.forces.iter().map(Vector3::norm).sum();
         let mass: f64 = self.model.masses().iter().sum();
         f64::max(0.5 * borne, mass * self.parameters.gravity.norm())
@@ -203,7 +203,7 @@ impl Judge<'_> {
         let energy = state.kinetic_energy(self.model.masses());
         let before = std::mem::replace(&mut rest.energy, energy);
         let may_rest = !self.driven && self.batch.touches(self.body) && state.boundary.is_free();
-        let scale = self.load_scale() * self.diameter(state);
+        let scale = self.load_scale(state) * self.diameter(state);
         if !may_rest || energy.is_nan() || energy >= rule.ringing() * scale {
             rest.steps = 0;
             return Ok(Change::None);
@@ -266,7 +266,7 @@ impl Judge<'_> {
     fn imbalance(&self, state: &State) -> f64 {
         let (gravity, masses) = (self.parameters.gravity + state.pull, self.model.masses());
         let centre = centroid(&state.positions, masses);
-        let loads = self.batch.nodal_loads(self.body);
+        let loads = state.contact_loads(self.batch, self.body);
         let contacts = loads.forces.iter().zip(loads.damping);
         let nodes = state.strain_forces.iter().zip(masses).zip(&state.positions);
         let (mut left, mut borne) = (0.0, 0.0);
@@ -279,7 +279,7 @@ impl Judge<'_> {
             wrench[0] += net;
             wrench[1] += (x - centre).cross(&net);
         }
-        let scale = self.load_scale();
+        let scale = self.load_scale(state);
         let [force, moment] = wrench.map(|part| part.norm() / scale);
         f64::max(left / borne, force).max(moment / self.diameter(state))
     }

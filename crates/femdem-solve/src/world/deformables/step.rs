@@ -59,6 +59,7 @@ impl World {
             let internal = strain.map_err(|error| error.in_body(body, steps, time))?;
             self.book_strain(&internal, dt);
         }
+        self.book_cracks();
         Ok(())
     }
 
@@ -81,6 +82,7 @@ impl World {
             let internal = strain.map_err(|error| error.in_body(body, steps, time))?;
             self.book_strain(&internal, dt);
         }
+        self.book_cracks();
         Ok(())
     }
 
@@ -114,9 +116,14 @@ impl World {
             return Ok(());
         };
         deformables.bound = None;
+        for body in &mut deformables.bodies {
+            body.follow_cracks();
+        }
         let nodes: Vec<NodalState> = deformables.bodies.iter().map(State::nodes).collect();
         let (bodies, walls) = (&self.motions, &self.wall_motions);
-        Ok(self.batch.update_deformables(&nodes, bodies, walls, dt)?)
+        self.batch.update_deformables(&nodes, bodies, walls, dt)?;
+        self.map_cracks();
+        Ok(())
     }
 
     /// Wakes rigid bodies that touch an awake deformable one; they do not count as quiet meanwhile.
@@ -163,6 +170,9 @@ impl Deformables {
 impl State {
     /// What the contact stage sees.
     fn nodes(&self) -> NodalState<'_> {
+        if let Some(cracks) = self.cracks() {
+            return cracks.nodes();
+        }
         NodalState {
             positions: &self.positions,
             velocities: &self.velocities,
@@ -172,12 +182,12 @@ impl State {
 
     /// The largest step that is stable for body `i` with its contacts, s.
     pub(super) fn largest_step(&self, batch: &ContactBatch, i: BodyId) -> f64 {
-        if !batch.touches(i) {
+        if !batch.touches(i) && self.cracks().is_none() {
             return self.bound.critical_step();
         }
         // The squared frequencies of elements and contacts add at most, even where they act on different
         // motions.
-        let loads = batch.nodal_loads(i);
+        let loads = self.contact_loads(batch, i);
         let stiffness = loads.stiffness.iter().zip(&self.inverse_masses);
         let contact = stiffness.map(|(k, w)| 2.0 * k * w).fold(0.0, f64::max);
         let rate = loads.rates.iter().copied().fold(0.0, f64::max);
@@ -194,7 +204,7 @@ impl State {
         batch: &'a ContactBatch,
         i: BodyId,
     ) -> impl Fn(usize) -> (f64, f64) + 'a {
-        let loads = batch.nodal_loads(i);
+        let loads = self.contact_loads(batch, i);
         move |a| {
             let stiffness = 2.0 * loads.stiffness[a] * self.inverse_masses[a];
             (stiffness, loads.rates[a])
@@ -209,7 +219,7 @@ impl State {
         i: BodyId,
         dt: f64,
     ) -> Result<(), ElementFailure> {
-        if !batch.touches(i) {
+        if !batch.touches(i) && self.cracks().is_none() {
             return Ok(());
         }
         let mut nodal = std::mem::take(&mut self.nodal);
@@ -241,6 +251,7 @@ impl State {
             self.boundary
                 .add_forces(model, time, &self.positions, &mut self.loads)?;
         }
+        self.join_cracks(time, renew);
         if renew {
             self.bound = model.stable_frequency2(&self.positions, &self.history)?;
         }

@@ -1,0 +1,105 @@
+//! How a deformable body breaks.
+
+use crate::error::{SolveError, check};
+use femdem_contact::glue::Softening;
+use femdem_fem::fracture::{Strength, Weibull};
+use serde::{Deserialize, Serialize};
+
+/// Largest part of its energy that a crack may be lent at its birth.
+pub(crate) const LOAN: f64 = 0.1;
+
+/// The strength of a material, the energy that cracks in it take, and how they are followed. A body whose
+/// [`DeformableSpec`](crate::DeformableSpec) has one may break.
+///
+/// Where a node's mean stress exceeds the strength, the node is split along a plane through it (femdem-fem's
+/// [`fracture`](femdem_fem::fracture)); facets along that plane are held together by [`glue`](femdem_contact::glue) until they
+/// have taken their energy. None of these numbers is to be fitted to a specimen.
+///
+/// ```
+/// use femdem_fem::fracture::Strength;
+/// use femdem_solve::Fracture;
+///
+/// // Concrete: 3 MPa, 90 J/m².
+/// let strength = Strength::new(3e6, 12e6, 38_f64.to_radians())?;
+/// let fracture = Fracture::new(strength, [90.0, 450.0]);
+/// // At E = 26.5 GPa the process zone is 0.26 m long: E G/f².
+/// assert!((fracture.process_zone(26.5e9) - 0.265).abs() < 1e-3);
+/// # Ok::<(), femdem_fem::FemError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fracture {
+    /// Strength of the material.
+    pub strength: Strength,
+    /// Energies of fracture by opening and by sliding, J/m².
+    pub energies: [f64; 2],
+    /// Exponent of mixed modes: see [`mixed_energy`](femdem_contact::glue::mixed_energy).
+    pub mix: f64,
+    /// How the traction of a crack falls.
+    pub softening: Softening,
+    /// Scatter of the strength from place to place.
+    pub scatter: Option<Weibull>,
+    /// Steps between two looks at the stresses.
+    pub every: u32,
+    /// Stiffness of a new crack over E/h, with Young's modulus E and the height h of the elements beside it.
+    pub stiffness: f64,
+    /// Slip of a broken facet over h, beyond which its sides meet as any other skin does.
+    pub release: f64,
+    /// Whether the mesh may be coarser than the [process zone](Self::process_zone) allows: cracks then take more energy than
+    /// given.
+    pub coarse: bool,
+}
+
+impl Fracture {
+    /// Usual numbers, for a strength and energies of fracture by opening and by sliding (J/m²).
+    #[must_use]
+    pub fn new(strength: Strength, energies: [f64; 2]) -> Self {
+        Self {
+            strength,
+            energies,
+            mix: 2.0,
+            softening: Softening::Linear,
+            scatter: None,
+            every: 5,
+            stiffness: 2.0,
+            release: 0.1,
+            coarse: false,
+        }
+    }
+
+    /// The length l = E G/f² of the zone in which a crack opens, m, for Young's modulus E (Pa).
+    #[must_use]
+    pub fn process_zone(&self, young: f64) -> f64 {
+        young * self.energies[0] / self.strength.tensile().powi(2)
+    }
+
+    /// The largest height of elements, m, with which a new crack is lent no more than a tenth of its energy: h/(2 α l).
+    #[must_use]
+    pub fn largest_height(&self, young: f64) -> f64 {
+        LOAN * 2.0 * self.stiffness * self.process_zone(young)
+    }
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`SolveError::Parameter`] for energies, an exponent, a stiffness or a slip that are not positive and finite, sliding
+    /// that takes less energy than opening, and 0 steps.
+    pub fn validate(&self) -> Result<(), SolveError> {
+        let [opening, sliding] = self.energies;
+        for (name, value) in [
+            ("energy of fracture by opening", opening),
+            ("exponent of mixed modes", self.mix),
+            ("stiffness of cracks", self.stiffness),
+            ("slip at which cracks are released", self.release),
+            ("steps between looks at the stresses", f64::from(self.every)),
+        ] {
+            check(name, value, value > 0.0, "above 0 and finite")?;
+        }
+        check(
+            "energy of fracture by sliding",
+            sliding,
+            sliding >= opening,
+            "at least that by opening, and finite",
+        )
+    }
+}

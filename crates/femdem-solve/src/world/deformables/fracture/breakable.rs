@@ -1,0 +1,151 @@
+//! Bodies that may break, and which cannot.
+
+use super::CrackState;
+use crate::error::SolveError;
+use crate::fracture::Fracture;
+use crate::world::deformables::{ContactStiffness, Model};
+use femdem_contact::{BodyId, Field};
+use femdem_fem::MaterialRegion;
+use femdem_fem::element::Element;
+use femdem_fem::fracture::Strength;
+use femdem_fem::material::{Deformation, Material};
+use femdem_mesh::tet::Facets;
+use femdem_mesh::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Strains this far below the smallest that is harmful are harmless: bounds of stress are those of small strain, and of a few
+/// steps before.
+const MARGIN: f64 = 0.8;
+
+/// What a deformable body that may break has beside others.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Breakable {
+    pub fracture: Fracture,
+    /// By point of the mesh, the factor of the strength there.
+    pub factors: Vec<f64>,
+    /// No element whose strain |FᵀF − I| is below this fails.
+    pub harmless: f64,
+    /// Largest stress over strength at the last look.
+    pub highest: f64,
+    /// `None` as long as it is whole.
+    pub cracks: Option<Box<CrackState>>,
+}
+
+impl Breakable {
+    /// A body of number `id`, by which the scatter of its strength is drawn.
+    pub fn new(model: &Model, fracture: Fracture, id: BodyId) -> Self {
+        let nodes = model.model.nodes().len();
+        let factors = match fracture.scatter {
+            None => vec![1.0; nodes],
+            Some(scatter) => {
+                let mut volumes = vec![0.0; nodes];
+                for (tet, volume) in model.model.elements().zip(model.model.volumes()) {
+                    for node in tet {
+                        volumes[*node as usize] += volume / 4.0;
+                    }
+                }
+                let nodes = (0..).zip(&volumes);
+                nodes
+                    .map(|(node, volume)| scatter.factor(u64::from(id), node, *volume))
+                    .collect()
+            }
+        };
+        let weakest = factors.iter().copied().fold(f64::INFINITY, f64::min);
+        Self {
+            harmless: MARGIN * 2.0 * weakest * least(&fracture.strength) / model.stiffest(),
+            fracture,
+            factors,
+            highest: 0.0,
+            cracks: None,
+        }
+    }
+
+    pub fn cracks(&self) -> Option<&CrackState> {
+        self.cracks.as_deref()
+    }
+}
+
+/// The smallest |stress| at which a material fails, Pa: f of tension; of shear, with n·σ = (1 + sin φ) σ_1 − (1 − sin φ) σ_3 =
+/// 2 c cos φ, the distance of that plane.
+fn least(strength: &Strength) -> f64 {
+    let (sin, cos) = strength.friction_angle().sin_cos();
+    let shear = 2.0 * strength.cohesion() * cos / (1.0 + sin).hypot(1.0 - sin);
+    strength.tensile().min(shear)
+}
+
+impl Model {
+    /// Refuses a fracture that means nothing, or that a body of this model cannot follow.
+    pub(in crate::world::deformables) fn may_break(
+        &self,
+        fracture: &Fracture,
+    ) -> Result<(), SolveError> {
+        fracture.validate()?;
+        let refused =
+            |needs: &'static str, found: String| Err(SolveError::CannotBreak { needs, found });
+        if self.model.element() != Element::T4 {
+            return refused(
+                "linear elements (T4)",
+                format!("{:?}", self.model.element()),
+            );
+        }
+        if self.field != Field::Body {
+            return refused("the contact field of a body", format!("{:?}", self.field));
+        }
+        if !matches!(self.stiffness, ContactStiffness::Ratio(_)) {
+            return refused(
+                "a contact stiffness over depth (ratio)",
+                format!("{:?}", self.stiffness),
+            );
+        }
+        let (height, edge) = self.sizes();
+        let largest = fracture.largest_height(self.young);
+        if height > largest && !fracture.coarse {
+            return Err(SolveError::TooCoarse {
+                height,
+                largest,
+                edge: edge * largest / height,
+            });
+        }
+        Ok(())
+    }
+
+    /// Largest |stress| over |strain| at no strain, Pa.
+    fn stiffest(&self) -> f64 {
+        let rest = Deformation::at_rest(Matrix3::identity());
+        let of = |region: &MaterialRegion| {
+            let old = vec![0.0; region.material.history_len()];
+            let tangent = region.material.tangent(&rest, &old);
+            tangent.map_or(f64::INFINITY, |tangent| {
+                tangent.symmetric_eigenvalues().max()
+            })
+        };
+        self.model.regions().iter().map(of).fold(0.0, f64::max)
+    }
+
+    /// Mean height of the pairs of elements beside inner facets, weighted by area, and mean edge of the elements, m.
+    fn sizes(&self) -> (f64, f64) {
+        let (mesh, nodes) = (self.model.mesh(), self.model.nodes());
+        let (mut volume, mut area) = (0.0, 0.0);
+        for facet in Facets::new(mesh).all() {
+            let [a, b, c] = facet.points.map(|i| nodes[i as usize]);
+            area += 0.5 * (b - a).cross(&(c - a)).norm();
+            volume += facet
+                .tets
+                .iter()
+                .map(|t| self.model.volumes()[*t as usize])
+                .sum::<f64>();
+        }
+        let edges = |tet: &[u32; 4]| {
+            let x: [Vector3; 4] = tet.map(|i| nodes[i as usize]);
+            let of = |(i, j): (usize, usize)| (x[i] - x[j]).norm();
+            [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
+                .map(of)
+                .iter()
+                .sum::<f64>()
+                / 6.0
+        };
+        let mean = mesh.tets().iter().map(edges).sum::<f64>() / mesh.tets().len() as f64;
+        // A body of one element has no facet inside, and cannot break.
+        (if area > 0.0 { 1.5 * volume / area } else { 0.0 }, mean)
+    }
+}
