@@ -364,3 +364,35 @@ fn a_report_has_a_section_on_fracture() {
     let page = fs::read_to_string(out.join("report.html")).unwrap();
     assert!(!page.contains("<h2>Fracture</h2>"));
 }
+
+/// A cube that a floor shatters is shown in pieces, each with a closed surface, and together as large as the cube.
+#[test]
+fn pieces_of_a_shattered_cube_have_surfaces() {
+    let (head, _) = BAR.split_once("[[body]]").unwrap();
+    let text = format!(
+        "{head}[[wall]]
+        name = \"floor\"
+        plane = {{ normal = [0, 0, 1] }}
+        [[body]]
+        name = \"cube\"
+        block = [4, 4, 4]
+        sides = [0.02, 0.02, 0.02]
+        material = \"mortar\"
+        behaviour = \"breakable\"
+        position = [0, 0, 0.0101]
+        velocity = [0, 0, -20]"
+    );
+    let text = text.replace("duration = 1e-4", "duration = 5e-5");
+    let folder = tempdir().unwrap();
+    let mut job = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
+    job.advance(folder.path(), u64::MAX).unwrap();
+    let pieces = job.simulation().fracture_summary().unwrap().fragments;
+    let snapshot = job.simulation().snapshot().unwrap();
+    assert!(pieces >= 5 && snapshot.bodies.len() == pieces, "{pieces}");
+    assert!(snapshot.bodies.iter().all(|body| body.sequence == 0));
+    let volumes = snapshot.shapes.iter();
+    let volume: f64 = volumes.map(|s| s.polyhedron.mass_properties().volume).sum();
+    assert!((volume / 8e-6 - 1.0).abs() < 0.05, "{volume}");
+    let mass: f64 = snapshot.masses.iter().sum();
+    assert!((mass / (2200.0 * 8e-6) - 1.0).abs() < 1e-12, "{mass}");
+}
