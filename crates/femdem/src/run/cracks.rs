@@ -165,8 +165,8 @@ fn mode(mode: FractureMode) -> CrackMode {
 }
 
 impl Run {
-    /// What a report shows of fracture; `None` without breakable bodies. The energy over time is that in the `history.csv` of
-    /// `folder`, and none without this file.
+    /// What a report shows of fracture; `None` without breakable bodies. The energy over time is what cracks have dissipated and
+    /// hold, less what they were lent, from the `history.csv` of `folder`, and none without this file.
     ///
     /// # Errors
     ///
@@ -180,7 +180,8 @@ impl Run {
         let energy = |line: &str| {
             let fields: Vec<&str> = line.split(',').collect();
             let value = |name| fields.get(column(name)?)?.parse::<f64>().ok();
-            let taken = value("dissipated_fracture")? - value("lent")?;
+            // What cracks hold is given back or broken later.
+            let taken = value("dissipated_fracture")? + value("cracks")? - value("lent")?;
             Some([value("time")?, taken])
         };
         Ok(Some(Fracture {

@@ -70,7 +70,7 @@ impl RunSummary {
         rows.extend(self.added_mass().map(|text| row("mass", text)));
         rows.push(row("energy", energy));
         rows.extend(self.fracture.as_ref().map(|found| {
-            let taken = e.dissipated_fracture - e.lent;
+            let taken = e.dissipated_fracture + e.cracks - e.lent;
             row("fracture", broken(found, taken))
         }));
         rows.push(row("rest", self.rest.to_string()));
@@ -196,7 +196,7 @@ impl fmt::Display for RestSummary {
     }
 }
 
-/// `taken` is the energy of fracture \[J\].
+/// `taken` is what the cracks have taken \[J\].
 fn broken(found: &FractureSummary, taken: f64) -> String {
     let FractureSummary {
         bodies,
@@ -218,7 +218,7 @@ fn broken(found: &FractureSummary, taken: f64) -> String {
         ),
     };
     format!(
-        "{bodies} {pieces}; {} m² broken, {} J taken; stress at most {highest:.2} of the strength at the last look",
+        "{bodies} {pieces}; {} m² broken, {} J in cracks; stress at most {highest:.2} of the strength at the last look",
         short_number(*broken_area),
         short_number(taken)
     )
