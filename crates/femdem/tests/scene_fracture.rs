@@ -120,6 +120,20 @@ fn what_cannot_break_is_refused_by_its_key() {
             bar(table, &format!("{table}softening = \"abrupt\"\n")),
             ["abrupt", "bilinear"],
         ),
+        (
+            bar(
+                table,
+                &format!("{table}weibull = {{ modulus = 0.5, volume = 1e-9 }}\n"),
+            ),
+            ["fracture.weibull.modulus = 0.5", "1"],
+        ),
+        (
+            bar(
+                table,
+                &format!("{table}weibull = {{ modulus = 8, volume = 0 }}\n"),
+            ),
+            ["fracture.weibull.volume = 0", "positive"],
+        ),
         // A process zone of 0.5 mm allows 0.2 mm.
         (
             bar("energy = [20", "energy = [0.4"),

@@ -13,7 +13,7 @@ use femdem::run::{
     MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry, PlateEntry,
     ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary, RotationEntry,
     RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides, SiloEntry, SourceEntry,
-    StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary, Zone,
+    StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary, WeibullEntry, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -138,6 +138,11 @@ fn fracture() -> FractureEntry {
         energy: [1.0, 2.0],
         mix: Some(1.0),
         softening: Some(femdem::contact::glue::Softening::Bilinear),
+        weibull: Some(WeibullEntry {
+            modulus: 8.0,
+            volume: 1e-9,
+            seed: 1,
+        }),
         every: Some(1),
         stiffness: Some(1.0),
         release: Some(1.0),

@@ -2,7 +2,7 @@
 
 use femdem_contact::glue::Softening;
 use femdem_fem::element::Element;
-use femdem_fem::fracture::Strength;
+use femdem_fem::fracture::{Strength, Weibull};
 use femdem_mesh::tet::Facets;
 use femdem_solve::Fracture;
 use serde::{Deserialize, Serialize};
@@ -29,6 +29,9 @@ pub struct FractureEntry {
     /// How the traction of a crack falls.
     #[serde(default)]
     pub softening: Option<Softening>,
+    /// Scatter of the strength from place to place.
+    #[serde(default)]
+    pub weibull: Option<WeibullEntry>,
     /// Steps between two looks at the stresses.
     #[serde(default)]
     pub every: Option<u32>,
@@ -41,6 +44,19 @@ pub struct FractureEntry {
     /// Whether the mesh may be too coarse for the process zone.
     #[serde(default)]
     pub coarse: bool,
+}
+
+/// Weibull's scatter of the strength.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct WeibullEntry {
+    /// Modulus; a large one means little scatter.
+    pub modulus: f64,
+    /// The volume whose characteristic strength is that of the material \[m³\].
+    pub volume: f64,
+    /// Seed of the scatter.
+    #[serde(default)]
+    pub seed: u64,
 }
 
 impl FractureEntry {
@@ -95,6 +111,9 @@ impl FractureEntry {
         ] {
             value.map_or(Ok(()), |value| check(name, value, positive))?;
         }
+        let scatter = self
+            .weibull
+            .map(|entry| Weibull::new(entry.modulus, entry.volume, entry.seed));
         let strength = Strength::new(self.tensile, self.cohesion, angle.to_radians())?;
         let usual = Fracture::new(strength, self.energy);
         Ok(Fracture {
@@ -104,6 +123,7 @@ impl FractureEntry {
             stiffness: self.stiffness.unwrap_or(usual.stiffness),
             release: self.release.unwrap_or(usual.release),
             coarse: self.coarse,
+            scatter: scatter.transpose()?,
             ..usual
         })
     }

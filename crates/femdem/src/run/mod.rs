@@ -102,7 +102,7 @@ pub use control::{AxisEntry, Cell, CellState, ControlEntry, Controls, ShearEntry
 pub use cracks::FractureSummary;
 pub use ending::Ending;
 pub use flow::{FLOW_COLUMNS, Flow, GateEntry, SourceEntry};
-pub use fracture::{FractureEntry, FractureMesh};
+pub use fracture::{FractureEntry, FractureMesh, WeibullEntry};
 pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
 pub use hopper::HopperEntry;
 pub use job::Run;
