@@ -57,6 +57,41 @@ pub(crate) fn check_draws(
     })
 }
 
+/// Refuses a confidence that no interval can have.
+pub(crate) fn check_confidence(confidence: f64) -> Result<(), AnalysisError> {
+    // Written so that NaN fails it too.
+    if confidence > 0.0 && confidence < 1.0 {
+        return Ok(());
+    }
+    Err(AnalysisError::Option {
+        name: "confidence",
+        value: confidence,
+        allowed: "above 0 and below 1",
+    })
+}
+
+/// How often each of the sample's values is in a draw with replacement. One stream per draw, so that draws may be shared
+/// among threads.
+pub(crate) fn draw_counts(seed: u64, draw: usize, counts: &mut [u32]) {
+    let mut stream = SplitMix64 { state: seed };
+    let offset = stream.next();
+    let mut stream = SplitMix64 {
+        state: offset ^ (draw as u64).wrapping_mul(0xD1B5_4A32_D192_ED03),
+    };
+    counts.fill(0);
+    for _ in 0..counts.len() {
+        counts[stream.below(counts.len())] += 1;
+    }
+}
+
+/// Value of sorted numbers below which the share `level` of them lies, between neighbours by line.
+pub(crate) fn quantile(sorted: &[f64], level: f64) -> f64 {
+    let at = level.clamp(0.0, 1.0) * (sorted.len() - 1) as f64;
+    let below = at.floor() as usize;
+    let above = (below + 1).min(sorted.len() - 1);
+    sorted[below] + (sorted[above] - sorted[below]) * (at - below as f64)
+}
+
 impl BlockBootstrap {
     pub(crate) fn validate(&self) -> Result<(), AnalysisError> {
         if !self.block_over_d.is_finite() || self.block_over_d <= 0.0 {

@@ -192,6 +192,29 @@ pub enum AnalysisError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// No fragment to measure.
+    #[error("there is no fragment; give at least one, the unbroken body if nothing broke")]
+    NoFragments,
+    /// A fragment with a number out of its range.
+    #[error("fragment {index}: its {name} = {value} is not allowed; it must be {allowed}")]
+    Fragment {
+        /// Index of the fragment.
+        index: usize,
+        /// Name of the quantity.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// Points of a fragment around which there is no box.
+    #[error("fragment {index}: no box around its points: {why}")]
+    FragmentPoints {
+        /// Index of the fragment.
+        index: usize,
+        /// What is wrong with the points.
+        why: String,
+    },
     /// Radii of balls for another number of shapes than there are.
     #[error("{given} radii of balls for {shapes} shapes; give a radius, or none, for each shape")]
     BallCount {

@@ -45,6 +45,7 @@
 //! - [`pores`]: the void space as voxels, distances, pore sizes, paths and closed surfaces, for flow codes.
 //! - [`pair_overlaps`]: volumes that bodies share. [`volume_inside`] and [`intersection_volume`] are the
 //!   kernels, for one body and for one pair.
+//! - [`measure_fragments`]: sizes of fragments; [`fragmentation`]: their size curve with fitted laws, and t10.
 //! - [`Table`]: every result as CSV; JSON through serde. [`BlockBootstrap`]: errors of means.
 //! - [`coordination`] from [`Touch`]es; [`contact_counts`] body by body.
 //! - [`ForceNetwork`] of [`ForceBody`]s and [`ForceContact`]s: the input of everything below.
@@ -100,6 +101,7 @@ mod error;
 mod fabric;
 mod fields;
 mod forces;
+mod fragments;
 mod images;
 mod lines;
 mod map;
@@ -152,6 +154,11 @@ pub use fields::{FieldOptions, Fields, Tensor, coarse_grained_fields};
 pub use forces::{
     ForceBin, ForceDistribution, ForceDistributionOptions, ForceMaxima, TailFit, TailLaw,
     TailOptions, WallForce, WallForces, fit_tail, force_distribution, force_maxima, wall_forces,
+};
+pub use fragments::{
+    BreakageIndex, Fragment, FragmentExtent, FragmentSize, FragmentSizes, Fragmentation,
+    FragmentationOptions, SizeFit, SizeFitOptions, SizeLaw, breakage_index, fit_sizes,
+    fragmentation, measure_fragments,
 };
 pub use images::{PeriodicSpace, WithImages};
 pub use map::{DensityMap, DensityMapOptions, density_map};

@@ -9,6 +9,7 @@ mod cost_forces;
 mod density;
 mod density_map;
 mod fields;
+mod fragments;
 mod inputs;
 mod lattices;
 mod mixing;

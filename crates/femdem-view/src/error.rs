@@ -70,6 +70,20 @@ pub enum ViewError {
         /// Its index.
         index: usize,
     },
+    /// A crack facet, an event or a fragment with a number out of its range.
+    #[error("{what} {index}: its {name} = {value} is not allowed; it must be {allowed}")]
+    Quantity {
+        /// "crack facet", "event" or "fragment".
+        what: &'static str,
+        /// Its index.
+        index: usize,
+        /// Name of the quantity.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
     /// There is no body to draw.
     #[error("there is no body to draw")]
     NothingToDraw,

@@ -35,6 +35,7 @@
 //!
 //! # What is where
 //! - [`Snapshot`] with [`Body`], [`NamedShape`], [`ContactRow`]; what its source did not contain is in [`Gaps`].
+//! - [`CrackFacet`], [`CrackEvent`], [`FragmentRow`]: cracks and fragments; [`Fracture`]: what a page shows of them.
 //! - [`input`]: a snapshot from tables and surface files.
 //! - [`tables`]: everything that femdem-analysis can measure of a snapshot, with what is missing and why.
 //! - [`output`]: CSV, STL, OBJ, and VTU, VTP, VTI and PVD for ParaView.
@@ -56,6 +57,7 @@
 mod colouring;
 mod drawing;
 mod error;
+mod fracture;
 pub mod input;
 pub mod output;
 pub mod picture;
@@ -73,4 +75,5 @@ pub use femdem_mesh as mesh;
 pub use colouring::{BodyValues, Colouring, Spacing};
 pub use drawing::{Drawing, sharp_edges};
 pub use error::ViewError;
+pub use fracture::{CrackEvent, CrackFacet, CrackMode, Fracture, FragmentRow};
 pub use snapshot::{Body, BodyLoad, ContactRow, Gaps, NamedShape, Partner, Snapshot};

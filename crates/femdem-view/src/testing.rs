@@ -4,7 +4,9 @@ use femdem_analysis::{ContactClass, Region};
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::{Point3, Pose, Vector3};
 
-use crate::{Body, BodyValues, Colouring, ContactRow, NamedShape, Partner, Snapshot};
+use crate::{
+    Body, BodyValues, Colouring, ContactRow, CrackFacet, CrackMode, NamedShape, Partner, Snapshot,
+};
 
 /// Two cubes of side 1 m, one on the other, on a floor.
 pub(crate) fn two_cubes() -> Snapshot {
@@ -51,4 +53,18 @@ pub(crate) fn two_cubes() -> Snapshot {
 /// The values of the usual picture.
 pub(crate) fn by_sequence(snapshot: &Snapshot) -> BodyValues {
     Colouring::Sequence.values(snapshot, None).unwrap().unwrap()
+}
+
+/// A facet at a height z.
+pub(crate) fn crack(z: f64) -> CrackFacet {
+    CrackFacet {
+        body: 1,
+        points: [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]].map(Point3::from),
+        opening: 1e-4,
+        slip: 2e-5,
+        damage: 1.0,
+        mode: CrackMode::Tension,
+        birth: 1e-3,
+        dissipated: 0.5,
+    }
 }

@@ -2,10 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use femdem_view::mesh::{Pose, catalogue::CatalogueShape};
+use femdem_view::analysis::{FragmentationOptions, fragmentation};
+use femdem_view::mesh::{Point3, Pose, catalogue::CatalogueShape};
 use femdem_view::report::{FactTable, KeyFigure, Report, RunFacts};
 use femdem_view::tables::{TableOptions, Tables};
-use femdem_view::{Body, NamedShape, Snapshot, ViewError};
+use femdem_view::{Body, CrackFacet, CrackMode, Fracture, NamedShape, Snapshot, ViewError};
 
 fn cube() -> Snapshot {
     let shape = "P5".parse::<CatalogueShape>().unwrap();
@@ -69,4 +70,61 @@ fn without_a_run_the_page_has_what_was_measured() {
     let nothing = Snapshot::default();
     let refused = Report::new(&nothing).html().unwrap_err();
     assert!(matches!(refused, ViewError::NothingToDraw));
+}
+
+#[test]
+fn fracture_has_a_section_if_something_is_known() {
+    let pieces = [
+        (0.09, 5.0),
+        (0.05, 2.0),
+        (0.04, 1.0),
+        (0.03, 1.0),
+        (0.01, 1.0),
+    ];
+    let options = FragmentationOptions {
+        parent_size: Some(0.1),
+        ..FragmentationOptions::default()
+    };
+    let facet = |damage, mode| CrackFacet {
+        body: 0,
+        points: [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from),
+        opening: 0.0,
+        slip: 0.0,
+        damage,
+        mode,
+        birth: 0.0,
+        dissipated: 0.1,
+    };
+    let mut fracture = Fracture {
+        fragmentation: Some(fragmentation(&pieces, &options).unwrap()),
+        dissipated: vec![[0.0, 0.0], [0.5, 12.0]],
+        cracks: vec![
+            facet(1.0, CrackMode::Shear),
+            facet(1.0, CrackMode::Tension),
+            facet(0.5, CrackMode::Tension),
+        ],
+    };
+    let snapshot = cube();
+    let page = |fracture: &Fracture| Report::new(&snapshot).with_fracture(fracture).html();
+    let words = page(&fracture).unwrap();
+    for part in [
+        "<h2>Fracture</h2>",
+        "<dt>Fragments</dt><dd>5<small>10 kg in all</small></dd>",
+        "<dt>t10</dt><dd>10.0 %<small>",
+        "<dt>Energy of fracture</dt><dd>12 J<small>",
+        "<dt>Broken facets</dt><dd>2<small>1 of them in shear; 1 more are damaged</small></dd>",
+        "<h3>Sizes of the fragments</h3>",
+        "<h3>Energy of fracture</h3>",
+    ] {
+        assert!(words.contains(part), "{part}");
+    }
+    let plots = Report::new(&snapshot).with_fracture(&fracture).plots();
+    assert_eq!(plots.len(), 2);
+    assert!(!page(&Fracture::default()).unwrap().contains("Fracture"));
+    fracture.cracks[1].damage = -0.5;
+    let refused = page(&fracture).unwrap_err().to_string();
+    assert!(
+        refused.contains("crack facet 1: its damage = -0.5"),
+        "{refused}"
+    );
 }

@@ -91,8 +91,8 @@ pub use femdem_view::{input, output, picture, plot, report};
 pub use error::Error;
 pub use femdem_analysis::{ContactClass, Patch};
 pub use femdem_view::{
-    Body, BodyLoad, BodyValues, Colouring, ContactRow, Drawing, Gaps, NamedShape, Partner,
-    Snapshot, Spacing, ViewError,
+    Body, BodyLoad, BodyValues, Colouring, ContactRow, CrackEvent, CrackFacet, CrackMode, Drawing,
+    Fracture, FragmentRow, Gaps, NamedShape, Partner, Snapshot, Spacing, ViewError,
 };
 pub use results::{Summary, Usage};
 pub use scene::Scene;

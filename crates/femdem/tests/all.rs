@@ -17,6 +17,7 @@ mod scene_cases;
 mod scene_cell;
 mod scene_control;
 mod scene_flow;
+mod scene_fracture;
 mod scene_keys;
 mod scene_loads;
 mod scene_pairs;

@@ -8,12 +8,12 @@ use std::path::PathBuf;
 use femdem::run::{
     Axes, AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, BridgeEntry,
     CELL_COLUMNS, CellEntry, CellState, ConeEntry, ContactEntry, ControlEntry, Copies,
-    CylinderEntry, Ending, Ends, FLOW_COLUMNS, FocusEntry, GateEntry, HISTORY_COLUMNS, HopperEntry,
-    Law, LoadEntry, MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty,
-    PenetrationSummary, PlaneEntry, PlateEntry, ReactionSummary, RegionEntry, RelaxEntry,
-    RelaxSummary, RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario,
-    SelectEntry, ShearEntry, Sides, SiloEntry, SourceEntry, StepEntry, StrainSummary,
-    WALL_HISTORY_COLUMNS, WallEntry, WallSummary, Zone,
+    CylinderEntry, Ending, Ends, FLOW_COLUMNS, FocusEntry, FractureEntry, FractureSummary,
+    GateEntry, HISTORY_COLUMNS, HopperEntry, Law, LoadEntry, MEMBER_COLUMNS, MaterialEntry,
+    MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry, PlateEntry,
+    ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary, RotationEntry,
+    RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides, SiloEntry, SourceEntry,
+    StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary, WeibullEntry, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -126,6 +126,27 @@ fn material() -> MaterialEntry {
         yield_pressure: Some(vec![[0.0, 1.0]]),
         shear_viscosity: Some(1.0),
         bulk_viscosity: Some(1.0),
+        fracture: Some(fracture()),
+    }
+}
+
+fn fracture() -> FractureEntry {
+    FractureEntry {
+        tensile: 1.0,
+        cohesion: 1.0,
+        friction_angle: 1.0,
+        energy: [1.0, 2.0],
+        mix: Some(1.0),
+        softening: Some(femdem::contact::glue::Softening::Bilinear),
+        weibull: Some(WeibullEntry {
+            modulus: 8.0,
+            volume: 1e-9,
+            seed: 1,
+        }),
+        every: Some(1),
+        stiffness: Some(1.0),
+        release: Some(1.0),
+        coarse: true,
     }
 }
 
@@ -468,6 +489,7 @@ fn every_key_of_every_table_is_documented_and_no_other() {
         ("## `[[source]]`", keys(&source())),
         ("## `[[sink]]`", keys(&gate())),
         ("## `[[gauge]]`", keys(&gate())),
+        ("### `[material.NAME.fracture]`", keys(&fracture())),
         ("### `rotation`", keys(&rotation())),
         ("### `copies`", keys(&copies())),
         ("### `focus`", keys(&focus())),
@@ -730,17 +752,21 @@ fn summary() -> RunSummary {
             initial: 1.0,
             work_in: 1.0,
             by_hand: 1.0,
+            lent: 1.0,
             kinetic: 1.0,
             potential: 1.0,
             strain: 1.0,
             contact: 1.0,
             friction_springs: 1.0,
+            cracks: 1.0,
             dissipated_friction: 1.0,
             dissipated_damping: 1.0,
             dissipated_medium: 1.0,
             dissipated_viscous: 1.0,
             dissipated_plastic: 1.0,
             dissipated_bridges: 1.0,
+            dissipated_fracture: 1.0,
+            dissipated_release: 1.0,
             frozen: 1.0,
             ledger_error_relative: 1.0,
         },
@@ -749,6 +775,14 @@ fn summary() -> RunSummary {
             max_von_mises: 1.0,
             min_volume_ratio: 1.0,
             max_volume_ratio: 1.0,
+        }),
+        fracture: Some(FractureSummary {
+            bodies: 1,
+            fragments: 1,
+            largest_share: 1.0,
+            cut_area: 1.0,
+            broken_area: 1.0,
+            highest: 1.0,
         }),
         contacts: 1,
         threads: 1,

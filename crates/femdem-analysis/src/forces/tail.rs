@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bootstrap::{MOST_DRAWS, SplitMix64, check_draws};
+use crate::bootstrap::{MOST_DRAWS, check_confidence, check_draws, draw_counts, quantile};
 use crate::error::AnalysisError;
 use crate::ordered::ordered_map;
 
@@ -168,26 +168,9 @@ fn studentised(
     seed: u64,
     draw: usize,
 ) -> Option<f64> {
-    // One stream per draw, so that draws may be shared among threads.
-    let mut stream = SplitMix64 { state: seed };
-    let offset = stream.next();
-    let mut stream = SplitMix64 {
-        state: offset ^ (draw as u64).wrapping_mul(0xD1B5_4A32_D192_ED03),
-    };
-    counts.fill(0);
-    for _ in 0..sorted.len() {
-        counts[stream.below(sorted.len())] += 1;
-    }
+    draw_counts(seed, draw, counts);
     let tail = Suffixes::new(sorted, counts).best(sorted, starts)?;
     Some((tail.rate / sample.rate).ln() / tail.log_spread)
-}
-
-/// Value of sorted numbers below which the share `level` of them lies, between neighbours by line.
-fn quantile(sorted: &[f64], level: f64) -> f64 {
-    let at = level.clamp(0.0, 1.0) * (sorted.len() - 1) as f64;
-    let below = at.floor() as usize;
-    let above = (below + 1).min(sorted.len() - 1);
-    sorted[below] + (sorted[above] - sorted[below]) * (at - below as f64)
 }
 
 /// An exponential tail, on the scale of the law.
@@ -333,12 +316,7 @@ impl TailOptions {
             return refuse("start", start, "above zero and finite");
         }
         check_draws("resamples", self.resamples, 20..=MOST_DRAWS, "20 to 1e6")?;
-        // Written so that NaN fails it too.
-        let inside = self.confidence > 0.0 && self.confidence < 1.0;
-        if !inside {
-            return refuse("confidence", self.confidence, "above 0 and below 1");
-        }
-        Ok(())
+        check_confidence(self.confidence)
     }
 
     /// The starts to choose from, on the scale of the law.

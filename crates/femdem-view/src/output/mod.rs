@@ -5,6 +5,7 @@
 //! | `bodies.csv`, `contacts.csv` | [`csv`] | spreadsheets and scripts |
 //! | `pack.vtu` | [`vtu`] | ParaView: the bodies as polyhedra |
 //! | `contacts.vtp` | [`vtp`] | ParaView: the contacts as points with forces |
+//! | `cracks.vtp`, `fragments.csv`, `events.csv` | [`cracks`] | cracks and fragments |
 //! | `analysis/density-map.vti` | [`vti`] | ParaView: local packing density |
 //! | `labels.vti`, `fields.vti` | [`vti`] | ParaView: voxels of the void space |
 //! | `labels.mhd`, `phases.mhd` and `.raw` | [`raw`] | Fiji, ITK, lattice Boltzmann codes: the same voxels |
@@ -18,6 +19,7 @@
 //! [`write_file`] writes the output of such a function to a file.
 
 mod base64;
+pub mod cracks;
 pub mod csv;
 mod file;
 mod number;

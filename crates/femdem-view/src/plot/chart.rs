@@ -17,6 +17,8 @@ const BOTTOM: f64 = 46.0;
 pub(super) enum Hue {
     First,
     Second,
+    /// That of the text: what others are compared with.
+    Ink,
 }
 
 impl Hue {
@@ -24,6 +26,7 @@ impl Hue {
         match self {
             Self::First => "first",
             Self::Second => "second",
+            Self::Ink => "ink",
         }
     }
 }
@@ -37,6 +40,7 @@ pub(super) struct Chart {
     y: Axis,
     marks: String,
     names: Vec<(Hue, String)>,
+    key_at_left: bool,
 }
 
 impl Chart {
@@ -46,6 +50,7 @@ impl Chart {
             y,
             marks: String::new(),
             names: Vec::new(),
+            key_at_left: false,
         }
     }
 
@@ -62,6 +67,11 @@ impl Chart {
     /// Adds a name for a colour to the key.
     pub fn name(&mut self, hue: Hue, name: &str) {
         self.names.push((hue, name.to_owned()));
+    }
+
+    /// Moves the key to the upper left, for lines that rise.
+    pub fn key_at_left(&mut self) {
+        self.key_at_left = true;
     }
 
     /// A line through points, broken where one is not finite.
@@ -194,16 +204,21 @@ impl Chart {
             self.x.label,
             self.y.label
         );
+        let (ends, text, anchor) = if self.key_at_left {
+            ([LEFT + 8.0, LEFT + 20.0], LEFT + 26.0, "start")
+        } else {
+            ([right - 20.0, right - 8.0], right - 26.0, "end")
+        };
         let mut y = TOP + 16.0;
         for (hue, name) in &self.names {
-            let (x, end) = (right - 12.0, right - 8.0);
             let _ = writeln!(
                 svg,
-                "<text class=\"key\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"end\" dx=\"-14\">{name}</text>\
-                 <path class=\"line key {}\" d=\"M{:.1} {:.1}H{end:.1}\"/>",
+                "<text class=\"key\" x=\"{text:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{name}</text>\
+                 <path class=\"line key {}\" d=\"M{:.1} {:.1}H{:.1}\"/>",
                 hue.class(),
-                x - 8.0,
-                y - 4.0
+                ends[0],
+                y - 4.0,
+                ends[1]
             );
             y += 16.0;
         }

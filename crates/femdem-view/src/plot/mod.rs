@@ -9,12 +9,14 @@
 mod axis;
 mod chart;
 mod forces;
+mod fracture;
 mod net;
 mod profiles;
 mod structure;
 mod svg;
 mod sweep;
 
+pub use fracture::fracture_plots;
 pub use svg::Plot;
 pub(crate) use svg::{STYLE, escape};
 pub use sweep::{Series, sweep};

@@ -20,14 +20,6 @@ const BAR: [f64; 4] = [300.0, 50.0, 14.0, 180.0];
 pub(super) fn stereonet(tables: &Tables) -> Option<Plot> {
     let orientation = tables.orientation.as_ref()?;
     let net = orientation.net.as_ref()?;
-    let most = net
-        .nodes
-        .iter()
-        .map(|node| node.density)
-        .fold(0.0, f64::max);
-    // A uniform net shows as one colour in the middle of the scale.
-    let top = most.max(2.0);
-    let content = content(net, top)?;
     let what = match &orientation.axes {
         BodyAxes::Long => "the bodies' long axes".to_owned(),
         BodyAxes::Short => "the bodies' short axes".to_owned(),
@@ -56,23 +48,45 @@ pub(super) fn stereonet(tables: &Tables) -> Option<Plot> {
         })
         .collect();
     let caption = format!(
-        "Directions of {what}, {} in all, on a lower-hemisphere equal-area net seen from above (x to the right, \
-         y up, the vertical in the middle). Colour: density over that of uniform directions by Kamb's method; \
-         1 is chance, with a scatter of {:.2} from node to node.{orders}",
-        net.directions, net.noise,
+        "Directions of {what}, {} in all{}{orders}",
+        net.directions,
+        legend(net)
     );
+    plot("stereonet", "Orientation", caption, net)
+}
+
+/// What the net and its colours are, after the directions that it shows.
+pub(super) fn legend(net: &Stereonet) -> String {
+    format!(
+        ", on a lower-hemisphere equal-area net seen from above (x to the right, y up, the vertical in the middle). \
+         Colour: density over that of uniform directions by Kamb's method; 1 is chance, with a scatter of {:.2} from \
+         node to node.",
+        net.noise
+    )
+}
+
+/// A net with its colours. `None` for one that was not made by [`stereonet`](femdem_analysis::stereonet).
+pub(super) fn plot(
+    name: &'static str,
+    title: &str,
+    caption: String,
+    net: &Stereonet,
+) -> Option<Plot> {
+    let densities = net.nodes.iter().map(|node| node.density);
+    // A uniform net shows as one colour in the middle of the scale.
+    let top = densities.fold(2.0, f64::max);
     Some(Plot {
-        name: "stereonet",
-        title: "Orientation".to_owned(),
+        name,
+        title: title.to_owned(),
         caption,
         width: chart::WIDTH,
         height: chart::HEIGHT,
-        content,
+        content: content(name, net, top)?,
     })
 }
 
 /// The net as a small picture that is scaled smoothly and cut to the disc, and a colour bar.
-fn content(net: &Stereonet, top: f64) -> Option<String> {
+fn content(name: &str, net: &Stereonet, top: f64) -> Option<String> {
     let across = net.nodes_across as usize;
     let pixels = raster(net, across)?;
     let disc = viridis_png(across, pixels.iter().map(|density| density / top)).ok()?;
@@ -82,9 +96,9 @@ fn content(net: &Stereonet, top: f64) -> Option<String> {
     let half = RADIUS * across as f64 / (across as f64 - 1.0);
     let [left, high, wide, tall] = BAR;
     let mut svg = format!(
-        "<clipPath id=\"net-disc\"><circle cx=\"{x}\" cy=\"{y}\" r=\"{RADIUS}\"/></clipPath>\n\
+        "<clipPath id=\"{name}-disc\"><circle cx=\"{x}\" cy=\"{y}\" r=\"{RADIUS}\"/></clipPath>\n\
          <image x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\" preserveAspectRatio=\"none\" \
-         clip-path=\"url(#net-disc)\" href=\"data:image/png;base64,{}\"/>\n\
+         clip-path=\"url(#{name}-disc)\" href=\"data:image/png;base64,{}\"/>\n\
          <circle class=\"axes\" cx=\"{x}\" cy=\"{y}\" r=\"{RADIUS}\"/>\n\
          <path class=\"rule\" d=\"M{:.1} {y}h6M{:.1} {y}h-6M{x} {:.1}v6M{x} {:.1}v-6\"/>\n\
          <text class=\"label\" x=\"{:.1}\" y=\"{:.1}\">x</text>\n\
@@ -172,7 +186,7 @@ mod tests {
         assert!(pixels.iter().all(|p| p.is_finite()));
         let at = |column: usize, row: usize| pixels[row * 41 + column];
         assert!(at(40, 20) > at(20, 0) && at(0, 20) > at(20, 40));
-        assert!(content(&net, 2.0).unwrap().contains("<image"));
+        assert!(content("net", &net, 2.0).unwrap().contains("<image"));
     }
 
     fn wild() -> impl Strategy<Value = f64> {
@@ -221,7 +235,7 @@ mod tests {
             prop_assert_eq!(pixels.len(), across * across);
             let top = pixels.iter().copied().fold(2.0, f64::max);
             prop_assert!(pixels.iter().all(|p| (0.0..=1.0).contains(&(p / top))));
-            let svg = content(&net, top).unwrap();
+            let svg = content("net", &net, top).unwrap();
             let text: String = svg.split('>').filter(|part| !part.contains("base64")).collect();
             prop_assert!(!text.contains("NaN") && !text.contains("inf"), "{}", text);
         }

@@ -20,6 +20,7 @@
 
 mod block;
 mod facts;
+mod fracture;
 mod mesh;
 mod page;
 mod view;
@@ -28,9 +29,9 @@ use femdem_mesh::catalogue::CatalogueShape;
 
 pub use facts::{FactTable, KeyFigure, RunFacts};
 
-use crate::plot::{Plot, escape, plots};
+use crate::plot::{Plot, escape, fracture_plots, plots};
 use crate::tables::Tables;
-use crate::{BodyValues, Colouring, Snapshot, ViewError};
+use crate::{BodyValues, Colouring, Fracture, Snapshot, ViewError};
 
 /// The contents of a report. Only the snapshot is required; what is not given is left out.
 #[derive(Clone, Debug)]
@@ -38,6 +39,7 @@ pub struct Report<'a> {
     snapshot: &'a Snapshot,
     run: RunFacts,
     tables: Option<&'a Tables>,
+    fracture: Option<&'a Fracture>,
 }
 
 impl<'a> Report<'a> {
@@ -48,6 +50,7 @@ impl<'a> Report<'a> {
             snapshot,
             run: RunFacts::default(),
             tables: None,
+            fracture: None,
         }
     }
 
@@ -65,11 +68,19 @@ impl<'a> Report<'a> {
         self
     }
 
+    /// Adds what is known of fracture, as a section.
+    #[must_use]
+    pub fn with_fracture(mut self, fracture: &'a Fracture) -> Self {
+        self.fracture = Some(fracture);
+        self
+    }
+
     /// The page.
     ///
     /// # Errors
     ///
-    /// [`ViewError::NothingToDraw`] without bodies, and as [`Snapshot::check`].
+    /// [`ViewError::NothingToDraw`] without bodies, as [`Snapshot::check`], and [`ViewError::Quantity`] for a crack
+    /// facet with a number out of its range.
     pub fn html(&self) -> Result<String, ViewError> {
         self.snapshot.check()?;
         if self.snapshot.bodies.is_empty() {
@@ -87,11 +98,14 @@ impl<'a> Report<'a> {
         tables.extend(self.tables.and_then(facts::missing));
         tables.push(facts::versions(&self.run));
         let command = self.run.command.as_deref();
+        let broken = self.fracture.map(fracture::html).transpose()?;
+        let measured = self.tables.map(plots).unwrap_or_default();
         Ok(page::fill(&[
             ("title", &escape(&self.title())),
             ("lead", &escape(&self.lead())),
             ("figures", &facts::figures_html(&figures)),
-            ("plots", &plots_html(&self.plots())),
+            ("fracture", &broken.unwrap_or_default()),
+            ("plots", &section("Measured", "", &measured)),
             ("facts", &facts::facts_html(&tables, command)),
             (
                 "footer",
@@ -105,7 +119,9 @@ impl<'a> Report<'a> {
     /// The plots, for files.
     #[must_use]
     pub fn plots(&self) -> Vec<Plot> {
-        self.tables.map(plots).unwrap_or_default()
+        let mut all = self.tables.map(plots).unwrap_or_default();
+        all.extend(self.fracture.map(fracture_plots).unwrap_or_default());
+        all
     }
 
     fn fields(&self) -> Result<Vec<(&'static str, BodyValues)>, ViewError> {
@@ -137,8 +153,9 @@ impl<'a> Report<'a> {
     }
 }
 
-fn plots_html(plots: &[Plot]) -> String {
-    if plots.is_empty() {
+/// Plots side by side under a heading and what belongs to all of them; empty without either.
+fn section(heading: &str, lead: &str, plots: &[Plot]) -> String {
+    if lead.is_empty() && plots.is_empty() {
         return String::new();
     }
     let figure = |plot: &Plot| {
@@ -150,5 +167,5 @@ fn plots_html(plots: &[Plot]) -> String {
         )
     };
     let figures: String = plots.iter().map(figure).collect();
-    format!("<h2>Measured</h2>\n<div class=\"plots\">\n{figures}</div>")
+    format!("<h2>{heading}</h2>\n{lead}<div class=\"plots\">\n{figures}</div>")
 }

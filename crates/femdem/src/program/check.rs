@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, bail};
 use femdem::output::short_number;
 use femdem::pack::{PackSpec, Packing, Protocol};
-use femdem::run::{BodySummary, ExpectedDepth, Run, Scenario, Simulation};
+use femdem::run::{BodySummary, ExpectedDepth, FractureMesh, Run, Scenario, Simulation};
 
 use super::progress::span;
 use super::{complain, overlaps, say, say_notes};
@@ -46,6 +46,9 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     }
     say_notes(&simulation.notes);
     list(&simulation.bodies());
+    for mesh in scenario.fracture_meshes(&simulation) {
+        tell_fracture(&mesh);
+    }
     let walls: Vec<_> = simulation.world.walls().map(|(_, w)| w.name()).collect();
     if !walls.is_empty() {
         say(&format!("walls: {}", walls.join(", ")));
@@ -225,6 +228,28 @@ fn tell_penalty(run: &Run) {
     };
     told("at rest", &forecast.at_rest);
     told("at the fastest impact", &forecast.at_impact);
+}
+
+/// Prints whether the mesh of a breakable body resolves the zone in which its cracks open.
+fn tell_fracture(mesh: &FractureMesh) {
+    let FractureMesh {
+        body,
+        process_zone,
+        largest_height,
+        height,
+    } = mesh;
+    let length = |metres: &f64| format!("{} m", short_number(*metres));
+    say(&format!(
+        "cracks of {body}: process zone {}; elements are {} high, at most {} is right",
+        length(process_zone),
+        length(height),
+        length(largest_height)
+    ));
+    if height > largest_height {
+        complain(&format!(
+            "warning: the elements of {body} are too coarse: its cracks take more energy than given"
+        ));
+    }
 }
 
 fn list(bodies: &[BodySummary]) {

@@ -64,6 +64,7 @@ The folder then holds
   members.csv                places, velocities and forces of the bodies, with `track = true`
   run.pvd, contacts.pvd      time series for ParaView, of the files in frames/
   run.png                    the end, deformable bodies coloured by von Mises stress
+  fragments.csv, events.csv  of breakable bodies: pieces, facets that broke; and cracks.vtp, cracks.pvd
   scene.toml                 the scene
   run.ckpt                   a checkpoint, for `femdem resume`
 

@@ -10,7 +10,7 @@ use femdem::pack::Packing;
 use femdem::report::{Report, RunFacts};
 use femdem::results::run_facts;
 use femdem::run::RunSummary;
-use femdem::{Scene, Snapshot, Summary, Usage, output};
+use femdem::{Fracture, Scene, Snapshot, Summary, Usage, output};
 
 use super::running::{Outcome, in_pool};
 use super::say;
@@ -68,11 +68,13 @@ pub(crate) fn run(args: &ReportArgs) -> Result<Outcome> {
                         lead,
                         ..RunFacts::default()
                     },
+                    None,
                 )?
             }
             Origin::Run(saved, None) => {
                 let summary = RunSummary::of(&saved.0, &saved.1)?;
-                write_page(out, snapshot, summary.facts())?
+                let fracture = saved.0.fracture(&args.folder)?;
+                write_page(out, snapshot, summary.facts(), fracture.as_ref())?
             }
         };
         if !args.quiet {
@@ -95,11 +97,17 @@ pub(crate) fn write(
     // Packs from elsewhere have no scene.
     let path = folder.join("scene.toml");
     let scene = path.is_file().then(|| Scene::read(&path)).transpose()?;
-    write_page(out, snapshot, run_facts(summary.as_ref(), scene.as_ref()))
+    let facts = run_facts(summary.as_ref(), scene.as_ref());
+    write_page(out, snapshot, facts, None)
 }
 
-/// Writes the page and the plots with what is known of the run.
-fn write_page(out: &Path, snapshot: &Snapshot, facts: RunFacts) -> Result<PathBuf> {
+/// Writes the page and the plots with what is known of the run and of fracture.
+fn write_page(
+    out: &Path,
+    snapshot: &Snapshot,
+    facts: RunFacts,
+    fracture: Option<&Fracture>,
+) -> Result<PathBuf> {
     let plots = out.join(PLOTS);
     fs::create_dir_all(&plots)
         .with_context(|| format!("cannot make the folder {}", plots.display()))?;
@@ -110,7 +118,10 @@ fn write_page(out: &Path, snapshot: &Snapshot, facts: RunFacts) -> Result<PathBu
         ..snapshot.clone()
     });
     let shown = without.as_ref().unwrap_or(snapshot);
-    let report = Report::new(shown).with_tables(&tables).with_run(facts);
+    let mut report = Report::new(shown).with_tables(&tables).with_run(facts);
+    if let Some(fracture) = fracture {
+        report = report.with_fracture(fracture);
+    }
     let page = out.join(PAGE);
     let html = report.html()?;
     output::write_file(&page, |w| std::io::Write::write_all(w, html.as_bytes()))?;

@@ -23,6 +23,16 @@ pub enum Behaviour {
     Rigid,
     /// Strains by its material.
     Deformable,
+    /// Strains, and cracks by the fracture of its material.
+    Breakable,
+}
+
+impl Behaviour {
+    /// Whether it strains.
+    #[must_use]
+    pub fn deforms(self) -> bool {
+        self != Self::Rigid
+    }
 }
 
 /// Kinds of elements, as in files.
@@ -173,6 +183,7 @@ impl BodyEntry {
     /// Refuses keys that have no effect on such a body.
     pub(super) fn refuse_strangers(&self) -> Result<(), Error> {
         self.refuse_by_behaviour()?;
+        self.refuse_unbreakable()?;
         self.refuse_by_source()?;
         self.refuse_beside_poses()?;
         let seeded = self.copies.as_ref().is_some_and(|c| c.seed.is_some());
@@ -200,7 +211,7 @@ impl BodyEntry {
     }
 
     fn refuse_by_behaviour(&self) -> Result<(), Error> {
-        let deforms = self.behaviour == Behaviour::Deformable;
+        let deforms = self.behaviour.deforms();
         let of_deformable = [
             ("boundary", !self.boundary.is_empty()),
             ("region", !self.region.is_empty()),

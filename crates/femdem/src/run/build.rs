@@ -228,6 +228,7 @@ impl Scenario {
             } else {
                 Ok(())
             };
+            let checked = checked.and_then(|()| self.refuse_idle_fracture(name));
             checked.map_err(in_entry(format!("material.{name}")))?;
         }
         Ok(())
@@ -349,7 +350,7 @@ impl Simulation {
     ) -> Result<(), Error> {
         let places = entry.places(geometry)?;
         let ids = match (entry.behaviour, &geometry.mesh) {
-            (Behaviour::Deformable, Some(mesh)) => {
+            (Behaviour::Deformable | Behaviour::Breakable, Some(mesh)) => {
                 let factor = geometry.density_factor();
                 self.add_deformable(scenario, entry, name, (mesh, factor), &places)?
             }
@@ -450,6 +451,7 @@ impl Simulation {
             return Err(wrong("contact-ratio", &ratio.to_string(), allowed));
         }
         let stiffness = ContactStiffness::Ratio(ratio);
+        let fracture = scenario.fracture_of(entry)?;
         let model = self.world.add_model(name, model, stiffness)?;
         let mut ids = Vec::new();
         for (copy, place) in places.iter().enumerate() {
@@ -465,6 +467,7 @@ impl Simulation {
                 angular_velocity: place.spin,
                 boundary: boundary.clone(),
                 material,
+                fracture,
             })?;
             if entry.self_contact == Some(false) {
                 self.world.set_self_contact(id, false)?;

@@ -4,8 +4,8 @@
 //! Point data: `displacement` (m, from where the body was placed), `velocity` (m/s). Cell data: `body`
 //! (number among the members), `region`, `von_mises`, `pressure` (Pa, positive in compression),
 //! `principal_stress` (Pa, three components, largest first), `stress` (Pa, the components xx, yy, zz, xy, yz
-//! and xz, tension positive), `volume_ratio`, `sleeping` (1 where the body is frozen), and `plastic_strain` where a
-//! material has one.
+//! and xz, tension positive), `volume_ratio`, `sleeping` (1 where the body is frozen), `plastic_strain` where a material has
+//! one, and where bodies may break `fragment` (the row of `fragments.csv`, −1 of others) and `damage` (the largest of the facets).
 
 use std::io::{self, Write};
 
@@ -98,7 +98,8 @@ impl Simulation {
         let bodies = self
             .strained()
             .map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
-        write_grid(&bodies, writer)
+        let cracks = self.has_breakable().then(|| self.cracks_of_tets());
+        write_grid(&bodies, cracks.as_ref(), writer)
     }
 
     /// Writes the contacts as a VTP file: a point for each, with `force` on B and `normal` from A to B,
@@ -114,7 +115,43 @@ impl Simulation {
     }
 }
 
-fn write_grid(bodies: &[Strained], writer: impl Write) -> io::Result<()> {
+/// By tetrahedron of all deformable bodies.
+struct CracksOfTets {
+    fragment: Vec<i64>,
+    damage: Vec<f64>,
+}
+
+impl Simulation {
+    fn cracks_of_tets(&self) -> CracksOfTets {
+        let (mut fragment, mut damage) = (Vec::new(), Vec::new());
+        let mut breakable = self.breakable_bodies().peekable();
+        let mut first = 0;
+        for (member, _, body) in self.deformables() {
+            let count = body.model().volumes().len();
+            let Some(own) = breakable.next_if(|own| own.member == member) else {
+                fragment.extend(std::iter::repeat_n(-1, count));
+                damage.extend(std::iter::repeat_n(0.0, count));
+                continue;
+            };
+            let mut of_tet = vec![first; count];
+            for piece in own.pieces() {
+                for t in piece.tets {
+                    of_tet[t as usize] = first;
+                }
+                first += 1;
+            }
+            fragment.extend(of_tet);
+            damage.extend(own.damage());
+        }
+        CracksOfTets { fragment, damage }
+    }
+}
+
+fn write_grid(
+    bodies: &[Strained],
+    cracks: Option<&CracksOfTets>,
+    writer: impl Write,
+) -> io::Result<()> {
     let points: usize = bodies.iter().map(|b| b.body.positions().len()).sum();
     let cells: usize = bodies.iter().map(|b| b.stresses.len()).sum();
     let mut out = Document::new("UnstructuredGrid");
@@ -148,6 +185,10 @@ fn write_grid(bodies: &[Strained], writer: impl Write) -> io::Result<()> {
     point_data(&mut out, bodies);
     out.line("</PointData>\n<CellData Scalars=\"von_mises\">");
     cell_data(&mut out, bodies);
+    if let Some(CracksOfTets { fragment, damage }) = cracks {
+        out.integers("fragment", fragment.iter().copied());
+        out.floats("damage", 1, damage.iter().copied());
+    }
     out.line("</CellData>\n</Piece>");
     out.finish(writer)
 }

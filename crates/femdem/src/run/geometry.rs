@@ -7,7 +7,7 @@ use femdem_mesh::shapes::Shape;
 use femdem_mesh::tet::{self, MeshOptions};
 use femdem_mesh::{Point3, Polyhedron, TetMesh, Vector3};
 
-use super::{Behaviour, BodyEntry};
+use super::BodyEntry;
 use crate::Error;
 use crate::error::wrong;
 use crate::scene::{ShapeNote, Unit, is_ball, surface};
@@ -89,7 +89,7 @@ impl BodyEntry {
             let reading = (entry.unit, entry.repair);
             let sizes = (entry.block, entry.sides, entry.diameter, entry.size);
             let sized = entry.poses.is_some();
-            let meshing = (entry.mesh_size, entry.focus, entry.behaviour);
+            let meshing = (entry.mesh_size, entry.focus, entry.behaviour.deforms());
             (files, reading, sizes, sized, meshing)
         };
         key(self) == key(other)
@@ -101,7 +101,7 @@ impl BodyEntry {
             surface,
             file,
         } = self.surface(text)?;
-        let deforms = self.behaviour == Behaviour::Deformable;
+        let deforms = self.behaviour.deforms();
         if let Some(size) = self.mesh_size
             && !deforms
             && surface.is_convex()

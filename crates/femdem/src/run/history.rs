@@ -15,7 +15,7 @@ use super::{NamedWall, Simulation};
 use crate::Error;
 
 /// Columns of `history.csv` before those of the walls and supports.
-pub const HISTORY_COLUMNS: [&str; 25] = [
+pub const HISTORY_COLUMNS: [&str; 30] = [
     "time",
     "step",
     "time_step",
@@ -24,15 +24,19 @@ pub const HISTORY_COLUMNS: [&str; 25] = [
     "strain",
     "contact",
     "friction_springs",
+    "cracks",
     "dissipated_friction",
     "dissipated_damping",
     "dissipated_medium",
     "dissipated_viscous",
     "dissipated_plastic",
     "dissipated_bridges",
+    "dissipated_fracture",
+    "dissipated_release",
     "frozen",
     "work_in",
     "by_hand",
+    "lent",
     "energy_error",
     "px",
     "py",
@@ -41,6 +45,7 @@ pub const HISTORY_COLUMNS: [&str; 25] = [
     "y_mean",
     "z_mean",
     "contacts",
+    "fragments",
 ];
 
 /// Columns of `members.csv`.
@@ -143,15 +148,19 @@ pub(super) fn history_row(
         ledger.strain,
         ledger.elastic,
         ledger.friction_springs,
+        ledger.cracks,
         ledger.dissipated_friction,
         ledger.dissipated_damping,
         ledger.dissipated_medium,
         ledger.dissipated_viscous,
         ledger.dissipated_plastic,
         ledger.dissipated_bridges,
+        ledger.dissipated_fracture,
+        ledger.dissipated_release,
         ledger.frozen,
         ledger.work_in + ledger.load_work,
         ledger.by_hand,
+        ledger.lent,
         ledger.error(),
         p.x,
         p.y,
@@ -162,6 +171,7 @@ pub(super) fn history_row(
     ];
     row.extend(numbers.map(number));
     row.push(contacts.to_string());
+    row.push(simulation.piece_count().to_string());
     row.extend(forces.walls.iter().flat_map(vector));
     row.extend(reactions.iter().flat_map(vector));
     row

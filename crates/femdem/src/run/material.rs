@@ -7,6 +7,7 @@ use femdem_fem::material::{
 };
 use serde::{Deserialize, Serialize};
 
+use super::FractureEntry;
 use crate::Error;
 use crate::error::wrong;
 
@@ -64,6 +65,8 @@ pub struct MaterialEntry {
     pub shear_viscosity: Option<f64>,
     /// Bulk viscosity beside any law \[Pa s\]; 0 if left out.
     pub bulk_viscosity: Option<f64>,
+    /// How breakable bodies of it break.
+    pub fracture: Option<FractureEntry>,
 }
 
 impl MaterialEntry {
@@ -166,6 +169,9 @@ impl MaterialEntry {
     /// Refuses the keys of laws in a material that has none, and numbers out of the range of its law, though it be of
     /// rigid bodies only.
     pub(super) fn check(&self) -> Result<(), Error> {
+        if let Some(fracture) = &self.fracture {
+            fracture.fracture()?;
+        }
         if self.law.is_some() {
             return self.region().map(|_| ());
         }

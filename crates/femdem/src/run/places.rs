@@ -7,8 +7,8 @@ use femdem_mesh::{Pose, Vector3};
 use femdem_view::input::{PoseRow, read_poses};
 use femdem_view::output::surface::shape_file_name;
 
+use super::BodyEntry;
 use super::geometry::Geometry;
-use super::{Behaviour, BodyEntry};
 use crate::Error;
 use crate::error::wrong;
 
@@ -73,7 +73,7 @@ impl BodyEntry {
                 "give the diameter or the size of the shape, or a column d in m",
             ),
             (
-                scaled && self.behaviour == Behaviour::Deformable,
+                scaled && self.behaviour.deforms(),
                 "with a column d or scale",
                 "deformable bodies of one [[body]] have one size: leave the column out",
             ),

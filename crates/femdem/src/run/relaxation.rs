@@ -110,6 +110,11 @@ impl Scenario {
         if steps == 0 {
             return Err(wrong("relax.steps", "0", "at least 1"));
         }
+        if self.has_breakable() {
+            let allowed =
+                "breakable bodies crack in motion: leave it out, or make the bodies deformable";
+            return Err(wrong("relax", "given", allowed));
+        }
         if self.controls().next().is_some() {
             let allowed =
                 "with controlled walls use [rest]: a relaxation would hold them where they are";

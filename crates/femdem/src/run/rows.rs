@@ -5,7 +5,7 @@ use std::fmt;
 use femdem_view::output::short_number;
 
 use super::books::NOTED;
-use super::{Ending, Penalty, RelaxSummary, RestSummary, RunSummary};
+use super::{Ending, FractureSummary, Penalty, RelaxSummary, RestSummary, RunSummary};
 
 /// A name and its text.
 type Row = (String, String);
@@ -69,6 +69,10 @@ impl RunSummary {
         );
         rows.extend(self.added_mass().map(|text| row("mass", text)));
         rows.push(row("energy", energy));
+        rows.extend(self.fracture.as_ref().map(|found| {
+            let taken = e.dissipated_fracture + e.cracks - e.lent;
+            row("fracture", broken(found, taken))
+        }));
         rows.push(row("rest", self.rest.to_string()));
         rows
     }
@@ -190,6 +194,34 @@ impl fmt::Display for RestSummary {
         }
         write!(f, ", walls and weight differ by {force_balance:.1e}")
     }
+}
+
+/// `taken` is what the cracks have taken \[J\].
+fn broken(found: &FractureSummary, taken: f64) -> String {
+    let FractureSummary {
+        bodies,
+        fragments,
+        largest_share,
+        broken_area,
+        highest,
+        ..
+    } = found;
+    let bodies = match bodies {
+        1 => "1 breakable body".to_owned(),
+        count => format!("{count} breakable bodies"),
+    };
+    let pieces = match fragments {
+        1 => "in 1 piece".to_owned(),
+        count => format!(
+            "in {count} pieces, the largest with {:.1} % of the mass",
+            100.0 * largest_share
+        ),
+    };
+    format!(
+        "{bodies} {pieces}; {} m² broken, {} J in cracks; stress at most {highest:.2} of the strength at the last look",
+        short_number(*broken_area),
+        short_number(taken)
+    )
 }
 
 fn row(name: &str, text: String) -> Row {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use femdem_mesh::tet::Split;
 use femdem_solve::{World, WorldParameters};
 
 use super::changes::{Change, changes};
@@ -90,7 +91,14 @@ impl Simulation {
             let Some(present) = simulation.world.deformable(id) else {
                 continue;
             };
-            let placed = body.boundary().placed(present.positions())?;
+            let mut boundary = body.boundary().clone();
+            if let Some(mesh) = present.cracks().and_then(|cracks| cracks.mesh()) {
+                let whole = body.model().nodes().len();
+                let nodes = mesh.points().iter().zip(0..).skip(whole);
+                let splits: Vec<Split> = nodes.map(|(&node, new)| Split { node, new }).collect();
+                boundary.follow(&splits, mesh.tets(), mesh.points());
+            }
+            let placed = boundary.placed(present.positions())?;
             let boundary = placed.counted_from(0.0);
             if boundary != *present.boundary() {
                 simulation.world.set_boundary(id, boundary)?;
@@ -107,8 +115,9 @@ impl Simulation {
     fn first_other<'a>(&'a self, other: &'a Self) -> Option<&'a str> {
         let size = |of: &Self, id| {
             let body = of.world.deformable(id);
-            let nodes = body.map_or(0, |body| body.model().nodes().len());
-            of.world.mass(id).map(|mass| (mass, nodes))
+            // Cracks make more nodes, but no tetrahedra.
+            let tets = body.map_or(0, |body| body.model().volumes().len());
+            of.world.mass(id).map(|mass| (mass, tets))
         };
         let same = |a, b| match (size(self, a), size(other, b)) {
             // It has left.

@@ -11,6 +11,7 @@ use femdem_view::output::csv::quoted;
 use super::build::in_entry;
 use super::inside::inside;
 use super::names::Names;
+use super::pieces::BreakableBody;
 use super::{Member, Simulation};
 use crate::results::{from_a_body, row, surface_of};
 use crate::{Body, ContactClass, ContactRow, Error, NamedShape, Partner, Snapshot};
@@ -24,7 +25,10 @@ const UPRIGHT: f64 = 1e-9;
 impl Simulation {
     /// The bodies, contacts and walls as they are, in the form that tables, measurements and pictures take.
     ///
-    /// Bodies are in the order of the members, whose numbers are `sequence`, without those that have left. A deformable body has a shape of its own: its present skin, about its centroid.
+    /// Bodies are in the order of the members, whose numbers are `sequence`, without those that have left. A deformable body has a
+    /// shape of its own: its present skin, about its centroid. Of one that has cracked each piece is a body with the number of
+    /// the whole and a shape in which the cracks that do not separate it are closed; contacts belong to the piece nearest to
+    /// them.
     /// Contacts of deformable bodies have no class, which the [`gaps`](Snapshot::gaps) then say, and those of a body with
     /// itself are left out. The inside of the container is known where planes bound a box, or a cylinder with a floor.
     ///
@@ -42,9 +46,24 @@ impl Simulation {
             });
         }
         let mut numbers = BTreeMap::new();
+        let mut broken = self.breakable_bodies().peekable();
         let there = |(member, _): &(&Member, u32)| member.id != Member::GONE;
         for (member, number) in self.members.iter().zip(0_u32..).filter(there) {
-            numbers.insert(member.id, snapshot.bodies.len() as u32);
+            let own = broken.next_if(|body| body.member == number as usize);
+            if let Some(body) = own.filter(|body| body.cracks.mesh().is_some()) {
+                let pieces = body.add_pieces(&mut snapshot, &mut names);
+                let pieces = pieces.map_err(in_entry(format!("body \"{}\"", member.name)))?;
+                numbers.insert(member.id, pieces);
+                continue;
+            }
+            let first = snapshot.bodies.len() as u32;
+            numbers.insert(
+                member.id,
+                Pieces {
+                    first,
+                    places: Vec::new(),
+                },
+            );
             let (shape, pose) = match world.deformable(member.id) {
                 Some(body) => {
                     let skin = skin(&body);
@@ -103,12 +122,13 @@ impl Simulation {
         })
     }
 
-    fn rows(&self, numbers: &BTreeMap<BodyId, u32>) -> Vec<ContactRow> {
+    fn rows(&self, numbers: &BTreeMap<BodyId, Pieces>) -> Vec<ContactRow> {
         let world = &self.world;
         let renumbered = |mut row: ContactRow| {
-            row.body = numbers[&row.body];
+            let at = row.point.coords;
+            row.body = numbers[&row.body].number_at(&at);
             if let Partner::Body(other) = &mut row.partner {
-                *other = numbers[other];
+                *other = numbers[other].number_at(&at);
             }
             row
         };
@@ -169,6 +189,48 @@ impl Simulation {
             )?;
         }
         Ok(())
+    }
+}
+
+/// The bodies of a snapshot that a body has become.
+struct Pieces {
+    /// The number of the first.
+    first: u32,
+    /// Places of their points \[m\] with their numbers; none of a body that is whole.
+    places: Vec<(Vector3, u32)>,
+}
+
+impl Pieces {
+    /// The number of the body nearest to a place \[m\].
+    fn number_at(&self, at: &Vector3) -> u32 {
+        let far = |place: &&(Vector3, u32)| (place.0 - at).norm_squared();
+        let nearest = self.places.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+        nearest.map_or(self.first, |(_, number)| *number)
+    }
+}
+
+impl BreakableBody<'_> {
+    /// Adds each of its pieces as a body to a snapshot.
+    fn add_pieces(&self, snapshot: &mut Snapshot, names: &mut Names) -> Result<Pieces, Error> {
+        let first = snapshot.bodies.len() as u32;
+        let mut places = Vec::new();
+        for piece in self.pieces() {
+            let number = snapshot.bodies.len() as u32;
+            let points = self.places(&piece).into_values();
+            places.extend(points.map(|point| (point.coords + piece.centre, number)));
+            let polyhedron = self.surface(&piece)?;
+            let name = names.of("body", "", &self.entry.name)?;
+            snapshot.bodies.push(Body {
+                shape: snapshot.shapes.len() as u32,
+                pose: Pose::from_parts(piece.centre.into(), Rotation::identity()),
+                sequence: self.member as u32,
+                sleeping: self.body.is_asleep(),
+            });
+            snapshot.shapes.push(NamedShape { name, polyhedron });
+            snapshot.masses.push(piece.mass);
+            snapshot.velocities.push(piece.velocity);
+        }
+        Ok(Pieces { first, places })
     }
 }
 

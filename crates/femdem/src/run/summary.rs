@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{CellState, Ending, Penalty, RelaxSummary, RestSummary, Run, Side};
+use super::{CellState, Ending, FractureSummary, Penalty, RelaxSummary, RestSummary, Run, Side};
 use crate::{Error, Usage};
 
 /// Version of the keys of the summary of a run.
@@ -57,6 +57,8 @@ pub struct RunSummary {
     pub momentum: [f64; 3],
     /// The deformable bodies now; `null` without any.
     pub strain: Option<StrainSummary>,
+    /// The breakable bodies now; `null` without any.
+    pub fracture: Option<FractureSummary>,
     /// Contacts now.
     pub contacts: usize,
     /// Threads of the last part of the run.
@@ -81,13 +83,13 @@ pub struct BodySummary {
     pub name: String,
     /// Its number: bodies that have left are not listed.
     pub number: usize,
-    /// "rigid" or "deformable".
+    /// "rigid", "deformable" or "breakable".
     pub behaviour: String,
     /// Mass \[kg\], including mass scaling.
     pub mass: f64,
     /// Mass added by mass scaling \[kg\].
     pub added_mass: f64,
-    /// Nodes; 0 for a rigid body.
+    /// Nodes, of which cracks make more; 0 for a rigid body.
     pub nodes: usize,
     /// Tetrahedra; 0 for a rigid body.
     pub tetrahedra: usize,
@@ -149,6 +151,8 @@ pub struct RunEnergy {
     pub work_in: f64,
     /// What walls that opened and bodies that left took with them, negative.
     pub by_hand: f64,
+    /// Lent to cracks at their births.
+    pub lent: f64,
     /// Kinetic energy.
     pub kinetic: f64,
     /// Potential energy in gravity.
@@ -159,6 +163,8 @@ pub struct RunEnergy {
     pub contact: f64,
     /// Energy of the friction springs.
     pub friction_springs: f64,
+    /// Energy in the cracks of bodies.
+    pub cracks: f64,
     /// Dissipated by friction.
     pub dissipated_friction: f64,
     /// Dissipated by the damping of contacts.
@@ -171,6 +177,10 @@ pub struct RunEnergy {
     pub dissipated_plastic: f64,
     /// Dissipated where liquid bridges broke.
     pub dissipated_bridges: f64,
+    /// Dissipated by breaking; less what was lent, this is the energy of fracture.
+    pub dissipated_fracture: f64,
+    /// Dissipated where the sides of cracks became skin.
+    pub dissipated_release: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
     /// Error of the energy ledger, over the energy turned over.
@@ -257,6 +267,7 @@ impl RunSummary {
             energy: energy(&world.ledger()),
             momentum: (world.linear_momentum() + Vector3::zeros()).into(),
             strain: strain(run)?,
+            fracture: simulation.fracture_summary(),
             contacts: contacts.len(),
             threads: usage.threads,
             wall_seconds: usage.wall_seconds,
@@ -290,10 +301,10 @@ impl super::Simulation {
             .enumerate()
             .filter_map(|(number, member)| {
                 let body = world.deformable(member.id);
-                let behaviour = if body.is_some() {
-                    "deformable"
-                } else {
-                    "rigid"
+                let behaviour = match body {
+                    Some(body) if body.cracks().is_some() => "breakable",
+                    Some(_) => "deformable",
+                    None => "rigid",
                 };
                 let count = |of: fn(&DeformableModel) -> usize| body.map_or(0, |b| of(b.model()));
                 Some(BodySummary {
@@ -331,12 +342,16 @@ fn energy(ledger: &femdem_solve::Ledger) -> RunEnergy {
         strain: plain(ledger.strain),
         contact: plain(ledger.elastic),
         friction_springs: plain(ledger.friction_springs),
+        lent: plain(ledger.lent),
+        cracks: plain(ledger.cracks),
         dissipated_friction: plain(ledger.dissipated_friction),
         dissipated_damping: plain(ledger.dissipated_damping),
         dissipated_medium: plain(ledger.dissipated_medium),
         dissipated_viscous: plain(ledger.dissipated_viscous),
         dissipated_plastic: plain(ledger.dissipated_plastic),
         dissipated_bridges: plain(ledger.dissipated_bridges),
+        dissipated_fracture: plain(ledger.dissipated_fracture),
+        dissipated_release: plain(ledger.dissipated_release),
         frozen: plain(ledger.frozen),
         ledger_error_relative: plain(ledger.error_relative()),
     }

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use femdem_fem::{Boundary, DeformableModel};
 use femdem_mesh::Vector3;
+use femdem_solve::Deformable;
 
 use super::{BodyEntry, Simulation, Support};
 use crate::Error;
@@ -91,7 +92,7 @@ impl Simulation {
         let body = world.deformable(id)?;
         let (masses, gravity) = (body.model().masses(), world.parameters().gravity);
         let mut sum = Vector3::zeros();
-        for &(node, direction) in &support.holds {
+        for (node, direction) in holds_with_copies(support, &body) {
             let (node, k) = (node as usize, usize::from(direction));
             // A support made by a caller may name nodes and directions that do not exist.
             let (Some(sum), Some(mass)) = (sum.get_mut(k), masses.get(node)) else {
@@ -104,4 +105,18 @@ impl Simulation {
         // Adding zero avoids -0.
         Some(sum + Vector3::zeros())
     }
+}
+
+/// The nodes and directions that a support holds, with the nodes into which cracks have split them.
+fn holds_with_copies(support: &Support, body: &Deformable) -> Vec<(u32, u8)> {
+    let mut holds = support.holds.clone();
+    let Some(mesh) = body.cracks().and_then(|cracks| cracks.mesh()) else {
+        return holds;
+    };
+    let held: BTreeSet<(u32, u8)> = holds.iter().copied().collect();
+    for (point, node) in mesh.points().iter().zip(0_u32..) {
+        let own = (0..3).filter(|k| node != *point && held.contains(&(*point, *k)));
+        holds.extend(own.map(|k| (node, k)));
+    }
+    holds
 }

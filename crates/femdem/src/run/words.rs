@@ -1,7 +1,7 @@
 //! Translation of names of numbers that the libraries refuse to keys of scenes.
 
 /// Names of the libraries, and keys of scenes.
-pub(super) const KEYS: [(&str, &str); 29] = [
+pub(super) const KEYS: [(&str, &str); 31] = [
     ("penalty", "contact.penalty"),
     ("friction", "contact.friction"),
     ("wall_friction", "contact.wall-friction"),
@@ -34,6 +34,8 @@ pub(super) const KEYS: [(&str, &str); 29] = [
     ("drive.stroke", "motion: the stroke or angle"),
     ("value of a curve", "pressure, or a factor of the table"),
     ("rise of a ramp", "rise"),
+    ("Weibull modulus", "fracture.weibull.modulus"),
+    ("Weibull volume", "fracture.weibull.volume"),
 ];
 
 /// The same for the laws of pairs of materials.

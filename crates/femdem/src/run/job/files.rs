@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use femdem_view::ViewError;
-use femdem_view::output::{write_file, write_pvd_parts};
+use femdem_view::output::{cracks, write_file, write_pvd_parts};
 use femdem_view::picture::PictureOptions;
 
 use super::tables::FRAMES;
@@ -35,7 +35,7 @@ impl Run {
     }
 
     /// Writes the files of the end: for a run that was stopped before, a frame of the present state; the
-    /// picture; and last of all `summary.json`.
+    /// picture; cracks, fragments and broken facets where bodies may break; and last of all `summary.json`.
     ///
     /// # Errors
     ///
@@ -50,6 +50,7 @@ impl Run {
             let picture = self.picture(&PictureOptions::default())?;
             write_file(folder.join("run.png"), |w| picture.write_png(w))?;
         }
+        self.write_fracture(folder)?;
         let summary = RunSummary::of(self, usage)?;
         write_file(folder.join("summary.json"), |w| summary.write_json(w))?;
         Ok(summary)
@@ -123,6 +124,10 @@ impl Run {
         }
         let path = frames.join(file_name(CONTACTS, number));
         write_file(path, |w| simulation.write_contacts(w))?;
+        if simulation.has_breakable() {
+            let path = frames.join(file_name(CRACKS, number));
+            write_file(path, |w| simulation.write_cracks(w))?;
+        }
         if self.scenario.tables {
             self.write_tables(&frames, number)?;
         }
@@ -135,7 +140,24 @@ impl Run {
         self.write_lists(folder)
     }
 
-    /// `run.pvd` and `contacts.pvd`.
+    /// `cracks.vtp`, `fragments.csv` and `events.csv`, where bodies may break.
+    fn write_fracture(&self, folder: &Path) -> Result<(), Error> {
+        let simulation = &self.simulation;
+        if !simulation.has_breakable() {
+            return Ok(());
+        }
+        let (fragments, events) = (simulation.fragments()?.0, simulation.crack_events());
+        write_file(folder.join("cracks.vtp"), |w| simulation.write_cracks(w))?;
+        write_file(folder.join("fragments.csv"), |w| {
+            cracks::write_fragments(&fragments, w)
+        })?;
+        write_file(folder.join("events.csv"), |w| {
+            cracks::write_events(&events, w)
+        })?;
+        Ok(())
+    }
+
+    /// `run.pvd`, `contacts.pvd` and, where bodies may break, `cracks.pvd`.
     fn write_lists(&self, folder: &Path) -> Result<(), Error> {
         let world = &self.simulation.world;
         let kinds = [
@@ -143,7 +165,7 @@ impl Run {
             (self.simulation.has_rigid(), RIGID),
         ];
         let given = || kinds.iter().filter(|(given, _)| *given);
-        let (mut bodies, mut contacts) = (Vec::new(), Vec::new());
+        let (mut bodies, mut contacts, mut cracks) = (Vec::new(), Vec::new(), Vec::new());
         for (number, &time) in self.frames.iter().enumerate() {
             let path = |kind| format!("frames/{}", file_name(kind, number));
             bodies.extend(
@@ -152,6 +174,10 @@ impl Run {
                     .map(|(part, (_, kind))| (time, part, path(*kind))),
             );
             contacts.push((time, 0, path(CONTACTS)));
+            cracks.push((time, 0, path(CRACKS)));
+        }
+        if self.simulation.has_breakable() {
+            write_pvd_parts(folder.join("cracks.pvd"), &cracks)?;
         }
         write_pvd_parts(folder.join("run.pvd"), &bodies)?;
         Ok(write_pvd_parts(folder.join("contacts.pvd"), &contacts)?)
@@ -162,6 +188,7 @@ const DEFORMABLE: (&str, &str) = ("deformable", "vtu");
 const RIGID: (&str, &str) = ("rigid", "vtu");
 const PICTURE: (&str, &str) = ("picture", "png");
 const CONTACTS: (&str, &str) = ("contacts", "vtp");
+const CRACKS: (&str, &str) = ("cracks", "vtp");
 
 fn file_name((stem, extension): (&str, &str), number: usize) -> String {
     format!("{stem}-{number:05}.{extension}")

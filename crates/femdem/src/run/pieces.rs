@@ -1,0 +1,223 @@
+//! The pieces of bodies that may break.
+
+use femdem_analysis::{
+    Fragment, FragmentExtent, FragmentSizes, Fragmentation, FragmentationOptions, fragmentation,
+    measure_fragments,
+};
+use femdem_mesh::tet::FACES;
+use femdem_mesh::{Point3, Vector3};
+use femdem_solve::{Cracks, Deformable};
+use femdem_view::FragmentRow;
+
+use super::{Member, Simulation};
+use crate::Error;
+
+/// A deformable body that may break.
+pub(super) struct BreakableBody<'a> {
+    /// Number among the members.
+    pub member: usize,
+    pub entry: &'a Member,
+    pub body: Deformable<'a>,
+    pub cracks: Cracks<'a>,
+}
+
+/// What broken facets separate from the rest of a body, or all of it.
+pub(super) struct Piece {
+    /// Number of its body among the members.
+    pub member: usize,
+    /// Its tetrahedra.
+    pub tets: Vec<u32>,
+    /// Volume without loads \[m³\].
+    pub volume: f64,
+    /// Without the mass that scaling has added \[kg\].
+    pub mass: f64,
+    /// Centre of mass \[m\], and its velocity \[m/s\].
+    pub centre: Vector3,
+    pub velocity: Vector3,
+}
+
+impl Simulation {
+    /// The bodies that may break.
+    pub(super) fn breakable_bodies(&self) -> impl Iterator<Item = BreakableBody<'_>> {
+        self.deformables().filter_map(|(member, entry, body)| {
+            Some(BreakableBody {
+                member,
+                entry,
+                cracks: body.cracks()?,
+                body,
+            })
+        })
+    }
+
+    /// Whether there are bodies that may break.
+    pub(super) fn has_breakable(&self) -> bool {
+        self.breakable_bodies().next().is_some()
+    }
+
+    /// Number of the pieces of the bodies that may break.
+    pub(super) fn piece_count(&self) -> usize {
+        let bodies = self.breakable_bodies();
+        bodies.map(|body| body.piece_count()).sum()
+    }
+
+    /// The rows of `fragments.csv`, and the sizes of the pieces.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Analysis`] for a piece that cannot be measured.
+    pub(super) fn fragments(&self) -> Result<(Vec<FragmentRow>, FragmentSizes), Error> {
+        let (mut rows, mut all) = (Vec::new(), FragmentSizes::default());
+        for body in self.breakable_bodies() {
+            let pieces = body.pieces();
+            let sizes = body.measure(&pieces)?;
+            let measured = pieces.iter().zip(&sizes.fragments);
+            rows.extend(measured.map(|(piece, size)| FragmentRow {
+                body: piece.member as u32,
+                volume: size.volume,
+                mass: size.mass,
+                sieve_size: size.sieve_size(),
+                sphericity: size.sphericity,
+                centre: piece.centre.into(),
+                velocity: piece.velocity,
+            }));
+            all.fragments.extend(sizes.fragments);
+        }
+        Ok((rows, all))
+    }
+
+    /// The distribution of the sizes of the pieces, with the size of the bodies when they were whole if all had one; `None`
+    /// without bodies that may break.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Analysis`] for a piece that cannot be measured.
+    pub fn fragmentation(&self) -> Result<Option<Fragmentation>, Error> {
+        let pieces = self.fragments()?.1.by_sieve();
+        if pieces.is_empty() {
+            return Ok(None);
+        }
+        let mut parents = Vec::new();
+        for body in self.breakable_bodies() {
+            let whole = [body.piece(0..body.body.model().volumes().len() as u32)];
+            let sizes = body.measure(&whole)?;
+            parents.extend(sizes.fragments.iter().map(|size| size.sieve_size()));
+        }
+        let first = parents.first().copied();
+        let same = |first: &f64| parents.iter().all(|size| (size / first - 1.0).abs() < SAME);
+        let options = FragmentationOptions {
+            parent_size: first.filter(same),
+            ..FragmentationOptions::default()
+        };
+        Ok(Some(fragmentation(&pieces, &options)?))
+    }
+}
+
+/// Sizes of bodies that differ by less are one.
+const SAME: f64 = 1e-6;
+
+impl BreakableBody<'_> {
+    fn piece_count(&self) -> usize {
+        let last = self.cracks.fragments().into_iter().max();
+        last.map_or(1, |last| last as usize + 1)
+    }
+
+    /// Its pieces, by number.
+    pub fn pieces(&self) -> Vec<Piece> {
+        let of = self.cracks.fragments();
+        if of.is_empty() {
+            return vec![self.piece(0..self.body.model().volumes().len() as u32)];
+        }
+        let mut tets = vec![Vec::new(); self.piece_count()];
+        for (piece, t) in of.iter().zip(0_u32..) {
+            tets[*piece as usize].push(t);
+        }
+        tets.into_iter().map(|tets| self.piece(tets)).collect()
+    }
+
+    fn piece(&self, tets: impl IntoIterator<Item = u32>) -> Piece {
+        let model = self.body.model();
+        let tets: Vec<u32> = tets.into_iter().collect();
+        let (mut volume, mut mass) = (0.0, 0.0);
+        let (mut centre, mut velocity) = (Vector3::zeros(), Vector3::zeros());
+        for &t in &tets {
+            let own = model.volumes()[t as usize];
+            let region = model.region_of_tet()[t as usize];
+            let of_tet = own * model.regions()[region as usize].density;
+            volume += own;
+            mass += of_tet;
+            // The mass of a linear element is in equal parts at its nodes.
+            for node in model.mesh().tets()[t as usize] {
+                centre += self.body.positions()[node as usize] * (0.25 * of_tet);
+                velocity += self.body.velocities()[node as usize] * (0.25 * of_tet);
+            }
+        }
+        Piece {
+            member: self.member,
+            tets,
+            volume,
+            mass,
+            centre: centre / mass,
+            velocity: velocity / mass,
+        }
+    }
+
+    /// Measures pieces of it without loads.
+    fn measure(&self, pieces: &[Piece]) -> Result<FragmentSizes, Error> {
+        let nodes = self.body.model().nodes();
+        let skins: Vec<(Vec<Point3>, f64)> = pieces
+            .iter()
+            .map(|piece| {
+                let faces = self.skin(piece);
+                let of_face = |&(t, k): &(u32, usize)| FACES[k].map(|i| self.point(t, i));
+                let triangles: Vec<[u32; 3]> = faces.iter().map(of_face).collect();
+                let area = |triangle: &[u32; 3]| {
+                    let [a, b, c] = triangle.map(|point| nodes[point as usize]);
+                    0.5 * (b - a).cross(&(c - a)).norm()
+                };
+                let area = triangles.iter().map(area).sum();
+                let mut points: Vec<u32> = triangles.into_iter().flatten().collect();
+                points.sort_unstable();
+                points.dedup();
+                let place = |point: u32| Point3::from(nodes[point as usize]);
+                (points.into_iter().map(place).collect(), area)
+            })
+            .collect();
+        let fragments: Vec<Fragment> = pieces
+            .iter()
+            .zip(&skins)
+            .map(|(piece, (points, area))| Fragment {
+                volume: piece.volume,
+                mass: piece.mass,
+                area: Some(*area),
+                extent: FragmentExtent::Points(points),
+            })
+            .collect();
+        Ok(measure_fragments(&fragments)?)
+    }
+
+    /// The point of the mesh without cracks at corner `i` of a tetrahedron: where it is without loads, the node of this number is.
+    pub fn point(&self, tet: u32, i: usize) -> u32 {
+        let node = self.body.model().mesh().tets()[tet as usize][i];
+        let mesh = self.cracks.mesh();
+        mesh.map_or(node, |mesh| mesh.points()[node as usize])
+    }
+
+    /// The tetrahedron across face `k` of another, cut or not.
+    pub fn across(&self, tet: u32, k: usize) -> Option<u32> {
+        let Some(mesh) = self.cracks.mesh() else {
+            return self.body.model().mesh().neighbours()[tet as usize][k];
+        };
+        let facet = mesh.facets().of_tets()[tet as usize][k]?;
+        let [a, b] = mesh.facets().all()[facet as usize].tets;
+        Some(if a == tet { b } else { a })
+    }
+
+    /// The faces of a piece that are not between two of its tetrahedra, as tetrahedra and numbers in [`FACES`].
+    pub fn skin(&self, piece: &Piece) -> Vec<(u32, usize)> {
+        let is_own = |t: u32| piece.tets.binary_search(&t).is_ok();
+        let faces = piece.tets.iter().flat_map(|&t| (0..4).map(move |k| (t, k)));
+        faces
+            .filter(|&(t, k)| !self.across(t, k).is_some_and(is_own))
+            .collect()
+    }
+}
