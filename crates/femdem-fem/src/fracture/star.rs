@@ -86,17 +86,23 @@ impl Star {
         Ok(star)
     }
 
-    /// The cheapest division along a plane through the node; `None` if no tetrahedron is clearly on one
-    /// side of it, as at the end of a body or where the plane is open already.
-    pub(super) fn divide(&self, normal: &Vector3) -> Option<Division> {
+    /// The cheapest division along a plane through the node; `None` if no tetrahedron is on one side of it, or none
+    /// clearly and the division is not forced. A forced one takes the farthest on a side for clear.
+    pub(super) fn divide(&self, normal: &Vector3, is_forced: bool) -> Option<Division> {
         let heights: Vec<f64> = self.centroids.iter().map(|c| c.dot(normal)).collect();
-        let farthest = heights.iter().map(|z| z.abs()).fold(0.0, f64::max);
-        let free = FREE.min(0.5 * farthest);
-        let side = |&height: &f64| (height.abs() > free).then_some(height > 0.0);
-        let sides: Vec<_> = heights.iter().map(side).collect();
-        if !sides.contains(&Some(true)) || !sides.contains(&Some(false)) {
+        let highest = heights.iter().copied().fold(0.0, f64::max);
+        let lowest = heights.iter().copied().fold(0.0, f64::min);
+        let free = FREE.min(0.5 * highest.max(-lowest));
+        if highest.min(-lowest) <= if is_forced { 0.0 } else { free } {
             return None;
         }
+        let (above, below) = (highest.min(free), lowest.max(-free));
+        let side = |&height: &f64| match height {
+            z if z >= above => Some(true),
+            z if z <= below => Some(false),
+            _ => None,
+        };
+        let sides: Vec<_> = heights.iter().map(side).collect();
         let projection = |link: &Link| link.normal.dot(normal).abs();
         let edge = |link: &Link| Edge {
             ends: link.ends,
