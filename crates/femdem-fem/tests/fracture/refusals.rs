@@ -43,17 +43,15 @@ fn states_that_mean_nothing() {
         assert!(body.state().ratios(&cracked).is_err());
         error
     };
-    let short: [(&str, &dyn Fn(&mut Body)); 4] = [
-        ("regions", &|b| b.regions.truncate(2)),
-        ("stresses", &|b| b.stresses.truncate(2)),
-        ("positions", &|b| b.positions.push(Vector3::zeros())),
-        ("factors", &|b| b.factors.clear()),
-    ];
-    for (name, spoil) in short {
+    let short = |name: &str, spoil: &dyn Fn(&mut Body)| {
         let error = refused(spoil);
         assert!(matches!(error, FemError::WrongLength { .. }));
         assert!(error.to_string().contains(name), "{error}");
-    }
+    };
+    short("regions", &|b| b.regions.truncate(2));
+    short("stresses", &|b| b.stresses.truncate(2));
+    short("positions", &|b| b.positions.push(Vector3::zeros()));
+    short("factors", &|b| b.factors.clear());
     assert!(
         refused(&|b| b.regions[3] = 1)
             .to_string()
