@@ -35,8 +35,8 @@ pub struct Decision {
     /// The nodes that were split; new ones lie where the old ones do.
     pub splits: Vec<Split>,
     /// Not below the largest ratio of stress to strength of a node before the cuts, and at least 0. It is that ratio if
-    /// 0.9 or more. Below, it is a cheap bound, some 10 % too large where tension decides and twice under compression; for the
-    /// ratios themselves see [`NodalDecision::ratios`].
+    /// 0.9 or more. Below, it is a cheap bound, up to several times too large under compression; for the ratios themselves see
+    /// [`NodalDecision::ratios`].
     pub highest: f64,
 }
 

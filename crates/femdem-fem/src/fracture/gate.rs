@@ -18,7 +18,7 @@ pub(super) struct Gate {
 }
 
 impl Gate {
-    /// One bound per tetrahedron; only near failure, or above all before it, also its nodes. The ratio of a mean is at most the largest
+    /// One bound per tetrahedron, a closer one if that is not low, and its nodes if it is above all before it. The ratio of a mean is at most the largest
     /// of the ratios, since it is a convex function of stress.
     pub(super) fn new(state: &NodalDecision, cracked: &CrackedMesh) -> Result<Self, FemError> {
         let limits: Vec<Limits> = state.strengths.iter().map(|s| s.limits()).collect();
@@ -41,6 +41,9 @@ impl Gate {
             }
             if bound >= WATCHED * lowest {
                 bound = limits.bound(&stress.cauchy);
+                if bound <= quiet {
+                    continue;
+                }
             }
             if !bound.is_finite() {
                 return Err(FemError::StressNotFinite { element: t });

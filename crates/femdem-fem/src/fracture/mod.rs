@@ -12,10 +12,10 @@
 //! 3. **Plane.** In tension normal to the largest principal stress. In shear one of the two planes of Mohr and Coulomb,
 //!    whichever is cheaper to cut.
 //! 4. **Sides.** A tetrahedron whose centroid is farther than 0.35 h from the plane is on that side (half the farthest
-//!    centroid, if that is less); h^3 is six times the mean volume around the node. Without any on one side nothing is cut before the ratio is 1.15:
-//!    so it is where the plane is open already. The others go where the cut is cheapest, by exact minimum cut. A facet costs its area
-//!    times 1 + 1.5 (1 - |n . d|) with n and d the normals of facet and plane; a facet that is cut already costs nothing, so that
-//!    cracks continue each other.
+//!    centroid, if that is less); h^3 is six times the mean volume around the node. Without any on one side, as where the
+//!    plane is open already, nothing is cut before the ratio is 1.15. The others go where the cut is cheapest, by exact
+//!    minimum cut. A facet costs its area times 1 + 1.5 (1 - |n . d|) with n and d the normals of facet and plane; a facet
+//!    that is cut already costs nothing, so that cracks continue each other.
 //!
 //! A zigzag of facets has more area than the plane. [`Cut::projection`] is the share that the plane sees: the energy of
 //! fracture times the projections, summed, is that of the plane.

@@ -211,8 +211,8 @@ impl Limits {
         self.ratio(range_around(cauchy))
     }
 
-    /// An upper bound that costs a single root: exact in uniaxial tension, twice the ratio in uniaxial compression at
-    /// most angles of friction. With the deviator's p of [`range_around`] the largest principal stress is at most
+    /// An upper bound that costs a single root: exact in uniaxial tension, far too large in compression if the tensile strength
+    /// is low. With the deviator's p of [`range_around`] the largest principal stress is at most
     /// mean + 2 sqrt p, and s1 - s3 = 2 sqrt(3 p) sin u, s1 + s3 = 2 mean + 2 sqrt p cos u for some angle u.
     #[inline]
     pub(super) fn rough_bound(&self, s: &Matrix3) -> f64 {
