@@ -327,7 +327,7 @@ fn a_run_goes_on_in_mid_crack_with_the_same_bits() {
     // What comes after the checkpoint is lost.
     job.advance(&parts, 7).unwrap();
     let (mut again, _) = Run::read(&parts).unwrap();
-    assert_eq!(again.apply(scene).unwrap(), [String::new(); 0]);
+    assert!(again.apply(scene).unwrap().is_empty());
     again.advance(&parts, u64::MAX).unwrap();
     let found = again.finish(&parts, &Usage::default()).unwrap();
     assert_eq!(found.state_hash, wanted.state_hash);

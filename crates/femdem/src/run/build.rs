@@ -15,7 +15,7 @@ use super::names::{Names, check_names};
 use super::of_pack::OF_PACK;
 use super::places::Place;
 use super::start::is_pack;
-use super::words::KEYS;
+use super::words::{KEYS, in_entry};
 use super::{
     Behaviour, BodyEntry, ControlEntry, MaterialEntry, Member, MotionEntry, NamedWall, Scenario,
     Simulation, Support, WallEntry,
@@ -518,13 +518,5 @@ impl Simulation {
             .iter()
             .enumerate()
             .filter_map(|(i, member)| Some((i, member, self.world.deformable(member.id)?)))
-    }
-}
-
-/// Adds the entry of a scenario to an error.
-pub(super) fn in_entry(entry: String) -> impl FnOnce(Error) -> Error {
-    |fault| Error::Entry {
-        entry,
-        fault: Box::new(fault.by_keys(&KEYS)),
     }
 }

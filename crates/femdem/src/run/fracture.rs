@@ -1,13 +1,10 @@
 //! Fracture of the materials of a scenario.
 
 use femdem_contact::glue::Softening;
-use femdem_fem::element::Element;
 use femdem_fem::fracture::{Strength, Weibull};
-use femdem_mesh::tet::Facets;
 use femdem_solve::Fracture;
 use serde::{Deserialize, Serialize};
 
-use super::{Behaviour, BodyEntry, MaterialEntry, Scenario, Simulation};
 use crate::Error;
 use crate::error::wrong;
 
@@ -126,115 +123,5 @@ impl FractureEntry {
             scatter: scatter.transpose()?,
             ..usual
         })
-    }
-}
-
-/// The mesh of a breakable body beside the zone in which its cracks open.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FractureMesh {
-    /// Name of the body.
-    pub body: String,
-    /// Length of the zone \[m\]: [`Fracture::process_zone`].
-    pub process_zone: f64,
-    /// Largest height of the elements with which cracks take the energy given \[m\]: [`Fracture::largest_height`].
-    pub largest_height: f64,
-    /// Mean height of the elements beside facets, by area \[m\].
-    pub height: f64,
-}
-
-impl BodyEntry {
-    /// Refuses elements that cannot break.
-    pub(super) fn refuse_unbreakable(&self) -> Result<(), Error> {
-        if self.behaviour == Behaviour::Breakable && self.element != Element::T4 {
-            let allowed = "breakable bodies have linear elements: leave it out, or give \"t4\"";
-            let value = format!("{:?}", self.element);
-            return Err(wrong("element", &value, allowed));
-        }
-        Ok(())
-    }
-}
-
-impl MaterialEntry {
-    /// How bodies of it break; an error for a material that does not say.
-    fn breaks(&self) -> Result<Fracture, Error> {
-        let entry = self.fracture.as_ref().ok_or_else(|| {
-            let allowed =
-                "a breakable body needs the fracture of its material: give [material.NAME.fracture]";
-            wrong("fracture", "none", allowed)
-        })?;
-        entry.fracture()
-    }
-}
-
-impl Scenario {
-    /// How a body breaks; `None` if it does not.
-    pub(super) fn fracture_of(&self, body: &BodyEntry) -> Result<Option<Fracture>, Error> {
-        if body.behaviour != Behaviour::Breakable {
-            return Ok(None);
-        }
-        let fracture = self.material(&body.material)?.breaks();
-        let named = super::build::in_entry(format!("material.{}", body.material));
-        fracture.map(Some).map_err(named)
-    }
-
-    /// Whether a body may break.
-    pub(super) fn has_breakable(&self) -> bool {
-        let mut bodies = self.body.iter();
-        bodies.any(|body| body.behaviour == Behaviour::Breakable)
-    }
-
-    /// Refuses the fracture of a material of which no breakable body is made.
-    pub(super) fn refuse_idle_fracture(&self, name: &str) -> Result<(), Error> {
-        let mut bodies = self.body.iter();
-        let breaks =
-            |body: &BodyEntry| body.behaviour == Behaviour::Breakable && body.material == name;
-        if self
-            .material
-            .get(name)
-            .is_some_and(|m| m.fracture.is_some())
-            && !bodies.any(breaks)
-        {
-            let allowed = "no breakable body is made of the material: add behaviour = \"breakable\" to one, or take it out; \
-                           a body breaks by its own material, not by that of a region";
-            return Err(wrong("fracture", "given", allowed));
-        }
-        Ok(())
-    }
-
-    /// For each entry of breakable bodies, the mesh and the zone in which cracks open.
-    #[must_use]
-    pub fn fracture_meshes(&self, simulation: &Simulation) -> Vec<FractureMesh> {
-        let mut found = Vec::new();
-        let mut first = simulation.origin.bodies;
-        for (entry, count) in self.body.iter().zip(&simulation.origin.members) {
-            let member = simulation.members.get(first);
-            first += count;
-            let Some(member) = member else { continue };
-            let Some(body) = simulation.world.deformable(member.id) else {
-                continue;
-            };
-            let Some(cracks) = body.cracks() else {
-                continue;
-            };
-            let names = [&entry.material].into_iter();
-            let names = names.chain(entry.region.iter().map(|part| &part.material));
-            let youngs = names.filter_map(|name| self.material.get(name)?.young);
-            let young = youngs.fold(0.0, f64::max);
-            let model = body.model();
-            let (mut volume, mut area) = (0.0, 0.0);
-            for facet in Facets::new(model.mesh()).all() {
-                let [a, b, c] = facet.points.map(|i| model.nodes()[i as usize]);
-                area += 0.5 * (b - a).cross(&(c - a)).norm();
-                let beside = facet.tets.iter().map(|t| model.volumes()[*t as usize]);
-                volume += beside.sum::<f64>();
-            }
-            found.push(FractureMesh {
-                body: member.name.clone(),
-                process_zone: cracks.fracture().process_zone(young),
-                largest_height: cracks.fracture().largest_height(young),
-                height: if area > 0.0 { 1.5 * volume / area } else { 0.0 },
-            });
-        }
-        found
     }
 }

@@ -37,6 +37,7 @@
 mod body;
 mod books;
 mod boundary;
+mod breakable;
 mod build;
 mod cells;
 mod changes;
@@ -96,13 +97,14 @@ use serde::{Deserialize, Serialize};
 
 pub use body::{Behaviour, BodyEntry, Copies, FocusEntry};
 pub use boundary::BoundaryEntry;
+pub use breakable::FractureMesh;
 pub use cells::{CELL_COLUMNS, WALL_HISTORY_COLUMNS};
 pub use contacts::{ContactForces, ContactLine, Side};
 pub use control::{AxisEntry, Cell, CellState, ControlEntry, Controls, ShearEntry, Sides};
 pub use cracks::FractureSummary;
 pub use ending::Ending;
 pub use flow::{FLOW_COLUMNS, Flow, GateEntry, SourceEntry};
-pub use fracture::{FractureEntry, FractureMesh, WeibullEntry};
+pub use fracture::{FractureEntry, WeibullEntry};
 pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
 pub use hopper::HopperEntry;
 pub use job::Run;

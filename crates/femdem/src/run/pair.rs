@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use femdem_contact::{ContactLaw, ContactLaws, ContactParameters, MaterialId};
 
-use super::build::in_entry;
 use super::words::OF_PAIRS;
+use super::words::in_entry;
 use super::{Scenario, Simulation};
 use crate::Error;
 use crate::error::wrong;

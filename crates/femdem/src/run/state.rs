@@ -8,10 +8,10 @@ use femdem_mesh::{Point3, Polyhedron, Pose, Rotation, Vector3};
 use femdem_solve::Deformable;
 use femdem_view::output::csv::quoted;
 
-use super::build::in_entry;
 use super::inside::inside;
 use super::names::Names;
 use super::pieces::BreakableBody;
+use super::words::in_entry;
 use super::{Member, Simulation};
 use crate::results::{from_a_body, row, surface_of};
 use crate::{Body, ContactClass, ContactRow, Error, NamedShape, Partner, Snapshot};

@@ -1,5 +1,7 @@
 //! Translation of names of numbers that the libraries refuse to keys of scenes.
 
+use crate::Error;
+
 /// Names of the libraries, and keys of scenes.
 pub(super) const KEYS: [(&str, &str); 31] = [
     ("penalty", "contact.penalty"),
@@ -53,6 +55,14 @@ pub(super) const OF_PAIRS: [(&str, &str); 12] = [
     ("liquid_bridge.tension", "liquid-bridge.tension"),
     ("liquid_bridge.contact_angle", "liquid-bridge.contact-angle"),
 ];
+
+/// Adds the entry of a scenario to an error.
+pub(super) fn in_entry(entry: String) -> impl FnOnce(Error) -> Error {
+    |fault| Error::Entry {
+        entry,
+        fault: Box::new(fault.by_keys(&KEYS)),
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -3,7 +3,7 @@
 use super::periodic::ControlledCell;
 use super::{BoxWalls, Controls};
 use crate::Error;
-use crate::run::build::in_entry;
+use crate::run::words::in_entry;
 use crate::run::{Scenario, Simulation};
 
 impl Simulation {

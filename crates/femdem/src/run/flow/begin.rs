@@ -8,7 +8,7 @@ use super::SourceEntry;
 use super::state::{Count, Flow, Gate, Opening, Supply};
 use crate::Error;
 use crate::error::wrong;
-use crate::run::build::in_entry;
+use crate::run::words::in_entry;
 use crate::run::{Member, Scenario, Simulation};
 
 /// Sine of the largest angle between a gate and an edge of a periodic cell.

@@ -7,8 +7,8 @@ use femdem_solve::AppliedLoad;
 
 use super::{BodyLoads, OnBodies, names};
 use crate::Error;
-use crate::run::build::in_entry;
 use crate::run::words::KEYS;
+use crate::run::words::in_entry;
 use crate::run::{Scenario, Simulation};
 
 impl Simulation {

@@ -1,6 +1,5 @@
 //! Facets that a crack has cut and that glue, pressure and friction still join.
 
-use super::cracks::CrackState;
 use femdem_contact::glue::{GlueLaw, GluedFacet, MidSurface};
 use femdem_fem::fracture::FractureMode;
 use femdem_mesh::Vector3;
@@ -30,45 +29,6 @@ impl Joint {
     pub fn places(&self, positions: &[Vector3]) -> [[Vector3; 3]; 2] {
         self.sides
             .map(|side| side.map(|node| positions[node as usize]))
-    }
-}
-
-impl CrackState {
-    /// Advances the joints to the present positions (m), at time `time` (s), and adds their forces to those of the elements (N).
-    pub fn join(&mut self, positions: &[Vector3], time: f64, forces: &mut [Vector3]) {
-        self.stored = 0.0;
-        for joint in &mut self.joints {
-            let [a, b] = joint.places(positions);
-            let lost = joint.glued.advance(&joint.law, &a, &b);
-            let now = joint.glued.forces(&joint.law, &a, &b);
-            joint.taken += lost.glue;
-            if joint.end.is_none() && joint.glued.is_broken(&joint.law) {
-                joint.end = Some(time);
-            }
-            self.flows.glue += lost.glue;
-            self.flows.friction += lost.friction;
-            self.stored += now.glue + now.contact;
-            for (nodes, forces_on) in joint.sides.iter().zip(now.on) {
-                for (node, force) in nodes.iter().zip(forces_on) {
-                    forces[*node as usize] += force;
-                }
-            }
-        }
-    }
-
-    /// Finds the stiffness of the joints at the nodes: a pair of nodes of masses m and n on a spring k has the squared
-    /// frequency k/m + k/n, which is no more than twice the larger part.
-    pub fn stiffen(&mut self, nodes: usize) {
-        self.stiffness.clear();
-        self.stiffness.resize(nodes, 0.0);
-        for joint in &self.joints {
-            let stiffness = joint.glued.stiffness(&joint.law);
-            for side in &joint.sides {
-                for (node, k) in side.iter().zip(stiffness) {
-                    self.stiffness[*node as usize] += k;
-                }
-            }
-        }
     }
 }
 

@@ -1,21 +1,27 @@
 //! Deformable bodies that break.
 //!
-//! Two meshes share the tetrahedra of such a body. In that of the elements every node is split that a crack separates. In that
-//! of the contacts nodes are split only where the sides of a crack have been [released](release): up to then a contact node
-//! is the mean of the nodes of the elements that it stands for, weighted by their masses, and its forces go to them by the same
-//! weights. So a crack that opens changes nothing in the contacts, energies and forces are continuous, and forces of contacts stay
-//! the gradients of their energy.
+//! Every few steps the stresses are looked at; where a node fails it is split, as are its mass and its velocity, so that nothing
+//! jumps ([birth]). Facets that are cut become [joints]: glue, pressure and friction of their sides, born with the traction
+//! that the facet carried. When nothing holds any more and the sides have gone apart, or have slid far, they are
+//! [released](release) and become skin.
 //!
-//! Between its birth and its release a facet is a [joint](joints) of glue, pressure and friction.
+//! Two meshes have the tetrahedra of such a body. In one all facets that are cut are so: it numbers the nodes of the elements, and
+//! gives the places of the contacts. In the other only those that are released are cut: it says what is skin, where the
+//! contact field is zero, and which tetrahedra belong together and so cannot touch each other. A joint that has not been
+//! released is not a contact, and a crack that opens changes nothing in the contacts.
+//!
+//! Looking at stresses costs nothing where the largest strain, known from the bound of the step, is too small to harm.
 
 mod birth;
 mod breakable;
 mod cracks;
+mod facet;
 mod joints;
 mod query;
 mod release;
 
-pub use query::{CrackFacet, Cracks};
+pub use facet::CrackFacet;
+pub use query::Cracks;
 
 pub(crate) use breakable::Breakable;
 pub(crate) use cracks::CrackState;

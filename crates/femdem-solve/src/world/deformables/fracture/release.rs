@@ -1,8 +1,8 @@
 //! Facets whose sides have nothing to do with each other any more become skin.
 
 use super::CrackState;
+use super::facet::CrackFacet;
 use super::joints::Joint;
-use super::query::CrackFacet;
 use crate::error::SolveError;
 use crate::world::World;
 use crate::world::deformables::{CrackedSkin, Deformables, State};
