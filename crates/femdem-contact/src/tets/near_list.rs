@@ -95,12 +95,12 @@ impl<N> NearList<N> {
         motion >= self.until
     }
 
-    /// The list, expired or not.
+    /// The list, to number its members anew.
     pub fn near_mut(&mut self) -> Option<&mut N> {
         self.near.as_deref_mut()
     }
 
-    /// What is near, if it is known that anything is.
+    /// The list, expired or not.
     pub fn near(&self) -> Option<&N> {
         self.near.as_deref()
     }

@@ -21,7 +21,7 @@ pub struct Cut {
     /// Its number in [`CrackedMesh::facets`].
     pub facet: u32,
     /// The share of its area that the plane of the crack sees, |n . d| with the current normal n of the facet and d of
-    /// the plane, at least 0.05. The energy of fracture is multiplied by it, so that a zigzag of facets costs what the plane does.
+    /// the plane, at least 0.05. An energy per area times this costs in a zigzag of facets what it does in the plane.
     pub projection: f64,
     /// How it opens.
     pub mode: FractureMode,

@@ -48,10 +48,10 @@ impl World {
         Ok(())
     }
 
-    /// Energy of the contacts of deformable bodies and of their friction, J.
+    /// Energy of the contacts of deformable bodies, J. What friction springs lose is booked as friction.
     fn stored_in_soft_contacts(&self) -> f64 {
         let totals = self.deformable_totals();
-        totals.map_or(0.0, |totals| totals.energy + totals.spring_energy)
+        totals.map_or(0.0, |totals| totals.energy)
     }
 
     /// Gives a body the contact mesh of its cracks; with new skin, if any was released.
