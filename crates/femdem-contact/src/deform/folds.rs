@@ -7,13 +7,15 @@
 //! - tetrahedra all of whose common nodes are [creases](Skin::creases): nodes of the skin whose triangles do not show that
 //!   it lies flat around them, such as those at the front of a crack.
 //!
+//! Sides of a crack that [are no skin yet](DeformableShape::cracked) share nodes in this sense, and do not touch.
+//!
 //! Each pair is one of a part A and a part B of the body. Which is which is the same in all of a contact, so that
 //! its normals point one way: pairs with a common tetrahedron whose other tetrahedra share a face are parts of one contact.
 
 use super::near::{Failure, Near, Sides};
 use super::operand::Operand;
 use super::parts::orient;
-use super::shape::DeformableShape;
+use super::shape::{ContactTet, DeformableShape};
 use crate::tets::current::Current;
 use crate::tets::near_list::Search;
 use crate::tets::posed::Posed;
@@ -81,7 +83,7 @@ impl<'a> Folds<'a> {
                         .boxes
                         .get(at)
                         .is_some_and(|other| other.overlaps(&wide));
-                if near && may_overlap(&tets[i].joined, &tets[at].joined, &creases) {
+                if near && may_overlap(&tets[i], &tets[at], &creases) {
                     pairs.push([i as u32, j]);
                 }
             });
@@ -113,13 +115,20 @@ impl<'a> Folds<'a> {
 }
 
 /// Whether two tetrahedra can overlap, by their common nodes.
-fn may_overlap(a: &[u32; 4], b: &[u32; 4], creases: &[bool]) -> bool {
-    let mut common = a.iter().filter(|node| b.contains(node)).peekable();
-    if common.peek().is_none() {
-        return true;
+fn may_overlap(a: &ContactTet, b: &ContactTet, creases: &[bool]) -> bool {
+    let mut common = 0;
+    for (node, own) in a.joined.iter().zip(&a.nodes) {
+        let Some(k) = b.joined.iter().position(|other| other == node) else {
+            continue;
+        };
+        // On the two sides of a crack that is no skin: what joins them keeps them apart.
+        if b.nodes[k] != *own || creases.get(*node as usize) != Some(&true) {
+            return false;
+        }
+        common += 1;
     }
     // Two with a common face lie on both sides of it.
-    common.clone().count() < 3 && common.all(|&node| creases.get(node as usize) == Some(&true))
+    common < 3
 }
 
 impl Search for Folds<'_> {

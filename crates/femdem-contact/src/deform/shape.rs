@@ -53,6 +53,8 @@ pub struct DeformableShape {
     inradius: f64,
     radius: f64,
     edge: f64,
+    /// Whether cracks have broken it: then it does not move as a whole.
+    in_pieces: bool,
 }
 
 impl DeformableShape {
@@ -223,6 +225,7 @@ impl DeformableShape {
             skin_tree: finder,
             inradius,
             radius: radius(mesh),
+            in_pieces: mesh.pieces() > 1,
         })
     }
 
@@ -250,6 +253,11 @@ impl DeformableShape {
     /// Mean edge of the skin's triangles in the reference state, m.
     pub fn edge(&self) -> f64 {
         self.edge
+    }
+
+    /// Whether cracks have broken it: then it does not move as a whole.
+    pub(crate) fn is_in_pieces(&self) -> bool {
+        self.in_pieces
     }
 
     /// Triangles of the skin, counter-clockwise seen from outside, as nodes.

@@ -12,17 +12,11 @@ use femdem_mesh::tet::{CrackedMesh, Split};
 /// on one side of the plane.
 const BESIDE: f64 = 1.15;
 
-/// The smallest projection of a facet: none opens for nothing.
-const LEAST_PROJECTION: f64 = 0.05;
-
 /// A facet that a decision cuts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
     /// Its number in [`CrackedMesh::facets`].
     pub facet: u32,
-    /// The share of its area that the plane of the crack sees, |n . d| with the current normal n of the facet and d of
-    /// the plane, at least 0.05. An energy per area times this costs in a zigzag of facets what it does in the plane.
-    pub projection: f64,
     /// How it opens.
     pub mode: FractureMode,
 }
@@ -127,15 +121,10 @@ impl NodalDecision<'_> {
             let Some(best) = divisions.min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
                 continue;
             };
-            decision
-                .cuts
-                .extend(best.facets.iter().map(|&(facet, projection)| Cut {
-                    facet,
-                    projection: projection.max(LEAST_PROJECTION),
-                    mode: planes.mode(),
-                }));
-            let facets: Vec<u32> = best.facets.into_iter().map(|(facet, _)| facet).collect();
-            for split in cracked.cut(&facets)? {
+            let mode = planes.mode();
+            let cuts = best.facets.iter().map(|&facet| Cut { facet, mode });
+            decision.cuts.extend(cuts);
+            for split in cracked.cut(&best.facets)? {
                 is_open[cracked.points()[split.node as usize] as usize] = true;
                 positions.push(positions[split.node as usize]);
                 decision.splits.push(split);

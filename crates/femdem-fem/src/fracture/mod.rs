@@ -17,9 +17,6 @@
 //!    minimum cut. A facet costs its area times 1 + 1.5 (1 - |n . d|) with n and d the normals of facet and plane; a facet
 //!    that is cut already costs nothing, so that cracks continue each other.
 //!
-//! A zigzag of facets has more area than the plane. [`Cut::projection`] is the share that the plane sees: an
-//! energy per area times the projections, summed, is that of the plane.
-//!
 //! The decision is a function of its inputs alone, with the same bits in any run.
 //!
 //! # Sources

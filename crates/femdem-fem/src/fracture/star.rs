@@ -32,10 +32,10 @@ pub(super) struct Star {
     pub is_on_cut: bool,
 }
 
-/// The facets to cut to divide a star, with the share of their area that the plane sees.
+/// The facets to cut to divide a star.
 pub(super) struct Division {
     pub cost: f64,
-    pub facets: Vec<(u32, f64)>,
+    pub facets: Vec<u32>,
 }
 
 impl Star {
@@ -103,13 +103,12 @@ impl Star {
             _ => None,
         };
         let sides: Vec<_> = heights.iter().map(side).collect();
-        let projection = |link: &Link| link.normal.dot(normal).abs();
         let edge = |link: &Link| Edge {
             ends: link.ends,
             cost: if link.is_cut {
                 0.0
             } else {
-                link.area * (1.0 + TURNED * (1.0 - projection(link)))
+                link.area * (1.0 + TURNED * (1.0 - link.normal.dot(normal).abs()))
             },
         };
         let edges: Vec<Edge> = self.links.iter().map(edge).collect();
@@ -123,7 +122,7 @@ impl Star {
         for (link, edge) in between {
             division.cost += edge.cost;
             if !link.is_cut {
-                division.facets.push((link.facet, projection(link)));
+                division.facets.push(link.facet);
             }
         }
         Some(division)

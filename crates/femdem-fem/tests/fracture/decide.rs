@@ -85,7 +85,6 @@ fn a_plane_of_facets_is_followed_exactly() {
         *factor = if point.x == 0.02 { 1.0 } else { f64::INFINITY };
     }
     let decision = body.decide();
-    assert!(decision.cuts.iter().all(|cut| cut.projection == 1.0));
     let area: f64 = decision
         .cuts
         .iter()
@@ -119,7 +118,7 @@ fn a_crack_runs_through_a_bar() {
             for cut in decision.cuts {
                 assert_eq!(cut.mode, FractureMode::Tension);
                 let vector = body.area(cut.facet);
-                projected += vector.norm() * cut.projection;
+                projected += vector.x.abs();
                 area += vector.norm();
             }
             let parts = body.cracked.parts();
@@ -221,7 +220,6 @@ fn a_turned_body_cracks_alike() {
         assert!((first.highest - second.highest).abs() < 1e-9);
         for (a, b) in first.cuts.iter().zip(&second.cuts) {
             assert_eq!((a.facet, a.mode), (b.facet, b.mode));
-            assert!((a.projection - b.projection).abs() < 1e-9);
         }
     }
 }
@@ -329,7 +327,6 @@ fn the_smallest_bodies() {
     let mut body = Body::new(&two, uniaxial(&Vector3::z(), 2.0 * TENSILE));
     let decision = body.decide();
     assert_eq!(decision.cuts.len(), 1);
-    assert!((decision.cuts[0].projection - 1.0).abs() < 1e-15);
     assert_eq!(decision.splits.len(), 3);
     assert!(body.decide().cuts.is_empty());
     let one = TetMesh::new(points[..4].to_vec(), vec![[0, 1, 2, 3]]).unwrap();

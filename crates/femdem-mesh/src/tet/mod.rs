@@ -126,7 +126,7 @@ impl TryFrom<Parts> for TetMesh {
 impl From<TetMesh> for Parts {
     fn from(mesh: TetMesh) -> Self {
         Self {
-            in_pieces: topology::pieces(&mesh.neighbours) > 1,
+            in_pieces: mesh.pieces() > 1,
             points: mesh.points,
             tets: mesh.tets,
         }
@@ -146,7 +146,7 @@ impl TetMesh {
     /// triangle are not detected.
     pub fn new(points: Vec<Point3>, tets: Vec<[u32; 4]>) -> Result<Self, MeshError> {
         let mesh = Self::in_pieces(points, tets)?;
-        match topology::pieces(&mesh.neighbours) {
+        match mesh.pieces() {
             1 => Ok(mesh),
             pieces => Err(MeshError::SeveralPieces { pieces }),
         }
@@ -255,6 +255,12 @@ impl TetMesh {
     /// The corners of a tetrahedron of this mesh.
     pub(crate) fn corners(&self, tet: [u32; 4]) -> [Point3; 4] {
         tet.map(|i| self.points[i as usize])
+    }
+
+    /// Number of its pieces, which share no triangle with each other: 1, but for those made by [`in_pieces`](Self::in_pieces).
+    #[must_use]
+    pub fn pieces(&self) -> usize {
+        topology::pieces(&self.neighbours)
     }
 
     /// Volume \[m^3\].

@@ -46,7 +46,7 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     }
     say_notes(&simulation.notes);
     list(&simulation.bodies());
-    for mesh in scenario.fracture_meshes(&simulation) {
+    for mesh in simulation.fracture_meshes() {
         tell_fracture(&mesh);
     }
     let walls: Vec<_> = simulation.world.walls().map(|(_, w)| w.name()).collect();

@@ -1,7 +1,6 @@
 //! The bodies of a scenario that may break.
 
 use femdem_fem::element::Element;
-use femdem_mesh::tet::Facets;
 use femdem_solve::Fracture;
 
 use super::words::in_entry;
@@ -80,39 +79,29 @@ impl Scenario {
         }
         Ok(())
     }
+}
 
+impl Simulation {
     /// For each entry of breakable bodies, the mesh and the zone in which cracks open.
     #[must_use]
-    pub fn fracture_meshes(&self, simulation: &Simulation) -> Vec<FractureMesh> {
+    pub fn fracture_meshes(&self) -> Vec<FractureMesh> {
         let mut found = Vec::new();
-        let mut first = simulation.origin.bodies;
-        for (entry, count) in self.body.iter().zip(&simulation.origin.members) {
-            let member = simulation.members.get(first);
+        let mut first = self.origin.bodies;
+        for count in &self.origin.members {
+            let member = self.members.get(first);
             first += count;
             let Some(member) = member else { continue };
-            let Some(body) = simulation.world.deformable(member.id) else {
+            let Some(body) = self.world.deformable(member.id) else {
                 continue;
             };
             let Some(cracks) = body.cracks() else {
                 continue;
             };
-            let names = [&entry.material].into_iter();
-            let names = names.chain(entry.region.iter().map(|part| &part.material));
-            let youngs = names.filter_map(|name| self.material.get(name)?.young);
-            let young = youngs.fold(0.0, f64::max);
-            let model = body.model();
-            let (mut volume, mut area) = (0.0, 0.0);
-            for facet in Facets::new(model.mesh()).all() {
-                let [a, b, c] = facet.points.map(|i| model.nodes()[i as usize]);
-                area += 0.5 * (b - a).cross(&(c - a)).norm();
-                let beside = facet.tets.iter().map(|t| model.volumes()[*t as usize]);
-                volume += beside.sum::<f64>();
-            }
             found.push(FractureMesh {
                 body: member.name.clone(),
-                process_zone: cracks.fracture().process_zone(young),
-                largest_height: cracks.fracture().largest_height(young),
-                height: if area > 0.0 { 1.5 * volume / area } else { 0.0 },
+                process_zone: cracks.process_zone(),
+                largest_height: cracks.largest_height(),
+                height: cracks.element_height(),
             });
         }
         found

@@ -29,7 +29,9 @@ pub(crate) fn prepare(bodies: &mut [SoftBody], wanted: &[Wanted], context: &Cont
             return;
         }
         let before = body.turning.take();
+        let shape = context.shapes.get(body.shape as usize);
         if wanted.turning
+            && shape.is_some_and(|shape| !shape.is_in_pieces())
             && let Some(state) = context.states.get(i)
         {
             body.turning = Turning::new(state, before);

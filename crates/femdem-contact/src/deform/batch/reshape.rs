@@ -61,6 +61,10 @@ impl DeformablePart {
 impl SoftBody {
     fn crack(&mut self, shape: &DeformableShape) {
         self.displaced();
+        if shape.is_in_pieces() {
+            // Dashpots then know the mass of the touching nodes only.
+            self.frequency = 0.0;
+        }
         let reach = self.reach;
         self.restore(shape);
         self.reach = reach;

@@ -298,6 +298,9 @@ impl Deformables {
                 )));
             }
             body.boundary.check(&model.model)?;
+            if let Some(breakable) = &body.breakable {
+                breakable.check(&self.models, model)?;
+            }
         }
         Ok(())
     }

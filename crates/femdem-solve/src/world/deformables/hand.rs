@@ -59,13 +59,14 @@ impl World {
             .map_err(|error| error.in_body(id as usize, steps, time))?;
         let flown = new.internal.plastic_work;
         let gained = new.energy(model, &gravity) - state.energy(model, &gravity);
+        let broken = new.crack_losses() - state.crack_losses();
         let (fastest, bound) = (new.fastest, new.bound.critical_step().min(new.contact_step));
         *state = new;
         let touched = self.batch.moved_by_hand(id)?;
         deformables.wake(id as usize, &mut self.batch);
         let model = deformables.bodies[id as usize].model;
         let depth = self.batch.deformable_shapes()[model as usize].inradius();
-        self.flows.by_hand += gained + flown;
+        self.flows.by_hand += gained + flown + broken;
         self.flows.plastic_work -= flown;
         self.newcomers.moved.bodies.insert(id);
         self.step_control.lose();
@@ -149,11 +150,18 @@ impl Deformables {
 }
 
 impl State {
-    /// Kinetic energy, potential energy in gravity (m/s^2) and strain energy, J.
+    /// Kinetic energy, potential energy in gravity (m/s^2), strain energy and that of cracks, J.
     fn energy(&self, model: &Model, gravity: &Vector3) -> f64 {
         let masses = model.model.masses();
         let strain = model.model.with_energy(self.internal, &self.positions);
-        self.kinetic_energy(masses) + self.potential(masses, gravity) + strain.energy
+        let cracks = self.cracks().map_or(0.0, |cracks| cracks.stored);
+        self.kinetic_energy(masses) + self.potential(masses, gravity) + strain.energy + cracks
+    }
+
+    /// What its cracks have dissipated that is not booked yet, J.
+    fn crack_losses(&self) -> f64 {
+        self.cracks()
+            .map_or(0.0, |cracks| cracks.flows.glue + cracks.flows.friction)
     }
 
     /// Takes over nodal values.

@@ -21,6 +21,10 @@ pub struct Deformable<'a> {
 }
 
 impl<'a> Deformable<'a> {
+    pub(in crate::world) fn own_model(&self) -> &'a Model {
+        self.model
+    }
+
     pub(in crate::world) fn state(&self) -> &'a State {
         self.state
     }

@@ -1,8 +1,10 @@
 //! Where and when cracks open.
 
+use super::Breakable;
 use super::cracks::CrackState;
 use super::joints::{Joint, in_axes};
 use crate::error::SolveError;
+use crate::fracture::Fracture;
 use crate::world::World;
 use crate::world::deformables::add::{held_energy, inverse_masses};
 use crate::world::deformables::each::on_each_with;
@@ -12,9 +14,8 @@ use crate::world::deformables::{CrackedSkin, Deformables, Model, Scratch, State,
 use femdem_contact::deform::{Modulus, NodalLoads};
 use femdem_contact::glue::{GlueLaw, GluedFacet};
 use femdem_contact::{BodyId, ContactBatch};
-use femdem_fem::fracture::{Decision, NodalDecision, Strength};
+use femdem_fem::fracture::{Decision, Strength};
 use femdem_fem::{DeformableModel, ElementStress};
-use femdem_mesh::tet::CrackedMesh;
 use femdem_mesh::{Matrix3, Vector3};
 use std::sync::Arc;
 
@@ -147,6 +148,21 @@ struct Faces {
     friction: f64,
 }
 
+impl Faces {
+    /// The law of a facet beside elements of a height, m.
+    fn law(&self, fracture: &Fracture, height: f64) -> GlueLaw {
+        GlueLaw {
+            stiffness: fracture.stiffness * self.young / height,
+            energies: fracture.energies,
+            mix: fracture.mix,
+            softening: fracture.softening,
+            contact: self.pressure,
+            tangential: self.tangential * self.pressure,
+            friction: self.friction,
+        }
+    }
+}
+
 impl State {
     /// Looks at the stresses, and cracks if they exceed the strength. `whole` is the model without cracks.
     fn look(
@@ -160,58 +176,10 @@ impl State {
         let Some(mut breakable) = self.breakable.take() else {
             return Ok(None);
         };
-        let stresses = model.stresses(&self.positions, &self.history)?;
         let is_first = breakable.cracks.is_none();
-        let base = self.model;
-        let mut cracks = breakable
-            .cracks
-            .take()
-            .unwrap_or_else(|| Box::new(CrackState::new(base, CrackedMesh::new(whole.mesh()))));
-        let decision = NodalDecision {
-            strengths: &[breakable.fracture.strength],
-            regions: &vec![0; stresses.len()],
-            factors: &breakable.factors,
-            positions: &self.positions,
-            stresses: &stresses,
-        };
-        let found = decision.decide(&mut cracks.mesh)?;
-        breakable.highest = found.highest;
-        let cut = !found.cuts.is_empty();
-        if cut {
-            let law = |height: f64| GlueLaw {
-                stiffness: breakable.fracture.stiffness * faces.young / height,
-                energies: breakable.fracture.energies,
-                mix: breakable.fracture.mix,
-                softening: breakable.fracture.softening,
-                contact: faces.pressure,
-                tangential: faces.tangential * faces.pressure,
-                friction: faces.friction,
-            };
-            cracks.add(whole, &found, law, time)?;
-        }
-        let next = if found.splits.is_empty() {
-            None
-        } else {
-            Some(model.cracked(cracks.mesh.mesh(whole.mesh().points())?)?)
-        };
-        if let Some(next) = &next {
-            self.split(next, &found, &mut cracks)?;
-            cracks.open(
-                &self.positions,
-                &stresses,
-                &breakable.fracture.strength,
-                &breakable.factors,
-            );
-            cracks.stiffen(self.positions.len());
-        }
-        if !is_first || next.is_some() {
-            breakable.cracks = Some(cracks);
-        } else if cut {
-            // Facets that are cut and split no node yet are found again.
-            breakable.cracks = None;
-        }
+        let next = self.crack(&mut breakable, [whole, model], faces, time);
         self.breakable = Some(breakable);
-        let Some(next) = next else {
+        let Some(next) = next? else {
             return Ok(None);
         };
         self.strain(&next, scratch, time, true)?;
@@ -219,6 +187,39 @@ impl State {
             model: next,
             is_first,
         }))
+    }
+
+    /// Cracks where the stresses exceed the strength; returns the model if any node is split.
+    fn crack(
+        &mut self,
+        breakable: &mut Breakable,
+        [whole, model]: [&DeformableModel; 2],
+        faces: &Faces,
+        time: f64,
+    ) -> Result<Option<DeformableModel>, SolveError> {
+        let stresses = model.stresses(&self.positions, &self.history)?;
+        let found = breakable.decide(self.model, model, &self.positions, &stresses)?;
+        let Breakable {
+            fracture,
+            factors,
+            cracks,
+            ..
+        } = breakable;
+        let Some(cracks) = cracks.as_deref_mut() else {
+            return Ok(None);
+        };
+        if !found.cuts.is_empty() {
+            let law = |height: f64| faces.law(fracture, height);
+            cracks.add(whole, &found, law, time)?;
+        }
+        if found.splits.is_empty() {
+            return Ok(None);
+        }
+        let next = model.cracked(cracks.mesh.mesh(whole.mesh().points())?)?;
+        self.split(&next, &found, cracks)?;
+        cracks.open(&self.positions, &stresses, &fracture.strength, factors);
+        cracks.stiffen(self.positions.len());
+        Ok(Some(next))
     }
 
     /// Splits nodes.
@@ -311,7 +312,7 @@ impl CrackState {
             law.check()?;
             self.joints.push(Joint {
                 facet: cut.facet,
-                sides: [facet.points; 2],
+                sides: self.mesh.sides(cut.facet).unwrap_or([facet.points; 2]),
                 law,
                 glued: GluedFacet::new(area)?,
                 height,
@@ -320,9 +321,6 @@ impl CrackState {
                 mode: cut.mode,
                 taken: 0.0,
             });
-        }
-        for joint in &mut self.joints {
-            joint.sides = self.mesh.sides(joint.facet).unwrap_or(joint.sides);
         }
         Ok(())
     }

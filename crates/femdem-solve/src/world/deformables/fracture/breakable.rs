@@ -3,13 +3,13 @@
 use super::CrackState;
 use crate::error::SolveError;
 use crate::fracture::Fracture;
-use crate::world::deformables::{ContactStiffness, Model};
+use crate::world::deformables::{ContactStiffness, Model, ModelId};
 use femdem_contact::{BodyId, Field};
-use femdem_fem::MaterialRegion;
 use femdem_fem::element::Element;
-use femdem_fem::fracture::Strength;
+use femdem_fem::fracture::{Decision, NodalDecision, Strength};
 use femdem_fem::material::{Deformation, Material};
-use femdem_mesh::tet::Facets;
+use femdem_fem::{DeformableModel, ElementStress, MaterialRegion};
+use femdem_mesh::tet::{CrackedMesh, Facets};
 use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +29,9 @@ pub(crate) struct Breakable {
     pub highest: f64,
     /// `None` as long as it is whole.
     pub cracks: Option<Box<CrackState>>,
+    /// The mesh of a whole body, once its stresses are looked at.
+    #[serde(skip)]
+    whole: Option<Box<CrackedMesh>>,
 }
 
 impl Breakable {
@@ -46,7 +49,43 @@ impl Breakable {
             factors,
             highest: 0.0,
             cracks: None,
+            whole: None,
         }
+    }
+
+    /// Decides where it cracks now. A body that was whole then has no joints yet.
+    pub fn decide(
+        &mut self,
+        base: ModelId,
+        model: &DeformableModel,
+        positions: &[Vector3],
+        stresses: &[ElementStress],
+    ) -> Result<Decision, SolveError> {
+        let decision = NodalDecision {
+            strengths: &[self.fracture.strength],
+            regions: &vec![0; stresses.len()],
+            factors: &self.factors,
+            positions,
+            stresses,
+        };
+        let found = match &mut self.cracks {
+            Some(cracks) => decision.decide(&mut cracks.mesh)?,
+            None => {
+                let new = || Box::new(CrackedMesh::new(model.mesh()));
+                let mut mesh = self.whole.take().unwrap_or_else(new);
+                let found = decision.decide(&mut mesh)?;
+                if !found.splits.is_empty() {
+                    let whole = CrackedMesh::new(model.mesh());
+                    self.cracks = Some(Box::new(CrackState::new(base, *mesh, whole)));
+                } else if found.cuts.is_empty() {
+                    self.whole = Some(mesh);
+                }
+                // Facets that are cut and split no node yet are found again.
+                found
+            }
+        };
+        self.highest = found.highest;
+        Ok(found)
     }
 
     pub fn cracks(&self) -> Option<&CrackState> {
@@ -112,7 +151,7 @@ impl Model {
     }
 
     /// Mean height of the pairs of elements beside inner facets, weighted by area, and mean edge of the elements, m.
-    fn sizes(&self) -> (f64, f64) {
+    pub(super) fn sizes(&self) -> (f64, f64) {
         let (mesh, nodes) = (self.model.mesh(), self.model.nodes());
         let (mut volume, mut area) = (0.0, 0.0);
         for facet in Facets::new(mesh).all() {

@@ -28,15 +28,15 @@ pub(crate) struct CrackState {
     pub flows: CrackFlows,
     /// Stiffness of the joints at the nodes, and with that of the contacts, N/m.
     pub stiffness: Vec<f64>,
-    both: Vec<f64>,
+    pub(super) both: Vec<f64>,
 }
 
 impl CrackState {
-    /// A body that is about to crack.
-    pub fn new(base: ModelId, mesh: CrackedMesh) -> Self {
+    /// A body that has just cracked along `mesh`, with the skin of `whole`.
+    pub fn new(base: ModelId, mesh: CrackedMesh, whole: CrackedMesh) -> Self {
         Self {
             base,
-            skin: mesh.clone(),
+            skin: whole,
             mesh,
             joints: Vec::new(),
             released: Vec::new(),
@@ -53,7 +53,7 @@ impl CrackState {
         for joint in &mut self.joints {
             let [a, b] = joint.places(positions);
             let lost = joint.glued.advance(&joint.law, &a, &b);
-            let now = joint.glued.forces(&joint.law, &a, &b);
+            let now = joint.forces(positions);
             joint.taken += lost.glue;
             if joint.end.is_none() && joint.glued.is_broken(&joint.law) {
                 joint.end = Some(time);
@@ -61,11 +61,7 @@ impl CrackState {
             self.flows.glue += lost.glue;
             self.flows.friction += lost.friction;
             self.stored += now.glue + now.contact;
-            for (nodes, forces_on) in joint.sides.iter().zip(now.on) {
-                for (node, force) in nodes.iter().zip(forces_on) {
-                    forces[*node as usize] += force;
-                }
-            }
+            joint.add(&now, 1.0, forces);
         }
     }
 

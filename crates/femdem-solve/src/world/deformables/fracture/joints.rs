@@ -1,6 +1,6 @@
 //! Facets that a crack has cut and that glue, pressure and friction still join.
 
-use femdem_contact::glue::{GlueLaw, GluedFacet, MidSurface};
+use femdem_contact::glue::{GlueLaw, GluedFacet, GluedForces, MidSurface};
 use femdem_fem::fracture::FractureMode;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -29,6 +29,21 @@ impl Joint {
     pub fn places(&self, positions: &[Vector3]) -> [[Vector3; 3]; 2] {
         self.sides
             .map(|side| side.map(|node| positions[node as usize]))
+    }
+
+    /// Its forces and energies at positions of the nodes, m.
+    pub fn forces(&self, positions: &[Vector3]) -> GluedForces {
+        let [a, b] = self.places(positions);
+        self.glued.forces(&self.law, &a, &b)
+    }
+
+    /// Adds its forces, times a sign, to those of the nodes, N.
+    pub fn add(&self, own: &GluedForces, sign: f64, forces: &mut [Vector3]) {
+        for (nodes, on) in self.sides.iter().zip(&own.on) {
+            for (node, force) in nodes.iter().zip(on) {
+                forces[*node as usize] += force * sign;
+            }
+        }
     }
 }
 

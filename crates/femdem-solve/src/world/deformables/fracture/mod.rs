@@ -19,6 +19,7 @@ mod facet;
 mod joints;
 mod query;
 mod release;
+mod stored;
 
 pub use facet::CrackFacet;
 pub use query::Cracks;

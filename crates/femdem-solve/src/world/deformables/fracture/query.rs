@@ -3,13 +3,14 @@
 use super::Breakable;
 use super::facet::CrackFacet;
 use crate::fracture::Fracture;
-use crate::world::deformables::Deformable;
+use crate::world::deformables::{Deformable, Model};
 use femdem_mesh::Vector3;
 use femdem_mesh::tet::CrackedMesh;
 
 /// The cracks of a body that may break.
 #[derive(Debug, Clone, Copy)]
 pub struct Cracks<'a> {
+    model: &'a Model,
     breakable: &'a Breakable,
     positions: &'a [Vector3],
 }
@@ -19,6 +20,24 @@ impl<'a> Cracks<'a> {
     #[must_use]
     pub fn fracture(&self) -> &'a Fracture {
         &self.breakable.fracture
+    }
+
+    /// Length of the zone in which its cracks open, m: [`Fracture::process_zone`].
+    #[must_use]
+    pub fn process_zone(&self) -> f64 {
+        self.fracture().process_zone(self.model.young)
+    }
+
+    /// Mean height of its elements beside inner facets, weighted by area, m.
+    #[must_use]
+    pub fn element_height(&self) -> f64 {
+        self.model.sizes().0
+    }
+
+    /// The largest height of elements with which cracks take the energy given, m: [`Fracture::largest_height`].
+    #[must_use]
+    pub fn largest_height(&self) -> f64 {
+        self.fracture().largest_height(self.model.young)
     }
 
     /// The largest stress over strength at the last look.
@@ -80,6 +99,7 @@ impl<'a> Deformable<'a> {
     #[must_use]
     pub fn cracks(&self) -> Option<Cracks<'a>> {
         Some(Cracks {
+            model: self.own_model(),
             breakable: self.state().breakable.as_deref()?,
             positions: self.positions(),
         })

@@ -7,10 +7,11 @@ use crate::error::SolveError;
 use crate::world::World;
 use crate::world::deformables::{CrackedSkin, Deformables, State};
 use femdem_contact::BodyId;
+use femdem_mesh::Vector3;
 use std::sync::Arc;
 
 /// Looks at the stresses between two looks at what is released.
-const LOOKS: u64 = 20;
+const LOOKS: u64 = 4;
 
 /// Opening over the height of the elements at which a broken facet without pressure is released.
 const OPENING: f64 = 0.02;
@@ -93,47 +94,76 @@ impl World {
 }
 
 impl State {
-    /// Releases the joints that are free; returns whether there were any.
+    /// Releases the joints that are free; returns whether there were any. A facet whose nodes others still hold together all
+    /// around would not become skin: it keeps its joint.
     fn release(&mut self) -> bool {
-        let Some(breakable) = self.breakable.as_mut() else {
+        let Self {
+            breakable,
+            positions,
+            strain_forces,
+            ..
+        } = self;
+        let Some(breakable) = breakable.as_deref_mut() else {
             return false;
         };
         let slip = breakable.fracture.release;
         let Some(cracks) = breakable.cracks.as_deref_mut() else {
             return false;
         };
-        let is_free = |joint: &Joint| {
-            let [a, b] = joint.places(&self.positions);
+        let mut facets = cracks.free(positions, slip);
+        let skin = loop {
+            if facets.is_empty() {
+                return false;
+            }
+            let mut skin = cracks.skin.clone();
+            // The facets are those of the mesh.
+            let cut = skin.cut(&facets);
+            debug_assert!(cut.is_ok(), "facets of this mesh");
+            let before = facets.len();
+            facets.retain(|facet| skin.sides(*facet).is_some_and(|[a, b]| a != b));
+            if facets.len() == before {
+                break skin;
+            }
+        };
+        cracks.skin = skin;
+        let CrackState {
+            joints,
+            released,
+            stored,
+            flows,
+            ..
+        } = cracks;
+        joints.retain(|joint| {
+            let is_free = facets.binary_search(&joint.facet).is_ok();
+            if is_free {
+                released.push(CrackFacet::of(joint, positions));
+                let now = joint.forces(positions);
+                *stored -= now.glue + now.contact;
+                flows.released += now.glue + now.contact;
+                // The contacts have them from now on.
+                joint.add(&now, -1.0, strain_forces);
+            }
+            !is_free
+        });
+        cracks.stiffen(positions.len());
+        true
+    }
+}
+
+impl CrackState {
+    /// The facets that nothing holds any more and that are open, or have slid far, ascending.
+    fn free(&self, positions: &[Vector3], slip: f64) -> Vec<u32> {
+        let is_free = |joint: &&Joint| {
+            let [a, b] = joint.places(positions);
             let limits = [OPENING, slip].map(|part| part * joint.height);
             let law = &joint.law;
             let far = joint.end.is_some()
                 && joint.glued.largest_slip(&a, &b) > FORCED * slip * joint.height;
             far || joint.glued.is_free(law, [&a, &b], limits)
         };
-        let free = cracks.joints.iter().filter(|joint| is_free(joint));
+        let free = self.joints.iter().filter(is_free);
         let mut facets: Vec<u32> = free.map(|joint| joint.facet).collect();
         facets.sort_unstable();
-        if facets.is_empty() {
-            return false;
-        }
-        let (mut held, positions) = (0.0, &self.positions);
-        let CrackState {
-            joints, released, ..
-        } = cracks;
-        joints.retain(|joint| {
-            let is_free = facets.binary_search(&joint.facet).is_ok();
-            if is_free {
-                released.push(CrackFacet::of(joint, positions));
-                let [a, b] = joint.places(positions);
-                let now = joint.glued.forces(&joint.law, &a, &b);
-                held += now.glue + now.contact;
-            }
-            !is_free
-        });
-        cracks.stored -= held;
-        cracks.flows.released += held;
-        cracks.stiffen(positions.len());
-        // The facets are those of the mesh.
-        cracks.skin.cut(&facets).is_ok()
+        facets
     }
 }
