@@ -18,6 +18,7 @@ fn law(softening: Softening) -> GlueLaw {
         contact: 2e13,
         tangential: 1.6e13,
         friction: 0.6,
+        presses: true,
     }
 }
 
@@ -171,6 +172,43 @@ fn closed_faces_slide_at_friction() {
     assert_eq!(facet.advance(&law, &triangle(), &apart).friction, 0.0);
 }
 
+/// Where the faces meet by another law, the facet keeps the pressure of its birth while they overlap, loses it as they go apart, and
+/// lets it fade in fifty steps when nothing holds them: then it is spent.
+#[test]
+fn the_pressure_of_the_birth_fades() {
+    let law = GlueLaw {
+        presses: false,
+        friction: 0.0,
+        ..law(Softening::Linear)
+    };
+    let (mut facet, lent) = cut(&law, [-4e6, 0.0, 0.0]);
+    let push = |facet: &GluedFacet, z: f64| {
+        let on = facet.forces(&law, &triangle(), &moved(Vector3::z() * z)).on[1];
+        on.iter().map(|f| f.z).sum::<f64>() / AREA
+    };
+    // The pressure is gone at an opening of 4e6/2e13 m.
+    for (z, pressure) in [(-3e-7, 4e6), (0.0, 4e6), (1e-7, 2e6), (3e-7, 0.0)] {
+        assert!((push(&facet, z) - pressure).abs() < 1.0, "{z}");
+    }
+    assert!(!facet.is_spent(&law));
+    let mut lost = 0.0;
+    for _ in 0..50 {
+        lost += facet.advance(&law, &triangle(), &triangle()).pressure;
+    }
+    assert!((lost / lent - 1.0).abs() < 1e-9 && push(&facet, 0.0).abs() < 1.0);
+    facet.advance(&law, &triangle(), &triangle());
+    assert!(facet.is_spent(&law) && facet.stiffness(&law) == [0.0; 3]);
+    // Glue that holds keeps the pressure.
+    let (mut sheared, _) = cut(&law, [-4e6, 3e6, 0.0]);
+    for _ in 0..60 {
+        assert_eq!(
+            sheared.advance(&law, &triangle(), &triangle()).pressure,
+            0.0
+        );
+    }
+    assert!((push(&sheared, 0.0) - 4e6).abs() < 1.0);
+}
+
 #[test]
 fn laws_that_cannot_be_are_refused_by_name() {
     let good = law(Softening::Linear);
@@ -243,9 +281,10 @@ proptest! {
         at in sides(),
         turn in [-3.0..3.0, -3.0..3.0, -3.0..3.0],
         which in 0..3_usize,
+        presses: bool,
     ) {
         let softening = [Softening::Linear, Softening::Exponential, Softening::Bilinear][which];
-        let law = law(softening);
+        let law = GlueLaw { presses, ..law(softening) };
         let (mut facet, _) = cut(&law, born);
         facet.advance(&law, &past[0], &past[1]);
         let now = facet.forces(&law, &at[0], &at[1]);
@@ -278,8 +317,9 @@ proptest! {
     fn closed_paths_gain_nothing(
         born in traction(),
         corners in prop::collection::vec([-3e-6..3e-6, -3e-6..3e-6, -1e-6..5e-6], 2..4),
+        presses: bool,
     ) {
-        let law = law(Softening::Linear);
+        let law = GlueLaw { presses, ..law(Softening::Linear) };
         let (mut facet, lent) = cut(&law, born);
         let mut path = vec![Vector3::zeros()];
         path.extend(corners.into_iter().map(Vector3::from));
@@ -292,12 +332,12 @@ proptest! {
             for k in 1..=steps {
                 let to = moved(pair[0] + way * f64::from(k));
                 let loss = facet.advance(&law, &triangle(), &to);
-                prop_assert!(loss.glue >= 0.0);
+                prop_assert!(loss.glue >= 0.0 && loss.pressure >= 0.0);
                 let now = facet.forces(&law, &triangle(), &to);
                 let done: f64 = (0..3).map(|q| -0.5 * (forces.on[1][q] + now.on[1][q]).dot(&way)).sum();
                 work += done;
                 turnover += done.abs();
-                lost += loss.glue + loss.friction;
+                lost += loss.glue + loss.friction + loss.pressure;
                 forces = now;
             }
         }

@@ -43,8 +43,6 @@ pub struct Fracture {
     pub every: u32,
     /// Stiffness of a new crack over E/h, with Young's modulus E and the height h of the elements beside it.
     pub stiffness: f64,
-    /// Slip of a broken facet over h, beyond which its sides meet as any other skin does.
-    pub release: f64,
     /// Whether the mesh may be coarser than the [process zone](Self::process_zone) allows: cracks then take more energy than
     /// given.
     pub coarse: bool,
@@ -62,7 +60,6 @@ impl Fracture {
             scatter: None,
             every: 5,
             stiffness: 2.0,
-            release: 0.1,
             coarse: false,
         }
     }
@@ -82,7 +79,7 @@ impl Fracture {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// [`SolveError::Parameter`] for energies, an exponent, a stiffness or a slip that are not positive and finite, sliding
+    /// [`SolveError::Parameter`] for energies, an exponent or a stiffness that are not positive and finite, sliding
     /// that takes less energy than opening, and 0 steps.
     pub fn validate(&self) -> Result<(), SolveError> {
         let [opening, sliding] = self.energies;
@@ -90,7 +87,6 @@ impl Fracture {
             ("energy of fracture by opening", opening),
             ("exponent of mixed modes", self.mix),
             ("stiffness of cracks", self.stiffness),
-            ("slip at which cracks are released", self.release),
             ("steps between looks at the stresses", f64::from(self.every)),
         ] {
             check(name, value, value > 0.0, "above 0 and finite")?;

@@ -136,7 +136,7 @@ pub struct Ledger {
     pub dissipated_bridges: f64,
     /// Dissipated by breaking: less what was lent, this is the energy of fracture.
     pub dissipated_fracture: f64,
-    /// Dissipated where the sides of cracks became skin: what they held, and what contacts nearby lost.
+    /// Dissipated by the pressure that new cracks have as it fades, and by contacts whose field they change.
     pub dissipated_release: f64,
     /// Numerical dissipation of [implicit](crate::ImplicitStep) steps: what the contacts took from the motion and neither store nor
     /// lost in dashpots. Steps in which they give more than was stored are not booked, and so appear as an error.

@@ -113,10 +113,6 @@ fn what_cannot_break_is_refused_by_its_key() {
             ["fracture.every = 0", "1 step"],
         ),
         (
-            bar(table, &format!("{table}release = -1\n")),
-            ["fracture.release = -1", "above 0"],
-        ),
-        (
             bar(table, &format!("{table}softening = \"abrupt\"\n")),
             ["abrupt", "bilinear"],
         ),

@@ -1,7 +1,9 @@
 //! The sums of a pair: over skins where these suffice, else over pieces.
 
 use super::folds::Folds;
+use super::itself::Itself;
 use super::near::{Candidates, Failure, Near, Sides};
+use super::operand::Operand;
 use super::scratch::DeformableScratch;
 use super::skins::SkinScratch;
 use super::sums::{PairSums, Place, Triangles};
@@ -53,10 +55,15 @@ pub(crate) fn run(
         Way::Skins => by_skins(sides, pressures, near, motion, scratch, false)?,
         Way::Pieces | Way::Itself => None,
     };
-    let own = way == Way::Itself;
-    let clear = match found {
-        Some(clear) => clear,
-        None => by_pieces(sides, pressures, near, motion, scratch, own)?,
+    let clear = match (found, way, sides.operands[1]) {
+        (Some(clear), ..) => clear,
+        (None, Way::Itself, Operand::Deformable(shape, x)) => Itself {
+            shape,
+            x,
+            pressures,
+        }
+        .sum(near, motion, scratch),
+        (None, ..) => by_pieces(sides, pressures, near, motion, scratch)?,
     };
     for (side, members) in near.sides.iter().enumerate() {
         scratch.sums.fold(side, &members.slaves);
@@ -111,15 +118,13 @@ fn by_skins(
     Ok(clear)
 }
 
-/// Sums over the common parts of tetrahedra. Returns up to which motion no candidates touch. `own`: the sides are one
-/// body.
+/// Sums over the common parts of tetrahedra. Returns up to which motion no candidates touch.
 fn by_pieces(
     sides: &Sides,
     pressures: [f64; 2],
     near: &mut Near,
     motion: f64,
     scratch: &mut DeformableScratch,
-    own: bool,
 ) -> Result<f64, Failure> {
     let DeformableScratch {
         tets,
@@ -145,7 +150,6 @@ fn by_pieces(
         planes,
         piece,
         sums,
-        own,
     };
     Ok(walk.all(Plain, task)?.unwrap_or(motion))
 }
@@ -166,16 +170,6 @@ struct PiecesOf<'a> {
     planes: &'a mut [PosedList<Posed>; 2],
     piece: &'a mut Piece,
     sums: &'a mut PairSums,
-    own: bool,
-}
-
-/// A common part of two tetrahedra with a common corner is round-off if its volume is below this fraction of the smaller
-/// one's.
-const SPECK: f64 = 1e-12;
-
-/// Whether two tetrahedra of a body have a corner in common.
-fn joined([a, b]: [&Posed; 2]) -> bool {
-    a.corners.iter().any(|x| b.corners.contains(x))
 }
 
 impl Meet for PiecesOf<'_> {
@@ -191,19 +185,9 @@ impl Meet for PiecesOf<'_> {
         ) else {
             return Met::Inside;
         };
-        let joined = self.own && joined([a, b]);
         match intersect(a, b, self.piece) {
-            // A common corner keeps them together, however they move.
-            None if joined => Met::Inside,
             None => Met::Apart,
             Some(flush) => {
-                if joined {
-                    let common = self.piece.moments_and_faces(0, &mut 0, |_, _| ()).volume;
-                    let smaller = places[0].tet.six_volumes.min(places[1].tet.six_volumes) / 6.0;
-                    if common.is_nan() || common <= SPECK * smaller {
-                        return Met::Inside;
-                    }
-                }
                 self.sums.add(*places, [a, b], triangles, flush, self.piece);
                 Met::Skins
             }

@@ -7,17 +7,18 @@
 //! - tetrahedra all of whose common nodes are [creases](Skin::creases): nodes of the skin whose triangles do not show that
 //!   it lies flat around them, such as those at the front of a crack.
 //!
-//! Sides of a crack that [are no skin yet](DeformableShape::cracked) share nodes in this sense, and do not touch.
+//! Tetrahedra that [had a common corner](DeformableShape::were_joined) before a crack separated them overlap wherever its faces do,
+//! from the moment of its birth. Those count that have a face on the skin each: where others meet the crack in an edge or in a corner,
+//! their common part is of the order of the overlap squared.
 //!
 //! Each pair is one of a part A and a part B of the body. Which is which is the same in all of a contact, so that
 //! its normals point one way: pairs with a common tetrahedron whose other tetrahedra share a face are parts of one contact.
 
-use super::near::{Failure, Near, Sides};
+use super::near::{Failure, Members, Near, Sides};
 use super::operand::Operand;
 use super::parts::orient;
-use super::shape::{ContactTet, DeformableShape};
-use crate::tets::current::Current;
-use crate::tets::near_list::Search;
+use super::shape::DeformableShape;
+use crate::tets::near_list::{Candidate, Search, place};
 use crate::tets::posed::Posed;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
@@ -25,6 +26,9 @@ use femdem_mesh::{Point3, Vector3};
 /// Parts of the skin that are farther apart than this, over the mean edge of its triangles, are not looked at: where nothing
 /// was near before, and where something was.
 const REACH: [f64; 2] = [0.5, 0.05];
+
+/// Number of evaluations at the present speed that a list should last.
+const LASTS: f64 = 16.0;
 
 /// The search for the parts of a body that may touch each other. Both sides are this body.
 pub(crate) struct Folds<'a> {
@@ -43,13 +47,14 @@ impl<'a> Folds<'a> {
             ..
         }) = before
         {
-            known.extend(pairs.iter().map(|pair| {
-                let (i, j) = (
-                    a.tets[pair.places[0] as usize],
-                    b.tets[pair.places[1] as usize],
-                );
-                ([i.min(j), i.max(j)], i < j)
-            }));
+            if let Operand::Deformable(shape, _) = sides.operands[1] {
+                let whole = |i: u32| shape.parent(i).map(|(whole, _)| whole);
+                known.extend(pairs.iter().filter_map(|pair| {
+                    let i = whole(a.tets[pair.places[0] as usize])?;
+                    let j = whole(b.tets[pair.places[1] as usize])?;
+                    Some(([i.min(j), i.max(j)], i < j))
+                }));
+            }
             known.sort_unstable();
         }
         Self {
@@ -65,70 +70,98 @@ impl<'a> Folds<'a> {
         }
     }
 
-    /// Pairs of tetrahedra, the lower number first, whose boxes come within `margin` of each other and that may overlap.
-    fn pairs(&self, margin: f64) -> Vec<[u32; 2]> {
+    /// Pairs of tetrahedra of the mesh, the lower number first, whose boxes come within `margin` of each other and that may overlap.
+    fn pairs(&self, skin: &Skin, margin: f64) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
-        let Some(skin) = self.skin() else {
-            return pairs;
-        };
         let creases = skin.creases(margin);
-        let tets = skin.shape.tets();
+        let shape = skin.shape;
         let tree = &self.sides.trees[1];
-        for (i, own) in tree.boxes.iter().enumerate() {
+        let mut boxes = vec![Aabb::EMPTY; shape.wholes().len()];
+        let whole = |part: u32| shape.parent(part).map_or(0, |(whole, _)| whole);
+        for (own, part) in tree.boxes.iter().zip(0..) {
+            let of_whole = &mut boxes[whole(part) as usize];
+            *of_whole = of_whole.union(own);
+        }
+        for (own, i) in boxes.iter().zip(0..) {
             let wide = own.grown(margin);
-            tree.tree.query(&wide, |j| {
-                let at = j as usize;
-                let near = at > i
-                    && tree
-                        .boxes
-                        .get(at)
-                        .is_some_and(|other| other.overlaps(&wide));
-                if near && may_overlap(&tets[i], &tets[at], &creases) {
-                    pairs.push([i as u32, j]);
+            let first = pairs.len();
+            tree.tree.query(&wide, |part| {
+                let j = whole(part);
+                if j > i && boxes[j as usize].overlaps(&wide) {
+                    pairs.push([i, j]);
                 }
             });
+            pairs[first..].sort_unstable();
         }
-        pairs.sort_unstable();
+        pairs.dedup();
+        pairs.retain(|pair| shape.may_overlap(*pair, &creases));
         pairs
     }
 
-    /// Those of `pairs` that are no farther apart than `margin` along the normals of their faces. What is inverted is left
-    /// out: its element has no stress, or the body will soon turn it back.
-    fn near(&self, pairs: &[[u32; 2]], margin: f64) -> Vec<[u32; 2]> {
-        let tree = &self.sides.trees[1];
-        let origin = tree.tree.bounds().center().coords;
-        let mut posed: Vec<Option<Posed>> = vec![None; tree.boxes.len()];
-        let mut tet = Current::default();
-        for &i in pairs.as_flattened() {
-            let room = &mut posed[i as usize];
-            if room.is_none() {
-                let found = self.sides.operands[1].pose(i, 1.0, &origin, &mut tet);
-                *room = found.ok().flatten().map(|()| tet.planes());
-            }
-        }
-        let is_near = |pair: &&[u32; 2]| match pair.map(|i| &posed[i as usize]) {
-            [Some(a), Some(b)] => a.gap(b, margin) <= margin,
-            _ => false,
+    /// Those of `pairs` that are no farther apart than `margin` along the normals of their faces, with lower bounds of their
+    /// distances, m.
+    fn near(&self, skin: &Skin, pairs: &[[u32; 2]], margin: f64) -> Vec<([u32; 2], f64)> {
+        let origin = self.sides.trees[1].tree.bounds().center().coords;
+        let shape = skin.shape;
+        let posed = |i: u32| shape.posed_whole(i, skin.x, &origin);
+        let posed: Vec<Option<Posed>> = (0..shape.wholes().len() as u32).map(posed).collect();
+        let near = |pair: &[u32; 2]| {
+            let [Some(a), Some(b)] = pair.map(|i| posed[i as usize].as_ref()) else {
+                return None;
+            };
+            let gap = shape.gap_of_wholes(*pair, [a, b], margin).max(0.0);
+            (gap <= margin).then_some((*pair, gap))
         };
-        pairs.iter().filter(is_near).copied().collect()
+        pairs.iter().filter_map(near).collect()
+    }
+
+    /// The list of pairs with the tetrahedron of A first, and bounds of their distances, m.
+    fn list(&self, skin: &Skin, mut pairs: Vec<([u32; 2], f64)>, motion: f64) -> Near {
+        let shape = skin.shape;
+        pairs.sort_unstable_by_key(|(pair, _)| *pair);
+        let sides = [0, 1].map(|side| {
+            let mut wholes: Vec<u32> = pairs.iter().map(|(pair, _)| pair[side]).collect();
+            wholes.sort_unstable();
+            wholes.dedup();
+            let parts = wholes.iter().filter_map(|i| shape.child(*i));
+            let all =
+                parts.flat_map(|(first, is_split)| first..first + if is_split { 4 } else { 1 });
+            Members::new(shape, all.collect())
+        });
+        let first = |side: usize, whole: u32| {
+            let first = shape.child(whole).map_or(0, |(first, _)| first);
+            place(&sides[side].tets, first) as u32
+        };
+        let candidate = |(pair, gap): &([u32; 2], f64)| Candidate {
+            places: [first(0, pair[0]), first(1, pair[1])],
+            clear: motion + gap,
+        };
+        let boxes = &self.sides.trees[1].boxes;
+        let of_b = sides[1].tets.iter().map(|i| boxes[*i as usize]);
+        let around = of_b.reduce(|a, b| a.union(&b)).unwrap_or(Aabb::EMPTY);
+        Near {
+            origin: around.center().coords,
+            pairs: pairs.iter().map(candidate).collect(),
+            sides,
+        }
     }
 }
 
-/// Whether two tetrahedra can overlap, by their common nodes.
-fn may_overlap(a: &ContactTet, b: &ContactTet, creases: &[bool]) -> bool {
-    let mut common = 0;
-    for (node, own) in a.joined.iter().zip(&a.nodes) {
-        let Some(k) = b.joined.iter().position(|other| other == node) else {
-            continue;
-        };
-        // On the two sides of a crack that is no skin: what joins them keeps them apart.
-        if b.nodes[k] != *own || creases.get(*node as usize) != Some(&true) {
-            return false;
+impl DeformableShape {
+    /// Whether two tetrahedra of the mesh can overlap, by their nodes.
+    fn may_overlap(&self, pair: [u32; 2], creases: &[bool]) -> bool {
+        let [a, b] = pair.map(|i| &self.wholes()[i as usize]);
+        let mut common = 0;
+        for node in a.nodes.iter().filter(|node| b.nodes.contains(node)) {
+            if !creases[*node as usize] {
+                return false;
+            }
+            common += 1;
         }
-        common += 1;
+        // Two with a common face lie on both sides of it.
+        let touch = a.skin != 0 && b.skin != 0;
+        common < 3 && (touch || !self.were_joined(pair))
     }
-    // Two with a common face lie on both sides of it.
-    common < 3
 }
 
 impl Search for Folds<'_> {
@@ -138,6 +171,11 @@ impl Search for Folds<'_> {
     /// Margins are small compared with the elements, whose neighbours but one are always near.
     fn length(&self) -> f64 {
         self.skin().map_or(0.0, |skin| skin.shape.edge())
+    }
+
+    /// Around open cracks, much is near: a list that lasts longer costs more than it saves.
+    fn lasts(&self) -> f64 {
+        LASTS
     }
 
     /// With wider margins neighbours but one are near everywhere.
@@ -151,11 +189,15 @@ impl Search for Folds<'_> {
     }
 
     fn find(&self, margin: f64, motion: f64) -> Result<Option<Box<Near>>, Failure> {
-        let mut pairs = self.near(&self.pairs(margin), margin);
-        if let Some(skin) = self.skin() {
-            orient(&mut pairs, skin.shape.tets(), &self.before);
-        }
-        self.sides.listed(&pairs, margin, motion)
+        let Some(skin) = self.skin() else {
+            return Ok(None);
+        };
+        let near = self.near(&skin, &self.pairs(&skin, margin), margin);
+        let mut pairs: Vec<[u32; 2]> = near.iter().map(|(pair, _)| *pair).collect();
+        orient(&mut pairs, skin.shape, &self.before);
+        let gaps = near.iter().map(|(_, gap)| *gap);
+        let near: Vec<_> = pairs.into_iter().zip(gaps).collect();
+        Ok((!near.is_empty()).then(|| Box::new(self.list(&skin, near, motion))))
     }
 }
 
@@ -179,7 +221,6 @@ impl Skin<'_> {
             reach = if flat < reach { flat } else { reach };
         }
         let skin = self.shape.skin();
-        let joined = self.shape.joined_skin();
         let corners: Vec<[Vector3; 3]> = skin.iter().map(|t| self.corners(t)).collect();
         let boxes: Vec<Aabb> = corners
             .iter()
@@ -193,7 +234,7 @@ impl Skin<'_> {
             }
             tree.query(&own.grown(reach), |j| {
                 let j = j as usize;
-                let apart = j <= i || joined[i].iter().any(|node| joined[j].contains(node));
+                let apart = j <= i || skin[i].iter().any(|node| skin[j].contains(node));
                 if !apart && own.grown(reach).overlaps(&boxes[j]) {
                     let gap = gap(&corners[i], &corners[j], reach);
                     reach = if gap < reach { gap } else { reach };
@@ -213,15 +254,15 @@ impl Skin<'_> {
     /// their surroundings once, with the body behind them and not in front. 0 if they do not now, and infinite for nodes
     /// that are not on the skin.
     fn flatness(&self) -> Vec<f64> {
-        let (skin, joined) = (self.shape.skin(), self.shape.joined_skin());
+        let skin = self.shape.skin();
         let mut around: Vec<(u32, u32)> = Vec::with_capacity(3 * skin.len());
         let mut faces = Vec::with_capacity(skin.len());
         for (triangle, i) in skin.iter().zip(0..) {
-            around.extend(joined[i as usize].map(|node| (node, i)));
+            around.extend(triangle.map(|node| (node, i)));
             faces.push(Face::new(self.corners(triangle)));
         }
         around.sort_unstable();
-        let mut flatness = vec![(f64::INFINITY, Vector3::zeros()); self.shape.joined_count()];
+        let mut flatness = vec![(f64::INFINITY, Vector3::zeros()); self.shape.node_count()];
         for fan in around.chunk_by(|a, b| a.0 == b.0) {
             let node = fan[0].0;
             if let Some(flat) = flatness.get_mut(node as usize) {
@@ -233,7 +274,7 @@ impl Skin<'_> {
             let Some(corners) = self.shape.corners(i, self.x) else {
                 continue;
             };
-            for (k, node) in tet.joined.into_iter().enumerate() {
+            for (k, node) in tet.nodes.into_iter().enumerate() {
                 let flat = flatness.get_mut(node as usize);
                 if let Some((flat, up)) = flat.filter(|(flat, _)| *flat > 0.0 && flat.is_finite())
                     && sees(&corners, k, up)
@@ -263,7 +304,7 @@ impl Skin<'_> {
         let across = up.cross(&axis_across(&up));
         let passes = fan.iter().filter(|(_, i)| {
             let triangle = &self.shape.skin()[*i as usize];
-            let own = self.shape.joined_skin()[*i as usize]
+            let own = triangle
                 .iter()
                 .position(|corner| *corner == node)
                 .unwrap_or(0);

@@ -93,6 +93,7 @@ mod batch;
 mod body_dashpot;
 mod bristle;
 mod folds;
+mod itself;
 mod kernel;
 mod near;
 mod operand;

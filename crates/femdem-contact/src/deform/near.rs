@@ -78,7 +78,7 @@ impl Sides<'_> {
 
 impl Sides<'_> {
     /// The list of those of `pairs` that touch or may come to touch within `margin`.
-    pub(crate) fn listed(
+    fn listed(
         &self,
         pairs: &[[u32; 2]],
         margin: f64,

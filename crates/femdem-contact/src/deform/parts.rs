@@ -1,6 +1,6 @@
 //! Which of two overlapping tetrahedra of one body counts as A and which as B.
 
-use super::shape::ContactTet;
+use super::shape::DeformableShape;
 
 /// Pairs that hang together: the place of each in the list, and whether its second tetrahedron belongs to the part of the
 /// first one's first.
@@ -11,13 +11,24 @@ type Part = Vec<(u32, bool)>;
 /// Pairs that hang together are all the same way round. They keep the way of `before` (pairs with the lower number first,
 /// sorted, and whether A has the lower number); new ones are such that a layer between two others is not B of both, if
 /// possible: the springs of friction belong to the triangles of B.
-pub(crate) fn orient(pairs: &mut [[u32; 2]], tets: &[ContactTet], before: &[([u32; 2], bool)]) {
-    let parts = parts(pairs, tets);
+pub(crate) fn orient(pairs: &mut [[u32; 2]], shape: &DeformableShape, before: &[([u32; 2], bool)]) {
+    let beside = |i: u32| shape.wholes()[i as usize].neighbours.into_iter().flatten();
+    orient_by(pairs, beside, shape.wholes().len(), before);
+}
+
+/// The same for `count` tetrahedra, with those across the faces of each.
+fn orient_by<I: Iterator<Item = u32>>(
+    pairs: &mut [[u32; 2]],
+    beside: impl Fn(u32) -> I,
+    count: usize,
+    before: &[([u32; 2], bool)],
+) {
+    let parts = parts(pairs, beside);
     let ways: Vec<Option<bool>> = parts
         .iter()
         .map(|part| known(part, pairs, before))
         .collect();
-    let mut in_b = vec![false; tets.len()];
+    let mut in_b = vec![false; count];
     for is_new in [false, true] {
         for (part, way) in parts.iter().zip(&ways) {
             if way.is_none() == is_new {
@@ -58,21 +69,8 @@ fn is_taken(part: &Part, pairs: &[[u32; 2]], in_b: &[bool]) -> bool {
     taken(true) > taken(false)
 }
 
-/// The pairs that hang together: two with a common tetrahedron, if their others are one or share a face.
-fn parts(pairs: &[[u32; 2]], tets: &[ContactTet]) -> Vec<Part> {
-    let beside = |i: u32, j: u32| {
-        let (a, b) = (&tets[i as usize].joined, &tets[j as usize].joined);
-        a.iter().filter(|node| b.contains(node)).count() >= 3
-    };
-    let mut members: Vec<(u32, u32, bool)> = Vec::with_capacity(2 * pairs.len());
-    for (&[a, b], place) in pairs.iter().zip(0..) {
-        members.extend([(a, place, false), (b, place, true)]);
-    }
-    members.sort_unstable();
-    let with = |tet: u32| {
-        let start = members.partition_point(|m| m.0 < tet);
-        members[start..].iter().take_while(move |m| m.0 == tet)
-    };
+/// The pairs that hang together: two with a common tetrahedron, if their others share a face.
+fn parts<I: Iterator<Item = u32>>(pairs: &[[u32; 2]], beside: impl Fn(u32) -> I) -> Vec<Part> {
     let mut found = vec![false; pairs.len()];
     let mut parts = Vec::new();
     for seed in 0..pairs.len() {
@@ -86,11 +84,14 @@ fn parts(pairs: &[[u32; 2]], tets: &[ContactTet]) -> Vec<Part> {
             let own = pairs[place as usize];
             for side in [false, true] {
                 let (shared, other) = (own[usize::from(side)], own[usize::from(!side)]);
-                for &(_, at, its_side) in with(shared) {
-                    let its_other = pairs[at as usize][usize::from(!its_side)];
-                    if !found[at as usize] && beside(other, its_other) {
-                        found[at as usize] = true;
-                        part.push((at, turns != (side != its_side)));
+                for beyond in beside(other) {
+                    let key = [shared.min(beyond), shared.max(beyond)];
+                    if let Ok(at) = pairs.binary_search(&key)
+                        && !std::mem::replace(&mut found[at], true)
+                    {
+                        // Whether the common tetrahedron is second there.
+                        let its_side = shared > beyond;
+                        part.push((at as u32, turns != (side != its_side)));
                     }
                 }
             }
@@ -105,43 +106,34 @@ mod tests {
     use super::*;
 
     /// Tetrahedra in a row: each shares a face with the next.
-    fn row(count: u32) -> Vec<ContactTet> {
-        let tet = |i: u32| ContactTet {
-            nodes: [i, i + 1, i + 2, i + 3],
-            joined: [i, i + 1, i + 2, i + 3],
-            values: [0.0; 4],
-            skin: 0,
-            triangles: [0; 4],
-            nearest: 0,
-        };
-        (0..count).map(tet).collect()
+    fn orient(pairs: &mut [[u32; 2]], before: &[([u32; 2], bool)]) {
+        let beside = |i: u32| [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
+        orient_by(pairs, beside, 40, before);
     }
 
     /// A contact in which the numbers of both sides cross is one all the same.
     #[test]
     fn pairs_of_one_contact_are_the_same_way_round() {
-        let tets = row(20);
         // The second of a pair moves down while the first stays, then the first moves up past it.
         let mut pairs = [[5, 12], [5, 11], [6, 11], [6, 10], [0, 19]];
         pairs.sort_unstable();
-        orient(&mut pairs, &tets, &[]);
+        orient(&mut pairs, &[]);
         for pair in [[5, 12], [5, 11], [6, 11], [6, 10]] {
             assert!(pairs.contains(&pair), "{pairs:?}");
         }
         let mut turned = [[5, 11], [5, 12], [6, 10], [6, 11]];
-        orient(&mut turned, &tets, &[([5, 12], false)]);
+        orient(&mut turned, &[([5, 12], false)]);
         assert_eq!(turned, [[11, 5], [12, 5], [10, 6], [11, 6]]);
     }
 
     /// A layer between two others is B of one of them only.
     #[test]
     fn the_middle_layer_is_b_once() {
-        let tets = row(40);
         let mut pairs = [[5, 20], [20, 35]];
-        orient(&mut pairs, &tets, &[]);
+        orient(&mut pairs, &[]);
         assert_eq!(pairs, [[5, 20], [20, 35]]);
         let mut pairs = [[5, 20], [10, 20]];
-        orient(&mut pairs, &tets, &[]);
+        orient(&mut pairs, &[]);
         assert_eq!(pairs, [[5, 20], [20, 10]]);
     }
 }

@@ -40,7 +40,7 @@ impl Patches {
         if let Operand::Deformable(shape, _) = sides[1] {
             let mut corners: Vec<(u32, u32)> = Vec::with_capacity(3 * sums.loads.len());
             for (load, i) in sums.loads.iter().zip(0..) {
-                let nodes = shape.joined_skin()[load.triangle as usize];
+                let nodes = shape.skin()[load.triangle as usize];
                 corners.extend(nodes.map(|node| (node, i)));
             }
             groups.join_equal(&mut corners);

@@ -13,6 +13,8 @@ pub struct DeformableScratch {
     pub(crate) tets: [PosedList<Current>; 2],
     /// The same with planes, for pieces.
     pub(crate) planes: [PosedList<Posed>; 2],
+    /// Those of the mesh, in sums of a body with itself.
+    pub(crate) wholes: [PosedList<Posed>; 2],
     pub(crate) piece: Piece,
     pub(crate) sums: PairSums,
     pub(crate) skins: SkinScratch,

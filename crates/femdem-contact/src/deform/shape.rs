@@ -4,7 +4,6 @@ use crate::error::{ContactError, STIFFNESSES, check, check_pressure};
 use crate::general::{Field, gauge};
 use crate::tets::cells::NONE;
 use femdem_mesh::bvh::{Aabb, Bvh};
-use femdem_mesh::tet::FACES;
 use femdem_mesh::{Point3, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -13,8 +12,6 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct ContactTet {
     /// Contact nodes: first the nodes of the finite elements, then slaves.
     pub nodes: [u32; 4],
-    /// The same, of which those count as one that cracks separate whose sides still belong together.
-    pub joined: [u32; 4],
     /// The field at them.
     pub values: [f64; 4],
     /// Bit k: the face opposite node k lies on the skin.
@@ -24,6 +21,16 @@ pub(crate) struct ContactTet {
     pub triangles: [u32; 4],
     /// The triangle of the skin nearest to the tetrahedron.
     pub nearest: u32,
+}
+
+/// A tetrahedron of the mesh of which a contact mesh is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct WholeTet {
+    pub nodes: [u32; 4],
+    /// Those across the faces opposite its nodes.
+    pub neighbours: [Option<u32>; 4],
+    /// Bit k: the face opposite node k lies on the skin.
+    pub skin: u8,
 }
 
 /// The contact mesh of a deformable body: tetrahedra with a nodal field, fixed in the material. Immutable;
@@ -37,14 +44,16 @@ pub struct DeformableShape {
     node_count: usize,
     /// By slave, the four nodes of which it is the mean.
     slaves: Vec<[u32; 4]>,
+    /// By node, that of the body before it cracked; empty if it has not.
+    origins: Vec<u32>,
     tets: Vec<ContactTet>,
-    /// How many nodes there are by [`ContactTet::joined`].
-    joined_count: usize,
+    /// Those by which a body that has cracked meets itself, if they are others.
+    own: Vec<ContactTet>,
+    /// The tetrahedra of the mesh.
+    wholes: Vec<WholeTet>,
     /// By tetrahedron, of which of the mesh it is: all of it, or the part opposite its corner k.
     parents: Vec<(u32, Option<u8>)>,
     skin: Vec<[u32; 3]>,
-    /// As [`ContactTet::joined`].
-    joined_skin: Vec<[u32; 3]>,
     /// By triangle of the skin, its neighbours across the edges.
     beside: Vec<[u32; 3]>,
     tree: Bvh,
@@ -96,71 +105,88 @@ impl DeformableShape {
         }
     }
 
-    /// The contact mesh of this body after it has cracked. `skin` has its tetrahedra in the same order, with nodes of their own
-    /// where the sides of cracks have become skin, as from [`CrackedMesh::mesh`](femdem_mesh::tet::CrackedMesh::mesh); it may be
-    /// in pieces. The field is the distance to that skin. `nodes` holds by tetrahedron the nodes of the finite elements, of
-    /// which there are `count`: these may be separate where the tetrahedra of `skin` are joined. The
-    /// [edge](Self::edge) stays that of the body at first.
+    /// The contact mesh of a body that has cracked. `whole` is its mesh before; `mesh` has the same tetrahedra in the same order,
+    /// with nodes of their own on the sides of cracks, as from
+    /// [`CrackedMesh::mesh`](femdem_mesh::tet::CrackedMesh::mesh), and may be in pieces.
+    ///
+    /// With itself the body meets by the distance to all of its skin: sides of a crack lie on each other when it is born, and
+    /// begin without overlap and without energy. Other bodies meet it by the distance to the skin of `open`, where only those facets
+    /// are cut whose sides nothing holds any more: a crack below a contact does not change it.
+    ///
+    /// The [edge](Self::edge) is that of the body before.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and for another number of tetrahedra, or nodes that are beyond `count`.
-    pub fn cracked(
-        &self,
-        skin: &TetMesh,
-        nodes: &[[u32; 4]],
-        count: usize,
-    ) -> Result<Self, ContactError> {
-        self.check_tetrahedra(skin.tets().len())?;
-        let new = Self {
-            edge: self.edge,
-            ..Self::build(skin, Field::Body)?
-        };
-        new.renumbered(nodes, count)
-    }
-
-    /// The same contact mesh with other nodes of the finite elements: see [`cracked`](Self::cracked).
-    ///
-    /// # Errors
-    /// [`ContactError::Mesh`] for another number of tetrahedra, or nodes that are beyond `count`.
-    pub fn renumbered(&self, nodes: &[[u32; 4]], count: usize) -> Result<Self, ContactError> {
-        self.check_tetrahedra(nodes.len())?;
-        if let Some(beyond) = nodes.iter().flatten().find(|node| **node as usize >= count) {
+    /// As [`new`](Self::new), and for other numbers of tetrahedra.
+    pub fn cracked(whole: &TetMesh, open: &TetMesh, mesh: &TetMesh) -> Result<Self, ContactError> {
+        let [before, outer, now] = [whole, open, mesh].map(|mesh| mesh.tets().len());
+        if let Some(found) = [outer, now].into_iter().find(|n| *n != before) {
             return Err(ContactError::Mesh {
-                why: format!("node {beyond} of a tetrahedron does not exist: there are {count}"),
+                why: format!("it has {found} tetrahedra where the body has {before}"),
             });
         }
-        let mut new = self.clone();
-        new.node_count = count;
-        new.slaves.clear();
-        for (tet, (parent, part)) in new.tets.iter_mut().zip(&self.parents) {
-            let of_parent = nodes[*parent as usize];
-            tet.nodes = of_parent;
-            if let Some(k) = part {
-                if *k == 0 {
-                    new.slaves.push(of_parent);
-                }
-                tet.nodes[usize::from(*k)] = (count + new.slaves.len() - 1) as u32;
-            }
-            for (k, face) in FACES.iter().enumerate() {
-                if tet.skin & (1 << k) != 0 {
-                    new.skin[tet.triangles[k] as usize] = face.map(|i| tet.nodes[i]);
-                }
+        let outer = Self::build(open, Field::Body)?;
+        let mut new = Self::build(mesh, Field::Body)?;
+        new.own = new.tets.clone();
+        let scale = new.inradius / outer.inradius;
+        for tet in &mut new.own {
+            tet.values = tet.values.map(|value| value * scale);
+        }
+        new.inradius = outer.inradius;
+        new.take_field(&outer);
+        let surface = |t: &[u32; 3]| t.map(|i| whole.points()[i as usize]);
+        new.edge = mean_edge(&whole.skin().iter().map(surface).collect::<Vec<_>>());
+        new.origins = vec![0; new.node_count];
+        for (tet, own) in whole.tets().iter().zip(mesh.tets()) {
+            for (point, node) in tet.iter().zip(own) {
+                new.origins[*node as usize] = *point;
             }
         }
         Ok(new)
     }
 
-    fn check_tetrahedra(&self, found: usize) -> Result<(), ContactError> {
-        let own = self
-            .parents
-            .last()
-            .map_or(0, |(last, _)| *last as usize + 1);
-        if found == own {
-            return Ok(());
+    /// Gives its tetrahedra the field and the skin of another mesh of the same body that has less of a skin.
+    fn take_field(&mut self, outer: &Self) {
+        // By triangle of the other skin, that of this one.
+        let mut triangles = vec![NONE; outer.skin.len()];
+        for (tet, (parent, _)) in outer.tets.iter().zip(&outer.parents) {
+            for k in (0..4).filter(|k| tet.skin & (1 << k) != 0) {
+                let part = self.part_at(*parent, k);
+                triangles[tet.triangles[k] as usize] = self.own[part].triangles[k];
+            }
         }
-        Err(ContactError::Mesh {
-            why: format!("it has {found} tetrahedra where the body has {own}"),
-        })
+        let of_part = |at: usize, parent: u32, part: Option<u8>| {
+            let mut tet = self.tets[at];
+            let (first, is_split) = outer.child(parent)?;
+            let from = match part {
+                Some(k) if is_split => first as usize + usize::from(k),
+                _ => first as usize,
+            };
+            let of_outer = &outer.tets[from];
+            tet.values = of_outer.values;
+            tet.skin = of_outer.skin;
+            tet.triangles = of_outer.triangles;
+            if let (Some(k), false) = (part, is_split) {
+                // The field of the whole tetrahedron at its centroid; of its skin, this part has the face opposite its corner.
+                let k = usize::from(k);
+                tet.values[k] = of_outer.values.iter().sum::<f64>() / 4.0;
+                tet.skin &= 1 << k;
+                let kept = tet.triangles[k];
+                tet.triangles = [of_outer.nearest; 4];
+                tet.triangles[k] = kept;
+            }
+            tet.triangles = tet.triangles.map(|t| triangles[t as usize]);
+            tet.nearest = triangles[of_outer.nearest as usize];
+            Some(tet)
+        };
+        let places = self.parents.iter().enumerate();
+        let tets = places.filter_map(|(at, (parent, part))| of_part(at, *parent, *part));
+        self.tets = tets.collect();
+    }
+
+    /// Where the face opposite corner `k` of a tetrahedron of the mesh is among its parts.
+    fn part_at(&self, whole: u32, k: usize) -> usize {
+        let (first, is_split) = self.child(whole).unwrap_or_default();
+        first as usize + if is_split { k } else { 0 }
     }
 
     fn build(mesh: &TetMesh, field: Field) -> Result<Self, ContactError> {
@@ -193,7 +219,6 @@ impl DeformableShape {
             };
             let mut tet = ContactTet {
                 nodes: *nodes,
-                joined: *nodes,
                 values: nodes.map(value),
                 skin: 0,
                 triangles: [nearest; 4],
@@ -213,14 +238,15 @@ impl DeformableShape {
         let tet_box = |t: &[u32; 4]| Aabb::of_points(t.map(point));
         Ok(Self {
             node_count,
-            joined_count: split.points().len(),
             slaves,
+            origins: Vec::new(),
             tree: Bvh::new(&split.tets().iter().map(tet_box).collect::<Vec<_>>()),
             tets,
+            own: Vec::new(),
+            wholes: wholes(mesh),
             parents,
             beside: beside(&skin),
             edge: mean_edge(&surface),
-            joined_skin: skin.clone(),
             skin,
             skin_tree: finder,
             inradius,
@@ -255,6 +281,12 @@ impl DeformableShape {
         self.edge
     }
 
+    /// Whether it has cracks whose sides are no skin to other bodies: they may lie apart, and sums over skins do not know them.
+    pub(crate) fn is_torn(&self) -> bool {
+        let skin = |tets: &[ContactTet]| tets.iter().map(|tet| tet.skin.count_ones()).sum::<u32>();
+        !self.own.is_empty() && skin(&self.tets) != skin(&self.own)
+    }
+
     /// Whether cracks have broken it: then it does not move as a whole.
     pub(crate) fn is_in_pieces(&self) -> bool {
         self.in_pieces
@@ -265,28 +297,34 @@ impl DeformableShape {
         &self.skin
     }
 
-    /// The same, with nodes as in [`ContactTet::joined`].
-    pub(crate) fn joined_skin(&self) -> &[[u32; 3]] {
-        &self.joined_skin
-    }
-
-    /// How many nodes there are by [`ContactTet::joined`].
-    pub(crate) fn joined_count(&self) -> usize {
-        self.joined_count
-    }
-
     pub(crate) fn tets(&self) -> &[ContactTet] {
         &self.tets
+    }
+
+    /// The same, by which the body meets itself: with the faces of all cracks as skin.
+    pub(crate) fn own_tets(&self) -> &[ContactTet] {
+        if self.own.is_empty() {
+            &self.tets
+        } else {
+            &self.own
+        }
+    }
+
+    /// The tetrahedra of the mesh.
+    pub(crate) fn wholes(&self) -> &[WholeTet] {
+        &self.wholes
+    }
+
+    /// Whether two tetrahedra of a body that has cracked had a corner in common before.
+    pub(crate) fn were_joined(&self, pair: [u32; 2]) -> bool {
+        let origin = |node: u32| self.origins.get(node as usize);
+        let [a, b] = pair.map(|i| self.wholes[i as usize].nodes.map(origin));
+        !self.origins.is_empty() && a.iter().any(|node| b.contains(node))
     }
 
     /// Of which tetrahedron of the mesh tetrahedron `i` is: all of it, or the part opposite its corner k.
     pub(crate) fn parent(&self, i: u32) -> Option<(u32, Option<u8>)> {
         self.parents.get(i as usize).copied()
-    }
-
-    /// Whether another shape of the body has the same tetrahedra, of which the same belong together.
-    pub(crate) fn is_joined_as(&self, other: &Self) -> bool {
-        self.parents == other.parents && self.joined_skin == other.joined_skin
     }
 
     /// The first of the tetrahedra that tetrahedron `parent` of the mesh became, and whether there are four, in the order of
@@ -424,6 +462,19 @@ fn halved(mesh: &TetMesh, mid_edges: &[[u32; 2]]) -> Result<TetMesh, ContactErro
         }
     }
     Ok(TetMesh::new(points, tets)?)
+}
+
+fn wholes(mesh: &TetMesh) -> Vec<WholeTet> {
+    let whole = |(nodes, beside): (&[u32; 4], &[Option<u32>; 4])| WholeTet {
+        nodes: *nodes,
+        neighbours: *beside,
+        skin: (0..4).fold(0, |bits, k| bits | (u8::from(beside[k].is_none()) << k)),
+    };
+    mesh.tets()
+        .iter()
+        .zip(mesh.neighbours())
+        .map(whole)
+        .collect()
 }
 
 /// A mesh, for each point added to it the four points of which it is the mean, and the [parents](DeformableShape::parent) of its

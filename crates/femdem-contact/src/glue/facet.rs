@@ -11,8 +11,11 @@ use serde::{Deserialize, Serialize};
 struct Point {
     /// `None` where the facet carried no tension and no more shear than friction holds.
     glue: Option<Glue>,
-    /// Offset g of the contact, m.
+    /// Offset g of the contact, m, and what it loses in a step once no glue is left.
     offset: f64,
+    fade: f64,
+    /// Opening at the last [`GluedFacet::advance`], m.
+    normal: f64,
     /// Where the friction springs are unstretched, m.
     slip: [f64; 2],
     /// Their stretch after the last [`GluedFacet::advance`], m; 0 without pressure.
@@ -37,7 +40,12 @@ pub struct GlueLoss {
     pub glue: f64,
     /// By friction, and by friction springs that lost their contact; the work of the mean friction of before and now over the slip.
     pub friction: f64,
+    /// By the pressure of the birth, which fades once no glue is left.
+    pub pressure: f64,
 }
+
+/// Steps in which the pressure of the birth fades.
+const FADES: f64 = 50.0;
 
 /// A cut facet between two tetrahedra; points that are not split yet exert no force.
 ///
@@ -56,9 +64,26 @@ impl Point {
         [all[0].max(0.0), all[1], all[2]]
     }
 
-    /// Overlap of the contact, m.
-    fn overlap(&self, opening: &[f64; 3]) -> f64 {
-        (self.offset - opening[0]).max(0.0)
+    /// Stretch of the contact, m.
+    fn overlap(&self, law: &GlueLaw, opening: &[f64; 3]) -> f64 {
+        let apart = if law.presses {
+            opening[0]
+        } else {
+            opening[0].max(0.0)
+        };
+        (self.offset - apart).max(0.0)
+    }
+
+    /// Energy of the contact over its stiffness, m²: the integral of the stretch over the opening.
+    fn pressed(&self, law: &GlueLaw, opening: &[f64; 3]) -> f64 {
+        let overlap = self.overlap(law, opening);
+        // Under the pressure of the birth alone, which stays the same as the faces overlap.
+        let beyond = if law.presses {
+            0.0
+        } else {
+            (-opening[0]).max(0.0)
+        };
+        0.5 * overlap * overlap + self.offset * beyond
     }
 
     /// Stretch of the friction springs, m.
@@ -103,6 +128,12 @@ impl GluedFacet {
         let new = Point {
             glue: Glue::born(law, rest),
             offset: pressure / law.contact,
+            fade: if law.presses {
+                0.0
+            } else {
+                pressure / law.contact / FADES
+            },
+            normal: 0.0,
             slip: [one, two].map(|shear| -shear * share / law.tangential),
             stretch: [one, two].map(|shear| shear * share / law.tangential),
         };
@@ -116,14 +147,6 @@ impl GluedFacet {
     #[must_use]
     pub fn area(&self) -> f64 {
         self.area
-    }
-
-    /// The largest slip of a pair of nodes at these positions, m.
-    #[must_use]
-    pub fn largest_slip(&self, a: &[Vector3; 3], b: &[Vector3; 3]) -> f64 {
-        let openings = MidSurface::new(a, b).map(|middle| middle.openings(a, b));
-        let slips = openings.iter().flatten().map(|o| o[1].hypot(o[2]));
-        slips.fold(0.0, f64::max)
     }
 
     /// Whether the pair of nodes `q` is split.
@@ -141,30 +164,10 @@ impl GluedFacet {
             .all(|point| point.as_ref().is_some_and(broken))
     }
 
-    /// Whether the faces can go apart without a trace at these positions: nothing holds the pairs of nodes that are split, nor
-    /// presses them, and somewhere they have opened by more than `opening` or slid by more than `slip`, m.
+    /// Whether the facet does nothing any more: all pairs of nodes are split, and neither glue nor pressure of the birth is left.
     #[must_use]
-    pub fn is_free(
-        &self,
-        law: &GlueLaw,
-        [a, b]: [&[Vector3; 3]; 2],
-        [least, slip]: [f64; 2],
-    ) -> bool {
-        let Some(middle) = MidSurface::new(a, b) else {
-            return false;
-        };
-        let mut is_apart = false;
-        for (point, opening) in self.points.iter().zip(middle.openings(a, b)) {
-            let Some(point) = point else {
-                continue;
-            };
-            let holds = point.glue.is_some_and(|glue| !glue.is_broken(law));
-            if holds || point.overlap(&opening) > 0.0 {
-                return false;
-            }
-            is_apart |= opening[0] > least || opening[1].hypot(opening[2]) > slip;
-        }
-        is_apart
+    pub fn is_spent(&self, law: &GlueLaw) -> bool {
+        self.is_broken(law) && self.points.iter().flatten().all(|p| p.offset == 0.0)
     }
 
     /// Stiffness at each pair of nodes now, N/m: of the glue that is left, and of the contact.
@@ -173,7 +176,9 @@ impl GluedFacet {
         self.points.map(|point| {
             let of = |point: Point| {
                 let glue = point.glue.map_or(0.0, |glue| glue.secant(law));
-                glue + law.contact.max(law.tangential)
+                let contact = law.contact.max(law.tangential);
+                let can_press = law.presses || point.offset > 0.0;
+                glue + if can_press { contact } else { 0.0 }
             };
             point.map_or(0.0, of) * self.area / 3.0
         })
@@ -209,10 +214,10 @@ impl GluedFacet {
                     found.glue += 0.5 * secant * stretch[i] * stretch[i];
                 }
             }
-            let overlap = point.overlap(opening);
+            let overlap = point.overlap(law, opening);
             if overlap > 0.0 {
                 slope[0] -= weight * law.contact * overlap;
-                found.contact += 0.5 * weight * law.contact * overlap * overlap;
+                found.contact += weight * law.contact * point.pressed(law, opening);
                 for (i, stretch) in point.shear(opening).into_iter().enumerate() {
                     slope[i + 1] += weight * law.tangential * stretch;
                     found.contact += 0.5 * weight * law.tangential * stretch * stretch;
@@ -240,7 +245,18 @@ impl GluedFacet {
                 let lambda = stretch.iter().map(|x| x * x).sum::<f64>().sqrt();
                 lost.glue += weight * glue.reach(law, lambda);
             }
-            let overlap = point.overlap(&opening);
+            if point.offset > 0.0 && point.glue.is_none_or(|glue| glue.is_broken(law)) {
+                // The mean of where the faces were and are: with the energy this is the work of the mean force.
+                let places = [[point.normal, 0.0, 0.0], opening];
+                let pressed = |point: &Point| places.map(|at| 0.5 * point.pressed(law, &at));
+                let before = pressed(point);
+                point.offset = (point.offset - point.fade).max(0.0);
+                let after = pressed(point);
+                lost.pressure +=
+                    weight * law.contact * (before[0] - after[0] + before[1] - after[1]);
+            }
+            point.normal = opening[0];
+            let overlap = point.overlap(law, &opening);
             let shear = point.shear(&opening);
             let length = shear[0].hypot(shear[1]);
             let most = law.friction * law.contact * overlap / law.tangential;

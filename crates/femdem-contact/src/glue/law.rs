@@ -21,6 +21,9 @@ pub struct GlueLaw {
     pub tangential: f64,
     /// Their coefficient of friction.
     pub friction: f64,
+    /// Whether faces that overlap press each other by this law. Where they meet by another one, as the skins of deformable bodies do,
+    /// it only keeps the pressure that they carry at birth.
+    pub presses: bool,
 }
 
 /// Energy of fracture of a mixed mode: G_I + (G_II − G_I) s^η, where s is the part of sliding (Benzeggagh and Kenane 1996).

@@ -9,7 +9,8 @@
 //!   stiffness S = T(λ_max)/λ_max falls with the largest λ so far, along a [`Softening`]; it never heals. To break it takes exactly
 //!   G per area ([`GlueLaw::energy`]), with G between those of the two modes by [`mixed_energy`].
 //! - The **contact** of the faces, of stiffness k_c, is born with the pressure that the facet carries (g), and with friction that
-//!   carries as much of the shear as it can.
+//!   carries as much of the shear as it can. Where another law [presses](GlueLaw::presses) faces that overlap, the spring only keeps
+//!   the pressure of the birth: ½ k_c ⟨g − ⟨δ_n⟩⟩² + k_c g ⟨−δ_n⟩, with g that fades once the glue is broken.
 //! - These springs are stretched at birth: the energy in them is **lent** ([`GluedFacet::join`] returns it), as nothing else has
 //!   lost it. It is T²/(2k) for the glue, and returns in what the glue dissipates.
 //!
@@ -27,6 +28,7 @@
 //!     contact: 1e13,
 //!     tangential: 0.8e13,
 //!     friction: 0.6,
+//!     presses: true,
 //! };
 //! law.check()?;
 //! let a = [Vector3::zeros(), Vector3::x() * 1e-3, Vector3::y() * 1e-3];

@@ -5,7 +5,7 @@ use femdem_mesh::Vector3;
 use femdem_mesh::bvh::Aabb;
 use serde::{Deserialize, Serialize};
 
-/// Number of evaluations at the present speed that a list should last.
+/// Number of evaluations at the present speed that a list usually lasts.
 const LASTS: f64 = 128.0;
 
 /// Least and largest margin of the lists over the field's length. The main cost of a list is finding it:
@@ -63,6 +63,11 @@ pub(crate) trait Search {
         WIDEST * self.length()
     }
 
+    /// Number of evaluations at the present speed that a list should last.
+    fn lasts(&self) -> f64 {
+        LASTS
+    }
+
     /// A lower bound of the distance, m.
     fn gap(&self) -> f64;
 
@@ -95,11 +100,6 @@ impl<N> NearList<N> {
         motion >= self.until
     }
 
-    /// The list, to number its members anew.
-    pub fn near_mut(&mut self) -> Option<&mut N> {
-        self.near.as_deref_mut()
-    }
-
     /// The list, expired or not.
     pub fn near(&self) -> Option<&N> {
         self.near.as_deref()
@@ -114,7 +114,7 @@ impl<N> NearList<N> {
         if self.is_expired(motion) {
             let length = pair.length();
             let [least, largest] = MARGIN.map(|m| m * length);
-            let mut margin = (LASTS * (motion - self.last)).clamp(least, largest);
+            let mut margin = (pair.lasts() * (motion - self.last)).clamp(least, largest);
             let gap = pair.gap();
             self.near = None;
             if gap > margin {

@@ -87,7 +87,7 @@ impl World {
         self.update_active_set();
         self.rest_deformables()?;
         self.crack_deformables()?;
-        self.release_cracks()
+        self.retire_cracks()
     }
 
     /// Books the energy that the step exchanged. Frozen bodies have none in motion; deformable ones have `deformable`, J.

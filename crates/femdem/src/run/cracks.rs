@@ -94,8 +94,8 @@ impl Simulation {
 impl BreakableBody<'_> {
     /// The facets that are cut, those whose sides have become skin first.
     fn all(&self) -> impl Iterator<Item = femdem_solve::CrackFacet> {
-        let released = self.cracks.released().iter().copied();
-        released.chain(self.cracks.facets())
+        let spent = self.cracks.spent().iter().copied();
+        spent.chain(self.cracks.facets())
     }
 
     fn facets(&self) -> Vec<CrackFacet> {

@@ -35,9 +35,6 @@ pub struct FractureEntry {
     /// Stiffness of a new crack over E/h.
     #[serde(default)]
     pub stiffness: Option<f64>,
-    /// Slip over h at which the sides of a broken facet become skin.
-    #[serde(default)]
-    pub release: Option<f64>,
     /// Whether the mesh may be too coarse for the process zone.
     #[serde(default)]
     pub coarse: bool,
@@ -104,7 +101,6 @@ impl FractureEntry {
         for (name, value) in [
             ("fracture.mix", self.mix),
             ("fracture.stiffness", self.stiffness),
-            ("fracture.release", self.release),
         ] {
             value.map_or(Ok(()), |value| check(name, value, positive))?;
         }
@@ -118,7 +114,6 @@ impl FractureEntry {
             softening: self.softening.unwrap_or(usual.softening),
             every: self.every.unwrap_or(usual.every),
             stiffness: self.stiffness.unwrap_or(usual.stiffness),
-            release: self.release.unwrap_or(usual.release),
             coarse: self.coarse,
             scatter: scatter.transpose()?,
             ..usual

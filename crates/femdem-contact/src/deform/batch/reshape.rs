@@ -5,7 +5,7 @@ use super::body::SoftBody;
 use super::pair::SoftPair;
 use crate::contact::BodyId;
 use crate::deform::bristle::Anchor;
-use crate::deform::near::{Candidates, Members};
+use crate::deform::near::Candidates;
 use crate::deform::shape::{DeformableShape, Modulus};
 use crate::deform::side::Side;
 use std::sync::Arc;
@@ -77,19 +77,17 @@ struct Renumbering<'a> {
     new: &'a DeformableShape,
     /// By triangle of the old skin, that of the new one.
     triangles: Vec<Option<u32>>,
-    /// Whether nothing changes but the numbers of nodes.
-    is_renumbered: bool,
 }
 
 impl<'a> Renumbering<'a> {
     fn new(old: &'a DeformableShape, new: &'a DeformableShape) -> Self {
         let mut triangles = vec![None; old.skin().len()];
-        for (tet, i) in old.tets().iter().zip(0..) {
+        for (tet, i) in old.own_tets().iter().zip(0..) {
             for k in (0..4).filter(|k| tet.skin & (1 << k) != 0) {
                 // The face of a part that lies in the skin is that of the whole opposite the same corner.
                 let child = old.parent(i).and_then(|(parent, _)| new.child(parent));
                 let place = child.map(|(first, split)| first + if split { k } else { 0 });
-                let now = place.and_then(|place| new.tets().get(place as usize));
+                let now = place.and_then(|place| new.own_tets().get(place as usize));
                 triangles[tet.triangles[k as usize] as usize] = now
                     .filter(|now| now.skin & (1 << k) != 0)
                     .map(|now| now.triangles[k as usize]);
@@ -99,19 +97,12 @@ impl<'a> Renumbering<'a> {
             old,
             new,
             triangles,
-            is_renumbered: old.is_joined_as(new),
         }
     }
 
     /// Numbers the springs of a pair anew on a side, which is side `of_kernel` of its evaluation, and forgets what is near.
     fn apply(&self, pair: &mut SoftPair, side: usize, of_kernel: usize) {
-        if !self.is_renumbered {
-            pair.candidates = Candidates::default();
-        } else if let Some(near) = pair.candidates.near_mut() {
-            // The sides of a list are those of the evaluation.
-            let tets = std::mem::take(&mut near.sides[of_kernel].tets);
-            near.sides[of_kernel] = Members::new(self.new, tets);
-        }
+        pair.candidates = Candidates::default();
         let outcome = &mut pair.outcome;
         outcome.nodes[side].clear();
         outcome.bristles.retain_mut(|bristle| {

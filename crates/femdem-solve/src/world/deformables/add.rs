@@ -311,16 +311,11 @@ impl Deformables {
         for model in &self.models {
             let shape = match &model.cracked {
                 None => Arc::new(model.shape()?),
-                Some(CrackedSkin { base, mesh }) => {
-                    let whole = shapes.get(*base as usize).ok_or_else(|| {
-                        inconsistent(format!("the model {base} of a cracked body comes after it"))
+                Some(CrackedSkin { base, open }) => {
+                    let whole = self.models.get(*base as usize).ok_or_else(|| {
+                        inconsistent(format!("there is no model {base} for a cracked body"))
                     })?;
-                    let nodes = model.model.mesh().tets();
-                    let count = model.model.nodes().len();
-                    match mesh {
-                        Some(mesh) => Arc::new(whole.cracked(mesh, nodes, count)?),
-                        None => Arc::new(whole.renumbered(nodes, count)?),
-                    }
+                    Arc::new(whole.cracked_shape(model, open)?)
                 }
             };
             shapes.push(shape);

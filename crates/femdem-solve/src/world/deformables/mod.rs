@@ -40,7 +40,7 @@ const RENEW: u64 = 10;
 /// use femdem_fem::element::Element;
 /// use femdem_fem::material::NeoHookean;
 /// use femdem_fem::{DeformableModel, MaterialRegion};
-/// use femdem_mesh::{Pose, TetMesh, Vector3};
+/// use femdem_mesh::{Pose, Vector3};
 /// use femdem_solve::{ContactStiffness, DeformableSpec, Drive, World, WorldParameters, WorldRelaxation};
 ///
 /// // A rubber cube of 0.1 m on a floor, brought to rest.
@@ -132,14 +132,20 @@ pub(crate) struct Model {
 pub(crate) struct CrackedSkin {
     /// The model without cracks.
     pub base: ModelId,
-    /// The mesh of the contacts, once any crack is released.
-    pub mesh: Option<TetMesh>,
+    /// Its mesh, cut where nothing holds any more.
+    pub open: TetMesh,
 }
 
 impl Model {
     fn shape(&self) -> Result<DeformableShape, SolveError> {
         let (mesh, edges) = (self.model.mesh(), self.model.mid_edges());
         Ok(DeformableShape::with_field(mesh, edges, self.field)?)
+    }
+
+    /// The contact shape of a body of this model that has cracked to be `cracked`.
+    fn cracked_shape(&self, cracked: &Self, open: &TetMesh) -> Result<DeformableShape, SolveError> {
+        let shape = DeformableShape::cracked(self.model.mesh(), open, cracked.model.mesh())?;
+        Ok(shape)
     }
 
     /// The step that is stable for any node with its whole share of the skin in contact, s. The stiffest

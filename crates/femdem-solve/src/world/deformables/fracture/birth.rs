@@ -61,6 +61,7 @@ impl World {
             body.look(whole, &model.model, &faces, time, scratch)
         });
         let mut any = false;
+        let before = self.stored_in_soft_contacts();
         for (i, look) in looks.into_iter().enumerate() {
             let cracked = look.map_err(|error| error.in_body(i, steps, time))?;
             if let Some(cracked) = cracked {
@@ -72,6 +73,7 @@ impl World {
             self.book_cracks();
             // The contacts act on the new nodes, too.
             self.meet_deformables(0.0)?;
+            self.flows.cracks.released += before - self.stored_in_soft_contacts();
         }
         Ok(())
     }
@@ -85,7 +87,7 @@ impl World {
         let number = deformables.bodies[id as usize].model;
         if !cracked.is_first {
             deformables.models[number as usize].model = cracked.model;
-            return self.reshape_cracked(id, false);
+            return self.reshape_cracked(id);
         }
         let old = &deformables.models[number as usize];
         let new = Model {
@@ -96,7 +98,7 @@ impl World {
             young: old.young,
             cracked: Some(CrackedSkin {
                 base: number,
-                mesh: None,
+                open: old.model.mesh().clone(),
             }),
         };
         let shape = Arc::clone(&self.batch.deformable_shapes()[number as usize]);
@@ -104,7 +106,7 @@ impl World {
         let own = self.batch.add_deformable_shape(shape);
         deformables.bodies[id as usize].model = own;
         self.batch.crack_deformable(id, own, None)?;
-        self.reshape_cracked(id, false)
+        self.reshape_cracked(id)
     }
 
     /// Books what cracks exchanged since the last call.
@@ -159,6 +161,7 @@ impl Faces {
             contact: self.pressure,
             tangential: self.tangential * self.pressure,
             friction: self.friction,
+            presses: false,
         }
     }
 }

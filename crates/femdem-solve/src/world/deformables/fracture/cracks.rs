@@ -3,11 +3,16 @@
 use super::CrackFlows;
 use super::facet::CrackFacet;
 use super::joints::Joint;
-use crate::world::deformables::ModelId;
+use crate::error::SolveError;
+use crate::world::World;
+use crate::world::deformables::{Deformables, ModelId, State};
 use femdem_contact::deform::NodalLoads;
 use femdem_mesh::Vector3;
 use femdem_mesh::tet::CrackedMesh;
 use serde::{Deserialize, Serialize};
+
+/// Looks at the stresses between two looks at what is spent.
+const LOOKS: u64 = 4;
 
 /// The cracks of a body.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -16,12 +21,12 @@ pub(crate) struct CrackState {
     pub base: ModelId,
     /// The mesh of the elements: all facets that are cut.
     pub mesh: CrackedMesh,
-    /// That of the contacts: the facets that are released.
-    pub skin: CrackedMesh,
+    /// The same with those facets alone that are spent.
+    pub broken: CrackedMesh,
     /// In the order of their births.
     pub joints: Vec<Joint>,
-    /// Facets that were released, as they were then.
-    pub released: Vec<CrackFacet>,
+    /// Facets that are spent, as they were then.
+    pub spent: Vec<CrackFacet>,
     /// Stored in the joints at the present positions, J.
     pub stored: f64,
     /// Exchanged, and not booked yet.
@@ -32,14 +37,14 @@ pub(crate) struct CrackState {
 }
 
 impl CrackState {
-    /// A body that has just cracked along `mesh`, with the skin of `whole`.
+    /// A body that has just cracked along `mesh`.
     pub fn new(base: ModelId, mesh: CrackedMesh, whole: CrackedMesh) -> Self {
         Self {
             base,
-            skin: whole,
+            broken: whole,
             mesh,
             joints: Vec::new(),
-            released: Vec::new(),
+            spent: Vec::new(),
             stored: 0.0,
             flows: CrackFlows::default(),
             stiffness: Vec::new(),
@@ -60,6 +65,7 @@ impl CrackState {
             }
             self.flows.glue += lost.glue;
             self.flows.friction += lost.friction;
+            self.flows.released += lost.pressure;
             self.stored += now.glue + now.contact;
             joint.add(&now, 1.0, forces);
         }
@@ -93,5 +99,76 @@ impl CrackState {
             stiffness: &self.both,
             ..contacts
         }
+    }
+
+    /// Takes spent joints off the list; returns whether there were any.
+    fn retire(&mut self, positions: &[Vector3]) -> bool {
+        let Self {
+            joints,
+            broken,
+            spent,
+            ..
+        } = self;
+        let mut facets = Vec::new();
+        joints.retain(|joint| {
+            let is_spent = joint.glued.is_spent(&joint.law);
+            if is_spent {
+                spent.push(CrackFacet::of(joint, positions));
+                facets.push(joint.facet);
+            }
+            !is_spent
+        });
+        // The facets are those of the mesh.
+        let cut = broken.cut(&facets);
+        debug_assert!(cut.is_ok(), "facets of this mesh");
+        if facets.is_empty() {
+            return false;
+        }
+        self.stiffen(positions.len());
+        true
+    }
+}
+
+impl World {
+    /// Takes spent facets off the lists of joints; their sides are skin to other bodies, too, from then on. Called after each step.
+    pub(in crate::world) fn retire_cracks(&mut self) -> Result<(), SolveError> {
+        let steps = self.steps;
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return Ok(());
+        };
+        let Deformables { models, bodies, .. } = deformables;
+        let mut changed = Vec::new();
+        for (body, i) in bodies.iter_mut().zip(0..) {
+            let State {
+                breakable,
+                positions,
+                rest,
+                model,
+                ..
+            } = body;
+            if let Some(breakable) = breakable.as_deref_mut()
+                && steps.is_multiple_of(LOOKS * u64::from(breakable.fracture.every))
+                && !rest.asleep
+                && let Some(cracks) = breakable.cracks.as_deref_mut()
+                && cracks.retire(positions)
+            {
+                let base = &models[cracks.base as usize];
+                let open = cracks.broken.mesh(base.model.mesh().points())?;
+                if let Some(skin) = &mut models[*model as usize].cracked {
+                    skin.open = open;
+                }
+                changed.push(i);
+            }
+        }
+        if changed.is_empty() {
+            return Ok(());
+        }
+        let before = self.stored_in_soft_contacts();
+        for id in changed {
+            self.reshape_cracked(id)?;
+        }
+        self.meet_deformables(0.0)?;
+        self.flows.cracks.released += before - self.stored_in_soft_contacts();
+        Ok(())
     }
 }

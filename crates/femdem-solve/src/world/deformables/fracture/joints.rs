@@ -1,11 +1,11 @@
-//! Facets that a crack has cut and that glue, pressure and friction still join.
+//! Facets that a crack has cut and that glue, or the pressure of their birth, still joins.
 
 use femdem_contact::glue::{GlueLaw, GluedFacet, GluedForces, MidSurface};
 use femdem_fem::fracture::FractureMode;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// A facet of the mesh that is cut and not released.
+/// A facet of the mesh that is cut and not spent.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Joint {
     pub facet: u32,

@@ -1,14 +1,10 @@
 //! Deformable bodies that break.
 //!
 //! Every few steps the stresses are looked at; where a node fails it is split, as are its mass and its velocity, so that nothing
-//! jumps ([birth]). Facets that are cut become [joints]: glue, pressure and friction of their sides, born with the traction
-//! that the facet carried. When nothing holds any more and the sides have gone apart, or have slid far, they are
-//! [released](release) and become skin.
-//!
-//! Two meshes have the tetrahedra of such a body. In one all facets that are cut are so: it numbers the nodes of the elements, and
-//! gives the places of the contacts. In the other only those that are released are cut: it says what is skin, where the
-//! contact field is zero, and which tetrahedra belong together and so cannot touch each other. A joint that has not been
-//! released is not a contact, and a crack that opens changes nothing in the contacts.
+//! jumps ([birth]). Facets that are cut become [joints]: glue, and the pressure of their birth, so that they carry the traction that
+//! the facet carried. Their sides are skin from then on, and meet as any other skin does: they lie on each other at that moment,
+//! and so do all tetrahedra around, so the contact begins at no overlap and no energy ([reshape]). A joint is spent when its glue has broken and
+//! the pressure of its birth has faded, and is taken off the list.
 //!
 //! Looking at stresses costs nothing where the largest strain, known from the bound of the step, is too small to harm.
 
@@ -18,7 +14,7 @@ mod cracks;
 mod facet;
 mod joints;
 mod query;
-mod release;
+mod reshape;
 mod stored;
 
 pub use facet::CrackFacet;
@@ -37,7 +33,7 @@ pub(crate) struct CrackFlows {
     pub glue: f64,
     /// Dissipated by friction of joints.
     pub friction: f64,
-    /// Held by joints when they were released.
+    /// Lost by the pressure that joints are born with as it fades, and by contacts at births.
     pub released: f64,
 }
 

@@ -59,7 +59,7 @@ impl<'a> Cracks<'a> {
         let Some(cracks) = self.breakable.cracks.as_deref() else {
             return Vec::new();
         };
-        let mut broken = cracks.skin.clone();
+        let mut broken = cracks.broken.clone();
         let joints = cracks.joints.iter();
         let facets: Vec<u32> = joints
             .filter(|joint| joint.end.is_some())
@@ -71,21 +71,21 @@ impl<'a> Cracks<'a> {
         broken.parts()
     }
 
-    /// The facets whose sides have become skin, as they were when they did, in the order in which they did.
+    /// The facets that carry nothing any more, as they were when that was seen, in that order.
     #[must_use]
-    pub fn released(&self) -> &'a [CrackFacet] {
+    pub fn spent(&self) -> &'a [CrackFacet] {
         let cracks = self.breakable.cracks.as_deref();
-        cracks.map_or(&[], |cracks| &cracks.released)
+        cracks.map_or(&[], |cracks| &cracks.spent)
     }
 
-    /// Energy in glue, pressure and friction springs of the facets, J.
+    /// Energy of the facets that are not spent, J: in glue, and under the pressure of their birth.
     #[must_use]
     pub fn stored(&self) -> f64 {
         let cracks = self.breakable.cracks.as_ref();
         cracks.map_or(0.0, |cracks| cracks.stored)
     }
 
-    /// The facets that are cut and not released, in the order in which they were cut.
+    /// The facets that are cut and not spent, in the order in which they were cut.
     pub fn facets(&self) -> impl Iterator<Item = CrackFacet> + use<'a> {
         let positions = self.positions;
         let cracks = self.breakable.cracks.as_deref();

@@ -46,8 +46,8 @@ impl CrackState {
             Err("the model")
         } else if !is_of(&self.mesh) || self.mesh.tets() != own.model.mesh().tets() {
             Err("the mesh of the cracks")
-        } else if !is_of(&self.skin) {
-            Err("the mesh of the skin")
+        } else if !is_of(&self.broken) {
+            Err("the mesh of what is broken")
         } else if self.stiffness.len() != nodes || self.both.len() != nodes {
             Err("the stiffness at the nodes")
         } else if !joined {
