@@ -84,6 +84,7 @@ impl World {
         let deformable = self.kick_deformables(0.5 * dt);
         self.book_exchange(deformable);
         self.counters.body_steps += self.awake.len() as u64;
+        self.end_bonds()?;
         self.update_active_set();
         self.rest_deformables()?;
         self.crack_deformables()?;
@@ -346,6 +347,7 @@ impl World {
         self.counters.touching_evaluations += totals.touching as u64;
         let change = totals.energy_change;
         self.flows.broken += totals.broken;
+        self.book_bonds();
         let brought = self.book_newcomers();
         self.flows.settle(change - brought);
         match result {
