@@ -306,6 +306,17 @@ impl ContactBatch {
         self.bonds.lost
     }
 
+    /// The step in which no bond opens by more than `share` of G_I/f_t at the velocities of `motions`, s.
+    pub fn step_of_bonds(&self, motions: &[Motion], share: f64) -> f64 {
+        let awake = |bond: &&Bond| bond.bodies().into_iter().any(|i| self.is_awake(i));
+        let alive = self.bonds.list.iter().flatten();
+        let steps = alive
+            .filter(|bond| !bond.has_ended())
+            .filter(awake)
+            .map(|bond| bond.resolving_step(bond.bodies().map(|i| &motions[i as usize]), share));
+        steps.fold(f64::INFINITY, f64::min)
+    }
+
     /// Energy stored in the bonds, J; with a body, in those of it alone.
     pub fn stored_in_bonds(&self, body: impl Into<Option<BodyId>>) -> f64 {
         let body = body.into();

@@ -18,6 +18,18 @@ struct Part {
     facet: GluedFacet,
     /// The points in the axes of A and of B, m.
     at: [[Vector3; 3]; 2],
+    last: Last,
+}
+
+/// A triangle in the last update.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Last {
+    /// m.
+    openings: Openings,
+    /// N.
+    slopes: Openings,
+    /// Of springs, J.
+    energy: f64,
 }
 
 /// What a bond carries.
@@ -88,6 +100,7 @@ impl Bond {
             Ok(Part {
                 facet: GluedFacet::new(area)?,
                 at: motions.map(|motion| points.map(|x| local(motion, &x))),
+                last: Last::default(),
             })
         });
         let mut bond = Self {
@@ -188,19 +201,29 @@ impl Bond {
         self.lost
     }
 
-    /// Corners of its triangles now, midway between the sides, m; `motions` are those of A and B.
+    /// Its triangles now: their corners midway between the sides, m, mean opening and slip, m, mean damage, and area, m²; `motions` are those of A
+    /// and B.
     #[must_use]
-    pub fn triangles(&self, motions: [&Motion; 2]) -> Vec<[Vector3; 3]> {
-        let corners = |part: &Part| {
+    pub fn facets(&self, motions: [&Motion; 2]) -> Vec<([Vector3; 3], [f64; 2], f64, f64)> {
+        let glue = self.law.glue();
+        let mean = |of: [f64; 3]| of.iter().sum::<f64>() / 3.0;
+        let facet = |part: &Part| {
+            let openings = part.last.openings;
+            let slip = mean(openings.map(|o| o[1].hypot(o[2])));
             let middle = |q: usize| {
                 let side = |k: usize| motions[k].frame.point(&part.at[k][q]);
                 (side(0) + side(1)) * 0.5
             };
             let [p, q, r] = [0, 1, 2].map(middle);
             // The corners of a triangle from the middles of its edges.
-            [p + r - q, p + q - r, q + r - p]
+            (
+                [p + r - q, p + q - r, q + r - p],
+                [mean(openings.map(|o| o[0])), slip],
+                mean(part.facet.damage(&glue)),
+                part.facet.area(),
+            )
         };
-        self.parts.iter().map(corners).collect()
+        self.parts.iter().map(facet).collect()
     }
 
     /// Takes what these motions of A and B change for good, and evaluates the bond there. Returns what that dissipates.
@@ -223,19 +246,24 @@ impl Bond {
                 continue;
             };
             let openings = middle.openings(&a, &b);
+            let mut changed = false;
             for (q, opening) in openings.iter().enumerate() {
                 let strengths = self.law.strengths();
-                if let Some(onset) = part.facet.give_way(q, &law, strengths, opening) {
+                if let Some(sliding) = part.facet.give_way(q, &law, strengths, opening) {
                     let area = part.facet.area() / 3.0;
-                    lost.glue += onset.lost;
+                    changed = true;
                     self.yielded += area;
-                    self.slid += area * onset.sliding;
+                    self.slid += area * sliding;
                 }
             }
             let more = part.facet.follow(&law, &openings);
-            lost.glue += more.glue;
-            lost.friction += more.friction;
+            changed |= more != GlueLoss::default();
+            let before = part.last;
             let stiffness = part.evaluate(&law, &middle, [&a, &b], &openings, &origins, &mut found);
+            if changed {
+                lost.friction += more.friction;
+                lost.glue += part.last.work_since(&before) - more.friction;
+            }
             for (q, stiffness) in stiffness.into_iter().enumerate() {
                 points.push(((a[q] + b[q]) * 0.5, stiffness));
             }
@@ -298,6 +326,15 @@ impl Bond {
         };
     }
 
+    /// The step in which its points open by the part `share` of G_I/f_t, s.
+    pub(crate) fn resolving_step(&self, motions: [&Motion; 2], share: f64) -> f64 {
+        let arm = |k: usize| self.state.centre - motions[k].frame.position;
+        let apart = motions[1].velocity_at(&arm(1)) - motions[0].velocity_at(&arm(0));
+        let turning = motions[1].angular_velocity - motions[0].angular_velocity;
+        let speed = apart.norm() + turning.norm() * self.area.sqrt();
+        share * self.law.energies[0] / self.law.tensile / speed
+    }
+
     /// Whether a bond that was read has finite numbers and a law that is allowed.
     pub(crate) fn is_sound(&self) -> bool {
         let points = self.parts.iter().flat_map(|part| part.at.iter().flatten());
@@ -333,6 +370,20 @@ impl Bond {
     }
 }
 
+impl Last {
+    /// The work of the mean forces since an earlier update, less what the springs store more, J: what a leapfrog step takes from the motion.
+    fn work_since(&self, before: &Self) -> f64 {
+        let mut work = before.energy - self.energy;
+        for q in 0..3 {
+            for i in 0..3 {
+                let mean = 0.5 * (before.slopes[q][i] + self.slopes[q][i]);
+                work += mean * (self.openings[q][i] - before.openings[q][i]);
+            }
+        }
+        work
+    }
+}
+
 /// Sums over the parts, relative to A.
 #[derive(Default)]
 struct Found {
@@ -345,7 +396,7 @@ struct Found {
 impl Part {
     /// Adds the forces at points of both sides, m, about the origins of the bodies, and returns the stiffness at each, N/m.
     fn evaluate(
-        &self,
+        &mut self,
         law: &GlueLaw,
         middle: &MidSurface,
         [a, b]: [&[Vector3; 3]; 2],
@@ -355,18 +406,24 @@ impl Part {
     ) -> [f64; 3] {
         let whole = self.facet.area() / 3.0 * law.stiffness;
         let (mut slopes, glue, contact) = self.facet.slopes(law, openings);
-        found.energy += glue + contact;
+        let mut energy = glue + contact;
         let mut stiffness = self.facet.stiffness_at(law, openings);
         for q in 0..3 {
             if !self.facet.is_joined(q) {
                 for (slope, opening) in slopes[q].iter_mut().zip(openings[q]) {
                     *slope = whole * opening;
-                    found.energy += 0.5 * whole * opening * opening;
+                    energy += 0.5 * whole * opening * opening;
                 }
                 stiffness[q] = whole;
             }
             found.tension = found.tension.max(slopes[q][0] * 3.0 / self.facet.area());
         }
+        found.energy += energy;
+        self.last = Last {
+            openings: *openings,
+            slopes,
+            energy,
+        };
         let forces = middle.forces(a, b, &slopes);
         for (k, (points, forces)) in [a, b].into_iter().zip(forces).enumerate() {
             for (x, force) in points.iter().zip(forces) {

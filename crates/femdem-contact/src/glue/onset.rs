@@ -3,27 +3,18 @@
 use super::facet::{GluedFacet, Point};
 use super::law::{Glue, GlueLaw};
 
-/// What giving way has done.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Onset {
-    /// Lost in it, J: the shear of friction and glue was stored in one spring, and is in two now.
-    pub lost: f64,
-    /// The part of sliding in the traction of the glue, squared.
-    pub sliding: f64,
-}
-
 impl GluedFacet {
     /// Lets point `q`, which holds elastically with the stiffness of the law, give way if its traction at an opening (m) is beyond
     /// the strength: an ellipse of tensile strength and cohesion in tension, cohesion and friction under pressure. From then on
-    /// it is glue at its peak, with the friction that the pressure holds; nothing jumps.
+    /// it is glue at its peak, with the friction that the pressure holds; nothing jumps. Returns the part of sliding in the
+    /// traction of the glue, squared.
     pub(crate) fn give_way(
         &mut self,
         q: usize,
         law: &GlueLaw,
         [tensile, cohesion]: [f64; 2],
         opening: &[f64; 3],
-    ) -> Option<Onset> {
-        let weight = self.area() / 3.0;
+    ) -> Option<f64> {
         let point = self.points.get_mut(q).filter(|point| point.is_none())?;
         let traction = opening.map(|x| law.stiffness * x);
         let shear = traction[1].hypot(traction[2]);
@@ -50,11 +41,7 @@ impl GluedFacet {
             slip: [0, 1].map(|i| opening[i + 1] - stretch[i]),
             stretch,
         });
-        let [one, both, rest] = [shear, rubbed, sliding].map(|t| t * t);
-        Some(Onset {
-            lost: 0.5 * weight * ((one - rest) / law.stiffness - both / law.tangential),
-            sliding: rest / (rest + normal * normal),
-        })
+        Some(sliding * sliding / (sliding * sliding + normal * normal))
     }
 
     /// The energy (J/m²) beyond the peak, over that of the whole fracture, in a mixed mode: s is the part of sliding.

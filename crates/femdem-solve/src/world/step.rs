@@ -15,6 +15,9 @@ use femdem_fem::Driven;
 use femdem_mesh::{Pose, Vector3};
 use std::time::Duration;
 
+/// Part of the opening G_I/f_t by which a bond should open in a step at most: a tenth of what breaks it.
+const OPENING: f64 = 0.2;
+
 /// Prescribed motions, as other bodies may meet them.
 pub(super) struct Driving {
     walls: Vec<Driven>,
@@ -159,7 +162,8 @@ impl World {
         };
         let free = || self.awake_bodies().filter(|body| body.driven.is_none());
         let alone = free().map(|body| usual(body, 0.0));
-        let mut least = alone.fold(driving.step, f64::min);
+        let bonds = self.batch.step_of_bonds(&self.motions, OPENING);
+        let mut least = alone.fold(driving.step.min(bonds), f64::min);
         let met = |x: &Vector3, radius: f64| driving.met(x, radius);
         // Usually nothing is driven, and one pass over the bodies is enough.
         if driving.is_any() {
