@@ -36,13 +36,13 @@ fn an_agglomerate_has_its_bonds_in_all_files() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     let scenario = Scenario::from_toml(SCENE).unwrap();
-    let mut run = Run::new(&scenario).unwrap();
-    while !run.is_done() {
+    let mut run = Run::new(scenario).unwrap();
+    while run.ending().is_none() {
         run.advance(path, 100).unwrap();
     }
     let summary = run.finish(path, &femdem::Usage::default()).unwrap();
     let bonds = summary.bonds.unwrap();
-    // 12 spheres of 2 by 2 by 3 touch at 4 + 4 faces along x and y of each layer, and 8 between layers.
+    // Four in each of three layers, and four between two layers.
     assert_eq!(bonds.count, 20);
     assert!(bonds.broken > 0 && bonds.pieces > 1, "{bonds:?}");
     let table = fs::read_to_string(path.join("bonds.csv")).unwrap();
