@@ -5,8 +5,8 @@ use std::fs;
 use femdem::run::{BOND_COLUMNS, Run, Scenario};
 
 const SCENE: &str = r#"
-duration = 2e-4
-every = 1e-4
+duration = 4e-4
+every = 2e-4
 [material.grain]
 density = 2500
 [[wall]]
@@ -18,15 +18,15 @@ shape = "sphere"
 size = 0.002
 material = "grain"
 position = [0, 0, 0.00101]
-velocity = [0.3, 0, -5]
+velocity = [20, 0, -20]
 copies = { count = [2, 2, 3], spacing = [0.002, 0.002, 0.002] }
 [[bond]]
 between = ["grain", "grain"]
 gap = 1e-6
 ratio = 0.5
-tensile = 2e6
-cohesion = 6e6
-energy = [5, 25]
+tensile = 1e6
+cohesion = 3e6
+energy = [2, 10]
 stiffness = 1e12
 damping = 0.05
 "#;
@@ -60,11 +60,11 @@ fn an_agglomerate_has_its_bonds_in_all_files() {
 fn faults_of_bonds_are_named() {
     for (from, to, words) in [
         (
-            "tensile = 2e6",
+            "tensile = 1e6",
             "tensile = -1",
             "tensile strength of the bond = -1",
         ),
-        ("energy = [5, 25]", "energy = [1, 25]", "raise the energy"),
+        ("energy = [2, 10]", "energy = [0.4, 10]", "raise the energy"),
         (
             "[\"grain\", \"grain\"]",
             "[\"grain\", \"stone\"]",

@@ -101,7 +101,7 @@ impl Simulation {
             count: bonds.len(),
             whole: bonds.iter().filter(|bond| !bond.has_yielded()).count(),
             broken: broken().count(),
-            broken_area: broken().map(|bond| bond.area()).sum(),
+            broken_area: 0.0 + broken().map(|bond| bond.area()).sum::<f64>(),
             pieces: pieces.len(),
             largest_share: masses.iter().copied().fold(0.0, f64::max) / masses.iter().sum::<f64>(),
         })
