@@ -478,6 +478,26 @@ impl Load {
         self.bounds.add(contact, arm, contact.shares[side]);
     }
 
+    /// Adds what a bond does to one side: the wrenches of its springs and its dashpot, its normal force (N), and bounds of its stiffness and
+    /// viscosity against translation and against rotation.
+    pub(crate) fn add_bond(
+        &mut self,
+        [elastic, damping]: [&Wrench; 2],
+        normal: f64,
+        [stiffness, viscosity]: [[f64; 2]; 2],
+    ) {
+        self.total += elastic;
+        for part in [&mut self.total, &mut self.damping, &mut self.viscous] {
+            *part += damping;
+        }
+        self.normal_sum += normal;
+        self.contacts += 1;
+        for k in 0..2 {
+            self.bounds.stiffness[k] += stiffness[k];
+            self.bounds.viscosity[k] += viscosity[k];
+        }
+    }
+
     /// Adds the wrenches of a deformable body on this one: elastic, damping, friction, and the drag in friction.
     pub(crate) fn add_wrenches(&mut self, [elastic, damping, friction, drag]: [&Wrench; 4]) {
         for part in [elastic, damping, friction] {

@@ -44,6 +44,11 @@ impl Generalized {
         self.turning += Matrix3::from_diagonal_element(a.dot(arm)) - a * arm.transpose();
     }
 
+    /// Adds another times a factor.
+    pub(crate) fn add_scaled(&mut self, other: &Self, factor: f64) {
+        *self = self.sum(1.0, other, factor);
+    }
+
     /// Adds one against rotation about a unit axis.
     #[inline]
     pub(crate) fn add_about(&mut self, axis: &Vector3, value: f64) {

@@ -117,6 +117,7 @@ mod adhesion;
 mod axes;
 mod batch;
 mod body_shape;
+pub mod bond;
 mod bridge;
 mod broadphase;
 mod contact;
@@ -152,7 +153,7 @@ mod walls;
 pub use femdem_mesh as mesh;
 
 pub use adhesion::{Adhesion, VectorArea};
-pub use batch::{BatchTotals, ContactBatch, EdgeLoad, Snapshot};
+pub use batch::{BatchTotals, BondId, ContactBatch, EdgeLoad, EndedBonds, Snapshot};
 pub use body_shape::BodyShape;
 pub use bridge::LiquidBridge;
 pub use contact::{BodyId, ContactForce, Dashpots, Load, Partner, RigidContact, Springs, Wrench};

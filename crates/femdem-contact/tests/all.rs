@@ -2,6 +2,7 @@
 
 mod adhesion;
 mod batch;
+mod bonds;
 mod bridges;
 mod coincident;
 mod common;

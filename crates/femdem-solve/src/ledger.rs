@@ -1,6 +1,6 @@
 //! The energy ledger: all energy put in, stored and dissipated.
 
-use crate::world::CrackFlows;
+use crate::world::{BondFlows, CrackFlows};
 use serde::{Deserialize, Serialize};
 
 /// Flows of energy that accumulate while a world steps, J.
@@ -26,6 +26,8 @@ pub(crate) struct Flows {
     pub broken: f64,
     /// What the cracks of bodies exchanged.
     pub cracks: CrackFlows,
+    /// What bonds exchanged.
+    pub bonds: BondFlows,
     /// Numerical dissipation of implicit steps.
     pub step_loss: f64,
     /// Of the last implicit step; `None` after an explicit one.
@@ -108,7 +110,8 @@ pub struct Ledger {
     pub by_hand: f64,
     /// Work of external loads ([`World::set_load`](crate::World::set_load)).
     pub load_work: f64,
-    /// Lent to cracks at their births: the energy of their stretched springs. It comes back in what they dissipate.
+    /// Lent to cracks at their births: the energy of their stretched springs. It comes back in what they dissipate. And what contacts
+    /// held more than the ended bonds that they took over from.
     pub lent: f64,
     /// Kinetic energy now.
     pub kinetic: f64,
@@ -122,6 +125,8 @@ pub struct Ledger {
     pub friction_springs: f64,
     /// Energy in the cracks of bodies now: in their glue, and in the contact and friction of their sides.
     pub cracks: f64,
+    /// Energy in the bonds of rigid bodies now.
+    pub bonds: f64,
     /// Dissipated by sliding, and by the dashpots beside the friction springs.
     pub dissipated_friction: f64,
     /// Dissipated by the normal dashpots.
@@ -136,7 +141,9 @@ pub struct Ledger {
     pub dissipated_bridges: f64,
     /// Dissipated by breaking: less what was lent, this is the energy of fracture.
     pub dissipated_fracture: f64,
-    /// Dissipated by the pressure that new cracks have as it fades, and by contacts whose field they change.
+    /// Dissipated by breaking bonds: their energy of fracture.
+    pub dissipated_bonds: f64,
+    /// Dissipated by the pressure that new cracks have as it fades, by contacts whose field cracks change, and where bonds ended.
     pub dissipated_release: f64,
     /// Numerical dissipation of [implicit](crate::ImplicitStep) steps: what the contacts took from the motion and neither store nor
     /// lost in dashpots. Steps in which they give more than was stored are not booked, and so appear as an error.
@@ -162,6 +169,7 @@ impl Ledger {
             + self.strain
             + self.friction_springs
             + self.cracks
+            + self.bonds
     }
 
     /// All that was dissipated, J.
@@ -173,6 +181,7 @@ impl Ledger {
             + self.dissipated_plastic
             + self.dissipated_bridges
             + self.dissipated_fracture
+            + self.dissipated_bonds
             + self.dissipated_release
             + self.dissipated_step
             + self.frozen
@@ -186,8 +195,12 @@ impl Ledger {
     /// The error over the turnover: the largest of the energy exchanged so far, of the dissipated energy, and of the
     /// kinetic and stored energy now.
     pub fn error_relative(&self) -> f64 {
-        let stored =
-            self.kinetic + self.elastic + self.strain + self.friction_springs + self.cracks;
+        let stored = self.kinetic
+            + self.elastic
+            + self.strain
+            + self.friction_springs
+            + self.cracks
+            + self.bonds;
         let turnover = self
             .dissipated()
             .abs()

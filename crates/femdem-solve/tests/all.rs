@@ -2,6 +2,7 @@
 
 mod adhesion;
 mod any_shape;
+mod bonds;
 mod bridges;
 mod by_hand;
 mod changes;

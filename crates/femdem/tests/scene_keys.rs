@@ -6,14 +6,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use femdem::run::{
-    Axes, AxisEntry, Behaviour, BodyEntry, BodySummary, BoundaryEntry, BoxEntry, BridgeEntry,
-    CELL_COLUMNS, CellEntry, CellState, ConeEntry, ContactEntry, ControlEntry, Copies,
-    CylinderEntry, Ending, Ends, FLOW_COLUMNS, FocusEntry, FractureEntry, FractureSummary,
-    GateEntry, HISTORY_COLUMNS, HopperEntry, Law, LoadEntry, MEMBER_COLUMNS, MaterialEntry,
-    MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry, PlateEntry,
-    ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary, RotationEntry,
-    RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides, SiloEntry, SourceEntry,
-    StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary, WeibullEntry, Zone,
+    Axes, AxisEntry, Behaviour, BodyEntry, BodySummary, BondEntry, BondSummary, BoundaryEntry,
+    BoxEntry, BridgeEntry, CELL_COLUMNS, CellEntry, CellState, ConeEntry, ContactEntry,
+    ControlEntry, Copies, CylinderEntry, Ending, Ends, FLOW_COLUMNS, FocusEntry, FractureEntry,
+    FractureSummary, GateEntry, HISTORY_COLUMNS, HopperEntry, Law, LoadEntry, MEMBER_COLUMNS,
+    MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry,
+    PlateEntry, ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary,
+    RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides, SiloEntry,
+    SourceEntry, StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary,
+    WeibullEntry, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -352,6 +353,22 @@ fn load() -> LoadEntry {
     }
 }
 
+fn bond() -> BondEntry {
+    BondEntry {
+        between: ["a".to_owned(), "b".to_owned()],
+        gap: 1.0,
+        ratio: Some(0.5),
+        tensile: 1.0,
+        cohesion: 1.0,
+        energy: [1.0, 2.0],
+        stiffness: 1.0,
+        friction: Some(0.1),
+        mix: Some(1.0),
+        softening: Some(femdem::contact::glue::Softening::Linear),
+        damping: Some(0.1),
+    }
+}
+
 fn rest() -> RestEntry {
     RestEntry {
         energy: 1.0,
@@ -389,6 +406,7 @@ fn scenario() -> Scenario {
         material: BTreeMap::from([("m".to_owned(), material())]),
         wall: vec![wall()],
         body: vec![body()],
+        bond: vec![bond()],
         load: vec![load()],
         source: vec![source()],
         sink: vec![gate()],
@@ -485,6 +503,7 @@ fn every_key_of_every_table_is_documented_and_no_other() {
         ("### `hopper`", keys(&hopper())),
         ("### `plate`", keys(&plate())),
         ("## `[[body]]`", keys(&body())),
+        ("## `[[bond]]`", keys(&bond())),
         ("## `[[load]]`", keys(&load())),
         ("## `[[source]]`", keys(&source())),
         ("## `[[sink]]`", keys(&gate())),
@@ -759,6 +778,7 @@ fn summary() -> RunSummary {
             contact: 1.0,
             friction_springs: 1.0,
             cracks: 1.0,
+            bonds: 1.0,
             dissipated_friction: 1.0,
             dissipated_damping: 1.0,
             dissipated_medium: 1.0,
@@ -766,6 +786,7 @@ fn summary() -> RunSummary {
             dissipated_plastic: 1.0,
             dissipated_bridges: 1.0,
             dissipated_fracture: 1.0,
+            dissipated_bonds: 1.0,
             dissipated_release: 1.0,
             frozen: 1.0,
             ledger_error_relative: 1.0,
@@ -783,6 +804,14 @@ fn summary() -> RunSummary {
             cut_area: 1.0,
             broken_area: 1.0,
             highest: 1.0,
+        }),
+        bonds: Some(BondSummary {
+            count: 1,
+            whole: 1,
+            broken: 1,
+            broken_area: 1.0,
+            pieces: 1,
+            largest_share: 1.0,
         }),
         contacts: 1,
         threads: 1,

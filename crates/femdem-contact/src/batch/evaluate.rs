@@ -1,5 +1,6 @@
 //! Narrow phase of a batch: one outcome per pair, in fixed slots.
 
+use super::bonds::Bonds;
 use super::history::{History, PatchRecord, inherit};
 use super::pairs::{Cache, MeshPair, Pair, PairTable, Touch};
 use crate::body_shape::BodyShape;
@@ -52,6 +53,7 @@ pub(crate) struct Context<'a> {
     pub bodies: &'a [Motion],
     pub walls: &'a [Motion],
     pub space: Option<&'a Space>,
+    pub bonds: &'a Bonds,
     /// Whether contacts of any law attract.
     pub attracts: bool,
     /// The last step that was not 0, s.
@@ -409,8 +411,11 @@ pub(crate) struct Views<'a> {
 }
 
 impl Views<'_> {
-    /// Whether the caches alone show that the pair is apart, now and at the predicted poses.
+    /// Whether the caches alone show that the pair is apart, now and at the predicted poses; or bonds act between the two.
     fn is_clear(&self, pair: &Pair) -> bool {
+        if matches!(pair.a, Partner::Body(a) if self.now.bonds.hold((a, pair.b))) {
+            return true;
+        }
         match self.ahead {
             Some(ahead) => !pair.touches() && ahead.is_clear(pair),
             None => self.now.is_clear(pair),

@@ -43,6 +43,9 @@ impl ContactBatch {
             !attract,
             allowed,
         )?;
+        let count = self.bonds().filter(|(_, bond)| !bond.has_ended()).count();
+        let allowed = "0: bonds are for explicit steps; use `update`";
+        check("bonds", count as f64, count == 0, allowed)?;
         self.advance(now, Some(ahead))
     }
 

@@ -3,6 +3,7 @@
 
 mod ahead;
 mod attraction;
+mod bonds;
 mod deformable;
 mod evaluate;
 mod gather;
@@ -32,6 +33,8 @@ use crate::motion::Motion;
 use crate::periodic::Space;
 use crate::slots::Slots;
 use crate::walls::WallShape;
+use bonds::Bonds;
+pub use bonds::{BondId, EndedBonds};
 use evaluate::{Context, Views};
 pub use gather::EdgeLoad;
 use gather::{Sums, load_not_finite};
@@ -122,6 +125,8 @@ pub struct ContactBatch {
     awake_changed: bool,
     broadphase: Broadphase,
     pairs: PairTable,
+    /// Between rigid bodies, which then have no contact.
+    bonds: Bonds,
     /// The last step that was not 0, s.
     last_step: f64,
     /// Where space repeats itself.
@@ -155,6 +160,7 @@ impl ContactBatch {
             awake_changed: false,
             broadphase,
             pairs: PairTable::default(),
+            bonds: Bonds::default(),
             last_step: 0.0,
             space: None,
             sums: Sums::default(),
@@ -494,6 +500,7 @@ impl ContactBatch {
             bodies: view.bodies,
             walls: view.walls,
             space: self.space.as_ref(),
+            bonds: &self.bonds,
             attracts,
             last_step: self.last_step,
             pace: Pace {
@@ -515,6 +522,8 @@ impl ContactBatch {
         if now.pace.dt > 0.0 {
             self.sums.totals.broken += self.pairs.broken;
         }
+        self.bonds.update(bodies, &self.awake);
+        self.bonds.add_loads(&self.awake, &mut self.sums.loads);
         self.sum_loads_of_awake();
         self.check_results(bodies)
     }

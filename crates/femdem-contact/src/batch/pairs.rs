@@ -205,6 +205,15 @@ impl PairTable {
         self.end(own.into_iter().map(|n| (body, n)).collect());
     }
 
+    /// Drops the contacts of a pair of bodies, the lower number first.
+    pub fn part(&mut self, (a, b): (BodyId, BodyId)) {
+        let list = &self.neighbours[a as usize];
+        if let Ok(at) = list.binary_search_by_key(&b, |n| n.code) {
+            let slot = list[at].slot;
+            self.slots[slot as usize].part();
+        }
+    }
+
     /// Ends all pairs of a wall.
     pub fn leave_wall(&mut self, wall: u32) {
         let code = WALL | wall;

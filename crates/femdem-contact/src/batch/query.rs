@@ -39,6 +39,7 @@ impl ContactBatch {
         for contact in self.rigid_contacts_of(body) {
             load.add(contact, usize::from(contact.b == body));
         }
+        self.bonds.add_load_of(body, &mut load);
         load
     }
 

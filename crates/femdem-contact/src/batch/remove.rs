@@ -7,7 +7,7 @@ use crate::deform::Side;
 use crate::error::ContactError;
 
 impl ContactBatch {
-    /// Removes a body with its contacts and their history, and returns the bodies that it touched, ascending: those
+    /// Removes a body with its bonds, its contacts and their history, and returns the bodies that it touched, ascending: those
     /// asleep among them may have lost their balance. Its number is given to the next body that is added, unless a lower
     /// one is free.
     ///
@@ -79,13 +79,14 @@ impl ContactBatch {
         self.leave(body)
     }
 
-    /// Ends all pairs of a body, and forgets where it was.
+    /// Ends all pairs and bonds of a body, and forgets where it was.
     fn leave(&mut self, body: BodyId) -> Result<Vec<BodyId>, ContactError> {
         let side = self.side(Partner::Body(body))?;
         let touched = self.touched_by(side);
         if let Some(part) = &mut self.deformable {
             part.leave(side);
         }
+        self.bonds.forget(body);
         self.pairs.leave(body);
         self.broadphase.forget(body as usize);
         // The lists of the awake are renewed, and one that sleeps is entered anew.
@@ -106,7 +107,10 @@ impl ContactBatch {
         let mut touched: Vec<BodyId> = match thing {
             Partner::Body(body) => {
                 let contacts = self.rigid_contacts_of(body);
-                contacts.filter_map(partner).collect()
+                let bonded = self.bonds.partners(body);
+                let mut all: Vec<BodyId> = contacts.filter_map(partner).chain(bonded).collect();
+                all.sort_unstable();
+                all
             }
             Partner::Wall(_) => {
                 let contacts = self.rigid_contacts().into_iter();

@@ -18,7 +18,7 @@ impl ContactBatch {
         })
     }
 
-    /// The springs and dashpots of all recorded contacts of a rigid body. Sleeping partners do not move.
+    /// The springs and dashpots of all recorded contacts and bonds of a rigid body. Sleeping partners do not move.
     pub fn resistance_of(&self, body: BodyId) -> Resistance {
         let mut resistance = Resistance::default();
         for contact in self.rigid_contacts_of(body) {
@@ -26,6 +26,8 @@ impl ContactBatch {
             let moves = partner(contact, side).is_none_or(|other| self.is_awake(other));
             resistance.add(contact, side, moves);
         }
+        self.bonds
+            .resist(body, |other| self.is_awake(other), &mut resistance);
         if let Some(others) = self.by_deformables(body) {
             resistance += others;
         }

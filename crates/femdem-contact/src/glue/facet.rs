@@ -8,19 +8,22 @@ use serde::{Deserialize, Serialize};
 
 /// A pair of nodes that a crack has split.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Point {
+pub(super) struct Point {
     /// `None` where the facet carried no tension and no more shear than friction holds.
-    glue: Option<Glue>,
+    pub glue: Option<Glue>,
     /// Offset g of the contact, m, and what it loses in a step once no glue is left.
-    offset: f64,
-    fade: f64,
+    pub offset: f64,
+    pub fade: f64,
     /// Opening at the last [`GluedFacet::advance`], m.
-    normal: f64,
+    pub normal: f64,
     /// Where the friction springs are unstretched, m.
-    slip: [f64; 2],
+    pub slip: [f64; 2],
     /// Their stretch after the last [`GluedFacet::advance`], m; 0 without pressure.
-    stretch: [f64; 2],
+    pub stretch: [f64; 2],
 }
+
+/// Openings of the three pairs of nodes, or derivatives of an energy by them.
+pub(crate) type Openings = [[f64; 3]; 3];
 
 /// Forces and energies of a facet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,7 +37,7 @@ pub struct GluedForces {
 }
 
 /// Energy that a facet has dissipated, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GlueLoss {
     /// By the glue.
     pub glue: f64,
@@ -54,7 +57,7 @@ const FADES: f64 = 50.0;
 pub struct GluedFacet {
     /// Area of the facet before the body deforms, m².
     area: f64,
-    points: [Option<Point>; 3],
+    pub(super) points: [Option<Point>; 3],
 }
 
 impl Point {
@@ -184,6 +187,23 @@ impl GluedFacet {
         })
     }
 
+    /// Stiffness at each pair of nodes at these openings, N/m: where the sides are apart, that of the glue, or of a contact that
+    /// closes, whichever is larger.
+    pub(crate) fn stiffness_at(&self, law: &GlueLaw, openings: &Openings) -> [f64; 3] {
+        [0, 1, 2].map(|q| {
+            let of = |point: Point| {
+                let glue = point.glue.map_or(0.0, |glue| glue.secant(law));
+                let contact = law.contact.max(law.tangential);
+                if point.overlap(&openings[q]) > 0.0 {
+                    glue + contact
+                } else {
+                    glue.max(contact)
+                }
+            };
+            self.points[q].map_or(0.0, of) * self.area / 3.0
+        })
+    }
+
     /// Damage by pair of nodes: 0 at birth, 1 where nothing holds any more; 0 for pairs that are not split.
     #[must_use]
     pub fn damage(&self, law: &GlueLaw) -> [f64; 3] {
@@ -199,10 +219,18 @@ impl GluedFacet {
         let Some(middle) = MidSurface::new(a, b) else {
             return found;
         };
-        let openings = middle.openings(a, b);
+        let (slopes, glue, contact) = self.slopes(law, &middle.openings(a, b));
+        [found.glue, found.contact] = [glue, contact];
+        found.on = middle.forces(a, b, &slopes);
+        found
+    }
+
+    /// Derivatives of the energy by the openings, N, and the energies of the glue and of the contact, J.
+    pub(crate) fn slopes(&self, law: &GlueLaw, openings: &Openings) -> (Openings, f64, f64) {
+        let mut energies = [0.0; 2];
         let weight = self.area / 3.0;
         let mut slopes = [[0.0; 3]; 3];
-        for ((point, opening), slope) in self.points.iter().zip(&openings).zip(&mut slopes) {
+        for ((point, opening), slope) in self.points.iter().zip(openings).zip(&mut slopes) {
             let Some(point) = point else {
                 continue;
             };
@@ -211,43 +239,47 @@ impl GluedFacet {
                 let stretch = Point::stretch(glue, law, opening);
                 for i in 0..3 {
                     slope[i] += secant * stretch[i];
-                    found.glue += 0.5 * secant * stretch[i] * stretch[i];
+                    energies[0] += 0.5 * secant * stretch[i] * stretch[i];
                 }
             }
             let overlap = point.overlap(law, opening);
             if overlap > 0.0 {
                 slope[0] -= weight * law.contact * overlap;
-                found.contact += weight * law.contact * point.pressed(law, opening);
+                energies[1] += weight * law.contact * point.pressed(law, opening);
                 for (i, stretch) in point.shear(opening).into_iter().enumerate() {
                     slope[i + 1] += weight * law.tangential * stretch;
-                    found.contact += 0.5 * weight * law.tangential * stretch * stretch;
+                    energies[1] += 0.5 * weight * law.tangential * stretch * stretch;
                 }
             }
         }
-        found.on = middle.forces(a, b, &slopes);
-        found
+        (slopes, energies[0], energies[1])
     }
 
     /// Takes what the openings at these positions change for good: glue that stretches further than ever softens, friction
     /// springs beyond the limit slide, and those without pressure let go. Returns what that dissipates.
     pub fn advance(&mut self, law: &GlueLaw, a: &[Vector3; 3], b: &[Vector3; 3]) -> GlueLoss {
+        let middle = MidSurface::new(a, b);
+        middle.map_or_else(GlueLoss::default, |middle| {
+            self.follow(law, &middle.openings(a, b))
+        })
+    }
+
+    /// [`advance`](Self::advance) by openings, m.
+    pub(crate) fn follow(&mut self, law: &GlueLaw, openings: &Openings) -> GlueLoss {
         let mut lost = GlueLoss::default();
-        let Some(middle) = MidSurface::new(a, b) else {
-            return lost;
-        };
         let weight = self.area / 3.0;
-        for (point, opening) in self.points.iter_mut().zip(middle.openings(a, b)) {
+        for (point, opening) in self.points.iter_mut().zip(openings) {
             let Some(point) = point else {
                 continue;
             };
             if let Some(glue) = &mut point.glue {
-                let stretch = Point::stretch(glue, law, &opening);
+                let stretch = Point::stretch(glue, law, opening);
                 let lambda = stretch.iter().map(|x| x * x).sum::<f64>().sqrt();
                 lost.glue += weight * glue.reach(law, lambda);
             }
             if point.offset > 0.0 && point.glue.is_none_or(|glue| glue.is_broken(law)) {
                 // The mean of where the faces were and are: with the energy this is the work of the mean force.
-                let places = [[point.normal, 0.0, 0.0], opening];
+                let places = [[point.normal, 0.0, 0.0], *opening];
                 let pressed = |point: &Point| places.map(|at| 0.5 * point.pressed(law, &at));
                 let before = pressed(point);
                 point.offset = (point.offset - point.fade).max(0.0);
@@ -256,8 +288,8 @@ impl GluedFacet {
                     weight * law.contact * (before[0] - after[0] + before[1] - after[1]);
             }
             point.normal = opening[0];
-            let overlap = point.overlap(law, &opening);
-            let shear = point.shear(&opening);
+            let overlap = point.overlap(law, opening);
+            let shear = point.shear(opening);
             let length = shear[0].hypot(shear[1]);
             let most = law.friction * law.contact * overlap / law.tangential;
             // Without pressure the springs let go.

@@ -70,7 +70,8 @@ impl GlueLaw {
 /// The glue of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Glue {
-    /// Traction at birth in the axes of the facet, Pa; the normal part is not negative.
+    /// Traction where the sides have not opened, in the axes of the facet, Pa: that at birth for glue born there, with a normal
+    /// part that is not negative; for glue of a bond, what friction took from it.
     pub traction: [f64; 3],
     /// Its magnitude, above 0, Pa.
     peak: f64,
@@ -85,12 +86,17 @@ impl Glue {
     pub fn born(law: &GlueLaw, traction: [f64; 3]) -> Option<Self> {
         let traction = [traction[0].max(0.0), traction[1], traction[2]];
         let peak = traction.iter().map(|t| t * t).sum::<f64>().sqrt();
-        (peak > 0.0).then(|| Self {
+        (peak > 0.0).then(|| Self::softening(law, traction, peak, law.energy(traction)))
+    }
+
+    /// Glue that softens from a peak (Pa) on, and dissipates an energy beyond it, J/m².
+    pub fn softening(law: &GlueLaw, traction: [f64; 3], peak: f64, energy: f64) -> Self {
+        Self {
             traction,
             peak,
-            energy: law.energy(traction),
+            energy,
             largest: peak / law.stiffness,
-        })
+        }
     }
 
     /// λ beyond that of the peak, over G/T_0, at the largest λ.

@@ -55,8 +55,10 @@
 mod facet;
 mod law;
 mod mid_surface;
+mod onset;
 mod softening;
 
+pub(crate) use facet::Openings;
 pub use facet::{GlueLoss, GluedFacet, GluedForces};
 pub use law::{GlueLaw, mixed_energy};
 pub use mid_surface::MidSurface;

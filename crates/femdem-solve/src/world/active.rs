@@ -10,7 +10,7 @@
 //!
 //! What a frozen body is out of balance by is missing from the forces on the walls. Measured by its load it may be
 //! many weights deep in a pack or under a piston. Where walls or bodies are driven the load may be anything, and
-//! nothing is frozen until all are at rest after it.
+//! nothing is frozen until all are at rest after it. Bonded bodies are frozen and woken together.
 
 use super::World;
 use crate::body::Means;
@@ -204,7 +204,8 @@ impl World {
             Partner::Body(j) => self.batch.is_awake(j) || self.holds(j),
             Partner::Wall(_) => true,
         };
-        self.awake
+        let list = self
+            .awake
             .iter()
             .copied()
             .filter(|&i| {
@@ -215,7 +216,8 @@ impl World {
                         .rigid_contacts_of(i)
                         .all(|c| settled(c.a) && settled(Partner::Body(c.b)))
             })
-            .collect()
+            .collect();
+        self.with_all_bonded(list)
     }
 
     /// Whether the recorded forces of a frozen body balance well enough for it to stay asleep. Its means
@@ -271,6 +273,7 @@ impl World {
         if list.is_empty() {
             return;
         }
+        let list = &self.with_bonded_sleepers(list)[..];
         for &i in list {
             self.batch.wake_with_load(i);
             let body = &mut self.bodies[i as usize];

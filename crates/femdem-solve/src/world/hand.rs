@@ -20,7 +20,7 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    fn of<'a>(contacts: impl Iterator<Item = &'a Contact>) -> Self {
+    pub(super) fn of<'a>(contacts: impl Iterator<Item = &'a Contact>) -> Self {
         contacts.fold(Self::default(), |sum, contact| Self {
             elastic: sum.elastic + contact.potential(),
             springs: sum.springs + contact.spring_energy,
@@ -29,7 +29,7 @@ impl Stored {
 }
 
 impl World {
-    /// Removes a body, rigid or deformable, and its contacts. What it touched wakes. The index is given to the next body that is
+    /// Removes a body, rigid or deformable, with its contacts and bonds. What it touched wakes. The index is given to the next body that is
     /// added, unless a lower one is free; until then it names no body.
     ///
     /// # Errors
@@ -40,6 +40,7 @@ impl World {
         self.evaluate_pending()?;
         let i = id as usize;
         let stored = self.stored_by(Partner::Body(id));
+        self.flows.by_hand -= self.batch.stored_in_bonds(id);
         let energy = self.forget_nodes(id);
         let energy = energy.unwrap_or_else(|| self.bodies[i].energy(&self.parameters.gravity));
         self.flows.by_hand -= energy;
@@ -71,7 +72,7 @@ impl World {
     }
 
     /// Puts a rigid body somewhere else, with its velocity and angular velocity: `pose` maps the coordinates of its shape's
-    /// polyhedron to the world. Its contacts end with their friction, even if it hardly moves; it and what it touched wake.
+    /// polyhedron to the world. Its contacts and bonds end, even if it hardly moves; it and what it touched wake.
     /// A driven body follows its drive on from there.
     ///
     /// # Errors
@@ -81,6 +82,7 @@ impl World {
         let pose = checked_pose(&pose)?;
         self.evaluate_pending()?;
         let stored = self.stored_by(Partner::Body(id));
+        self.flows.by_hand -= self.batch.stored_in_bonds(id);
         let mut touched = self.batch.moved_by_hand(id)?;
         let (gravity, time) = (self.parameters.gravity, self.time);
         let body = &mut self.bodies[i];

@@ -1,6 +1,7 @@
 //! Layer 3: a world of rigid and deformable bodies and walls, and its step.
 
 mod active;
+mod bonds;
 mod build;
 mod deformables;
 mod guide;
@@ -29,6 +30,7 @@ use femdem_mesh::Pose;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
+pub(crate) use bonds::BondFlows;
 pub(crate) use deformables::CrackFlows;
 pub use deformables::{ContactStiffness, CrackFacet, Cracks, Deformable, DeformableSpec, ModelId};
 pub use query::Residuals;

@@ -252,7 +252,7 @@ impl World {
         Some(self.batch.wall_load_of(wall))
     }
 
-    /// Elastic energy of the recorded contacts and that of their attraction, without that of friction springs, and of the deformable bodies, J.
+    /// Elastic energy of the recorded contacts and that of their attraction, without that of friction springs, of the deformable bodies, and of bonds, J.
     pub fn stored_energy(&self) -> f64 {
         let rigid = self.batch.rigid_contacts().into_iter();
         let rigid = rigid.map(RigidContact::potential);
@@ -261,7 +261,7 @@ impl World {
             let cracks = body.cracks().map_or(0.0, |cracks| cracks.stored());
             body.internal().energy + cracks
         });
-        rigid.chain(soft).chain(strain).sum()
+        rigid.chain(soft).chain(strain).sum::<f64>() + self.batch.stored_in_bonds(None)
     }
 
     /// Stiffness of a wall's recorded contacts against its motion along a unit `direction`, N/m.
@@ -343,7 +343,7 @@ impl World {
             work_in: self.flows.work_in,
             by_hand: self.flows.by_hand,
             load_work: self.flows.load_work,
-            lent: self.flows.cracks.lent,
+            lent: self.flows.cracks.lent + self.flows.bonds.lent,
             kinetic: self.kinetic_energy(),
             potential: self
                 .free_bodies()
@@ -355,8 +355,9 @@ impl World {
                 + soft.map_or(0.0, |t| t.energy),
             strain: deformable(&|d| d.internal().energy),
             friction_springs,
+            bonds: self.batch.stored_in_bonds(None),
             cracks: deformable(&|d| d.cracks().map_or(0.0, |cracks| cracks.stored())),
-            dissipated_friction: self.flows.cracks.friction
+            dissipated_friction: self.flows.cracks.friction + self.flows.bonds.friction
                 - self.flows.friction_work
                 - friction_springs,
             dissipated_damping: 0.0 - self.flows.damping_work,
@@ -365,7 +366,8 @@ impl World {
             dissipated_plastic: 0.0 - self.flows.plastic_work,
             dissipated_bridges: self.flows.broken,
             dissipated_fracture: self.flows.cracks.glue,
-            dissipated_release: self.flows.cracks.released,
+            dissipated_bonds: self.flows.bonds.glue,
+            dissipated_release: self.flows.cracks.released + self.flows.bonds.released,
             dissipated_step: self.flows.step_loss,
             frozen: self.flows.frozen,
             exchanged: self.flows.exchanged,

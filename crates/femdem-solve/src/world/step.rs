@@ -15,6 +15,9 @@ use femdem_fem::Driven;
 use femdem_mesh::{Pose, Vector3};
 use std::time::Duration;
 
+/// Part of the opening G_I/f_t by which a bond should open in a step at most: a tenth of what breaks it.
+const OPENING: f64 = 0.2;
+
 /// Prescribed motions, as other bodies may meet them.
 pub(super) struct Driving {
     walls: Vec<Driven>,
@@ -84,6 +87,7 @@ impl World {
         let deformable = self.kick_deformables(0.5 * dt);
         self.book_exchange(deformable);
         self.counters.body_steps += self.awake.len() as u64;
+        self.end_bonds()?;
         self.update_active_set();
         self.rest_deformables()?;
         self.crack_deformables()?;
@@ -158,7 +162,8 @@ impl World {
         };
         let free = || self.awake_bodies().filter(|body| body.driven.is_none());
         let alone = free().map(|body| usual(body, 0.0));
-        let mut least = alone.fold(driving.step, f64::min);
+        let bonds = self.batch.step_of_bonds(&self.motions, OPENING);
+        let mut least = alone.fold(driving.step.min(bonds), f64::min);
         let met = |x: &Vector3, radius: f64| driving.met(x, radius);
         // Usually nothing is driven, and one pass over the bodies is enough.
         if driving.is_any() {
@@ -346,6 +351,7 @@ impl World {
         self.counters.touching_evaluations += totals.touching as u64;
         let change = totals.energy_change;
         self.flows.broken += totals.broken;
+        self.book_bonds();
         let brought = self.book_newcomers();
         self.flows.settle(change - brought);
         match result {

@@ -49,6 +49,12 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
     for mesh in simulation.fracture_meshes() {
         tell_fracture(&mesh);
     }
+    if let Some(bonds) = simulation.bond_summary() {
+        say(&format!(
+            "bonds: {}, which hold the bodies in {} pieces",
+            bonds.count, bonds.pieces
+        ));
+    }
     let walls: Vec<_> = simulation.world.walls().map(|(_, w)| w.name()).collect();
     if !walls.is_empty() {
         say(&format!("walls: {}", walls.join(", ")));

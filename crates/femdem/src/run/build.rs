@@ -149,6 +149,7 @@ impl Scenario {
         self.set_pairs(&mut simulation)?;
         loads.bound_step(&mut simulation)?;
         simulation.control(self)?;
+        self.add_bonds(&mut simulation)?;
         Ok(simulation)
     }
 

@@ -15,7 +15,7 @@ use super::{NamedWall, Simulation};
 use crate::Error;
 
 /// Columns of `history.csv` before those of the walls and supports.
-pub const HISTORY_COLUMNS: [&str; 30] = [
+pub const HISTORY_COLUMNS: [&str; 34] = [
     "time",
     "step",
     "time_step",
@@ -25,6 +25,7 @@ pub const HISTORY_COLUMNS: [&str; 30] = [
     "contact",
     "friction_springs",
     "cracks",
+    "bonds",
     "dissipated_friction",
     "dissipated_damping",
     "dissipated_medium",
@@ -32,6 +33,7 @@ pub const HISTORY_COLUMNS: [&str; 30] = [
     "dissipated_plastic",
     "dissipated_bridges",
     "dissipated_fracture",
+    "dissipated_bonds",
     "dissipated_release",
     "frozen",
     "work_in",
@@ -46,6 +48,8 @@ pub const HISTORY_COLUMNS: [&str; 30] = [
     "z_mean",
     "contacts",
     "fragments",
+    "bonds_holding",
+    "bonds_broken",
 ];
 
 /// Columns of `members.csv`.
@@ -149,6 +153,7 @@ pub(super) fn history_row(
         ledger.elastic,
         ledger.friction_springs,
         ledger.cracks,
+        ledger.bonds,
         ledger.dissipated_friction,
         ledger.dissipated_damping,
         ledger.dissipated_medium,
@@ -156,6 +161,7 @@ pub(super) fn history_row(
         ledger.dissipated_plastic,
         ledger.dissipated_bridges,
         ledger.dissipated_fracture,
+        ledger.dissipated_bonds,
         ledger.dissipated_release,
         ledger.frozen,
         ledger.work_in + ledger.load_work,
@@ -172,6 +178,7 @@ pub(super) fn history_row(
     row.extend(numbers.map(number));
     row.push(contacts.to_string());
     row.push(simulation.piece_count().to_string());
+    row.extend(simulation.bond_counts().map(|count| count.to_string()));
     row.extend(forces.walls.iter().flat_map(vector));
     row.extend(reactions.iter().flat_map(vector));
     row

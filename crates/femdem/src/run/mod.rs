@@ -35,6 +35,8 @@
 //! ```
 
 mod body;
+mod bond_results;
+mod bonds;
 mod books;
 mod boundary;
 mod breakable;
@@ -96,6 +98,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 pub use body::{Behaviour, BodyEntry, Copies, FocusEntry};
+pub use bond_results::{BOND_COLUMNS, BondSummary};
+pub use bonds::BondEntry;
 pub use boundary::BoundaryEntry;
 pub use breakable::FractureMesh;
 pub use cells::{CELL_COLUMNS, WALL_HISTORY_COLUMNS};
@@ -182,6 +186,8 @@ pub struct Scenario {
     pub wall: Vec<WallEntry>,
     /// Bodies.
     pub body: Vec<BodyEntry>,
+    /// Bonds between bodies.
+    pub bond: Vec<BondEntry>,
     /// Loads on bodies.
     pub load: Vec<LoadEntry>,
     /// Sources of bodies.
@@ -227,6 +233,7 @@ impl Default for Scenario {
             material: BTreeMap::new(),
             wall: Vec::new(),
             body: Vec::new(),
+            bond: Vec::new(),
             load: Vec::new(),
             source: Vec::new(),
             sink: Vec::new(),

@@ -6,7 +6,9 @@ use std::io::{self, Write};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{CellState, Ending, FractureSummary, Penalty, RelaxSummary, RestSummary, Run, Side};
+use super::{
+    BondSummary, CellState, Ending, FractureSummary, Penalty, RelaxSummary, RestSummary, Run, Side,
+};
 use crate::{Error, Usage};
 
 /// Version of the keys of the summary of a run.
@@ -59,6 +61,8 @@ pub struct RunSummary {
     pub strain: Option<StrainSummary>,
     /// The breakable bodies now; `null` without any.
     pub fracture: Option<FractureSummary>,
+    /// The bonds now; `null` without any.
+    pub bonds: Option<BondSummary>,
     /// Contacts now.
     pub contacts: usize,
     /// Threads of the last part of the run.
@@ -165,6 +169,8 @@ pub struct RunEnergy {
     pub friction_springs: f64,
     /// Energy in the cracks of bodies.
     pub cracks: f64,
+    /// Energy in bonds.
+    pub bonds: f64,
     /// Dissipated by friction.
     pub dissipated_friction: f64,
     /// Dissipated by the damping of contacts.
@@ -179,7 +185,9 @@ pub struct RunEnergy {
     pub dissipated_bridges: f64,
     /// Dissipated by breaking; less what was lent, this is the energy of fracture.
     pub dissipated_fracture: f64,
-    /// Dissipated where the sides of cracks became skin.
+    /// Dissipated by breaking bonds.
+    pub dissipated_bonds: f64,
+    /// Dissipated where the sides of cracks became skin, and where bonds ended.
     pub dissipated_release: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
@@ -268,6 +276,7 @@ impl RunSummary {
             momentum: (world.linear_momentum() + Vector3::zeros()).into(),
             strain: strain(run)?,
             fracture: simulation.fracture_summary(),
+            bonds: simulation.bond_summary(),
             contacts: contacts.len(),
             threads: usage.threads,
             wall_seconds: usage.wall_seconds,
@@ -344,6 +353,7 @@ fn energy(ledger: &femdem_solve::Ledger) -> RunEnergy {
         friction_springs: plain(ledger.friction_springs),
         lent: plain(ledger.lent),
         cracks: plain(ledger.cracks),
+        bonds: plain(ledger.bonds),
         dissipated_friction: plain(ledger.dissipated_friction),
         dissipated_damping: plain(ledger.dissipated_damping),
         dissipated_medium: plain(ledger.dissipated_medium),
@@ -351,6 +361,7 @@ fn energy(ledger: &femdem_solve::Ledger) -> RunEnergy {
         dissipated_plastic: plain(ledger.dissipated_plastic),
         dissipated_bridges: plain(ledger.dissipated_bridges),
         dissipated_fracture: plain(ledger.dissipated_fracture),
+        dissipated_bonds: plain(ledger.dissipated_bonds),
         dissipated_release: plain(ledger.dissipated_release),
         frozen: plain(ledger.frozen),
         ledger_error_relative: plain(ledger.error_relative()),

@@ -67,6 +67,7 @@ impl World {
             deformable == 0,
             "0: implicit steps are for rigid bodies",
         )?;
+        self.refuse_bonds("bonds with time_step.implicit")?;
         self.cell().map_or(Ok(()), check_rests)?;
         self.meet_newcomers()?;
         let since = std::mem::take(&mut self.behind);

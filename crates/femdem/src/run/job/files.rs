@@ -35,7 +35,7 @@ impl Run {
     }
 
     /// Writes the files of the end: for a run that was stopped before, a frame of the present state; the
-    /// picture; cracks, fragments and broken facets where bodies may break; and last of all `summary.json`.
+    /// picture; cracks, fragments and broken facets where bodies may break; bonds; and last of all `summary.json`.
     ///
     /// # Errors
     ///
@@ -51,6 +51,9 @@ impl Run {
             write_file(folder.join("run.png"), |w| picture.write_png(w))?;
         }
         self.write_fracture(folder)?;
+        if self.simulation.has_bonds() {
+            write_file(folder.join("bonds.csv"), |w| self.simulation.write_bonds(w))?;
+        }
         let summary = RunSummary::of(self, usage)?;
         write_file(folder.join("summary.json"), |w| summary.write_json(w))?;
         Ok(summary)
@@ -128,6 +131,10 @@ impl Run {
             let path = frames.join(file_name(CRACKS, number));
             write_file(path, |w| simulation.write_cracks(w))?;
         }
+        if simulation.has_bonds() {
+            let path = frames.join(file_name(BONDS, number));
+            write_file(path, |w| simulation.write_bond_facets(w))?;
+        }
         if self.scenario.tables {
             self.write_tables(&frames, number)?;
         }
@@ -157,7 +164,7 @@ impl Run {
         Ok(())
     }
 
-    /// `run.pvd`, `contacts.pvd` and, where bodies may break, `cracks.pvd`.
+    /// `run.pvd`, `contacts.pvd` and, where bodies may break or are bonded, `cracks.pvd` and `bonds.pvd`.
     fn write_lists(&self, folder: &Path) -> Result<(), Error> {
         let world = &self.simulation.world;
         let kinds = [
@@ -165,7 +172,8 @@ impl Run {
             (self.simulation.has_rigid(), RIGID),
         ];
         let given = || kinds.iter().filter(|(given, _)| *given);
-        let (mut bodies, mut contacts, mut cracks) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut bodies, mut contacts) = (Vec::new(), Vec::new());
+        let (mut cracks, mut bonds) = (Vec::new(), Vec::new());
         for (number, &time) in self.frames.iter().enumerate() {
             let path = |kind| format!("frames/{}", file_name(kind, number));
             bodies.extend(
@@ -175,9 +183,13 @@ impl Run {
             );
             contacts.push((time, 0, path(CONTACTS)));
             cracks.push((time, 0, path(CRACKS)));
+            bonds.push((time, 0, path(BONDS)));
         }
         if self.simulation.has_breakable() {
             write_pvd_parts(folder.join("cracks.pvd"), &cracks)?;
+        }
+        if self.simulation.has_bonds() {
+            write_pvd_parts(folder.join("bonds.pvd"), &bonds)?;
         }
         write_pvd_parts(folder.join("run.pvd"), &bodies)?;
         Ok(write_pvd_parts(folder.join("contacts.pvd"), &contacts)?)
@@ -188,6 +200,7 @@ const DEFORMABLE: (&str, &str) = ("deformable", "vtu");
 const RIGID: (&str, &str) = ("rigid", "vtu");
 const PICTURE: (&str, &str) = ("picture", "png");
 const CONTACTS: (&str, &str) = ("contacts", "vtp");
+const BONDS: (&str, &str) = ("bonds", "vtp");
 const CRACKS: (&str, &str) = ("cracks", "vtp");
 
 fn file_name((stem, extension): (&str, &str), number: usize) -> String {

@@ -1,0 +1,360 @@
+//! The bonds of a batch.
+
+use super::ContactBatch;
+#[cfg(feature = "parallel")]
+use super::SERIAL_BELOW;
+use crate::bond::{Bond, BondLaw, BondSection, between_shapes};
+use crate::contact::{BodyId, Load};
+use crate::error::{ContactError, check};
+use crate::generalized::Resistance;
+use crate::glue::GlueLoss;
+use crate::motion::Motion;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Number of a bond, by order of addition. Numbers of bonds that have gone are not given again.
+pub type BondId = u32;
+
+/// Bonds that have ended.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct EndedBonds {
+    /// What they held, J.
+    pub held: f64,
+    /// Pairs of bodies that no bond holds any more, ascending: they meet by the kernel again.
+    pub parted: BTreeSet<(BodyId, BodyId)>,
+}
+
+/// All bonds, and which bodies they hold.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct Bonds {
+    list: Vec<Option<Bond>>,
+    /// Those of each body that have not ended, ascending.
+    of: BTreeMap<BodyId, Vec<BondId>>,
+    /// Pairs that such bonds hold, lower number first, and how many.
+    pairs: BTreeMap<(BodyId, BodyId), u32>,
+    /// What the last update dissipated, J.
+    lost: [f64; 2],
+}
+
+/// A pair, lower number first.
+fn key([a, b]: [BodyId; 2]) -> (BodyId, BodyId) {
+    (a.min(b), a.max(b))
+}
+
+impl Bonds {
+    /// Whether a bond holds the two, the lower number first.
+    pub fn hold(&self, pair: (BodyId, BodyId)) -> bool {
+        !self.pairs.is_empty() && self.pairs.contains_key(&pair)
+    }
+
+    fn enter(&mut self, id: BondId, bodies: [BodyId; 2]) {
+        for body in bodies {
+            self.of.entry(body).or_default().push(id);
+        }
+        *self.pairs.entry(key(bodies)).or_default() += 1;
+    }
+
+    /// Takes a bond out of the lists. Returns whether it was the last of its pair.
+    fn leave(&mut self, id: BondId, bodies: [BodyId; 2]) -> bool {
+        for body in bodies {
+            if let Some(list) = self.of.get_mut(&body) {
+                list.retain(|other| *other != id);
+                if list.is_empty() {
+                    self.of.remove(&body);
+                }
+            }
+        }
+        let Some(count) = self.pairs.get_mut(&key(bodies)) else {
+            return false;
+        };
+        *count -= 1;
+        let was_last = *count == 0;
+        if was_last {
+            self.pairs.remove(&key(bodies));
+        }
+        was_last
+    }
+
+    /// Those of a body that have not ended.
+    fn of(&self, body: BodyId) -> impl Iterator<Item = &Bond> {
+        let list = self.of.get(&body);
+        let ids = list.into_iter().flatten();
+        ids.filter_map(|id| self.list.get(*id as usize)?.as_ref())
+    }
+
+    /// The bodies that bonds hold to one.
+    pub fn partners(&self, body: BodyId) -> impl Iterator<Item = BodyId> {
+        let other = move |bond: &Bond| bond.bodies().into_iter().find(|i| *i != body);
+        self.of(body).filter_map(other)
+    }
+
+    /// Removes the bonds of a body.
+    pub fn forget(&mut self, body: BodyId) {
+        if !self
+            .list
+            .iter()
+            .flatten()
+            .any(|b| b.bodies().contains(&body))
+        {
+            return;
+        }
+        for bond in &mut self.list {
+            if bond.as_ref().is_some_and(|b| b.bodies().contains(&body)) {
+                *bond = None;
+            }
+        }
+        self.index();
+    }
+
+    /// Makes the lists of the bonds that have not ended.
+    fn index(&mut self) {
+        let alive = (0..).zip(&self.list);
+        let alive = alive.filter_map(|(id, bond)| Some((id, bond.as_ref()?)));
+        let alive: Vec<_> = alive
+            .filter(|(_, bond)| !bond.has_ended())
+            .map(|(id, bond)| (id, bond.bodies()))
+            .collect();
+        self.of.clear();
+        self.pairs.clear();
+        for (id, bodies) in alive {
+            self.enter(id, bodies);
+        }
+    }
+
+    /// Whether all fits together, with bodies for which `is_rigid` holds.
+    pub fn are_sound(&self, is_rigid: impl Fn(BodyId) -> bool) -> bool {
+        let mut right = self.clone();
+        right.index();
+        let all = || self.list.iter().flatten();
+        let fits = |bond: &Bond| {
+            let [a, b] = bond.bodies();
+            a != b && is_rigid(a) && is_rigid(b) && bond.is_sound()
+        };
+        right.of == self.of && right.pairs == self.pairs && all().all(fits)
+    }
+
+    /// Evaluates all that hold an awake body.
+    pub fn update(&mut self, bodies: &[Motion], awake: &[bool]) {
+        self.lost = [0.0; 2];
+        if self.pairs.is_empty() {
+            return;
+        }
+        let evaluate = |bond: &mut Option<Bond>| {
+            let due = bond.as_mut().filter(|bond| {
+                let moves = |i: BodyId| awake.get(i as usize).copied().unwrap_or(false);
+                !bond.has_ended() && bond.bodies().into_iter().any(moves)
+            });
+            due.map_or_else(GlueLoss::default, |bond| {
+                let motions = bond.bodies().map(|i| &bodies[i as usize]);
+                bond.update(motions)
+            })
+        };
+        #[cfg(feature = "parallel")]
+        let losses: Vec<GlueLoss> =
+            if self.list.len() >= SERIAL_BELOW && rayon::current_num_threads() > 1 {
+                use rayon::prelude::*;
+                self.list.par_iter_mut().map(evaluate).collect()
+            } else {
+                self.list.iter_mut().map(evaluate).collect()
+            };
+        #[cfg(not(feature = "parallel"))]
+        let losses: Vec<GlueLoss> = self.list.iter_mut().map(evaluate).collect();
+        for loss in losses {
+            self.lost[0] += loss.glue;
+            self.lost[1] += loss.friction;
+        }
+    }
+
+    /// Adds the loads of the bonds of awake bodies, in the order of the bonds.
+    pub fn add_loads(&self, awake: &[bool], loads: &mut [Load]) {
+        if self.pairs.is_empty() {
+            return;
+        }
+        for bond in self.list.iter().flatten().filter(|bond| !bond.has_ended()) {
+            for (k, i) in bond.bodies().into_iter().enumerate() {
+                if awake[i as usize] {
+                    add_to(&mut loads[i as usize], bond, k);
+                }
+            }
+        }
+    }
+
+    /// Adds the loads of the bonds of one body.
+    pub fn add_load_of(&self, body: BodyId, load: &mut Load) {
+        for bond in self.of(body) {
+            add_to(load, bond, usize::from(bond.bodies()[1] == body));
+        }
+    }
+
+    /// Adds the springs and dashpots of the bonds of a body.
+    pub fn resist(&self, body: BodyId, is_awake: impl Fn(BodyId) -> bool, to: &mut Resistance) {
+        for bond in self.of(body) {
+            let k = usize::from(bond.bodies()[1] == body);
+            let moves = is_awake(bond.bodies()[1 - k]);
+            let side = &bond.sides[k];
+            let share = if moves { side.share } else { 1.0 };
+            to.stiffness.add_scaled(&side.stiffness, share);
+            to.viscosity.add_scaled(&side.stiffness, share * bond.delay);
+        }
+    }
+}
+
+fn add_to(load: &mut Load, bond: &Bond, k: usize) {
+    let state = bond.state();
+    let normal = state.force.dot(&state.normal).abs();
+    let side = &bond.sides[k];
+    // Springs at points, of the same stiffness along all axes: k (v + w x a)^2 <= k (1/m + a^2/I).
+    let springs = [
+        side.stiffness.translation.m11,
+        0.5 * side.stiffness.turning.trace(),
+    ];
+    let stiffness = springs.map(|spring| spring * side.share);
+    let viscosity = stiffness.map(|spring| spring * bond.delay);
+    load.add_bond(
+        [&side.elastic, &side.damping],
+        normal,
+        [stiffness, viscosity],
+    );
+}
+
+impl ContactBatch {
+    /// Bonds two rigid bodies as they lie, without force; `motions` are those of all bodies. Contacts of the two end with their
+    /// friction, and the bond alone acts between them until it [ends](Self::end_bonds).
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] for a body that is not there or not rigid, [`ContactError::Parameter`] for a body with itself, in
+    /// periodic space, and as [`BondLaw::check`].
+    pub fn add_bond(
+        &mut self,
+        [a, b]: [BodyId; 2],
+        section: &BondSection,
+        law: BondLaw,
+        motions: &[Motion],
+    ) -> Result<BondId, ContactError> {
+        for body in [a, b] {
+            if !self.is_rigid(body) || body as usize >= motions.len() {
+                return Err(ContactError::NoSuch {
+                    what: "rigid body",
+                    index: body as usize,
+                    count: self.rigid_count(),
+                });
+            }
+        }
+        let allowed = "two bodies: give two different numbers";
+        check("bodies of a bond", f64::from(a), a != b, allowed)?;
+        let periodic = f64::from(u8::from(self.space.is_some()));
+        let allowed = "0: bonds do not reach over the edges of a periodic cell";
+        check(
+            "bonds in periodic space",
+            periodic,
+            self.space.is_none(),
+            allowed,
+        )?;
+        let sides = [a, b].map(|body| &motions[body as usize]);
+        let bond = Bond::new([a, b], section, law, sides)?;
+        let id = self.bonds.list.len() as BondId;
+        self.bonds.list.push(Some(bond));
+        self.bonds.enter(id, [a, b]);
+        self.pairs.part(key([a, b]));
+        Ok(id)
+    }
+
+    /// The section in which two rigid bodies can be bonded, by their shapes; see [`between_shapes`]. `motions` are those of all bodies.
+    ///
+    /// # Errors
+    /// As [`between_shapes`].
+    pub fn section_between(
+        &self,
+        bodies: [BodyId; 2],
+        motions: &[Motion],
+        gap: f64,
+        ratio: f64,
+    ) -> Result<Option<BondSection>, ContactError> {
+        let side = |body: BodyId| {
+            let shape = self.shapes.get(self.shape_index(body)? as usize)?;
+            Some((shape, &motions.get(body as usize)?.frame))
+        };
+        let [Some(a), Some(b)] = bodies.map(side) else {
+            return Ok(None);
+        };
+        between_shapes([a, b], gap, ratio)
+    }
+
+    /// All bonds with their numbers, ascending; those that have ended too.
+    pub fn bonds(&self) -> impl Iterator<Item = (BondId, &Bond)> {
+        let list = (0..).zip(&self.bonds.list);
+        list.filter_map(|(id, bond)| Some((id, bond.as_ref()?)))
+    }
+
+    /// A bond; `None` for one that was never added or whose body has gone.
+    pub fn bond(&self, id: BondId) -> Option<&Bond> {
+        self.bonds.list.get(id as usize)?.as_ref()
+    }
+
+    /// Whether any bond has not ended.
+    pub fn has_bonds(&self) -> bool {
+        !self.bonds.pairs.is_empty()
+    }
+
+    /// Whether bonds hold two bodies, which then have no contact.
+    pub fn are_bonded(&self, bodies: [BodyId; 2]) -> bool {
+        self.bonds.hold(key(bodies))
+    }
+
+    /// What bonds dissipated in the last update by glue and by friction, J.
+    pub fn lost_in_bonds(&self) -> [f64; 2] {
+        self.bonds.lost
+    }
+
+    /// The step in which no bond opens by more than `share` of G_I/f_t at the velocities of `motions`, s.
+    pub fn step_of_bonds(&self, motions: &[Motion], share: f64) -> f64 {
+        let awake = |bond: &&Bond| bond.bodies().into_iter().any(|i| self.is_awake(i));
+        let alive = self.bonds.list.iter().flatten();
+        let steps = alive
+            .filter(|bond| !bond.has_ended())
+            .filter(awake)
+            .map(|bond| bond.resolving_step(bond.bodies().map(|i| &motions[i as usize]), share));
+        steps.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Energy stored in the bonds, J; with a body, in those of it alone.
+    pub fn stored_in_bonds(&self, body: impl Into<Option<BodyId>>) -> f64 {
+        let body = body.into();
+        let own = |bond: &&Bond| body.is_none_or(|body| bond.bodies().contains(&body));
+        let all = self.bonds.list.iter().flatten().filter(own);
+        0.0 + all.map(|bond| bond.state().energy).sum::<f64>()
+    }
+
+    /// The bodies that bonds hold together with those of a list, themselves included, ascending.
+    pub fn bonded_with(&self, bodies: &[BodyId]) -> Vec<BodyId> {
+        let mut all: BTreeSet<BodyId> = bodies.iter().copied().collect();
+        let mut new: Vec<BodyId> = bodies.to_vec();
+        while let Some(body) = new.pop() {
+            for bond in self.bonds.of(body) {
+                new.extend(bond.bodies().into_iter().filter(|other| all.insert(*other)));
+            }
+        }
+        Vec::from_iter(all)
+    }
+
+    /// Ends the broken bonds that carry nothing any more or have slid too far, and notes the time (s) of those that have broken.
+    pub fn end_bonds(&mut self, motions: &[Motion], time: f64) -> EndedBonds {
+        let mut ended = EndedBonds::default();
+        if self.bonds.pairs.is_empty() {
+            return ended;
+        }
+        for id in 0..self.bonds.list.len() {
+            let Some(bond) = &mut self.bonds.list[id] else {
+                continue;
+            };
+            let bodies = bond.bodies();
+            if bond.may_end(time, bodies.map(|i| &motions[i as usize])) {
+                ended.held += bond.end();
+                if self.bonds.leave(id as BondId, bodies) {
+                    ended.parted.insert(key(bodies));
+                }
+            }
+        }
+        ended
+    }
+}
