@@ -42,7 +42,8 @@ class Result(Bodies):
         for name in names:
             path = self.folder / name
             if path.is_file():
-                return json.loads(path.read_text(encoding="utf-8"))
+                found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+                return found
         raise _femdem.FemdemError(f"there is no {' and no '.join(names)} in {self.folder}")
 
     @cached_property

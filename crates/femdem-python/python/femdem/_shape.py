@@ -12,9 +12,6 @@ from . import _femdem, _others
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import meshio
-    import pyvista
-    import trimesh
     from numpy.typing import ArrayLike, NDArray
 
 
@@ -130,16 +127,16 @@ class Shape:
         """Whether it is the exact ball, of which the vertices are a picture."""
         return self._shape.is_ball
 
-    def to_trimesh(self) -> trimesh.Trimesh:
-        """The surface for trimesh."""
+    def to_trimesh(self) -> Any:
+        """The surface as a ``trimesh.Trimesh``."""
         return _others.need("trimesh").Trimesh(self.vertices, self.triangles, process=False)
 
-    def to_pyvista(self) -> pyvista.PolyData:
-        """The surface for PyVista."""
+    def to_pyvista(self) -> Any:
+        """The surface as a ``pyvista.PolyData``."""
         return _others.polydata(self.vertices, self.triangles, {})
 
-    def to_meshio(self) -> meshio.Mesh:
-        """The surface for meshio."""
+    def to_meshio(self) -> Any:
+        """The surface as a ``meshio.Mesh``."""
         return _others.need("meshio").Mesh(self.vertices, [("triangle", self.triangles)])
 
     def __reduce__(self) -> tuple[Any, ...]:

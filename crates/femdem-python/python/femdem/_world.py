@@ -226,7 +226,8 @@ class World(Bodies):
     @property
     def parameters(self) -> dict[str, Any]:
         """Gravity, contact law, time step, rules of sleep and medium."""
-        return json.loads(self._world.parameters())
+        found: dict[str, Any] = json.loads(self._world.parameters())
+        return found
 
     @property
     def time(self) -> float:
@@ -346,7 +347,8 @@ class World(Bodies):
 
     def residuals(self) -> dict[str, Any]:
         """How far the bodies are from equilibrium."""
-        return json.loads(self._world.residuals())
+        found: dict[str, Any] = json.loads(self._world.residuals())
+        return found
 
     def state_hash(self) -> int:
         """A checksum of the whole state, to compare runs."""

@@ -364,6 +364,7 @@ mod tests {
             out: PathBuf::from("o"),
             chart: None,
             threads: None,
+            stop: None,
         };
         let base: Table = "seed = 7\ncount = 5".parse().unwrap();
         let made = jobs(&args, &base, false).unwrap();
@@ -399,6 +400,7 @@ mod tests {
             let refused = SweepArgs {
                 vary: keys.into_iter().map(vary).collect(),
                 out: PathBuf::from("o"),
+                stop: None,
                 scene: PathBuf::new(),
                 chart: None,
                 ..twice
@@ -419,6 +421,7 @@ mod tests {
             out: folder.path().to_path_buf(),
             chart: None,
             threads: None,
+            stop: None,
         };
         let made = jobs(&args, &Table::new(), false).unwrap();
         fs::create_dir(&made[0].folder).unwrap();
