@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 
-use crate::{book, tidy};
+use crate::{book, python, tidy};
 
 /// A cargo command of the list.
 struct Step {
@@ -15,10 +15,10 @@ struct Step {
     environment: &'static [(&'static str, &'static str)],
 }
 
-/// Everything except `tidy` and the book, which run in this process after them. Cheap steps come first.
+/// Everything except `python`, `tidy` and the book, which run in this process after them. Cheap steps come first.
 ///
 /// The commands without a package option act on the default members, which are the crates of
-/// `crates/`: there, `--no-default-features` builds the serial code paths.
+/// `crates/` but the bindings: there, `--no-default-features` builds the serial code paths.
 const STEPS: [Step; 7] = [
     Step {
         name: "format",
@@ -64,7 +64,14 @@ const STEPS: [Step; 7] = [
 /// # Errors
 /// When cargo itself cannot be started, or the workspace cannot be read.
 pub(crate) fn run(root: &Path, full: bool) -> Result<bool> {
-    let total = STEPS.len() + 1 + usize::from(full);
+    let mut last: Vec<Own> = vec![
+        ("python", "cargo xtask python", python::run),
+        ("tidy", "cargo xtask tidy", tidy::run),
+    ];
+    if full {
+        last.push(("book", "cargo xtask book", |root| book::run(root, None)));
+    }
+    let total = STEPS.len() + last.len();
     let mut times = Vec::with_capacity(total);
     for (index, step) in STEPS.iter().enumerate() {
         let command = format!("cargo {}", step.arguments);
@@ -75,10 +82,6 @@ pub(crate) fn run(root: &Path, full: bool) -> Result<bool> {
         if !passed {
             return Ok(finish(&times, Some((step.name, &command))));
         }
-    }
-    let mut last: Vec<Own> = vec![("tidy", "cargo xtask tidy", tidy::run)];
-    if full {
-        last.push(("book", "cargo xtask book", |root| book::run(root, None)));
     }
     for (index, (name, command, check)) in last.into_iter().enumerate() {
         heading(STEPS.len() + 1 + index, total, name, command);

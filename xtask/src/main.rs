@@ -3,11 +3,12 @@
 //! `tidy` checks what the compiler does not: the documented crate graph against the real one, the tests of the
 //! invariants, file lengths, leftovers, crate docs, the book's links and length. `ci` runs every check that a change
 //! must pass, in the same order as `.ci/run`. `book` runs the commands of the book. `browser` tests the report page in
-//! Chromium.
+//! Chromium, `python` the Python bindings.
 
 mod book;
 mod browser;
 mod ci;
+mod python;
 mod tidy;
 
 use std::process::ExitCode;
@@ -40,6 +41,8 @@ enum Task {
     },
     /// Try the report page in headless Chromium, installed if it is not there
     Browser,
+    /// Build and install the wheel of the Python bindings, and run its tests and examples
+    Python,
 }
 
 fn main() -> ExitCode {
@@ -55,5 +58,6 @@ fn run() -> Result<bool> {
         Task::Ci { full } => ci::run(&root, full),
         Task::Book { only } => book::run(&root, only.as_deref()),
         Task::Browser => browser::run(&root),
+        Task::Python => python::run(&root),
     }
 }

@@ -49,7 +49,7 @@
 //!
 //! A pack passes through these as data: [`pack::Packing`] → [`results::snapshot`] → [`Snapshot`] → [`output`],
 //! [`picture`], [`Summary`]. What takes a [`Snapshot`] is the crate femdem-view, which needs none of the crates of
-//! contacts and motion. Nothing here holds global state, prints, or starts threads; only the program does.
+//! contacts and motion. Nothing here holds global state, prints, or starts threads; only [`program`] does.
 //!
 //! # Units
 //! SI: m, kg, s, N, J, Pa. d is the circumscribed diameter of a body; `_over_d` is relative to it.
@@ -68,6 +68,7 @@
 
 pub mod analysis;
 mod error;
+pub mod program;
 pub mod resolve;
 pub mod results;
 pub mod run;
@@ -96,6 +97,9 @@ pub use femdem_view::{
 };
 pub use results::{Summary, Usage};
 pub use scene::Scene;
+
+// The program names the libraries as any other code does.
+extern crate self as femdem;
 
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/extending.md")]

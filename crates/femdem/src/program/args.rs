@@ -1,6 +1,8 @@
 //! Options of `femdem pack` and of commands that run long.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 use femdem::Scene;
@@ -345,6 +347,10 @@ pub(crate) struct RunArgs {
     /// No progress and no summary on the terminal; errors are still shown
     #[arg(long, short)]
     pub quiet: bool,
+
+    /// What ends the run, where a host and not the program watches for it.
+    #[arg(skip)]
+    pub stop: Option<Arc<AtomicBool>>,
 }
 
 #[derive(Debug, Args)]

@@ -208,7 +208,7 @@ fn page() -> String {
     let is_common = |key: &(String, String)| users.get(key).is_some_and(|names| names.len() > 2);
     let mut text = "# Options of the program\n\n`femdem COMMAND --help` prints the same, with the files that each \
                     command writes. This page is compared with the program by a test; `WRITE_DOCS=1 cargo test -p \
-                    femdem --bin femdem` writes it anew.\n\n## Options of several commands\n\n"
+                    femdem --lib options` writes it anew.\n\n## Options of several commands\n\n"
         .to_owned();
     for (key, names) in users.iter().filter(|(key, _)| is_common(key)) {
         let names: Vec<_> = names.iter().copied().collect();
@@ -239,6 +239,6 @@ fn the_page_of_options_is_that_of_the_program() {
     let found = fs::read_to_string(&path).unwrap();
     assert!(
         found == wanted,
-        "docs/options.md is not what the program says: WRITE_DOCS=1 cargo test -p femdem --bin femdem"
+        "docs/options.md is not what the program says: WRITE_DOCS=1 cargo test -p femdem --lib options"
     );
 }

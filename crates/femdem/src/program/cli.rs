@@ -1,6 +1,8 @@
 //! The command line.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use clap::{Args, Parser, Subcommand};
 
@@ -104,6 +106,20 @@ pub(crate) enum Command {
     Sweep(SweepArgs),
     /// List the shapes that --shape knows, with their parameters, or draw them
     Shapes(ShapesArgs),
+}
+
+impl Command {
+    /// Lets a flag end the commands that run long, instead of Ctrl-C.
+    pub(super) fn stop_by(&mut self, flag: &Arc<AtomicBool>) {
+        let stop = match self {
+            Self::Pack(args) => &mut args.run.stop,
+            Self::Run(args) => &mut args.run.stop,
+            Self::Resume(args) => &mut args.run.stop,
+            Self::Sweep(args) => &mut args.stop,
+            _ => return,
+        };
+        *stop = Some(Arc::clone(flag));
+    }
 }
 
 #[derive(Debug, Args)]

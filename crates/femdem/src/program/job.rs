@@ -1,6 +1,7 @@
 //! Running a packing job to its end, or to Ctrl-C, and writing the results.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -35,6 +36,7 @@ pub(crate) fn pack(args: &PackArgs) -> Result<Outcome> {
         write_scene(&scene)?;
         let run = Run {
             folder: scene.out.clone(),
+            stop: args.run.stop.clone(),
             quiet: args.run.quiet,
             every,
             page: args.report,
@@ -70,7 +72,8 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
         threads,
         checkpoint_every,
         quiet,
-    } = args.run;
+        stop,
+    } = args.run.clone();
     let every = checkpoint_interval(checkpoint_every)?;
     in_pool(threads.map(usize::from), |threads| {
         let _claim = folder::claim(&args.folder)?;
@@ -80,6 +83,7 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
         }
         let run = Run {
             folder: args.folder.clone(),
+            stop,
             quiet,
             every,
             page: args.report,
@@ -98,6 +102,7 @@ fn write_scene(scene: &Scene) -> Result<()> {
 /// One part of a run: from here to the end or to Ctrl-C.
 struct Run {
     folder: PathBuf,
+    stop: Option<Arc<AtomicBool>>,
     quiet: bool,
     every: Duration,
     /// Whether the report page is written too.
@@ -106,7 +111,7 @@ struct Run {
 
 impl Run {
     fn to_end(&self, mut packing: Packing, before: Usage, threads: usize) -> Result<Outcome> {
-        let interrupted = watch_for_interrupt()?;
+        let interrupted = watch_for_interrupt(self.stop.as_ref())?;
         let meter = Meter::start(before, threads, packing.is_done());
         // Written at once, so that a folder without write access is detected before the work.
         folder::save(

@@ -1,33 +1,114 @@
-//! The parts of the program.
+//! The program: its command line, and every command of it for a host of another language.
+//!
+//! This is the only module that prints and starts threads. Rust code is better served by the libraries, which take
+//! and return data.
 
-pub(crate) mod analyse;
+mod analyse;
 mod args;
 #[cfg(test)]
 mod book;
 mod check;
-pub(crate) mod cli;
+mod cli;
 mod folder;
-pub(crate) mod job;
+mod job;
 mod meter;
 mod overlaps;
-pub(crate) mod picture;
-pub(crate) mod pores;
+mod picture;
+mod pores;
 mod progress;
-pub(crate) mod report;
-pub(crate) mod resolve;
-pub(crate) mod run;
-pub(crate) mod running;
-pub(crate) mod shapes;
+mod report;
+mod resolve;
+mod run;
+mod running;
+mod shapes;
 mod source;
-pub(crate) mod stages;
-pub(crate) mod sweep;
+mod stages;
+mod sweep;
 
+use std::ffi::OsString;
 use std::io::Write;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
+use anyhow::Result;
+use clap::Parser;
 use femdem::scene::ShapeNote;
 
+use cli::{Cli, Command};
+pub use running::Outcome;
+
+/// Runs the command of this process's command line, says what went wrong, and returns the exit code.
+pub fn main() -> ExitCode {
+    match carry_out(Cli::parse().command) {
+        Ok(Outcome::Finished) => ExitCode::SUCCESS,
+        Ok(Outcome::Interrupted) => ExitCode::from(INTERRUPTED),
+        Err(error) => {
+            complain(&format!("error: {}", described(&error)));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs the command that `words` are, without the name of the program, for a host that watches for Ctrl-C itself: while it
+/// runs, the host may raise `stop`, and `pack`, `run`, `resume` and `sweep` end with a checkpoint. No signal handler is set.
+///
+/// ```
+/// use femdem::program::{Outcome, call};
+///
+/// let refused = call(["pack", "--count", "0", "--check"], &Default::default());
+/// assert!(refused.is_err_and(|why| why.contains("count")));
+/// let listed = call(["shapes", "--json"], &Default::default())?;
+/// assert_eq!(listed, Outcome::Finished);
+/// # Ok::<(), String>(())
+/// ```
+///
+/// # Errors
+///
+/// What the program would say.
+pub fn call<W>(
+    words: impl IntoIterator<Item = W>,
+    stop: &Arc<AtomicBool>,
+) -> Result<Outcome, String>
+where
+    W: Into<OsString>,
+{
+    let program = OsString::from("femdem");
+    let words = std::iter::once(program).chain(words.into_iter().map(Into::into));
+    let mut command = Cli::try_parse_from(words)
+        .map_err(|refusal| refused(&refusal))?
+        .command;
+    command.stop_by(stop);
+    carry_out(command).map_err(|error| described(&error))
+}
+
+/// What the parser of the command line refuses, without its advice for the terminal.
+fn refused(refusal: &clap::Error) -> String {
+    let text = refusal.to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text);
+    let advice = text
+        .find("\n\nUsage:")
+        .or(text.find("\n\nFor more information"));
+    text[..advice.unwrap_or(text.len())].trim_end().to_owned()
+}
+
+fn carry_out(command: Command) -> Result<Outcome> {
+    match command {
+        Command::Pack(args) => job::pack(&args),
+        Command::Run(args) => stages::run(&args),
+        Command::Resume(args) => job::resume(&args),
+        Command::Analyse(args) => analyse::run(&args),
+        Command::Picture(args) => picture::run(&args),
+        Command::Report(args) => report::run(&args),
+        Command::Pores(args) => pores::run(&args),
+        Command::Resolve(args) => resolve::run(&args),
+        Command::Sweep(args) => sweep::run(&args),
+        Command::Shapes(args) => shapes::run(&args).map(|()| Outcome::Finished),
+    }
+}
+
 /// Exit code after Ctrl-C, as in shells: 128 + SIGINT.
-pub(crate) const INTERRUPTED: u8 = 130;
+const INTERRUPTED: u8 = 130;
 
 /// Writes a line to standard output. A closed reader, such as `head`, is not an error.
 pub(crate) fn say(text: &str) {

@@ -1,6 +1,7 @@
 //! `femdem run`: stepping a scenario to its end, or to Ctrl-C.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -74,6 +75,7 @@ pub(super) fn run_scenario(args: &SceneArgs, scenario: Scenario) -> Result<Outco
         let part = Part {
             folder: run.scenario().out.clone(),
             quiet: args.run.quiet,
+            stop: args.run.stop.clone(),
             every,
         };
         let _claim = folder::prepare(&part.folder, args.force)?;
@@ -104,6 +106,7 @@ pub(crate) fn resume(args: &ResumeArgs) -> Result<Outcome> {
         let part = Part {
             folder: args.folder.clone(),
             quiet: args.run.quiet,
+            stop: args.run.stop.clone(),
             every,
         };
         part.to_end(run, usage, threads)
@@ -167,13 +170,14 @@ fn write_scene(folder: &Path, scenario: &Scenario) -> Result<()> {
 /// One part of a run: from here to the end or to Ctrl-C.
 struct Part {
     folder: PathBuf,
+    stop: Option<Arc<AtomicBool>>,
     quiet: bool,
     every: Duration,
 }
 
 impl Part {
     fn to_end(&self, mut run: Run, before: Usage, threads: usize) -> Result<Outcome> {
-        let interrupted = watch_for_interrupt()?;
+        let interrupted = watch_for_interrupt(self.stop.as_ref())?;
         let done = run.ending().is_some();
         let meter = Meter::start(before, threads, done);
         // Written at once, so that a folder without write access is detected before the work.

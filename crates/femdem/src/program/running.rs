@@ -9,7 +9,8 @@ use femdem::Scene;
 
 /// How a command ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Outcome {
+pub enum Outcome {
+    /// With all that it was asked for.
     Finished,
     /// By Ctrl-C; a checkpoint was written.
     Interrupted,
@@ -47,8 +48,12 @@ pub(super) fn checkpoint_interval(seconds: Option<f64>) -> Result<Duration> {
     })
 }
 
-/// A flag that Ctrl-C sets, the same for all jobs of the program. A second Ctrl-C ends the program at once.
-pub(super) fn watch_for_interrupt() -> Result<Arc<AtomicBool>> {
+/// The flag of a host; or one that Ctrl-C sets, the same for all jobs of the program, where a second Ctrl-C ends the program
+/// at once.
+pub(super) fn watch_for_interrupt(host: Option<&Arc<AtomicBool>>) -> Result<Arc<AtomicBool>> {
+    if let Some(flag) = host {
+        return Ok(Arc::clone(flag));
+    }
     static WATCHED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
     if let Some(flag) = WATCHED.get() {
         return Ok(Arc::clone(flag));

@@ -70,8 +70,12 @@ pub struct MaterialEntry {
 }
 
 impl MaterialEntry {
-    /// The law with its density; the error of a material without a law says that one is needed.
-    pub(super) fn region(&self) -> Result<MaterialRegion, Error> {
+    /// The law with its density.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Option`] with the key: a material without a law, or with a number out of the range of its law.
+    pub fn region(&self) -> Result<MaterialRegion, Error> {
         let law = self.law.ok_or_else(|| {
             wrong(
                 "law",

@@ -78,8 +78,12 @@ pub struct BoxEntry {
 
 impl WallEntry {
     /// Adds the wall, or the walls of a box, to a world, and returns how its file was read, if it has one; `name` is
-    /// that of the entry.
-    pub(super) fn add_to(
+    /// that of the entry. Its control and the time at which it opens are of a simulation, not of a world.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Option`] with the key at fault, and those of the file.
+    pub fn add_to(
         &self,
         name: &str,
         material: MaterialId,

@@ -14,7 +14,8 @@ use super::{DEFAULT_DIAMETER, Scene, ShapeNote, Unit, sizes, surface};
 use crate::Error;
 
 /// Whether a text names the exact ball: the sphere without its level, which would make it a polyhedron.
-pub(crate) fn is_ball(text: &str) -> bool {
+#[must_use]
+pub fn is_ball(text: &str) -> bool {
     !text.contains(':') && matches!(text.parse(), Ok(Shape::Sphere(_)))
 }
 

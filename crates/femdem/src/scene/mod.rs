@@ -38,7 +38,7 @@ use femdem_pack::{Mixing, PackSpec, Packing, Penalty, Pour, Protocol, Release, S
 use femdem_solve::Medium;
 use serde::{Deserialize, Serialize};
 
-pub(crate) use bodies::is_ball;
+pub use bodies::is_ball;
 pub use bridge::BridgeEntry;
 pub use drag::Drag;
 pub(crate) use drag::per_second;

@@ -6,6 +6,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -46,6 +48,10 @@ pub(crate) struct SweepArgs {
     /// Threads of each job, 1 or more [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+
+    /// What ends the sweep, where a host and not the program watches for it.
+    #[arg(skip)]
+    pub stop: Option<Arc<AtomicBool>>,
 }
 
 pub(crate) const HELP: &str = "\
@@ -271,6 +277,7 @@ impl Job {
         })?;
         let how = RunArgs {
             threads: args.threads,
+            stop: args.stop.clone(),
             ..RunArgs::default()
         };
         if has_checkpoint {
@@ -357,6 +364,7 @@ mod tests {
             out: PathBuf::from("o"),
             chart: None,
             threads: None,
+            stop: None,
         };
         let base: Table = "seed = 7\ncount = 5".parse().unwrap();
         let made = jobs(&args, &base, false).unwrap();
@@ -392,6 +400,7 @@ mod tests {
             let refused = SweepArgs {
                 vary: keys.into_iter().map(vary).collect(),
                 out: PathBuf::from("o"),
+                stop: None,
                 scene: PathBuf::new(),
                 chart: None,
                 ..twice
@@ -412,6 +421,7 @@ mod tests {
             out: folder.path().to_path_buf(),
             chart: None,
             threads: None,
+            stop: None,
         };
         let made = jobs(&args, &Table::new(), false).unwrap();
         fs::create_dir(&made[0].folder).unwrap();

@@ -1,0 +1,88 @@
+"""Options as the compiled half and the program take them."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from ._femdem import FemdemError
+
+
+def plain(name: str, value: Any) -> Any:
+    """The same of plain Python types, without what is ``None``; numbers must be finite."""
+    if isinstance(value, Mapping):
+        given = {str(key): item for key, item in value.items() if item is not None}
+        return {key: plain(f"{name}.{key}", item) for key, item in given.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [plain(f"{name}[{k}]", item) for k, item in enumerate(value)]
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, float) and not math.isfinite(value):
+        raise FemdemError(f"{name} = {value} is not allowed: give a finite number")
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    raise FemdemError(f"{name} = {value!r} is not allowed: give numbers, texts, lists, arrays and dicts of these")
+
+
+def kebab(value: Any) -> Any:
+    """The same with the keys of scenes, which have hyphens."""
+    if isinstance(value, dict):
+        return {key.replace("_", "-"): kebab(item) for key, item in value.items()}
+    return [kebab(item) for item in value] if isinstance(value, list) else value
+
+
+def as_json(name: str, value: Mapping[str, Any]) -> str:
+    """A dict as text."""
+    return json.dumps(plain(name, value))
+
+
+def entry(name: str, value: Mapping[str, Any]) -> str:
+    """A table of a scene as text."""
+    return json.dumps(kebab(plain(name, value)))
+
+
+def toml(scene: Mapping[str, Any]) -> str:
+    """A scene as TOML, one key a line."""
+    lines = [f"{_key(key)} = {_value(value)}" for key, value in plain("scene", scene).items()]
+    return "\n".join(lines) + "\n"
+
+
+def _key(key: str) -> str:
+    return _text(key)
+
+
+def _text(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    if isinstance(value, str):
+        return _text(value)
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items()) + "}"
+    return "[" + ", ".join(_value(item) for item in value) + "]"
+
+
+def words(options: Mapping[str, Any]) -> list[str]:
+    """Keywords as options of the command line: ``wall_friction=0.3`` is ``--wall-friction=0.3``."""
+    found: list[str] = []
+    for key, value in options.items():
+        option = "--" + key.rstrip("_").replace("_", "-")
+        value = plain(key, value)
+        if value is None or value is False:
+            continue
+        if value is True:
+            found.append(option)
+            continue
+        for item in value if isinstance(value, list) else [value]:
+            found.append(f"{option}={item}")
+    return found

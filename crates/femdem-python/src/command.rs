@@ -1,0 +1,41 @@
+//! The commands of the program.
+
+use std::ffi::OsString;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use femdem::program::{Outcome, call};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+
+use crate::error::{FemdemError, fault, refused};
+
+/// Time between looks for Ctrl-C and for the end of a command.
+const BREATH: Duration = Duration::from_millis(20);
+
+/// Runs a command of the program to its end. After Ctrl-C it ends with a checkpoint, if it makes one.
+#[pyfunction]
+pub fn command(py: Python<'_>, words: Vec<OsString>) -> PyResult<()> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let seen = Arc::clone(&stop);
+    // The thread of the caller looks for signals meanwhile.
+    let work = thread::Builder::new().spawn(move || call(words, &seen));
+    let work = work.map_err(refused)?;
+    while !work.is_finished() {
+        py.detach(|| thread::sleep(BREATH));
+        if py.check_signals().is_err() {
+            stop.store(true, Ordering::Relaxed);
+        }
+    }
+    match py.detach(|| work.join()) {
+        Err(panic) => Err(fault(&*panic)),
+        Ok(Err(why)) => Err(FemdemError::new_err(why)),
+        Ok(Ok(Outcome::Interrupted)) => Err(PyKeyboardInterrupt::new_err(())),
+        Ok(Ok(Outcome::Finished)) if stop.load(Ordering::Relaxed) => {
+            Err(PyKeyboardInterrupt::new_err(()))
+        }
+        Ok(Ok(Outcome::Finished)) => Ok(()),
+    }
+}

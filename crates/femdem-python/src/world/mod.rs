@@ -1,0 +1,143 @@
+//! A world: bodies between walls, and their step.
+
+mod add;
+mod hand;
+mod state;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use femdem::contact::{ContactParameters, MaterialId};
+use femdem::mesh::Vector3;
+use femdem::results::{PACK_CHECKPOINT, SavedPack};
+use femdem::run::Run;
+use femdem::solve::{self, ShapeId, SolveError, WorldParameters};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::error::{options, refused, unlocked};
+use crate::shape::Form;
+use crate::threads::pool;
+
+/// Time of stepping after which Ctrl-C is looked for.
+const BREATH: Duration = Duration::from_millis(80);
+
+/// Rigid and deformable bodies between walls.
+#[pyclass(module = "femdem._femdem")]
+pub struct World {
+    world: solve::World,
+    /// The shapes that came from here.
+    shapes: Vec<(Arc<Form>, ShapeId)>,
+}
+
+impl From<solve::World> for World {
+    fn from(world: solve::World) -> Self {
+        let shapes = Vec::new();
+        Self { world, shapes }
+    }
+}
+
+#[pymethods]
+impl World {
+    #[new]
+    fn new(parameters: &str) -> PyResult<Self> {
+        let parameters: WorldParameters = options("World", parameters)?;
+        Ok(solve::World::new(parameters).map_err(refused)?.into())
+    }
+
+    /// The world of the bytes of `to_bytes`.
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
+        Ok(unlocked(py, || solve::World::from_bytes(bytes))?.into())
+    }
+
+    /// The world of a checkpoint in the folder of a pack or a run.
+    #[staticmethod]
+    fn from_folder(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
+        let world = unlocked(py, || {
+            if folder.join(PACK_CHECKPOINT).is_file() {
+                return SavedPack::read(&folder).map(|saved| saved.packing.into_world());
+            }
+            let (run, _) = Run::read(&folder)?;
+            Ok(run.simulation().world.clone())
+        })?;
+        Ok(world.into())
+    }
+
+    /// The whole state.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = unlocked(py, || self.world.to_bytes())?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// A checksum of the whole state.
+    fn state_hash(&self, py: Python<'_>) -> PyResult<u64> {
+        unlocked(py, || self.world.state_hash())
+    }
+
+    /// Takes at most so many steps, or steps until a time is reached, without the interpreter lock; returns how many it took.
+    /// Ctrl-C ends it between two of them.
+    fn step(&mut self, py: Python<'_>, steps: u64, until: f64) -> PyResult<u64> {
+        let (pool, world) = (pool()?, &mut self.world);
+        let (first, mut batch) = (world.steps(), 1);
+        let last = first.saturating_add(steps);
+        while world.steps() < last && world.time() < until {
+            let (end, began) = (last.min(world.steps() + batch), Instant::now());
+            let take = || -> Result<(), SolveError> {
+                while world.steps() < end && world.time() < until {
+                    world.step()?;
+                }
+                Ok(())
+            };
+            unlocked(py, || pool.install(take))?;
+            // How steps are divided does not change them.
+            batch = if began.elapsed() < BREATH {
+                batch * 2
+            } else {
+                (batch / 2).max(1)
+            };
+            py.check_signals()?;
+        }
+        Ok(world.steps() - first)
+    }
+
+    /// Replaces the contact law of all pairs of materials without one of their own.
+    fn set_contact(&mut self, py: Python<'_>, law: &str) -> PyResult<()> {
+        let law: ContactParameters = options("contact", law)?;
+        unlocked(py, || self.world.set_contact(law))
+    }
+
+    /// Gives a pair of materials a law of its own.
+    fn set_law(&mut self, py: Python<'_>, a: u8, b: u8, law: Option<&str>) -> PyResult<()> {
+        let law: Option<ContactParameters> = law.map(|law| options("law", law)).transpose()?;
+        unlocked(py, || self.world.set_law(MaterialId(a), MaterialId(b), law))
+    }
+
+    fn set_gravity(&mut self, gravity: [f64; 3]) -> PyResult<()> {
+        self.world
+            .set_gravity(Vector3::from(gravity))
+            .map_err(refused)
+    }
+
+    fn set_sleeping(&mut self, enabled: bool) {
+        self.world.set_sleeping(enabled);
+    }
+
+    fn parameters(&self) -> PyResult<String> {
+        serde_json::to_string(self.world.parameters()).map_err(refused)
+    }
+
+    fn restart_ledger(&mut self) {
+        self.world.restart_ledger();
+    }
+}
+
+/// Bodies that there are none of.
+fn no_body(body: u32, world: &solve::World) -> PyErr {
+    refused(SolveError::NoSuch {
+        what: "body",
+        index: body as usize,
+        count: world.body_count(),
+    })
+}

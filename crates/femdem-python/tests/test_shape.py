@@ -1,0 +1,79 @@
+"""Shapes: names, arrays, files."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import femdem
+
+TETRAHEDRON = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+FACES = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+
+
+def test_a_name_gives_a_shape_by_size_or_diameter():
+    cube = femdem.Shape("box:width=1,height=1", size=0.1)
+    assert cube.volume == pytest.approx(1e-3)
+    assert cube.area == pytest.approx(0.06)
+    assert cube.diameter == pytest.approx(0.1 * 3**0.5)
+    assert femdem.Shape("cube", diameter=cube.diameter).volume == pytest.approx(1e-3)
+    assert (cube.is_convex, cube.is_ball, len(cube.vertices), len(cube.faces)) == (True, False, 8, 6)
+    assert cube.vertices.dtype == np.float64 and cube.triangles.shape == (12, 3)
+    assert "8 vertices" in repr(cube)
+
+
+def test_the_sphere_is_the_exact_ball():
+    ball = femdem.Shape("sphere", diameter=0.2)
+    assert ball.is_ball and ball.volume == pytest.approx(4 / 3 * np.pi * 1e-3)
+
+
+def test_arrays_give_a_surface_or_a_hull():
+    tetrahedron = femdem.Shape.from_arrays(TETRAHEDRON, FACES, name="t")
+    assert tetrahedron.volume == pytest.approx(1 / 6)
+    assert np.allclose(tetrahedron.centroid, 0.25)
+    hull = femdem.Shape.convex_hull([*TETRAHEDRON, [0.1, 0.1, 0.1]])
+    assert hull.volume == pytest.approx(1 / 6) and len(hull.vertices) == 4
+    assert femdem.Shape.from_arrays(np.array(TETRAHEDRON, dtype=np.float32), np.array(FACES)).name == "body"
+
+
+def test_a_file_gives_what_was_saved(tmp_path):
+    shape = femdem.Shape("dolos:waist=0.36", size=0.3)
+    assert not shape.is_convex
+    shape.save(tmp_path / "dolos.obj")
+    again = femdem.Shape.from_file(tmp_path / "dolos.obj")
+    assert np.array_equal(again.vertices, shape.vertices) and again.name == "dolos"
+    assert femdem.Shape.from_file(tmp_path / "dolos.obj", unit="mm").diameter == pytest.approx(1e-3 * shape.diameter)
+    assert femdem.Shape.from_file(tmp_path / "dolos.obj", diameter=2.0).diameter == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("name", ["cube", "sphere", "dolos"])
+def test_pickling_keeps_shapes(name):
+    shape = femdem.Shape(name, size=0.1)
+    again = pickle.loads(pickle.dumps(shape))
+    assert np.array_equal(again.vertices, shape.vertices) and again.faces == shape.faces
+    assert (again.name, again.is_ball, again.volume) == (shape.name, shape.is_ball, shape.volume)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: femdem.Shape("A99", size=1), ["A99"]),
+        (lambda: femdem.Shape("cube"), ["size", "diameter"]),
+        (lambda: femdem.Shape("cube", size=-1), ["size = -1", "positive"]),
+        (lambda: femdem.Shape("cube", size=float("nan")), ["size = NaN"]),
+        (lambda: femdem.Shape("cylinder:aspect=-2", size=1), ["aspect"]),
+        (lambda: femdem.Shape.convex_hull([[0, 0], [1, 1]]), ["(2, 2)", "(n, 3)"]),
+        (lambda: femdem.Shape.convex_hull(TETRAHEDRON[:3]), ["3", "4"]),
+        (lambda: femdem.Shape.convex_hull([[0, 0, np.nan], *TETRAHEDRON]), ["vertices", "NaN"]),
+        (lambda: femdem.Shape.convex_hull("stone"), ["vertices", "numbers"]),
+        (lambda: femdem.Shape.from_arrays(TETRAHEDRON, [*FACES[:3], FACES[0]]), ["edge"]),
+        (lambda: femdem.Shape.from_arrays(TETRAHEDRON, [[0, -1, 2]]), ["-1"]),
+        (lambda: femdem.Shape.from_arrays(TETRAHEDRON, [*FACES[:3], [1, 2, 9]]), ["9"]),
+        (lambda: femdem.Shape.from_file("nowhere.obj"), ["nowhere.obj"]),
+        (lambda: femdem.Shape.from_file("nowhere.obj", unit="league"), ["league", "mm"]),
+    ],
+)
+def test_what_is_no_shape_is_refused_by_name(make, words):
+    with pytest.raises(femdem.FemdemError) as refused:
+        make()
+    assert all(word in str(refused.value) for word in words), refused.value

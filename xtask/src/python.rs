@@ -1,0 +1,150 @@
+//! `cargo xtask python`: the wheel of the Python bindings, built and installed as a user would, its tests and examples.
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, bail, ensure};
+
+/// The bindings, from the workspace root.
+const BINDINGS: &str = "crates/femdem-python";
+
+/// What the tests need from the index of Python packages.
+const PACKAGES: [&str; 3] = ["maturin>=1.9,<2", "numpy", "pytest"];
+
+/// Builds the wheel with the profile of the tests, installs it into an environment of its own, and runs its tests and its
+/// examples; returns whether all passed.
+///
+/// # Errors
+/// When there is no Python, the packages cannot be had or the wheel cannot be built.
+pub(crate) fn run(root: &Path) -> Result<bool> {
+    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    let place = target.join("python");
+    let environment = Environment::prepare(&place)?;
+    environment.install(&build(root, &place, &environment)?)?;
+    let bindings = root.join(BINDINGS);
+    // From another folder, so that it is the installed package that is tested.
+    let program = program(root, &target)?;
+    let mut tests = environment.python();
+    tests.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]);
+    tests.arg(bindings.join("tests")).env("FEMDEM", program);
+    let mut good = passed(tests.current_dir(&place))?;
+    for example in files(&bindings.join("examples"), "py")? {
+        println!("{}", example.display());
+        good &= passed(environment.python().arg(&example).current_dir(&place))?;
+    }
+    Ok(good)
+}
+
+/// A virtual environment of Python.
+struct Environment {
+    folder: PathBuf,
+    programs: PathBuf,
+}
+
+impl Environment {
+    fn prepare(place: &Path) -> Result<Self> {
+        let folder = place.join("environment");
+        let programs = folder.join(if cfg!(windows) { "Scripts" } else { "bin" });
+        let prepared = Self { folder, programs };
+        if !prepared.program("pip").exists() {
+            let mut make = Command::new("python3");
+            make.args(["-m", "venv"]).arg(&prepared.folder);
+            let hint = "install Python 3.10 or later with its module venv (python3-venv)";
+            ensure!(passed(&mut make).context(hint)?, hint);
+        }
+        let mut pip = prepared.pip();
+        ensure!(
+            passed(pip.args(PACKAGES))?,
+            "pip could not install {}: check the network",
+            PACKAGES.join(", ")
+        );
+        Ok(prepared)
+    }
+
+    fn program(&self, name: &str) -> PathBuf {
+        let name = format!("{name}{}", env::consts::EXE_SUFFIX);
+        self.programs.join(name)
+    }
+
+    fn python(&self) -> Command {
+        Command::new(self.program("python"))
+    }
+
+    fn pip(&self) -> Command {
+        let mut pip = self.python();
+        pip.args(["-m", "pip", "install", "--quiet"]);
+        pip.arg("--disable-pip-version-check");
+        pip
+    }
+
+    fn install(&self, wheel: &Path) -> Result<()> {
+        let mut pip = self.pip();
+        pip.args(["--force-reinstall", "--no-deps", "--no-index"]);
+        ensure!(passed(pip.arg(wheel))?, "the wheel could not be installed");
+        Ok(())
+    }
+}
+
+/// Builds the wheel; returns its path.
+fn build(root: &Path, place: &Path, environment: &Environment) -> Result<PathBuf> {
+    let wheels = place.join("wheels");
+    if wheels.is_dir() {
+        fs::remove_dir_all(&wheels).context("cannot remove earlier wheels")?;
+    }
+    let mut maturin = Command::new(environment.program("maturin"));
+    maturin.args(["build", "--profile", "dev", "--locked", "--quiet"]);
+    maturin
+        .arg("--interpreter")
+        .arg(environment.program("python"));
+    maturin.arg("--out").arg(&wheels);
+    ensure!(
+        passed(maturin.current_dir(root.join(BINDINGS)))?,
+        "the wheel was not built"
+    );
+    let mut found = files(&wheels, "whl")?;
+    match (found.pop(), found.pop()) {
+        (Some(wheel), None) => Ok(wheel),
+        _ => bail!("there is not one wheel in {}", wheels.display()),
+    }
+}
+
+/// The Rust program, whose results are compared: as the tests have built it, or built now.
+fn program(root: &Path, target: &Path) -> Result<PathBuf> {
+    let program = target
+        .join("debug")
+        .join(format!("femdem{}", env::consts::EXE_SUFFIX));
+    if !program.is_file() {
+        let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let mut build = Command::new(cargo);
+        build.args(["build", "--locked", "--package", "femdem"]);
+        ensure!(
+            passed(build.current_dir(root))?,
+            "the program was not built"
+        );
+    }
+    Ok(program)
+}
+
+/// The files of a folder with an ending, sorted.
+fn files(folder: &Path, ending: &str) -> Result<Vec<PathBuf>> {
+    let shown = folder.display();
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).with_context(|| format!("cannot read {shown}"))? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|own| own == ending) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Runs a command without standard input; returns whether it ended well.
+fn passed(command: &mut Command) -> Result<bool> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let status = command.stdin(Stdio::null()).status();
+    let status = status.with_context(|| format!("cannot start {name}"))?;
+    Ok(status.success())
+}
