@@ -1,7 +1,20 @@
 //! The energy ledger: all energy put in, stored and dissipated.
 
-use crate::world::{BondFlows, CrackFlows};
+use crate::world::CrackFlows;
 use serde::{Deserialize, Serialize};
+
+/// What bonds have exchanged, J.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct BondFlows {
+    /// Dissipated by their glue.
+    pub glue: f64,
+    /// Dissipated by the friction of their broken points.
+    pub friction: f64,
+    /// Lost where bonds ended: what they held, less what the contacts that took over do.
+    pub released: f64,
+    /// Where these hold more than the bonds did.
+    pub lent: f64,
+}
 
 /// Flows of energy that accumulate while a world steps, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]

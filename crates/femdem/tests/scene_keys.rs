@@ -2,22 +2,24 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
+mod walls;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use femdem::run::{
     Axes, AxisEntry, Behaviour, BodyEntry, BodySummary, BondEntry, BondSummary, BoundaryEntry,
-    BoxEntry, BridgeEntry, CELL_COLUMNS, CellEntry, CellState, ConeEntry, ContactEntry,
-    ControlEntry, Copies, CylinderEntry, Ending, Ends, FLOW_COLUMNS, FocusEntry, FractureEntry,
-    FractureSummary, GateEntry, HISTORY_COLUMNS, HopperEntry, Law, LoadEntry, MEMBER_COLUMNS,
-    MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty, PenetrationSummary, PlaneEntry,
-    PlateEntry, ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry, RestSummary,
-    RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides, SiloEntry,
-    SourceEntry, StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallEntry, WallSummary,
-    WeibullEntry, Zone,
+    BridgeEntry, CELL_COLUMNS, CellEntry, CellState, ContactEntry, ControlEntry, Copies, Ending,
+    FLOW_COLUMNS, FocusEntry, FractureEntry, FractureSummary, GateEntry, HISTORY_COLUMNS, Law,
+    LoadEntry, MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty,
+    PenetrationSummary, ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry,
+    RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides,
+    SourceEntry, StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallSummary, WeibullEntry, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
+
+use walls::{cone, cylinder, hopper, plane, plate, silo, space, wall};
 
 const V: [f64; 3] = [1.0, 2.0, 3.0];
 const SHAKE: MotionEntry = MotionEntry::Shake {
@@ -146,98 +148,7 @@ fn fracture() -> FractureEntry {
         }),
         every: Some(1),
         stiffness: Some(1.0),
-        release: Some(1.0),
         coarse: true,
-    }
-}
-
-fn plane() -> PlaneEntry {
-    PlaneEntry {
-        normal: V,
-        offset: 1.0,
-    }
-}
-
-fn space() -> BoxEntry {
-    BoxEntry {
-        lower: V,
-        upper: V,
-        open: true,
-    }
-}
-
-fn cylinder() -> CylinderEntry {
-    CylinderEntry {
-        diameter: 1.0,
-        from: Some(V),
-        to: Some(V),
-        ends: Ends::To,
-        thickness: Some(1.0),
-        facets: 8,
-    }
-}
-
-fn cone() -> ConeEntry {
-    ConeEntry {
-        diameters: [1.0, 2.0],
-        from: V,
-        to: V,
-        ends: Ends::Both,
-        thickness: Some(1.0),
-        facets: 8,
-    }
-}
-
-fn silo() -> SiloEntry {
-    SiloEntry {
-        diameter: 1.0,
-        height: 1.0,
-        outlet: 0.5,
-        half_angle: 45.0,
-        position: V,
-        thickness: Some(1.0),
-        facets: 8,
-    }
-}
-
-fn plate() -> PlateEntry {
-    PlateEntry {
-        diameter: 1.0,
-        centre: V,
-        normal: V,
-        thickness: Some(1.0),
-        facets: 8,
-    }
-}
-
-fn hopper() -> HopperEntry {
-    HopperEntry {
-        section: [1.0, 1.0],
-        outlet: [0.5, 0.5],
-        half_angle: 1.0,
-        height: 1.0,
-        position: V,
-        thickness: Some(1.0),
-    }
-}
-
-fn wall() -> WallEntry {
-    WallEntry {
-        name: "w".to_owned(),
-        plane: Some(plane()),
-        r#box: Some(space()),
-        cylinder: Some(cylinder()),
-        cone: Some(cone()),
-        silo: Some(silo()),
-        hopper: Some(hopper()),
-        plate: Some(plate()),
-        file: Some(PathBuf::from("w.stl")),
-        unit: Unit::M,
-        repair: true,
-        material: Some("m".to_owned()),
-        motion: Some(SHAKE),
-        control: Some(control()),
-        opens: Some(1.0),
     }
 }
 

@@ -152,6 +152,14 @@ impl GluedFacet {
         self.area
     }
 
+    /// The largest slip of a pair of nodes at these positions, m.
+    #[must_use]
+    pub fn largest_slip(&self, a: &[Vector3; 3], b: &[Vector3; 3]) -> f64 {
+        let openings = MidSurface::new(a, b).map(|middle| middle.openings(a, b));
+        let slips = openings.iter().flatten().map(|o| o[1].hypot(o[2]));
+        slips.fold(0.0, f64::max)
+    }
+
     /// Whether the pair of nodes `q` is split.
     #[must_use]
     pub fn is_joined(&self, q: usize) -> bool {
@@ -194,7 +202,7 @@ impl GluedFacet {
             let of = |point: Point| {
                 let glue = point.glue.map_or(0.0, |glue| glue.secant(law));
                 let contact = law.contact.max(law.tangential);
-                if point.overlap(&openings[q]) > 0.0 {
+                if point.overlap(law, &openings[q]) > 0.0 {
                     glue + contact
                 } else {
                     glue.max(contact)

@@ -5,20 +5,6 @@ use super::hand::Stored;
 use crate::error::{SolveError, check};
 use femdem_contact::bond::{Bond, BondLaw, BondSection};
 use femdem_contact::{BodyId, BondId, Contact, Motion, Partner};
-use serde::{Deserialize, Serialize};
-
-/// What bonds have exchanged, J.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub(crate) struct BondFlows {
-    /// Dissipated by their glue.
-    pub glue: f64,
-    /// Dissipated by the friction of their broken points.
-    pub friction: f64,
-    /// Lost where bonds ended: what they held, less what the contacts that took over do.
-    pub released: f64,
-    /// Where these hold more than the bonds did.
-    pub lent: f64,
-}
 
 impl World {
     /// Bonds two rigid bodies as they lie, without force, over a section in world coordinates: mortar, cement, a glued clump. Contacts of the two end with their friction, and

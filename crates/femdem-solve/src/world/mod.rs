@@ -30,7 +30,6 @@ use femdem_mesh::Pose;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
-pub(crate) use bonds::BondFlows;
 pub(crate) use deformables::CrackFlows;
 pub use deformables::{ContactStiffness, CrackFacet, Cracks, Deformable, DeformableSpec, ModelId};
 pub use query::Residuals;
