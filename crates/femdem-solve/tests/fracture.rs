@@ -223,7 +223,7 @@ fn dropped() -> World {
     let place = Pose::new(Vector3::new(0.0, 0.0, 0.012), Vector3::new(0.6, 0.2, 0.0));
     world
         .add_deformable(DeformableSpec {
-            velocity: Vector3::new(0.0, 0.0, -20.0),
+            velocity: Vector3::new(0.0, 0.0, -40.0),
             fracture: Some(Fracture {
                 coarse: true,
                 ..rock([5.0, 25.0])

@@ -112,7 +112,7 @@ impl Itself<'_> {
                     let only_skin = self.shape.were_joined(pair);
                     let skinned = |at: &u32, side: usize| {
                         let tet = members[side].tets[*at as usize];
-                        !only_skin || self.shape.own_tets()[tet as usize].skin != 0
+                        !only_skin || self.shape.tets()[tet as usize].skin != 0
                     };
                     for i in (places[0]..places[0] + a.count).filter(|at| skinned(at, 0)) {
                         for j in (places[1]..places[1] + b.count).filter(|at| skinned(at, 1)) {
@@ -128,8 +128,7 @@ impl Itself<'_> {
                             let common = piece.moments_and_faces(0, &mut 0, |_, _| ()).volume;
                             let smaller = own.0.tet.six_volumes.min(other.0.tet.six_volumes) / 6.0;
                             if common > SPECK * smaller {
-                                let tet =
-                                    &self.shape.own_tets()[members[1].tets[j as usize] as usize];
+                                let tet = &self.shape.tets()[members[1].tets[j as usize] as usize];
                                 let triangles = Triangles {
                                     faces: tet.triangles,
                                     nearest: tet.nearest,
@@ -174,7 +173,7 @@ impl Itself<'_> {
         let number = *members.tets.get(at as usize)?;
         let tet = tets.get(at, |room| {
             let corners = self.shape.corners(number, self.x)?.map(|x| x - origin);
-            let tet = self.shape.own_tets().get(number as usize)?;
+            let tet = self.shape.tets().get(number as usize)?;
             let pressure = self.pressures[side];
             room.deform(corners, &tet.values, pressure, tet.skin)
                 .then_some(())

@@ -47,8 +47,6 @@ pub struct DeformableShape {
     /// By node, that of the body before it cracked; empty if it has not.
     origins: Vec<u32>,
     tets: Vec<ContactTet>,
-    /// Those by which a body that has cracked meets itself, if they are others.
-    own: Vec<ContactTet>,
     /// The tetrahedra of the mesh.
     wholes: Vec<WholeTet>,
     /// By tetrahedron, of which of the mesh it is: all of it, or the part opposite its corner k.
@@ -109,30 +107,19 @@ impl DeformableShape {
     /// with nodes of their own on the sides of cracks, as from
     /// [`CrackedMesh::mesh`](femdem_mesh::tet::CrackedMesh::mesh), and may be in pieces.
     ///
-    /// With itself the body meets by the distance to all of its skin: sides of a crack lie on each other when it is born, and
-    /// begin without overlap and without energy. Other bodies meet it by the distance to the skin of `open`, where only those facets
-    /// are cut whose sides nothing holds any more: a crack below a contact does not change it.
-    ///
-    /// The [edge](Self::edge) is that of the body before.
+    /// The field is the distance to all of its skin: sides of a crack lie on each other when it is born, and begin without
+    /// overlap and without energy. The [edge](Self::edge) is that of the body before.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and for other numbers of tetrahedra.
-    pub fn cracked(whole: &TetMesh, open: &TetMesh, mesh: &TetMesh) -> Result<Self, ContactError> {
-        let [before, outer, now] = [whole, open, mesh].map(|mesh| mesh.tets().len());
-        if let Some(found) = [outer, now].into_iter().find(|n| *n != before) {
+    /// As [`new`](Self::new), and for another number of tetrahedra.
+    pub fn cracked(whole: &TetMesh, mesh: &TetMesh) -> Result<Self, ContactError> {
+        let [before, now] = [whole, mesh].map(|mesh| mesh.tets().len());
+        if before != now {
             return Err(ContactError::Mesh {
-                why: format!("it has {found} tetrahedra where the body has {before}"),
+                why: format!("it has {now} tetrahedra where the body has {before}"),
             });
         }
-        let outer = Self::build(open, Field::Body)?;
         let mut new = Self::build(mesh, Field::Body)?;
-        new.own = new.tets.clone();
-        let scale = new.inradius / outer.inradius;
-        for tet in &mut new.own {
-            tet.values = tet.values.map(|value| value * scale);
-        }
-        new.inradius = outer.inradius;
-        new.take_field(&outer);
         let surface = |t: &[u32; 3]| t.map(|i| whole.points()[i as usize]);
         new.edge = mean_edge(&whole.skin().iter().map(surface).collect::<Vec<_>>());
         new.origins = vec![0; new.node_count];
@@ -142,51 +129,6 @@ impl DeformableShape {
             }
         }
         Ok(new)
-    }
-
-    /// Gives its tetrahedra the field and the skin of another mesh of the same body that has less of a skin.
-    fn take_field(&mut self, outer: &Self) {
-        // By triangle of the other skin, that of this one.
-        let mut triangles = vec![NONE; outer.skin.len()];
-        for (tet, (parent, _)) in outer.tets.iter().zip(&outer.parents) {
-            for k in (0..4).filter(|k| tet.skin & (1 << k) != 0) {
-                let part = self.part_at(*parent, k);
-                triangles[tet.triangles[k] as usize] = self.own[part].triangles[k];
-            }
-        }
-        let of_part = |at: usize, parent: u32, part: Option<u8>| {
-            let mut tet = self.tets[at];
-            let (first, is_split) = outer.child(parent)?;
-            let from = match part {
-                Some(k) if is_split => first as usize + usize::from(k),
-                _ => first as usize,
-            };
-            let of_outer = &outer.tets[from];
-            tet.values = of_outer.values;
-            tet.skin = of_outer.skin;
-            tet.triangles = of_outer.triangles;
-            if let (Some(k), false) = (part, is_split) {
-                // The field of the whole tetrahedron at its centroid; of its skin, this part has the face opposite its corner.
-                let k = usize::from(k);
-                tet.values[k] = of_outer.values.iter().sum::<f64>() / 4.0;
-                tet.skin &= 1 << k;
-                let kept = tet.triangles[k];
-                tet.triangles = [of_outer.nearest; 4];
-                tet.triangles[k] = kept;
-            }
-            tet.triangles = tet.triangles.map(|t| triangles[t as usize]);
-            tet.nearest = triangles[of_outer.nearest as usize];
-            Some(tet)
-        };
-        let places = self.parents.iter().enumerate();
-        let tets = places.filter_map(|(at, (parent, part))| of_part(at, *parent, *part));
-        self.tets = tets.collect();
-    }
-
-    /// Where the face opposite corner `k` of a tetrahedron of the mesh is among its parts.
-    fn part_at(&self, whole: u32, k: usize) -> usize {
-        let (first, is_split) = self.child(whole).unwrap_or_default();
-        first as usize + if is_split { k } else { 0 }
     }
 
     fn build(mesh: &TetMesh, field: Field) -> Result<Self, ContactError> {
@@ -242,7 +184,6 @@ impl DeformableShape {
             origins: Vec::new(),
             tree: Bvh::new(&split.tets().iter().map(tet_box).collect::<Vec<_>>()),
             tets,
-            own: Vec::new(),
             wholes: wholes(mesh),
             parents,
             beside: beside(&skin),
@@ -281,12 +222,6 @@ impl DeformableShape {
         self.edge
     }
 
-    /// Whether it has cracks whose sides are no skin to other bodies: they may lie apart, and sums over skins do not know them.
-    pub(crate) fn is_torn(&self) -> bool {
-        let skin = |tets: &[ContactTet]| tets.iter().map(|tet| tet.skin.count_ones()).sum::<u32>();
-        !self.own.is_empty() && skin(&self.tets) != skin(&self.own)
-    }
-
     /// Whether cracks have broken it: then it does not move as a whole.
     pub(crate) fn is_in_pieces(&self) -> bool {
         self.in_pieces
@@ -299,15 +234,6 @@ impl DeformableShape {
 
     pub(crate) fn tets(&self) -> &[ContactTet] {
         &self.tets
-    }
-
-    /// The same, by which the body meets itself: with the faces of all cracks as skin.
-    pub(crate) fn own_tets(&self) -> &[ContactTet] {
-        if self.own.is_empty() {
-            &self.tets
-        } else {
-            &self.own
-        }
     }
 
     /// The tetrahedra of the mesh.

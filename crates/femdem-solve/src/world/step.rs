@@ -91,7 +91,8 @@ impl World {
         self.update_active_set();
         self.rest_deformables()?;
         self.crack_deformables()?;
-        self.retire_cracks()
+        self.retire_cracks();
+        Ok(())
     }
 
     /// Books the energy that the step exchanged. Frozen bodies have none in motion; deformable ones have `deformable`, J.

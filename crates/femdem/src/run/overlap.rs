@@ -88,9 +88,7 @@ impl Simulation {
     pub fn depth_of(&self, contact: &ContactLine) -> f64 {
         if contact.volume > 0.0 {
             let most = self.smaller_diameter(contact.a, contact.b);
-            // A part of a cracked body may lie in another one without any skin there: what is not flat is as deep as it is wide.
-            let area = contact.area.max(contact.volume.cbrt().powi(2));
-            (contact.volume / area).min(most)
+            (contact.volume / contact.area).min(most)
         } else {
             0.0
         }

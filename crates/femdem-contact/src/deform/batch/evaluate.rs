@@ -58,14 +58,10 @@ impl Context<'_> {
         let moduli_b = body.modulus;
         let law = self.around.materials.law(a.into(), b);
         let rigid = Modulus::Penalty(law.penalty);
-        let is_torn = pair.deformables().any(|i| {
-            let shape = bodies.get(i as usize).map(|body| body.shape);
-            shape.is_some_and(|shape| self.shapes[shape as usize].is_torn())
-        });
-        let way = match (pair.is_own(), is_torn) {
-            (true, _) => Way::Itself,
-            (false, true) => Way::Pieces,
-            (false, false) => Way::Skins,
+        let way = if pair.is_own() {
+            Way::Itself
+        } else {
+            Way::Skins
         };
         let (mut turning, mut frequency) = (None, 0.0);
         let (of_a, tree_a, modulus, mover) = match a {

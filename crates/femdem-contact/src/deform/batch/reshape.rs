@@ -82,12 +82,12 @@ struct Renumbering<'a> {
 impl<'a> Renumbering<'a> {
     fn new(old: &'a DeformableShape, new: &'a DeformableShape) -> Self {
         let mut triangles = vec![None; old.skin().len()];
-        for (tet, i) in old.own_tets().iter().zip(0..) {
+        for (tet, i) in old.tets().iter().zip(0..) {
             for k in (0..4).filter(|k| tet.skin & (1 << k) != 0) {
                 // The face of a part that lies in the skin is that of the whole opposite the same corner.
                 let child = old.parent(i).and_then(|(parent, _)| new.child(parent));
                 let place = child.map(|(first, split)| first + if split { k } else { 0 });
-                let now = place.and_then(|place| new.own_tets().get(place as usize));
+                let now = place.and_then(|place| new.tets().get(place as usize));
                 triangles[tet.triangles[k as usize] as usize] = now
                     .filter(|now| now.skin & (1 << k) != 0)
                     .map(|now| now.triangles[k as usize]);

@@ -2,7 +2,7 @@
 
 use super::fracture::Breakable;
 use super::nodal_bound::NodalBound;
-use super::{ContactStiffness, CrackedSkin, DeformableSpec, Deformables, Model, ModelId, State};
+use super::{ContactStiffness, DeformableSpec, Deformables, Model, ModelId, State};
 use crate::body::{Body, check_velocities};
 use crate::error::{SolveError, check};
 use crate::world::World;
@@ -309,13 +309,13 @@ impl Deformables {
     pub(in crate::world) fn shapes(&self) -> Result<Vec<Arc<DeformableShape>>, SolveError> {
         let mut shapes: Vec<Arc<DeformableShape>> = Vec::with_capacity(self.models.len());
         for model in &self.models {
-            let shape = match &model.cracked {
+            let shape = match model.cracked {
                 None => Arc::new(model.shape()?),
-                Some(CrackedSkin { base, open }) => {
-                    let whole = self.models.get(*base as usize).ok_or_else(|| {
+                Some(base) => {
+                    let whole = self.models.get(base as usize).ok_or_else(|| {
                         inconsistent(format!("there is no model {base} for a cracked body"))
                     })?;
-                    Arc::new(whole.cracked_shape(model, open)?)
+                    Arc::new(whole.cracked_shape(model)?)
                 }
             };
             shapes.push(shape);

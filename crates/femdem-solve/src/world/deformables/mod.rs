@@ -16,7 +16,7 @@ use crate::fracture::Fracture;
 use femdem_contact::deform::{DeformableShape, Modulus};
 use femdem_contact::{ContactLaws, Field, MaterialId, stable_step};
 use femdem_fem::{Boundary, DeformableModel, FrequencyBound, InternalState, Workspace};
-use femdem_mesh::{Pose, TetMesh, Vector3};
+use femdem_mesh::{Pose, Vector3};
 use fracture::Breakable;
 pub(crate) use fracture::CrackFlows;
 use nodal_bound::NodalBound;
@@ -123,17 +123,8 @@ pub(crate) struct Model {
     pub field: Field,
     /// Young's modulus of the stiffest material, Pa.
     pub young: f64,
-    /// Of a cracked body alone.
-    pub cracked: Option<CrackedSkin>,
-}
-
-/// The skin of a cracked body.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct CrackedSkin {
-    /// The model without cracks.
-    pub base: ModelId,
-    /// Its mesh, cut where nothing holds any more.
-    pub open: TetMesh,
+    /// Of a cracked body alone: the model without cracks.
+    pub cracked: Option<ModelId>,
 }
 
 impl Model {
@@ -143,9 +134,9 @@ impl Model {
     }
 
     /// The contact shape of a body of this model that has cracked to be `cracked`.
-    fn cracked_shape(&self, cracked: &Self, open: &TetMesh) -> Result<DeformableShape, SolveError> {
-        let shape = DeformableShape::cracked(self.model.mesh(), open, cracked.model.mesh())?;
-        Ok(shape)
+    fn cracked_shape(&self, cracked: &Self) -> Result<DeformableShape, SolveError> {
+        let mesh = cracked.model.mesh();
+        Ok(DeformableShape::cracked(self.model.mesh(), mesh)?)
     }
 
     /// The step that is stable for any node with its whole share of the skin in contact, s. The stiffest

@@ -10,7 +10,7 @@ use crate::world::deformables::add::{held_energy, inverse_masses};
 use crate::world::deformables::each::on_each_with;
 use crate::world::deformables::nodal_bound::NodalBound;
 use crate::world::deformables::rest::Rest;
-use crate::world::deformables::{CrackedSkin, Deformables, Model, Scratch, State, foundation};
+use crate::world::deformables::{Deformables, Model, Scratch, State, foundation};
 use femdem_contact::deform::{Modulus, NodalLoads};
 use femdem_contact::glue::{GlueLaw, GluedFacet};
 use femdem_contact::{BodyId, ContactBatch};
@@ -96,10 +96,7 @@ impl World {
             stiffness: old.stiffness,
             field: old.field,
             young: old.young,
-            cracked: Some(CrackedSkin {
-                base: number,
-                open: old.model.mesh().clone(),
-            }),
+            cracked: Some(number),
         };
         let shape = Arc::clone(&self.batch.deformable_shapes()[number as usize]);
         deformables.models.push(new);

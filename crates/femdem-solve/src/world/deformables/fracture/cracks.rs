@@ -3,9 +3,8 @@
 use super::CrackFlows;
 use super::facet::CrackFacet;
 use super::joints::Joint;
-use crate::error::SolveError;
 use crate::world::World;
-use crate::world::deformables::{Deformables, ModelId, State};
+use crate::world::deformables::{ModelId, State};
 use femdem_contact::deform::NodalLoads;
 use femdem_mesh::Vector3;
 use femdem_mesh::tet::CrackedMesh;
@@ -101,8 +100,8 @@ impl CrackState {
         }
     }
 
-    /// Takes spent joints off the list; returns whether there were any.
-    fn retire(&mut self, positions: &[Vector3]) -> bool {
+    /// Takes spent joints off the list.
+    fn retire(&mut self, positions: &[Vector3]) {
         let Self {
             joints,
             broken,
@@ -121,54 +120,33 @@ impl CrackState {
         // The facets are those of the mesh.
         let cut = broken.cut(&facets);
         debug_assert!(cut.is_ok(), "facets of this mesh");
-        if facets.is_empty() {
-            return false;
+        if !facets.is_empty() {
+            self.stiffen(positions.len());
         }
-        self.stiffen(positions.len());
-        true
     }
 }
 
 impl World {
-    /// Takes spent facets off the lists of joints; their sides are skin to other bodies, too, from then on. Called after each step.
-    pub(in crate::world) fn retire_cracks(&mut self) -> Result<(), SolveError> {
+    /// Takes spent facets off the lists of joints. Called after each step.
+    pub(in crate::world) fn retire_cracks(&mut self) {
         let steps = self.steps;
         let Some(deformables) = self.deformables.as_deref_mut() else {
-            return Ok(());
+            return;
         };
-        let Deformables { models, bodies, .. } = deformables;
-        let mut changed = Vec::new();
-        for (body, i) in bodies.iter_mut().zip(0..) {
+        for body in &mut deformables.bodies {
             let State {
                 breakable,
                 positions,
                 rest,
-                model,
                 ..
             } = body;
             if let Some(breakable) = breakable.as_deref_mut()
                 && steps.is_multiple_of(LOOKS * u64::from(breakable.fracture.every))
                 && !rest.asleep
                 && let Some(cracks) = breakable.cracks.as_deref_mut()
-                && cracks.retire(positions)
             {
-                let base = &models[cracks.base as usize];
-                let open = cracks.broken.mesh(base.model.mesh().points())?;
-                if let Some(skin) = &mut models[*model as usize].cracked {
-                    skin.open = open;
-                }
-                changed.push(i);
+                cracks.retire(positions);
             }
         }
-        if changed.is_empty() {
-            return Ok(());
-        }
-        let before = self.stored_in_soft_contacts();
-        for id in changed {
-            self.reshape_cracked(id)?;
-        }
-        self.meet_deformables(0.0)?;
-        self.flows.cracks.released += before - self.stored_in_soft_contacts();
-        Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::error::SolveError;
 use crate::world::World;
-use crate::world::deformables::{CrackedSkin, Deformables};
+use crate::world::deformables::Deformables;
 use femdem_contact::BodyId;
 use std::sync::Arc;
 
@@ -23,10 +23,10 @@ impl World {
         let body = &mut bodies[id as usize];
         let own = body.model;
         let model = &models[own as usize];
-        let Some(CrackedSkin { base, open }) = &model.cracked else {
+        let Some(base) = model.cracked else {
             return Ok(());
         };
-        let shape = models[*base as usize].cracked_shape(model, open)?;
+        let shape = models[base as usize].cracked_shape(model)?;
         self.batch
             .crack_deformable(id, own, Some(Arc::new(shape)))?;
         let shape = &self.batch.deformable_shapes()[own as usize];
