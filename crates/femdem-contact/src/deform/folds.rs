@@ -7,10 +7,6 @@
 //! - tetrahedra all of whose common nodes are [creases](Skin::creases): nodes of the skin whose triangles do not show that
 //!   it lies flat around them, such as those at the front of a crack.
 //!
-//! Tetrahedra that [had a common corner](DeformableShape::were_joined) before a crack separated them overlap wherever its faces do,
-//! from the moment of its birth. Those count that have a face on the skin each: where others meet the crack in an edge or in a corner,
-//! their common part is of the order of the overlap squared.
-//!
 //! Each pair is one of a part A and a part B of the body. Which is which is the same in all of a contact, so that
 //! its normals point one way: pairs with a common tetrahedron whose other tetrahedra share a face are parts of one contact.
 
@@ -159,8 +155,7 @@ impl DeformableShape {
             common += 1;
         }
         // Two with a common face lie on both sides of it.
-        let touch = a.skin != 0 && b.skin != 0;
-        common < 3 && (touch || !self.were_joined(pair))
+        common < 3
     }
 }
 

@@ -3,13 +3,13 @@
 //! Its candidates are pairs of tetrahedra of the mesh. Only where these overlap are the parts looked at into which a
 //! centroid may split them: the field is linear in each.
 
-use super::near::Near;
+use super::near::{Members, Near};
 use super::scratch::DeformableScratch;
 use super::shape::DeformableShape;
 use super::sums::{Place, Triangles};
 use crate::tets::current::Current;
 use crate::tets::pieces::intersect;
-use crate::tets::posed::{Posed, PosedList};
+use crate::tets::posed::Posed;
 use femdem_mesh::Vector3;
 
 /// A common part of two tetrahedra is round-off if its volume is below this fraction of the smaller one's: where they have corners
@@ -25,8 +25,7 @@ impl DeformableShape {
             *corner = x.get(node as usize)? - origin;
         }
         let mut tet = Current::default();
-        tet.deform(corners, &[0.0; 4], 1.0, whole.skin)
-            .then(|| tet.planes())
+        tet.deform(corners, &[0.0; 4], 1.0, 0).then(|| tet.planes())
     }
 
     /// Which corners two tetrahedra of the mesh have in common, as bits of each.
@@ -60,88 +59,49 @@ impl Itself<'_> {
     /// Computes the sums in the scratch. Returns up to which motion no candidates touch. What is inverted does not touch: its
     /// element has no stress, or the body will soon turn it back.
     pub fn sum(&self, near: &mut Near, motion: f64, scratch: &mut DeformableScratch) -> f64 {
-        let DeformableScratch {
-            tets,
-            planes,
-            wholes,
-            piece,
-            sums,
-            candidates,
-            ..
-        } = scratch;
         let Near {
             origin,
             sides: members,
             pairs,
         } = near;
-        sums.reset([0, 1].map(|side| members[side].nodes.len()));
-        *candidates = 0;
+        scratch
+            .sums
+            .reset([0, 1].map(|side| members[side].nodes.len()));
+        scratch.candidates = 0;
         for (side, members) in members.iter().enumerate() {
             let count = members.tets.len();
-            tets[side].reset(count);
-            planes[side].reset(count);
-            wholes[side].reset(count);
+            scratch.tets[side].reset(count);
+            scratch.planes[side].reset(count);
+            scratch.wholes[side].reset(count);
         }
-        let (mut clear, [list_a, list_b], [tets_a, tets_b]) = (f64::INFINITY, wholes, tets);
-        let [planes_a, planes_b] = planes;
+        let mut clear = f64::INFINITY;
         for candidate in pairs {
-            let places = candidate.places;
+            let [i, j] = candidate.places;
+            let parts = [(0, i), (1, j)].map(|(side, at)| self.parts(&members[side], at));
             if motion >= candidate.clear
-                && let [Some(a), Some(b)] =
-                    [0, 1].map(|side| self.parts(members[side].tets.get(places[side] as usize)))
+                && let [Some(a), Some(b)] = parts
             {
-                let pair = [a.whole, b.whole];
-                let pose = |i: u32, room: &mut Posed| {
-                    *room = self.shape.posed_whole(i, self.x, origin)?;
+                let [list_a, list_b] = &mut scratch.wholes;
+                let pose = |whole: u32, room: &mut Posed| {
+                    *room = self.shape.posed_whole(whole, self.x, origin)?;
                     Some(())
                 };
                 let (Some(p), Some(q)) = (
-                    list_a.get(places[0], |room| pose(a.whole, room)),
-                    list_b.get(places[1], |room| pose(b.whole, room)),
+                    list_a.get(i, |room| pose(a.whole, room)),
+                    list_b.get(j, |room| pose(b.whole, room)),
                 ) else {
                     continue;
                 };
-                *candidates += 1;
+                scratch.candidates += 1;
                 if p.is_apart(q) {
-                    candidate.clear = motion
-                        + self
-                            .shape
-                            .gap_of_wholes(pair, [p, q], f64::INFINITY)
-                            .max(0.0);
+                    let pair = [a.whole, b.whole];
+                    let gap = self.shape.gap_of_wholes(pair, [p, q], f64::INFINITY);
+                    candidate.clear = motion + gap.max(0.0);
                 } else {
-                    let only_skin = self.shape.were_joined(pair);
-                    let skinned = |at: &u32, side: usize| {
-                        let tet = members[side].tets[*at as usize];
-                        !only_skin || self.shape.tets()[tet as usize].skin != 0
-                    };
-                    for i in (places[0]..places[0] + a.count).filter(|at| skinned(at, 0)) {
-                        for j in (places[1]..places[1] + b.count).filter(|at| skinned(at, 1)) {
-                            let (Some(own), Some(other)) = (
-                                self.place(tets_a, planes_a, members, 0, i, origin),
-                                self.place(tets_b, planes_b, members, 1, j, origin),
-                            ) else {
-                                continue;
-                            };
-                            let Some(flush) = intersect(own.1, other.1, piece) else {
-                                continue;
-                            };
-                            let common = piece.moments_and_faces(0, &mut 0, |_, _| ()).volume;
-                            let smaller = own.0.tet.six_volumes.min(other.0.tet.six_volumes) / 6.0;
-                            if common > SPECK * smaller {
-                                let tet = &self.shape.tets()[members[1].tets[j as usize] as usize];
-                                let triangles = Triangles {
-                                    faces: tet.triangles,
-                                    nearest: tet.nearest,
-                                };
-                                sums.add(
-                                    [own.0, other.0],
-                                    [own.1, other.1],
-                                    &triangles,
-                                    flush,
-                                    piece,
-                                );
-                            }
-                        }
+                    for (i, j) in
+                        (0..a.count).flat_map(|k| (0..b.count).map(move |l| (i + k, j + l)))
+                    {
+                        self.add([i, j], members, origin, scratch);
                     }
                 }
             }
@@ -150,44 +110,64 @@ impl Itself<'_> {
         clear
     }
 
-    /// The tetrahedron of the mesh whose first part this is.
-    fn parts(&self, first: Option<&u32>) -> Option<Parts> {
-        let (whole, part) = self.shape.parent(*first?)?;
+    /// Adds the common part of two tetrahedra of the contact mesh, by their places on the lists.
+    fn add(
+        &self,
+        [i, j]: [u32; 2],
+        members: &[Members; 2],
+        origin: &Vector3,
+        scratch: &mut DeformableScratch,
+    ) -> Option<()> {
+        let DeformableScratch {
+            tets: [tets_a, tets_b],
+            planes: [planes_a, planes_b],
+            piece,
+            sums,
+            ..
+        } = scratch;
+        let pose = |side: usize, at: u32, room: &mut Current| {
+            let number = *members[side].tets.get(at as usize)?;
+            let tet = self.shape.tets().get(number as usize)?;
+            let corners = self.shape.corners(number, self.x)?.map(|x| x - origin);
+            room.deform(corners, &tet.values, self.pressures[side], tet.skin)
+                .then_some(())
+        };
+        let planes = |tet: &Current, room: &mut Posed| {
+            *room = tet.planes();
+            Some(())
+        };
+        let own = tets_a.get(i, |room| pose(0, i, room))?;
+        let other = tets_b.get(j, |room| pose(1, j, room))?;
+        let posed = [
+            planes_a.get(i, |room| planes(own, room))?,
+            planes_b.get(j, |room| planes(other, room))?,
+        ];
+        let flush = intersect(posed[0], posed[1], piece)?;
+        let common = piece.moments_and_faces(0, &mut 0, |_, _| ()).volume;
+        if common > SPECK * own.six_volumes.min(other.six_volumes) / 6.0 {
+            let places = [(own, i, 0), (other, j, 1)].map(|(tet, place, side)| Place {
+                tet,
+                place,
+                nodes: members[side].corners.get(place as usize),
+            });
+            let of_b = &self.shape.tets()[members[1].tets[j as usize] as usize];
+            let triangles = Triangles {
+                faces: of_b.triangles,
+                nearest: of_b.nearest,
+            };
+            sums.add(places, posed, &triangles, flush, piece);
+        }
+        Some(())
+    }
+
+    /// The tetrahedron of the mesh whose first part is at a place.
+    fn parts(&self, members: &Members, place: u32) -> Option<Parts> {
+        let first = members.tets.get(place as usize)?;
+        let (whole, part) = self.shape.parent(*first)?;
         Some(Parts {
             whole,
             count: if part.is_some() { 4 } else { 1 },
         })
-    }
-
-    /// A part by its place on the list of a side.
-    fn place<'p>(
-        &self,
-        tets: &'p mut PosedList<Current>,
-        planes: &'p mut PosedList<Posed>,
-        members: &'p [super::near::Members; 2],
-        side: usize,
-        at: u32,
-        origin: &Vector3,
-    ) -> Option<(Place<'p>, &'p Posed)> {
-        let members = &members[side];
-        let number = *members.tets.get(at as usize)?;
-        let tet = tets.get(at, |room| {
-            let corners = self.shape.corners(number, self.x)?.map(|x| x - origin);
-            let tet = self.shape.tets().get(number as usize)?;
-            let pressure = self.pressures[side];
-            room.deform(corners, &tet.values, pressure, tet.skin)
-                .then_some(())
-        })?;
-        let posed = planes.get(at, |room| {
-            *room = tet.planes();
-            Some(())
-        })?;
-        let place = Place {
-            tet,
-            place: at,
-            nodes: members.corners.get(at as usize),
-        };
-        Some((place, posed))
     }
 }
 

@@ -29,8 +29,6 @@ pub(crate) struct WholeTet {
     pub nodes: [u32; 4],
     /// Those across the faces opposite its nodes.
     pub neighbours: [Option<u32>; 4],
-    /// Bit k: the face opposite node k lies on the skin.
-    pub skin: u8,
 }
 
 /// The contact mesh of a deformable body: tetrahedra with a nodal field, fixed in the material. Immutable;
@@ -44,8 +42,6 @@ pub struct DeformableShape {
     node_count: usize,
     /// By slave, the four nodes of which it is the mean.
     slaves: Vec<[u32; 4]>,
-    /// By node, that of the body before it cracked; empty if it has not.
-    origins: Vec<u32>,
     tets: Vec<ContactTet>,
     /// The tetrahedra of the mesh.
     wholes: Vec<WholeTet>,
@@ -122,12 +118,6 @@ impl DeformableShape {
         let mut new = Self::build(mesh, Field::Body)?;
         let surface = |t: &[u32; 3]| t.map(|i| whole.points()[i as usize]);
         new.edge = mean_edge(&whole.skin().iter().map(surface).collect::<Vec<_>>());
-        new.origins = vec![0; new.node_count];
-        for (tet, own) in whole.tets().iter().zip(mesh.tets()) {
-            for (point, node) in tet.iter().zip(own) {
-                new.origins[*node as usize] = *point;
-            }
-        }
         Ok(new)
     }
 
@@ -181,7 +171,6 @@ impl DeformableShape {
         Ok(Self {
             node_count,
             slaves,
-            origins: Vec::new(),
             tree: Bvh::new(&split.tets().iter().map(tet_box).collect::<Vec<_>>()),
             tets,
             wholes: wholes(mesh),
@@ -239,13 +228,6 @@ impl DeformableShape {
     /// The tetrahedra of the mesh.
     pub(crate) fn wholes(&self) -> &[WholeTet] {
         &self.wholes
-    }
-
-    /// Whether two tetrahedra of a body that has cracked had a corner in common before.
-    pub(crate) fn were_joined(&self, pair: [u32; 2]) -> bool {
-        let origin = |node: u32| self.origins.get(node as usize);
-        let [a, b] = pair.map(|i| self.wholes[i as usize].nodes.map(origin));
-        !self.origins.is_empty() && a.iter().any(|node| b.contains(node))
     }
 
     /// Of which tetrahedron of the mesh tetrahedron `i` is: all of it, or the part opposite its corner k.
@@ -394,7 +376,6 @@ fn wholes(mesh: &TetMesh) -> Vec<WholeTet> {
     let whole = |(nodes, beside): (&[u32; 4], &[Option<u32>; 4])| WholeTet {
         nodes: *nodes,
         neighbours: *beside,
-        skin: (0..4).fold(0, |bits, k| bits | (u8::from(beside[k].is_none()) << k)),
     };
     mesh.tets()
         .iter()
