@@ -27,11 +27,16 @@ struct Response {
     of_bodies: f64,
     /// Of the elastic forces, W.
     power: f64,
+    /// The largest contact stiffness over mass of a node, 1/s².
+    fastest: f64,
 }
 
 impl Response {
-    /// `force` is the elastic one on B, N.
-    fn dashpot(&self, energy: f64, force: &Vector3, zeta: f64) -> Dashpot {
+    /// `force` is the elastic one on B, N, and `stiffness` that of the patch, N/m.
+    ///
+    /// The contact swings at ω² = Σ|f|²/m / 2U, and no faster than its nodes and bodies on their springs, ω² ≤ 2 max k_a/m_a + K/M.
+    /// That bounds it where patches share nodes, as in rubble, so that little of the energy is that of one and much of the force.
+    fn dashpot(&self, energy: f64, force: &Vector3, stiffness: f64, zeta: f64) -> Dashpot {
         let response = self.of_bodies + self.of_nodes;
         let scale = (2.0 * energy * response).sqrt();
         let inverse_mass = response / force.norm_squared();
@@ -44,7 +49,9 @@ impl Response {
                 ..Dashpot::default()
             };
         }
-        let coefficient = 2.0 * zeta / scale;
+        let fastest = 2.0 * self.fastest + stiffness * self.of_bodies / force.norm_squared();
+        let (usual, most) = (1.0 / scale, fastest.sqrt() / response);
+        let coefficient = 2.0 * zeta * if most < usual { most } else { usual };
         let factor = (1.0 - coefficient * self.power).max(0.0);
         let both = if self.of_bodies > 0.0 { 2.0 } else { 1.0 };
         Dashpot {
@@ -238,7 +245,8 @@ impl<'a> Pair<'a> {
         let each = patches.list.iter().zip(&motions);
         each.map(|(patch, motion)| {
             let energy = scratch.sums.energy * patch.share;
-            let mut dashpot = motion.dashpot(energy, &patch.wrench[1][0], self.law.damping_ratio);
+            let (force, zeta) = (&patch.wrench[1][0], self.law.damping_ratio);
+            let mut dashpot = motion.dashpot(energy, force, patch.stiffness.total, zeta);
             let rate = dashpot.coefficient * patch.wrench[1][0].norm();
             let of_bodies = self.body_dashpot(patch, &all, rate, dashpot.scale);
             dashpot.total += of_bodies.scale;
@@ -342,6 +350,12 @@ impl<'a> Pair<'a> {
             let of_patch = &mut motions[patches.of_node(side, at)];
             of_patch.of_nodes += force.norm_squared() * w;
             of_patch.power += force.dot(v);
+            let rate = scratch.sums.stiffness[side][at] * w;
+            of_patch.fastest = if rate > of_patch.fastest {
+                rate
+            } else {
+                of_patch.fastest
+            };
         }
     }
 

@@ -88,7 +88,9 @@ impl Simulation {
     pub fn depth_of(&self, contact: &ContactLine) -> f64 {
         if contact.volume > 0.0 {
             let most = self.smaller_diameter(contact.a, contact.b);
-            (contact.volume / contact.area).min(most)
+            // What is not flat is as deep as it is wide: a part of a broken body may lie in a wall with no skin there.
+            let area = contact.area.max(contact.volume.cbrt().powi(2));
+            (contact.volume / area).min(most)
         } else {
             0.0
         }
