@@ -200,3 +200,19 @@ fn clipped(polygon: Vec<[f64; 2]>, by: &[[f64; 2]]) -> Vec<[f64; 2]> {
     }
     kept
 }
+
+#[cfg(test)]
+mod tests {
+    use super::clipped;
+
+    /// Where the first corner is cut off by next to nothing one is left of it, though its two are the ends of the list.
+    #[test]
+    fn corners_that_nearly_coincide_are_one() {
+        let square = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let cut = 1e-8;
+        // Its long edge is x + y = cut.
+        let triangle = [[3.0, cut - 3.0], [3.0, 3.0], [cut - 3.0, 3.0]];
+        let common = clipped(square, &triangle);
+        assert_eq!(common.len(), 4, "{common:?}");
+    }
+}
