@@ -298,6 +298,12 @@ impl RigidContact {
         }
     }
 
+    /// Whether it resists a motion: a liquid bridge over a gap does not.
+    pub(crate) fn resists(&self) -> bool {
+        let springs = self.springs();
+        springs.normal.max(springs.tangential) > 0.0
+    }
+
     /// Stiffnesses of the springs: those of the foundation, integrated over the patch, and of the bristles in its
     /// plane.
     pub fn springs(&self) -> Springs {
@@ -422,9 +428,9 @@ pub struct Load {
     /// The part due to all dashpots: `damping`, and the drag in `friction`. What is left is the load if nothing
     /// moved, by which rest is judged.
     pub viscous: Wrench,
-    /// Sum of the normal forces, N.
+    /// Sum of the normal forces, and of the magnitudes of those in bonds, N.
     pub normal_sum: f64,
-    /// Number of bodies and walls in contact, or joined by a liquid bridge; the patches of a pair count once.
+    /// Number of bodies and walls in contact, or joined by a liquid bridge, where the patches of a pair count once; and of bonds.
     pub contacts: u32,
     bounds: Bounds,
 }
@@ -478,8 +484,8 @@ impl Load {
         self.bounds.add(contact, arm, contact.shares[side]);
     }
 
-    /// Adds what a bond does to one side: the wrenches of its springs and its dashpot, its normal force (N), and bounds of its stiffness and
-    /// viscosity against translation and against rotation.
+    /// Adds what a bond does to one side: the wrenches of its springs and its dashpot, its normal force (N), and bounds of its
+    /// stiffness and viscosity against translation and against rotation.
     pub(crate) fn add_bond(
         &mut self,
         [elastic, damping]: [&Wrench; 2],
@@ -509,8 +515,8 @@ impl Load {
         self.viscous += drag;
     }
 
-    /// Whether a contact resists a motion: a liquid bridge over a gap does not.
-    pub fn resists(&self) -> bool {
+    /// Whether a contact or a bond resists a motion: a liquid bridge over a gap does not.
+    pub(crate) fn resists(&self) -> bool {
         self.bounds.stiffness[0] > 0.0
     }
 

@@ -2,6 +2,7 @@
 
 mod adhesion;
 mod batch;
+mod bond_states;
 mod bonds;
 mod bridges;
 mod coincident;

@@ -119,12 +119,13 @@ pub struct Ledger {
     pub work_in: f64,
     /// What the host has put in by hand, less what it took: the change of the kinetic, potential and strain energy of
     /// bodies whose pose, nodes or velocities were set; the elastic energy of their overlaps and the energy of their friction
-    /// springs, before (taken) and after (put in); and, negative, all that removed bodies and walls had of these.
+    /// springs, before (taken) and after (put in); and, negative, all that removed bodies and walls had of these, what the bonds
+    /// of bodies held that were removed or put elsewhere, and what contacts held in whose place a bond was added.
     pub by_hand: f64,
     /// Work of external loads ([`World::set_load`](crate::World::set_load)).
     pub load_work: f64,
-    /// Lent to cracks at their births: the energy of their stretched springs. It comes back in what they dissipate. And what contacts
-    /// held more than the ended bonds that they took over from.
+    /// Lent to cracks at their births: the energy of their stretched springs. It comes back in what they dissipate. And what
+    /// contacts held more than the ended bonds that they took over from.
     pub lent: f64,
     /// Kinetic energy now.
     pub kinetic: f64,
@@ -158,8 +159,8 @@ pub struct Ledger {
     pub dissipated_bonds: f64,
     /// Dissipated by the pressure that new cracks have as it fades, by contacts whose field cracks change, and where bonds ended.
     pub dissipated_release: f64,
-    /// Numerical dissipation of [implicit](crate::ImplicitStep) steps: what the contacts took from the motion and neither store nor
-    /// lost in dashpots. Steps in which they give more than was stored are not booked, and so appear as an error.
+    /// Numerical dissipation of [implicit](crate::ImplicitStep) steps: what the contacts took from the motion and neither store
+    /// nor lost in dashpots. Steps in which they give more than was stored are not booked, and so appear as an error.
     pub dissipated_step: f64,
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,

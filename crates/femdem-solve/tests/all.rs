@@ -2,6 +2,7 @@
 
 mod adhesion;
 mod any_shape;
+mod bond_worlds;
 mod bonds;
 mod bridges;
 mod by_hand;

@@ -9,7 +9,7 @@ use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::{Rotation, Vector3};
 use femdem_solve::{BodySpec, Drive, Medium, SleepParameters, World};
 
-const LAW: BondLaw = BondLaw {
+pub(crate) const LAW: BondLaw = BondLaw {
     stiffness: 1e11,
     tensile: 1e6,
     cohesion: 3e6,
@@ -21,15 +21,15 @@ const LAW: BondLaw = BondLaw {
 };
 
 /// Edge of the blocks, m.
-const A: f64 = 0.1;
+pub(crate) const A: f64 = 0.1;
 
-fn block(world: &mut World) -> u32 {
+pub(crate) fn block(world: &mut World) -> u32 {
     let cube = "P5".parse::<CatalogueShape>().unwrap();
     let cube = cube.polyhedron(A * 3_f64.sqrt()).unwrap();
     world.add_shape("block", &cube).unwrap()
 }
 
-fn bond(world: &mut World, bodies: [BodyId; 2], law: BondLaw) -> u32 {
+pub(crate) fn bond(world: &mut World, bodies: [BodyId; 2], law: BondLaw) -> u32 {
     let section = world.section_between(bodies, 1e-6, 1.0).unwrap().unwrap();
     assert!((section.area() / (A * A) - 1.0).abs() < 1e-9);
     world.add_bond(bodies, &section, law).unwrap()
@@ -99,8 +99,8 @@ fn free_blocks_keep_momentum_and_energy() {
     );
 }
 
-/// A beam of blocks under its weight: the deflection of n joints of stiffness k I and k A, and the root gives way where M/W reaches the
-/// strength.
+/// A beam of blocks under its weight: the deflection of n joints of stiffness k I and k A, and the root gives way where M/W
+/// reaches the strength.
 #[test]
 fn a_beam_of_blocks() {
     let mut p = parameters(1e9, 0.5, 0.1);
@@ -200,8 +200,8 @@ fn cluster(law: BondLaw, speed: f64, tilt: f64) -> World {
     world
 }
 
-/// An impact breaks bonds, and pieces slide and press on broken faces: the books close, and resumed in the middle, on any number of threads, the
-/// bits are the same.
+/// An impact breaks bonds, and pieces slide and press on broken faces: the books close, and resumed in the middle, on any number
+/// of threads, the bits are the same.
 #[test]
 fn an_impact_with_books_and_bits() {
     let law = BondLaw {

@@ -30,7 +30,7 @@ impl Approach {
 
 impl ContactBatch {
     /// Whether a body may begin to touch something within `dt` (s) at the present velocities, judged from its
-    /// candidate pairs. `bodies` and `walls` as in the last [`update`](Self::update).
+    /// candidate pairs; what bonds hold to it does not count. `bodies` and `walls` as in the last [`update`](Self::update).
     ///
     /// Use this to keep the step before a first touch no longer than the steps after it; the dashpot's
     /// correction for new contacts assumes equal steps.
@@ -45,7 +45,8 @@ impl ContactBatch {
                 (Partner::Body(_), Some(space)) => self.may_meet(pair, &space.image(a, b).0, b, dt),
                 _ => self.may_meet(pair, a, b, dt),
             };
-            !pair.touches() && motions.is_some_and(meet)
+            let bonded = matches!(pair.a, Partner::Body(a) if self.bonds.hold((a, pair.b)));
+            !pair.touches() && !bonded && motions.is_some_and(meet)
         })
     }
 

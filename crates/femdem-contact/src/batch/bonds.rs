@@ -4,7 +4,8 @@ use super::ContactBatch;
 #[cfg(feature = "parallel")]
 use super::SERIAL_BELOW;
 use crate::bond::{Bond, BondLaw, BondSection, between_shapes};
-use crate::contact::{BodyId, Load};
+use crate::contact::{BodyId, Load, RigidContact};
+use crate::disjoint::{find, join};
 use crate::error::{ContactError, check};
 use crate::generalized::Resistance;
 use crate::glue::GlueLoss;
@@ -34,6 +35,9 @@ pub(super) struct Bonds {
     pairs: BTreeMap<(BodyId, BodyId), u32>,
     /// What the last update dissipated, J.
     lost: [f64; 2],
+    /// Whether bonds change nothing for good.
+    #[serde(skip)]
+    held: bool,
 }
 
 /// A pair, lower number first.
@@ -45,6 +49,11 @@ impl Bonds {
     /// Whether a bond holds the two, the lower number first.
     pub fn hold(&self, pair: (BodyId, BodyId)) -> bool {
         !self.pairs.is_empty() && self.pairs.contains_key(&pair)
+    }
+
+    /// Whether any that has not ended holds a body.
+    pub fn hold_any(&self, body: BodyId) -> bool {
+        self.of.contains_key(&body)
     }
 
     fn enter(&mut self, id: BondId, bodies: [BodyId; 2]) {
@@ -139,6 +148,7 @@ impl Bonds {
         if self.pairs.is_empty() {
             return;
         }
+        let takes = !self.held;
         let evaluate = |bond: &mut Option<Bond>| {
             let due = bond.as_mut().filter(|bond| {
                 let moves = |i: BodyId| awake.get(i as usize).copied().unwrap_or(false);
@@ -146,7 +156,7 @@ impl Bonds {
             });
             due.map_or_else(GlueLoss::default, |bond| {
                 let motions = bond.bodies().map(|i| &bodies[i as usize]);
-                bond.update(motions)
+                bond.evaluate(motions, takes)
             })
         };
         #[cfg(feature = "parallel")]
@@ -199,6 +209,7 @@ impl Bonds {
     }
 }
 
+/// Adds what a bond does to side `k`.
 fn add_to(load: &mut Load, bond: &Bond, k: usize) {
     let state = bond.state();
     let normal = state.force.dot(&state.normal).abs();
@@ -259,7 +270,8 @@ impl ContactBatch {
         Ok(id)
     }
 
-    /// The section in which two rigid bodies can be bonded, by their shapes; see [`between_shapes`]. `motions` are those of all bodies.
+    /// The section in which two rigid bodies can be bonded, by their shapes; see [`between_shapes`]. `motions` are those of all
+    /// bodies.
     ///
     /// # Errors
     /// As [`between_shapes`].
@@ -306,15 +318,51 @@ impl ContactBatch {
         self.bonds.lost
     }
 
-    /// The step in which no bond opens by more than `share` of G_I/f_t at the velocities of `motions`, s.
-    pub fn step_of_bonds(&self, motions: &[Motion], share: f64) -> f64 {
+    /// How many bonds were added so far; those that have ended or gone count too.
+    pub fn bonds_added(&self) -> usize {
+        self.bonds.list.len()
+    }
+
+    /// Lets bonds change nothing for good from now on: they neither give way nor slide. For displacements that only measure, on a
+    /// copy of the batch.
+    pub fn hold_bonds(&mut self) {
+        self.bonds.held = true;
+    }
+
+    /// The largest part of critical damping of the bonds that have not ended.
+    pub fn damping_of_bonds(&self) -> f64 {
+        let alive = self.bonds.list.iter().flatten();
+        let alive = alive.filter(|bond| !bond.has_ended());
+        alive.map(|bond| bond.law().damping).fold(0.0, f64::max)
+    }
+
+    /// The step in which no bond opens or slides by more than `share` of the smaller of G_I/f_t and G_II/c, at the velocities of
+    /// `motions`, those of all bodies, s. Linear softening ends after 2 of these, other kinds
+    /// [later](crate::glue::Softening::end).
+    ///
+    /// # Errors
+    /// [`ContactError::StateCount`] unless there is a motion for each body.
+    pub fn step_of_bonds(&self, motions: &[Motion], share: f64) -> Result<f64, ContactError> {
+        self.check_motions(motions)?;
         let awake = |bond: &&Bond| bond.bodies().into_iter().any(|i| self.is_awake(i));
         let alive = self.bonds.list.iter().flatten();
         let steps = alive
             .filter(|bond| !bond.has_ended())
             .filter(awake)
             .map(|bond| bond.resolving_step(bond.bodies().map(|i| &motions[i as usize]), share));
-        steps.fold(f64::INFINITY, f64::min)
+        Ok(steps.fold(f64::INFINITY, f64::min))
+    }
+
+    fn check_motions(&self, motions: &[Motion]) -> Result<(), ContactError> {
+        let (given, expected) = (motions.len(), self.body_shapes.len());
+        if given == expected {
+            return Ok(());
+        }
+        Err(ContactError::StateCount {
+            what: "body",
+            given,
+            expected,
+        })
     }
 
     /// Energy stored in the bonds, J; with a body, in those of it alone.
@@ -325,23 +373,60 @@ impl ContactBatch {
         0.0 + all.map(|bond| bond.state().energy).sum::<f64>()
     }
 
-    /// The bodies that bonds hold together with those of a list, themselves included, ascending.
-    pub fn bonded_with(&self, bodies: &[BodyId]) -> Vec<BodyId> {
+    /// The bodies that bonds hold together with those of a list, themselves included, ascending. Bonds of bodies that do not
+    /// `pass` lead no farther, unless these are in the list.
+    pub fn bonded_with(&self, bodies: &[BodyId], pass: impl Fn(BodyId) -> bool) -> Vec<BodyId> {
         let mut all: BTreeSet<BodyId> = bodies.iter().copied().collect();
         let mut new: Vec<BodyId> = bodies.to_vec();
         while let Some(body) = new.pop() {
-            for bond in self.bonds.of(body) {
-                new.extend(bond.bodies().into_iter().filter(|other| all.insert(*other)));
+            for other in self.bonds.partners(body) {
+                if all.insert(other) && pass(other) {
+                    new.push(other);
+                }
             }
         }
         Vec::from_iter(all)
     }
 
-    /// Ends the broken bonds that carry nothing any more or have slid too far, and notes the time (s) of those that have broken.
-    pub fn end_bonds(&mut self, motions: &[Motion], time: f64) -> EndedBonds {
+    /// The bodies that were ever bonded and are still there, by the pieces that bonds hold together which are not
+    /// [broken](Bond::is_broken), each ascending, in the order of their lowest bodies.
+    pub fn bonded_pieces(&self) -> Vec<Vec<BodyId>> {
+        let mut root: Vec<u32> = (0..self.body_shapes.len() as u32).collect();
+        let mut bodies = BTreeSet::new();
+        for (_, bond) in self.bonds() {
+            let [a, b] = bond.bodies();
+            bodies.extend([a, b]);
+            if !bond.is_broken() {
+                join(&mut root, a, b);
+            }
+        }
+        let mut pieces: BTreeMap<u32, Vec<BodyId>> = BTreeMap::new();
+        for body in bodies {
+            pieces.entry(find(&root, body)).or_default().push(body);
+        }
+        pieces.into_values().collect()
+    }
+
+    /// Whether a contact of a rigid body resists its motion. Bonds do not count, nor does a liquid bridge over a gap.
+    pub fn is_resisted(&self, body: BodyId) -> bool {
+        let load = self.sums.loads.get(body as usize);
+        let resists = load.is_some_and(Load::resists);
+        // The load of a bonded body has the stiffness of its bonds, too.
+        resists
+            && (!self.bonds.hold_any(body)
+                || self.rigid_contacts_of(body).any(RigidContact::resists))
+    }
+
+    /// Ends the broken bonds that carry nothing any more or whose sides have opened or slid too far, and notes the time (s) of
+    /// those that have broken. `motions` are those of all bodies.
+    ///
+    /// # Errors
+    /// [`ContactError::StateCount`] unless there is a motion for each body.
+    pub fn end_bonds(&mut self, motions: &[Motion], time: f64) -> Result<EndedBonds, ContactError> {
+        self.check_motions(motions)?;
         let mut ended = EndedBonds::default();
         if self.bonds.pairs.is_empty() {
-            return ended;
+            return Ok(ended);
         }
         for id in 0..self.bonds.list.len() {
             let Some(bond) = &mut self.bonds.list[id] else {
@@ -355,6 +440,6 @@ impl ContactBatch {
                 }
             }
         }
-        ended
+        Ok(ended)
     }
 }

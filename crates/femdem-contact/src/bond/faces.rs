@@ -38,9 +38,10 @@ pub fn between_spheres(
     BondSection::disc(centre, normal, ratio * of_a.min(of_b)).map(Some)
 }
 
-/// The section between two bodies by their shapes and frames: for two spheres [their disc](between_spheres), for two convex polyhedra the
-/// common part of the two faces that face each other, at most `gap` (m) apart and parallel to 3 degrees, shrunk about its centroid by `ratio`; the largest
-/// of them. `None` where there is none, and for other shapes, whose sections are [polygons](BondSection::polygon) of the caller.
+/// The section between two bodies by their shapes and frames: for two spheres [their disc](between_spheres), for two convex
+/// polyhedra the common part of the two faces that face each other, at most `gap` (m) apart and parallel to 3 degrees, shrunk
+/// about its centroid by `ratio`; the largest of them that is a valid polygon. `None` where there is none, and for other shapes,
+/// whose sections are [polygons](BondSection::polygon) of the caller.
 ///
 /// # Errors
 /// As [`between_spheres`].
@@ -56,7 +57,7 @@ pub fn between_shapes(
             between_spheres([a.1.position, b.1.position], radii, gap, ratio)
         }
         (BodyShape::Convex(one), BodyShape::Convex(two)) => {
-            between_faces([(one, a.1), (two, b.1)], gap, ratio)
+            Ok(between_faces([(one, a.1), (two, b.1)], gap, ratio))
         }
         _ => Ok(None),
     }
@@ -75,12 +76,8 @@ fn check_reach(gap: f64, ratio: f64) -> Result<(), ContactError> {
 }
 
 /// The common part of the faces of two convex bodies that face each other.
-fn between_faces(
-    [a, b]: [(&ConvexShape, &Frame); 2],
-    gap: f64,
-    ratio: f64,
-) -> Result<Option<BondSection>, ContactError> {
-    let mut best: Option<(f64, Vec<Vector3>, Vector3)> = None;
+fn between_faces([a, b]: [(&ConvexShape, &Frame); 2], gap: f64, ratio: f64) -> Option<BondSection> {
+    let mut best: Option<BondSection> = None;
     // Relative to A, so that no digits are lost far from the origin.
     let shift = b.1.position - a.1.position;
     for plane in &a.0.planes {
@@ -111,26 +108,28 @@ fn between_faces(
             let (one, two) = (flat(&one), flat(&two));
             let whole = area(&one).min(area(&two));
             let common = clipped(one, &two);
-            let size = area(&common);
-            if size > SLIVER * whole && best.as_ref().is_none_or(|found| size > found.0) {
-                let corners = common
-                    .iter()
-                    .map(|[x, y]| e1 * *x + e2 * *y + mean * middle + a.1.position);
-                best = Some((size, corners.collect(), mean));
+            if area(&common) <= SLIVER * whole {
+                continue;
+            }
+            let place = |x: &[f64; 2]| e1 * x[0] + e2 * x[1] + mean * middle + a.1.position;
+            let corners: Vec<Vector3> = common.iter().map(place).collect();
+            // Corners that rounding has brought out of order make no section.
+            let Ok(section) = BondSection::polygon(&corners, mean) else {
+                continue;
+            };
+            if best
+                .as_ref()
+                .is_none_or(|best| section.area() > best.area())
+            {
+                best = Some(section);
             }
         }
     }
-    let Some((_, corners, normal)) = best else {
-        return Ok(None);
-    };
-    let section = BondSection::polygon(&corners, normal)?;
-    let centre = section.centre();
-    let shrunk: Vec<Vector3> = section
-        .corners()
-        .iter()
-        .map(|x| centre + (x - centre) * ratio)
-        .collect();
-    BondSection::polygon(&shrunk, normal).map(Some)
+    let best = best?;
+    let centre = best.centre();
+    let shrink = |x: &Vector3| centre + (x - centre) * ratio;
+    let corners: Vec<Vector3> = best.corners().iter().map(shrink).collect();
+    BondSection::polygon(&corners, best.normal()).ok()
 }
 
 /// Vertices of a face, in body axes.
@@ -192,7 +191,28 @@ fn clipped(polygon: Vec<[f64; 2]>, by: &[[f64; 2]]) -> Vec<[f64; 2]> {
         }
         kept = next;
     }
-    let near = 1e-9 * area(by);
-    kept.dedup_by(|x, y| (0..2).map(|k| (x[k] - y[k]).powi(2)).sum::<f64>() < near * 1e-3);
+    let least = 1e-12 * area(by);
+    let is_near =
+        |x: [f64; 2], y: [f64; 2]| (0..2).map(|k| (x[k] - y[k]).powi(2)).sum::<f64>() < least;
+    kept.dedup_by(|x, y| is_near(*x, *y));
+    while kept.len() > 1 && is_near(kept[0], kept[kept.len() - 1]) {
+        kept.pop();
+    }
     kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::clipped;
+
+    /// Where the first corner is cut off by next to nothing one is left of it, though its two are the ends of the list.
+    #[test]
+    fn corners_that_nearly_coincide_are_one() {
+        let square = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let cut = 1e-8;
+        // Its long edge is x + y = cut.
+        let triangle = [[3.0, cut - 3.0], [3.0, 3.0], [cut - 3.0, 3.0]];
+        let common = clipped(square, &triangle);
+        assert_eq!(common.len(), 4, "{common:?}");
+    }
 }

@@ -4,8 +4,8 @@ use crate::error::{ContactError, check};
 use crate::glue::{GlueLaw, GluedFacet, Softening};
 use serde::{Deserialize, Serialize};
 
-/// Parts of sliding at which the energies of mixed modes are checked.
-const MODES: u32 = 64;
+/// The least part of the energy of fracture beyond the strength that is not a matter of rounding.
+const LEAST_BEYOND: f64 = 1e-9;
 
 /// The law of a bond, per area of its section.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,7 +49,8 @@ impl BondLaw {
     ///
     /// # Errors
     /// [`ContactError::Parameter`] for a number that is not positive and finite, or for friction and damping negative; and for an
-    /// energy that is less than what a point stores at its strength, f²/2k: it would give way and push.
+    /// energy that in some mode is not more than what a point stores at its strength, f²/2k: nothing would be left to soften by.
+    /// The bound over all modes asks for slightly more where strength and energy change in opposite ways.
     pub fn check(&self) -> Result<(), ContactError> {
         for (name, value) in [
             ("tensile strength of the bond", self.tensile),
@@ -67,14 +68,12 @@ impl BondLaw {
         )?;
         let law = self.glue();
         law.check()?;
-        let parts = (0..=MODES).map(|i| f64::from(i) / f64::from(MODES));
-        let rest = parts.map(|s| GluedFacet::beyond_peak(&law, self.strengths(), s));
-        let least = rest.fold(f64::INFINITY, f64::min);
+        let least = GluedFacet::least_beyond_peak(&law, self.strengths());
         check(
             "part of the energy of fracture of the bond beyond its strength",
             least,
-            least > 0.0,
-            "above 0: raise the energy or the stiffness k, or lower the strength f, as f^2/(2 k) is stored before it gives way",
+            least > LEAST_BEYOND,
+            "above 1e-9: raise the energy or the stiffness k, or lower the strength f, as f^2/(2 k) is stored before it gives way",
         )
     }
 

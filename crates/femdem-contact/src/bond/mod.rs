@@ -1,9 +1,9 @@
 //! Bonds between rigid bodies: mortar, cement, glued clumps.
 //!
 //! A [`Bond`] holds two bodies together over a flat [`BondSection`], by the law of [glue](crate::glue). The section is cut into
-//! triangles about its centroid, and each is a [`GluedFacet`](crate::glue::GluedFacet) between three points of body A and three of body B, the middles of
-//! the triangle's edges. These integrate quadratic functions exactly, so that for small openings a whole bond has the
-//! stiffnesses of a layer of springs k per area:
+//! triangles about its centroid, and each is a [`GluedFacet`](crate::glue::GluedFacet) between three points of body A and three
+//! of body B, the middles of the triangle's edges. These integrate quadratic functions exactly, so that for small openings a
+//! whole bond has the stiffnesses of a layer of springs k per area:
 //!
 //! | motion | stiffness | first damage |
 //! |---|---|---|
@@ -15,13 +15,16 @@
 //! with the second moments I of the section and the distances c_max and r_max of the outermost points: the middles of its
 //! edges. For mortar of modulus E and thickness t, k = E/t.
 //!
-//! - **Whole** points are linear, in tension and in pressure. Bodies are bonded as they lie, without force, whatever their gap or overlap.
-//! - A point **gives way** where (t_n/f_t)² + (τ/c)² reaches 1, or τ reaches c + μ p under a pressure p. From then on it is glue at its peak, which
-//!   softens with its largest opening, and contact with friction. A pure mode dissipates its energy G per area exactly; friction under
-//!   pressure comes on top.
+//! - **Whole** points are linear, in tension and in pressure. Bodies are bonded as they lie, without force, whatever their gap or
+//!   overlap.
+//! - A point **gives way** where (t_n/f_t)² + (τ/c)² reaches 1, or τ reaches c + μ p under a pressure p. From then on it is glue
+//!   at its peak, which softens with its largest opening, and contact with friction. A pure mode dissipates its energy G per area
+//!   exactly; friction under pressure comes on top.
 //! - Bonded bodies do not meet otherwise: the bond alone presses while it lasts. A [broken](Bond::is_broken) bond that carries
-//!   no energy, or has slid by a tenth of its width, [ends](crate::ContactBatch::end_bonds), and the two meet by the kernel.
-//! - A **dashpot** of a ratio ζ of critical damping is proportional to the stiffness that is left.
+//!   no energy, or has opened or slid somewhere by a tenth of its width, [ends](crate::ContactBatch::end_bonds), and the two meet
+//!   by the kernel.
+//! - A **dashpot** of a ratio ζ of critical damping is proportional to the stiffness that is left: nothing where a broken bond is
+//!   open, and nothing along broken faces that slide, where friction alone resists.
 //!
 //! Forces are minus the exact gradient of the energy, dashpots apart; forces and moments on the two bodies balance to round-off.
 //!
@@ -44,15 +47,17 @@
 //!
 //! # Sources
 //!
-//! Potyondy and Cundall (2004), Int. J. Rock Mech. Min. Sci. 41, 1329, for bonds with a section ("parallel bonds"), which break at once;
-//! the energies of fracture are those of [`glue`](crate::glue).
+//! Potyondy and Cundall (2004), Int. J. Rock Mech. Min. Sci. 41, 1329, for bonds with a section ("parallel bonds"), which break
+//! at once; the energies of fracture are those of [`glue`](crate::glue).
 
 mod faces;
 mod law;
+mod part;
 mod section;
+mod sound;
 mod state;
 
 pub use faces::{between_shapes, between_spheres};
 pub use law::BondLaw;
 pub use section::BondSection;
-pub use state::{Bond, BondState};
+pub use state::{Bond, BondFacet, BondState};

@@ -21,12 +21,13 @@ pub struct BondSection {
 }
 
 impl BondSection {
-    /// A polygon by its corners (m) in order, either way round, whose normal is on the side of `towards`: the direction from body A to
-    /// body B.
+    /// A polygon by its corners (m) in order, either way round, whose normal is on the side of `towards`: the direction from body
+    /// A to body B.
     ///
     /// # Errors
-    /// [`ContactError::Parameter`] for fewer than three corners, corners that are not finite or not in a plane to 1e-6 of its size, and where the
-    /// triangles from the centroid to the edges are not all positive: the polygon must be convex, or nearly so.
+    /// [`ContactError::Parameter`] for fewer than three corners, corners that are not finite or not in a plane to 1e-6 of its
+    /// size, and where the triangles from the centroid to the edges are not all positive: the polygon must be convex, or nearly
+    /// so.
     pub fn polygon(corners: &[Vector3], towards: Vector3) -> Result<Self, ContactError> {
         let count = corners.len();
         let allowed = "3 or more";

@@ -1,36 +1,18 @@
 //! A bond and what it carries.
 
+use super::part::{Part, Sums, View};
 use super::{BondLaw, BondSection};
 use crate::contact::{BodyId, Wrench};
 use crate::error::ContactError;
 use crate::generalized::Generalized;
-use crate::glue::{GlueLaw, GlueLoss, GluedFacet, MidSurface, Openings};
+use crate::glue::GlueLoss;
 use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Slip over the square root of the area at which a broken bond ends under pressure: its faces no longer lie on each other.
+/// Opening or slip of a point, over the square root of the area, at which a broken bond ends under pressure elsewhere: its faces
+/// no longer lie on each other.
 const SLIP: f64 = 0.1;
-
-/// A triangle of the section, by the middles of its edges.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Part {
-    facet: GluedFacet,
-    /// The points in the axes of A and of B, m.
-    at: [[Vector3; 3]; 2],
-    last: Last,
-}
-
-/// A triangle in the last update.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Last {
-    /// m.
-    openings: Openings,
-    /// N.
-    slopes: Openings,
-    /// Of springs, J.
-    energy: f64,
-}
 
 /// What a bond carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -47,6 +29,21 @@ pub struct BondState {
     pub tension: f64,
     /// Stored energy, J.
     pub energy: f64,
+}
+
+/// A triangle of the section of a bond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BondFacet {
+    /// Its corners midway between the sides, m.
+    pub corners: [Vector3; 3],
+    /// Mean opening, m.
+    pub opening: f64,
+    /// Mean slip, m.
+    pub slip: f64,
+    /// Mean part of the stiffness that is lost.
+    pub damage: f64,
+    /// Area, m².
+    pub area: f64,
 }
 
 /// Loads on a body about its origin.
@@ -66,18 +63,18 @@ pub(crate) struct Side {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bond {
     bodies: [BodyId; 2],
-    law: BondLaw,
-    parts: Vec<Part>,
-    area: f64,
-    state: BondState,
+    pub(super) law: BondLaw,
+    pub(super) parts: Vec<Part>,
+    pub(super) area: f64,
+    pub(super) state: BondState,
     pub(crate) sides: [Side; 2],
     /// Viscosity over stiffness, s.
     pub(crate) delay: f64,
-    lost: GlueLoss,
+    pub(super) lost: GlueLoss,
     /// Area that has given way, m², and the part of sliding in it.
-    yielded: f64,
-    slid: f64,
-    broken_at: Option<f64>,
+    pub(super) yielded: f64,
+    pub(super) slid: f64,
+    pub(super) broken_at: Option<f64>,
     pub(crate) ended: bool,
 }
 
@@ -97,11 +94,8 @@ impl Bond {
             motion.frame.rotation.tr_mul(&(x - motion.frame.position))
         };
         let parts = section.triangles().map(|(points, area)| {
-            Ok(Part {
-                facet: GluedFacet::new(area)?,
-                at: motions.map(|motion| points.map(|x| local(motion, &x))),
-                last: Last::default(),
-            })
+            let at = motions.map(|motion| points.map(|x| local(motion, &x)));
+            Part::new(at, area)
         });
         let mut bond = Self {
             bodies,
@@ -201,161 +195,100 @@ impl Bond {
         self.lost
     }
 
-    /// Its triangles now: their corners midway between the sides, m, mean opening and slip, m, mean damage, and area, m²; `motions` are those of A
-    /// and B.
+    /// Its triangles now; `motions` are those of A and B.
     #[must_use]
-    pub fn facets(&self, motions: [&Motion; 2]) -> Vec<([Vector3; 3], [f64; 2], f64, f64)> {
+    pub fn facets(&self, motions: [&Motion; 2]) -> Vec<BondFacet> {
         let glue = self.law.glue();
-        let mean = |of: [f64; 3]| of.iter().sum::<f64>() / 3.0;
-        let facet = |part: &Part| {
-            let openings = part.last.openings;
-            let slip = mean(openings.map(|o| o[1].hypot(o[2])));
-            let middle = |q: usize| {
-                let side = |k: usize| motions[k].frame.point(&part.at[k][q]);
-                (side(0) + side(1)) * 0.5
-            };
-            let [p, q, r] = [0, 1, 2].map(middle);
-            // The corners of a triangle from the middles of its edges.
-            (
-                [p + r - q, p + q - r, q + r - p],
-                [mean(openings.map(|o| o[0])), slip],
-                mean(part.facet.damage(&glue)),
-                part.facet.area(),
-            )
-        };
+        let facet = |part: &Part| part.seen(&glue, motions);
         self.parts.iter().map(facet).collect()
     }
 
     /// Takes what these motions of A and B change for good, and evaluates the bond there. Returns what that dissipates.
     pub fn update(&mut self, motions: [&Motion; 2]) -> GlueLoss {
+        self.evaluate(motions, true)
+    }
+
+    /// [`update`](Self::update), which changes nothing for good unless it `takes`.
+    pub(crate) fn evaluate(&mut self, motions: [&Motion; 2], takes: bool) -> GlueLoss {
         let mut lost = GlueLoss::default();
         if self.ended {
             return lost;
         }
-        let law = self.law.glue();
-        let frames = motions.map(|motion| &motion.frame);
-        // Relative to A, so that no digits are lost far from the origin.
-        let apart = frames[1].position - frames[0].position;
-        let origins = [Vector3::zeros(), apart];
-        let mut found = Found::default();
-        let mut points = Vec::with_capacity(3 * self.parts.len());
-        for part in &mut self.parts {
-            let a = part.at[0].map(|x| frames[0].rotation * x);
-            let b = part.at[1].map(|x| frames[1].rotation * x + apart);
-            let Some(middle) = MidSurface::new(&a, &b) else {
-                continue;
-            };
-            let openings = middle.openings(&a, &b);
-            let mut changed = false;
-            for (q, opening) in openings.iter().enumerate() {
-                let strengths = self.law.strengths();
-                if let Some(sliding) = part.facet.give_way(q, &law, strengths, opening) {
-                    let area = part.facet.area() / 3.0;
-                    changed = true;
-                    self.yielded += area;
-                    self.slid += area * sliding;
-                }
-            }
-            let more = part.facet.follow(&law, &openings);
-            changed |= more != GlueLoss::default();
-            let before = part.last;
-            let stiffness = part.evaluate(&law, &middle, [&a, &b], &openings, &origins, &mut found);
-            if changed {
-                lost.friction += more.friction;
-                lost.glue += part.last.work_since(&before) - more.friction;
-            }
-            for (q, stiffness) in stiffness.into_iter().enumerate() {
-                points.push(((a[q] + b[q]) * 0.5, stiffness));
-            }
-            found.normal += middle.axes[0] * part.facet.area();
-        }
-        self.lost.glue += lost.glue;
-        self.lost.friction += lost.friction;
-        self.take(motions, &origins, &points, &found);
-        lost
-    }
-
-    /// Keeps what was found: points midway with their stiffnesses (N/m), relative to A.
-    fn take(
-        &mut self,
-        motions: [&Motion; 2],
-        origins: &[Vector3; 2],
-        points: &[(Vector3, f64)],
-        found: &Found,
-    ) {
-        let count = points.len().max(1) as f64;
-        let centre = points.iter().map(|(x, _)| x).sum::<Vector3>() / count;
-        let masses = [0, 1].map(|k| motions[k].inverse_mass_at(&(centre - origins[k])));
         let light = motions[0].inverse_mass + motions[1].inverse_mass;
         self.delay = if light > 0.0 {
             2.0 * self.law.damping / (self.law.stiffness * self.area * light).sqrt()
         } else {
             0.0
         };
-        let mut sides = [Side::default(); 2];
-        for (k, side) in sides.iter_mut().enumerate() {
-            side.elastic = found.elastic[k];
-            side.share = if masses[k] > 0.0 {
+        let view = View::new(&self.law, motions, self.delay);
+        let mut sums = Sums::default();
+        for part in &mut self.parts {
+            if takes {
+                let change = part.take(&view);
+                self.yielded += change.yielded;
+                self.slid += change.slid;
+                let before = part.last;
+                part.evaluate(&view, &mut sums);
+                if change.is_any {
+                    lost.friction += change.friction;
+                    lost.glue += part.last.work_since(&before) - change.friction;
+                }
+            } else {
+                part.evaluate(&view, &mut sums);
+            }
+        }
+        self.lost.glue += lost.glue;
+        self.lost.friction += lost.friction;
+        self.keep(&view, &sums);
+        lost
+    }
+
+    /// Keeps what was found.
+    fn keep(&mut self, view: &View, sums: &Sums) {
+        let centre = sums.middle / sums.points.max(1.0);
+        let inverse_mass = |k: usize| view.motions[k].inverse_mass_at(&(centre - view.origins[k]));
+        let masses = [0, 1].map(inverse_mass);
+        self.sides = [0, 1].map(|k| Side {
+            elastic: sums.elastic[k],
+            damping: sums.damping[k],
+            stiffness: sums.stiffness[k],
+            share: if masses[k] > 0.0 {
                 1.0 + (masses[1 - k] / masses[k]).sqrt()
             } else {
                 1.0
-            };
-            for (x, stiffness) in points {
-                side.stiffness.add_everywhere(&(x - origins[k]), *stiffness);
-            }
-        }
-        if self.delay > 0.0 {
-            for (x, stiffness) in points {
-                let velocity = |k: usize| motions[k].velocity_at(&(x - origins[k]));
-                let force = (velocity(1) - velocity(0)) * (self.delay * stiffness);
-                for (k, force) in [force, -force].into_iter().enumerate() {
-                    sides[k].damping.force += force;
-                    sides[k].damping.torque += (x - origins[k]).cross(&force);
-                }
-            }
-        }
-        self.sides = sides;
-        let on_a = &found.elastic[0];
+            },
+        });
+        let on_a = &sums.elastic[0];
         self.state = BondState {
-            centre: centre + motions[0].frame.position,
-            normal: found.normal.try_normalize(0.0).unwrap_or(self.state.normal),
+            centre: centre + view.motions[0].frame.position,
+            normal: sums.normal.try_normalize(0.0).unwrap_or(self.state.normal),
             force: on_a.force,
             moment: on_a.torque - centre.cross(&on_a.force),
-            tension: found.tension,
-            energy: found.energy,
+            tension: sums.tension,
+            energy: sums.energy,
         };
     }
 
-    /// The step in which its points open by the part `share` of G_I/f_t, s.
+    /// The step in which its points open or slide by the part `share` of the smaller of G_I/f_t and G_II/c, s.
     pub(crate) fn resolving_step(&self, motions: [&Motion; 2], share: f64) -> f64 {
         let arm = |k: usize| self.state.centre - motions[k].frame.position;
         let apart = motions[1].velocity_at(&arm(1)) - motions[0].velocity_at(&arm(0));
         let turning = motions[1].angular_velocity - motions[0].angular_velocity;
         let speed = apart.norm() + turning.norm() * self.area.sqrt();
-        share * self.law.energies[0] / self.law.tensile / speed
+        let [opening, sliding] = self.law.energies;
+        let shortest = (opening / self.law.tensile).min(sliding / self.law.cohesion);
+        share * shortest / speed
     }
 
-    /// Whether a bond that was read has finite numbers and a law that is allowed.
-    pub(crate) fn is_sound(&self) -> bool {
-        let points = self.parts.iter().flat_map(|part| part.at.iter().flatten());
-        let areas: f64 = self.parts.iter().map(|part| part.facet.area()).sum();
-        self.law.check().is_ok()
-            && (areas / self.area - 1.0).abs() < 1e-9
-            && points.into_iter().all(|x| x.iter().all(|x| x.is_finite()))
-    }
-
-    /// Notes the time (s) when it is found broken. Returns whether it can end: it carries nothing, or has slid too far.
+    /// Notes the time (s) when it is found broken. Returns whether it can end: it carries nothing, or a point has
+    /// opened or slid too far.
     pub(crate) fn may_end(&mut self, time: f64, motions: [&Motion; 2]) -> bool {
         if self.ended || !self.is_broken() {
             return false;
         }
         self.broken_at = self.broken_at.or(Some(time));
         let most = SLIP * self.area.sqrt();
-        self.state.energy == 0.0
-            || self.parts.iter().any(|part| {
-                let [a, b] = [0, 1].map(|k| part.at[k].map(|x| motions[k].frame.point(&x)));
-                part.facet.largest_slip(&a, &b) > most
-            })
+        self.state.energy == 0.0 || self.parts.iter().any(|part| part.is_apart(motions, most))
     }
 
     /// Ends it, and returns what it held, J.
@@ -367,70 +300,5 @@ impl Bond {
         self.state.moment = Vector3::zeros();
         self.state.tension = 0.0;
         held
-    }
-}
-
-impl Last {
-    /// The work of the mean forces since an earlier update, less what the springs store more, J: what a leapfrog step takes from the motion.
-    fn work_since(&self, before: &Self) -> f64 {
-        let mut work = before.energy - self.energy;
-        for q in 0..3 {
-            for i in 0..3 {
-                let mean = 0.5 * (before.slopes[q][i] + self.slopes[q][i]);
-                work += mean * (self.openings[q][i] - before.openings[q][i]);
-            }
-        }
-        work
-    }
-}
-
-/// Sums over the parts, relative to A.
-#[derive(Default)]
-struct Found {
-    elastic: [Wrench; 2],
-    normal: Vector3,
-    tension: f64,
-    energy: f64,
-}
-
-impl Part {
-    /// Adds the forces at points of both sides, m, about the origins of the bodies, and returns the stiffness at each, N/m.
-    fn evaluate(
-        &mut self,
-        law: &GlueLaw,
-        middle: &MidSurface,
-        [a, b]: [&[Vector3; 3]; 2],
-        openings: &Openings,
-        origins: &[Vector3; 2],
-        found: &mut Found,
-    ) -> [f64; 3] {
-        let whole = self.facet.area() / 3.0 * law.stiffness;
-        let (mut slopes, glue, contact) = self.facet.slopes(law, openings);
-        let mut energy = glue + contact;
-        let mut stiffness = self.facet.stiffness_at(law, openings);
-        for q in 0..3 {
-            if !self.facet.is_joined(q) {
-                for (slope, opening) in slopes[q].iter_mut().zip(openings[q]) {
-                    *slope = whole * opening;
-                    energy += 0.5 * whole * opening * opening;
-                }
-                stiffness[q] = whole;
-            }
-            found.tension = found.tension.max(slopes[q][0] * 3.0 / self.facet.area());
-        }
-        found.energy += energy;
-        self.last = Last {
-            openings: *openings,
-            slopes,
-            energy,
-        };
-        let forces = middle.forces(a, b, &slopes);
-        for (k, (points, forces)) in [a, b].into_iter().zip(forces).enumerate() {
-            for (x, force) in points.iter().zip(forces) {
-                found.elastic[k].force += force;
-                found.elastic[k].torque += (x - origins[k]).cross(&force);
-            }
-        }
-        stiffness
     }
 }

@@ -41,7 +41,8 @@ pub struct GluedForces {
 pub struct GlueLoss {
     /// By the glue.
     pub glue: f64,
-    /// By friction, and by friction springs that lost their contact; the work of the mean friction of before and now over the slip.
+    /// By friction, and by friction springs that lost their contact; the work of the mean friction of before and now over the
+    /// slip.
     pub friction: f64,
     /// By the pressure of the birth, which fades once no glue is left.
     pub pressure: f64,
@@ -49,6 +50,9 @@ pub struct GlueLoss {
 
 /// Steps in which the pressure of the birth fades.
 const FADES: f64 = 50.0;
+
+/// Friction springs are cut back to their limit up to this part of it.
+const ROUNDING: f64 = 1e-9;
 
 /// A cut facet between two tetrahedra; points that are not split yet exert no force.
 ///
@@ -93,6 +97,30 @@ impl Point {
     fn shear(&self, opening: &[f64; 3]) -> [f64; 2] {
         [opening[1] - self.slip[0], opening[2] - self.slip[1]]
     }
+
+    /// Stretch at which the friction springs slide, m.
+    fn longest(law: &GlueLaw, overlap: f64) -> f64 {
+        law.friction * law.contact * overlap / law.tangential
+    }
+
+    /// Whether the friction springs were below it after the last [`GluedFacet::advance`].
+    fn sticks(&self, law: &GlueLaw, overlap: f64) -> bool {
+        let [one, two] = self.stretch;
+        one.hypot(two) < Self::longest(law, overlap) * (1.0 - ROUNDING)
+    }
+
+    /// Whether every number is finite, and those that cannot be negative are not.
+    fn is_sound(&self, law: &GlueLaw) -> bool {
+        let mut numbers = [self.normal]
+            .into_iter()
+            .chain(self.slip)
+            .chain(self.stretch);
+        numbers.all(f64::is_finite)
+            && [self.offset, self.fade]
+                .iter()
+                .all(|x| *x >= 0.0 && x.is_finite())
+            && self.glue.is_none_or(|glue| glue.is_sound(law))
+    }
 }
 
 impl GluedFacet {
@@ -114,8 +142,8 @@ impl GluedFacet {
         })
     }
 
-    /// Joins the pair of nodes `q` (0 to 2) that has just been split, under the traction (Pa) that the facet carries there, in the
-    /// axes of its [`MidSurface`]: the normal part, positive in tension, and two along the facet, of the second side on the
+    /// Joins the pair of nodes `q` (0 to 2) that has just been split, under the traction (Pa) that the facet carries there, in
+    /// the axes of its [`MidSurface`]: the normal part, positive in tension, and two along the facet, of the second side on the
     /// first. Returns the energy that its springs were lent, J.
     pub fn join(&mut self, q: usize, law: &GlueLaw, traction: [f64; 3]) -> f64 {
         let Some(point) = self.points.get_mut(q) else {
@@ -150,14 +178,6 @@ impl GluedFacet {
     #[must_use]
     pub fn area(&self) -> f64 {
         self.area
-    }
-
-    /// The largest slip of a pair of nodes at these positions, m.
-    #[must_use]
-    pub fn largest_slip(&self, a: &[Vector3; 3], b: &[Vector3; 3]) -> f64 {
-        let openings = MidSurface::new(a, b).map(|middle| middle.openings(a, b));
-        let slips = openings.iter().flatten().map(|o| o[1].hypot(o[2]));
-        slips.fold(0.0, f64::max)
     }
 
     /// Whether the pair of nodes `q` is split.
@@ -210,6 +230,38 @@ impl GluedFacet {
             };
             self.points[q].map_or(0.0, of) * self.area / 3.0
         })
+    }
+
+    /// Stiffness that holds each pair of nodes at these openings, N/m, along the normal and across, of which dashpots are a part:
+    /// across an open gap that of the glue, under pressure that of the contact, and of its friction as long as it sticks; at most
+    /// that before the point gave way. Where the sides slide on each other, friction alone resists.
+    pub(crate) fn stiffness_left(&self, law: &GlueLaw, openings: &Openings) -> [[f64; 2]; 3] {
+        [0, 1, 2].map(|q| {
+            let of = |point: Point| {
+                let glue = point.glue.map_or(0.0, |glue| glue.secant(law));
+                let overlap = point.overlap(law, &openings[q]);
+                let (mut along, mut across) = (glue, glue);
+                if overlap > 0.0 {
+                    along = law.contact;
+                    if point.sticks(law, overlap) {
+                        across += law.tangential;
+                    }
+                }
+                [along, across].map(|left| left.min(law.stiffness) * self.area / 3.0)
+            };
+            self.points[q].map_or([0.0; 2], of)
+        })
+    }
+
+    /// Whether every number is finite and possible: for a facet that was read.
+    pub(crate) fn is_sound(&self, law: &GlueLaw) -> bool {
+        self.area > 0.0
+            && self.area.is_finite()
+            && self
+                .points
+                .iter()
+                .flatten()
+                .all(|point| point.is_sound(law))
     }
 
     /// Damage by pair of nodes: 0 at birth, 1 where nothing holds any more; 0 for pairs that are not split.
@@ -299,7 +351,7 @@ impl GluedFacet {
             let overlap = point.overlap(law, opening);
             let shear = point.shear(opening);
             let length = shear[0].hypot(shear[1]);
-            let most = law.friction * law.contact * overlap / law.tangential;
+            let most = Point::longest(law, overlap);
             // Without pressure the springs let go.
             let kept = if length > most { most / length } else { 1.0 };
             let stretch = shear.map(|x| x * kept);

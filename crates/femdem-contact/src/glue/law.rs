@@ -124,6 +124,16 @@ impl Glue {
         1.0 - self.secant(law) / law.stiffness
     }
 
+    /// Whether its numbers are finite and possible.
+    pub fn is_sound(&self, law: &GlueLaw) -> bool {
+        let all = [self.peak, self.energy, self.largest];
+        // The quotient was rounded when the glue was made.
+        let least = self.peak / law.stiffness * (1.0 - 1e-12);
+        all.iter().all(|x| *x > 0.0 && x.is_finite())
+            && self.largest >= least
+            && self.traction.iter().all(|x| x.is_finite())
+    }
+
     /// Stored at birth, J/m².
     pub fn lent(&self, law: &GlueLaw) -> f64 {
         0.5 * self.peak * self.peak / law.stiffness

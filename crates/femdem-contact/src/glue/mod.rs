@@ -6,15 +6,16 @@
 //! w = ½ S(λ_max) λ² + ½ k_c ⟨g − δ_n⟩² + ½ k_t |δ_t − s|²,   λ² = ⟨δ_n + t_n/k⟩² + |δ_t + τ/k|²
 //!
 //! - The **glue** is born with the traction (t_n, τ) that the facet carries when it is cut, so that nothing jumps. Its secant
-//!   stiffness S = T(λ_max)/λ_max falls with the largest λ so far, along a [`Softening`]; it never heals. To break it takes exactly
-//!   G per area ([`GlueLaw::energy`]), with G between those of the two modes by [`mixed_energy`].
+//!   stiffness S = T(λ_max)/λ_max falls with the largest λ so far, along a [`Softening`]; it never heals. To break it takes
+//!   exactly G per area ([`GlueLaw::energy`]), with G between those of the two modes by [`mixed_energy`].
 //! - The **contact** of the faces, of stiffness k_c, is born with the pressure that the facet carries (g), and with friction that
-//!   carries as much of the shear as it can. Where another law [presses](GlueLaw::presses) faces that overlap, the spring only keeps
-//!   the pressure of the birth: ½ k_c ⟨g − ⟨δ_n⟩⟩² + k_c g ⟨−δ_n⟩, with g that fades once the glue is broken.
+//!   carries as much of the shear as it can. Where another law [presses](GlueLaw::presses) faces that overlap, the spring only
+//!   keeps the pressure of the birth: ½ k_c ⟨g − ⟨δ_n⟩⟩² + k_c g ⟨−δ_n⟩, with g that fades once the glue is broken.
 //! - These springs are stretched at birth: the energy in them is **lent** ([`GluedFacet::join`] returns it), as nothing else has
 //!   lost it. It is T²/(2k) for the glue, and returns in what the glue dissipates.
 //!
-//! At each step call [`GluedFacet::advance`] and then [`GluedFacet::forces`]. Forces are minus the exact gradient of the energy, with the turning of the axes; forces and moments of a facet balance.
+//! At each step call [`GluedFacet::advance`] and then [`GluedFacet::forces`]. Forces are minus the exact gradient of the energy,
+//! with the turning of the axes; forces and moments of a facet balance.
 //!
 //! ```
 //! use femdem_contact::glue::{GlueLaw, GluedFacet, Softening};
@@ -48,8 +49,8 @@
 //!
 //! # Sources
 //!
-//! Camacho and Ortiz (1996), Int. J. Solids Struct. 33, 2899, for the extrinsic law; Papoulia, Sam and Vavasis (2003), Int. J. Numer.
-//! Meth. Engng 58, 679, for its continuity in time; Benzeggagh and Kenane (1996), Compos. Sci. Technol. 56, 439, for mixed
+//! Camacho and Ortiz (1996), Int. J. Solids Struct. 33, 2899, for the extrinsic law; Papoulia, Sam and Vavasis (2003), Int. J.
+//! Numer. Meth. Engng 58, 679, for its continuity in time; Benzeggagh and Kenane (1996), Compos. Sci. Technol. 56, 439, for mixed
 //! modes; Petersson (1981), Lund, TVBM-1006, for the bilinear softening of concrete.
 
 mod facet;
@@ -62,4 +63,5 @@ pub(crate) use facet::Openings;
 pub use facet::{GlueLoss, GluedFacet, GluedForces};
 pub use law::{GlueLaw, mixed_energy};
 pub use mid_surface::MidSurface;
+pub(crate) use onset::Onset;
 pub use softening::Softening;

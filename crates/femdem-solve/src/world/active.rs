@@ -2,11 +2,11 @@
 //!
 //! A body rests when the means of its net force, net moment and velocities over the steps since it last
 //! moved, at most a window, are small: the forces against its weight or its load scale, as the rule has it, the
-//! energy of its motion against its load scale, the larger of its weight and half the sum of its normal forces. It is frozen when it has rested
-//! for a number of steps and the frozen bodies that it touches balance their loads. Frozen bodies beside awake
-//! ones are re-examined at fixed step numbers from the recorded forces, and wake if they have lost their
-//! balance. A body that is struck, or has lost a supporting contact, wakes at once. All decisions are functions
-//! of the state, so they are the same in every run.
+//! energy of its motion against its load scale, the larger of its weight and half the sum of its normal forces. It is frozen when
+//! it has rested for a number of steps and the frozen bodies that it touches balance their loads. Frozen bodies beside awake ones
+//! are re-examined at fixed step numbers from the recorded forces, and wake if they have lost their balance. A body that is
+//! struck, or has lost a supporting contact, wakes at once. All decisions are functions of the state, so they are the same in
+//! every run.
 //!
 //! What a frozen body is out of balance by is missing from the forces on the walls. Measured by its load it may be
 //! many weights deep in a pack or under a piston. Where walls or bodies are driven the load may be anything, and

@@ -5,12 +5,14 @@ use super::hand::Stored;
 use crate::error::{SolveError, check};
 use femdem_contact::bond::{Bond, BondLaw, BondSection};
 use femdem_contact::{BodyId, BondId, Contact, Motion, Partner};
+use std::collections::BTreeSet;
 
 impl World {
-    /// Bonds two rigid bodies as they lie, without force, over a section in world coordinates: mortar, cement, a glued clump. Contacts of the two end with their friction, and
-    /// what they held is in [`Ledger::by_hand`](crate::Ledger::by_hand). The bond alone acts between the two until it is broken and carries nothing, or has
-    /// slid by a tenth of its width; then they meet by the kernel again. Bonded bodies sleep and wake together. A bond goes with its bodies, and where
-    /// one of them is [put elsewhere](Self::set_pose) by hand.
+    /// Bonds two rigid bodies as they lie, without force, over a section in world coordinates: mortar, cement, a glued clump.
+    /// Contacts of the two end with their friction, and what they held is in [`Ledger::by_hand`](crate::Ledger::by_hand). The
+    /// bonds of the two alone act between them until each is broken and carries nothing, or has opened or slid somewhere by a
+    /// tenth of its width; then they meet by the kernel again. Bonded bodies sleep and wake together. A bond goes with its
+    /// bodies, and where one of them is [put elsewhere](Self::set_pose) by hand.
     ///
     /// ```
     /// use femdem_contact::bond::BondLaw;
@@ -53,9 +55,9 @@ impl World {
         Ok(id)
     }
 
-    /// The section in which two rigid bodies can be bonded that are at most `gap` (m) apart: for two spheres a disc of `ratio` times the smaller radius,
-    /// for two convex polyhedra the common part of facing faces, shrunk by `ratio`. `None` for others, whose sections are
-    /// [polygons](BondSection::polygon) of the caller, and where there is none.
+    /// The section in which two rigid bodies can be bonded that are at most `gap` (m) apart: for two spheres a disc of `ratio`
+    /// times the smaller radius, for two convex polyhedra the common part of facing faces, shrunk by `ratio`. `None` for others,
+    /// whose sections are [polygons](BondSection::polygon) of the caller, and where there is none.
     ///
     /// # Errors
     /// [`SolveError::Contact`] for a ratio or a gap out of range.
@@ -81,14 +83,31 @@ impl World {
         self.batch.bond(id)
     }
 
-    /// The rigid bodies that bonds hold together with one, itself included, ascending.
-    pub fn bonded_with(&self, id: BodyId) -> Vec<BodyId> {
-        self.batch.bonded_with(&[id])
+    /// How many bonds were added so far; those that have ended or gone count too.
+    pub fn bonds_added(&self) -> usize {
+        self.batch.bonds_added()
     }
 
-    /// Motions of the bodies of a bond: where its sides are.
-    pub fn motions_of(&self, bond: &Bond) -> [&Motion; 2] {
-        bond.bodies().map(|i| &self.motions[i as usize])
+    /// Whether a bond that has not ended holds two bodies together directly.
+    pub fn are_bonded(&self, bodies: [BodyId; 2]) -> bool {
+        self.batch.are_bonded(bodies)
+    }
+
+    /// The rigid bodies that bonds hold together with one, itself included, ascending.
+    pub fn bonded_with(&self, id: BodyId) -> Vec<BodyId> {
+        self.batch.bonded_with(&[id], |_| true)
+    }
+
+    /// The bodies that were ever bonded and are still there, by the pieces that bonds hold together which are not broken, each
+    /// ascending, in the order of their lowest bodies.
+    pub fn bonded_pieces(&self) -> Vec<Vec<BodyId>> {
+        self.batch.bonded_pieces()
+    }
+
+    /// Motions of the bodies of a bond: where its sides are. `None` as for [`bond`](Self::bond).
+    pub fn motions_of(&self, id: BondId) -> Option<[&Motion; 2]> {
+        let [a, b] = self.bond(id)?.bodies();
+        Some([self.motions.get(a as usize)?, self.motions.get(b as usize)?])
     }
 
     /// Books what the bonds dissipated in the last evaluation.
@@ -100,7 +119,7 @@ impl World {
 
     /// Ends bonds that carry nothing any more. Pairs that no bond holds any more meet again at once.
     pub(super) fn end_bonds(&mut self) -> Result<(), SolveError> {
-        let ended = self.batch.end_bonds(&self.motions, self.time);
+        let ended = self.batch.end_bonds(&self.motions, self.time)?;
         let mut begun = 0.0;
         if !ended.parted.is_empty() {
             self.evaluate(0.0)?;
@@ -117,18 +136,28 @@ impl World {
         Ok(())
     }
 
-    /// Those of a list of bodies all of whose bonded bodies are in it, asleep or driven.
+    /// Those of a list of free bodies, ascending, all of whose bonded bodies are in it or asleep. Bodies that follow a drive hold
+    /// what is bonded to them apart.
     pub(super) fn with_all_bonded(&self, list: Vec<BodyId>) -> Vec<BodyId> {
         if !self.batch.has_bonds() {
             return list;
         }
-        let rests = |i: &BodyId| {
-            list.binary_search(i).is_ok()
-                || !self.batch.is_awake(*i)
-                || self.bodies[*i as usize].driven.is_some()
-        };
-        let whole = |i: &&BodyId| self.batch.bonded_with(&[**i]).iter().all(rests);
-        list.iter().filter(whole).copied().collect()
+        let mut left: BTreeSet<BodyId> = list.iter().copied().collect();
+        let mut kept = Vec::new();
+        while let Some(first) = left.pop_first() {
+            let mut piece = self.piece_of(&[first]);
+            piece.retain(|i| self.is_free(*i));
+            let rests = |i: &BodyId| *i == first || left.contains(i) || !self.batch.is_awake(*i);
+            let all_rest = piece.iter().all(rests);
+            let own = piece.into_iter().filter(|i| *i == first || left.remove(i));
+            // Those that do not rest as a whole are taken out of the list, too.
+            let own: Vec<BodyId> = own.collect();
+            if all_rest {
+                kept.extend(own);
+            }
+        }
+        kept.sort_unstable();
+        kept
     }
 
     /// The sleepers of a list, and those bonded to them.
@@ -136,9 +165,18 @@ impl World {
         if !self.batch.has_bonds() {
             return list.to_vec();
         }
-        let mut all = self.batch.bonded_with(list);
+        let mut all = self.piece_of(list);
         all.retain(|i| !self.batch.is_awake(*i));
         all
+    }
+
+    /// What bonds hold together with bodies of a list, without what lies behind bodies that follow a drive; these are in it.
+    fn piece_of(&self, list: &[BodyId]) -> Vec<BodyId> {
+        self.batch.bonded_with(list, |i| self.is_free(i))
+    }
+
+    fn is_free(&self, i: BodyId) -> bool {
+        self.bodies[i as usize].driven.is_none()
     }
 
     /// Refuses bonds, with implicit steps and in a relaxation.

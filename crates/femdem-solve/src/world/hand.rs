@@ -29,8 +29,8 @@ impl Stored {
 }
 
 impl World {
-    /// Removes a body, rigid or deformable, with its contacts and bonds. What it touched wakes. The index is given to the next body that is
-    /// added, unless a lower one is free; until then it names no body.
+    /// Removes a body, rigid or deformable, with its contacts and bonds. What it touched wakes. The index is given to the next
+    /// body that is added, unless a lower one is free; until then it names no body.
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown body, and after [implicit](crate::ImplicitStep) steps, whose contacts are
@@ -137,10 +137,10 @@ impl World {
     }
 
     /// Loads a body with a force (N) and, if it is rigid, a torque about its centroid (N m), in world axes, until they are
-    /// changed; an [`AppliedLoad`] may also follow a rigid body as it turns. Gravity acts besides. On a deformable body the force is distributed by mass, as gravity is; forces on a part
-    /// of it are conditions of its [boundary](World::set_boundary). The body wakes if the load changes. The work is
-    /// [`Ledger::load_work`](crate::Ledger::load_work). While a body follows a drive, the drive bears its load, which then
-    /// does no work on anything in the world.
+    /// changed; an [`AppliedLoad`] may also follow a rigid body as it turns. Gravity acts besides. On a deformable body the force
+    /// is distributed by mass, as gravity is; forces on a part of it are conditions of its [boundary](World::set_boundary). The
+    /// body wakes if the load changes. The work is [`Ledger::load_work`](crate::Ledger::load_work). While a body follows a drive,
+    /// the drive bears its load, which then does no work on anything in the world.
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::Parameter`] for a load that is not finite, and for a torque

@@ -275,7 +275,7 @@ impl World {
         self.body(id).map(|_| self.batch.load_of(id))
     }
 
-    /// Residual of a rigid body over the larger of its weight and its mean contact force: its net force, or its net moment over
+    /// Residual of a rigid body over the larger of its weight and the mean normal force of its contacts and bonds: its net force, or its net moment over
     /// its diameter if that is larger, both without dashpots.
     pub fn body_residual(&self, id: BodyId) -> Option<f64> {
         let body = self.body(id)?;
@@ -385,7 +385,7 @@ fn over(part: f64, whole: f64) -> f64 {
     if part == 0.0 { 0.0 } else { part / whole }
 }
 
-/// Mean normal force over the partners of a body, N.
+/// Mean normal force over the contacts and bonds of a body, N.
 fn mean_force(load: &Load) -> f64 {
     if load.contacts > 0 {
         load.normal_sum / f64::from(load.contacts)

@@ -15,7 +15,8 @@ use femdem_fem::Driven;
 use femdem_mesh::{Pose, Vector3};
 use std::time::Duration;
 
-/// Part of the opening G_I/f_t by which a bond should open in a step at most: a tenth of what breaks it.
+/// Part of the smaller of G_I/f_t and G_II/c by which a bond should open or slide in a step at most: a tenth of what breaks it
+/// where its softening is linear, and less for other kinds.
 const OPENING: f64 = 0.2;
 
 /// Prescribed motions, as other bodies may meet them.
@@ -69,10 +70,10 @@ impl World {
             return self.step_implicit(&rule, &mut host);
         }
         self.evaluate_if_due()?;
-        let mut dt = self.choose_step();
+        let mut dt = self.choose_step()?;
         self.ask(self.time + dt, &mut host)?;
         if self.wake_for_drives(dt) {
-            dt = self.choose_step();
+            dt = self.choose_step()?;
             self.ask(self.time + dt, &mut host)?;
         }
         self.check_step(dt)?;
@@ -112,18 +113,18 @@ impl World {
         )
     }
 
-    fn choose_step(&mut self) -> f64 {
+    fn choose_step(&mut self) -> Result<f64, SolveError> {
         self.renew_cap();
         let bound = self.awake.iter().fold(self.deformable_bound(), |most, &i| {
             self.batch.largest_step(i, &self.motions[i as usize], most)
         });
         let bound = self.bound_at_touch(bound);
-        let usual = self.usual_step();
-        self.step_control
-            .choose(bound, usual, &self.parameters.time_step)
+        let usual = self.usual_step()?;
+        let rule = &self.parameters.time_step;
+        Ok(self.step_control.choose(bound, usual, rule))
     }
 
-    /// The bound, lowered to that of a face contact if a body that no contact resists may touch something in the
+    /// The bound, lowered to that of a face contact if a body that no contact resists, bonded or not, may touch something in the
     /// step. A face contact has its full stiffness from the first touch on; a step that shrinks only after
     /// the touch does not resolve the impact.
     fn bound_at_touch(&self, bound: f64) -> f64 {
@@ -132,11 +133,9 @@ impl World {
             return bound;
         }
         let dt = self.step_control.top(&self.parameters.time_step);
-        let loads = self.batch.loads();
         let comes = |&i: &u32| {
             let batch = &self.batch;
-            !loads[i as usize].resists()
-                && batch.may_touch(i, &self.motions, &self.wall_motions, dt)
+            !batch.is_resisted(i) && batch.may_touch(i, &self.motions, &self.wall_motions, dt)
         };
         if self.awake.iter().any(comes) {
             touch
@@ -146,7 +145,7 @@ impl World {
     }
 
     /// The step in which nothing moves far relative to what it may meet, s.
-    fn usual_step(&self) -> f64 {
+    fn usual_step(&self) -> Result<f64, SolveError> {
         let driving = self.driving();
         // The root of speed t + pulled t^2/2 = way.
         let usual = |body: &Body, met: f64| {
@@ -163,7 +162,7 @@ impl World {
         };
         let free = || self.awake_bodies().filter(|body| body.driven.is_none());
         let alone = free().map(|body| usual(body, 0.0));
-        let bonds = self.batch.step_of_bonds(&self.motions, OPENING);
+        let bonds = self.batch.step_of_bonds(&self.motions, OPENING)?;
         let mut least = alone.fold(driving.step.min(bonds), f64::min);
         let met = |x: &Vector3, radius: f64| driving.met(x, radius);
         // Usually nothing is driven, and one pass over the bodies is enough.
@@ -172,7 +171,7 @@ impl World {
             least = steps.fold(least, f64::min);
         }
         let deformables = self.deformables.as_deref();
-        deformables.map_or(least, |d| d.usual_step(&self.batch, met).min(least))
+        Ok(deformables.map_or(least, |d| d.usual_step(&self.batch, met).min(least)))
     }
 
     /// The prescribed motions now.
@@ -409,8 +408,8 @@ fn book_driven(load: &Load, velocity: &Vector3, turn: &Vector3, h: f64, flows: &
     flows.friction_work += power(&load.friction);
 }
 
-/// Half a kick of one body in a medium that moves with the velocity `streaming`. Works are the wrenches times the mean of the velocities before
-/// and after, which is exactly the change of kinetic energy.
+/// Half a kick of one body in a medium that moves with the velocity `streaming`. Works are the wrenches times the mean of the
+/// velocities before and after, which is exactly the change of kinetic energy.
 fn kick_body(
     body: &mut Body,
     load: &Load,

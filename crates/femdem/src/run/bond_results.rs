@@ -1,9 +1,9 @@
 //! Bonds in the results of a run.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use femdem_contact::bond::Bond;
+use femdem_contact::bond::{Bond, BondFacet};
 use femdem_contact::{BodyId, BondId};
 use femdem_mesh::Point3;
 use femdem_view::output::{cracks, csv::quoted};
@@ -50,9 +50,9 @@ pub struct BondSummary {
 }
 
 impl Simulation {
-    /// Whether the scene has bonds.
+    /// Whether the scene has bonds; all of them may have left with their bodies.
     pub(super) fn has_bonds(&self) -> bool {
-        self.world.bonds().next().is_some()
+        self.world.bonds_added() > 0
     }
 
     /// Numbers of bonds that are not broken and that are.
@@ -61,33 +61,7 @@ impl Simulation {
         [self.world.bonds().count() - broken, broken]
     }
 
-    /// The bodies that were ever bonded, by the pieces that bonds hold together, each ascending.
-    #[must_use]
-    pub fn bonded_pieces(&self) -> Vec<Vec<BodyId>> {
-        let bonds = || self.world.bonds();
-        let bodies: BTreeSet<BodyId> = bonds().flat_map(|(_, bond)| bond.bodies()).collect();
-        let mut piece: Vec<(BodyId, usize)> = bodies.iter().copied().zip(0..).collect();
-        let at = |body: BodyId, piece: &[(BodyId, usize)]| {
-            piece.binary_search_by_key(&body, |entry| entry.0).ok()
-        };
-        for (_, bond) in bonds().filter(|(_, bond)| !bond.is_broken()) {
-            let [a, b] = bond.bodies();
-            if let (Some(a), Some(b)) = (at(a, &piece), at(b, &piece)) {
-                let (to, from) = (piece[a].1.min(piece[b].1), piece[a].1.max(piece[b].1));
-                for entry in piece.iter_mut().filter(|entry| entry.1 == from) {
-                    entry.1 = to;
-                }
-            }
-        }
-        let numbers: BTreeSet<usize> = piece.iter().map(|entry| entry.1).collect();
-        let of = |number: &usize| {
-            let own = piece.iter().filter(|entry| entry.1 == *number);
-            own.map(|entry| entry.0).collect()
-        };
-        numbers.iter().map(of).collect()
-    }
-
-    /// The bonds in numbers; `None` without any.
+    /// The bonds in numbers; `None` in a scene without any. Those that left with their bodies do not count.
     #[must_use]
     pub fn bond_summary(&self) -> Option<BondSummary> {
         let bonds: Vec<&Bond> = self.world.bonds().map(|(_, bond)| bond).collect();
@@ -95,15 +69,17 @@ impl Simulation {
         let mass = |piece: &Vec<BodyId>| -> f64 {
             piece.iter().filter_map(|id| self.world.mass(*id)).sum()
         };
-        let pieces = self.bonded_pieces();
+        let pieces = self.world.bonded_pieces();
         let masses: Vec<f64> = pieces.iter().map(mass).collect();
-        (!bonds.is_empty()).then(|| BondSummary {
+        let all: f64 = masses.iter().sum();
+        let largest = masses.iter().copied().fold(0.0, f64::max);
+        self.has_bonds().then(|| BondSummary {
             count: bonds.len(),
             whole: bonds.iter().filter(|bond| !bond.has_yielded()).count(),
             broken: broken().count(),
             broken_area: 0.0 + broken().map(|bond| bond.area()).sum::<f64>(),
             pieces: pieces.len(),
-            largest_share: masses.iter().copied().fold(0.0, f64::max) / masses.iter().sum::<f64>(),
+            largest_share: if all > 0.0 { largest / all } else { 0.0 },
         })
     }
 
@@ -114,17 +90,28 @@ impl Simulation {
     /// If writing fails.
     pub fn write_bonds(&self, mut writer: impl Write) -> io::Result<()> {
         writeln!(writer, "{}", BOND_COLUMNS.join(","))?;
-        let pieces = self.bonded_pieces();
+        let pieces = self.world.bonded_pieces();
+        let numbered = (0_usize..).zip(&pieces);
+        let piece_of: BTreeMap<BodyId, usize> = numbered
+            .flat_map(|(number, piece)| piece.iter().map(move |body| (*body, number)))
+            .collect();
+        let members = (0_usize..).zip(&self.members);
+        let member_of: BTreeMap<BodyId, usize> = members
+            .map(|(number, member)| (member.id, number))
+            .collect();
+        let name = |id: BodyId| {
+            let member = member_of.get(&id);
+            member.map_or_else(String::new, |member| self.name_of(Side::Member(*member)))
+        };
         for (id, bond) in self.world.bonds() {
-            let [a, b] = bond.bodies().map(|id| quoted(&self.name_of_body(id)));
+            let [a, b] = bond.bodies().map(|id| quoted(&name(id)));
             let state = bond.state();
             let parts = |v: &femdem_mesh::Vector3| {
                 let along = v.dot(&state.normal);
                 [along, (v - state.normal * along).norm()]
             };
             let ([normal, shear], [twist, bend]) = (parts(&state.force), parts(&state.moment));
-            let first = bond.bodies()[0];
-            let piece = pieces.iter().position(|piece| piece.contains(&first));
+            let piece = piece_of.get(&bond.bodies()[0]);
             let broken_at = bond.broken_at().map_or(String::new(), |t| t.to_string());
             writeln!(
                 writer,
@@ -135,13 +122,13 @@ impl Simulation {
                 state.tension,
                 state.energy,
                 bond.lost().glue,
-                piece.unwrap_or_default(),
+                piece.copied().unwrap_or_default(),
             )?;
         }
         Ok(())
     }
 
-    fn name_of_body(&self, id: BodyId) -> String {
+    pub(super) fn name_of_body(&self, id: BodyId) -> String {
         let member = self.members.iter().position(|member| member.id == id);
         member.map_or_else(String::new, |member| self.name_of(Side::Member(member)))
     }
@@ -156,18 +143,17 @@ impl Simulation {
             } else {
                 CrackMode::Tension
             };
-            let all = bond.facets(self.world.motions_of(bond));
-            let facet = |(corners, [opening, slip], damage, area): ([_; 3], [f64; 2], f64, f64)| {
-                CrackFacet {
-                    body: id,
-                    points: corners.map(Point3::from),
-                    opening,
-                    slip,
-                    damage: damage.clamp(0.0, 1.0),
-                    mode,
-                    birth: 0.0,
-                    dissipated: bond.lost().glue.max(0.0) * area / bond.area(),
-                }
+            let motions = self.world.motions_of(id);
+            let all = motions.map_or_else(Vec::new, |motions| bond.facets(motions));
+            let facet = |facet: BondFacet| CrackFacet {
+                body: id,
+                points: facet.corners.map(Point3::from),
+                opening: facet.opening,
+                slip: facet.slip,
+                damage: facet.damage.clamp(0.0, 1.0),
+                mode,
+                birth: 0.0,
+                dissipated: bond.lost().glue.max(0.0) * facet.area / bond.area(),
             };
             all.into_iter().map(facet).collect()
         };

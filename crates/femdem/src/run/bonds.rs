@@ -12,7 +12,7 @@ use super::{Scenario, Simulation};
 use crate::Error;
 use crate::error::wrong;
 
-/// Bonds between the bodies of two groups that nearly touch; see [`BondLaw`].
+/// Bonds between the bodies of two groups that nearly touch; see [`BondLaw`]. No two bodies may be bonded by two entries.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct BondEntry {
@@ -20,7 +20,7 @@ pub struct BondEntry {
     pub between: [String; 2],
     /// Largest gap, and for faces the largest overlap too \[m\].
     pub gap: f64,
-    /// Radius of the disc between spheres over the smaller radius; size of a face over that of the common part.
+    /// Radius of the disc between spheres over the smaller radius; size over that of the common part of facing faces.
     #[serde(default)]
     pub ratio: Option<f64>,
     /// Tensile strength \[Pa\].
@@ -82,6 +82,12 @@ impl Scenario {
             let ratio = entry.ratio.unwrap_or(1.0);
             let world = &mut simulation.world;
             if let Some(section) = world.section_between(bodies, entry.gap, ratio)? {
+                if world.are_bonded(bodies) {
+                    let [one, two] = bodies.map(|id| simulation.name_of_body(id));
+                    let value = format!("{:?}, with {one} and {two}", entry.between);
+                    let allowed = "groups none of whose pairs another entry bonds: two would be twice the mortar";
+                    return Err(wrong("between", &value, allowed));
+                }
                 world.add_bond(bodies, &section, law)?;
                 count += 1;
             }

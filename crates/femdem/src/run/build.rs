@@ -143,7 +143,7 @@ impl Scenario {
         simulation.walls = walls.collect();
         simulation.set_flow(self)?;
         self.check_sleep(&simulation)?;
-        self.check_relaxation()?;
+        self.check_relaxation(&simulation)?;
         let loads = Loads::of(self, &simulation);
         self.set_penalty(&mut simulation, &loads)?;
         self.set_pairs(&mut simulation)?;

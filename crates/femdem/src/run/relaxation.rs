@@ -98,8 +98,8 @@ impl Simulation {
 }
 
 impl Scenario {
-    /// Refuses a relaxation while motions or loads still change.
-    pub(super) fn check_relaxation(&self) -> Result<(), Error> {
+    /// Refuses a relaxation while motions or loads still change, of bodies that crack and of bonded ones.
+    pub(super) fn check_relaxation(&self, simulation: &Simulation) -> Result<(), Error> {
         let Some(RelaxEntry { tolerance, steps }) = self.relax else {
             return Ok(());
         };
@@ -113,6 +113,10 @@ impl Scenario {
         if self.has_breakable() {
             let allowed =
                 "breakable bodies crack in motion: leave it out, or make the bodies deformable";
+            return Err(wrong("relax", "given", allowed));
+        }
+        if !self.bond.is_empty() || simulation.bond_counts()[0] > 0 {
+            let allowed = "bonds need explicit steps: leave it out, or the [[bond]] entries";
             return Err(wrong("relax", "given", allowed));
         }
         if self.controls().next().is_some() {

@@ -54,7 +54,7 @@ impl Run {
             self.check_duration(scenario.duration)?;
         }
         scenario.check()?;
-        scenario.check_relaxation()?;
+        scenario.check_relaxation(&self.simulation)?;
         scenario.check_sleep(&self.simulation)?;
         World::new(scenario.parameters()).map_err(|error| Error::from(error).by_keys(&KEYS))?;
         let step = self.time_step();
