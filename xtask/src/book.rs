@@ -75,9 +75,7 @@ fn build(root: &Path) -> Result<PathBuf> {
         .status()
         .context("cannot start cargo")?;
     ensure!(status.success(), "the program was not built");
-    let target =
-        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-    Ok(target.join("release"))
+    Ok(xtask::target_folder(root).join("release"))
 }
 
 /// README.md and the Markdown files of `docs`.

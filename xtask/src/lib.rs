@@ -1,6 +1,6 @@
 //! What the programs `xtask` and `studies` share: where the workspace is, and how they end.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
@@ -15,6 +15,14 @@ pub fn workspace_root() -> Result<PathBuf> {
     let mut root = PathBuf::from(package);
     root.pop();
     Ok(root)
+}
+
+/// The folder of what cargo builds for the workspace at `root`, from where cargo is run.
+#[must_use]
+pub fn target_folder(root: &Path) -> PathBuf {
+    let own = std::env::var_os("CARGO_TARGET_DIR");
+    // A folder that is not relative stays what it is.
+    root.join(own.unwrap_or_else(|| "target".into()))
 }
 
 /// The exit code of a command that ran without a problem (`true`), found one, or failed; prints the failure.

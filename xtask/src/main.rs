@@ -41,7 +41,7 @@ enum Task {
     },
     /// Try the report page in headless Chromium, installed if it is not there
     Browser,
-    /// Build and install the wheel of the Python bindings, and run its tests and examples
+    /// Build and install the wheel of the Python bindings, run its tests and examples, and check its types
     Python,
 }
 

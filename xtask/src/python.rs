@@ -1,4 +1,5 @@
-//! `cargo xtask python`: the wheel of the Python bindings, built and installed as a user would, its tests and examples.
+//! `cargo xtask python`: the wheel of the Python bindings, built and installed as a user would, its tests, its types and
+//! examples.
 
 use std::env;
 use std::fs;
@@ -10,19 +11,27 @@ use anyhow::{Context, Result, bail, ensure};
 /// The bindings, from the workspace root.
 const BINDINGS: &str = "crates/femdem-python";
 
-/// What the tests need from the index of Python packages.
-const PACKAGES: [&str; 3] = ["maturin>=1.9,<2", "numpy", "pytest"];
+/// What the tests need from the index of Python packages. PyVista is left out: it is large.
+const PACKAGES: [&str; 7] = [
+    "maturin>=1.9,<2",
+    "mypy",
+    "numpy",
+    "pytest",
+    "trimesh",
+    "meshio",
+    "pandas",
+];
 
-/// Builds the wheel with the profile of the tests, installs it into an environment of its own, and runs its tests and its
-/// examples; returns whether all passed.
+/// Builds the wheel with the profile of the tests, installs it into an environment of its own, runs its tests, checks its
+/// types and runs its examples; returns whether all passed.
 ///
 /// # Errors
 /// When there is no Python, the packages cannot be had or the wheel cannot be built.
 pub(crate) fn run(root: &Path) -> Result<bool> {
-    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    let target = xtask::target_folder(root);
     let place = target.join("python");
     let environment = Environment::prepare(&place)?;
-    environment.install(&build(root, &place, &environment)?)?;
+    environment.install(&build(root, &target, &environment)?)?;
     let bindings = root.join(BINDINGS);
     // From another folder, so that it is the installed package that is tested.
     let program = program(root, &target)?;
@@ -30,6 +39,13 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     tests.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]);
     tests.arg(bindings.join("tests")).env("FEMDEM", program);
     let mut good = passed(tests.current_dir(&place))?;
+    for types in [
+        &["mypy", "--strict", "-p", "femdem"][..],
+        &["mypy.stubtest", "femdem._femdem"],
+    ] {
+        let mut check = environment.python();
+        good &= passed(check.arg("-m").args(types).current_dir(&place))?;
+    }
     for example in files(&bindings.join("examples"), "py")? {
         println!("{}", example.display());
         good &= passed(environment.python().arg(&example).current_dir(&place))?;
@@ -88,8 +104,8 @@ impl Environment {
 }
 
 /// Builds the wheel; returns its path.
-fn build(root: &Path, place: &Path, environment: &Environment) -> Result<PathBuf> {
-    let wheels = place.join("wheels");
+fn build(root: &Path, target: &Path, environment: &Environment) -> Result<PathBuf> {
+    let wheels = target.join("python").join("wheels");
     if wheels.is_dir() {
         fs::remove_dir_all(&wheels).context("cannot remove earlier wheels")?;
     }
@@ -99,6 +115,8 @@ fn build(root: &Path, place: &Path, environment: &Environment) -> Result<PathBuf
         .arg("--interpreter")
         .arg(environment.program("python"));
     maturin.arg("--out").arg(&wheels);
+    // It runs in another folder, from which a relative one would be another.
+    maturin.env("CARGO_TARGET_DIR", target);
     ensure!(
         passed(maturin.current_dir(root.join(BINDINGS)))?,
         "the wheel was not built"
@@ -110,21 +128,15 @@ fn build(root: &Path, place: &Path, environment: &Environment) -> Result<PathBuf
     }
 }
 
-/// The Rust program, whose results are compared: as the tests have built it, or built now.
+/// The Rust program, whose results are compared.
 fn program(root: &Path, target: &Path) -> Result<PathBuf> {
-    let program = target
-        .join("debug")
-        .join(format!("femdem{}", env::consts::EXE_SUFFIX));
-    if !program.is_file() {
-        let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let mut build = Command::new(cargo);
-        build.args(["build", "--locked", "--package", "femdem"]);
-        ensure!(
-            passed(build.current_dir(root))?,
-            "the program was not built"
-        );
-    }
-    Ok(program)
+    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut build = Command::new(cargo);
+    build.args(["build", "--locked", "--package", "femdem"]);
+    let built = passed(build.current_dir(root))?;
+    ensure!(built, "the program was not built");
+    let name = format!("femdem{}", env::consts::EXE_SUFFIX);
+    Ok(target.join("debug").join(name))
 }
 
 /// The files of a folder with an ending, sorted.

@@ -1,15 +1,15 @@
 //! Arrays in and out.
 
 use femdem::mesh::nalgebra::{Quaternion, Translation3, UnitQuaternion};
-use femdem::mesh::{Pose, Vector3};
+use femdem::mesh::{Pose, Vector3, checked_pose};
 use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::{FemdemError, wrong};
 
-/// How far the length of a quaternion may be from 1.
-const UNIT: f64 = 1e-6;
+/// What the numbers of a pose are.
+const ROW: &str = "a pose is x, y, z, qw, qx, qy, qz";
 
 /// The rows of an array of shape (n, N), or (N,) for one row, all finite.
 pub fn rows<const N: usize>(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; N]>> {
@@ -81,24 +81,10 @@ pub fn poses(given: &Bound<'_, PyAny>) -> PyResult<Vec<Pose>> {
     rows::<7>("poses", given)?.iter().map(pose).collect()
 }
 
-/// The pose of a row.
-pub fn pose(&[x, y, z, w, i, j, k]: &[f64; 7]) -> PyResult<Pose> {
-    let quaternion = Quaternion::new(w, i, j, k);
-    let length = quaternion.norm();
-    if (length - 1.0).abs() > UNIT {
-        return Err(wrong(
-            "the length of a quaternion",
-            length,
-            "1, where a pose is x, y, z, qw, qx, qy, qz",
-        ));
-    }
-    // What is of unit length stays as it is, bit for bit.
-    let unit = if (length - 1.0).abs() <= 4.0 * f64::EPSILON {
-        UnitQuaternion::new_unchecked(quaternion)
-    } else {
-        UnitQuaternion::from_quaternion(quaternion)
-    };
-    Ok(Pose::from_parts(Translation3::new(x, y, z), unit))
+fn pose(&[x, y, z, w, i, j, k]: &[f64; 7]) -> PyResult<Pose> {
+    let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k));
+    let pose = Pose::from_parts(Translation3::new(x, y, z), turn);
+    checked_pose(&pose).map_err(|error| FemdemError::new_err(format!("{error}; {ROW}")))
 }
 
 /// The row of a pose.

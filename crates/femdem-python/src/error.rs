@@ -1,12 +1,12 @@
-//! Errors as Python sees them, and work without the interpreter lock.
+//! Errors as Python sees them.
 
 use std::fmt::Display;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use pyo3::create_exception;
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 create_exception!(
     femdem,
@@ -23,15 +23,6 @@ pub fn refused(error: impl Display) -> PyErr {
 /// A value that is not allowed.
 pub fn wrong(name: &str, value: impl Display, allowed: &str) -> PyErr {
     FemdemError::new_err(format!("{name} = {value} is not allowed: {allowed}"))
-}
-
-/// Work of the libraries without the interpreter lock. A panic there is a fault of femdem, and becomes an error.
-pub fn unlocked<T: Send, E: Display + Send>(
-    py: Python<'_>,
-    work: impl FnOnce() -> Result<T, E> + Send,
-) -> PyResult<T> {
-    let done = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
-    done.map_err(|panic| fault(&*panic))?.map_err(refused)
 }
 
 /// What a panic said, as an error.
@@ -52,4 +43,10 @@ pub fn options<T: DeserializeOwned>(name: &str, text: &str) -> PyResult<T> {
         let what = error.split(" at line ").next().unwrap_or(&error);
         FemdemError::new_err(format!("{name}: {what}"))
     })
+}
+
+/// A word for one of several things, such as a unit.
+pub fn choice<T: DeserializeOwned>(name: &str, word: &str) -> PyResult<T> {
+    let value = Value::String(word.to_owned());
+    serde_json::from_value(value).map_err(|error| FemdemError::new_err(format!("{name}: {error}")))
 }

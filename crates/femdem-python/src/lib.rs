@@ -17,7 +17,7 @@
 //!
 //! # Accuracy
 //!
-//! The same bits as the Rust libraries and the program: nothing is computed here.
+//! The same bits as the Rust libraries and the program, which compute all that is physics.
 //!
 //! # Safety
 //!
@@ -42,5 +42,6 @@ fn _femdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<snapshot::Snapshot>()?;
     module.add_class::<world::World>()?;
     module.add_function(wrap_pyfunction!(command::command, module)?)?;
+    module.add_function(wrap_pyfunction!(snapshot::stages, module)?)?;
     module.add_function(wrap_pyfunction!(threads::set_threads, module)?)
 }

@@ -9,48 +9,73 @@ use femdem::mesh::shapes::Shape as Parametric;
 use femdem::mesh::tet::{self, MeshOptions};
 use femdem::mesh::{MeshError, Point3, Polyhedron, TetMesh, convex_hull};
 use femdem::scene::{Unit, is_ball};
-use femdem::solve::{ShapeId, SolveError, World};
+use femdem::solve::{self, ShapeId, SolveError, World};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use serde::{Deserialize, Serialize};
 
 use crate::arrays::{rows, table};
-use crate::error::{options, refused, unlocked, wrong};
+use crate::error::{FemdemError, choice, refused, wrong};
+use crate::threads::unlocked;
 
 /// What a shape is. Never changed: worlds know it again by its place in memory.
+#[derive(Serialize, Deserialize)]
 pub struct Form {
     pub name: String,
     pub surface: Polyhedron,
-    /// Tetrahedra for the contacts of a rigid body that is not convex.
-    pub mesh: Option<TetMesh>,
-    /// Whether it is the exact ball, of which `surface` is a picture.
-    pub is_ball: bool,
+    touch: Touch,
+}
+
+/// How a rigid body of a shape touches others.
+#[derive(Serialize, Deserialize)]
+enum Touch {
+    /// By its surface, which is convex.
+    Surface,
+    /// By tetrahedra with a field.
+    Mesh(TetMesh, Field),
+    /// As the exact ball of a radius in m, of which the surface is a picture.
+    Ball(f64),
+    /// Not at all: it is drawn and measured only.
+    Nothing,
 }
 
 impl Form {
-    fn new(
-        name: String,
-        surface: Polyhedron,
-        is_ball: bool,
-        mesh_size: Option<f64>,
-    ) -> Result<Self, MeshError> {
-        let mesh = match surface.is_convex() {
-            true => None,
-            false => Some(tetrahedra(&surface, mesh_size)?),
+    fn new(name: String, surface: Polyhedron, mesh_size: Option<f64>) -> Result<Self, MeshError> {
+        let touch = match surface.is_convex() {
+            true => Touch::Surface,
+            false => Touch::Mesh(tetrahedra(&surface, mesh_size)?, Field::Body),
         };
         Ok(Self {
             name,
             surface,
-            mesh,
-            is_ball,
+            touch,
         })
     }
 
     /// Adds it to a world.
     pub fn add_to(&self, world: &mut World) -> Result<ShapeId, SolveError> {
-        match &self.mesh {
-            _ if self.is_ball => world.add_sphere(&self.name, self.surface.bounding_radius()),
-            Some(mesh) => world.add_mesh_shape(&self.name, &self.surface, mesh, Field::Body),
-            None => world.add_shape(&self.name, &self.surface),
+        match &self.touch {
+            Touch::Ball(radius) => world.add_sphere(&self.name, *radius),
+            Touch::Mesh(mesh, field) => {
+                world.add_mesh_shape(&self.name, &self.surface, mesh, *field)
+            }
+            Touch::Surface | Touch::Nothing => world.add_shape(&self.name, &self.surface),
+        }
+    }
+}
+
+impl From<&solve::Shape> for Form {
+    fn from(shape: &solve::Shape) -> Self {
+        let touch = match (&shape.mesh, shape.sphere) {
+            (_, Some(radius)) => Touch::Ball(radius),
+            (Some((mesh, field)), None) => Touch::Mesh(mesh.clone(), *field),
+            (None, None) => Touch::Surface,
+        };
+        Self {
+            name: shape.name.clone(),
+            surface: shape.polyhedron.clone(),
+            touch,
         }
     }
 }
@@ -64,36 +89,45 @@ pub fn tetrahedra(surface: &Polyhedron, size: Option<f64>) -> Result<TetMesh, Me
     Ok(tet::mesh(surface, &options)?.0)
 }
 
-/// Nodes and tetrahedra.
-type Tets = (Vec<[f64; 3]>, Vec<[u32; 4]>);
-
-/// Name, vertices, faces, whether it is a ball, and tetrahedra.
-type Parts<'py> = (
-    String,
-    Bound<'py, PyArray2<f64>>,
-    Vec<Vec<u32>>,
-    bool,
-    Option<Tets>,
-);
-
 /// A closed surface.
 #[pyclass(frozen, module = "femdem._femdem")]
 pub struct Shape {
-    pub form: Arc<Form>,
+    form: Arc<Form>,
+}
+
+impl From<Arc<Form>> for Shape {
+    fn from(form: Arc<Form>) -> Self {
+        Self { form }
+    }
+}
+
+impl From<Form> for Shape {
+    fn from(form: Form) -> Self {
+        Arc::new(form).into()
+    }
 }
 
 impl Shape {
-    /// A surface that is drawn and measured only.
-    pub fn shown(name: String, surface: Polyhedron) -> Self {
-        let form = Form {
+    /// A surface in results: what is kept of it does not tell how it touches others.
+    pub fn picture(name: String, surface: Polyhedron) -> Self {
+        let touch = Touch::Nothing;
+        Form {
             name,
             surface,
-            mesh: None,
-            is_ball: false,
-        };
-        Self {
-            form: Arc::new(form),
+            touch,
         }
+        .into()
+    }
+
+    /// For bodies.
+    pub fn solid(&self) -> PyResult<&Arc<Form>> {
+        if self.is_picture() {
+            return Err(FemdemError::new_err(format!(
+                "the shape {:?} of a result is drawn and measured only: take it from the shapes of its world",
+                self.form.name
+            )));
+        }
+        Ok(&self.form)
     }
 }
 
@@ -130,16 +164,18 @@ impl Shape {
             } else {
                 length / (2.0 * own.bounding_radius())
             };
-            Form::new(
-                shape.to_string(),
-                own.scaled(by)?,
-                is_ball(&text),
-                mesh_size,
-            )
+            let (name, surface) = (shape.to_string(), own.scaled(by)?);
+            if is_ball(&text) {
+                let touch = Touch::Ball(surface.bounding_radius());
+                return Ok(Form {
+                    name,
+                    surface,
+                    touch,
+                });
+            }
+            Form::new(name, surface, mesh_size)
         })?;
-        Ok(Self {
-            form: Arc::new(form),
-        })
+        Ok(form.into())
     }
 
     /// A surface of vertices and faces, or the convex hull of points.
@@ -158,11 +194,9 @@ impl Shape {
                 Some(faces) => Polyhedron::new(points, faces)?,
                 None => convex_hull(&points)?,
             };
-            Form::new(name, surface, false, mesh_size)
+            Form::new(name, surface, mesh_size)
         })?;
-        Ok(Self {
-            form: Arc::new(form),
-        })
+        Ok(form.into())
     }
 
     /// A surface from a file.
@@ -175,7 +209,7 @@ impl Shape {
         diameter: Option<f64>,
         mesh_size: Option<f64>,
     ) -> PyResult<Self> {
-        let unit: Unit = options("unit", &format!("{unit:?}"))?;
+        let unit: Unit = choice("unit", unit)?;
         let reading = if repair {
             Options::REPAIR
         } else {
@@ -189,11 +223,9 @@ impl Shape {
             };
             let surface = if by == 1.0 { own } else { own.scaled(by)? };
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-            Form::new(stem.into_owned(), surface, false, mesh_size)
+            Form::new(stem.into_owned(), surface, mesh_size)
         })?;
-        Ok(Self {
-            form: Arc::new(form),
-        })
+        Ok(form.into())
     }
 
     /// Writes the surface into a file.
@@ -239,10 +271,10 @@ impl Shape {
 
     #[getter]
     fn volume(&self) -> f64 {
-        if self.form.is_ball {
-            return 4.0 / 3.0 * std::f64::consts::PI * self.form.surface.bounding_radius().powi(3);
+        match self.form.touch {
+            Touch::Ball(radius) => 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3),
+            _ => self.form.surface.mass_properties().volume,
         }
-        self.form.surface.mass_properties().volume
     }
 
     #[getter]
@@ -262,7 +294,12 @@ impl Shape {
 
     #[getter]
     fn is_ball(&self) -> bool {
-        self.form.is_ball
+        matches!(self.form.touch, Touch::Ball(_))
+    }
+
+    #[getter]
+    fn is_picture(&self) -> bool {
+        matches!(self.form.touch, Touch::Nothing)
     }
 
     #[getter]
@@ -272,48 +309,15 @@ impl Shape {
     }
 
     /// What makes an equal shape.
-    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
-        let Form {
-            name,
-            mesh,
-            is_ball,
-            ..
-        } = &*self.form;
-        let mesh = mesh.as_ref().map(|mesh| {
-            let points = mesh.points().iter().map(|x| <[f64; 3]>::from(x.coords));
-            (points.collect(), mesh.tets().to_vec())
-        });
-        Ok((
-            name.clone(),
-            self.vertices(py)?,
-            self.faces(),
-            *is_ball,
-            mesh,
-        ))
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = bincode::serde::encode_to_vec(&*self.form, bincode::config::standard());
+        Ok(PyBytes::new(py, &bytes.map_err(refused)?))
     }
 
-    /// A shape from the parts of another one.
     #[staticmethod]
-    fn of_parts(
-        name: String,
-        vertices: &Bound<'_, PyAny>,
-        faces: Vec<Vec<u32>>,
-        is_ball: bool,
-        mesh: Option<Tets>,
-    ) -> PyResult<Self> {
-        let points = |list: Vec<[f64; 3]>| list.into_iter().map(Point3::from).collect::<Vec<_>>();
-        let surface =
-            Polyhedron::new(points(rows::<3>("vertices", vertices)?), faces).map_err(refused)?;
-        let mesh = mesh.map(|(nodes, tets)| TetMesh::new(points(nodes), tets));
-        let mesh = mesh.transpose().map_err(refused)?;
-        let form = Form {
-            name,
-            surface,
-            mesh,
-            is_ball,
-        };
-        Ok(Self {
-            form: Arc::new(form),
-        })
+    fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        let form = bincode::serde::decode_from_slice(bytes, bincode::config::standard());
+        let (form, _): (Form, usize) = form.map_err(refused)?;
+        Ok(form.into())
     }
 }

@@ -4,15 +4,18 @@ use std::path::PathBuf;
 
 use femdem::input::{self, InputOptions};
 use femdem::results::{self, PACK_CHECKPOINT, SavedPack};
-use femdem::run::{RUN_CHECKPOINT, Run};
+use femdem::run::{RUN_CHECKPOINT, Run, Stage};
 use femdem::{ContactRow, Partner};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{column, row, table, vectors};
-use crate::error::unlocked;
 use crate::shape::Shape;
+use crate::threads::unlocked;
+
+/// The file of the scene in the folder of a run.
+const SCENE: &str = "scene.toml";
 
 /// Bodies and contacts at one moment.
 #[pyclass(frozen, module = "femdem._femdem")]
@@ -40,8 +43,8 @@ impl Snapshot {
     #[getter]
     fn shapes(&self) -> Vec<Shape> {
         let shapes = self.own.shapes.iter();
-        let shown = shapes.map(|shape| Shape::shown(shape.name.clone(), shape.polyhedron.clone()));
-        shown.collect()
+        let pictures = shapes.map(|s| Shape::picture(s.name.clone(), s.polyhedron.clone()));
+        pictures.collect()
     }
 
     #[getter]
@@ -99,4 +102,12 @@ impl Snapshot {
         columns.set_item("class", class.collect::<Vec<_>>())?;
         Ok(columns)
     }
+}
+
+/// Names and folders of the stages of the scene in a folder, in their order.
+#[pyfunction]
+pub fn stages(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<(String, PathBuf)>> {
+    let stages = unlocked(py, || Stage::read(folder.join(SCENE), Some(&folder)))?;
+    let each = stages.into_iter();
+    Ok(each.map(|stage| (stage.name, stage.scenario.out)).collect())
 }

@@ -1,7 +1,10 @@
 """The commands of the program, and their results."""
 
 import hashlib
+import multiprocessing
+import pickle
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -71,8 +74,8 @@ def test_a_pack_can_be_stepped_on(packed):
 def test_a_pack_is_measured_drawn_and_resolved(packed):
     measured = femdem.analyse(packed)
     assert measured.folder == packed.folder and len(measured.analysis) > 3
-    page = femdem.report(packed)
-    assert page.read_text().startswith("<!DOCTYPE html>")
+    assert packed._repr_html_().startswith("<code>") and not (packed.folder / "report.html").exists()
+    assert femdem.report(packed).report().startswith("<!DOCTYPE html>")
     assert "srcdoc" in packed._repr_html_()
     resolved = femdem.resolve(packed, young=60e9, tolerance=1e-2, mesh_size=1)
     assert len(resolved.table("stress.csv")["body"]) == 12 and resolved.summary
@@ -94,8 +97,12 @@ def test_a_dict_is_a_scene(tmp_path):
     history = result.table("history.csv")
     assert history["time"][-1] == pytest.approx(0.05, rel=1e-2)
     folder = result.folder
+    earlier, height = result.summary, result.poses[1, 2]
     longer = femdem.resume(result, duration=0.06)
     assert longer.world.time >= 0.06
+    # Both are of what the folder holds now.
+    assert result.summary == longer.summary != earlier
+    assert result.poses[1, 2] == longer.poses[1, 2] != height
     written = femdem.run({**SCENE, "out": tmp_path / "run"})
     assert written.folder == tmp_path / "run"
     assert digest(written.folder / "members.csv") == digest(femdem.run(SCENE).folder / "members.csv")
@@ -103,12 +110,56 @@ def test_a_dict_is_a_scene(tmp_path):
     assert not folder.exists()
 
 
+def test_a_temporary_folder_lasts_as_long_as_its_results(packed, tmp_path):
+    assert femdem.report(femdem.run(SCENE)).folder.is_dir()
+    with pytest.raises(femdem.FemdemError, match="removed with its result"):
+        pickle.dumps(packed)
+    kept = pickle.loads(pickle.dumps(femdem.run(SCENE, out=tmp_path / "run")))
+    assert kept.folder == tmp_path / "run" and len(kept.poses) == 2
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no fork")
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_a_forked_process_leaves_the_folder_to_its_parent():
+    results = [femdem.run(SCENE)]
+    folder = results[0].folder
+    child = multiprocessing.get_context("fork").Process(target=results.clear)
+    child.start()
+    child.join()
+    assert child.exitcode == 0 and folder.is_dir()
+    results.clear()
+    assert not folder.exists()
+
+
+def test_the_shapes_of_a_result_are_pictures(packed):
+    (shape,) = packed.shapes
+    world = femdem.World()
+    for refused in (
+        lambda: world.add(shape, [0, 0, 0, 1, 0, 0, 0], 1000),
+        lambda: femdem.pack(shape=shape, count=3),
+    ):
+        with pytest.raises(femdem.FemdemError, match="shapes of its world"):
+            refused()
+    assert pickle.loads(pickle.dumps(shape)).is_picture and not world.shapes
+    world.add(packed.world.shapes[0], [0, 0, 0, 1, 0, 0, 0], 1000)
+
+
+def test_help_and_the_version_are_told(capfd):
+    femdem.command("pack", "--help")
+    femdem.command("--version")
+    told = capfd.readouterr().out
+    assert "--friction" in told and femdem.__version__ in told
+
+
 def test_stages_have_results_each(tmp_path):
-    stages = [{"name": "first", "duration": 0.01}, {"name": "then", "duration": 0.01}]
+    # Their names are not in the order of letters.
+    stages = [{"name": "then", "duration": 0.01}, {"name": "first", "duration": 0.01}]
     scene = {key: value for key, value in SCENE.items() if key != "duration"}
     result = femdem.run({**scene, "stage": stages}, out=tmp_path / "run")
-    assert list(result.stages) == ["first", "then"]
-    assert len(result.stages["then"].poses) == 2
+    # Nor are their files, where an earlier one went on.
+    (tmp_path / "run" / "then" / "run.ckpt").touch()
+    assert list(result.stages) == ["then", "first"]
+    assert len(result.stages["first"].poses) == 2
 
 
 @pytest.mark.parametrize(
@@ -125,6 +176,10 @@ def test_stages_have_results_each(tmp_path):
         (lambda: femdem.run({**SCENE, "body": []}), ["body"]),
         (lambda: femdem.run("nowhere.toml"), ["nowhere.toml"]),
         (lambda: femdem.run({**SCENE, "title": object()}), ["scene.title"]),
+        (lambda: femdem.run({**SCENE, "gravity": [0, 0, None]}), ["scene.gravity[2] = None"]),
+        (lambda: femdem.pack(shape={"name": "P5"}), ["shape"]),
+        (lambda: femdem.pack(count={"number": 3}), ["count"]),
+        (lambda: femdem.pack(share=[1, True]), ["share"]),
         (lambda: femdem.analyse("nowhere"), ["nowhere"]),
         (lambda: femdem.command("fly"), ["fly"]),
         (lambda: femdem.Result("nowhere"), ["nowhere"]),

@@ -67,10 +67,12 @@ def test_pickling_keeps_shapes(name):
         (lambda: femdem.Shape.convex_hull([[0, 0, np.nan], *TETRAHEDRON]), ["vertices", "NaN"]),
         (lambda: femdem.Shape.convex_hull("stone"), ["vertices", "numbers"]),
         (lambda: femdem.Shape.from_arrays(TETRAHEDRON, [*FACES[:3], FACES[0]]), ["edge"]),
-        (lambda: femdem.Shape.from_arrays(TETRAHEDRON, [[0, -1, 2]]), ["-1"]),
+        (lambda: femdem.Shape.from_arrays(TETRAHEDRON, [[0, -1, 2]]), ["faces[0] = -1"]),
+        (lambda: femdem.Shape.from_arrays(TETRAHEDRON, [[0, 2**32, 2]]), ["faces[0] = 4294967296"]),
         (lambda: femdem.Shape.from_arrays(TETRAHEDRON, [*FACES[:3], [1, 2, 9]]), ["9"]),
         (lambda: femdem.Shape.from_file("nowhere.obj"), ["nowhere.obj"]),
         (lambda: femdem.Shape.from_file("nowhere.obj", unit="league"), ["league", "mm"]),
+        (lambda: femdem.Shape.from_file("nowhere.obj", unit="m\u0301'"), ["m\u0301'", "mm"]),
     ],
 )
 def test_what_is_no_shape_is_refused_by_name(make, words):

@@ -3,6 +3,7 @@
 import _thread
 import multiprocessing
 import pickle
+import signal
 import sys
 import threading
 import time
@@ -12,23 +13,24 @@ import pytest
 import femdem
 
 
-def test_other_threads_run_while_a_world_steps(box_of_stones):
-    done = threading.Event()
+def test_other_threads_run_during_one_call_of_step(box_of_stones):
+    """Another thread takes turns and then ends the call, which it can only while the lock is free."""
+    begin, turns = threading.Event(), []
 
     def work():
-        while not done.is_set():
-            box_of_stones.step(200)
+        begin.wait()
+        for turn in range(20):
+            time.sleep(0.001)
+            turns.append(turn)
+        _thread.interrupt_main()
 
-    stepping = threading.Thread(target=work)
-    stepping.start()
-    # This loop makes progress only if the lock is released during the steps.
-    turns = 0
-    while turns < 20:
-        time.sleep(0.001)
-        turns += 1
-    done.set()
-    stepping.join()
-    assert box_of_stones.steps >= 200
+    working = threading.Thread(target=work)
+    working.start()
+    begin.set()
+    with pytest.raises(KeyboardInterrupt):
+        box_of_stones.step(2_000_000)
+    working.join()
+    assert len(turns) == 20 and box_of_stones.steps < 2_000_000
 
 
 def test_a_world_that_steps_is_not_touched_by_others(box_of_stones):
@@ -79,10 +81,30 @@ def test_ctrl_c_ends_a_pack_with_a_checkpoint(tmp_path):
     assert not (tmp_path / "pack" / "summary.json").exists()
 
 
+def test_what_a_signal_handler_raises_ends_a_pack(tmp_path):
+    class Asked(Exception):
+        pass
+
+    def raise_it(*_):
+        raise Asked
+
+    before = signal.signal(signal.SIGINT, raise_it)
+    try:
+        threading.Timer(1.0, _thread.interrupt_main).start()
+        with pytest.raises(Asked):
+            femdem.pack(out=tmp_path / "pack", shape="dolos", count=400, seed=1)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert (tmp_path / "pack" / "pack.ckpt").is_file()
+
+
 def _hash(data):
     world = pickle.loads(data)
     world.step(300)
-    return world.state_hash()
+    limit = world.stability()
+    world.remove([0, 13])
+    world.step(10)
+    return world.state_hash(), limit
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no fork")
@@ -90,5 +112,6 @@ def _hash(data):
 def test_forked_processes_step_too(box_of_stones):
     data = pickle.dumps(box_of_stones)
     here = _hash(data)
+    assert here[1] is not None
     with multiprocessing.get_context("fork").Pool(2) as pool:
-        assert pool.map(_hash, [data, data]) == [here, here]
+        assert pool.map_async(_hash, [data, data]).get(timeout=120) == [here, here]

@@ -121,9 +121,10 @@ def test_callbacks_come_at_their_steps_and_may_end_it(box_of_stones):
     assert box_of_stones.step(10, callback=lambda world: seen.append(world.steps), every=4) == 10
     assert seen == [4, 8, 10]
     assert box_of_stones.step(100, callback=lambda world: world.steps < 20, every=5) == 10
+    assert box_of_stones.step(100, callback=lambda world: np.bool_(False), every=1) == 1
     with pytest.raises(ZeroDivisionError):
         box_of_stones.step(10, callback=lambda world: 1 / 0, every=2)
-    assert box_of_stones.steps == 22
+    assert box_of_stones.steps == 23
 
 
 def test_pickling_goes_on_with_the_same_bits(box_of_stones):
@@ -135,6 +136,72 @@ def test_pickling_goes_on_with_the_same_bits(box_of_stones):
     assert np.array_equal(again.poses, box_of_stones.poses)
     # The shape is added again without harm.
     assert again.add(CUBE, place(0.15, 0.15, 1.5), 1000).tolist() == [27]
+
+
+@pytest.mark.parametrize("name", ["sphere", "dolos", "cube"])
+def test_the_shapes_of_a_world_are_for_more_bodies(name):
+    def twins():
+        return [pickle.loads(data), femdem.World(gravity=(0, 0, 0))]
+
+    world = femdem.World(gravity=(0, 0, 0))
+    world.add(femdem.Shape(name, size=0.1), place(0, 0, 0), 1000)
+    data = pickle.dumps(world)
+    (known,) = pickle.loads(data).shapes
+    assert known.is_ball == (name == "sphere") and known.is_convex == (name != "dolos")
+    for other in twins():
+        other.add(known, place(1, 0, 0), 1000)
+        assert other.shapes[-1].is_ball == known.is_ball and other.masses[-1] == world.masses[0]
+    # In the same world it is the same shape, and bodies go on with the same bits.
+    own, again = world, pickle.loads(data)
+    for one in (own, again):
+        one.add(one.shapes[0], place(0.098, 0, 0), 1000)
+        one.step(20)
+    assert len(own.shapes) == len(again.shapes) == 1
+    assert own.state_hash() == again.state_hash()
+
+
+def test_poses_are_normalised_as_in_rust():
+    world = femdem.World(gravity=(0, 0, 0))
+    # Of unit length to rounding, in the eyes of Rust, and so left as it is; and not.
+    near, far = 1 + 4e-15, 1 + 1e-8
+    world.add(CUBE, [[0, 0, 0, near, 0, 0, 0], [1, 0, 0, far, 0, 0, 0]], 1000)
+    assert world.poses[:, 3].tolist() == [near, 1]
+
+
+@pytest.mark.parametrize("soft", [False, True])
+def test_a_bad_row_leaves_no_body(soft):
+    world = femdem.World()
+    rubber = {"density": 1100, "law": "neo-hookean", "young": 1e5, "poisson": 0.3}
+
+    def add(speed):
+        places = [place(0, 0, 1), place(0, 0, 2)]
+        velocity = [[0, 0, 0], [speed, 0, 0]]
+        if soft:
+            return world.add_deformable(CUBE, places, rubber, mesh_size=0.5, velocity=velocity)
+        return world.add(CUBE, places, 1000, velocity=velocity)
+
+    # Finite, and longer than numbers can say.
+    with pytest.raises(femdem.FemdemError, match="velocity"):
+        add(1e200)
+    assert len(world) == 0
+    assert add(1).tolist() == [0, 1]
+    assert world.ledger()["error"] == pytest.approx(0, abs=1e-9)
+
+
+def test_a_driven_body_has_no_velocity_of_its_own_and_a_soft_one_no_torque():
+    world = femdem.World()
+    world.add(CUBE, place(0, 0, 1), 1000)
+    world.add(CUBE, place(0, 0, 2), 1000, motion={"linear": {"velocity": [0, 0, 0.5]}})
+    rubber = {"density": 1100, "law": "neo-hookean", "young": 1e5, "poisson": 0.3}
+    world.add_deformable(CUBE, place(0, 0, 3), rubber, mesh_size=0.5)
+    before = world.state_hash()
+    with pytest.raises(femdem.FemdemError, match="body 1 follows a drive"):
+        world.set_velocity([0, 1], velocity=[1, 0, 0])
+    with pytest.raises(femdem.FemdemError, match="body 2 .*no torque"):
+        world.set_load([0, 2], torque=[1, 0, 0])
+    with pytest.raises(femdem.FemdemError, match="no rigid body 2"):
+        world.drive([0, 2], None)
+    assert world.state_hash() == before
 
 
 def test_any_number_of_threads_gives_the_same_bits(box_of_stones):
@@ -176,7 +243,26 @@ WORLD_REFUSALS = [
     (lambda w: w.remove(7), ["body", "7"]),
     (lambda w: w.remove(-1), ["-1"]),
     (lambda w: w.remove([0.5]), ["0.5"]),
-    (lambda w: w.set_pose([0], np.zeros((2, 7))), ["quaternion"]),
+    (lambda w: w.set_pose([0], np.zeros(7)), ["quaternion", "qw"]),
+    (lambda w: w.set_pose([0], [place(0, 0, 0)] * 2), ["poses has 2 rows", "1 are needed"]),
+    (lambda w: w.set_pose([0, 99], [place(0, 0, 0)] * 2), ["99"]),
+    (lambda w: w.set_velocity([0, 99], velocity=[1, 0, 0]), ["99"]),
+    (lambda w: w.set_load([0, 99], force=[1, 0, 0]), ["99"]),
+    (lambda w: w.drive([0, 99], {"linear": {"velocity": [0, 0, 1]}}), ["99"]),
+    (lambda w: w.remove([0, 99]), ["99"]),
+    (lambda w: w.remove([0, 0]), ["body 0", "twice"]),
+    (lambda w: w.remove(True), ["truth", "mask"]),
+    (lambda w: w.remove(w.asleep), ["truth", "mask"]),
+    (lambda w: w.set_load([True], force=[1, 0, 0]), ["truth", "mask"]),
+    (lambda w: w.remove(2**32), ["bodies = 4294967296"]),
+    (lambda w: w.nodes(-1), ["body = -1"]),
+    (lambda w: w.remove_wall(-1), ["wall = -1"]),
+    (lambda w: w.add(CUBE, place(0, 0, 0), 1, material=256), ["material = 256"]),
+    (lambda w: w.set_law(0, -1, friction=0.1), ["b = -1"]),
+    (lambda w: w.add(CUBE, [place(0, 0, 0)] * 2, [1, -5]), ["density = -5"]),
+    (lambda w: w.step(2**70), ["steps = 1180591620717411303424"]),
+    (lambda w: w.step(1.5), ["steps = 1.5"]),
+    (lambda w: w.step(10, every=2), ["every = 2", "callback"]),
     (lambda w: w.set_load([0], force=[np.nan, 0, 0]), ["force", "NaN"]),
     (lambda w: w.set_velocity([9], velocity=[0, 0, 0]), ["9"]),
     (lambda w: w.nodes(0), ["0"]),
@@ -185,6 +271,7 @@ WORLD_REFUSALS = [
     (lambda w: w.step(1, callback=print, every=0), ["every = 0"]),
     (lambda w: femdem.World.from_bytes(b"abc"), ["decoded"]),
     (lambda w: femdem.set_threads(0), ["threads = 0"]),
+    (lambda w: femdem.set_threads(-1), ["threads = -1"]),
 ]
 
 

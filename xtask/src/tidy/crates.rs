@@ -1,8 +1,11 @@
-//! Requirements on every crate: opening docs with their sections, a licence, the shared lints.
+//! Requirements on every crate: opening docs with their sections, a licence, the shared lints; which are the default ones.
 
 use super::files::SourceFile;
 use super::metadata::{Package, TargetRoot};
 use super::{Problem, find};
+
+/// The bindings would turn on the features that `--no-default-features` is to leave out.
+const BINDINGS: &str = "femdem-python";
 
 /// Checks every package of the workspace; docs sections and shared lints are required of the packages in
 /// `crates/` only.
@@ -12,6 +15,15 @@ pub(crate) fn check(files: &[SourceFile], packages: &[Package]) -> Vec<Problem> 
         if !package.has_license {
             let message = "no licence: write `license.workspace = true` under [package]";
             problems.push(Problem::new(&package.manifest, 1, message));
+        }
+        if package.is_default != (is_published(package) && package.name != BINDINGS) {
+            let message = "`default-members` of the workspace are the packages in `crates/` without those of other \
+                           languages: list the others only";
+            problems.push(Problem::new(
+                "Cargo.toml",
+                1,
+                format!("{}: {message}", package.name),
+            ));
         }
         if is_published(package)
             && let Some(manifest) = find(files, &package.manifest)
@@ -87,6 +99,7 @@ mod tests {
         Package {
             name: "a".to_owned(),
             manifest: format!("{folder}/Cargo.toml"),
+            is_default: folder.starts_with("crates/"),
             has_license: true,
             has_features,
             roots: vec![TargetRoot {
@@ -136,6 +149,18 @@ mod tests {
     fn helpers_outside_crates_need_an_opening_line_only() {
         let files = tree("xtask", "[package]\n", "//! Chores.\n");
         assert_eq!(check(&files, &[package("xtask", true)]), []);
+    }
+
+    #[test]
+    fn crates_are_default_members_and_bindings_are_not() {
+        let files = tree("crates/a", MANIFEST, DOCS);
+        let mut left_out = package("crates/a", false);
+        left_out.is_default = false;
+        let mut bindings = package("crates/a", false);
+        bindings.name = BINDINGS.to_owned();
+        for wrong in [left_out, bindings] {
+            assert_eq!(check(&files, &[wrong]).len(), 1);
+        }
     }
 
     #[test]

@@ -127,6 +127,7 @@ mod tests {
         Package {
             name: name.to_owned(),
             manifest: format!("crates/{name}/Cargo.toml"),
+            is_default: true,
             has_license: true,
             has_features: false,
             roots: Vec::new(),

@@ -13,6 +13,8 @@ pub(crate) struct Package {
     pub(crate) name: String,
     /// Path of `Cargo.toml` from the workspace root.
     pub(crate) manifest: String,
+    /// Whether commands of cargo are for it when no package is named.
+    pub(crate) is_default: bool,
     pub(crate) has_license: bool,
     pub(crate) has_features: bool,
     /// Root files of the library and program targets, from the workspace root.
@@ -55,15 +57,21 @@ fn parse(json: &str) -> Result<Vec<Package>> {
         .iter()
         .map(|entry| text(entry, "name"))
         .collect::<Result<BTreeSet<_>>>()?;
+    let defaults = list(&document, "workspace_default_members")?;
     let mut packages = entries
         .iter()
-        .map(|entry| package(entry, root, &names))
+        .map(|entry| package(entry, root, &names, defaults))
         .collect::<Result<Vec<_>>>()?;
     packages.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(packages)
 }
 
-fn package(entry: &Value, root: &str, names: &BTreeSet<&str>) -> Result<Package> {
+fn package(
+    entry: &Value,
+    root: &str,
+    names: &BTreeSet<&str>,
+    defaults: &[Value],
+) -> Result<Package> {
     let mut dependencies = BTreeSet::new();
     for dependency in list(entry, "dependencies")? {
         let name = text(dependency, "name")?;
@@ -88,6 +96,7 @@ fn package(entry: &Value, root: &str, names: &BTreeSet<&str>) -> Result<Package>
     Ok(Package {
         name: text(entry, "name")?.to_owned(),
         manifest: relative(text(entry, "manifest_path")?, root),
+        is_default: defaults.contains(&entry["id"]),
         has_license: entry["license"].is_string(),
         has_features: entry["features"]
             .as_object()
@@ -123,8 +132,9 @@ mod tests {
 
     const ANSWER: &str = r#"{
         "workspace_root": "/w",
+        "workspace_default_members": ["path+file:///w/crates/upper#1.0.0"],
         "packages": [
-            {"name": "upper", "license": null, "manifest_path": "/w/crates/upper/Cargo.toml",
+            {"name": "upper", "id": "path+file:///w/crates/upper#1.0.0", "license": null, "manifest_path": "/w/crates/upper/Cargo.toml",
              "features": {"fast": []},
              "dependencies": [
                 {"name": "lower", "kind": null},
@@ -134,9 +144,9 @@ mod tests {
                 {"kind": ["lib"], "src_path": "/w/crates/upper/src/lib.rs"},
                 {"kind": ["bin"], "src_path": "/w/crates/upper/src/main.rs"},
                 {"kind": ["test"], "src_path": "/w/crates/upper/tests/all.rs"}]},
-            {"name": "lower", "license": "MIT", "manifest_path": "/w/lower/Cargo.toml",
+            {"name": "lower", "id": "path+file:///w/lower#1.0.0", "license": "MIT", "manifest_path": "/w/lower/Cargo.toml",
              "features": {}, "dependencies": [], "targets": []},
-            {"name": "tester", "license": "MIT", "manifest_path": "/w/tester/Cargo.toml",
+            {"name": "tester", "id": "path+file:///w/tester#1.0.0", "license": "MIT", "manifest_path": "/w/tester/Cargo.toml",
              "features": {}, "dependencies": [], "targets": []}
         ]}"#;
 
@@ -152,8 +162,9 @@ mod tests {
             "serde is foreign and tester is a dev-dependency"
         );
         assert_eq!(upper.manifest, "crates/upper/Cargo.toml");
-        assert!(!upper.has_license && upper.has_features);
-        assert!(packages[0].has_license && !packages[0].has_features);
+        assert!(upper.is_default && !upper.has_license && upper.has_features);
+        let lower = &packages[0];
+        assert!(!lower.is_default && lower.has_license && !lower.has_features);
     }
 
     #[test]

@@ -11,7 +11,7 @@ from typing import Any
 from ._femdem import FemdemError
 from ._femdem import command as _call
 from ._options import toml, words
-from ._result import Result
+from ._result import Keeper, Result
 from ._shape import Shape
 
 Folder = Result | str | os.PathLike[str]
@@ -23,7 +23,8 @@ def command(name: str, *arguments: str | os.PathLike[str], **options: Any) -> No
     """Runs a command of the program: ``command("pores", folder, voxel="0.4mm")`` is ``femdem pores FOLDER --voxel=0.4mm``.
 
     Keywords are the options, with ``_`` for ``-``; lists repeat them, and ``True`` is an option without a value. Python is
-    not blocked meanwhile. After Ctrl-C a run ends with a checkpoint, from which :func:`resume` goes on.
+    not blocked meanwhile. After Ctrl-C ``pack``, ``run``, ``resume`` and ``sweep`` end with a checkpoint, from which
+    :func:`resume` goes on; the other commands run to their end first. What a signal handler raised is raised then.
     """
     _call([name, *words(options), *(os.fspath(argument) for argument in arguments)])
 
@@ -33,9 +34,10 @@ def pack(scene: Scene | None = None, *, out: str | os.PathLike[str] | None = Non
 
     ``scene`` is a file or a dict with its keys; ``options`` are those of the command line and win: ``shape="A10"``,
     ``count=200``, ``friction=0.6``, ``box="6x6"``, ``protocol="pour"``, ``seed=1`` ... Shapes are names, paths of surface files
-    or :class:`Shape`. Results go to the folder ``out``, or else to one that lasts as long as the result.
+    or :class:`Shape`. Results go to the folder ``out``, to that of a dict, or else to one that lasts as long as the result;
+    not to that which a file names.
     """
-    for option in ("check", "print_scene"):
+    for option in ("check", "print_scene", "help"):
         if options.get(option):
             raise FemdemError(f"{option} makes no pack: call femdem.command('pack', {option}=True)")
     with TemporaryDirectory(prefix="femdem-") as given:
@@ -50,8 +52,8 @@ def run(scene: Scene, *, out: str | os.PathLike[str] | None = None, quiet: bool 
     """Runs a scene, as ``femdem run`` does, and returns what came of it.
 
     ``scene`` is a file, or a dict with the same keys: ``{"duration": 0.1, "material": {...}, "wall": [...], "body": [...]}``.
-    ``options``: ``threads``, ``force``, ``yes``. Results go to the folder ``out``, to that of the scene, or else to one that
-    lasts as long as the result.
+    ``options``: ``threads``, ``force``, ``yes``. Results go to the folder ``out``, to that of a dict, or else to one that
+    lasts as long as the result; not to that which a file names.
     """
     if options.get("check"):
         raise FemdemError("check makes no run: call femdem.command('run', FILE, check=True)")
@@ -64,7 +66,7 @@ def run(scene: Scene, *, out: str | os.PathLike[str] | None = None, quiet: bool 
 def resume(folder: Folder, *, quiet: bool = True, **options: Any) -> Result:
     """Goes on with a pack or a run from its checkpoint; ``duration`` lets a run go on beyond its end."""
     command("resume", _path(folder), quiet=quiet, **options)
-    return _result(folder, _path(folder))
+    return _result(folder)
 
 
 def analyse(folder: Folder, *, out: str | os.PathLike[str] | None = None, quiet: bool = True, **options: Any) -> Result:
@@ -73,13 +75,13 @@ def analyse(folder: Folder, *, out: str | os.PathLike[str] | None = None, quiet:
     ``options``: ``threshold``, ``axes``, ``core_inset``, ``fields``, ``over_time``, ``frame``, ``inside`` ...
     """
     command("analyse", _path(folder), out=out, quiet=quiet, **options)
-    return _result(folder, out or _path(folder))
+    return _result(folder, out)
 
 
-def report(folder: Folder, *, out: str | os.PathLike[str] | None = None, quiet: bool = True, **options: Any) -> Path:
-    """Writes the report page of a pack or a run, and returns its path."""
+def report(folder: Folder, *, out: str | os.PathLike[str] | None = None, quiet: bool = True, **options: Any) -> Result:
+    """Writes the report page of a pack or a run, ``report.html``; the method :meth:`Result.report` has its text."""
     command("report", _path(folder), out=out, quiet=quiet, **options)
-    return Path(out or _path(folder)) / "report.html"
+    return _result(folder, out)
 
 
 def resolve(folder: Folder, *, out: str | os.PathLike[str] | None = None, quiet: bool = True, **options: Any) -> Result:
@@ -88,15 +90,17 @@ def resolve(folder: Folder, *, out: str | os.PathLike[str] | None = None, quiet:
     ``options``: ``young`` (Pa), ``poisson``, ``mesh_size``, ``quadratic``, ``tolerance``, ``steps``.
     """
     command("resolve", _path(folder), out=out, quiet=quiet, **options)
-    return _result(folder, out or Path(_path(folder)) / "resolved")
+    return _result(folder, out, "resolved")
 
 
 def _path(folder: Folder) -> str:
     return os.fspath(folder.folder if isinstance(folder, Result) else folder)
 
 
-def _result(of: Folder, folder: str | os.PathLike[str]) -> Result:
-    return Result(folder, _keeper=of._keeper if isinstance(of, Result) else None)
+def _result(of: Folder, out: str | os.PathLike[str] | None = None, within: str = "") -> Result:
+    if out is not None:
+        return Result(out)
+    return Result(Path(_path(of)) / within, _keeper=of._keeper if isinstance(of, Result) else None)
 
 
 def _file(scene: Scene, folder: str) -> str:
@@ -107,14 +111,16 @@ def _file(scene: Scene, folder: str) -> str:
     return os.fspath(path)
 
 
-def _shapes(given: Any, folder: Path) -> list[str]:
-    found = []
+def _shapes(given: Any, folder: Path) -> list[Any]:
+    found: list[Any] = []
     for k, shape in enumerate(given if isinstance(given, (list, tuple)) else [given]):
         if not isinstance(shape, Shape):
-            found.append(os.fspath(shape))
+            found.append(shape)
             continue
         if shape.is_ball:
             raise FemdemError("the ball has no facets for a file: give shape='sphere' and a diameter")
+        if shape.is_picture:
+            raise FemdemError(f"the shape {shape.name!r} of a result is a picture: take it from the shapes of its world")
         (folder / str(k)).mkdir()
         path = folder / str(k) / f"{shape.name.replace('/', '-')}.obj"
         shape.save(path)
@@ -126,6 +132,6 @@ def _with_folder(out: str | os.PathLike[str] | None, work: Any) -> Result:
     if out is not None:
         work(os.fspath(out))
         return Result(out)
-    keeper = TemporaryDirectory(prefix="femdem-")
-    work(keeper.name)
-    return Result(keeper.name, _keeper=keeper)
+    keeper = Keeper()
+    work(keeper.folder)
+    return Result(keeper.folder, _keeper=keeper)

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 import math
+import operator
 import os
 from collections.abc import Mapping
 from typing import Any
+
+import numpy as np
 
 from ._femdem import FemdemError
 
 
 def plain(name: str, value: Any) -> Any:
-    """The same of plain Python types, without what is ``None``; numbers must be finite."""
+    """The same of plain Python types, without the keys of ``None``; numbers must be finite."""
     if isinstance(value, Mapping):
         given = {str(key): item for key, item in value.items() if item is not None}
         return {key: plain(f"{name}.{key}", item) for key, item in given.items()}
@@ -24,9 +27,20 @@ def plain(name: str, value: Any) -> Any:
         return os.fspath(value)
     if isinstance(value, float) and not math.isfinite(value):
         raise FemdemError(f"{name} = {value} is not allowed: give a finite number")
-    if value is None or isinstance(value, (bool, int, float, str)):
+    if isinstance(value, (bool, int, float, str)):
         return value
     raise FemdemError(f"{name} = {value!r} is not allowed: give numbers, texts, lists, arrays and dicts of these")
+
+
+def index(name: str, value: Any, end: int = 2**32) -> int:
+    """A whole number from 0 and below ``end``; a truth value is none."""
+    try:
+        number = -1 if isinstance(value, (bool, np.bool_)) else operator.index(value)
+    except TypeError:
+        number = -1
+    if not 0 <= number < end:
+        raise FemdemError(f"{name} = {value!r} is not allowed: give a whole number from 0, below {end}")
+    return number
 
 
 def kebab(value: Any) -> Any:
@@ -77,12 +91,14 @@ def words(options: Mapping[str, Any]) -> list[str]:
     found: list[str] = []
     for key, value in options.items():
         option = "--" + key.rstrip("_").replace("_", "-")
-        value = plain(key, value)
+        value = None if value is None else plain(key, value)
         if value is None or value is False:
             continue
         if value is True:
             found.append(option)
             continue
         for item in value if isinstance(value, list) else [value]:
+            if isinstance(item, (bool, list, dict)):
+                raise FemdemError(f"{key} = {value!r} is not allowed: give a number, a text or a list of these")
             found.append(f"{option}={item}")
     return found

@@ -5,10 +5,11 @@ from __future__ import annotations
 import csv
 import json
 import os
-from functools import cached_property
+import shutil
+import tempfile
+import weakref
 from html import escape
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,19 +23,36 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _SUMMARIES = ("summary.json", "resolve.json")
+_STATES = ("pack.ckpt", "run.ckpt", "bodies.csv", "contacts.csv")
+
+
+class Keeper:
+    """A temporary folder that lasts as long as this, in the process that made it."""
+
+    def __init__(self) -> None:
+        self.folder = tempfile.mkdtemp(prefix="femdem-")
+        weakref.finalize(self, _remove, self.folder, os.getpid())
+
+
+def _remove(folder: str, process: int) -> None:
+    # A process that forked has the same object, and not the folder.
+    if os.getpid() == process:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 class Result(Bodies):
     """A folder of a pack, a run or their measurements, as ``pack``, ``run`` and the program write it.
 
-    ``Result(folder)`` also opens what the program has written. A folder that :func:`femdem.pack` or :func:`femdem.run` made
-    for want of ``out`` is removed with the last result that refers to it.
+    ``Result(folder)`` also opens what the program has written, and all its properties are of what the folder holds now. A
+    folder that :func:`femdem.pack` or :func:`femdem.run` made for want of ``out`` is removed with the last result that refers
+    to it.
     """
 
-    def __init__(self, folder: str | os.PathLike[str], *, _keeper: TemporaryDirectory[str] | None = None) -> None:
+    def __init__(self, folder: str | os.PathLike[str], *, _keeper: Keeper | None = None) -> None:
         self.folder = Path(folder)
         """The folder."""
         self._keeper = _keeper
+        self._known: tuple[list[int], _femdem.Snapshot] | None = None
         if not self.folder.is_dir():
             raise _femdem.FemdemError(f"there is no folder {self.folder}")
 
@@ -46,7 +64,7 @@ class Result(Bodies):
                 return found
         raise _femdem.FemdemError(f"there is no {' and no '.join(names)} in {self.folder}")
 
-    @cached_property
+    @property
     def summary(self) -> dict[str, Any]:
         """The result in numbers, as in ``summary.json``."""
         return self._json(*_SUMMARIES)
@@ -68,9 +86,14 @@ class Result(Bodies):
             rows = list(lines)
         return {name: _column([row[k] for row in rows]) for k, name in enumerate(header)}
 
-    @cached_property
+    @property
     def _snapshot(self) -> _femdem.Snapshot:
-        return _femdem.Snapshot.from_folder(os.fspath(self.folder))
+        """The state in the folder, which is read again when its files have changed."""
+        paths = [self.folder / name for name in _STATES]
+        stamp = [path.stat().st_mtime_ns if path.is_file() else 0 for path in paths]
+        if self._known is None or self._known[0] != stamp:
+            self._known = (stamp, _femdem.Snapshot.from_folder(os.fspath(self.folder)))
+        return self._known[1]
 
     @property
     def poses(self) -> NDArray[np.float64]:
@@ -89,7 +112,8 @@ class Result(Bodies):
 
     @property
     def shapes(self) -> list[Shape]:
-        """Surfaces of the shapes; :attr:`shape_ids` tells which bodies have which. A ball has a surface of its volume."""
+        """Surfaces of the shapes; :attr:`shape_ids` tells which bodies have which. A ball has a surface of its volume. To add
+        bodies, take the shapes of :attr:`world`."""
         return [Shape._of(shape) for shape in self._snapshot.shapes]
 
     @property
@@ -97,7 +121,7 @@ class Result(Bodies):
         """Index of the shape of each body."""
         return self._snapshot.shape_ids
 
-    @cached_property
+    @property
     def contacts(self) -> dict[str, Any]:
         """The contacts as columns: ``body``, ``partner`` (-1 for a wall, named in ``wall``), ``point`` (m), ``normal``,
         ``normal_force`` (N), ``friction`` on the partner (N), ``area`` (m^2), ``volume`` (m^3), ``class``."""
@@ -110,9 +134,10 @@ class Result(Bodies):
 
     @property
     def stages(self) -> dict[str, Result]:
-        """The results of the stages of a scene, by name; empty for a scene without stages."""
-        scene = sorted(self.folder.glob("*/run.ckpt"), key=lambda path: path.stat().st_mtime)
-        return {path.parent.name: Result(path.parent, _keeper=self._keeper) for path in scene}
+        """The results of the stages of a scene that have begun, by name in their order; empty for a scene without stages."""
+        known = _femdem.stages(os.fspath(self.folder)) if (self.folder / "scene.toml").is_file() else []
+        begun = [(name, folder) for name, folder in known if (folder / "run.ckpt").is_file()]
+        return {name: Result(folder, _keeper=self._keeper) for name, folder in begun}
 
     def report(self) -> str:
         """The report page, which :func:`femdem.report` makes if it is not there."""
@@ -136,8 +161,16 @@ class Result(Bodies):
     def __repr__(self) -> str:
         return f"Result({os.fspath(self.folder)!r})"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._keeper is not None:
+            raise _femdem.FemdemError(f"{self.folder} is removed with its result, which cannot be pickled: give a folder `out`")
+        return Result, (self.folder,)
+
     def _repr_html_(self) -> str:
-        page = escape(self.report(), quote=True)
+        path = self.folder / "report.html"
+        if not path.is_file():
+            return f"<code>{escape(repr(self))}</code>"
+        page = escape(path.read_text(encoding="utf-8"), quote=True)
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 600px; border: 0"></iframe>'
 
 

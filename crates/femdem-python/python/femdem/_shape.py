@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _femdem, _others
+from ._options import index
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,10 +50,7 @@ class Shape:
         mesh_size: float | None = None,
     ) -> Shape:
         """A surface of vertices (n, 3) in m and faces: rows of an array, or lists of vertices, counter-clockwise from outside."""
-        lists = [[int(i) for i in face] for face in faces]
-        wrong = next((i for face in lists for i in face if i < 0), None)
-        if wrong is not None:
-            raise _femdem.FemdemError(f"faces has the vertex {wrong}: give numbers from 0")
+        lists = [[index(f"faces[{k}]", i) for i in face] for k, face in enumerate(faces)]
         return cls._of(_femdem.Shape.of_arrays(name, vertices, lists, mesh_size))
 
     @classmethod
@@ -127,6 +125,11 @@ class Shape:
         """Whether it is the exact ball, of which the vertices are a picture."""
         return self._shape.is_ball
 
+    @property
+    def is_picture(self) -> bool:
+        """Whether it is drawn and measured only, and not for bodies: the shapes of a :class:`Result` are."""
+        return self._shape.is_picture
+
     def to_trimesh(self) -> Any:
         """The surface as a ``trimesh.Trimesh``."""
         return _others.need("trimesh").Trimesh(self.vertices, self.triangles, process=False)
@@ -140,12 +143,12 @@ class Shape:
         return _others.need("meshio").Mesh(self.vertices, [("triangle", self.triangles)])
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, self._shape.parts()
+        return _restored, (self._shape.to_bytes(),)
 
     def __repr__(self) -> str:
         kind = "ball" if self.is_ball else f"{len(self.vertices)} vertices"
         return f"Shape({self.name!r}, {kind}, {self.volume:.4g} m^3)"
 
 
-def _restored(*parts: Any) -> Shape:
-    return Shape._of(_femdem.Shape.of_parts(*parts))
+def _restored(data: bytes) -> Shape:
+    return Shape._of(_femdem.Shape.from_bytes(data))

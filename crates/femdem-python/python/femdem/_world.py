@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _femdem
-from ._options import as_json, entry
+from ._options import as_json, entry, index
 from ._others import Bodies, Surface, placed
 from ._shape import Shape
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     Ids = int | Sequence[int] | NDArray[Any]
 _STEPS = 2**63
+_MATERIALS = 2**8
 
 
 class World(Bodies):
@@ -98,7 +99,8 @@ class World(Bodies):
         laws (:meth:`set_law`). ``motion`` prescribes their motion, as the key ``motion`` of a body in a scene does.
         """
         text = None if motion is None else entry("motion", motion)
-        return self._world.add(shape._shape, poses, density, velocity, angular_velocity, material, text)
+        kind = index("material", material, _MATERIALS)
+        return self._world.add(shape._shape, poses, density, velocity, angular_velocity, kind, text)
 
     def add_deformable(
         self,
@@ -113,14 +115,15 @@ class World(Bodies):
         element: str = "t4",
         contact_ratio: float = 1.0,
     ) -> NDArray[np.uint32]:
-        """Adds deformable bodies of one shape at poses (n, 7) and returns their numbers.
+        """Adds deformable bodies of one shape at poses (n, 7) and returns their numbers; all of them, or none.
 
         ``matter`` has the keys of a material in a scene: ``density``, ``law``, ``young``, ``poisson`` and those of the law.
         ``mesh_size`` is the edge length of the tetrahedra over the diameter, 0.2 if left out; ``contact_ratio`` the stiffness
         of the contacts over that of the body.
         """
         text = entry("matter", matter)
-        options = (velocity, angular_velocity, material, mesh_size, element, contact_ratio)
+        kind = index("material", material, _MATERIALS)
+        options = (velocity, angular_velocity, kind, mesh_size, element, contact_ratio)
         return self._world.add_deformable(shape._shape, poses, text, *options)
 
     def add_wall(self, name: str, *, material: int = 0, **wall: Any) -> list[int]:
@@ -132,21 +135,21 @@ class World(Bodies):
         for key in ("control", "opens"):
             if key in wall:
                 raise _femdem.FemdemError(f"{key} is for the walls of scenes: leave it out, and use drive_wall or remove_wall")
-        return self._world.add_wall(name, entry("wall", wall), material)
+        return self._world.add_wall(name, entry("wall", wall), index("material", material, _MATERIALS))
 
     def drive_wall(self, wall: int, motion: Mapping[str, Any] | None) -> None:
         """Gives a wall another motion, counted from where it is; ``None`` holds it."""
-        self._world.drive_wall(wall, None if motion is None else entry("motion", motion))
+        self._world.drive_wall(index("wall", wall), None if motion is None else entry("motion", motion))
 
     def remove_wall(self, wall: int) -> None:
         """Removes a wall."""
-        self._world.remove_wall(wall)
+        self._world.remove_wall(index("wall", wall))
 
     def remove(self, bodies: Ids) -> None:
-        """Removes bodies. Their numbers are given to the next ones."""
+        """Removes bodies; all of them, or none. Their numbers are given to the next ones."""
         self._world.remove(_list(bodies))
 
-    # What a host changes.
+    # What a host changes: all of the bodies that are given, or none.
 
     def set_pose(self, bodies: Ids, poses: ArrayLike) -> None:
         """Puts rigid bodies at poses (n, 7), with their velocities. Their contacts end."""
@@ -173,7 +176,7 @@ class World(Bodies):
     def set_law(self, a: int, b: int, **contact: Any) -> None:
         """Gives two materials a contact law: that of the world with these parameters changed; without any, it is that again."""
         law = as_json("law", {**self.parameters["contact"], **contact}) if contact else None
-        self._world.set_law(a, b, law)
+        self._world.set_law(index("a", a, _MATERIALS), index("b", b, _MATERIALS), law)
 
     def set_gravity(self, gravity: Sequence[float]) -> None:
         """Replaces the acceleration of gravity, m/s^2. Bodies wake."""
@@ -204,20 +207,21 @@ class World(Bodies):
         """
         if steps is None:
             steps = 1 if until is None else _STEPS
-        if steps < 0:
-            raise _femdem.FemdemError(f"steps = {steps} is not allowed: give 0 or more")
+        steps = index("steps", steps, _STEPS + 1)
         if until is not None and math.isnan(until):
             raise _femdem.FemdemError(f"until = {until} is not allowed: give a time in s")
         end = math.inf if until is None else until
         if callback is None:
+            if every is not None:
+                raise _femdem.FemdemError(f"every = {every} is for a callback: give one, or leave it out")
             return self._world.step(steps, end)
-        if every is not None and every < 1:
+        if every is not None and index("every", every, _STEPS) == 0:
             raise _femdem.FemdemError(f"every = {every} is not allowed: give 1 or more")
         taken = 0
         while taken < steps:
             some = self._world.step(min(every or steps, steps - taken), end)
             taken += some
-            if some == 0 or callback(self) is False:
+            if some == 0 or _is_false(callback(self)):
                 break
         return taken
 
@@ -305,7 +309,7 @@ class World(Bodies):
 
     @property
     def shapes(self) -> list[Shape]:
-        """Surfaces of the rigid shapes; :attr:`shape_ids` tells which bodies have which."""
+        """The rigid shapes, to add more bodies of them; :attr:`shape_ids` tells which bodies have which."""
         return [Shape._of(shape) for shape in self._world.shapes]
 
     @property
@@ -329,16 +333,16 @@ class World(Bodies):
 
     def nodes(self, body: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Positions and velocities (n, 3) of the nodes of a deformable body, m and m/s."""
-        places, velocities = self._world.nodes(body)
+        places, velocities = self._world.nodes(index("body", body))
         return places, velocities
 
     def cells(self, body: int) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
         """Tetrahedra (n, 4) of a deformable body and triangles (m, 3) of its skin, by its nodes."""
-        return self._world.cells(body)
+        return self._world.cells(index("body", body))
 
     def stresses(self, body: int) -> NDArray[np.float64]:
         """Cauchy stresses (n, 6) in the tetrahedra of a deformable body, Pa: xx, yy, zz, xy, yz, zx."""
-        return self._world.stresses(body)
+        return self._world.stresses(index("body", body))
 
     def ledger(self) -> dict[str, float]:
         """The energy ledger, J; ``error`` is what is missing in it, and ``error_relative`` that over the energy turned over."""
@@ -392,6 +396,10 @@ class World(Bodies):
         return f"<table>{rows}</table>"
 
 
+def _is_false(answer: Any) -> bool:
+    return isinstance(answer, (bool, np.bool_)) and not answer
+
+
 def _vector(name: str, given: Sequence[float]) -> list[float]:
     numbers = [float(x) for x in given]
     if len(numbers) != 3 or not all(math.isfinite(x) for x in numbers):
@@ -400,9 +408,10 @@ def _vector(name: str, given: Sequence[float]) -> list[float]:
 
 
 def _list(bodies: Ids) -> list[int]:
-    given: Iterable[Any] = np.atleast_1d(np.asarray(bodies)).tolist()
-    numbers = list(given)
-    for number in numbers:
-        if not isinstance(number, int) or number < 0:
-            raise _femdem.FemdemError(f"bodies = {number!r} is not allowed: give numbers of bodies, from 0")
-    return numbers
+    try:
+        given = list(bodies)  # type: ignore[arg-type]
+    except TypeError:
+        given = [bodies]
+    if any(isinstance(number, (bool, np.bool_)) for number in given):
+        raise _femdem.FemdemError("bodies has truth values, not numbers: of a mask, give ids[mask]")
+    return [index("bodies", number) for number in given]

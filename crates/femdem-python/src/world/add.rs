@@ -2,19 +2,20 @@
 
 use std::sync::Arc;
 
-use femdem::contact::MaterialId;
+use femdem::contact::{BodyId, MaterialId};
 use femdem::fem::element::Element;
 use femdem::fem::{Boundary, DeformableModel};
 use femdem::mesh::Vector3;
 use femdem::run::{MaterialEntry, MotionEntry, WallEntry};
-use femdem::solve::{BodySpec, ContactStiffness, DeformableSpec, ShapeId};
+use femdem::solve::{self, BodySpec, ContactStiffness, DeformableSpec, ShapeId, SolveError};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::World;
 use crate::arrays::{column, poses, rows_for};
-use crate::error::{FemdemError, options, refused, unlocked};
+use crate::error::{FemdemError, choice, options, refused, wrong};
 use crate::shape::{Shape, tetrahedra};
+use crate::threads::unlocked;
 
 /// Size of the tetrahedra of deformable bodies in circumscribed diameters, as in scenes.
 const MESH_SIZE: f64 = 0.2;
@@ -40,14 +41,39 @@ fn motions(
 }
 
 impl World {
-    fn shape_id(&mut self, shape: &Shape) -> PyResult<ShapeId> {
-        let mut known = self.shapes.iter();
-        if let Some((_, id)) = known.find(|(form, _)| Arc::ptr_eq(form, &shape.form)) {
-            return Ok(*id);
+    fn shape_id(&mut self, py: Python<'_>, shape: &Shape) -> PyResult<ShapeId> {
+        let form = shape.solid()?;
+        let mut known = (0..).zip(&self.shapes);
+        if let Some((id, _)) = known.find(|(_, own)| Arc::ptr_eq(own, form)) {
+            return Ok(id);
         }
-        let id = shape.form.add_to(&mut self.world).map_err(refused)?;
-        self.shapes.push((Arc::clone(&shape.form), id));
+        let id = unlocked(py, || form.add_to(&mut self.world))?;
+        self.shapes.push(Arc::clone(form));
         Ok(id)
+    }
+
+    /// Adds bodies, all of them or none, and returns their numbers.
+    fn add_all<'py, S: Send>(
+        &mut self,
+        py: Python<'py>,
+        specs: impl Iterator<Item = S> + Send,
+        add: impl Fn(&mut solve::World, S) -> Result<BodyId, SolveError> + Send,
+    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let world = &mut self.world;
+        let ids = unlocked(py, move || {
+            let mut ids = Vec::new();
+            for spec in specs {
+                match add(world, spec) {
+                    Ok(id) => ids.push(id),
+                    Err(error) => {
+                        ids.into_iter().try_for_each(|id| world.remove_body(id))?;
+                        return Err(error);
+                    }
+                }
+            }
+            Ok(ids)
+        })?;
+        Ok(column(py, ids))
     }
 }
 
@@ -70,35 +96,20 @@ impl World {
         let motions = motions(velocity, angular_velocity, places.len())?;
         let densities = densities(density, places.len())?;
         let drive: Option<MotionEntry> = motion.map(|text| options("motion", text)).transpose()?;
-        let shape = self.shape_id(shape.get())?;
-        let mut ids = Vec::with_capacity(places.len());
-        for ((pose, [velocity, angular_velocity]), density) in
-            places.into_iter().zip(motions).zip(densities)
-        {
-            let spec = BodySpec {
-                shape,
-                density,
-                pose,
-                velocity,
-                angular_velocity,
-                material: MaterialId(material),
-            };
-            let added = match &drive {
-                Some(motion) => self.world.add_driven_body(spec, motion.drive()),
-                None => self.world.add_body(spec),
-            };
-            match added {
-                Ok(id) => ids.push(id),
-                Err(error) => {
-                    // All of them, or none.
-                    ids.into_iter()
-                        .try_for_each(|id| self.world.remove_body(id))
-                        .map_err(refused)?;
-                    return Err(refused(error));
-                }
-            }
-        }
-        Ok(column(py, ids))
+        let shape = self.shape_id(py, shape.get())?;
+        let rows = places.into_iter().zip(motions).zip(densities);
+        let specs = rows.map(|((pose, [velocity, angular_velocity]), density)| BodySpec {
+            shape,
+            density,
+            pose,
+            velocity,
+            angular_velocity,
+            material: MaterialId(material),
+        });
+        self.add_all(py, specs, |world, spec| match &drive {
+            Some(motion) => world.add_driven_body(spec, motion.drive()),
+            None => world.add_body(spec),
+        })
     }
 
     /// Adds deformable bodies of one shape; returns their numbers.
@@ -118,33 +129,36 @@ impl World {
     ) -> PyResult<Bound<'py, PyArray1<u32>>> {
         let places = poses(places)?;
         let motions = motions(velocity, angular_velocity, places.len())?;
-        let matter: MaterialEntry = options("material", matter)?;
-        let element: Element = options("element", &format!("{element:?}"))?;
-        let form = &shape.get().form;
-        let model = unlocked(py, || {
-            let region = matter.region()?;
-            let mesh = tetrahedra(&form.surface, Some(mesh_size.unwrap_or(MESH_SIZE)))?;
-            Ok::<_, femdem::Error>(DeformableModel::new(&mesh, element, vec![region], None)?)
-        })?;
-        let stiffness = ContactStiffness::Ratio(contact_ratio);
-        let model = self
-            .world
-            .add_model(&form.name, model, stiffness)
-            .map_err(refused)?;
-        let mut ids = Vec::with_capacity(places.len());
-        for (pose, [velocity, angular_velocity]) in places.into_iter().zip(motions) {
-            let spec = DeformableSpec {
-                model,
-                pose,
-                velocity,
-                angular_velocity,
-                boundary: Boundary::default(),
-                material: MaterialId(material),
-                fracture: None,
-            };
-            ids.push(self.world.add_deformable(spec).map_err(refused)?);
-        }
-        Ok(column(py, ids))
+        let form = shape.get().solid()?;
+        let made = format!("{matter} {mesh_size:?} {element} {contact_ratio}");
+        let mut known = self.models.iter();
+        let known = known.find(|(of, how, _)| Arc::ptr_eq(of, form) && *how == made);
+        let model = if let Some((.., model)) = known {
+            *model
+        } else {
+            let matter: MaterialEntry = options("material", matter)?;
+            let element: Element = choice("element", element)?;
+            let model = unlocked(py, || {
+                let region = matter.region()?;
+                let mesh = tetrahedra(&form.surface, Some(mesh_size.unwrap_or(MESH_SIZE)))?;
+                let model = DeformableModel::new(&mesh, element, vec![region], None)?;
+                let stiffness = ContactStiffness::Ratio(contact_ratio);
+                Ok::<_, femdem::Error>(self.world.add_model(&form.name, model, stiffness)?)
+            })?;
+            self.models.push((Arc::clone(form), made, model));
+            model
+        };
+        let rows = places.into_iter().zip(motions);
+        let specs = rows.map(|(pose, [velocity, angular_velocity])| DeformableSpec {
+            model,
+            pose,
+            velocity,
+            angular_velocity,
+            boundary: Boundary::default(),
+            material: MaterialId(material),
+            fracture: None,
+        });
+        self.add_all(py, specs, solve::World::add_deformable)
     }
 
     /// Adds a wall, or the walls of a box, as a scene describes it; returns their numbers.
@@ -171,25 +185,31 @@ impl World {
         self.world.drive_wall(wall, drive).map_err(refused)
     }
 
-    fn remove_wall(&mut self, wall: u32) -> PyResult<()> {
-        self.world.remove_wall(wall).map_err(refused)
+    fn remove_wall(&mut self, py: Python<'_>, wall: u32) -> PyResult<()> {
+        unlocked(py, || self.world.remove_wall(wall))
     }
 }
 
 /// A density for each body, or one for all.
 fn densities(given: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<f64>> {
-    if let Ok(one) = given.extract::<f64>() {
-        return Ok(vec![one; count]);
-    }
-    let list: Vec<f64> = given
-        .extract()
-        .map_err(|_| FemdemError::new_err("density is a number in kg/m^3, or one for each body"))?;
-    if list.len() == count {
-        Ok(list)
-    } else {
+    let list: Vec<f64> = match given.extract() {
+        Ok(one) => vec![one; count],
+        Err(_) => given.extract().map_err(|_| {
+            FemdemError::new_err("density is a number in kg/m^3, or one for each body")
+        })?,
+    };
+    if list.len() != count {
         let came = list.len();
-        Err(FemdemError::new_err(format!(
+        return Err(FemdemError::new_err(format!(
             "density has {came} numbers, and 1 or {count} are needed, one for each body"
-        )))
+        )));
+    }
+    match list.iter().find(|x| !(**x > 0.0 && x.is_finite())) {
+        Some(x) => Err(wrong(
+            "density",
+            x,
+            "give positive, finite numbers, in kg/m^3",
+        )),
+        None => Ok(list),
     }
 }

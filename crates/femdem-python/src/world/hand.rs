@@ -1,17 +1,48 @@
 //! What the host changes between steps.
 
+use std::collections::BTreeSet;
+
 use femdem::contact::Wrench;
 use femdem::run::MotionEntry;
+use femdem::solve::SolveError;
 use pyo3::prelude::*;
 
-use super::World;
+use super::{World, no_such};
 use crate::arrays::{poses, rows_for};
 use crate::error::{FemdemError, options, refused};
+use crate::threads::unlocked;
+
+impl World {
+    /// Whether a change of bodies is possible for all of them, so that none is changed if it is not.
+    fn can_change(&self, bodies: &[u32], rigid: bool) -> PyResult<()> {
+        let world = &self.world;
+        let mut seen = BTreeSet::new();
+        for &id in bodies {
+            if rigid && world.pose(id).is_none() {
+                return Err(no_such("rigid body", id, world.rigid_ids().count()));
+            }
+            if world.mass(id).is_none() {
+                return Err(no_such("body", id, world.body_count()));
+            }
+            if !seen.insert(id) {
+                return Err(FemdemError::new_err(format!(
+                    "body {id} is given twice: give each body once"
+                )));
+            }
+        }
+        Ok(())
+    }
+}
 
 #[pymethods]
 impl World {
     /// Puts rigid bodies at poses.
-    fn set_pose(&mut self, bodies: Vec<u32>, places: &Bound<'_, PyAny>) -> PyResult<()> {
+    fn set_pose(
+        &mut self,
+        py: Python<'_>,
+        bodies: Vec<u32>,
+        places: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
         let places = poses(places)?;
         if places.len() != bodies.len() {
             let (rows, count) = (places.len(), bodies.len());
@@ -19,9 +50,11 @@ impl World {
                 "poses has {rows} rows, and {count} are needed, one for each body"
             )));
         }
+        self.can_change(&bodies, true)?;
         let mut each = bodies.into_iter().zip(places);
-        each.try_for_each(|(id, pose)| self.world.set_pose(id, pose))
-            .map_err(refused)
+        unlocked(py, || {
+            each.try_for_each(|(id, pose)| self.world.set_pose(id, pose))
+        })
     }
 
     /// Sets the velocities of rigid bodies; what is not given stays.
@@ -40,6 +73,11 @@ impl World {
             read("velocity", velocity)?,
             read("angular_velocity", angular_velocity)?,
         );
+        self.can_change(&bodies, true)?;
+        let mut each = bodies.iter();
+        if let Some(&id) = each.find(|id| self.world.body_drive(**id).is_some()) {
+            return Err(refused(SolveError::Driven { body: id as usize }));
+        }
         for (k, id) in bodies.iter().copied().enumerate() {
             let given = |rows: &Option<Vec<[f64; 3]>>| rows.as_ref().map(|rows| rows[k].into());
             let v = given(&v)
@@ -65,6 +103,14 @@ impl World {
             None => Ok(vec![[0.0; 3]; bodies.len()]),
         };
         let (forces, torques) = (read("force", force)?, read("torque", torque)?);
+        self.can_change(&bodies, false)?;
+        for (id, torque) in bodies.iter().zip(&torques) {
+            if self.world.pose(*id).is_none() && *torque != [0.0; 3] {
+                return Err(FemdemError::new_err(format!(
+                    "body {id} is deformable and bears no torque: give it a torque of 0"
+                )));
+            }
+        }
         for ((id, force), torque) in bodies.iter().zip(forces).zip(torques) {
             let load = Wrench {
                 force: force.into(),
@@ -79,14 +125,15 @@ impl World {
     fn drive(&mut self, bodies: Vec<u32>, motion: Option<&str>) -> PyResult<()> {
         let motion: Option<MotionEntry> = motion.map(|text| options("motion", text)).transpose()?;
         let drive = motion.map(|motion| motion.drive());
+        self.can_change(&bodies, true)?;
         let mut each = bodies.into_iter();
         each.try_for_each(|id| self.world.drive_body(id, drive))
             .map_err(refused)
     }
 
-    fn remove(&mut self, bodies: Vec<u32>) -> PyResult<()> {
+    fn remove(&mut self, py: Python<'_>, bodies: Vec<u32>) -> PyResult<()> {
+        self.can_change(&bodies, false)?;
         let mut each = bodies.into_iter();
-        each.try_for_each(|id| self.world.remove_body(id))
-            .map_err(refused)
+        unlocked(py, || each.try_for_each(|id| self.world.remove_body(id)))
     }
 }

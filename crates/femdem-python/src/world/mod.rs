@@ -12,13 +12,13 @@ use femdem::contact::{ContactParameters, MaterialId};
 use femdem::mesh::Vector3;
 use femdem::results::{PACK_CHECKPOINT, SavedPack};
 use femdem::run::Run;
-use femdem::solve::{self, ShapeId, SolveError, WorldParameters};
+use femdem::solve::{self, ModelId, SolveError, WorldParameters};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::error::{options, refused, unlocked};
+use crate::error::{options, refused};
 use crate::shape::Form;
-use crate::threads::pool;
+use crate::threads::unlocked;
 
 /// Time of stepping after which Ctrl-C is looked for.
 const BREATH: Duration = Duration::from_millis(80);
@@ -27,14 +27,20 @@ const BREATH: Duration = Duration::from_millis(80);
 #[pyclass(module = "femdem._femdem")]
 pub struct World {
     world: solve::World,
-    /// The shapes that came from here.
-    shapes: Vec<(Arc<Form>, ShapeId)>,
+    /// Its rigid shapes by their numbers.
+    shapes: Vec<Arc<Form>>,
+    /// The models of deformable bodies that came from here: of what shape, and how they were made.
+    models: Vec<(Arc<Form>, String, ModelId)>,
 }
 
 impl From<solve::World> for World {
     fn from(world: solve::World) -> Self {
-        let shapes = Vec::new();
-        Self { world, shapes }
+        let shapes = world.shapes().iter();
+        Self {
+            shapes: shapes.map(|shape| Arc::new(Form::from(shape))).collect(),
+            models: Vec::new(),
+            world,
+        }
     }
 }
 
@@ -79,24 +85,17 @@ impl World {
     /// Takes at most so many steps, or steps until a time is reached, without the interpreter lock; returns how many it took.
     /// Ctrl-C ends it between two of them.
     fn step(&mut self, py: Python<'_>, steps: u64, until: f64) -> PyResult<u64> {
-        let (pool, world) = (pool()?, &mut self.world);
-        let (first, mut batch) = (world.steps(), 1);
+        let world = &mut self.world;
+        let first = world.steps();
         let last = first.saturating_add(steps);
         while world.steps() < last && world.time() < until {
-            let (end, began) = (last.min(world.steps() + batch), Instant::now());
-            let take = || -> Result<(), SolveError> {
-                while world.steps() < end && world.time() < until {
+            unlocked(py, || {
+                let began = Instant::now();
+                while world.steps() < last && world.time() < until && began.elapsed() < BREATH {
                     world.step()?;
                 }
-                Ok(())
-            };
-            unlocked(py, || pool.install(take))?;
-            // How steps are divided does not change them.
-            batch = if began.elapsed() < BREATH {
-                batch * 2
-            } else {
-                (batch / 2).max(1)
-            };
+                Ok::<_, SolveError>(())
+            })?;
             py.check_signals()?;
         }
         Ok(world.steps() - first)
@@ -133,11 +132,8 @@ impl World {
     }
 }
 
-/// Bodies that there are none of.
-fn no_body(body: u32, world: &solve::World) -> PyErr {
-    refused(SolveError::NoSuch {
-        what: "body",
-        index: body as usize,
-        count: world.body_count(),
-    })
+/// Things that there are none of.
+fn no_such(what: &'static str, index: u32, count: usize) -> PyErr {
+    let index = index as usize;
+    refused(SolveError::NoSuch { what, index, count })
 }

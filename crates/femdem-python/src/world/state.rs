@@ -2,17 +2,27 @@
 
 use femdem::contact::{Contact, Partner};
 use femdem::mesh::Vector3;
+use femdem::solve::Deformable;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::{World, no_body};
+use super::{World, no_such};
 use crate::arrays::{column, row, table, vectors};
-use crate::error::{refused, unlocked};
+use crate::error::refused;
 use crate::shape::Shape;
+use crate::threads::unlocked;
 
 /// Tetrahedra and triangles.
 type Cells<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<u32>>);
+
+impl World {
+    fn soft(&self, id: u32) -> PyResult<Deformable<'_>> {
+        let count = || self.world.deformable_ids().count();
+        let body = self.world.deformable(id);
+        body.ok_or_else(|| no_such("deformable body", id, count()))
+    }
+}
 
 #[pymethods]
 impl World {
@@ -119,20 +129,15 @@ impl World {
         column(py, self.world.body_ids().map(|id| self.world.is_asleep(id)))
     }
 
-    /// The surfaces of the rigid shapes.
+    /// The rigid shapes.
     #[getter]
     fn shapes(&self) -> Vec<Shape> {
-        let shapes = self.world.shapes().iter();
-        let shown = shapes.map(|shape| Shape::shown(shape.name.clone(), shape.polyhedron.clone()));
-        shown.collect()
+        self.shapes.iter().cloned().map(Shape::from).collect()
     }
 
     /// Nodes of a deformable body, with their velocities.
     fn nodes<'py>(&self, py: Python<'py>, body: u32) -> PyResult<[Bound<'py, PyArray2<f64>>; 2]> {
-        let body = self
-            .world
-            .deformable(body)
-            .ok_or_else(|| no_body(body, &self.world))?;
+        let body = self.soft(body)?;
         Ok([
             vectors(py, body.positions().iter().copied())?,
             vectors(py, body.velocities().iter().copied())?,
@@ -141,10 +146,7 @@ impl World {
 
     /// Tetrahedra of a deformable body, and the triangles of its skin, by its nodes.
     fn cells<'py>(&self, py: Python<'py>, body: u32) -> PyResult<Cells<'py>> {
-        let body = self
-            .world
-            .deformable(body)
-            .ok_or_else(|| no_body(body, &self.world))?;
+        let body = self.soft(body)?;
         let mesh = body.model().mesh();
         let tets = table(py, mesh.tets().iter().copied())?;
         Ok((tets, table(py, mesh.skin().iter().copied())?))
@@ -152,10 +154,7 @@ impl World {
 
     /// Cauchy stresses of the elements of a deformable body: xx, yy, zz, xy, yz, zx.
     fn stresses<'py>(&self, py: Python<'py>, body: u32) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let body = self
-            .world
-            .deformable(body)
-            .ok_or_else(|| no_body(body, &self.world))?;
+        let body = self.soft(body)?;
         let stresses = body.stresses().map_err(refused)?;
         let components = stresses.iter().map(|element| {
             let s = &element.cauchy;

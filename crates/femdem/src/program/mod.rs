@@ -51,7 +51,8 @@ pub fn main() -> ExitCode {
 }
 
 /// Runs the command that `words` are, without the name of the program, for a host that watches for Ctrl-C itself: while it
-/// runs, the host may raise `stop`, and `pack`, `run`, `resume` and `sweep` end with a checkpoint. No signal handler is set.
+/// runs, the host may raise `stop`, and `pack`, `run`, `resume` and `sweep` end with a checkpoint; other commands run to
+/// their end. No signal handler is set.
 ///
 /// ```
 /// use femdem::program::{Outcome, call};
@@ -75,9 +76,15 @@ where
 {
     let program = OsString::from("femdem");
     let words = std::iter::once(program).chain(words.into_iter().map(Into::into));
-    let mut command = Cli::try_parse_from(words)
-        .map_err(|refusal| refused(&refusal))?
-        .command;
+    let mut command = match Cli::try_parse_from(words) {
+        Ok(cli) => cli.command,
+        Err(refusal) if refusal.use_stderr() => return Err(refused(&refusal)),
+        // Help and the version are what was asked for.
+        Err(text) => {
+            say(text.to_string().trim_end());
+            return Ok(Outcome::Finished);
+        }
+    };
     command.stop_by(stop);
     carry_out(command).map_err(|error| described(&error))
 }
@@ -142,6 +149,15 @@ pub(crate) fn complain(text: &str) {
 mod tests {
     use super::*;
     use anyhow::Context;
+
+    #[test]
+    fn help_and_the_version_are_no_errors() {
+        for words in [&["--version"][..], &["--help"], &["pack", "--help"]] {
+            assert_eq!(call(words, &Arc::default()), Ok(Outcome::Finished));
+        }
+        let refused = call(["pack", "--helq"], &Arc::default());
+        assert!(refused.is_err_and(|why| why.contains("--helq")));
+    }
 
     #[test]
     fn a_cause_is_said_once() {
