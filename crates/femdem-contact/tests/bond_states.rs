@@ -254,8 +254,7 @@ fn two_bonds_on_a_pair() {
     assert!((load.torque - torque).norm() < 1e-5 * torque.norm());
     // Hinged at the lower edge: the upper half breaks and is clear, the lower one holds.
     let angle = 1e-3;
-    let lift = |angle: f64| moved(Vector3::x() * (0.05 * angle), Vector3::y() * angle);
-    sides[1] = lift(angle);
+    sides[1] = moved(Vector3::x() * (0.05 * angle), Vector3::y() * angle);
     batch.update(&sides, &[], 1e-9).unwrap();
     let ended = batch.end_bonds(&sides, 1.0).unwrap();
     let broken = |batch: &ContactBatch| [0, 1].map(|id| batch.bond(id).unwrap().has_ended());

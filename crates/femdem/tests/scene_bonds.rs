@@ -1,5 +1,7 @@
 //! Bonds in scenes: an agglomerate, its files, and faults by name.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
 use std::fs;
 
 use femdem::run::{BOND_COLUMNS, Run, Scenario};

@@ -59,5 +59,6 @@ mod state;
 
 pub use faces::{between_shapes, between_spheres};
 pub use law::BondLaw;
+pub use part::BondFacet;
 pub use section::BondSection;
-pub use state::{Bond, BondFacet, BondState};
+pub use state::{Bond, BondState};

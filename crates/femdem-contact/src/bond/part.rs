@@ -1,6 +1,6 @@
 //! A triangle of the section of a bond, and what its points do.
 
-use super::{BondFacet, BondLaw};
+use super::BondLaw;
 use crate::contact::Wrench;
 use crate::error::ContactError;
 use crate::generalized::Generalized;
@@ -8,6 +8,21 @@ use crate::glue::{GlueLaw, GluedFacet, MidSurface, Onset, Openings};
 use crate::motion::Motion;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
+
+/// A triangle of the section of a bond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BondFacet {
+    /// Its corners midway between the sides, m.
+    pub corners: [Vector3; 3],
+    /// Mean opening, m.
+    pub opening: f64,
+    /// Mean slip, m.
+    pub slip: f64,
+    /// Mean part of the stiffness that is lost.
+    pub damage: f64,
+    /// Area, m².
+    pub area: f64,
+}
 
 /// A triangle of the section, by the middles of its edges.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -66,8 +66,6 @@ impl Side {
 
 #[cfg(test)]
 mod tests {
-    #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
-
     use super::super::{Bond, BondLaw, BondSection};
     use crate::{Frame, Motion};
     use femdem_mesh::Vector3;

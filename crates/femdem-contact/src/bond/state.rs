@@ -1,6 +1,6 @@
 //! A bond and what it carries.
 
-use super::part::{Part, Sums, View};
+use super::part::{BondFacet, Part, Sums, View};
 use super::{BondLaw, BondSection};
 use crate::contact::{BodyId, Wrench};
 use crate::error::ContactError;
@@ -29,21 +29,6 @@ pub struct BondState {
     pub tension: f64,
     /// Stored energy, J.
     pub energy: f64,
-}
-
-/// A triangle of the section of a bond.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BondFacet {
-    /// Its corners midway between the sides, m.
-    pub corners: [Vector3; 3],
-    /// Mean opening, m.
-    pub opening: f64,
-    /// Mean slip, m.
-    pub slip: f64,
-    /// Mean part of the stiffness that is lost.
-    pub damage: f64,
-    /// Area, m².
-    pub area: f64,
 }
 
 /// Loads on a body about its origin.
