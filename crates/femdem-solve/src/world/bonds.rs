@@ -17,10 +17,11 @@ impl World {
     /// ```
     /// use femdem_contact::bond::BondLaw;
     /// use femdem_mesh::{Pose, Vector3};
-    /// use femdem_solve::{BodySpec, Drive, World, WorldParameters};
+    /// use femdem_solve::{BodySpec, Drive, SleepParameters, World, WorldParameters};
     ///
     /// // A ball glued to a fixed one hangs in the air.
-    /// let mut world = World::new(WorldParameters::default())?;
+    /// let sleeping = SleepParameters { enabled: false, ..SleepParameters::default() };
+    /// let mut world = World::new(WorldParameters { sleeping, ..WorldParameters::default() })?;
     /// let ball = world.add_sphere("ball", 0.05)?;
     /// let at = |x: f64| BodySpec::at_rest(ball, 2500.0, Pose::translation(x, 0.0, 0.0));
     /// let bodies = [world.add_driven_body(at(0.0), Drive::Fixed)?, world.add_body(at(0.1))?];

@@ -40,7 +40,7 @@ const RENEW: u64 = 10;
 /// use femdem_fem::element::Element;
 /// use femdem_fem::material::NeoHookean;
 /// use femdem_fem::{DeformableModel, MaterialRegion};
-/// use femdem_mesh::{Pose, Vector3};
+/// use femdem_mesh::{Pose, TetMesh, Vector3};
 /// use femdem_solve::{ContactStiffness, DeformableSpec, Drive, World, WorldParameters, WorldRelaxation};
 ///
 /// // A rubber cube of 0.1 m on a floor, brought to rest.
