@@ -30,27 +30,7 @@ const DEPTH: usize = 5;
 const RESOLVED: usize = 6;
 const FORCE: usize = 7;
 
-const EXAMPLE: &str = "-p femdem-solve --example hertz --";
-
-/// The lines of an earlier run, or of one now, and the commands.
-pub(super) fn lines(
-    workshop: &Workshop,
-    earlier: Option<&Path>,
-    tables: &[&str],
-) -> Result<(Output, Vec<String>)> {
-    let mut output = Output::default();
-    let mut commands = Vec::new();
-    for table in tables {
-        let arguments = format!("{EXAMPLE} {table}");
-        let (lines, command) = match earlier {
-            Some(folder) => Output::read(&folder.join(format!("{table}.tsv")), &arguments)?,
-            None => Output::of(workshop, &arguments)?,
-        };
-        output = output.and(lines);
-        commands.push(command);
-    }
-    Ok((output, commands))
-}
+pub(super) const EXAMPLE: &str = "-p femdem-solve --example hertz --";
 
 /// The note on a page made of earlier lines.
 pub(super) fn note(earlier: Option<&Path>) -> &'static str {
@@ -65,7 +45,7 @@ pub(super) fn note(earlier: Option<&Path>) -> &'static str {
 /// # Errors
 /// When the example cannot be built or fails.
 pub(crate) fn hertz(workshop: &Workshop, earlier: Option<&Path>) -> Result<Report> {
-    let (output, commands) = lines(workshop, earlier, &["plane", "two"])?;
+    let (output, commands) = Output::of_tables(workshop, earlier, EXAMPLE, &["plane", "two"])?;
     let rows: Vec<&[String]> = output.rows("hertz").collect();
     let picture = workshop.write("hertz.svg", pressed_chart(&rows).as_bytes())?;
     Ok(Report {

@@ -46,6 +46,31 @@ impl Output {
         Ok((Self::parse(&text), command))
     }
 
+    /// The lines of an `example`, the package with its arguments, run for each of the tables, or of the files of an earlier run
+    /// in a folder; returns the commands, too.
+    ///
+    /// # Errors
+    /// When it cannot be built or fails, or a file cannot be read.
+    pub(crate) fn of_tables(
+        workshop: &Workshop,
+        earlier: Option<&Path>,
+        example: &str,
+        tables: &[&str],
+    ) -> Result<(Self, Vec<String>)> {
+        let mut output = Self::default();
+        let mut commands = Vec::new();
+        for table in tables {
+            let arguments = format!("{example} {table}");
+            let (lines, command) = match earlier {
+                Some(folder) => Self::read(&folder.join(format!("{table}.tsv")), &arguments)?,
+                None => Self::of(workshop, &arguments)?,
+            };
+            output = output.and(lines);
+            commands.push(command);
+        }
+        Ok((output, commands))
+    }
+
     pub(crate) fn parse(text: &str) -> Self {
         let cells = |line: &str| line.split('\t').map(str::to_owned).collect();
         Self(text.lines().map(cells).collect())

@@ -9,6 +9,7 @@ mod bodies;
 pub(crate) mod chart;
 mod cost;
 mod finite_ball;
+mod fracture;
 mod fuzz_pairs;
 mod hertz;
 pub(crate) mod lines;
@@ -46,7 +47,7 @@ pub(crate) struct Options {
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
 
-    /// Folder with what the example of hertz (plane.tsv, two.tsv), spheres (glass.tsv, aluminium.tsv) or
+    /// Folder with what the example of hertz (plane.tsv, two.tsv), spheres (glass.tsv, aluminium.tsv), fracture (bar.tsv, block.tsv, disc.tsv) or
     /// boulders-deformable (rest.tsv, frozen.tsv, 1.tsv, 2.tsv, 4.tsv, and the folder pack) printed earlier, instead of
     /// running it
     #[arg(long, value_name = "DIR")]
@@ -83,6 +84,8 @@ enum Case {
     Spheres,
     /// 288 deformable boulders dumped in the paper's bin: rest, time, the same bits
     BouldersDeformable,
+    /// Bars, blocks and discs that break, against closed forms
+    Fracture,
     /// A bed of cylinders in a tube, against X-ray tomography
     XrayBed,
     /// All of them
@@ -106,6 +109,7 @@ impl Case {
                 Self::Hertz,
                 Self::Spheres,
                 Self::BouldersDeformable,
+                Self::Fracture,
                 Self::XrayBed,
                 Self::Cost,
                 Self::Size,
@@ -118,6 +122,7 @@ impl Case {
         let count = options.count;
         match self {
             Self::Hertz => hertz::hertz(workshop, options.lines.as_deref()),
+            Self::Fracture => fracture::fracture(workshop, options.lines.as_deref()),
             Self::Spheres => spheres::spheres(workshop, options.lines.as_deref()),
             Self::BouldersDeformable => soft_boulders::run(
                 workshop,

@@ -7,7 +7,7 @@ use anyhow::Result;
 
 use super::chart::{Series, svg};
 use super::finite_ball::peak_over_hertz;
-use super::hertz::{lines, note};
+use super::hertz::{EXAMPLE, note};
 use super::lines::{Output, cell};
 use super::program::Workshop;
 use super::report::{Check, Report};
@@ -79,7 +79,8 @@ impl Impact {
 /// # Errors
 /// When the example cannot be built or fails.
 pub(crate) fn spheres(workshop: &Workshop, earlier: Option<&Path>) -> Result<Report> {
-    let (output, commands) = lines(workshop, earlier, &["glass", "laws", "slow", "aluminium"])?;
+    let tables = ["glass", "laws", "slow", "aluminium"];
+    let (output, commands) = Output::of_tables(workshop, earlier, EXAMPLE, &tables)?;
     let picture = workshop.write("spheres.svg", chart(&output).as_bytes())?;
     Ok(Report {
         name: "spheres",

@@ -6,6 +6,7 @@
 mod book;
 mod circles;
 mod crates;
+mod examples;
 mod files;
 mod graph;
 mod invariants;
@@ -68,6 +69,7 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     problems.extend(circles::check(&files));
     problems.extend(check_links(root, &files));
     problems.extend(book::check(&files));
+    problems.extend(examples::check(&files));
     problems.sort();
 
     for problem in &problems {

@@ -138,6 +138,7 @@ impl<'a> Folds<'a> {
         Near {
             origin: around.center().coords,
             pairs: pairs.iter().map(candidate).collect(),
+            normals: Vec::new(),
             sides,
         }
     }

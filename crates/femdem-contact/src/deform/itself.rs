@@ -8,6 +8,7 @@ use super::scratch::DeformableScratch;
 use super::shape::DeformableShape;
 use super::sums::{Place, Triangles};
 use crate::tets::current::Current;
+use crate::tets::piece::Piece;
 use crate::tets::pieces::intersect;
 use crate::tets::posed::Posed;
 use femdem_mesh::Vector3;
@@ -43,7 +44,8 @@ impl DeformableShape {
         if common[0] == 0 {
             a.gap(b, enough)
         } else {
-            a.hinge_gap(b, common)
+            let normal = a.separating_normal(b, common);
+            normal.map_or(0.0, |normal| a.gap_along(b, common, &normal))
         }
     }
 }
@@ -59,10 +61,12 @@ impl Itself<'_> {
     /// Computes the sums in the scratch. Returns up to which motion no candidates touch. What is inverted does not touch: its
     /// element has no stress, or the body will soon turn it back.
     pub fn sum(&self, near: &mut Near, motion: f64, scratch: &mut DeformableScratch) -> f64 {
+        near.normals.resize(near.pairs.len(), Vector3::zeros());
         let Near {
             origin,
             sides: members,
             pairs,
+            normals,
         } = near;
         scratch
             .sums
@@ -75,7 +79,7 @@ impl Itself<'_> {
             scratch.wholes[side].reset(count);
         }
         let mut clear = f64::INFINITY;
-        for candidate in pairs {
+        for (candidate, apart) in pairs.iter_mut().zip(normals) {
             let [i, j] = candidate.places;
             let parts = [(0, i), (1, j)].map(|(side, at)| self.parts(&members[side], at));
             if motion >= candidate.clear
@@ -93,15 +97,30 @@ impl Itself<'_> {
                     continue;
                 };
                 scratch.candidates += 1;
-                if p.is_apart(q) {
-                    let pair = [a.whole, b.whole];
-                    let gap = self.shape.gap_of_wholes(pair, [p, q], f64::INFINITY);
-                    candidate.clear = motion + gap.max(0.0);
+                let pair = [a.whole, b.whole];
+                let common = self.shape.common_corners(pair);
+                let known = if *apart == Vector3::zeros() {
+                    -1.0
                 } else {
-                    for (i, j) in
-                        (0..a.count).flat_map(|k| (0..b.count).map(move |l| (i + k, j + l)))
-                    {
-                        self.add([i, j], members, origin, scratch);
+                    p.gap_along(q, common, apart)
+                };
+                let gap = if known >= 0.0 {
+                    known
+                } else {
+                    self.shape.gap_of_wholes(pair, [p, q], f64::INFINITY)
+                };
+                if gap > 0.0 || known >= 0.0 {
+                    candidate.clear = motion + gap;
+                } else if intersect(p, q, &mut scratch.piece).is_none() {
+                    *apart = p.separating_normal(q, common).unwrap_or_default();
+                    candidate.clear = motion;
+                } else if !is_speck(p, q, &mut scratch.piece) {
+                    let [of_a, of_b] = [(p, a.count), (q, b.count)]
+                        .map(|(tet, count)| reached(tet, count, &scratch.piece));
+                    for (k, l) in (0..16).map(|both| (both / 4, both % 4)) {
+                        if of_a >> k & of_b >> l & 1 == 1 {
+                            self.add([i + k, j + l], members, origin, scratch);
+                        }
                     }
                 }
             }
@@ -143,8 +162,7 @@ impl Itself<'_> {
             planes_b.get(j, |room| planes(other, room))?,
         ];
         let flush = intersect(posed[0], posed[1], piece)?;
-        let common = piece.moments_and_faces(0, &mut 0, |_, _| ()).volume;
-        if common > SPECK * own.six_volumes.min(other.six_volumes) / 6.0 {
+        if !is_speck(posed[0], posed[1], piece) {
             let places = [(own, i, 0), (other, j, 1)].map(|(tet, place, side)| Place {
                 tet,
                 place,
@@ -169,6 +187,31 @@ impl Itself<'_> {
             count: if part.is_some() { 4 } else { 1 },
         })
     }
+}
+
+/// Whether the common part of two tetrahedra is no more than round-off.
+fn is_speck(a: &Posed, b: &Posed, piece: &mut Piece) -> bool {
+    let common = piece.moments_and_faces(0, &mut 0, |_, _| ()).volume;
+    common <= SPECK * a.volume().min(b.volume())
+}
+
+/// Which parts of a tetrahedron a piece of it can reach, as bits. Part k is where the share of corner k is the least of all.
+fn reached(tet: &Posed, count: u32, piece: &Piece) -> u8 {
+    if count == 1 {
+        return 1;
+    }
+    // Bit l of below[k]: somewhere the share of k is at most that of l.
+    let mut below = [0_u8; 4];
+    let heights = [0, 1, 2, 3].map(|k| tet.depth(k, &tet.corners[k]));
+    for x in piece.vertices() {
+        let shares = [0, 1, 2, 3].map(|k| tet.depth(k, x) / heights[k]);
+        for (k, bits) in below.iter_mut().enumerate() {
+            for (l, share) in shares.iter().enumerate() {
+                *bits |= u8::from(shares[k] <= *share) << l;
+            }
+        }
+    }
+    (0..4).fold(0, |parts, k| parts | (u8::from(below[k] == 0b1111) << k))
 }
 
 /// A tetrahedron of the mesh, and how many parts it has.

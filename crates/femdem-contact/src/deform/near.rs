@@ -21,6 +21,10 @@ pub(crate) struct Near {
     pub sides: [Members; 2],
     /// In ascending order of their indices in the lists.
     pub pairs: Vec<Candidate>,
+    /// By pair of a body with itself, the normal of a plane that separated it; zero if none is known. They save work and change
+    /// no sums: they are not stored.
+    #[serde(skip)]
+    pub normals: Vec<Vector3>,
 }
 
 /// The tetrahedra of one side that appear in pairs, ascending, and their nodes.
@@ -108,6 +112,7 @@ impl Sides<'_> {
         Ok(Some(Box::new(Near {
             origin: origin + within.centre,
             pairs: within.candidates([&sides[0].tets, &sides[1].tets], motion),
+            normals: Vec::new(),
             sides,
         })))
     }

@@ -64,10 +64,10 @@ impl Posed {
         Some(across)
     }
 
-    /// Whether a face of one of them separates the two.
-    pub fn is_apart(&self, other: &Self) -> bool {
-        let separates = |a: &Self, b: &Self| a.depths(b)[1].iter().any(|most| *most <= 0.0);
-        !self.is_near(other) || separates(self, other) || separates(other, self)
+    /// Its volume, m³.
+    pub fn volume(&self) -> f64 {
+        let [a, b, c, d] = &self.corners;
+        (b - a).cross(&(c - a)).dot(&(d - a)).abs() / 6.0
     }
 
     /// Least and largest depth of the other's corners under each face, m.
@@ -100,40 +100,6 @@ impl Posed {
             }
             if gap > enough {
                 return gap;
-            }
-        }
-        gap
-    }
-
-    /// The motion of the corners towards each other, m, up to which a face separates two tetrahedra with common corners, which stay
-    /// so; 0 if none does now. `common`: bit k for corner k of self and of the other.
-    pub fn hinge_gap(&self, other: &Self, common: [u8; 2]) -> f64 {
-        let gap = self.under_hinge(other, common);
-        let turned = other.under_hinge(self, [common[1], common[0]]);
-        if turned > gap { turned } else { gap }
-    }
-
-    /// The same by the faces of self.
-    fn under_hinge(&self, other: &Self, common: [u8; 2]) -> f64 {
-        let mut gap = 0.0;
-        let own = |k: &usize| common[0] & (1 << k) == 0;
-        // Faces that all common corners belong to.
-        for k in (0..4).filter(own) {
-            let [a, b, c] = [1, 2, 3].map(|i| self.corners[(k + i) % 4]);
-            let [p, q, r] = [b - a, c - b, a - c];
-            let longest = p.norm_squared().max(q.norm_squared()).max(r.norm_squared());
-            let height = p.cross(&r).norm() / longest.sqrt();
-            let mut least = f64::INFINITY;
-            for (j, x) in other.corners.iter().enumerate() {
-                if common[1] & (1 << j) == 0 {
-                    // Where its corners move by m, the plane turns by less than m over half its height.
-                    let arm = (x - a).norm().max((x - b).norm()).max((x - c).norm());
-                    let clear = -self.depth(k, x) / (1.0 + 2.0 * arm / height);
-                    least = if clear < least { clear } else { least };
-                }
-            }
-            if least.is_finite() && least > gap {
-                gap = least;
             }
         }
         gap
@@ -181,7 +147,7 @@ pub(crate) fn extent(low: &Vector3, high: &Vector3) -> f64 {
 }
 
 /// The edges of a tetrahedron.
-const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+pub(super) const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
 /// Least and largest n.x of four corners.
 #[inline]

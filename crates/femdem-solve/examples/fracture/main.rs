@@ -1,0 +1,98 @@
+//! Tests of strength with known results, for `cargo studies validate fracture`: nothing is fitted to them.
+//!
+//! Prints lines of columns separated by tabs: `value`, test, mesh, setting, quantity, value.
+
+mod bar;
+mod block;
+mod disc;
+mod setting;
+
+use std::error::Error;
+use std::io::Write;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut out = std::io::stdout().lock();
+    let which = std::env::args().nth(1).unwrap_or_default();
+    match which.as_str() {
+        "bar" => bars(&mut out),
+        "block" => blocks(&mut out),
+        "disc" => discs(&mut out),
+        _ => Err("say which: bar, block or disc".into()),
+    }
+}
+
+/// Prints the values of a run.
+fn print(
+    out: &mut impl Write,
+    [test, mesh, setting]: [&str; 3],
+    values: &[(&str, f64)],
+) -> Result<(), Box<dyn Error>> {
+    for (quantity, value) in values {
+        writeln!(
+            out,
+            "value\t{test}\t{mesh}\t{setting}\t{quantity}\t{value:.4e}"
+        )?;
+    }
+    out.flush()?;
+    Ok(())
+}
+
+/// Bars in tension: three meshes, three seeds of their places of nodes.
+fn bars(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    for cells in [[8, 2, 2], [12, 3, 3], [16, 4, 4]] {
+        let mesh = format!("{} x {} x {}", cells[0], cells[1], cells[2]);
+        for seed in [1, 2, 3] {
+            let bar = bar::break_in_tension(cells, f64::from(seed))?;
+            let values = [
+                ("strength", bar.strength),
+                ("energy", bar.energy),
+                ("books", bar.books),
+            ];
+            print(out, ["bar", &mesh, &format!("seed {seed}")], &values)?;
+        }
+    }
+    Ok(())
+}
+
+/// Blocks under compression: three meshes, and one under three pressures on its sides.
+fn blocks(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    for (cells, confinement) in [(4, 0.0), (6, 0.0), (8, 0.0), (6, 5e6), (6, 10e6), (6, 20e6)] {
+        let block = block::compress(cells, confinement)?;
+        let mesh = format!("{cells} x {cells} x {}", 2 * cells);
+        let setting = format!("{:.0} MPa", confinement / 1e6);
+        let values = [
+            ("strength", block.strength),
+            ("held", block.held),
+            ("books", block.books),
+        ];
+        print(out, ["block", &mesh, &setting], &values)?;
+    }
+    Ok(())
+}
+
+/// Discs across their diameter: three energies of fracture on one mesh, the smallest on three, half of it on the finest.
+fn discs(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    let runs = [
+        (1.75e-3, 20.0),
+        (1.75e-3, 10.0),
+        (1.75e-3, 5.0),
+        (2.5e-3, 5.0),
+        (1.25e-3, 5.0),
+        (1.25e-3, 2.5),
+    ];
+    for (edge, energy) in runs {
+        let disc = disc::split(edge, energy)?;
+        let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * edge, disc.tets);
+        let setting = format!("{energy} J/m2");
+        let values = [
+            ("zones", disc.zones),
+            ("first crack", disc.first),
+            ("its place", disc.place),
+            ("strength", disc.peak),
+            ("angle", disc.angle),
+            ("books", disc.books),
+        ];
+        print(out, ["disc", &mesh, &setting], &values)?;
+    }
+    Ok(())
+}
