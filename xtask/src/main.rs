@@ -41,8 +41,12 @@ enum Task {
     },
     /// Try the report page in headless Chromium, installed if it is not there
     Browser,
-    /// Build and install the wheel of the Python bindings, run its tests and examples, and check its types
-    Python,
+    /// Run the tests and examples of the Python bindings, and check their types
+    Python {
+        /// Build the wheel, and install that
+        #[arg(long)]
+        wheel: bool,
+    },
 }
 
 fn main() -> ExitCode {
@@ -58,6 +62,7 @@ fn run() -> Result<bool> {
         Task::Ci { full } => ci::run(&root, full),
         Task::Book { only } => book::run(&root, only.as_deref()),
         Task::Browser => browser::run(&root),
-        Task::Python => python::run(&root),
+        Task::Python { wheel: false } => python::run(&root),
+        Task::Python { wheel: true } => python::wheel(&root),
     }
 }

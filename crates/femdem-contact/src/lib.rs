@@ -166,7 +166,7 @@ pub use kernel::{Overlap, PairKernel, mean_penetration};
 pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};
 pub use laws::{ContactLaws, MaterialId};
 pub use limit_surface::LimitSurface;
-pub use motion::Motion;
+pub use motion::{Inertia, Motion};
 pub use record::Contact;
 pub use shape::{ConvexShape, Frame};
 pub use sphere::{Sphere, SphereKernel};

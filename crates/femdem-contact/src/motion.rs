@@ -5,6 +5,97 @@ use crate::shape::Frame;
 use femdem_mesh::{Matrix3, Pose, Vector3, unit_pose};
 use serde::{Deserialize, Serialize};
 
+/// Mass and inertia of a rigid body, from which a host makes its motions update by update.
+///
+/// ```
+/// use femdem_contact::{Inertia, Motion};
+/// use femdem_mesh::{Matrix3, Pose, Vector3};
+///
+/// let inertia = Inertia::new(2.0, &Matrix3::from_diagonal_element(0.003))?;
+/// let mut motion = inertia.motion(&Pose::identity(), Vector3::x(), Vector3::zeros())?;
+/// // A step later it is 1 mm farther, and so are its points, the farthest of which is 0.09 m from the centroid.
+/// let next = inertia.motion(&Pose::translation(1e-3, 0.0, 0.0), Vector3::x(), Vector3::zeros())?;
+/// let travelled = motion.travelled + next.way_from(&motion, 0.09);
+/// motion = Motion { travelled, ..next };
+/// assert_eq!(motion.travelled, 1e-3);
+/// # Ok::<(), femdem_contact::ContactError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Inertia {
+    inverse_mass: f64,
+    /// Principal axes in those of the body.
+    axes: Matrix3,
+    /// 1/I about them, 1/(kg m^2).
+    inverse: Vector3,
+}
+
+impl Inertia {
+    /// A mass (kg), and the inertia about the centroid in the body's axes (kg m^2).
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] unless the mass is positive, the inertia symmetric (to 1e-9) and positive definite, and
+    /// every number and the inverses finite.
+    pub fn new(mass: f64, inertia: &Matrix3) -> Result<Self, ContactError> {
+        let inverse_mass = 1.0 / mass;
+        let allowed = "positive, and finite as 1/mass is, in kg";
+        check(
+            "mass",
+            mass,
+            mass > 0.0 && inverse_mass.is_finite(),
+            allowed,
+        )?;
+        let skew = (inertia - inertia.transpose()).norm();
+        let allowed = "the size of the difference to its transpose, at most 1e-9 of it";
+        check("inertia", skew, skew <= 1e-9 * inertia.norm(), allowed)?;
+        let principal = inertia.symmetric_eigen();
+        let inverse = principal.eigenvalues.map(|moment| 1.0 / moment);
+        let least = principal.eigenvalues.min();
+        let allowed = "positive in its least moment, and finite as its inverse is, in kg m^2";
+        check(
+            "inertia",
+            least,
+            least > 0.0 && inverse.max().is_finite(),
+            allowed,
+        )?;
+        Ok(Self {
+            inverse_mass,
+            axes: principal.eigenvectors,
+            inverse,
+        })
+    }
+
+    /// The body where `pose` maps its axes, about its centroid, to the world; `velocity` (m/s) and `angular_velocity` (rad/s)
+    /// are in world axes. It has not travelled yet.
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] unless the quaternion is of unit length (to 1e-6) and every number finite.
+    pub fn motion(
+        &self,
+        pose: &Pose,
+        velocity: Vector3,
+        angular_velocity: Vector3,
+    ) -> Result<Motion, ContactError> {
+        let pose = unit_pose(pose).ok_or(ContactError::Parameter {
+            name: "pose",
+            value: pose.rotation.coords.norm() + pose.translation.vector.norm(),
+            allowed: "finite, with a quaternion of length 1 to 1e-6",
+        })?;
+        let speed = velocity.norm() + angular_velocity.norm();
+        check("velocity", speed, true, "finite in every component")?;
+        let frame = Frame::from(&pose);
+        let axes = frame.rotation * self.axes;
+        Ok(Motion {
+            frame,
+            velocity,
+            angular_velocity,
+            inverse_mass: self.inverse_mass,
+            inverse_inertia: axes * Matrix3::from_diagonal(&self.inverse) * axes.transpose(),
+            inverse_inertia_max: self.inverse.max(),
+            travelled: 0.0,
+        })
+    }
+}
+
 /// Frame, velocities and inertia of one body. Walls and driven bodies have zero inverse
 /// mass and inertia.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -65,45 +156,15 @@ impl Motion {
         mass: f64,
         inertia: &Matrix3,
     ) -> Result<Self, ContactError> {
-        let pose = unit_pose(pose).ok_or(ContactError::Parameter {
-            name: "pose",
-            value: pose.rotation.coords.norm() + pose.translation.vector.norm(),
-            allowed: "finite, with a quaternion of length 1 to 1e-6",
-        })?;
-        let inverse_mass = 1.0 / mass;
-        let allowed = "positive, and finite as 1/mass is, in kg";
-        check(
-            "mass",
-            mass,
-            mass > 0.0 && inverse_mass.is_finite(),
-            allowed,
-        )?;
-        let skew = (inertia - inertia.transpose()).norm();
-        let allowed = "the size of the difference to its transpose, at most 1e-9 of it";
-        check("inertia", skew, skew <= 1e-9 * inertia.norm(), allowed)?;
-        let principal = inertia.symmetric_eigen();
-        let inverse = principal.eigenvalues.map(|moment| 1.0 / moment);
-        let least = principal.eigenvalues.min();
-        let allowed = "positive in its least moment, and finite as its inverse is, in kg m^2";
-        check(
-            "inertia",
-            least,
-            least > 0.0 && inverse.max().is_finite(),
-            allowed,
-        )?;
-        let speed = velocity.norm() + angular_velocity.norm();
-        check("velocity", speed, true, "finite in every component")?;
-        let frame = Frame::from(&pose);
-        let axes = frame.rotation * principal.eigenvectors;
-        Ok(Self {
-            frame,
-            velocity,
-            angular_velocity,
-            inverse_mass,
-            inverse_inertia: axes * Matrix3::from_diagonal(&inverse) * axes.transpose(),
-            inverse_inertia_max: inverse.max(),
-            travelled: 0.0,
-        })
+        Inertia::new(mass, inertia)?.motion(pose, velocity, angular_velocity)
+    }
+
+    /// How far a point of the body, at most `radius` (m) from its origin, can be from where it was in an earlier motion, m.
+    pub fn way_from(&self, earlier: &Self, radius: f64) -> f64 {
+        let (now, then) = (&self.frame, &earlier.frame);
+        // The chord of a turn is the norm of the difference of the matrices over the square root of 2.
+        let turn = (now.rotation - then.rotation).norm() * std::f64::consts::FRAC_1_SQRT_2;
+        (now.position - then.position).norm() + turn * radius
     }
 
     /// Velocity of the body's point at `arm` from its origin, m/s.
@@ -165,6 +226,29 @@ mod tests {
         });
         let most = most.fold(0.0, f64::max);
         assert!((0.98..=1.0).contains(&(most / motion.inverse_inertia_max)));
+    }
+
+    /// The bound holds for points of a ball, and one of them reaches it: that which moves and turns the same way.
+    #[test]
+    fn the_way_is_that_of_the_farthest_point() {
+        let (zero, radius) = (Vector3::zeros(), 0.7);
+        let of = Inertia::new(2.0, &inertia()).unwrap();
+        let before = of.motion(&pose(), zero, zero).unwrap();
+        for angle in [1e-9, 1e-3, 2.0, 3.1] {
+            let turn = Rotation::from_scaled_axis(Vector3::z() * angle);
+            let turned = Pose::from_parts(pose().translation, turn * pose().rotation);
+            let moved = Pose::translation(0.0, 0.04, 0.0) * turned;
+            let after = of.motion(&moved, zero, zero).unwrap();
+            let way = after.way_from(&before, radius);
+            let moves = |t: f64| {
+                let x = Vector3::new(t.cos(), t.sin(), 0.0) * radius;
+                let own = before.frame.rotation.tr_mul(&x);
+                (after.frame.point(&own) - before.frame.point(&own)).norm()
+            };
+            let most = (0..1000).map(|k| moves(f64::from(k) * 2e-3 * std::f64::consts::PI));
+            let most = most.fold(0.0, f64::max);
+            assert!((0.9999..=1.0 + 1e-12).contains(&(most / way)), "{angle}");
+        }
     }
 
     #[test]

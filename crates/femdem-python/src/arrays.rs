@@ -1,5 +1,7 @@
 //! Arrays in and out.
 
+use std::collections::BTreeSet;
+
 use femdem::mesh::nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use femdem::mesh::{Pose, Vector3, checked_pose};
 use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
@@ -42,6 +44,17 @@ pub fn rows_for<const N: usize>(
             "{name} has {} rows, and 1 or {count} are needed, one for each body",
             rows.len()
         ))),
+    }
+}
+
+/// Refuses lists that have a body twice.
+pub fn distinct(bodies: &[u32]) -> PyResult<()> {
+    let mut seen = BTreeSet::new();
+    match bodies.iter().find(|id| !seen.insert(**id)) {
+        Some(id) => Err(FemdemError::new_err(format!(
+            "body {id} is given twice: give each body once"
+        ))),
+        None => Ok(()),
     }
 }
 

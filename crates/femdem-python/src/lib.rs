@@ -24,7 +24,9 @@
 //! This crate contains no `unsafe` code of its own; that of the interpreter's interface is in PyO3.
 
 mod arrays;
+mod batch;
 mod command;
+mod contacts;
 mod error;
 mod shape;
 mod snapshot;
@@ -38,6 +40,7 @@ use pyo3::prelude::*;
 fn _femdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("FemdemError", module.py().get_type::<error::FemdemError>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<batch::ContactBatch>()?;
     module.add_class::<shape::Shape>()?;
     module.add_class::<snapshot::Snapshot>()?;
     module.add_class::<world::World>()?;

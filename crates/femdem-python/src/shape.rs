@@ -1,13 +1,14 @@
 //! Shapes of bodies.
 
+use std::f64::consts::PI;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use femdem::contact::Field;
+use femdem::contact::{BodyShape, ContactError, ConvexShape, Field, FieldMesh, Sphere};
 use femdem::mesh::io::{self, Format, Options};
 use femdem::mesh::shapes::Shape as Parametric;
 use femdem::mesh::tet::{self, MeshOptions};
-use femdem::mesh::{MeshError, Point3, Polyhedron, TetMesh, convex_hull};
+use femdem::mesh::{Matrix3, MeshError, Point3, Polyhedron, TetMesh, Vector3, convex_hull};
 use femdem::scene::{Unit, is_ball};
 use femdem::solve::{self, ShapeId, SolveError, World};
 use numpy::{PyArray1, PyArray2};
@@ -51,6 +52,41 @@ impl Form {
             surface,
             touch,
         })
+    }
+
+    /// For a batch of contacts: about its centroid, in its own axes.
+    pub fn contact(&self) -> Result<BodyShape, ContactError> {
+        Ok(match &self.touch {
+            Touch::Ball(radius) => Sphere::new(*radius)?.into(),
+            Touch::Mesh(mesh, field) => FieldMesh::new(mesh, self.centroid(), *field)?.into(),
+            Touch::Surface | Touch::Nothing => ConvexShape::new(&self.surface)?.into(),
+        })
+    }
+
+    /// Centroid, m.
+    pub fn centroid(&self) -> Vector3 {
+        match self.touch {
+            Touch::Ball(_) => Vector3::zeros(),
+            _ => self.surface.mass_properties().centroid.coords,
+        }
+    }
+
+    /// Volume, m^3.
+    fn volume(&self) -> f64 {
+        match self.touch {
+            Touch::Ball(radius) => 4.0 / 3.0 * PI * radius.powi(3),
+            _ => self.surface.mass_properties().volume,
+        }
+    }
+
+    /// Mass (kg) at a density (kg/m^3), and the inertia about the centroid in its own axes (kg m^2).
+    pub fn mass(&self, density: f64) -> (f64, Matrix3) {
+        let mass = density * self.volume();
+        let inertia = match self.touch {
+            Touch::Ball(radius) => Matrix3::from_diagonal_element(0.4 * mass * radius * radius),
+            _ => self.surface.mass_properties().inertia * density,
+        };
+        (mass, inertia)
     }
 
     /// Adds it to a world.
@@ -271,10 +307,7 @@ impl Shape {
 
     #[getter]
     fn volume(&self) -> f64 {
-        match self.form.touch {
-            Touch::Ball(radius) => 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3),
-            _ => self.form.surface.mass_properties().volume,
-        }
+        self.form.volume()
     }
 
     #[getter]
@@ -304,8 +337,7 @@ impl Shape {
 
     #[getter]
     fn centroid<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let centroid = self.form.surface.mass_properties().centroid;
-        PyArray1::from_slice(py, centroid.coords.as_slice())
+        PyArray1::from_slice(py, self.form.centroid().as_slice())
     }
 
     /// What makes an equal shape.

@@ -4,11 +4,13 @@ Units are SI: m, kg, s, N, J, Pa. Poses are rows ``x, y, z, qw, qx, qy, qz`` tha
 world. Results are the same bits as those of the program ``femdem``, for any number of threads.
 
 - :class:`Shape` and :class:`World`: bodies that you step yourself.
+- :class:`ContactBatch`: contacts for a host that moves the bodies.
 - :func:`pack` and :func:`run`: what the program does with ``femdem pack`` and ``femdem run``.
 - :func:`resume`, :func:`analyse`, :func:`report`, :func:`resolve`, :func:`command`: its other commands.
 - :class:`Result`: a folder of results, with its bodies and contacts as arrays.
 """
 
+from ._batch import ContactBatch
 from ._commands import analyse, command, pack, report, resolve, resume, run
 from ._femdem import FemdemError, __version__, set_threads
 from ._result import Result
@@ -16,6 +18,7 @@ from ._shape import Shape
 from ._world import World
 
 __all__ = [
+    "ContactBatch",
     "FemdemError",
     "Result",
     "Shape",

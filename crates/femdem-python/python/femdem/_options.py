@@ -6,12 +6,15 @@ import json
 import math
 import operator
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ._femdem import FemdemError
+
+# Numbers of materials are below this.
+MATERIALS = 2**8
 
 
 def plain(name: str, value: Any) -> Any:
@@ -43,6 +46,25 @@ def index(name: str, value: Any, end: int = 2**32) -> int:
     return number
 
 
+def vector(name: str, given: Sequence[float]) -> list[float]:
+    """Three finite numbers."""
+    numbers = [float(x) for x in given]
+    if len(numbers) != 3 or not all(math.isfinite(x) for x in numbers):
+        raise FemdemError(f"{name} = {numbers} is not allowed: give three finite numbers")
+    return numbers
+
+
+def bodies_list(bodies: Any) -> list[int]:
+    """Numbers of bodies: one, or several."""
+    try:
+        given = list(bodies)
+    except TypeError:
+        given = [bodies]
+    if any(isinstance(number, (bool, np.bool_)) for number in given):
+        raise FemdemError("bodies has truth values, not numbers: of a mask, give ids[mask]")
+    return [index("bodies", number) for number in given]
+
+
 def kebab(value: Any) -> Any:
     """The same with the keys of scenes, which have hyphens."""
     if isinstance(value, dict):
@@ -58,6 +80,13 @@ def as_json(name: str, value: Mapping[str, Any]) -> str:
 def entry(name: str, value: Mapping[str, Any]) -> str:
     """A table of a scene as text."""
     return json.dumps(kebab(plain(name, value)))
+
+
+def entries(name: str, values: Sequence[Mapping[str, Any]]) -> str:
+    """Tables of a scene as text."""
+    if isinstance(values, Mapping):
+        raise FemdemError(f"{name} is one dict: give a list of dicts")
+    return json.dumps([kebab(plain(f"{name}[{k}]", value)) for k, value in enumerate(values)])
 
 
 def toml(scene: Mapping[str, Any]) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _femdem
-from ._options import as_json, entry, index
+from ._options import MATERIALS, as_json, bodies_list, entries, entry, index, vector
 from ._others import Bodies, Surface, placed
 from ._shape import Shape
 
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
     Ids = int | Sequence[int] | NDArray[Any]
 _STEPS = 2**63
-_MATERIALS = 2**8
+# Bonds of scenes name their groups.
+_GROUPS = ["bodies", "others"]
 
 
 class World(Bodies):
@@ -52,7 +53,7 @@ class World(Bodies):
         if isinstance(sleeping, bool):
             sleeping = {"enabled": sleeping}
         parameters = {
-            "gravity": _vector("gravity", gravity),
+            "gravity": vector("gravity", gravity),
             "contact": contact,
             "time_step": time_step,
             "sleeping": sleeping,
@@ -99,7 +100,7 @@ class World(Bodies):
         laws (:meth:`set_law`). ``motion`` prescribes their motion, as the key ``motion`` of a body in a scene does.
         """
         text = None if motion is None else entry("motion", motion)
-        kind = index("material", material, _MATERIALS)
+        kind = index("material", material, MATERIALS)
         return self._world.add(shape._shape, poses, density, velocity, angular_velocity, kind, text)
 
     def add_deformable(
@@ -114,16 +115,20 @@ class World(Bodies):
         mesh_size: float | None = None,
         element: str = "t4",
         contact_ratio: float = 1.0,
+        boundary: Sequence[Mapping[str, Any]] = (),
     ) -> NDArray[np.uint32]:
         """Adds deformable bodies of one shape at poses (n, 7) and returns their numbers; all of them, or none.
 
         ``matter`` has the keys of a material in a scene: ``density``, ``law``, ``young``, ``poisson`` and those of the law.
+        With a ``fracture`` (``tensile``, ``cohesion``, ``friction_angle``, ``energy`` ...) they break: :meth:`cracks`.
         ``mesh_size`` is the edge length of the tetrahedra over the diameter, 0.2 if left out; ``contact_ratio`` the stiffness
-        of the contacts over that of the body.
+        of the contacts over that of the body. ``boundary`` are conditions as in a scene, on nodes chosen in the coordinates of
+        the shape: ``[{"select": {"plane": {"normal": [0, 0, 1], "offset": -0.05}}, "fix": True}]``; see :meth:`release`.
         """
         text = entry("matter", matter)
-        kind = index("material", material, _MATERIALS)
-        options = (velocity, angular_velocity, kind, mesh_size, element, contact_ratio)
+        kind = index("material", material, MATERIALS)
+        conditions = entries("boundary", boundary)
+        options = (velocity, angular_velocity, kind, mesh_size, element, contact_ratio, conditions)
         return self._world.add_deformable(shape._shape, poses, text, *options)
 
     def add_wall(self, name: str, *, material: int = 0, **wall: Any) -> list[int]:
@@ -135,7 +140,7 @@ class World(Bodies):
         for key in ("control", "opens"):
             if key in wall:
                 raise _femdem.FemdemError(f"{key} is for the walls of scenes: leave it out, and use drive_wall or remove_wall")
-        return self._world.add_wall(name, entry("wall", wall), index("material", material, _MATERIALS))
+        return self._world.add_wall(name, entry("wall", wall), index("material", material, MATERIALS))
 
     def drive_wall(self, wall: int, motion: Mapping[str, Any] | None) -> None:
         """Gives a wall another motion, counted from where it is; ``None`` holds it."""
@@ -147,27 +152,56 @@ class World(Bodies):
 
     def remove(self, bodies: Ids) -> None:
         """Removes bodies; all of them, or none. Their numbers are given to the next ones."""
-        self._world.remove(_list(bodies))
+        self._world.remove(bodies_list(bodies))
+
+    def release(self, body: int) -> None:
+        """Takes all boundary conditions off a deformable body."""
+        self._world.release(index("body", body))
+
+    def add_bonds(self, bodies: Ids, others: Ids | None = None, *, gap: float, **law: Any) -> NDArray[np.uint32]:
+        """Bonds the rigid bodies of two groups that nearly touch, as they lie, and returns the numbers of the bonds.
+
+        As ``[[bond]]`` in a scene, with its keys: two spheres, or two facing faces of convex bodies, at most ``gap`` (m) apart get
+        a bond of ``stiffness`` (Pa/m), the strengths ``tensile`` and ``cohesion`` (Pa) and the energies of fracture
+        ``energy=[opening, sliding]`` (J/m^2); further ``ratio`` of the section to the smaller radius or to the common face,
+        ``friction``, ``mix``, ``softening``, ``damping``. Without ``others`` it bonds ``bodies`` with each other.
+        """
+        if "between" in law:
+            raise _femdem.FemdemError("between is for scenes: give bodies and others")
+        group = bodies_list(bodies)
+        second = group if others is None else bodies_list(others)
+        return self._world.add_bonds(group, second, entry("bonds", {"between": _GROUPS, "gap": gap, **law}))
+
+    def add_bond(self, a: int, b: int, corners: ArrayLike, **law: Any) -> int:
+        """Bonds two rigid bodies of any shape over a convex polygon of corners (n, 3) in the world, m, and returns the number.
+
+        ``law`` has the keys of :meth:`add_bonds` but for ``gap`` and ``ratio``.
+        """
+        for key in ("between", "gap", "ratio"):
+            if key in law:
+                raise _femdem.FemdemError(f"{key} is for add_bonds: leave it out, the corners are the section")
+        text = entry("bond", {"between": _GROUPS, "gap": 0.0, **law})
+        return self._world.add_bond([index("a", a), index("b", b)], corners, text)
 
     # What a host changes: all of the bodies that are given, or none.
 
     def set_pose(self, bodies: Ids, poses: ArrayLike) -> None:
         """Puts rigid bodies at poses (n, 7), with their velocities. Their contacts end."""
-        self._world.set_pose(_list(bodies), poses)
+        self._world.set_pose(bodies_list(bodies), poses)
 
     def set_velocity(
         self, bodies: Ids, velocity: ArrayLike | None = None, angular_velocity: ArrayLike | None = None
     ) -> None:
         """Sets velocities (n, 3), m/s, and angular velocities, rad/s, of rigid bodies; what is left out stays."""
-        self._world.set_velocity(_list(bodies), velocity, angular_velocity)
+        self._world.set_velocity(bodies_list(bodies), velocity, angular_velocity)
 
     def set_load(self, bodies: Ids, force: ArrayLike | None = None, torque: ArrayLike | None = None) -> None:
         """Loads bodies with forces (n, 3), N, and torques about their centroids, N m, until they are set again."""
-        self._world.set_load(_list(bodies), force, torque)
+        self._world.set_load(bodies_list(bodies), force, torque)
 
     def drive(self, bodies: Ids, motion: Mapping[str, Any] | None) -> None:
         """Gives rigid bodies a prescribed motion, counted from where they are; ``None`` sets them free."""
-        self._world.drive(_list(bodies), None if motion is None else entry("motion", motion))
+        self._world.drive(bodies_list(bodies), None if motion is None else entry("motion", motion))
 
     def set_contact(self, **contact: Any) -> None:
         """Replaces parameters of the contact law of all materials without a law of their own; the others stay."""
@@ -176,11 +210,25 @@ class World(Bodies):
     def set_law(self, a: int, b: int, **contact: Any) -> None:
         """Gives two materials a contact law: that of the world with these parameters changed; without any, it is that again."""
         law = as_json("law", {**self.parameters["contact"], **contact}) if contact else None
-        self._world.set_law(index("a", a, _MATERIALS), index("b", b, _MATERIALS), law)
+        self._world.set_law(index("a", a, MATERIALS), index("b", b, MATERIALS), law)
 
     def set_gravity(self, gravity: Sequence[float]) -> None:
         """Replaces the acceleration of gravity, m/s^2. Bodies wake."""
-        self._world.set_gravity(_vector("gravity", gravity))
+        self._world.set_gravity(vector("gravity", gravity))
+
+    def set_cell(self, sides: Sequence[float | None]) -> None:
+        """Makes space periodic over three lengths, m; ``None`` for those along which it is not."""
+        lengths = [None if x is None else float(x) for x in sides]
+        if len(lengths) != 3:
+            raise _femdem.FemdemError(f"sides = {lengths} is not allowed: give three lengths or None")
+        self._world.set_cell(lengths)
+
+    def deform_cell(self, rates: ArrayLike) -> None:
+        """Lets the edges of the cell move with velocities (3, 3), m/s, its columns, and all free bodies with space."""
+        matrix = np.asarray(rates, dtype=np.float64)
+        if matrix.shape != (3, 3):
+            raise _femdem.FemdemError(f"rates has the shape {matrix.shape}, and (3, 3) is needed")
+        self._world.deform_cell(matrix.tolist())
 
     def set_sleeping(self, enabled: bool) -> None:
         """Whether bodies at rest are frozen."""
@@ -344,6 +392,49 @@ class World(Bodies):
         """Cauchy stresses (n, 6) in the tetrahedra of a deformable body, Pa: xx, yy, zz, xy, yz, zx."""
         return self._world.stresses(index("body", body))
 
+    def bonds(self) -> dict[str, NDArray[Any]]:
+        """All bonds as columns, those that have ended too: ``bond``, its bodies ``a`` and ``b``, ``area`` (m^2), ``centre`` (m),
+        ``normal`` from a to b, ``force`` with which b pulls a (N), ``moment`` on a about the centre (N m), ``tension`` (Pa),
+        ``energy`` and ``dissipated`` (J), ``damage`` from 0 to 1, ``mode`` (0 gave way by opening, 1 by sliding), ``broken``,
+        ``broken_at`` (s, NaN before), and ``ended``: the bodies meet by contact again."""
+        return self._world.bonds()
+
+    def bonded_with(self, body: int) -> NDArray[np.uint32]:
+        """The bodies that bonds hold together with one, itself included."""
+        return self._world.bonded_with(index("body", body))
+
+    def bonded_pieces(self) -> list[NDArray[np.uint32]]:
+        """The bodies that were ever bonded, by the pieces that bonds still hold together."""
+        return self._world.bonded_pieces()
+
+    def cracks(self, body: int) -> dict[str, NDArray[Any]]:
+        """The facets of a breakable body that are cut, as columns: ``facet``, ``corners`` (n, 3, 3) midway between the sides (m),
+        ``opening`` and ``slip`` (m), ``damage`` from 0 to 1, ``sheared`` or pulled apart, ``birth`` and ``broken_at`` (s, NaN
+        before), ``dissipated`` (J)."""
+        columns = self._world.cracks(index("body", body))
+        return {**columns, "corners": columns["corners"].reshape(-1, 3, 3)}
+
+    def crack_facts(self, body: int) -> dict[str, float]:
+        """Of a breakable body: ``process_zone`` of its material and ``element_height``, which should be at most
+        ``largest_height`` (m), ``highest`` stress over strength at the last look, ``energy`` stored in its cracks (J)."""
+        names = ("process_zone", "element_height", "largest_height", "highest", "energy")
+        return dict(zip(names, self._world.crack_facts(index("body", body)), strict=True))
+
+    def fragments(self, body: int) -> NDArray[np.uint32]:
+        """The fragment (n,) of each tetrahedron of a breakable body: facets join them that are not broken."""
+        return self._world.fragments(index("body", body))
+
+    @property
+    def cell(self) -> NDArray[np.float64] | None:
+        """The edges of the periodic cell as columns (3, 3), m; ``None`` without one."""
+        edges = self._world.cell()
+        return None if edges is None else np.array(edges)
+
+    def cell_stress(self) -> NDArray[np.float64] | None:
+        """Mean stress (3, 3) in a cell that repeats itself along all axes, Pa, positive in compression."""
+        stress = self._world.cell_stress()
+        return None if stress is None else np.array(stress)
+
     def ledger(self) -> dict[str, float]:
         """The energy ledger, J; ``error`` is what is missing in it, and ``error_relative`` that over the energy turned over."""
         text, error, relative = self._world.ledger()
@@ -398,20 +489,3 @@ class World(Bodies):
 
 def _is_false(answer: Any) -> bool:
     return isinstance(answer, (bool, np.bool_)) and not answer
-
-
-def _vector(name: str, given: Sequence[float]) -> list[float]:
-    numbers = [float(x) for x in given]
-    if len(numbers) != 3 or not all(math.isfinite(x) for x in numbers):
-        raise _femdem.FemdemError(f"{name} = {numbers} is not allowed: give three finite numbers")
-    return numbers
-
-
-def _list(bodies: Ids) -> list[int]:
-    try:
-        given = list(bodies)  # type: ignore[arg-type]
-    except TypeError:
-        given = [bodies]
-    if any(isinstance(number, (bool, np.bool_)) for number in given):
-        raise _femdem.FemdemError("bodies has truth values, not numbers: of a mask, give ids[mask]")
-    return [index("bodies", number) for number in given]

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use femdem::contact::{BodyId, MaterialId};
+use femdem::fem::DeformableModel;
 use femdem::fem::element::Element;
-use femdem::fem::{Boundary, DeformableModel};
 use femdem::mesh::Vector3;
-use femdem::run::{MaterialEntry, MotionEntry, WallEntry};
+use femdem::run::{FractureEntry, MaterialEntry, MotionEntry, WallEntry};
 use femdem::solve::{self, BodySpec, ContactStiffness, DeformableSpec, ShapeId, SolveError};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -126,6 +126,7 @@ impl World {
         mesh_size: Option<f64>,
         element: &str,
         contact_ratio: f64,
+        boundary: &str,
     ) -> PyResult<Bound<'py, PyArray1<u32>>> {
         let places = poses(places)?;
         let motions = motions(velocity, angular_velocity, places.len())?;
@@ -133,10 +134,12 @@ impl World {
         let made = format!("{matter} {mesh_size:?} {element} {contact_ratio}");
         let mut known = self.models.iter();
         let known = known.find(|(of, how, _)| Arc::ptr_eq(of, form) && *how == made);
+        let matter: MaterialEntry = options("material", matter)?;
+        let fracture = matter.fracture.as_ref().map(FractureEntry::fracture);
+        let fracture = fracture.transpose().map_err(refused)?;
         let model = if let Some((.., model)) = known {
             *model
         } else {
-            let matter: MaterialEntry = options("material", matter)?;
             let element: Element = choice("element", element)?;
             let model = unlocked(py, || {
                 let region = matter.region()?;
@@ -148,15 +151,16 @@ impl World {
             self.models.push((Arc::clone(form), made, model));
             model
         };
+        let boundary = self.boundary(boundary, model)?;
         let rows = places.into_iter().zip(motions);
         let specs = rows.map(|(pose, [velocity, angular_velocity])| DeformableSpec {
             model,
             pose,
             velocity,
             angular_velocity,
-            boundary: Boundary::default(),
+            boundary: boundary.clone(),
             material: MaterialId(material),
-            fracture: None,
+            fracture,
         });
         self.add_all(py, specs, solve::World::add_deformable)
     }

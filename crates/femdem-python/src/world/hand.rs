@@ -1,36 +1,37 @@
 //! What the host changes between steps.
 
-use std::collections::BTreeSet;
-
 use femdem::contact::Wrench;
 use femdem::run::MotionEntry;
 use femdem::solve::SolveError;
 use pyo3::prelude::*;
 
 use super::{World, no_such};
-use crate::arrays::{poses, rows_for};
+use crate::arrays::{distinct, poses, rows_for};
 use crate::error::{FemdemError, options, refused};
 use crate::threads::unlocked;
 
 impl World {
+    /// Refuses numbers of bodies that are not there or not rigid.
+    pub(super) fn are_rigid(&self, bodies: &[u32]) -> PyResult<()> {
+        let world = &self.world;
+        match bodies.iter().find(|id| world.pose(**id).is_none()) {
+            Some(id) => Err(no_such("rigid body", *id, world.rigid_ids().count())),
+            None => Ok(()),
+        }
+    }
+
     /// Whether a change of bodies is possible for all of them, so that none is changed if it is not.
     fn can_change(&self, bodies: &[u32], rigid: bool) -> PyResult<()> {
         let world = &self.world;
-        let mut seen = BTreeSet::new();
+        if rigid {
+            self.are_rigid(bodies)?;
+        }
         for &id in bodies {
-            if rigid && world.pose(id).is_none() {
-                return Err(no_such("rigid body", id, world.rigid_ids().count()));
-            }
             if world.mass(id).is_none() {
                 return Err(no_such("body", id, world.body_count()));
             }
-            if !seen.insert(id) {
-                return Err(FemdemError::new_err(format!(
-                    "body {id} is given twice: give each body once"
-                )));
-            }
         }
-        Ok(())
+        distinct(bodies)
     }
 }
 

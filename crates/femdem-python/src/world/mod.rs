@@ -1,6 +1,9 @@
 //! A world: bodies between walls, and their step.
 
 mod add;
+mod bonds;
+mod cell;
+mod cracks;
 mod hand;
 mod state;
 

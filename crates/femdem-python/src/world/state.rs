@@ -1,7 +1,5 @@
 //! The state of a world as arrays.
 
-use femdem::contact::{Contact, Partner};
-use femdem::mesh::Vector3;
 use femdem::solve::Deformable;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -9,6 +7,7 @@ use pyo3::types::PyDict;
 
 use super::{World, no_such};
 use crate::arrays::{column, row, table, vectors};
+use crate::contacts::columns;
 use crate::error::refused;
 use crate::shape::Shape;
 use crate::threads::unlocked;
@@ -17,7 +16,7 @@ use crate::threads::unlocked;
 type Cells<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<u32>>);
 
 impl World {
-    fn soft(&self, id: u32) -> PyResult<Deformable<'_>> {
+    pub(super) fn soft(&self, id: u32) -> PyResult<Deformable<'_>> {
         let count = || self.world.deformable_ids().count();
         let body = self.world.deformable(id);
         body.ok_or_else(|| no_such("deformable body", id, count()))
@@ -172,26 +171,7 @@ impl World {
 
     /// The contacts as columns.
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let contacts = self.world.contacts();
-        let each = |of: fn(&Contact) -> f64| column(py, contacts.iter().map(of));
-        let three = |of: fn(&Contact) -> Vector3| vectors(py, contacts.iter().map(of));
-        let partners = contacts.iter().map(|contact| match contact.a {
-            Partner::Body(body) => i64::from(body),
-            Partner::Wall(wall) => -1 - i64::from(wall),
-        });
-        let columns = PyDict::new(py);
-        columns.set_item("a", column(py, partners))?;
-        columns.set_item("b", column(py, contacts.iter().map(|c| i64::from(c.b))))?;
-        columns.set_item("point", three(|c| c.point)?)?;
-        columns.set_item("normal", three(|c| c.normal)?)?;
-        columns.set_item("force", three(Contact::force_on_b)?)?;
-        columns.set_item("normal_force", each(|c| c.parts().0))?;
-        columns.set_item("friction", three(|c| c.parts().1)?)?;
-        columns.set_item("area", each(|c| c.area))?;
-        columns.set_item("volume", each(|c| c.volume))?;
-        columns.set_item("energy", each(Contact::potential))?;
-        columns.set_item("slides", column(py, contacts.iter().map(|c| c.slides)))?;
-        Ok(columns)
+        columns(py, &self.world.contacts())
     }
 
     /// The walls: number, name, force and torque about its origin.

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use femdem_contact::bond::BondLaw;
+use femdem_contact::bond::{BondLaw, BondSection};
 use femdem_contact::glue::Softening;
 use femdem_contact::{BodyId, MaterialId};
+use femdem_solve::{SolveError, World};
 use serde::{Deserialize, Serialize};
 
 use super::words::in_entry;
@@ -46,7 +47,12 @@ pub struct BondEntry {
 }
 
 impl BondEntry {
-    fn law(&self) -> Result<BondLaw, Error> {
+    /// The law of these bonds.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Solve`] with the number that is out of its range.
+    pub fn law(&self) -> Result<BondLaw, Error> {
         let usual = BondLaw::default();
         let law = BondLaw {
             stiffness: self.stiffness,
@@ -58,8 +64,30 @@ impl BondEntry {
             softening: self.softening.unwrap_or(usual.softening),
             damping: self.damping.unwrap_or(usual.damping),
         };
-        law.check().map_err(femdem_solve::SolveError::from)?;
+        law.check().map_err(SolveError::from)?;
         Ok(law)
+    }
+
+    /// Where it bonds the rigid bodies of two groups, which may be the same: each pair once, with its section.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Option`] with `gap` if there is none, [`Error::Solve`] for a gap or a ratio out of range.
+    pub fn sections(
+        &self,
+        world: &World,
+        groups: &[BTreeSet<BodyId>; 2],
+    ) -> Result<Vec<([BodyId; 2], BondSection)>, Error> {
+        let mut found = Vec::new();
+        for bodies in near(world, groups, self.gap) {
+            let section = world.section_between(bodies, self.gap, self.ratio.unwrap_or(1.0))?;
+            found.extend(section.map(|section| (bodies, section)));
+        }
+        if found.is_empty() {
+            let allowed = "larger, or other bodies: no two spheres, and no faces of two convex bodies, of these groups are so near";
+            return Err(wrong("gap", &self.gap.to_string(), allowed));
+        }
+        Ok(found)
     }
 }
 
@@ -77,24 +105,18 @@ impl Scenario {
         let law = entry.law()?;
         let [a, b] = &entry.between;
         let groups = [self.group(a, simulation)?, self.group(b, simulation)?];
-        let mut count = 0;
-        for bodies in simulation.near(&groups, entry.gap) {
-            let ratio = entry.ratio.unwrap_or(1.0);
-            let world = &mut simulation.world;
-            if let Some(section) = world.section_between(bodies, entry.gap, ratio)? {
-                if world.are_bonded(bodies) {
-                    let [one, two] = bodies.map(|id| simulation.name_of_body(id));
-                    let value = format!("{:?}, with {one} and {two}", entry.between);
-                    let allowed = "groups none of whose pairs another entry bonds: two would be twice the mortar";
-                    return Err(wrong("between", &value, allowed));
-                }
-                world.add_bond(bodies, &section, law)?;
-                count += 1;
+        let found = entry.sections(&simulation.world, &groups)?;
+        for (bodies, _) in &found {
+            if simulation.world.are_bonded(*bodies) {
+                let [one, two] = bodies.map(|id| simulation.name_of_body(id));
+                let value = format!("{:?}, with {one} and {two}", entry.between);
+                let allowed =
+                    "groups none of whose pairs another entry bonds: two would be twice the mortar";
+                return Err(wrong("between", &value, allowed));
             }
         }
-        if count == 0 {
-            let allowed = "larger, or other bodies: no two spheres, and no faces of two convex bodies, of these groups are so near";
-            return Err(wrong("gap", &entry.gap.to_string(), allowed));
+        for (bodies, section) in found {
+            simulation.world.add_bond(bodies, &section, law)?;
         }
         Ok(())
     }
@@ -124,26 +146,23 @@ impl Scenario {
     }
 }
 
-impl Simulation {
-    /// Pairs of bodies of two groups whose boxes are at most `gap` (m) apart, ascending.
-    fn near(&self, [a, b]: &[BTreeSet<BodyId>; 2], gap: f64) -> BTreeSet<[BodyId; 2]> {
-        let bounds = |id: &BodyId| Some((*id, self.world.bounds(*id)?));
-        let mut boxes: Vec<_> = a.union(b).filter_map(bounds).collect();
-        boxes.sort_by(|one, two| one.1.0.x.total_cmp(&two.1.0.x));
-        let mut pairs = BTreeSet::new();
-        for (k, (one, (low, high))) in boxes.iter().enumerate() {
-            for (two, other) in &boxes[k + 1..] {
-                if other.0.x > high.x + gap {
-                    break;
-                }
-                let meet =
-                    (0..3).all(|i| other.0[i] <= high[i] + gap && low[i] <= other.1[i] + gap);
-                let belong = |x, y| a.contains(x) && b.contains(y);
-                if meet && (belong(one, two) || belong(two, one)) {
-                    pairs.insert([*one.min(two), *one.max(two)]);
-                }
+/// Pairs of bodies of two groups whose boxes are at most `gap` (m) apart, ascending.
+fn near(world: &World, [a, b]: &[BTreeSet<BodyId>; 2], gap: f64) -> BTreeSet<[BodyId; 2]> {
+    let bounds = |id: &BodyId| Some((*id, world.bounds(*id)?));
+    let mut boxes: Vec<_> = a.union(b).filter_map(bounds).collect();
+    boxes.sort_by(|one, two| one.1.0.x.total_cmp(&two.1.0.x));
+    let mut pairs = BTreeSet::new();
+    for (k, (one, (low, high))) in boxes.iter().enumerate() {
+        for (two, other) in &boxes[k + 1..] {
+            if other.0.x > high.x + gap {
+                break;
+            }
+            let meet = (0..3).all(|i| other.0[i] <= high[i] + gap && low[i] <= other.1[i] + gap);
+            let belong = |x, y| a.contains(x) && b.contains(y);
+            if meet && (belong(one, two) || belong(two, one)) {
+                pairs.insert([*one.min(two), *one.max(two)]);
             }
         }
-        pairs
     }
+    pairs
 }

@@ -58,8 +58,12 @@ impl BoundaryEntry {
         table.chain(self.rise).fold(0.0, f64::max)
     }
 
-    /// Adds the condition for a body of this radius \[m\].
-    pub(super) fn add_to(
+    /// Adds the condition for a body of a model and of this radius \[m\].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Option`] with the key at fault, [`Error::Fem`] where no node is selected or one is held twice.
+    pub fn add_to(
         &self,
         boundary: &mut Boundary,
         model: &DeformableModel,

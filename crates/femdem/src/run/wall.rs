@@ -98,7 +98,13 @@ impl WallEntry {
         Ok(note)
     }
 
-    fn shapes(&self, name: &str) -> Result<(Vec<WallShape>, Option<ShapeNote>), Error> {
+    /// The wall, or the walls of a box, where they stand at first, and how its file was read, if it has one; `name` is that of
+    /// the entry.
+    ///
+    /// # Errors
+    ///
+    /// As [`add_to`](Self::add_to).
+    pub fn shapes(&self, name: &str) -> Result<(Vec<WallShape>, Option<ShapeNote>), Error> {
         self.refuse_strangers()?;
         if self.kinds() != 1 {
             return Err(wrong(

@@ -229,6 +229,12 @@ impl World {
         self.batch.deformable_totals()
     }
 
+    /// A model of deformable bodies.
+    pub fn model(&self, id: ModelId) -> Option<&DeformableModel> {
+        let models = &self.deformables.as_deref()?.models;
+        Some(&models.get(id as usize)?.model)
+    }
+
     /// Replaces the boundary conditions of a deformable body. The places given to the boundary (see
     /// [`Boundary::drive_from`]) are those before a motion begins. If a motion has already begun, its nodes
     /// jump to where it is now; use [`counted_from`](Boundary::counted_from) with the present time to avoid

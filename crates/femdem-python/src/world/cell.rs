@@ -1,0 +1,37 @@
+//! Space that repeats itself.
+
+use femdem::mesh::{Matrix3, PeriodicCell};
+use pyo3::prelude::*;
+
+use super::World;
+use crate::error::refused;
+use crate::threads::unlocked;
+
+/// The rows of a matrix.
+fn rows(matrix: &Matrix3) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[(i, j)]))
+}
+
+#[pymethods]
+impl World {
+    /// Makes space periodic over these lengths; `None` where it does not repeat itself.
+    fn set_cell(&mut self, py: Python<'_>, sides: [Option<f64>; 3]) -> PyResult<()> {
+        let cell = PeriodicCell::new(sides).map_err(refused)?;
+        unlocked(py, || self.world.set_cell(cell))
+    }
+
+    /// Lets the edges of the cell, the columns, move with velocities by rows.
+    fn deform_cell(&mut self, py: Python<'_>, rates: [[f64; 3]; 3]) -> PyResult<()> {
+        let rates = Matrix3::from_fn(|i, j| rates[i][j]);
+        unlocked(py, || self.world.deform_cell(rates))
+    }
+
+    /// Edges of the cell as columns, by rows.
+    fn cell(&self) -> Option<[[f64; 3]; 3]> {
+        self.world.cell().map(|cell| rows(cell.edges()))
+    }
+
+    fn cell_stress(&self) -> Option<[[f64; 3]; 3]> {
+        self.world.cell_stress().as_ref().map(rows)
+    }
+}
