@@ -1,0 +1,3 @@
+//! Tests of the C bindings, as one program.
+
+mod header;
