@@ -1,7 +1,7 @@
 //! `cargo xtask browser`: the report page in a real browser, which is installed if there is none.
 
-use std::path::Path;
 use anyhow::{Context, Result};
+use std::path::Path;
 
 use crate::command::{apt_get, cargo, runs};
 

@@ -70,7 +70,10 @@ fn find_tools() -> Result<()> {
     if packages.is_empty() || (apt_get(&packages) && missing().is_empty()) {
         return Ok(());
     }
-    anyhow::bail!("the examples of the C bindings need {}", missing().join(", "))
+    anyhow::bail!(
+        "the examples of the C bindings need {}",
+        missing().join(", ")
+    )
 }
 
 /// Builds the libraries with a profile, and puts them below `prefix` with their headers and `femdem.pc`.
@@ -80,9 +83,20 @@ fn install(root: &Path, prefix: &Path, profile: &str) -> Result<()> {
     let soname = format!("libfemdem.so.{}", interface(&header)?);
     let mut build = cargo();
     build.args(["rustc", "--locked", "--package", "femdem-capi", "--lib"]);
-    build.args(["--profile", profile, "--crate-type", "cdylib,staticlib", "--"]);
-    build.arg("-C").arg(format!("link-arg=-Wl,-soname,{soname}"));
-    ensure!(passed(build.current_dir(root))?, "the libraries were not built");
+    build.args([
+        "--profile",
+        profile,
+        "--crate-type",
+        "cdylib,staticlib",
+        "--",
+    ]);
+    build
+        .arg("-C")
+        .arg(format!("link-arg=-Wl,-soname,{soname}"));
+    ensure!(
+        passed(build.current_dir(root))?,
+        "the libraries were not built"
+    );
     let folder = if profile == "dev" { "debug" } else { profile };
     let built = xtask::target_folder(root).join(folder);
 
@@ -92,7 +106,10 @@ fn install(root: &Path, prefix: &Path, profile: &str) -> Result<()> {
         fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
     }
     for header in HEADERS {
-        copy(&bindings.join("include").join(header), &include.join(header))?;
+        copy(
+            &bindings.join("include").join(header),
+            &include.join(header),
+        )?;
     }
     copy(&built.join("libfemdem_capi.a"), &lib.join("libfemdem.a"))?;
     copy(&built.join("libfemdem_capi.so"), &lib.join(&soname))?;
@@ -109,8 +126,8 @@ fn install(root: &Path, prefix: &Path, profile: &str) -> Result<()> {
 /// The number of the interface, which is in the name of the shared library.
 fn interface(header: &str) -> Result<&str> {
     let mut lines = header.lines();
-    let number = lines.find_map(|line| line.strip_prefix("#define FEMDEM_ABI "));
-    number.context("femdem.h does not define FEMDEM_ABI")
+    let number = lines.find_map(|line| line.strip_prefix("#define FEMDEM_ABI_VERSION "));
+    number.context("femdem.h does not define FEMDEM_ABI_VERSION")
 }
 
 /// The file of pkg-config. It finds the folder that it is in, so that the whole can be moved.
@@ -137,7 +154,9 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
 fn build_examples(root: &Path, place: &Path) -> Result<PathBuf> {
     let programs = place.join("examples");
     let mut configure = Command::new("cmake");
-    configure.arg("-S").arg(root.join(BINDINGS).join("examples"));
+    configure
+        .arg("-S")
+        .arg(root.join(BINDINGS).join("examples"));
     configure.arg("-B").arg(&programs);
     configure.env("PKG_CONFIG_PATH", place.join("lib").join("pkgconfig"));
     let mut build = Command::new("cmake");
@@ -164,7 +183,10 @@ mod tests {
 
     #[test]
     fn the_interface_is_that_of_the_header() {
-        assert_eq!(interface("#include <x.h>\n#define FEMDEM_ABI 7\n").unwrap(), "7");
+        assert_eq!(
+            interface("#include <x.h>\n#define FEMDEM_ABI_VERSION 7\n").unwrap(),
+            "7"
+        );
         assert!(interface("#define FEMDEM_H\n").is_err());
     }
 

@@ -3,7 +3,7 @@
 program fall
   use femdem
   implicit none
-  type(femdem_shape_t) :: cube, tetrapod
+  type(femdem_shape_t) :: cube, tetrapod, none
   type(femdem_pose_t) :: below, above
   type(femdem_pair_t) :: pair
   type(femdem_world_parameters_t) :: parameters
@@ -18,7 +18,7 @@ program fall
   real(c_double) :: weight
   integer :: k
 
-  call check(femdem_shape_named("cube"//c_null_char, 1d0, 0d0, cube))
+  call check(femdem_shape_named("cube"//c_null_char, sqrt(3d0), 0d0, cube))
   above%position(3) = 0.999d0
   call check(femdem_pair_evaluate(1d6, cube, below, cube, above, pair))
   ! p a delta (1/h_A + 1/h_B) with h = 0.5 m, less the rim.
@@ -46,7 +46,7 @@ program fall
   print '(a, f7.2, a, f7.2, a)', "world: the floor bears ", -load%force(3), " N of ", weight, " N"
 
   ! What is wrong is a status with words.
-  call expect(femdem_shape_named("no such shape"//c_null_char, 1d0, 0d0, cube) == FEMDEM_STATUS_REFUSED, "a refusal")
+  call expect(femdem_shape_named("no such shape"//c_null_char, 1d0, 0d0, none) == FEMDEM_STATUS_REFUSED, "a refusal")
   call expect(len(femdem_message()) > 0, "its words")
   call check(femdem_world_free(world))
   call check(femdem_shape_free(cube))

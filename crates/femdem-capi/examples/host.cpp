@@ -17,7 +17,7 @@ void expect(bool right, const char *what) {
 
 // Two cubes of side 1 m, 1 mm into each other.
 void pair() {
-    femdem::Shape cube("cube", 1.0);
+    femdem::Shape cube("cube", std::sqrt(3.0));
     expect(std::abs(cube.properties().volume - 1.0) < 1e-12, "volume of the cube");
     FemdemPair touch = femdem::pair(1e6, cube, femdem::at(0, 0, 0), cube, femdem::at(0, 0, 0.999));
     // p a delta (1/h_A + 1/h_B) with h = 0.5 m, less the rim.
@@ -91,7 +91,7 @@ void world() {
     femdem::World world(parameters);
     femdem::check(femdem_world_set_threads(world, 2));
     uint32_t floor = world.add_plane({{0, 0, 1}, 0});
-    femdem::Shape cube("cube", 0.1);
+    femdem::Shape cube("cube", 0.1 * std::sqrt(3.0));
     uint32_t body = world.add_body(cube, 2000.0, {femdem::at(0, 0, 0.06), {}});
     world.step_until(0.1);
     std::vector<uint8_t> middle = world.to_bytes();
@@ -131,7 +131,7 @@ void refusals() {
 
 int main() {
     try {
-        expect(femdem_abi() == FEMDEM_ABI, "header and library");
+        expect(femdem_abi() == FEMDEM_ABI_VERSION, "header and library");
         pair();
         batch();
         world();

@@ -8,7 +8,7 @@ int main(void) {
     FemdemShape cube;
     FemdemPose below = {{0, 0, 0}, {1, 0, 0, 0}}, above = {{0, 0, 0.999}, {1, 0, 0, 0}};
     FemdemPair pair;
-    if (femdem_shape_named("cube", 1.0, 0.0, &cube) != FEMDEM_STATUS_OK ||
+    if (femdem_shape_named("cube", sqrt(3.0), 0.0, &cube) != FEMDEM_STATUS_OK ||
         femdem_pair_evaluate(1e6, cube, &below, cube, &above, &pair) != FEMDEM_STATUS_OK) {
         fprintf(stderr, "%s\n", femdem_last_error());
         return 1;

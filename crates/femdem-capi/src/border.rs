@@ -119,7 +119,9 @@ fn fault(panic: &(dyn std::any::Any + Send)) -> Failure {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     let text = text.unwrap_or("of unknown cause");
-    let told = format!("a fault of femdem itself, please report it; the object is of no further use: {text}");
+    let told = format!(
+        "a fault of femdem itself, please report it; the object is of no further use: {text}"
+    );
     Failure::new(FemdemStatus::Fault, told)
 }
 
@@ -275,7 +277,10 @@ mod tests {
         assert_eq!(status, FemdemStatus::Fault);
         assert!(message().ends_with("no element 7"), "{}", message());
         let plain = border(|| std::panic::panic_any("plain"));
-        assert_eq!((plain, message().ends_with("plain")), (FemdemStatus::Fault, true));
+        assert_eq!(
+            (plain, message().ends_with("plain")),
+            (FemdemStatus::Fault, true)
+        );
         let strange = border(|| std::panic::panic_any(1_u8));
         assert_eq!(strange, FemdemStatus::Fault);
         assert!(message().ends_with("unknown cause"));

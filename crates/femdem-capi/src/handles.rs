@@ -77,7 +77,10 @@ impl Table {
     fn refuse(&self, id: u64, wanted: &str) -> Failure {
         let (status, why) = match self.objects.get(&id) {
             _ if id == 0 => (FemdemStatus::Null, "is 0: make one first".to_owned()),
-            Some(other) => (FemdemStatus::Handle, format!("is that of a {}", other.kind())),
+            Some(other) => (
+                FemdemStatus::Handle,
+                format!("is that of a {}", other.kind()),
+            ),
             None if id <= self.last => (FemdemStatus::Handle, "has been freed".to_owned()),
             None => (FemdemStatus::Handle, "was never given out".to_owned()),
         };
@@ -249,8 +252,14 @@ mod tests {
         let inside = |_: &mut i32| with(&object, "batch", |_| Ok(()));
         let nested = border(|| with(&object, "batch", inside));
         assert_eq!(nested, FemdemStatus::Busy);
-        assert_eq!(border(|| with(&object, "batch", |_| panic!("on purpose"))), FemdemStatus::Fault);
+        assert_eq!(
+            border(|| with(&object, "batch", |_| panic!("on purpose"))),
+            FemdemStatus::Fault
+        );
         // From now on without a panic.
-        assert_eq!(border(|| with(&object, "batch", |_| Ok(()))), FemdemStatus::Fault);
+        assert_eq!(
+            border(|| with(&object, "batch", |_| Ok(()))),
+            FemdemStatus::Fault
+        );
     }
 }

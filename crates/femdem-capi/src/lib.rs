@@ -14,7 +14,7 @@
 //!     FemdemShape cube;
 //!     FemdemPose below = {{0, 0, 0}, {1, 0, 0, 0}}, above = {{0, 0, 0.999}, {1, 0, 0, 0}};
 //!     FemdemPair pair;
-//!     if (femdem_shape_named("cube", 1.0, 0.0, &cube) != FEMDEM_STATUS_OK ||
+//!     if (femdem_shape_named("cube", sqrt(3.0), 0.0, &cube) != FEMDEM_STATUS_OK ||
 //!         femdem_pair_evaluate(1e6, cube, &below, cube, &above, &pair) != FEMDEM_STATUS_OK) {
 //!         fprintf(stderr, "%s\n", femdem_last_error());
 //!         return 1;
@@ -87,12 +87,12 @@ pub use wall::FemdemSides;
 pub use world::*;
 
 /// Number of the interface: it rises with every change after which a program has to be compiled anew.
-pub const FEMDEM_ABI: u32 = 1;
+pub const FEMDEM_ABI_VERSION: u32 = 1;
 
-/// The number of the interface of the library that is loaded: compare it with FEMDEM_ABI of the header.
+/// The number of the interface of the library that is loaded: compare it with FEMDEM_ABI_VERSION of the header.
 #[unsafe(no_mangle)]
 pub extern "C" fn femdem_abi() -> u32 {
-    FEMDEM_ABI
+    FEMDEM_ABI_VERSION
 }
 
 /// The version of femdem, such as "0.1.0".

@@ -5,9 +5,7 @@ use std::mem::MaybeUninit;
 
 use femdem_solve::contact::general::GeneralScratch;
 use femdem_solve::contact::kernel::Scratch;
-use femdem_solve::contact::{
-    BodyShape, Frame, GeneralKernel, Overlap, PairKernel, SphereKernel,
-};
+use femdem_solve::contact::{BodyShape, Frame, GeneralKernel, Overlap, PairKernel, SphereKernel};
 use femdem_solve::mesh::Vector3;
 
 use crate::border::{Failure, FemdemStatus, border, given, place};
@@ -56,13 +54,18 @@ thread_local! {
 }
 
 /// Takes the kernel that the two shapes need.
-fn meet(penalty: f64, [a, b]: [&Form; 2], [at_a, at_b]: [&Frame; 2]) -> Result<FemdemPair, Failure> {
+fn meet(
+    penalty: f64,
+    [a, b]: [&Form; 2],
+    [at_a, at_b]: [&Frame; 2],
+) -> Result<FemdemPair, Failure> {
     let mut all = FemdemPair::default();
     let ball = SphereKernel::new(penalty)?;
     match (&a.contact, &b.contact) {
         (BodyShape::Convex(a), BodyShape::Convex(b)) => {
             let kernel = PairKernel::new(penalty)?;
-            let found = CONVEX.with_borrow_mut(|scratch| kernel.evaluate(a, at_a, b, at_b, scratch));
+            let found =
+                CONVEX.with_borrow_mut(|scratch| kernel.evaluate(a, at_a, b, at_b, scratch));
             found.iter().for_each(|overlap| all.add(overlap));
         }
         (BodyShape::Sphere(a), BodyShape::Sphere(b)) => {

@@ -52,7 +52,7 @@ pub struct FemdemLoad {
 pub struct FemdemPlane {
     /// Direction towards the bodies, of any length above 0.
     pub normal: [f64; 3],
-    /// Distance from the origin along the normal, m.
+    /// Its product with a point of the plane: with a normal of length 1 the distance from the origin, m.
     pub offset: f64,
 }
 

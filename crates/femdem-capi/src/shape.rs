@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use femdem_solve::contact::{BodyShape, ContactError, ConvexShape, Field, FieldMesh, Sphere};
 use femdem_solve::mesh::shapes::Shape as Parametric;
 use femdem_solve::mesh::tet::{self, MeshOptions};
-use femdem_solve::mesh::{Matrix3, MassProperties, Point3, Polyhedron, Pose, TetMesh, Vector3};
+use femdem_solve::mesh::{MassProperties, Matrix3, Point3, Polyhedron, Pose, TetMesh, Vector3};
 use femdem_solve::mesh::{convex_hull, io};
 use femdem_solve::{ShapeId, SolveError, World};
 
@@ -66,9 +66,9 @@ impl Form {
         })
     }
 
-    /// An exact ball, of which the surface is a picture.
-    fn ball(name: &str, surface: Polyhedron) -> Result<Self, Failure> {
-        let contact = BodyShape::from(Sphere::new(surface.bounding_radius())?);
+    /// The exact ball of a radius in m, of which the surface is a picture.
+    fn ball(name: &str, surface: Polyhedron, radius: f64) -> Result<Self, Failure> {
+        let contact = BodyShape::from(Sphere::new(radius)?);
         Ok(Self {
             name: name.to_owned(),
             surface,
@@ -159,7 +159,7 @@ pub unsafe extern "C" fn femdem_shape_named(
         let surface = parametric.polyhedron(size)?;
         // With a level it is a polyhedron.
         let form = match parametric {
-            Parametric::Sphere(_) if !name.contains(':') => Form::ball(name, surface)?,
+            Parametric::Sphere(_) if !name.contains(':') => Form::ball(name, surface, 0.5 * size)?,
             _ => Form::new(name, surface, mesh_size)?,
         };
         shape.write(FemdemShape::new(form));
@@ -168,7 +168,11 @@ pub unsafe extern "C" fn femdem_shape_named(
 }
 
 /// Three numbers for each of `count` points.
-pub(crate) unsafe fn points(name: &str, start: *const f64, count: usize) -> Result<Vec<Point3>, Failure> {
+pub(crate) unsafe fn points(
+    name: &str,
+    start: *const f64,
+    count: usize,
+) -> Result<Vec<Point3>, Failure> {
     // SAFETY: an array of three numbers has the layout of three numbers; the rest the caller promises.
     let rows = unsafe { list(name, start.cast::<[f64; 3]>(), count)? };
     Ok(rows.iter().map(|row| Point3::from(*row)).collect())
@@ -210,7 +214,11 @@ pub unsafe extern "C" fn femdem_shape_hull(
         let shape = place("shape", shape)?;
         // SAFETY: as the caller promises.
         let vertices = unsafe { points("vertices", vertices, count)? };
-        shape.write(FemdemShape::new(Form::new("hull", convex_hull(&vertices)?, 0.0)?));
+        shape.write(FemdemShape::new(Form::new(
+            "hull",
+            convex_hull(&vertices)?,
+            0.0,
+        )?));
         Ok(())
     })
 }
@@ -256,7 +264,7 @@ pub extern "C" fn femdem_shape_properties(
         properties.write(FemdemShapeProperties {
             volume: mass.volume,
             area,
-            radius: surface.bounding_radius(),
+            radius: form.contact.radius(),
             centroid: form.centroid.into(),
             inertia,
             kind: match form.contact {

@@ -17,7 +17,11 @@ impl Threads {
     /// So many threads; 0: those of the process.
     pub fn new(count: u32) -> Result<Self, Failure> {
         if count > MOST {
-            return Err(Failure::refused("threads", count, "at most 1024; 0 for those of the process"));
+            return Err(Failure::refused(
+                "threads",
+                count,
+                "at most 1024; 0 for those of the process",
+            ));
         }
         let make = || ThreadPoolBuilder::new().num_threads(count as usize).build();
         let own = (count > 0).then(make).transpose();

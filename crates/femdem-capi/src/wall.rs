@@ -20,7 +20,8 @@ pub struct FemdemSides {
 impl FemdemSides {
     /// From the order in which a box has its walls: x-, x+, y-, y+, z-, z+.
     pub(crate) fn of(walls: &[u32]) -> Self {
-        let side = |first: usize| [0, 2, 4].map(|k| walls.get(first + k).copied().unwrap_or_default());
+        let side =
+            |first: usize| [0, 2, 4].map(|k| walls.get(first + k).copied().unwrap_or_default());
         Self {
             low: side(0),
             high: side(1),
@@ -62,6 +63,11 @@ impl Sheet {
             list("triangles", start, self.triangle_count)?
         };
         let triangles = triangles.to_vec();
-        Ok(MeshWall::sheet("sheet", vertices, triangles, self.thickness)?)
+        Ok(MeshWall::sheet(
+            "sheet",
+            vertices,
+            triangles,
+            self.thickness,
+        )?)
     }
 }

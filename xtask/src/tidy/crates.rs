@@ -19,7 +19,9 @@ pub(crate) fn check(files: &[SourceFile], packages: &[Package]) -> Vec<Problem> 
             let message = "no licence: write `license.workspace = true` under [package]";
             problems.push(Problem::new(&package.manifest, 1, message));
         }
-        if package.is_default != (is_published(package) && !BINDINGS.contains(&package.name.as_str())) {
+        if package.is_default
+            != (is_published(package) && !BINDINGS.contains(&package.name.as_str()))
+        {
             let message = "`default-members` of the workspace are the packages in `crates/` without those of other \
                            languages: list the others only";
             problems.push(Problem::new(

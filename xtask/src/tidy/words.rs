@@ -28,8 +28,8 @@ fn check_file(file: &SourceFile) -> Vec<Problem> {
     let is_rust = extension == "rs";
     let has_words = is_rust || extension == "toml" || extension == "md";
     let in_crate = file.path.strip_prefix("crates/");
-    let is_library = is_rust
-        && in_crate.is_some_and(|path| path.contains("/src/") && !path.starts_with(UNSAFE));
+    let is_library =
+        is_rust && in_crate.is_some_and(|path| path.contains("/src/") && !path.starts_with(UNSAFE));
     let mut problems = Vec::new();
     for (line, number) in file.text.lines().zip(1..) {
         let mut report = |message: String| {

@@ -10,7 +10,9 @@ pub use update::*;
 
 use std::sync::Arc;
 
-use femdem_solve::contact::{BodyId, ContactBatch, ContactLaws, Frame, MaterialId, Motion, WallShape};
+use femdem_solve::contact::{
+    BodyId, ContactBatch, ContactLaws, Frame, MaterialId, Motion, WallShape,
+};
 use femdem_solve::mesh::{Matrix3, Pose, Vector3};
 
 use crate::border::Failure;
@@ -52,7 +54,8 @@ impl Body {
                 heavy(density * mass.volume, &(mass.inertia * density))?
             }
             _ => {
-                let allowed = "positive and finite, in kg/m^3, or 0 for a body that contacts do not move";
+                let allowed =
+                    "positive and finite, in kg/m^3, or 0 for a body that contacts do not move";
                 return Err(Failure::refused("density", density, allowed));
             }
         };
@@ -113,7 +116,12 @@ impl Batch {
         }
     }
 
-    fn add_body(&mut self, form: &Arc<Form>, density: f64, material: MaterialId) -> Result<BodyId, Failure> {
+    fn add_body(
+        &mut self,
+        form: &Arc<Form>,
+        density: f64,
+        material: MaterialId,
+    ) -> Result<BodyId, Failure> {
         let body = Body::new(form, density)?;
         let known = self.shapes.iter().position(|own| Arc::ptr_eq(own, form));
         let shape = match known {
@@ -133,7 +141,11 @@ impl Batch {
         Ok(id)
     }
 
-    fn add_wall(&mut self, wall: impl Into<WallShape>, material: MaterialId) -> Result<u32, Failure> {
+    fn add_wall(
+        &mut self,
+        wall: impl Into<WallShape>,
+        material: MaterialId,
+    ) -> Result<u32, Failure> {
         let id = self.batch.add_wall(wall);
         self.batch.set_wall_material(id, material)?;
         let still = Motion::fixed(Frame::identity());
@@ -175,7 +187,8 @@ mod tests {
     /// A turn by an angle t moves a point at the distance 1 by at most 2 sin(t/2): that is bounded, by at most half too much.
     #[test]
     fn the_way_of_a_turn_bounds_that_of_its_points() {
-        let place = |turn: Rotation| FemdemPose::from(Pose::from_parts(Translation3::identity(), turn));
+        let place =
+            |turn: Rotation| FemdemPose::from(Pose::from_parts(Translation3::identity(), turn));
         for angle in [1e-9, 1e-3, 0.5, 2.0, 3.1, 6.0_f64] {
             for start in [Vector3::zeros(), Vector3::new(1.0, -2.0, 0.3)] {
                 let first = Rotation::from_scaled_axis(start);
@@ -183,7 +196,10 @@ mod tests {
                 let way = 2.0 * (0.5 * angle).sin().abs();
                 let bound = 2.0 * turn(&place(first), &place(then * first));
                 let most = 1.5 * way + 1e-15;
-                assert!(bound >= way * (1.0 - 1e-6) && bound <= most, "{angle}: {way} {bound}");
+                assert!(
+                    bound >= way * (1.0 - 1e-6) && bound <= most,
+                    "{angle}: {way} {bound}"
+                );
             }
         }
     }

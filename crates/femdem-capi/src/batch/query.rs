@@ -56,7 +56,8 @@ pub unsafe extern "C" fn femdem_batch_wall_loads(
         batch.with(|own| {
             let all = own.batch.wall_loads();
             if count != all.len() {
-                let what = "one for each number of a wall in use so far, as femdem_batch_slots tells";
+                let what =
+                    "one for each number of a wall in use so far, as femdem_batch_slots tells";
                 return Err(Failure::size("loads", count, all.len(), what));
             }
             // SAFETY: as the caller promises.

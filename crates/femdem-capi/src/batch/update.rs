@@ -5,9 +5,9 @@ use std::mem::MaybeUninit;
 use femdem_solve::contact::{ContactError, Frame, Motion};
 use femdem_solve::mesh::Vector3;
 
+use super::Batch;
 use crate::border::{Failure, FemdemStatus, border, given, list, place, room};
 use crate::handles::FemdemBatch;
-use super::Batch;
 use crate::plain::{FemdemLoad, FemdemMotion};
 
 /// Where a wall of a batch is.
@@ -53,7 +53,12 @@ pub unsafe extern "C" fn femdem_batch_update(
     border(|| {
         batch.with(|own| {
             if load_count != motion_count {
-                return Err(Failure::size("loads", load_count, motion_count, "as many as motions"));
+                return Err(Failure::size(
+                    "loads",
+                    load_count,
+                    motion_count,
+                    "as many as motions",
+                ));
             }
             // SAFETY: as the caller promises.
             own.update(unsafe { list("motions", motions, motion_count)? }, dt)?;
@@ -85,7 +90,11 @@ impl Batch {
         let [position, velocity] = [shift.displacement, shift.velocity].map(Vector3::from);
         let length = position.norm() + velocity.norm();
         if !length.is_finite() {
-            return Err(Failure::refused("shift", length, "finite in every component"));
+            return Err(Failure::refused(
+                "shift",
+                length,
+                "finite in every component",
+            ));
         }
         let no_such = ContactError::NoSuch {
             what: "wall",

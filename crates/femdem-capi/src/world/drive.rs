@@ -61,7 +61,13 @@ impl FemdemDrive {
                 start,
                 end,
             },
-            kind => return Err(Failure::refused("kind", kind, "one of the FEMDEM_DRIVE constants")),
+            kind => {
+                return Err(Failure::refused(
+                    "kind",
+                    kind,
+                    "one of the FEMDEM_DRIVE constants",
+                ));
+            }
         })
     }
 }

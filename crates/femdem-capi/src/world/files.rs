@@ -14,7 +14,10 @@ const KIND: &str = "world";
 
 /// Writes the whole state into a file. The earlier file of that name stays until the new one is complete.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn femdem_world_save(world: FemdemWorld, path: *const c_char) -> FemdemStatus {
+pub unsafe extern "C" fn femdem_world_save(
+    world: FemdemWorld,
+    path: *const c_char,
+) -> FemdemStatus {
     border(|| {
         // SAFETY: as the caller promises.
         let path = Path::new(unsafe { text("path", path)? });

@@ -161,7 +161,9 @@ pub unsafe extern "C" fn femdem_world_motions(
     border(|| {
         let all = |own: &mut Hosted| {
             let ids = own.world.rigid_ids();
-            Ok(ids.filter_map(|id| motion(&own.world, id)).collect::<Vec<_>>())
+            Ok(ids
+                .filter_map(|id| motion(&own.world, id))
+                .collect::<Vec<_>>())
         };
         let all = world.with(all)?;
         // SAFETY: as the caller promises.
@@ -207,7 +209,9 @@ pub extern "C" fn femdem_world_body_load(
         let to = place("load", load)?;
         world.with(|own| {
             let load = own.world.load(body);
-            write_load(to, load, || no_such("rigid body", body, own.world.rigid_count()))
+            write_load(to, load, || {
+                no_such("rigid body", body, own.world.rigid_count())
+            })
         })
     })
 }
@@ -223,7 +227,9 @@ pub extern "C" fn femdem_world_wall_load(
         let to = place("load", load)?;
         world.with(|own| {
             let load = own.world.wall_load(wall);
-            write_load(to, load, || no_such("wall", wall, own.world.walls().count()))
+            write_load(to, load, || {
+                no_such("wall", wall, own.world.walls().count())
+            })
         })
     })
 }
