@@ -37,8 +37,7 @@ const SYSTEM: &str = "-lgcc_s -lutil -lrt -lpthread -lm -ldl -lc";
 pub(crate) fn run(root: &Path, prefix: Option<&Path>) -> Result<bool> {
     ensure!(
         cfg!(target_os = "linux"),
-        "the libraries are named as on Linux: install there, or use `cargo rustc -p {} --crate-type cdylib`",
-        "femdem-capi"
+        "the libraries are named as on Linux; elsewhere take those of `cargo rustc -p femdem-capi --crate-type cdylib`"
     );
     if let Some(prefix) = prefix {
         install(root, prefix, "release")?;

@@ -33,7 +33,7 @@ program fall
     motion%pose%position = [0.15d0, 0.15d0, 0.13d0 * k]
     call check(femdem_world_add_body(world, tetrapod, 2400d0, motion, 0, body))
   end do
-  call check(femdem_world_step_until(world, 1.2d0))
+  call check(femdem_world_step_until(world, 2.5d0))
   call check(femdem_world_motions(world, motions, size(motions, kind=c_size_t), count))
   call expect(count == 10 .and. body == 9, "ten bodies")
   call expect(all(abs(motions%velocity%linear(3)) < 0.05d0), "all at rest")

@@ -9,7 +9,7 @@ use std::slice;
 
 use femdem_solve::SolveError;
 use femdem_solve::contact::ContactError;
-use femdem_solve::mesh::MeshError;
+use femdem_solve::mesh::{MeshError, Point3};
 
 /// What a function returns. Anything but FEMDEM_STATUS_OK has a message: femdem_last_error.
 #[repr(C)]
@@ -186,6 +186,20 @@ pub(crate) unsafe fn list<'a, T>(
     fits::<T>(name, count)?;
     // SAFETY: not null and no longer than memory can be; the rest the caller promises.
     Ok(unsafe { slice::from_raw_parts(start, count) })
+}
+
+/// Points of the caller, three numbers for each of `count`.
+///
+/// # Safety
+/// As [`list`].
+pub(crate) unsafe fn points(
+    name: &str,
+    start: *const f64,
+    count: usize,
+) -> Result<Vec<Point3>, Failure> {
+    // SAFETY: an array of three numbers has the layout of three numbers; the rest the caller promises.
+    let rows = unsafe { list(name, start.cast::<[f64; 3]>(), count)? };
+    Ok(rows.iter().map(|row| Point3::from(*row)).collect())
 }
 
 /// An array of the caller to be written.

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 
 use crate::batch::Batch;
 use crate::border::{Failure, FemdemStatus, border};
-use crate::shape::Form;
+use crate::form::Form;
 use crate::world::Hosted;
 
 /// A shape. It never changes: any number of threads may use it at a time. Bodies keep what they need of it: it may be freed

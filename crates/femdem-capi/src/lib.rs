@@ -27,7 +27,7 @@
 //!
 //! # What is here
 //!
-//! Three layers, as in [the book](https://docs.rs/femdem-contact): shapes and pairs (`femdem_shape_*`,
+//! Three layers, as in Rust: shapes and pairs (`femdem_shape_*`,
 //! [`femdem_pair_evaluate`]); batches of bodies that the caller moves (`femdem_batch_*`); worlds (`femdem_world_*`).
 //! `cargo xtask capi --prefix FOLDER` builds and installs the shared and the static library, `femdem.h`, `femdem.hpp` (C++: owners
 //! that throw), `femdem.f90` (a Fortran module) and `femdem.pc`.
@@ -65,6 +65,7 @@
 
 mod batch;
 mod border;
+mod form;
 mod handles;
 mod law;
 mod pair;

@@ -9,9 +9,9 @@ use femdem_solve::contact::{BodyShape, Frame, GeneralKernel, Overlap, PairKernel
 use femdem_solve::mesh::Vector3;
 
 use crate::border::{Failure, FemdemStatus, border, given, place};
+use crate::form::Form;
 use crate::handles::FemdemShape;
 use crate::plain::{FemdemLoad, FemdemPose};
-use crate::shape::Form;
 
 /// The elastic contact of two bodies, without friction and damping.
 #[repr(C)]

@@ -3,9 +3,8 @@
 use femdem_solve::contact::{MeshWall, Wall};
 use femdem_solve::mesh::Vector3;
 
-use crate::border::{Failure, list};
+use crate::border::{Failure, list, points};
 use crate::plain::{FemdemBox, FemdemPlane};
-use crate::shape::points;
 
 /// The numbers of the six walls of a box.
 #[repr(C)]

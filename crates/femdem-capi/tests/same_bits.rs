@@ -54,7 +54,9 @@ fn in_c() -> FemdemWorld {
         got(|to| femdem_world_add_body(world, shapes[shape], 2000.0, Some(&motion), 0, to));
     }
     // Bodies keep what they need.
-    shapes.map(|shape| ok(femdem_shape_free(shape)));
+    for shape in shapes {
+        ok(femdem_shape_free(shape));
+    }
     world
 }
 

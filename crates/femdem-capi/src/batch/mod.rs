@@ -16,8 +16,8 @@ use femdem_solve::contact::{
 use femdem_solve::mesh::{Matrix3, Pose, Vector3};
 
 use crate::border::Failure;
+use crate::form::Form;
 use crate::plain::{FemdemMotion, FemdemPose};
-use crate::shape::Form;
 use crate::threads::Threads;
 
 /// A batch with what it needs to know of its bodies.

@@ -21,7 +21,7 @@ use std::sync::Arc;
 use femdem_solve::{ShapeId, World};
 
 use crate::border::Failure;
-use crate::shape::Form;
+use crate::form::Form;
 use crate::threads::Threads;
 
 /// A world with the shapes that came from here.
