@@ -59,7 +59,6 @@
 //! lengths. A caller must give pointers that are null or lead to as many values as said, which nothing else writes during the call.
 #![expect(
     clippy::missing_safety_doc,
-    clippy::too_many_arguments,
     reason = "what a caller must do stands above, for all functions; arrays come with their lengths"
 )]
 

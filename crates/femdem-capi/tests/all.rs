@@ -1,4 +1,8 @@
 //! Tests of the C bindings, as one program.
+#![allow(
+    clippy::unwrap_used,
+    reason = "also what tests share stops where it fails"
+)]
 
 mod common;
 mod fortran;
